@@ -1,0 +1,71 @@
+// The simulated sensor: 16 x 16 piezoresistive taxels outside every class that we fit (rate-dependent, creeping,
+// non-congruent minor loops, first-cycle conditioning), so that a fit is never marked by itself. bench/README states
+// its nature. Pure physics in process time: no wire, no clock, no thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+// Switchable effects with known truth; all off (zero, empty) unless said.
+struct SpecimenEffects {
+  double row_crosstalk = 0.0;              // share of the other taxels' mean output in the same row added to a taxel
+  double column_crosstalk = 0.0;
+  double temperature_coefficient = -0.002; // relative output change per kelvin away from 23 degrees Celsius
+  double lift_off_psi = 0.3;               // mean pressure below which the membrane does not touch; per taxel spread
+  double chamber_nonuniformity = 0.0;      // relative pressure difference from the array's centre to a corner
+  double zero_drift_v_per_month = 0.0;
+  double gain_drift_per_month = 0.0;       // relative; sign and size differ by taxel, this is the standard deviation
+  double gain_drift_per_thousand_cycles = 0.0;
+  double remount_variation = 0.0;          // standard deviation of a taxel's relative change of local pressure by mount
+};
+
+struct TaxelDefect {
+  enum class Kind { kDead, kStuck, kSaturated, kNoisy, kSwapped };
+  Kind kind = Kind::kDead;
+  int row = 0;
+  int column = 0;
+  int other_row = 0;     // kSwapped: with whom
+  int other_column = 0;
+};
+
+struct SpecimenOptions {
+  std::uint64_t sensor_seed = 1;   // makes the array
+  std::uint64_t mount_seed = 0;    // 0: the mount of the first characterization
+  double temperature_c = 23.0;
+  double age_months = 0.0;         // since the first characterization
+  int rows = 16;
+  int columns = 16;
+  SpecimenEffects effects;
+  std::vector<TaxelDefect> defects;
+};
+
+class Specimen {
+ public:
+  explicit Specimen(const SpecimenOptions& options);
+  ~Specimen();
+  Specimen(const Specimen&) = delete;
+  Specimen& operator=(const Specimen&) = delete;
+
+  // Holds the chamber at `pressure_psi` for `seconds` (> 0): plays, creep and conditioning move. The result of a ramp
+  // depends on how finely it is cut into calls; Plant cuts it alike every time.
+  void advance(double pressure_psi, double seconds);
+  // Output voltages now, rows x columns row-major, defects and crosstalk included, noise not.
+  void output(std::span<double> volts) const;
+  // Extra noise of taxel i (kNoisy), standard deviation in volts.
+  [[nodiscard]] double noise_v(int taxel) const;
+  // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument.
+  [[nodiscard]] std::string state() const;
+  void set_state(const std::string& text);
+  [[nodiscard]] const SpecimenOptions& options() const;
+
+ private:
+  struct Film;
+  std::unique_ptr<Film> film_;
+};
+
+}  // namespace tactbench::bench

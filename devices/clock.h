@@ -1,0 +1,44 @@
+// Process time: dwell, settling, creep, watchdogs and time stamps all read this one clock. A rig uses SteadyClock;
+// a simulated rig uses TurnedClock, which the sequencer's thread alone turns and which stands still while a request
+// is open, so that the same seed gives the same store.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+
+namespace tactbench::devices {
+
+using Nanoseconds = std::chrono::nanoseconds;
+
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  // Time since the clock was made. Callable from any thread.
+  [[nodiscard]] virtual Nanoseconds now() const = 0;
+  // Returns once now() >= time. Sequencer's thread only.
+  virtual void wait_until(Nanoseconds time) = 0;
+  // A reply did not come within `nominal`, which real waiting has already spent: process time has to spend it too.
+  virtual void reply_lost(Nanoseconds nominal) = 0;
+};
+
+class SteadyClock final : public Clock {
+ public:
+  [[nodiscard]] Nanoseconds now() const override;
+  void wait_until(Nanoseconds time) override;
+  void reply_lost(Nanoseconds) override {}  // the waiting itself has moved this clock
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+class TurnedClock final : public Clock {
+ public:
+  [[nodiscard]] Nanoseconds now() const override { return Nanoseconds(now_.load(std::memory_order_acquire)); }
+  void wait_until(Nanoseconds time) override;
+  void reply_lost(Nanoseconds nominal) override { wait_until(now() + nominal); }
+
+ private:
+  std::atomic<Nanoseconds::rep> now_{0};
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,26 @@
+// The one error type of the devices room: failed talk with the outside. `what()` says what was asked, what came and
+// of whom; `remedy()` says what to try. `id()` is stable across releases (contract: "Exit codes"), e.g.
+// TB-MODBUS-TIMEOUT.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace tactbench::devices {
+
+class Fault : public std::runtime_error {
+ public:
+  Fault(std::string id, std::string device, const std::string& message, std::string remedy)
+      : std::runtime_error(message), id_(std::move(id)), device_(std::move(device)), remedy_(std::move(remedy)) {}
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] const std::string& device() const { return device_; }
+  [[nodiscard]] const std::string& remedy() const { return remedy_; }
+
+ private:
+  std::string id_;
+  std::string device_;
+  std::string remedy_;
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,19 @@
+// What the simulated analog module asks of physics. Implemented by bench/simulation. All calls come from the
+// simulated module's thread while the clock stands still.
+#pragma once
+
+#include "devices/clock.h"
+#include "devices/units.h"
+
+namespace tactbench::devices {
+
+class ChamberPort {
+ public:
+  virtual ~ChamberPort() = default;
+  // The output terminal drives `command` from now on until `hold_until`, then `fallback` (the module's watchdog).
+  virtual void drive(Volts command, Nanoseconds hold_until, Volts fallback) = 0;
+  [[nodiscard]] virtual Volts feedback() = 0;   // regulator's monitor output now
+  [[nodiscard]] virtual Volts reference() = 0;  // reference transducer's output now
+};
+
+}  // namespace tactbench::devices

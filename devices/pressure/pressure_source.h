@@ -1,0 +1,40 @@
+// Roles around the chamber: the source that sets pressure and the independent reference that measures it.
+#pragma once
+
+#include <cstdint>
+
+#include "devices/clock.h"
+#include "devices/device.h"
+#include "devices/units.h"
+
+namespace tactbench::devices {
+
+struct PressureReading {
+  Psi pressure;
+  Volts voltage;
+  std::int32_t counts = 0;
+  Nanoseconds time{0};
+};
+
+class PressureSource {
+ public:
+  virtual ~PressureSource() = default;
+  // Sets the pressure and reads the set-point back. Returns the raw counts written. Throws Fault.
+  virtual std::uint16_t command(Psi pressure) = 0;
+  // Rewrites the set-point and reads it back when the last write is at least `feed interval` old; otherwise only
+  // reads. To be called at least every feed interval.
+  virtual void keep_alive() = 0;
+  [[nodiscard]] virtual PressureReading feedback() = 0;
+  // Asks for 0 psi; bounded in time, callable twice and in any state. True: the order was read back.
+  [[nodiscard]] virtual bool vent() noexcept = 0;
+  [[nodiscard]] virtual Identity identity() const = 0;
+};
+
+class PressureReference {
+ public:
+  virtual ~PressureReference() = default;
+  [[nodiscard]] virtual PressureReading read() = 0;
+  [[nodiscard]] virtual Identity identity() const = 0;
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,44 @@
+// Driver of the HID scanner over any ReportLink: joins frames from row reports, finds gaps, duplicates and damage by
+// sequence number, tag and CRC, drains before asking.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "devices/tactile/scan_report.h"
+#include "devices/tactile/tactile_array.h"
+#include "devices/wire/report_link.h"
+
+namespace tactbench::devices {
+
+struct HidScannerOptions {
+  std::string model = "tactbench HID scanner";
+  std::string expected_serial;   // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
+  int rows = 16;
+  int columns = 16;
+  Nanoseconds frame_timeout = std::chrono::milliseconds(500);  // per scan
+  Origin origin = Origin::kHardware;
+};
+
+class HidScanner final : public TactileArray {
+ public:
+  // Asks the scanner who it is; throws Fault when it does not answer or has another geometry or serial.
+  HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions options, Clock& clock);
+  [[nodiscard]] ScanSet read(int scans) override;
+  [[nodiscard]] int rows() const override { return options_.rows; }
+  [[nodiscard]] int columns() const override { return options_.columns; }
+  [[nodiscard]] Volts volts_per_count() const override { return Volts(described_.volts_per_count); }
+  [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
+  [[nodiscard]] Identity identity() const override;
+
+ private:
+  void read_scan(ScanSet& set, int index);
+  std::unique_ptr<ReportLink> link_;
+  HidScannerOptions options_;
+  Clock& clock_;
+  IdentityReport described_;
+  std::uint16_t next_tag_ = 1;
+  std::uint64_t exchanges_ = 0;
+};
+
+}  // namespace tactbench::devices

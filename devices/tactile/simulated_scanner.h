@@ -1,0 +1,46 @@
+// The scanner's side of the wire: a SOCK_SEQPACKET server answering the reports of scan_report.h, asking a
+// TactilePort for counts. Sends only when asked.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/tactile/scan_report.h"
+
+namespace tactbench::devices {
+
+// What the simulated scanner asks of physics, from the scanner's thread while the clock stands still.
+class TactilePort {
+ public:
+  virtual ~TactilePort() = default;
+  // One scan of the whole array: rows x columns counts, row-major, noise and relay settling included. Returns the
+  // status byte of each row through `status` (size rows).
+  virtual void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) = 0;
+};
+
+struct SimulatedScannerFaults {       // test and nightly switches, all off by default
+  long silent_after_scans = -1;       // answers that many scans, then none
+  long corrupt_scan = -1;             // flips a bit in one report of that scan (0-based)
+  long drop_report_scan = -1;         // leaves one report of that scan out
+  long unplug_after_scans = -1;       // closes the socket
+};
+
+class SimulatedScanner {
+ public:
+  // Binds `path` (a socket file; its folder must exist) and serves one client after another. Throws Fault
+  // TB-SIM-LISTEN.
+  SimulatedScanner(std::string path, IdentityReport identity, TactilePort& port, const Clock& clock,
+                   SimulatedScannerFaults faults = {});
+  ~SimulatedScanner();  // stops the thread, bounded; removes the socket file
+  SimulatedScanner(const SimulatedScanner&) = delete;
+  SimulatedScanner& operator=(const SimulatedScanner&) = delete;
+
+ private:
+  class Server;
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace tactbench::devices

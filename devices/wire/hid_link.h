@@ -1,0 +1,22 @@
+// ReportLink over hidapi (hidraw backend). Not verified on hardware; verified on a kernel's uhid device in a later
+// issue's virtual machine.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "devices/wire/report_link.h"
+
+namespace tactbench::devices {
+
+struct HidAddress {
+  std::uint16_t vendor_id = 0;
+  std::uint16_t product_id = 0;
+  std::string serial;  // empty: the first that matches
+};
+
+// Opens the device. Throws Fault TB-HID-OPEN, listing the HID devices present.
+std::unique_ptr<ReportLink> open_hid_link(const HidAddress& address);
+
+}  // namespace tactbench::devices
