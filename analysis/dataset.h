@@ -1,0 +1,55 @@
+// Stored run -> aligned arrays. A Dataset is what every analysis starts from: per sequence and repeat the measured
+// pressures and the output voltages of all taxels, in step order, void branches left out.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "db/run_store.h"
+
+namespace tactbench::analysis {
+
+// The one error type of this room.
+class AnalysisError : public std::runtime_error {
+ public:
+  AnalysisError(std::string id, const std::string& message, std::string remedy)
+      : std::runtime_error(message), id_(std::move(id)), remedy_(std::move(remedy)) {}
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] const std::string& remedy() const { return remedy_; }
+
+ private:
+  std::string id_, remedy_;
+};
+
+struct Sample {
+  double setpoint_psi = 0.0;
+  double reference_psi = 0.0;   // measured, at frame time
+};
+
+// One pass through a sequence's turning points.
+struct Repeat {
+  std::vector<Sample> steps;
+  std::vector<double> volts;    // steps x taxels, row-major; mean of the K scans
+};
+
+struct SequenceData {
+  std::string name;
+  std::vector<Repeat> repeats;  // all of equal length
+};
+
+struct Dataset {
+  std::int64_t run = 0;
+  std::string origin, sensor_serial, scanner_serial;
+  int rows = 0, columns = 0;
+  std::vector<SequenceData> sequences;
+  std::vector<double> noise_v;        // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
+  std::vector<bool> at_limit;         // per taxel: a sample stood at the converter's limit
+  [[nodiscard]] int taxels() const { return rows * columns; }
+};
+
+// Reads a run's frames. `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError
+// TB-ANALYSIS-EMPTY when no repeat is complete (says how many frames are missing); incomplete repeats are left out.
+Dataset load_dataset(const db::RunStore& store, std::int64_t run);
+
+}  // namespace tactbench::analysis

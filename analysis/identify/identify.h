@@ -1,0 +1,68 @@
+// Identification of the five ELAM parameters of a taxel from its branches: the exact, deterministic way (J separates
+// once turning points are the measured ones; elam-notes section 3), Eq. (1).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/loop.h"
+#include "analysis/models/elam.h"
+
+namespace tactbench::analysis {
+
+// One taxel's inner and outer branches on the common grid, for fitting and scoring.
+struct TaxelBranch {
+  bool ascending = true;
+  std::vector<double> pressure_psi;  // from the turning point on
+  std::vector<double> volts;
+};
+
+struct ElamFit {
+  ElamModel model;
+  double j_v2 = 0.0;             // Eq. (1), descending + ascending
+  double mean_error_v = 0.0;     // Eq. (49)
+  double max_error_v = 0.0;
+  double full_scale_v = 0.0;     // highest output of the external loop
+  unsigned at_bound = 0;         // bit i: parameter i at a bound
+};
+
+// Fits alpha_d, beta_d on descending branches and the rest on ascending ones.
+ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descending,
+                      std::span<const TaxelBranch> branches, const ElamOptions& options = {});
+
+enum class TaxelStatus { kFitted, kDead, kStuck, kSaturated, kUnfit };
+const char* to_string(TaxelStatus status);
+
+struct TaxelFit {
+  TaxelStatus status = TaxelStatus::kUnfit;
+  ElamFit fit;
+  double noise_v = 0.0;          // carried from the dataset: the compensator's dead band follows it
+};
+
+struct ArrayFit {
+  int rows = 0, columns = 0;
+  std::int64_t run = 0;
+  std::vector<double> pressure_psi;   // common grid
+  std::vector<TaxelFit> taxels;       // rows x columns
+  TaxelFit mean_taxel;                // of the mean of the fitted taxels
+  double full_scale_v = 0.0;          // highest mean output
+};
+
+struct ArrayFitOptions {
+  ElamOptions elam;
+  CommonOptions common;
+  int threads = 0;                    // 0: as many as there are cores
+  double dead_v = 0.05;               // a taxel whose output spans less is dead (0 V) or stuck
+};
+
+// All taxels; threads by taxel, the result does not depend on their number. Throws AnalysisError.
+ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options = {});
+
+// To and from the store. load_fit: TB-ANALYSIS-NO-FIT when the run has none.
+std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::string& program_version,
+                       const std::string& utc);
+ArrayFit load_fit(const db::RunStore& store, std::int64_t run);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,97 @@
+// The one file of a bench: runs, frames, events, models, verdicts in SQLite (WAL). One committed transaction a frame:
+// a process that dies loses nothing that was acknowledged. Not thread-safe: one owner; other processes may read.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "db/record.h"
+
+namespace tactbench::db {
+
+// The one error type of this room. id: TB-STORE-OPEN, TB-STORE-NEWER, TB-STORE-NETWORK, TB-STORE-LOCKED,
+// TB-STORE-FULL, TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT.
+class StoreError : public std::runtime_error {
+ public:
+  StoreError(std::string id, const std::string& message, std::string remedy)
+      : std::runtime_error(message), id_(std::move(id)), remedy_(std::move(remedy)) {}
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] const std::string& remedy() const { return remedy_; }
+
+ private:
+  std::string id_, remedy_;
+};
+
+enum class Durability {
+  kFull,    // synchronous=FULL: survives a power cut; on hardware
+  kNormal,  // survives the process's death; under the turned clock
+};
+
+inline constexpr int kSchemaVersion = 1;
+
+class RunStore {
+ public:
+  // Opens or makes `path`, brings the schema up to kSchemaVersion, refuses a newer one (TB-STORE-NEWER), a file that
+  // is not ours, and network file systems.
+  static RunStore open(const std::string& path, Durability durability = Durability::kFull);
+  // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist.
+  static RunStore open_read_only(const std::string& path);
+  RunStore(RunStore&&) noexcept;
+  RunStore& operator=(RunStore&&) noexcept;
+  ~RunStore();
+
+  // Sensors. add_sensor: TB-STORE-CONFLICT when the serial exists with another type file or scanner.
+  void add_sensor(const SensorRecord& sensor);
+  [[nodiscard]] std::optional<SensorRecord> sensor(const std::string& serial) const;
+  [[nodiscard]] std::vector<SensorRecord> sensors() const;
+
+  // Writing a run. begin_run stores the row (outcome incomplete) with its sequences and devices and returns the
+  // number; every call is one durable commit.
+  std::int64_t begin_run(const RunRecord& run);
+  void set_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);  // once known, before the first frame
+  void set_state(std::int64_t run, const std::string& state, const EventRecord& event);
+  std::int64_t begin_branch(std::int64_t run, const BranchRecord& branch);
+  void void_branch(std::int64_t branch, const std::string& reason);
+  void append_frame(std::int64_t run, const FrameRecord& frame);
+  void append_event(std::int64_t run, const EventRecord& event);
+  // Closes the run: state ended, outcome, reason, safe state, content hash.
+  void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
+
+  // Reading. TB-STORE-NOT-FOUND names the runs there are.
+  [[nodiscard]] std::vector<RunRecord> runs() const;   // newest last; without sequences and devices
+  [[nodiscard]] RunRecord run(std::int64_t number) const;
+  [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
+  [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;         // in the order written
+  [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
+  [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;
+
+  // SHA-256 chained over the run's canonical content (contract.md: everything but UUID, wall-clock times, host, tags,
+  // notes), recomputed from what is stored.
+  [[nodiscard]] std::string content_hash(std::int64_t run) const;
+
+  // Models and verdicts.
+  std::int64_t add_fit(const FitRecord& fit, const std::vector<FitTaxelRecord>& taxels);
+  [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run, const std::string& model) const;
+  [[nodiscard]] FitRecord fit(std::int64_t fit) const;
+  [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
+  void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
+  [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;
+
+  [[nodiscard]] const std::string& path() const;
+
+ private:
+  class Database;
+  explicit RunStore(std::unique_ptr<Database> database);
+  std::unique_ptr<Database> database_;
+};
+
+// SHA-256 of `text` as 64 hex digits.
+std::string sha256_hex(const std::string& text);
+// Random UUID, version 4 (RFC 9562).
+std::string new_uuid();
+
+}  // namespace tactbench::db
