@@ -1,0 +1,86 @@
+// TOML read strictly: every key must be asked for, every value has its type, and each complaint names file, line,
+// column and the nearest known key. Recipes, bench, sensor and limits files are all read through this.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactbench::sequences {
+
+// The one error type of this room: a file that cannot be used. id: TB-FILE-MISSING, TB-FILE-SYNTAX, TB-FILE-KEY,
+// TB-FILE-VALUE.
+class FileError : public std::runtime_error {
+ public:
+  FileError(std::string id, const std::string& message, std::string where, std::string remedy)
+      : std::runtime_error(message), id_(std::move(id)), where_(std::move(where)), remedy_(std::move(remedy)) {}
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] const std::string& where() const { return where_; }  // file:line:column [table] key
+  [[nodiscard]] const std::string& remedy() const { return remedy_; }
+
+ private:
+  std::string id_, where_, remedy_;
+};
+
+struct Override {     // --set key=value
+  std::string key;    // dotted
+  std::string value;  // a TOML value; a bare word counts as a string
+};
+
+class TomlTable;
+
+class TomlDocument {
+ public:
+  static TomlDocument from_file(const std::string& path);
+  static TomlDocument from_text(const std::string& text, const std::string& name);
+  // Replaces or adds a value before reading. Throws FileError TB-FILE-VALUE.
+  void set(const Override& override_value);
+  [[nodiscard]] TomlTable root() const;
+  [[nodiscard]] const std::string& text() const { return text_; }  // as read, overrides not in it
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  struct Node;
+  friend class TomlTable;
+  std::string text_, name_;
+  std::shared_ptr<Node> node_;
+};
+
+// A table being read. Reading a key marks it known; finish() refuses the keys that nobody asked for.
+class TomlTable {
+ public:
+  [[nodiscard]] bool has(const std::string& key) const;
+  // Without a fallback the key is required. All throw FileError with the place.
+  [[nodiscard]] double number(const std::string& key) const;
+  [[nodiscard]] double number(const std::string& key, double fallback) const;
+  // As number(), and refuses what is outside low..high (both allowed).
+  [[nodiscard]] double number_in(const std::string& key, double fallback, double low, double high) const;
+  [[nodiscard]] long integer(const std::string& key, long low, long high) const;
+  [[nodiscard]] long integer(const std::string& key, long fallback, long low, long high) const;
+  [[nodiscard]] bool boolean(const std::string& key, bool fallback) const;
+  [[nodiscard]] std::string text(const std::string& key) const;
+  [[nodiscard]] std::string text(const std::string& key, const std::string& fallback) const;
+  // One of `words`.
+  [[nodiscard]] std::string word(const std::string& key, const std::vector<std::string>& words) const;
+  [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
+  // Two numbers [low, high], low < high.
+  [[nodiscard]] std::pair<double, double> span(const std::string& key, std::pair<double, double> fallback) const;
+  [[nodiscard]] TomlTable table(const std::string& key) const;  // an absent table reads as an empty one
+  [[nodiscard]] std::vector<TomlTable> tables(const std::string& key) const;
+  void finish() const;
+  // Complains about `key`: message, then where it stands.
+  [[noreturn]] void fail(const std::string& key, const std::string& message, const std::string& remedy) const;
+
+ private:
+  friend class TomlDocument;
+  struct View;
+  explicit TomlTable(std::shared_ptr<View> view) : view_(std::move(view)) {}
+  std::shared_ptr<View> view_;
+};
+
+// The word of `known` closest to `word` by edit distance, empty when none is near.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace tactbench::sequences
