@@ -24,13 +24,13 @@ class AnalysisError : public std::runtime_error {
 
 struct Sample {
   double setpoint_psi = 0.0;
-  double reference_psi = 0.0;   // measured, at frame time
+  double reference_psi = 0.0;  // measured, at frame time
 };
 
 // One pass through a sequence's turning points.
 struct Repeat {
   std::vector<Sample> steps;
-  std::vector<double> volts;    // steps x taxels, row-major; mean of the K scans
+  std::vector<double> volts;  // steps x taxels, row-major; mean of the K scans
 };
 
 struct SequenceData {
@@ -43,8 +43,8 @@ struct Dataset {
   std::string origin, sensor_serial, scanner_serial;
   int rows = 0, columns = 0;
   std::vector<SequenceData> sequences;
-  std::vector<double> noise_v;        // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
-  std::vector<bool> at_limit;         // per taxel: a sample stood at the converter's limit
+  std::vector<double> noise_v;  // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
+  std::vector<bool> at_limit;   // per taxel: a sample stood at the converter's limit
   [[nodiscard]] int taxels() const { return rows * columns; }
 };
 

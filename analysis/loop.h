@@ -21,24 +21,24 @@ std::vector<Branch> branches_of(std::span<const Sample> steps);
 // The mean of a sequence's repeats on the set-point grid: outputs moved there by local slope x (reference -
 // set-point) of their own branch (contract.md, "Which pressure").
 struct CommonSequence {
-  std::vector<double> pressure_psi;   // steps: set-points
-  std::vector<double> volts;          // steps x taxels
+  std::vector<double> pressure_psi;  // steps: set-points
+  std::vector<double> volts;         // steps x taxels
   std::vector<Branch> branches;
 };
 
 struct CommonOptions {
-  bool move_to_setpoint = true;   // false: take outputs as they are at the mean measured reference (--input measured)
+  bool move_to_setpoint = true;  // false: take outputs as they are at the mean measured reference (--input measured)
   int first_repeat = 0;
-  int last_repeat = -1;           // -1: the last
+  int last_repeat = -1;  // -1: the last
 };
 
 CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options = {});
 
 // External loop of every taxel on the common grid x0..xu: mean of all complete full-range sweeps.
 struct ExternalLoop {
-  std::vector<double> pressure_psi;   // n grid points, ascending
-  std::vector<double> ascending_v;    // n x taxels
-  std::vector<double> descending_v;   // n x taxels
+  std::vector<double> pressure_psi;  // n grid points, ascending
+  std::vector<double> ascending_v;   // n x taxels
+  std::vector<double> descending_v;  // n x taxels
 };
 
 // Throws AnalysisError TB-ANALYSIS-NO-LOOP when no full sweep up or down is there.

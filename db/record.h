@@ -16,13 +16,14 @@ enum class SafeState { kUnknown, kVerified, kUnverified, kFailed };
 const char* to_string(Outcome outcome);
 const char* to_string(SafeState state);
 std::optional<Outcome> outcome_from(const std::string& word);
+std::optional<SafeState> safe_state_from(const std::string& word);
 
 struct SensorRecord {
-  std::string serial;         // primary key
-  std::string type;           // name of the type in its sensor file
-  std::string type_toml;      // the sensor file's text
+  std::string serial;     // primary key
+  std::string type;       // name of the type in its sensor file
+  std::string type_toml;  // the sensor file's text
   std::string type_sha256;
-  std::string scanner_serial; // a model is bound to sensor and scanner
+  std::string scanner_serial;  // a model is bound to sensor and scanner
   std::string note;
   std::string added_utc;
 };
@@ -33,40 +34,40 @@ struct DeviceRecord {
 };
 
 struct SequenceRecord {
-  int sequence = 0;           // 0-based within the run
+  int sequence = 0;  // 0-based within the run
   std::string name;
-  std::string recipe_toml;    // the file's text
+  std::string recipe_toml;  // the file's text
   std::string recipe_sha256;
   int repeats = 0;
   int frames_per_repeat = 0;
 };
 
 struct RunRecord {
-  std::int64_t run = 0;       // short number, given by the store
+  std::int64_t run = 0;  // short number, given by the store
   std::string uuid;
-  std::string origin;         // simulated | hardware | imported
-  std::string state;          // prepared | running | stopping | ended (issue of the sequencer adds the others)
+  std::string origin;  // simulated | hardware | imported
+  std::string state;   // prepared | running | stopping | ended (issue of the sequencer adds the others)
   Outcome outcome = Outcome::kIncomplete;
-  std::string reason;         // why it ended so; error identifier first
+  std::string reason;  // why it ended so; error identifier first
   SafeState safe_state = SafeState::kUnknown;
   std::string operator_name, purpose, sensor_serial, scanner_serial;
   std::string bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256;
-  std::string overrides_json; // --set k=v and seeds, as given
+  std::string overrides_json;  // --set k=v and seeds, as given
   std::string program_version, git_commit, build_id, host, time_zone;
   bool git_dirty = false;
   std::int64_t seed = 0, sensor_seed = 0;
   std::string started_utc, ended_utc;
-  std::string content_sha256; // end of the hash chain over the canonical content; empty until the run ends
+  std::string content_sha256;  // end of the hash chain over the canonical content; empty until the run ends
   std::vector<SequenceRecord> sequences;
   std::vector<DeviceRecord> devices;
 };
 
 struct BranchRecord {
-  std::int64_t branch = 0;    // given by the store
+  std::int64_t branch = 0;  // given by the store
   int sequence = 0;
   int repeat = 0;
-  int ordinal = 0;            // within the repeat, from 0
-  int attempt = 0;            // 0 first
+  int ordinal = 0;  // within the repeat, from 0
+  int attempt = 0;  // 0 first
   bool is_void = false;
   std::string void_reason;
   double from_psi = 0.0;
@@ -75,23 +76,23 @@ struct BranchRecord {
 
 struct FrameRecord {
   std::int64_t branch = 0;
-  int ordinal = 0;            // step within the repeat: 0 .. frames_per_repeat - 1
+  int ordinal = 0;  // step within the repeat: 0 .. frames_per_repeat - 1
   double setpoint_psi = 0.0, feedback_psi = 0.0, reference_psi = 0.0;
   std::int32_t setpoint_counts = 0, feedback_counts = 0, reference_counts = 0;
-  std::int64_t time_ns = 0;                // of the frame
-  std::int64_t since_command_ns = 0;       // from the set-point's command to the frame
-  std::int64_t in_band_ns = 0;             // time in band before the frame
-  std::int64_t device_time_us = 0;         // scanner's own clock
-  int status = 0;                          // scanner's status bits
-  int exchanges = 0;                       // on all wires for this step
+  std::int64_t time_ns = 0;           // of the frame
+  std::int64_t since_command_ns = 0;  // from the set-point's command to the frame
+  std::int64_t in_band_ns = 0;        // time in band before the frame
+  std::int64_t device_time_us = 0;    // scanner's own clock
+  int status = 0;                     // scanner's status bits
+  int exchanges = 0;                  // on all wires for this step
   int rows = 0, columns = 0, scans = 0;
-  std::vector<std::uint16_t> counts;       // scans x rows x columns, row-major, scan slowest; stored little-endian
+  std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest; stored little-endian
 };
 
 struct EventRecord {
   std::int64_t time_ns = 0;
-  std::string kind;           // state | fault | safe | note | conditioning
-  std::string id;             // stable identifier where it is a fault
+  std::string kind;  // state | fault | safe | note | conditioning
+  std::string id;    // stable identifier where it is a fault
   std::string detail;
 };
 
@@ -99,33 +100,33 @@ struct EventRecord {
 struct FitRecord {
   std::int64_t fit = 0;
   std::int64_t run = 0;
-  std::string model;          // elam
+  std::string model;  // elam
   std::string options_json;
-  std::string summary_json;   // figures: J, errors, counts
+  std::string summary_json;  // figures: J, errors, counts
   std::string program_version;
   std::string created_utc;
   std::string patterns_json;  // shared data such as the common pressure grid
 };
 
 struct FitTaxelRecord {
-  int taxel = 0;              // row * columns + column; -1: the mean taxel
-  std::string status;         // fitted | dead | stuck | saturated | unfit
-  std::vector<double> parameters;          // order of the model's header
+  int taxel = 0;                                  // row * columns + column; -1: the mean taxel
+  std::string status;                             // fitted | dead | stuck | saturated | unfit
+  std::vector<double> parameters;                 // order of the model's header
   std::vector<double> ascending_v, descending_v;  // pattern curves on the common grid
   double noise_v = 0.0;
   double j_v2 = 0.0, mean_error_v = 0.0, max_error_v = 0.0, full_scale_v = 0.0;
-  int at_bound = 0;           // bit i: parameter i at a bound
+  int at_bound = 0;  // bit i: parameter i at a bound
 };
 
 struct VerdictRecord {
   std::int64_t run = 0;
   std::int64_t fit = 0;
-  std::string criterion;      // mean_compensation_error
-  std::string scope;          // "array", "40 psi", ...
+  std::string criterion;  // mean_compensation_error
+  std::string scope;      // "array", "40 psi", ...
   double value = 0.0, limit = 0.0;
   std::string unit;
-  std::string rule;           // simple
-  std::string verdict;        // pass | conditional pass | conditional fail | fail | inconclusive
+  std::string rule;     // simple
+  std::string verdict;  // pass | conditional pass | conditional fail | fail | inconclusive
   std::string limits_toml, limits_sha256;
 };
 

@@ -60,17 +60,20 @@ class RunStore {
   void append_event(std::int64_t run, const EventRecord& event);
   // Closes the run: state ended, outcome, reason, safe state, content hash.
   void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
+  // The runs that have not ended become interrupted, with an event and their content hash; returns how many. Only for
+  // a caller who knows that nobody is writing a run to this store.
+  int mark_interrupted(const std::string& utc);
 
   // Reading. TB-STORE-NOT-FOUND names the runs there are.
-  [[nodiscard]] std::vector<RunRecord> runs() const;   // newest last; without sequences and devices
+  [[nodiscard]] std::vector<RunRecord> runs() const;  // newest last; without sequences and devices
   [[nodiscard]] RunRecord run(std::int64_t number) const;
   [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
-  [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;         // in the order written
+  [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;  // in the order written
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
   [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;
 
-  // SHA-256 chained over the run's canonical content (contract.md: everything but UUID, wall-clock times, host, tags,
-  // notes), recomputed from what is stored.
+  // SHA-256 chained over the run's canonical content: everything but UUID, wall-clock times and time zone, host, tags,
+  // notes and the run's number, which is an accident of the file (hash_chain.h). Recomputed from what is stored.
   [[nodiscard]] std::string content_hash(std::int64_t run) const;
 
   // Models and verdicts.
@@ -78,6 +81,7 @@ class RunStore {
   [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run, const std::string& model) const;
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
+  // All verdicts of the run, by whatever fit, give way to these; fit 0: judged without a stored fit.
   void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;
 

@@ -8,7 +8,7 @@ namespace tactbench::devices {
 enum class Origin { kSimulated, kHardware };
 
 struct Identity {
-  std::string role;      // "regulator", "pressure reference", "tactile scanner", ...
+  std::string role;  // "regulator", "pressure reference", "tactile scanner", ...
   std::string model;
   std::string serial;
   std::string firmware;

@@ -21,14 +21,17 @@ struct TaxelBranch {
 
 struct ElamFit {
   ElamModel model;
-  double j_v2 = 0.0;             // Eq. (1), descending + ascending
-  double mean_error_v = 0.0;     // Eq. (49)
+  double j_v2 = 0.0;          // Eq. (1), descending + ascending
+  double mean_error_v = 0.0;  // Eq. (49)
   double max_error_v = 0.0;
-  double full_scale_v = 0.0;     // highest output of the external loop
-  unsigned at_bound = 0;         // bit i: parameter i at a bound
+  double full_scale_v = 0.0;  // highest output of the external loop
+  unsigned at_bound = 0;      // bit i: parameter i at a bound; alpha_a1: the split of the longest branch is
 };
 
-// Fits alpha_d, beta_d on descending branches and the rest on ascending ones.
+// Fits alpha_d, beta_d on descending branches and the rest on ascending ones [A18]. Bounds: alpha_d, beta_d, beta_a and
+// the relative split alpha_a1 L + alpha_a0 at L = 0 and L = xu - x0 in [0, 1]. Inner branches start at their measured
+// turning point [A9], external ones at (x0, y0) or (xu, yu); a branch's first sample is its turning point and is not
+// scored. Throws std::invalid_argument on malformed branches or patterns that do not meet.
 ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descending,
                       std::span<const TaxelBranch> branches, const ElamOptions& options = {});
 
@@ -38,23 +41,25 @@ const char* to_string(TaxelStatus status);
 struct TaxelFit {
   TaxelStatus status = TaxelStatus::kUnfit;
   ElamFit fit;
-  double noise_v = 0.0;          // carried from the dataset: the compensator's dead band follows it
+  double noise_v = 0.0;  // carried from the dataset: the compensator's dead band follows it
 };
 
 struct ArrayFit {
   int rows = 0, columns = 0;
   std::int64_t run = 0;
-  std::vector<double> pressure_psi;   // common grid
-  std::vector<TaxelFit> taxels;       // rows x columns
-  TaxelFit mean_taxel;                // of the mean of the fitted taxels
-  double full_scale_v = 0.0;          // highest mean output
+  std::string origin, sensor_serial, scanner_serial;  // a model is bound to these
+  std::vector<double> pressure_psi;                   // common grid
+  std::vector<TaxelFit> taxels;                       // rows x columns
+  TaxelFit mean_taxel;                                // of the mean of the fitted taxels
+  double full_scale_v = 0.0;                          // highest mean output
 };
 
 struct ArrayFitOptions {
   ElamOptions elam;
   CommonOptions common;
-  int threads = 0;                    // 0: as many as there are cores
-  double dead_v = 0.05;               // a taxel whose output spans less is dead (0 V) or stuck
+  int threads = 0;            // 0: as many as there are cores
+  double dead_v = 0.05;       // a taxel whose output spans less is dead (0 V) or stuck
+  double unfit_share = 0.10;  // a taxel whose mean error exceeds this share of its full scale is unfit
 };
 
 // All taxels; threads by taxel, the result does not depend on their number. Throws AnalysisError.

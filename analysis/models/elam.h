@@ -10,22 +10,30 @@
 namespace tactbench::analysis {
 
 struct ElamParameters {
-  double alpha_d = 0.5;    // Eq. (14), 0..1
-  double beta_d = 0.5;     // Eq. (15), 0..1
-  double alpha_a1 = 0.0;   // Eq. (21), 1/psi [A17]
-  double alpha_a0 = 0.5;   // Eq. (21)
-  double beta_a = 0.5;     // Eq. (22), 0..1
+  double alpha_d = 0.5;   // Eq. (14), 0..1
+  double beta_d = 0.5;    // Eq. (15), 0..1
+  double alpha_a1 = 0.0;  // Eq. (21), 1/psi [A17]
+  double alpha_a0 = 0.5;  // Eq. (21)
+  double beta_a = 0.5;    // Eq. (22), 0..1
 };
-inline constexpr std::array<const char*, 5> kElamParameterNames = {"alpha_d", "beta_d", "alpha_a1", "alpha_a0", "beta_a"};
+inline constexpr std::array<const char*, 5> kElamParameterNames = {"alpha_d", "beta_d", "alpha_a1", "alpha_a0",
+                                                                   "beta_a"};
+
+// A branch that starts within this share of the pressure span of x0 or xu is an external one.
+inline constexpr double kOuterShare = 0.01;
+
+// A pattern that rises less than this share of its span over a piece is saturated there: it was left a straight line
+// of the minimum slope, and linear between the piece's ends [A12] is the same curve without the cancellation.
+inline constexpr double kSaturatedShare = 2e-9;
 
 struct ElamOptions {
-  bool exact_outer = false;  // true: external branches follow the patterns themselves [A6]
+  bool exact_outer = false;  // true: the split of external branches lies on the pattern, so that they follow it [A6]
 };
 
 // One taxel.
 struct ElamModel {
-  PatternCurve ascending;    // P_a
-  PatternCurve descending;   // P_d
+  PatternCurve ascending;   // P_a
+  PatternCurve descending;  // P_d
   ElamParameters parameters;
   ElamOptions options;
   [[nodiscard]] double x0() const { return ascending.x().front(); }
@@ -37,21 +45,31 @@ struct ElamModel {
 // A target curve from one turning point on, Eqs (13)-(26) and (31)-(38): built once a turn, then evaluated.
 class ElamCurve {
  public:
-  // Descending from (x_M, y_M) towards (x0, y0), or ascending from (x_m, y_m) towards (xu, yu).
+  // Descending from (x_M, y_M) towards (x0, y0), or ascending from (x_m, y_m) towards (xu, yu). x_turn is clamped to
+  // x0..xu; y_turn to at least y0, ascending also to at most yu (noise at the ends). Keeps a pointer to `model`. Throws
+  // std::invalid_argument when a coordinate is not finite.
+  // A descending curve may take its split x_sd from another pressure than x_turn (`x_split_turn`, not below x_turn).
   ElamCurve(const ElamModel& model, bool ascending, double x_turn, double y_turn);
-  [[nodiscard]] double output(double x) const;      // Eqs (17), (19), (24), (26)
-  [[nodiscard]] double input(double y) const;       // Eqs (32), (34), (36), (38); clamped to the curve's range
+  ElamCurve(const ElamModel& model, bool ascending, double x_turn, double y_turn, double x_split_turn);
+  // Eqs (17), (19), (24), (26). The ends are met whatever the split: (x_turn, y_turn) and (x0, y0) or (xu, yu).
+  [[nodiscard]] double output(double x) const;
+  [[nodiscard]] double input(double y) const;  // Eqs (32), (34), (36), (38); clamped to the curve's range
+  [[nodiscard]] double turn_x() const { return x_turn_; }
+  [[nodiscard]] double turn_y() const { return y_turn_; }
   [[nodiscard]] double split_x() const { return xs_; }
   [[nodiscard]] double split_y() const { return ys_; }
   [[nodiscard]] bool ascending() const { return ascending_; }
 
  private:
+  [[nodiscard]] double descending_output(double x) const;
+  [[nodiscard]] double ascending_output(double x) const;
+  [[nodiscard]] double descending_input(double y) const;
+  [[nodiscard]] double ascending_input(double y) const;
   const ElamModel* model_;
   bool ascending_;
   double x_turn_, y_turn_;
-  double xs_, ys_;          // split point of the target curve
+  double xs_ = 0, ys_ = 0;              // split point of the target curve
   double xsp_ = 0, xmp_ = 0, ysp_ = 0;  // split and turn on the pattern
-  bool pattern_itself_ = false;
 };
 
 }  // namespace tactbench::analysis

@@ -10,70 +10,78 @@
 
 namespace tactbench::analysis {
 
+// Outputs and estimates are brought to the level's set-point before up and down are compared, outputs by local slope,
+// estimates by 1 psi/psi x (set-point - measured reference): the regulator's own hysteresis is not the sensor's.
 struct LevelFigures {
-  double pressure_psi = 0.0;               // set-point of the level
-  double up_psi = 0.0, down_psi = 0.0;     // measured reference, mean of the sweeps
+  double pressure_psi = 0.0;            // set-point of the level
+  double up_psi = 0.0, down_psi = 0.0;  // measured reference, mean of the sweeps
   // Raw, shares of full scale (highest raw mean output in volts):
-  double raw_std_up = 0.0, raw_std_down = 0.0, raw_distance = 0.0;   // distance: mean over taxels of |up - down|
-  double raw_mean_distance = 0.0;          // |mean up - mean down|
+  double raw_std_up = 0.0, raw_std_down = 0.0, raw_distance = 0.0;  // distance: mean over taxels of |up - down|
+  double raw_mean_distance = 0.0;                                   // |mean up - mean down|
   // Compensated, shares of the full pressure:
   double comp_std_up = 0.0, comp_std_down = 0.0, comp_distance = 0.0, comp_mean_distance = 0.0;
-  double worst_taxel_distance = 0.0;       // compensated, worst taxel
-  bool made_worse = false;                 // comp_distance > raw_distance
-  int flat_taxels = 0;                     // taxels whose estimate was flagged unobservable going down
-  double comp_distance_observable = 0.0;   // comp_distance over the unflagged taxels only
+  double worst_taxel_distance = 0.0;      // compensated, worst taxel
+  bool made_worse = false;                // comp_distance > raw_distance
+  int flat_taxels = 0;                    // taxels whose estimate was flagged unobservable going down
+  double comp_distance_observable = 0.0;  // comp_distance over the unflagged taxels only
   double worst_taxel_distance_observable = 0.0;
-  std::vector<double> raw_up_v, raw_down_v, comp_up_psi, comp_down_psi;  // frames, taxels
+  std::vector<double> raw_up_v, raw_down_v, comp_up_psi, comp_down_psi;  // frames; comp: NaN where not fitted
 };
 
-struct Trace {                             // the mean taxel along one sequence (Figs 11-14)
+struct Trace {  // the mean taxel along one sequence (Figs 11-14)
   std::string sequence;
   std::vector<double> pressure_psi, measured_v, model_v, compensated_psi;
 };
 
 struct Evaluation {
-  std::int64_t run = 0;                    // evaluated
-  std::int64_t model_run = 0;              // whose models were used
+  std::int64_t run = 0;        // evaluated
+  std::int64_t model_run = 0;  // whose models were used
   double full_scale_v = 0.0, full_scale_psi = 0.0;
-  double hysteresis_max_fs = 0.0, hysteresis_mean_fs = 0.0;   // mean taxel, raw (paper: 0.253, 0.100)
+  double hysteresis_max_fs = 0.0, hysteresis_mean_fs = 0.0;  // mean taxel, raw (paper: 0.253, 0.100)
   // Direct model against measured, mean taxel per sequence kind (Tables 4, 5) comes from the fit. Compensation error
   // |compensated - measured reference| in psi over all frames and fitted taxels (Eq. 49), and without flat ones:
   double mean_error_psi = 0.0, max_error_psi = 0.0, mean_error_observable_psi = 0.0, max_error_observable_psi = 0.0;
   double worst_taxel_mean_error_psi = 0.0;
   int worst_taxel = -1;
   // Averages of the 31 levels, shares of full scale:
-  double raw_distance = 0.0;               // mean of raw_mean_distance (about 0.10)
-  double comp_distance_of_mean = 0.0;      // the 256 pressures averaged, mean over levels of |up - down| / full pressure
-  double comp_distance = 0.0;              // mean taxel of |up - down|, averaged over taxels and levels
-  double comp_distance_observable = 0.0;   // the same without flagged (taxel, level) pairs
-  double worst_taxel_distance = 0.0;       // worst taxel's mean over levels
+  double raw_distance = 0.0;              // mean of raw_mean_distance (about 0.10)
+  double comp_distance_of_mean = 0.0;     // the 256 pressures averaged, mean over levels of |up - down| / full pressure
+  double comp_distance = 0.0;             // mean taxel of |up - down|, averaged over taxels and levels
+  double comp_distance_observable = 0.0;  // the same without flagged (taxel, level) pairs
+  double worst_taxel_distance = 0.0;      // worst taxel's mean over levels
   double worst_taxel_distance_observable = 0.0;
-  double flat_share = 0.0;                 // flagged share of (taxel, level) pairs
-  std::vector<LevelFigures> levels;        // every level of the external loop
-  std::vector<double> taxel_mean_error_psi;// taxels; NaN where not fitted
+  double flat_share = 0.0;                   // flagged share of (taxel, level) pairs
+  std::vector<LevelFigures> levels;          // every level of the external loop
+  std::vector<double> taxel_mean_error_psi;  // taxels; NaN where not fitted
   std::vector<Trace> traces;
   int frames = 0;
+  int excluded_taxels = 0;  // not fitted: left out of every figure above, raw ones too
 };
 
 // Compensates every stored frame of every repeat of `dataset` in time order with `fit` (made on the same or another
-// run) and gathers the figures. Throws AnalysisError when sensor or geometry differ, or origins mix.
+// run) and gathers the figures. Level figures average the full sweeps of all repeats; std is of the sample (n - 1).
+// Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor, scanner or geometry differ, TB-ANALYSIS-ORIGIN when
+// origins mix.
 Evaluation evaluate(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
 
 // Limits on an evaluation, judged by the simple rule (ILAC-G8: value <= limit).
 struct Limits {
   std::string name;
-  double mean_compensation_error_psi = 0.0;   // all fitted taxels and frames
-  double worst_taxel_error_psi = 0.0;         // the worst taxel's mean error
-  double distance_of_mean_fs = 0.0;           // comp_distance_of_mean
-  double unfit_taxels = 0.0;                  // dead, stuck, saturated or unfit taxels allowed
+  double mean_compensation_error_psi = 0.0;  // all fitted taxels and frames
+  double worst_taxel_error_psi = 0.0;        // the worst taxel's mean error
+  double distance_of_mean_fs = 0.0;          // comp_distance_of_mean
+  double unfit_taxels = 0.0;                 // dead, stuck, saturated or unfit taxels allowed
   struct Mismatch {
     double pressure_psi = 0.0;
-    double std_fs = 0.0;                      // compensated std/FS up and down
+    double std_fs = 0.0;  // compensated std/FS up and down
   };
   std::vector<Mismatch> mismatch;
-  std::string toml, sha256;                   // the file, stored with the verdicts
+  std::string toml, sha256;  // the file, stored with the verdicts
 };
 
+// Criteria mean_compensation_error, worst_taxel_error, distance_of_mean, unfit_taxels (scope "array") and mismatch
+// (scopes "40 psi up", "40 psi down"). A value that is not a number, or a level that was not measured, is inconclusive.
+// `fit` in the records is 0: the caller knows the fit's number.
 std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFit& fit, const Limits& limits);
 
 }  // namespace tactbench::analysis

@@ -7,34 +7,39 @@
 namespace tactbench::bench {
 
 struct ChamberOptions {
-  double span_psi = 130.534;           // 9 bar for 10 V
-  double time_constant_s = 0.12;       // chamber behind the valve, second order
-  double damping = 0.75;               // < 1 overshoots
-  double slew_psi_per_s = 60.0;        // valve flow limit
-  double resolution_v = 0.002;         // of the command as the regulator sees it
-  double hysteresis_share = 0.002;     // regulator's own, as a share of its span (up to 0.005): the pressure lags the
-                                       // command by half of it on each side
-  double leak_psi_per_s = 0.0;         // a defect: pressure lost while held
-  double reference_noise_psi = 0.01;   // transducer's noise, standard deviation
+  double span_psi = 130.534;          // regulator, command and monitor: 9 bar for 10 V
+  double reference_span_psi = 100.0;  // reference transducer: psi for 10 V
+  double time_constant_s = 0.12;      // chamber behind the valve, second order
+  double damping = 0.75;              // < 1 overshoots
+  double slew_psi_per_s = 60.0;       // valve flow limit
+  double resolution_v = 0.002;        // of the command as the regulator sees it
+  double hysteresis_share = 0.002;    // regulator's own, as a share of its span (up to 0.005): its sensor lags, so the
+                                      // pressure runs ahead of what it believes by half of it on each side
+  double leak_psi_per_s = 0.0;        // a defect: pressure lost while held; the regulator makes up for it but for an
+                                      // offset of 2 * damping * time constant * leak
+  double reference_noise_psi = 0.01;  // transducer's noise, standard deviation
   double feedback_noise_psi = 0.02;
 };
 
 class Chamber {
  public:
   explicit Chamber(const ChamberOptions& options) : options_(options) {}
-  void command(devices::Volts volts);
+  void command(devices::Volts volts);  // 0-10 V, clipped there
   void advance(double seconds);        // fixed inner step; seconds of any size
+  // The truth.
   [[nodiscard]] devices::Psi pressure() const { return devices::Psi(pressure_psi_); }
-  // What the regulator believes (its sensor has the hysteresis, the chamber has the truth).
-  [[nodiscard]] devices::Psi believed() const;
+  // What the regulator believes and controls; the truth is up to half of its hysteresis away.
+  [[nodiscard]] devices::Psi believed() const { return devices::Psi(believed_psi_); }
   [[nodiscard]] const ChamberOptions& options() const { return options_; }
 
  private:
+  void step(double seconds);
   ChamberOptions options_;
   double target_psi_ = 0.0;
-  double pressure_psi_ = 0.0;
+  double believed_psi_ = 0.0;
   double rate_psi_per_s_ = 0.0;
-  double lag_psi_ = 0.0;               // play operator of the regulator's own hysteresis
+  double lead_psi_ = 0.0;  // stop operator of the regulator's own hysteresis: truth minus belief
+  double pressure_psi_ = 0.0;
 };
 
 }  // namespace tactbench::bench

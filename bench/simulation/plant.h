@@ -1,6 +1,6 @@
 // One plant couples the simulated ends: chamber and specimen behind the ports that the simulated module and the
-// simulated scanner ask. Moves lazily to the clock's time at each question, in fixed inner steps, under one lock; the
-// clock stands still while a request is open, so the same seeds give the same answers.
+// simulated scanner ask. Moves lazily to the clock's time at each question, on a fixed grid of process time, under one
+// lock; asking changes nothing but the noise drawn, so the same seeds and questions give the same answers.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct ScannerFrontEnd {
 };
 
 struct PlantOptions {
-  std::uint64_t seed = 1;                  // noise
+  std::uint64_t seed = 1;  // noise
   ChamberOptions chamber;
   SpecimenOptions specimen;
   ScannerFrontEnd scanner;
@@ -33,11 +33,15 @@ struct PlantOptions {
 
 class Plant final : public devices::ChamberPort, public devices::TactilePort {
  public:
+  // The pressure starts at 0 with nothing driven. `clock` has to outlive the plant.
   Plant(const PlantOptions& options, const devices::Clock& clock);
 
   void drive(devices::Volts command, devices::Nanoseconds hold_until, devices::Volts fallback) override;
+  // Monitor output: what the regulator believes, 0-10 V over its span. Noise included; not clipped.
   [[nodiscard]] devices::Volts feedback() override;
+  // The truth with the transducer's noise, 0-10 V over its span; not clipped.
   [[nodiscard]] devices::Volts reference() override;
+  // Throws std::invalid_argument when a span does not fit the array.
   void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override;
 
   // Truth, for tests and reports on the simulation; never seen by drivers.
@@ -46,8 +50,10 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort {
   void set_specimen_state(const std::string& text);
 
  private:
-  void advance_to(devices::Nanoseconds time);
-  double noise();
+  void advance_to(devices::Nanoseconds time);  // whole cells of the grid
+  void step_to(devices::Nanoseconds time);     // exactly
+  void follow(double seconds);                 // the specimen follows the chamber
+  void move_specimen(double pressure_psi, double seconds);
   PlantOptions options_;
   const devices::Clock& clock_;
   std::mutex mutex_;
@@ -55,9 +61,21 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort {
   Specimen specimen_;
   devices::Nanoseconds time_{0};
   devices::Nanoseconds hold_until_{0};
+  devices::Volts command_{0.0};
   devices::Volts fallback_{0.0};
-  bool held_ = false;
-  std::uint64_t noise_counter_ = 0;
+  bool held_ = false;  // a command with a time limit is in force
+
+  // Time since the specimen last moved, which it has still to live through at the chamber's pressure.
+  double pending_s_ = 0.0;
+  double calm_s_ = 0.0;        // since the pressure last moved the specimen
+  double moved_psi_ = 0.0;     // pressure that the specimen last saw
+  double previous_psi_ = 0.0;  // pressure one cell ago
+  int direction_ = 0;
+
+  std::uint64_t feedback_counter_ = 0;
+  std::uint64_t reference_counter_ = 0;
+  std::uint64_t scan_counter_ = 0;
+  bool volts_fresh_ = false;
   std::vector<double> volts_;
 };
 

@@ -13,31 +13,34 @@ namespace tactbench::bench {
 
 // Switchable effects with known truth; all off (zero, empty) unless said.
 struct SpecimenEffects {
-  double row_crosstalk = 0.0;              // share of the other taxels' mean output in the same row added to a taxel
+  double row_crosstalk = 0.0;  // share of the other taxels' mean output in the same row added to a taxel
   double column_crosstalk = 0.0;
-  double temperature_coefficient = -0.002; // relative output change per kelvin away from 23 degrees Celsius
-  double lift_off_psi = 0.3;               // mean pressure below which the membrane does not touch; per taxel spread
-  double chamber_nonuniformity = 0.0;      // relative pressure difference from the array's centre to a corner
-  double zero_drift_v_per_month = 0.0;
-  double gain_drift_per_month = 0.0;       // relative; sign and size differ by taxel, this is the standard deviation
-  double gain_drift_per_thousand_cycles = 0.0;
-  double remount_variation = 0.0;          // standard deviation of a taxel's relative change of local pressure by mount
+  double temperature_coefficient = -0.002;  // relative output change per kelvin away from 23 degrees Celsius
+  double lift_off_psi = 0.3;                // mean pressure below which the membrane does not touch; per taxel spread
+  double chamber_nonuniformity = 0.0;       // relative pressure difference from the array's centre to a corner, growing
+                                            // with the square of the distance
+  double zero_drift_v_per_month = 0.0;      // the same for all taxels
+  double gain_drift_per_month = 0.0;        // relative; sign and size differ by taxel, this is the standard deviation
+  double gain_drift_per_thousand_cycles = 0.0;  // relative, the same for all; a cycle is 60 psi of loading
+  double remount_variation = 0.0;  // standard deviation of a taxel's relative change of local pressure by mount
 };
 
 struct TaxelDefect {
+  // kDead reads 0 V, kStuck one voltage between 0.5 and 2.5 V for ever, kSaturated the converter's 5 V, kNoisy has
+  // 50 mV of extra noise, kSwapped changes places with another taxel in the wiring.
   enum class Kind { kDead, kStuck, kSaturated, kNoisy, kSwapped };
   Kind kind = Kind::kDead;
   int row = 0;
   int column = 0;
-  int other_row = 0;     // kSwapped: with whom
+  int other_row = 0;  // kSwapped: with whom
   int other_column = 0;
 };
 
 struct SpecimenOptions {
-  std::uint64_t sensor_seed = 1;   // makes the array
-  std::uint64_t mount_seed = 0;    // 0: the mount of the first characterization
+  std::uint64_t sensor_seed = 1;  // makes the array
+  std::uint64_t mount_seed = 0;   // 0: the mount of the first characterization
   double temperature_c = 23.0;
-  double age_months = 0.0;         // since the first characterization
+  double age_months = 0.0;  // since the first characterization
   int rows = 16;
   int columns = 16;
   SpecimenEffects effects;
@@ -46,6 +49,7 @@ struct SpecimenOptions {
 
 class Specimen {
  public:
+  // Throws std::invalid_argument for a defect outside the array or a shape that is not positive.
   explicit Specimen(const SpecimenOptions& options);
   ~Specimen();
   Specimen(const Specimen&) = delete;
@@ -56,9 +60,12 @@ class Specimen {
   void advance(double pressure_psi, double seconds);
   // Output voltages now, rows x columns row-major, defects and crosstalk included, noise not.
   void output(std::span<double> volts) const;
+  // What output() would give after advance(pressure_psi, seconds), the memory left as it is. seconds >= 0.
+  void output_after(double pressure_psi, double seconds, std::span<double> volts) const;
   // Extra noise of taxel i (kNoisy), standard deviation in volts.
   [[nodiscard]] double noise_v(int taxel) const;
-  // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument.
+  // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument, also for the
+  // state of another sensor; the memory is then untouched.
   [[nodiscard]] std::string state() const;
   void set_state(const std::string& text);
   [[nodiscard]] const SpecimenOptions& options() const;

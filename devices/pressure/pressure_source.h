@@ -25,6 +25,8 @@ class PressureSource {
   // reads. To be called at least every feed interval.
   virtual void keep_alive() = 0;
   [[nodiscard]] virtual PressureReading feedback() = 0;
+  // Process time of the last write that was read back: the next feeding is due one feed interval later.
+  [[nodiscard]] virtual Nanoseconds last_fed() const = 0;
   // Asks for 0 psi; bounded in time, callable twice and in any state. True: the order was read back.
   [[nodiscard]] virtual bool vent() noexcept = 0;
   [[nodiscard]] virtual Identity identity() const = 0;

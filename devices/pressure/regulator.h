@@ -9,7 +9,7 @@
 
 namespace tactbench::devices {
 
-struct LinearSpan {      // pressure = low + (voltage - volts_low) / (volts_high - volts_low) * (high - low)
+struct LinearSpan {  // pressure = low + (voltage - volts_low) / (volts_high - volts_low) * (high - low)
   Volts volts_low{0.0};
   Volts volts_high{10.0};
   Psi low{0.0};
@@ -26,7 +26,7 @@ struct RegulatorOptions {
   LinearSpan command_span;
   LinearSpan feedback_span;
   Nanoseconds feed_interval = std::chrono::milliseconds(400);
-  Psi command_limit{60.0};   // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
+  Psi command_limit{60.0};  // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
   Origin origin = Origin::kHardware;
 };
 
@@ -36,6 +36,7 @@ class Regulator final : public PressureSource {
   std::uint16_t command(Psi pressure) override;
   void keep_alive() override;
   [[nodiscard]] PressureReading feedback() override;
+  [[nodiscard]] Nanoseconds last_fed() const override { return module_.last_write_time(); }
   [[nodiscard]] bool vent() noexcept override;
   [[nodiscard]] Identity identity() const override;
 

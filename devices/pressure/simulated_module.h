@@ -10,15 +10,15 @@
 
 namespace tactbench::devices {
 
-struct SimulatedModuleFaults {          // test and nightly switches, all off by default
-  long silent_after_requests = -1;      // answers that many requests, then none (the connection stays open)
-  long dead_after_requests = -1;        // closes connections and refuses new ones
+struct SimulatedModuleFaults {      // test and nightly switches, all off by default
+  long silent_after_requests = -1;  // answers that many requests, then none (the connection stays open)
+  long dead_after_requests = -1;    // closes connections and refuses new ones
 };
 
 class SimulatedModule {
  public:
   // Listens on 127.0.0.1; port 0 lets the system choose. Throws Fault TB-SIM-LISTEN.
-  SimulatedModule(ModuleProfile profile, int port, ChamberPort& chamber, const Clock& clock,
+  SimulatedModule(const ModuleProfile& profile, int port, ChamberPort& chamber, const Clock& clock,
                   SimulatedModuleFaults faults = {});
   ~SimulatedModule();  // stops the thread, bounded
   SimulatedModule(const SimulatedModule&) = delete;

@@ -13,7 +13,7 @@ namespace tactbench::devices {
 
 struct HidScannerOptions {
   std::string model = "tactbench HID scanner";
-  std::string expected_serial;   // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
+  std::string expected_serial;  // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
   int rows = 16;
   int columns = 16;
   Nanoseconds frame_timeout = std::chrono::milliseconds(500);  // per scan
@@ -22,7 +22,8 @@ struct HidScannerOptions {
 
 class HidScanner final : public TactileArray {
  public:
-  // Asks the scanner who it is; throws Fault when it does not answer or has another geometry or serial.
+  // Asks the scanner who it is. Throws Fault TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-GEOMETRY,
+  // TB-SCANNER-SERIAL.
   HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions options, Clock& clock);
   [[nodiscard]] ScanSet read(int scans) override;
   [[nodiscard]] int rows() const override { return options_.rows; }
@@ -32,7 +33,10 @@ class HidScanner final : public TactileArray {
   [[nodiscard]] Identity identity() const override;
 
  private:
+  std::uint16_t send(ScanCommand command);  // drains, sends, returns the tag that the answers carry
+  void identify();
   void read_scan(ScanSet& set, int index);
+  [[noreturn]] void timed_out(const std::string& asked, const std::string& came);
   std::unique_ptr<ReportLink> link_;
   HidScannerOptions options_;
   Clock& clock_;

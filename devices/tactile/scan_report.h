@@ -50,8 +50,8 @@ struct IdentityReport {
   std::uint8_t rows = 0;
   std::uint8_t columns = 0;
   float volts_per_count = 0.0F;
-  std::string serial;      // up to 16 ASCII characters
-  std::string firmware;    // up to 16
+  std::string serial;    // up to 16 ASCII characters
+  std::string firmware;  // up to 16
   bool operator==(const IdentityReport&) const = default;
 };
 

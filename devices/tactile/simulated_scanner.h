@@ -21,11 +21,11 @@ class TactilePort {
   virtual void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) = 0;
 };
 
-struct SimulatedScannerFaults {       // test and nightly switches, all off by default
-  long silent_after_scans = -1;       // answers that many scans, then none
-  long corrupt_scan = -1;             // flips a bit in one report of that scan (0-based)
-  long drop_report_scan = -1;         // leaves one report of that scan out
-  long unplug_after_scans = -1;       // closes the socket
+struct SimulatedScannerFaults {  // test and nightly switches, all off by default
+  long silent_after_scans = -1;  // answers that many scans, then none
+  long corrupt_scan = -1;        // flips a bit in one report of that scan (0-based)
+  long drop_report_scan = -1;    // leaves one report of that scan out
+  long unplug_after_scans = -1;  // closes the socket
 };
 
 class SimulatedScanner {

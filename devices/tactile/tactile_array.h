@@ -13,12 +13,12 @@ namespace tactbench::devices {
 struct ScanSet {
   int rows = 0;
   int columns = 0;
-  int scans = 0;                        // K
-  std::vector<std::uint16_t> counts;    // scans x rows x columns, row-major, scan slowest
+  int scans = 0;                              // K
+  std::vector<std::uint16_t> counts;          // scans x rows x columns, row-major, scan slowest
   std::vector<std::uint32_t> frame_counters;  // K: the scanner's own
-  std::uint32_t device_time_us = 0;     // scanner's clock at the first report of the first scan
-  std::uint8_t status = 0;              // all report status bytes, or-ed
-  Nanoseconds time{0};                  // process time when the first scan was asked for
+  std::uint32_t device_time_us = 0;           // scanner's clock at the first report of the first scan
+  std::uint8_t status = 0;                    // all report status bytes, or-ed
+  Nanoseconds time{0};                        // process time when the first scan was asked for
 };
 
 class TactileArray {

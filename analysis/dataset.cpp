@@ -1,0 +1,169 @@
+#include "analysis/dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr const char* kScannerRole = "tactile scanner";
+constexpr std::uint16_t kConverterLimit = 65535;
+
+double volts_per_count(const db::RunRecord& run) {
+  for (const db::DeviceRecord& device : run.devices) {
+    if (device.role != kScannerRole) continue;
+    const auto json = nlohmann::json::parse(device.calibration_json, nullptr, false);
+    if (json.is_object() && json.contains("volts_per_count") && json["volts_per_count"].is_number()) {
+      const double value = json["volts_per_count"].get<double>();
+      if (std::isfinite(value) && value > 0.0) return value;
+    }
+    throw AnalysisError("TB-ANALYSIS-NO-CALIBRATION",
+                        fmt::format("run {}: the scanner's calibration \"{}\" has no positive volts_per_count", run.run,
+                                    device.calibration_json),
+                        "record the scanner's volts_per_count in the bench file and run again");
+  }
+  throw AnalysisError("TB-ANALYSIS-NO-CALIBRATION",
+                      fmt::format("run {} stores no device of role \"{}\"", run.run, kScannerRole),
+                      "counts cannot be scaled without it: choose another run");
+}
+
+// The frames of one repeat by ordinal; null where missing.
+using Slots = std::vector<const db::FrameRecord*>;
+
+struct Noise {
+  std::vector<double> sum_of_squares;  // counts^2 about each frame's mean, per taxel
+  std::int64_t degrees = 0;            // of freedom, the same for all taxels
+  std::int64_t scans = 0, frames = 0;
+};
+
+Repeat make_repeat(const Slots& slots, double scale, Dataset& dataset, Noise& noise) {
+  const auto taxels = static_cast<std::size_t>(dataset.taxels());
+  Repeat repeat;
+  repeat.steps.reserve(slots.size());
+  repeat.volts.reserve(slots.size() * taxels);
+  for (const db::FrameRecord* frame : slots) {
+    repeat.steps.push_back({frame->setpoint_psi, frame->reference_psi});
+    const auto scans = static_cast<std::size_t>(frame->scans);
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+      double sum = 0.0, squares = 0.0;
+      for (std::size_t scan = 0; scan < scans; ++scan) {
+        const std::uint16_t count = frame->counts[scan * taxels + taxel];
+        if (count == kConverterLimit) dataset.at_limit[taxel] = true;
+        sum += count;
+      }
+      const double mean = sum / static_cast<double>(scans);
+      for (std::size_t scan = 0; scan < scans; ++scan) {
+        const double off = frame->counts[scan * taxels + taxel] - mean;
+        squares += off * off;
+      }
+      noise.sum_of_squares[taxel] += squares;
+      repeat.volts.push_back(mean * scale);
+    }
+    noise.degrees += frame->scans - 1;
+    noise.scans += frame->scans;
+    ++noise.frames;
+  }
+  return repeat;
+}
+
+void check_frame(const db::FrameRecord& frame, const Dataset& dataset, int frames_per_repeat) {
+  const auto expected = static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns) *
+                        static_cast<std::size_t>(frame.scans);
+  const bool geometry = frame.rows == dataset.rows && frame.columns == dataset.columns && frame.scans >= 1 &&
+                        frame.counts.size() == expected;
+  if (geometry && frame.ordinal >= 0 && frame.ordinal < frames_per_repeat && std::isfinite(frame.setpoint_psi) &&
+      std::isfinite(frame.reference_psi))
+    return;
+  throw AnalysisError(
+      "TB-ANALYSIS-FRAME",
+      fmt::format("run {}: frame {} of branch {} does not fit the run ({} x {} x {} scans, {} counts)", dataset.run,
+                  frame.ordinal, frame.branch, frame.rows, frame.columns, frame.scans, frame.counts.size()),
+      "check the store: tactbench db check");
+}
+
+}  // namespace
+
+Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
+  const db::RunRecord record = store.run(run);
+  const double scale = volts_per_count(record);
+  const std::vector<db::FrameRecord> frames = store.frames(run);
+  std::map<std::int64_t, db::BranchRecord> branches;
+  for (const db::BranchRecord& branch : store.branches(run)) branches.emplace(branch.branch, branch);
+
+  Dataset dataset;
+  dataset.run = run;
+  dataset.origin = record.origin;
+  dataset.sensor_serial = record.sensor_serial;
+  dataset.scanner_serial = record.scanner_serial;
+  if (!frames.empty()) {
+    dataset.rows = frames.front().rows;
+    dataset.columns = frames.front().columns;
+  }
+  const auto taxels = static_cast<std::size_t>(dataset.taxels());
+  dataset.noise_v.assign(taxels, 0.0);
+  dataset.at_limit.assign(taxels, false);
+
+  std::map<int, int> lengths;
+  for (const db::SequenceRecord& sequence : record.sequences) lengths[sequence.sequence] = sequence.frames_per_repeat;
+  std::map<std::pair<int, int>, Slots> repeats;  // by sequence, repeat
+  for (const db::FrameRecord& frame : frames) {
+    const auto branch = branches.find(frame.branch);
+    if (branch == branches.end() || !lengths.contains(branch->second.sequence))
+      throw AnalysisError("TB-ANALYSIS-FRAME", fmt::format("run {}: a frame belongs to no branch of the run", run),
+                          "check the store: tactbench db check");
+    if (branch->second.is_void) continue;
+    const int length = lengths[branch->second.sequence];
+    check_frame(frame, dataset, length);
+    Slots& slots = repeats[{branch->second.sequence, branch->second.repeat}];
+    slots.resize(static_cast<std::size_t>(length), nullptr);
+    const db::FrameRecord*& slot = slots[static_cast<std::size_t>(frame.ordinal)];
+    if (slot != nullptr)
+      throw AnalysisError("TB-ANALYSIS-FRAME",
+                          fmt::format("run {}: step {} of repeat {} is stored twice in branches that both count", run,
+                                      frame.ordinal, branch->second.repeat),
+                          "void one of the two branches: tactbench runs void");
+    slot = &frame;
+  }
+
+  Noise noise;
+  noise.sum_of_squares.assign(taxels, 0.0);
+  std::string missing;
+  for (const db::SequenceRecord& sequence : record.sequences) {
+    SequenceData data;
+    data.name = sequence.name;
+    std::int64_t best = 0;
+    for (int repeat = 0; repeat < sequence.repeats; ++repeat) {
+      const auto found = repeats.find({sequence.sequence, repeat});
+      if (found == repeats.end()) continue;
+      const auto absent = std::count(found->second.begin(), found->second.end(), nullptr);
+      if (absent == 0) data.repeats.push_back(make_repeat(found->second, scale, dataset, noise));
+      best = std::max(best, static_cast<std::int64_t>(found->second.size()) - absent);
+    }
+    if (data.repeats.empty())
+      missing += fmt::format("{}{}: {} of {} frames missing in the best repeat", missing.empty() ? "" : "; ",
+                             sequence.name, sequence.frames_per_repeat - best, sequence.frames_per_repeat);
+    else
+      dataset.sequences.push_back(std::move(data));
+  }
+  if (dataset.sequences.empty())
+    throw AnalysisError("TB-ANALYSIS-EMPTY",
+                        fmt::format("run {} has no complete repeat ({})", run,
+                                    missing.empty() ? std::string("it has no sequence") : missing),
+                        "resume the run or choose a completed one: tactbench runs list");
+  if (noise.degrees > 0) {
+    // Variance of one scan over the K that are averaged; never below the converter's own rounding.
+    const double mean_scans = static_cast<double>(noise.scans) / static_cast<double>(noise.frames);
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+      const double variance = std::max(noise.sum_of_squares[taxel] / static_cast<double>(noise.degrees), 1.0 / 12.0);
+      dataset.noise_v[taxel] = scale * std::sqrt(variance / mean_scans);
+    }
+  }
+  return dataset;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+
+#include "analysis/identify/identify.h"
+#include "analysis/workers.h"
+
+namespace tactbench::analysis {
+namespace {
+
+// One taxel's view of the common data.
+struct TaxelData {
+  std::vector<double> ascending_v, descending_v;
+  std::vector<TaxelBranch> branches;
+};
+
+TaxelData taxel_data(const std::vector<CommonSequence>& sequences, const ExternalLoop& loop, std::size_t width,
+                     std::size_t taxel) {
+  TaxelData data;
+  for (std::size_t i = 0; i < loop.pressure_psi.size(); ++i) {
+    data.ascending_v.push_back(loop.ascending_v[i * width + taxel]);
+    data.descending_v.push_back(loop.descending_v[i * width + taxel]);
+  }
+  for (const CommonSequence& sequence : sequences) {
+    for (const Branch& branch : sequence.branches) {
+      TaxelBranch own;
+      own.ascending = branch.ascending;
+      for (auto i = static_cast<std::size_t>(branch.first); i <= static_cast<std::size_t>(branch.last); ++i) {
+        own.pressure_psi.push_back(sequence.pressure_psi[i]);
+        own.volts.push_back(sequence.volts[i * width + taxel]);
+      }
+      data.branches.push_back(std::move(own));
+    }
+  }
+  return data;
+}
+
+std::pair<double, double> range_of(const TaxelData& data) {
+  double low = data.branches.front().volts.front(), high = low;
+  for (const TaxelBranch& branch : data.branches) {
+    const auto [a, b] = std::ranges::minmax_element(branch.volts);
+    low = std::min(low, *a);
+    high = std::max(high, *b);
+  }
+  return {low, high};
+}
+
+TaxelFit fit_taxel(const TaxelData& data, const std::vector<double>& grid, double noise, bool at_limit,
+                   const ArrayFitOptions& options) {
+  TaxelFit result;
+  result.noise_v = noise;
+  const auto [low, high] = range_of(data);
+  if (high - low < options.dead_v) {
+    result.status = std::abs(high) < options.dead_v ? TaxelStatus::kDead : TaxelStatus::kStuck;
+    return result;
+  }
+  if (at_limit) {
+    result.status = TaxelStatus::kSaturated;
+    return result;
+  }
+  // Both patterns start and end in the mean of the two measured ends [A11].
+  const double y0 = 0.5 * (data.ascending_v.front() + data.descending_v.front());
+  const double yu = 0.5 * (data.ascending_v.back() + data.descending_v.back());
+  if (yu - y0 < options.dead_v) return result;  // it moves, but not with pressure
+  const PatternCurve ascending(grid, data.ascending_v, y0, yu), descending(grid, data.descending_v, y0, yu);
+  result.fit = identify_elam(ascending, descending, data.branches, options.elam);
+  if (result.fit.mean_error_v <= options.unfit_share * result.fit.full_scale_v) result.status = TaxelStatus::kFitted;
+  return result;
+}
+
+double mean_of(const std::vector<double>& values, std::size_t first, std::size_t count) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) sum += values[first + i];
+  return sum / static_cast<double>(count);
+}
+
+void refuse_falling(const ExternalLoop& loop, std::size_t width, double dead_v) {
+  const std::size_t last = (loop.pressure_psi.size() - 1) * width;
+  const double start = 0.5 * (mean_of(loop.ascending_v, 0, width) + mean_of(loop.descending_v, 0, width));
+  const double end = 0.5 * (mean_of(loop.ascending_v, last, width) + mean_of(loop.descending_v, last, width));
+  if (start - end < dead_v) return;
+  throw AnalysisError("TB-ANALYSIS-FALLING",
+                      fmt::format("the mean output falls from {:.3f} V at {:g} psi to {:.3f} V at {:g} psi", start,
+                                  loop.pressure_psi.front(), end, loop.pressure_psi.back()),
+                      "only sensors whose output rises with pressure are modelled yet; check the wiring's sign");
+}
+
+// The mean over the fitted taxels as one more taxel.
+TaxelFit fit_mean(const std::vector<CommonSequence>& sequences, const ExternalLoop& loop, std::size_t width,
+                  const ArrayFit& fit, const ArrayFitOptions& options) {
+  std::vector<std::size_t> fitted;
+  double variance = 0.0;
+  for (std::size_t taxel = 0; taxel < width; ++taxel) {
+    if (fit.taxels[taxel].status != TaxelStatus::kFitted) continue;
+    fitted.push_back(taxel);
+    variance += fit.taxels[taxel].noise_v * fit.taxels[taxel].noise_v;
+  }
+  if (fitted.empty())
+    throw AnalysisError("TB-ANALYSIS-NO-TAXEL", fmt::format("run {}: no taxel could be fitted", fit.run),
+                        "look at the frames: dead, stuck and saturated taxels are left out");
+  const auto mean = [&](const std::vector<double>& volts) {
+    std::vector<double> result(volts.size() / width, 0.0);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      for (const std::size_t taxel : fitted) result[i] += volts[i * width + taxel];
+      result[i] /= static_cast<double>(fitted.size());
+    }
+    return result;
+  };
+  std::vector<CommonSequence> means;
+  for (const CommonSequence& sequence : sequences)
+    means.push_back({sequence.pressure_psi, mean(sequence.volts), sequence.branches});
+  const ExternalLoop mean_loop{loop.pressure_psi, mean(loop.ascending_v), mean(loop.descending_v)};
+  const double noise = std::sqrt(variance) / static_cast<double>(fitted.size());
+  return fit_taxel(taxel_data(means, mean_loop, 1, 0), loop.pressure_psi, noise, false, options);
+}
+
+}  // namespace
+
+const char* to_string(TaxelStatus status) {
+  switch (status) {
+    case TaxelStatus::kFitted:
+      return "fitted";
+    case TaxelStatus::kDead:
+      return "dead";
+    case TaxelStatus::kStuck:
+      return "stuck";
+    case TaxelStatus::kSaturated:
+      return "saturated";
+    case TaxelStatus::kUnfit:
+      return "unfit";
+  }
+  return "unfit";
+}
+
+ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options) {
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  std::vector<CommonSequence> sequences;
+  for (const SequenceData& sequence : dataset.sequences)
+    sequences.push_back(bring_to_common(sequence, dataset.taxels(), options.common));
+  const ExternalLoop loop = external_loop(sequences, dataset.taxels());
+  refuse_falling(loop, width, options.dead_v);
+
+  ArrayFit fit;
+  fit.rows = dataset.rows;
+  fit.columns = dataset.columns;
+  fit.run = dataset.run;
+  fit.origin = dataset.origin;
+  fit.sensor_serial = dataset.sensor_serial;
+  fit.scanner_serial = dataset.scanner_serial;
+  fit.pressure_psi = loop.pressure_psi;
+  fit.taxels.resize(width);
+  for_each_index(width, options.threads, [&](std::size_t taxel) {
+    fit.taxels[taxel] = fit_taxel(taxel_data(sequences, loop, width, taxel), loop.pressure_psi, dataset.noise_v[taxel],
+                                  dataset.at_limit[taxel], options);
+  });
+  fit.mean_taxel = fit_mean(sequences, loop, width, fit, options);
+  fit.full_scale_v = fit.mean_taxel.fit.full_scale_v;
+  return fit;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/identify.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr const char* kModelName = "elam";
+constexpr int kMeanTaxel = -1;
+
+db::FitTaxelRecord to_record(const TaxelFit& taxel, int number) {
+  db::FitTaxelRecord record;
+  record.taxel = number;
+  record.status = to_string(taxel.status);
+  record.noise_v = taxel.noise_v;
+  if (taxel.fit.model.ascending.x().empty()) return record;  // never came to a fit
+  const ElamParameters& p = taxel.fit.model.parameters;
+  record.parameters = {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a};
+  const auto up = taxel.fit.model.ascending.y(), down = taxel.fit.model.descending.y();
+  record.ascending_v.assign(up.begin(), up.end());
+  record.descending_v.assign(down.begin(), down.end());
+  record.j_v2 = taxel.fit.j_v2;
+  record.mean_error_v = taxel.fit.mean_error_v;
+  record.max_error_v = taxel.fit.max_error_v;
+  record.full_scale_v = taxel.fit.full_scale_v;
+  record.at_bound = static_cast<int>(taxel.fit.at_bound);
+  return record;
+}
+
+[[noreturn]] void malformed(std::int64_t run, const std::string& what) {
+  throw AnalysisError("TB-ANALYSIS-BAD-FIT", fmt::format("the stored fit of run {} cannot be read: {}", run, what),
+                      fmt::format("fit the run again: tactbench fit {}", run));
+}
+
+TaxelFit from_record(const db::FitTaxelRecord& record, const std::vector<double>& grid, const ElamOptions& options,
+                     std::int64_t run) {
+  TaxelFit taxel;
+  bool known = false;
+  for (const TaxelStatus status :
+       {TaxelStatus::kFitted, TaxelStatus::kDead, TaxelStatus::kStuck, TaxelStatus::kSaturated, TaxelStatus::kUnfit}) {
+    if (record.status != to_string(status)) continue;
+    taxel.status = status;
+    known = true;
+  }
+  if (!known) malformed(run, fmt::format("taxel {} has the status \"{}\"", record.taxel, record.status));
+  taxel.noise_v = record.noise_v;
+  if (record.parameters.empty() && taxel.status != TaxelStatus::kFitted) return taxel;
+  if (record.parameters.size() != kElamParameterNames.size() || record.ascending_v.size() != grid.size() ||
+      record.descending_v.size() != grid.size() || grid.size() < 2)
+    malformed(
+        run, fmt::format("taxel {} has {} parameters and {} + {} knots on a grid of {}", record.taxel,
+                         record.parameters.size(), record.ascending_v.size(), record.descending_v.size(), grid.size()));
+  const std::vector<double>&up = record.ascending_v, &down = record.descending_v, &p = record.parameters;
+  try {
+    taxel.fit.model = {PatternCurve(grid, up, up.front(), up.back()),
+                       PatternCurve(grid, down, down.front(), down.back()),
+                       {p[0], p[1], p[2], p[3], p[4]},
+                       options};
+  } catch (const std::invalid_argument& error) {
+    malformed(run, fmt::format("taxel {}: {}", record.taxel, error.what()));
+  }
+  taxel.fit.j_v2 = record.j_v2;
+  taxel.fit.mean_error_v = record.mean_error_v;
+  taxel.fit.max_error_v = record.max_error_v;
+  taxel.fit.full_scale_v = record.full_scale_v;
+  taxel.fit.at_bound = static_cast<unsigned>(record.at_bound);
+  return taxel;
+}
+
+nlohmann::json summary_of(const ArrayFit& fit) {
+  std::map<std::string, int> taxels;
+  double j = 0.0, mean = 0.0, worst = 0.0;
+  for (const TaxelFit& taxel : fit.taxels) {
+    ++taxels[to_string(taxel.status)];
+    if (taxel.status != TaxelStatus::kFitted) continue;
+    j += taxel.fit.j_v2;
+    mean += taxel.fit.mean_error_v;
+    worst = std::max(worst, taxel.fit.max_error_v);
+  }
+  const int fitted = taxels["fitted"];
+  return {{"j_v2", j}, {"mean_error_v", mean / std::max(fitted, 1)}, {"max_error_v", worst}, {"taxels", taxels}};
+}
+
+}  // namespace
+
+std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::string& program_version,
+                       const std::string& utc) {
+  db::FitRecord record;
+  record.run = fit.run;
+  record.model = kModelName;
+  record.options_json = nlohmann::json{{"exact_outer", fit.mean_taxel.fit.model.options.exact_outer}}.dump();
+  record.summary_json = summary_of(fit).dump();
+  record.program_version = program_version;
+  record.created_utc = utc;
+  record.patterns_json = nlohmann::json{
+      {"rows", fit.rows},
+      {"columns", fit.columns},
+      {"pressure_psi", fit.pressure_psi},
+      {"full_scale_v", fit.full_scale_v},
+      {"origin", fit.origin},
+      {"sensor_serial", fit.sensor_serial},
+      {"scanner_serial",
+       fit.scanner_serial}}.dump();
+  std::vector<db::FitTaxelRecord> taxels{to_record(fit.mean_taxel, kMeanTaxel)};
+  for (std::size_t i = 0; i < fit.taxels.size(); ++i) taxels.push_back(to_record(fit.taxels[i], static_cast<int>(i)));
+  return store.add_fit(record, taxels);
+}
+
+ArrayFit load_fit(const db::RunStore& store, std::int64_t run) {
+  const std::optional<db::FitRecord> record = store.latest_fit(run, kModelName);
+  if (!record)
+    throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored ELAM fit", run),
+                        fmt::format("make one: tactbench fit {}", run));
+  ArrayFit fit;
+  ElamOptions options;
+  fit.run = run;
+  try {
+    const auto patterns = nlohmann::json::parse(record->patterns_json);
+    patterns.at("rows").get_to(fit.rows);
+    patterns.at("columns").get_to(fit.columns);
+    patterns.at("pressure_psi").get_to(fit.pressure_psi);
+    patterns.at("full_scale_v").get_to(fit.full_scale_v);
+    patterns.at("origin").get_to(fit.origin);
+    patterns.at("sensor_serial").get_to(fit.sensor_serial);
+    patterns.at("scanner_serial").get_to(fit.scanner_serial);
+    nlohmann::json::parse(record->options_json).at("exact_outer").get_to(options.exact_outer);
+  } catch (const nlohmann::json::exception& error) {
+    malformed(run, error.what());
+  }
+  const std::vector<db::FitTaxelRecord> taxels = store.fit_taxels(record->fit);
+  if (fit.rows <= 0 || fit.columns <= 0) malformed(run, "it has no taxels");
+  const auto count = static_cast<std::size_t>(fit.rows) * static_cast<std::size_t>(fit.columns);
+  fit.taxels.resize(count);
+  std::vector<bool> seen(count + 1, false);  // the last: the mean taxel
+  for (const db::FitTaxelRecord& taxel : taxels) {
+    const bool mean = taxel.taxel == kMeanTaxel;
+    if (!mean && (taxel.taxel < 0 || static_cast<std::size_t>(taxel.taxel) >= count))
+      malformed(run, fmt::format("it holds a taxel {}", taxel.taxel));
+    const std::size_t index = mean ? count : static_cast<std::size_t>(taxel.taxel);
+    (mean ? fit.mean_taxel : fit.taxels[index]) = from_record(taxel, fit.pressure_psi, options, run);
+    seen[index] = true;
+  }
+  if (std::ranges::find(seen, false) != seen.end()) malformed(run, "a taxel is missing");
+  return fit;
+}
+
+}  // namespace tactbench::analysis

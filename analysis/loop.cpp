@@ -1,0 +1,185 @@
+#include "analysis/loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr double kEndShare = 0.01;  // a sweep is full when it starts and ends this near to the ends of the range
+
+// dV/dp of `repeat` at step i within its branch, by central difference of measured pressures.
+class LocalSlope {
+ public:
+  LocalSlope(const Repeat& repeat, const Branch& branch, int step) {
+    before_ = static_cast<std::size_t>(std::max(step - 1, branch.first));
+    after_ = static_cast<std::size_t>(std::min(step + 1, branch.last));
+    const Sample &a = repeat.steps[before_], &b = repeat.steps[after_];
+    const double commanded = b.setpoint_psi - a.setpoint_psi;
+    double moved = b.reference_psi - a.reference_psi;
+    // Where the reference hardly moved (or back) the quotient is noise over nothing: the commanded step serves.
+    if (moved * commanded <= 0.1 * commanded * commanded) moved = commanded;
+    inverse_ = moved == 0.0 ? 0.0 : 1.0 / moved;
+  }
+  [[nodiscard]] double operator()(const Repeat& repeat, std::size_t taxels, std::size_t taxel) const {
+    return (repeat.volts[after_ * taxels + taxel] - repeat.volts[before_ * taxels + taxel]) * inverse_;
+  }
+
+ private:
+  std::size_t before_ = 0, after_ = 0;
+  double inverse_ = 0.0;
+};
+
+// The branch by which step i was reached (the turning sample belongs to the one that ends there [A7]).
+const Branch& branch_of(const std::vector<Branch>& branches, int step) {
+  const auto found = std::ranges::find_if(branches, [&](const Branch& b) { return step <= b.last; });
+  return *found;
+}
+
+void check_alike(const SequenceData& sequence, const CommonOptions& options, int last) {
+  if (options.first_repeat < 0 || last >= static_cast<int>(sequence.repeats.size()) || options.first_repeat > last)
+    throw AnalysisError("TB-ANALYSIS-REPEATS", "sequence " + sequence.name + " does not have the repeats asked for",
+                        "name repeats that are complete");
+  const std::vector<Sample>& first = sequence.repeats[static_cast<std::size_t>(options.first_repeat)].steps;
+  for (int r = options.first_repeat; r <= last; ++r) {
+    const std::vector<Sample>& steps = sequence.repeats[static_cast<std::size_t>(r)].steps;
+    if (!std::ranges::equal(steps, first, {}, &Sample::setpoint_psi, &Sample::setpoint_psi))
+      throw AnalysisError("TB-ANALYSIS-REPEATS", "the repeats of sequence " + sequence.name + " have other set-points",
+                          "analyse runs of one recipe only");
+  }
+}
+
+}  // namespace
+
+std::vector<Branch> branches_of(std::span<const Sample> steps) {
+  std::vector<Branch> branches;
+  if (steps.size() < 2) return branches;
+  Branch current;
+  bool known = false;  // leading equal samples have no direction yet: they join the first branch
+  for (std::size_t i = 1; i < steps.size(); ++i) {
+    const double rise = steps[i].setpoint_psi - steps[i - 1].setpoint_psi;
+    const int here = static_cast<int>(i);
+    if (rise != 0.0 && !known) {
+      current.ascending = rise > 0.0;
+      known = true;
+    } else if (rise != 0.0 && (rise > 0.0) != current.ascending) {
+      branches.push_back(current);
+      current = {current.last, here, rise > 0.0};
+    }
+    current.last = here;
+  }
+  if (known) branches.push_back(current);
+  return branches;
+}
+
+CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options) {
+  const int last = options.last_repeat < 0 ? static_cast<int>(sequence.repeats.size()) - 1 : options.last_repeat;
+  check_alike(sequence, options, last);
+  const auto width = static_cast<std::size_t>(taxels);
+  const std::vector<Sample>& steps = sequence.repeats[static_cast<std::size_t>(options.first_repeat)].steps;
+  const double weight = 1.0 / (last - options.first_repeat + 1);
+
+  CommonSequence common;
+  common.branches = branches_of(steps);
+  common.pressure_psi.assign(steps.size(), 0.0);
+  common.volts.assign(steps.size() * width, 0.0);
+  if (common.branches.empty())
+    throw AnalysisError("TB-ANALYSIS-NO-LOOP", "sequence " + sequence.name + " never changes its pressure",
+                        "run a recipe with turning points");
+  for (int r = options.first_repeat; r <= last; ++r) {
+    const Repeat& repeat = sequence.repeats[static_cast<std::size_t>(r)];
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const Sample& sample = repeat.steps[i];
+      const double* volts = &repeat.volts[i * width];
+      double* sum = &common.volts[i * width];
+      if (!options.move_to_setpoint) {
+        common.pressure_psi[i] += weight * sample.reference_psi;
+        for (std::size_t taxel = 0; taxel < width; ++taxel) sum[taxel] += weight * volts[taxel];
+        continue;
+      }
+      common.pressure_psi[i] = sample.setpoint_psi;
+      const int step = static_cast<int>(i);
+      const LocalSlope slope(repeat, branch_of(common.branches, step), step);
+      const double move = sample.setpoint_psi - sample.reference_psi;
+      for (std::size_t taxel = 0; taxel < width; ++taxel)
+        sum[taxel] += weight * (volts[taxel] + slope(repeat, width, taxel) * move);
+    }
+  }
+  return common;
+}
+
+namespace {
+
+struct Sweep {
+  const CommonSequence* sequence;
+  const Branch* branch;
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(branch->last - branch->first) + 1; }
+  // The k-th step counted from the low-pressure end.
+  [[nodiscard]] std::size_t step(std::size_t k) const {
+    return static_cast<std::size_t>(branch->ascending ? branch->first + static_cast<int>(k)
+                                                      : branch->last - static_cast<int>(k));
+  }
+  [[nodiscard]] double pressure(std::size_t k) const { return sequence->pressure_psi[step(k)]; }
+};
+
+// Adds weight x the sweep's outputs at the grid's pressures, linear between its steps (and beyond, for the small
+// differences of measured end pressures).
+void add_sweep(const Sweep& sweep, std::span<const double> grid, std::size_t taxels, double weight,
+               std::vector<double>& sum) {
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    while (k + 2 < sweep.size() && sweep.pressure(k + 1) <= grid[i]) ++k;
+    const double low = sweep.pressure(k), high = sweep.pressure(k + 1);
+    const double share = high > low ? (grid[i] - low) / (high - low) : 0.0;
+    const double* a = &sweep.sequence->volts[sweep.step(k) * taxels];
+    const double* b = &sweep.sequence->volts[sweep.step(k + 1) * taxels];
+    for (std::size_t taxel = 0; taxel < taxels; ++taxel)
+      sum[i * taxels + taxel] += weight * (a[taxel] + share * (b[taxel] - a[taxel]));
+  }
+}
+
+}  // namespace
+
+ExternalLoop external_loop(std::span<const CommonSequence> sequences, int taxels) {
+  double low = 0.0, high = 0.0;
+  bool any = false;
+  for (const CommonSequence& sequence : sequences) {
+    for (const double pressure : sequence.pressure_psi) {
+      low = any ? std::min(low, pressure) : pressure;
+      high = any ? std::max(high, pressure) : pressure;
+      any = true;
+    }
+  }
+  const double near = kEndShare * (high - low);
+  std::vector<Sweep> up, down;
+  for (const CommonSequence& sequence : sequences) {
+    for (const Branch& branch : sequence.branches) {
+      const Sweep sweep{&sequence, &branch};
+      if (sweep.pressure(0) - low > near || high - sweep.pressure(sweep.size() - 1) > near) continue;
+      (branch.ascending ? up : down).push_back(sweep);
+    }
+  }
+  if (!any || up.empty() || down.empty())
+    throw AnalysisError(
+        "TB-ANALYSIS-NO-LOOP",
+        up.empty() ? "no sweep rises over the full pressure range" : "no sweep falls over the full pressure range",
+        "run a recipe that goes from its lowest to its highest pressure and back without a turn");
+  const Sweep& finest = *std::ranges::max_element(up, {}, &Sweep::size);
+  ExternalLoop loop;
+  for (std::size_t k = 0; k < finest.size(); ++k) {
+    const double pressure = finest.pressure(k);
+    // A held step (or, with measured pressures, one that did not advance) gives no new grid point.
+    if (loop.pressure_psi.empty() || pressure > loop.pressure_psi.back()) loop.pressure_psi.push_back(pressure);
+  }
+  const auto width = static_cast<std::size_t>(taxels);
+  loop.ascending_v.assign(loop.pressure_psi.size() * width, 0.0);
+  loop.descending_v = loop.ascending_v;
+  for (const Sweep& sweep : up)
+    add_sweep(sweep, loop.pressure_psi, width, 1.0 / static_cast<double>(up.size()), loop.ascending_v);
+  for (const Sweep& sweep : down)
+    add_sweep(sweep, loop.pressure_psi, width, 1.0 / static_cast<double>(down.size()), loop.descending_v);
+  return loop;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,144 @@
+#include "analysis/report/html.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+
+namespace tactbench::analysis::html {
+namespace {
+
+constexpr double kKilopascalsPerPsi = 6.894757293168361;  // NIST SP 811, appendix B
+constexpr std::string_view kReplacement = "\uFFFD";
+constexpr std::string_view kNotAvailable = "not available";
+
+struct CodePoint {
+  std::uint32_t value = 0;
+  std::size_t bytes = 1;
+  bool valid = false;
+};
+
+// One UTF-8 sequence (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF).
+CodePoint decode(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+  const std::uint32_t lead = byte(0);
+  if (lead < 0x80) return {lead, 1, true};
+  const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+  if (lead < 0xC2 || lead > 0xF4 || text.size() < length) return {};
+  std::uint32_t value = lead & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0u) != 0x80u) return {};
+    value = (value << 6) | (byte(i) & 0x3Fu);
+  }
+  const bool overlong = (length == 3 && value < 0x800) || (length == 4 && value < 0x10000);
+  if (overlong || (value >= 0xD800 && value <= 0xDFFF) || value > 0x10FFFF) return {};
+  return {value, length, true};
+}
+
+// XML 1.0 production Char without C1 controls and non-characters; overrides of direction would let a name rewrite
+// what stands beside it.
+bool printable(std::uint32_t c) {
+  if (c < 0x20) return c == '\t' || c == '\n';
+  if (c >= 0x7F && c <= 0x9F) return false;
+  if ((c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069)) return false;
+  return (c & 0xFFFEu) != 0xFFFEu && !(c >= 0xFDD0 && c <= 0xFDEF);
+}
+
+std::string escape(std::string_view untrusted, bool in_attribute) {
+  std::string out;
+  out.reserve(untrusted.size() + untrusted.size() / 8);
+  while (!untrusted.empty()) {
+    const CodePoint c = decode(untrusted);
+    const std::string_view bytes = untrusted.substr(0, c.bytes);
+    untrusted.remove_prefix(c.bytes);
+    if (!c.valid || !printable(c.value)) {
+      out += kReplacement;
+    } else if (c.value == '&') {
+      out += "&amp;";
+    } else if (c.value == '<') {
+      out += "&lt;";
+    } else if (c.value == '>') {
+      out += "&gt;";
+    } else if (c.value == '"') {
+      out += "&quot;";
+    } else if (c.value == '\'') {
+      out += "&#39;";
+    } else if (in_attribute && c.value < 0x20) {
+      out += fmt::format("&#{};", c.value);  // XML would turn a raw tab or line end into a space
+    } else {
+      out += bytes;
+    }
+  }
+  return out;
+}
+
+// "-0.00" is a rounding artefact: zero has no sign here.
+std::string visible(std::string digits) {
+  if (digits.empty() || digits.front() != '-') return digits;
+  digits.erase(0, 1);
+  if (digits.find_first_of("123456789") == std::string::npos) return digits;
+  return "\u2212" + digits;
+}
+
+std::string fixed_string(double number, int digits) {
+  if (!std::isfinite(number)) return std::string(kNotAvailable);
+  return visible(fmt::format("{:.{}f}", number, digits));
+}
+
+}  // namespace
+
+Text::Text(std::string_view untrusted) : Safe{escape(untrusted, false)} {}
+Attribute::Attribute(std::string_view untrusted) : Safe{escape(untrusted, true)} {}
+
+CssNumber::CssNumber(double number, int digits) {
+  if (!std::isfinite(number)) throw std::invalid_argument("a coordinate of the report is not finite");
+  value = fmt::format("{:.{}f}", number, digits);
+  if (value.find('.') != std::string::npos) {
+    value.erase(value.find_last_not_of('0') + 1);
+    if (value.back() == '.') value.pop_back();
+  }
+  if (value == "-0") value = "0";
+}
+
+JsonInHtml::JsonInHtml(std::string_view json) {
+  value.reserve(json.size() + json.size() / 16);
+  for (const char c : json) {
+    if (c == '<') {
+      value += "\\u003c";
+    } else if (c == '>') {
+      value += "\\u003e";
+    } else if (c == '&') {
+      value += "\\u0026";
+    } else {
+      value += c;
+    }
+  }
+}
+
+Text fixed(double number, int digits) { return Text(fixed_string(number, digits)); }
+
+Text percent(double share, int digits) { return fixed(100.0 * share, digits); }
+
+Text significant(double number, int digits) {
+  if (!std::isfinite(number)) return Text(kNotAvailable);
+  std::string out = visible(fmt::format("{:.{}g}", number, digits));
+  // 1e-05 reads as 1×10 to the power of −5 only to programmers.
+  const std::size_t e = out.find('e');
+  if (e == std::string::npos) return Text(out);
+  const int power = std::stoi(out.substr(e + 1));
+  return Text(fmt::format("{} × 10^{}", out.substr(0, e), visible(fmt::format("{}", power))));
+}
+
+Text kilopascals(double pressure_psi, int digits) { return fixed(pressure_psi * kKilopascalsPerPsi, digits); }
+
+Text psi(double pressure_psi, int digits) {
+  if (!std::isfinite(pressure_psi)) return Text(kNotAvailable);
+  return Text(fixed_string(pressure_psi, digits) + "\u00A0psi (" +
+              fixed_string(pressure_psi * kKilopascalsPerPsi, std::max(0, digits - 1)) + "\u00A0kPa)");
+}
+
+Text stated(std::string_view untrusted) {
+  return Text(untrusted.find_first_not_of(" \t\r\n") == std::string_view::npos ? "not stated" : untrusted);
+}
+
+}  // namespace tactbench::analysis::html

@@ -1,0 +1,81 @@
+// Typed pieces of the report's markup: each escaper has a type of its own and `markup` accepts nothing else, so that a
+// bare string cannot reach the page. The result is HTML that is also well-formed XML 1.0.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <concepts>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace tactbench::analysis::html {
+
+struct Safe {
+  std::string value;
+};
+
+// Finished markup.
+struct Markup : Safe {
+  Markup& operator+=(const Markup& other) {
+    value += other.value;
+    return *this;
+  }
+  // Text of our own source, taken as it is (CSS, whose braces `markup` would read as fields).
+  template <std::size_t N>
+  static Markup literal(const char (&source)[N]) {
+    Markup out;
+    out.value.assign(source, N - 1);
+    return out;
+  }
+};
+
+// Between tags. Bytes that are not UTF-8, characters that XML forbids and bidirectional overrides become U+FFFD.
+struct Text : Safe {
+  explicit Text(std::string_view untrusted);
+};
+
+// Between the double quotes of an attribute.
+struct Attribute : Safe {
+  explicit Attribute(std::string_view untrusted);
+};
+
+// A coordinate or length, at most `digits` decimals. Throws std::invalid_argument when not finite.
+struct CssNumber : Safe {
+  explicit CssNumber(double number, int digits = 2);
+};
+
+// A JSON text inside <script type="application/json">: `<`, `>` and `&` as \uXXXX. `json` must be valid JSON in ASCII.
+struct JsonInHtml : Safe {
+  explicit JsonInHtml(std::string_view json);
+};
+
+template <class T>
+concept Piece = std::derived_from<T, Safe> || (std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, char>);
+
+template <Piece... Pieces>
+Markup markup(fmt::format_string<const Pieces&...> format, const Pieces&... pieces) {
+  Markup out;
+  out.value = fmt::format(format, pieces...);
+  return out;
+}
+
+// Numbers for the reader: C locale, half to even, U+2212 for a minus, "not available" when not finite.
+Text fixed(double number, int digits);
+Text percent(double share, int digits);  // 0.253 -> "25.3", without the sign
+Text significant(double number, int digits);
+Text psi(double pressure_psi, int digits);          // "10.00 psi (68.95 kPa)"
+Text kilopascals(double pressure_psi, int digits);  // the figure alone
+// A typed field: "not stated" when empty or blank.
+Text stated(std::string_view untrusted);
+
+}  // namespace tactbench::analysis::html
+
+template <class T>
+  requires std::derived_from<T, tactbench::analysis::html::Safe>
+struct fmt::formatter<T> : fmt::formatter<std::string_view> {
+  template <class Context>
+  auto format(const tactbench::analysis::html::Safe& piece, Context& context) const {
+    return fmt::formatter<std::string_view>::format(piece.value, context);
+  }
+};

@@ -1,0 +1,94 @@
+#include "analysis/report/style.h"
+
+#include <stdexcept>
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr char kRules[] = R"(
+html { color: #1a1a1a; background: #ffffff; font: 14px/1.45 "DejaVu Sans", "Liberation Sans", Arial, sans-serif;
+  print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+body { margin: 0; }
+header, main, footer { max-width: 720px; margin: 0 auto; padding: 0 16px; }
+h1 { font-size: 26px; margin: 24px 0 4px; }
+h2 { font-size: 18px; margin: 32px 0 8px; padding-top: 6px; border-top: 2px solid #1a1a1a; break-after: avoid; }
+h3 { font-size: 14px; margin: 20px 0 6px; break-after: avoid; }
+p { margin: 6px 0; }
+a { color: #00507d; }
+.banner { position: sticky; top: 0; z-index: 1; background: #aa1111; color: #ffffff; text-align: center;
+  font-weight: bold; letter-spacing: .06em; padding: 6px 16px; }
+.number { font-size: 16px; font-weight: bold; }
+.note { color: #444444; font-size: 12px; }
+nav ul { display: flex; flex-wrap: wrap; gap: 2px 18px; list-style: none; padding: 0; font-size: 12px; }
+code { font-family: "DejaVu Sans Mono", "Liberation Mono", monospace; font-size: 11px; overflow-wrap: anywhere; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; margin: 8px 0 12px; font-size: 12px; }
+caption { text-align: left; font-weight: bold; padding: 6px 0 4px; break-after: avoid; }
+thead { display: table-header-group; }
+tr { break-inside: avoid; }
+th, td { text-align: left; vertical-align: top; padding: 3px 8px 3px 0; border-bottom: 1px solid #c8c8c8;
+  overflow-wrap: anywhere; }
+thead th { border-bottom: 1.5px solid #1a1a1a; vertical-align: bottom; overflow-wrap: normal; }
+th { font-weight: 600; }
+th[scope=row] { min-width: 7em; }
+th[scope=colgroup] { text-align: center; border-left: 1px solid #c8c8c8; }
+th[scope=colgroup]:first-child { border-left: 0; }
+table.pairs th { width: 32%; font-weight: normal; color: #444444; }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
+table.levels { font-size: 11px; }
+table.levels th[scope=row] { min-width: 0; }
+table.levels td:last-child { min-width: 11em; padding-left: 6px; }
+table.levels th, table.levels td { padding: 2px 5px 2px 0; }
+table.strip { table-layout: fixed; font-size: 11px; break-inside: avoid; }
+table.strip th, table.strip td { padding: 3px 2px; text-align: center; border: 0; overflow-wrap: normal; }
+table.strip th[scope=row] { width: 62px; min-width: 0; text-align: left; vertical-align: middle; font-weight: 600; }
+.pass { color: #1b6e3c; font-weight: bold; }
+.fail, .worse { color: #aa1111; font-weight: bold; }
+.doubt { color: #8a5a00; font-weight: bold; }
+.sign { font-family: "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif; }
+.keep { break-inside: avoid; }
+figure { margin: 10px 0 16px; break-inside: avoid; }
+figcaption { font-size: 12px; color: #444444; }
+.pair { display: flex; flex-wrap: wrap; gap: 0 12px; }
+.pair figure { flex: 1 1 300px; min-width: 0; }
+svg { max-width: 100%; vertical-align: middle; }
+svg.chart, svg.map { height: auto; }
+svg text { font: 11px "DejaVu Sans", "Liberation Sans", Arial, sans-serif; fill: #1a1a1a; }
+svg text.cell { font-size: 9px; text-anchor: middle; fill: inherit; }
+.grid { stroke: #dddddd; stroke-width: 1; fill: none; }
+.axis { stroke: #1a1a1a; stroke-width: 1; fill: none; }
+.cross { stroke: #aa1111; stroke-width: .14; fill: none; }
+.scale { font-size: 12px; }
+.scale svg { margin: 0 6px; }
+footer { border-top: 2px solid #1a1a1a; margin-top: 32px; padding-top: 8px; padding-bottom: 24px; font-size: 12px; }
+@media print {
+  html { font-size: 12px; }
+  .banner { position: static; }
+  nav { display: none; }
+  header, main, footer { max-width: none; padding: 0; }
+  .wide { overflow: visible; }
+  h2 { margin-top: 22px; }
+}
+)";
+
+// Margin boxes work in Chromium since 131 and in WeasyPrint.
+constexpr char kPaper[] = R"(@page {{ size: A4; margin: 20mm 14mm 18mm;
+  @top-center {{ content: "{0}"; font: bold 10px "DejaVu Sans", sans-serif; color: {1}; }}
+  @bottom-left {{ content: "Calibration report {2}"; font: 9px "DejaVu Sans", sans-serif; color: #444444; }}
+  @bottom-right {{ content: "page " counter(page) " of " counter(pages); font: 9px "DejaVu Sans", sans-serif;
+    color: #444444; }} }}
+)";
+
+}  // namespace
+
+html::Markup style_sheet(const std::string& number, bool simulated) {
+  if (number.find_first_not_of("0123456789abcdef-") != std::string::npos) {
+    throw std::invalid_argument("a report number has digits, a-f and hyphens only");
+  }
+  html::Markup out = html::Markup::literal(kRules);
+  out += html::markup(kPaper, html::Text(simulated ? "SIMULATED DEVICES - NOT A MEASUREMENT OF A REAL SENSOR" : ""),
+                      html::Text(simulated ? "#aa1111" : "#444444"), html::Text(number));
+  return out;
+}
+
+}  // namespace tactbench::analysis

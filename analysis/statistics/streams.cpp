@@ -1,0 +1,72 @@
+#include "analysis/statistics/streams.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/workers.h"
+
+namespace tactbench::analysis {
+namespace {
+
+CompensatedSequence empty_sequence(const SequenceData& data, int taxels) {
+  CompensatedSequence sequence;
+  sequence.raw = bring_to_common(data, taxels);
+  const std::size_t steps = sequence.raw.pressure_psi.size();
+  sequence.pressure = {sequence.raw.pressure_psi, std::vector<double>(sequence.raw.volts.size(), 0.0),
+                       sequence.raw.branches};
+  sequence.flat = sequence.pressure;
+  sequence.unmoved_psi.assign(sequence.raw.volts.size(), 0.0);
+  sequence.reference_psi.assign(steps, 0.0);
+  for (const Repeat& repeat : data.repeats)
+    for (std::size_t i = 0; i < steps; ++i)
+      sequence.reference_psi[i] += repeat.steps[i].reference_psi / static_cast<double>(data.repeats.size());
+  return sequence;
+}
+
+void add_error(TaxelErrors& errors, double error, bool flat) {
+  ++errors.frames;
+  errors.sum_psi += error;
+  errors.max_psi = std::max(errors.max_psi, error);
+  if (flat) return;
+  ++errors.observable;
+  errors.sum_observable_psi += error;
+  errors.max_observable_psi = std::max(errors.max_observable_psi, error);
+}
+
+}  // namespace
+
+CompensatedStreams compensate_all(const Dataset& dataset, const ArrayFit& fit, int threads) {
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  CompensatedStreams streams;
+  streams.errors.resize(width);
+  for (const SequenceData& data : dataset.sequences)
+    streams.sequences.push_back(empty_sequence(data, dataset.taxels()));
+
+  for_each_index(width, threads, [&](std::size_t taxel) {
+    const TaxelFit& own = fit.taxels[taxel];
+    if (own.status != TaxelStatus::kFitted) return;
+    CompensatorOptions options;
+    options.noise_v = own.noise_v;
+    TaxelCompensator compensator(own.fit.model, options);
+    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+      const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
+      CompensatedSequence& sequence = streams.sequences[s];
+      const double weight = 1.0 / static_cast<double>(repeats.size());
+      for (const Repeat& repeat : repeats) {
+        for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+          const Compensated now = compensator.step(repeat.volts[i * width + taxel]);
+          const Sample& sample = repeat.steps[i];
+          const std::size_t at = i * width + taxel;
+          sequence.unmoved_psi[at] += weight * now.pressure_psi;
+          sequence.pressure.volts[at] += weight * (now.pressure_psi + sample.setpoint_psi - sample.reference_psi);
+          sequence.flat.volts[at] += now.flat ? weight : 0.0;
+          add_error(streams.errors[taxel], std::abs(now.pressure_psi - sample.reference_psi), now.flat);
+        }
+      }
+    }
+  });
+  return streams;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,13 @@
+// Splits independent pieces of work over threads; what each piece computes does not depend on how many there are.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace tactbench::analysis {
+
+// Calls work(0..count-1), each once, on `threads` threads (0: as many as there are cores). Rethrows the exception of
+// the lowest index that failed, after all threads have ended.
+void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "bench/cli/session.h"
+#include "build_info.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+const char* const kFooter = R"(
+Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link,
+  4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified,
+  70 internal error, 130/143 ended by a signal. Ctrl-C ends a run: it vents, proves the safe state and keeps all frames.
+First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
+
+// CLI11 says no more than "a subcommand is required" to a misspelled verb.
+void check_verb(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  const std::string given = argv[1];
+  if (std::find(verbs.begin(), verbs.end(), given) != verbs.end()) return;
+  const std::string near = sequences::nearest_word(given, verbs);
+  throw Error(
+      ExitCode::kUsage, "TB-USAGE", fmt::format("there is no verb '{}'", given), "command line",
+      near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near));
+}
+
+int report(const Error& error, const Session& session) {
+  if (session.json) fmt::print("{}", error_json(error));
+  fmt::print(stderr, "{}", error_text(error));
+  return static_cast<int>(error.code());
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  Session session;
+  for (int i = 1; i < argc; ++i) session.json = session.json || std::string(argv[i]) == "--json";
+  CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
+               "tactbench");
+  app.set_version_flag("--version", fmt::format("tactbench {} (commit {}{}; {})", TACTBENCH_VERSION, TACTBENCH_COMMIT,
+                                                TACTBENCH_DIRTY ? ", modified" : "", TACTBENCH_BUILD));
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  add_demo(app, session);
+  add_init(app, session);
+  add_plan(app, session);
+  add_run(app, session);
+  add_fit(app, session);
+  add_report(app, session);
+  add_runs(app, session);
+  add_sensors(app, session);
+  try {
+    check_verb(app, argc, argv);
+    app.parse(argc, argv);
+    std::fflush(stdout);
+    return static_cast<int>(session.code);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForAllHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app.exit(version);
+  } catch (const CLI::ParseError& error) {
+    return report(Error(ExitCode::kUsage, "TB-USAGE", error.what(), "command line",
+                        "tactbench --help, or tactbench VERB --help, lists what is taken"),
+                  session);
+  } catch (...) {
+    return report(as_error(std::current_exception()), session);
+  }
+}
+
+}  // namespace tactbench::bench

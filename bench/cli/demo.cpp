@@ -1,0 +1,149 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/evaluation.h"
+#include "bench/run/locks.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct Options {
+  std::uint64_t seed = 1, sensor_seed = 1;
+  std::string output;
+  bool timing = false;
+};
+
+class Stopwatch {
+ public:
+  void lap(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    laps_.emplace_back(stage, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+  [[nodiscard]] const std::vector<std::pair<std::string, double>>& laps() const { return laps_; }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::vector<std::pair<std::string, double>> laps_;
+};
+
+// The four runs: what the models are made from, and three that they never saw.
+struct DemoRun {
+  std::string title;
+  std::vector<std::string> set;
+  std::uint64_t seed_offset;
+};
+
+const std::vector<DemoRun>& demo_runs() {
+  static const std::vector<DemoRun> runs = {
+      {"characterization", {}, 0},
+      {"held-out run", {"recipe.repeats=1"}, 1},
+      {"re-mounted", {"recipe.repeats=1", "simulation.mount_seed=1", "simulation.effects.remount_variation=0.03"}, 2},
+      {"one month later, +5 °C",
+       {"recipe.repeats=1", "simulation.temperature_c=28", "simulation.age_months=1",
+        "simulation.effects.gain_drift_per_month=0.01", "simulation.effects.zero_drift_v_per_month=0.01"},
+       3},
+  };
+  return runs;
+}
+
+std::int64_t carry_out(const DemoRun& demo, const Options& options, const db::SensorRecord& sensor, db::RunStore& store,
+                       const Session& session) {
+  const SplitOverrides overrides = split_overrides(demo.set);
+  RunRequest request;
+  request.bench = read_bench(find_config("simulated.toml"), overrides.bench,
+                             {options.seed + demo.seed_offset, options.sensor_seed});
+  for (const char* name : {"descending", "ascending"}) {
+    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
+  }
+  request.overrides = overrides.all;
+  request.sensor = sensor;
+  request.sensor_type = parse_sensor_type(sensor.type_toml, "sensor type");
+  request.operator_name = "demo";
+  request.purpose = "demo: " + demo.title;
+  request.label = demo.title;
+  Progress progress(Progress::mode_for(session.quiet));
+  const RunResult result = characterize(request, store, progress);
+  if (result.error) throw *result.error;
+  if (!session.json) {
+    fmt::print("run {}: {}, {} frames, {}\n", result.run, demo.title, result.frames, result.safe_text);
+  }
+  return result.run;
+}
+
+void demo(const Options& options, Session& session) {
+  Stopwatch watch;
+  const BenchConfig bench = read_bench(find_config("simulated.toml"), {});
+  db::RunStore store = open_for_running(session.db, bench);
+  const RunLock lock(session.db);
+  const SensorType type = read_sensor_type(find_config("sensor.toml"));
+  const std::string serial = fmt::format("SIM-{:04}", options.sensor_seed);
+  if (!store.sensor(serial)) {
+    store.add_sensor({serial, type.name, type.text, db::sha256_hex(type.text), bench.simulation->scanner_serial,
+                      "simulated array of the demo", utc_now()});
+  }
+  const db::SensorRecord sensor = *store.sensor(serial);
+  std::vector<std::int64_t> numbers;
+  std::vector<std::string> titles;
+  for (const DemoRun& run : demo_runs()) {
+    numbers.push_back(carry_out(run, options, sensor, store, session));
+    watch.lap(run.title);
+    if (numbers.size() > 1) titles.push_back(run.title);
+  }
+  const analysis::ArrayFit fit = fit_run(store, numbers.front());
+  watch.lap("identification");
+  const std::vector<NamedEvaluation> evaluations =
+      evaluate_runs(store, fit, {numbers.begin() + 1, numbers.end()}, titles);
+  watch.lap("compensation");
+  // The demo is judged on the held-out run: frames that no model has seen.
+  const std::vector<db::VerdictRecord> verdicts = judge_and_store(store, fit, evaluations[1].evaluation, "limits.toml");
+  std::string number;
+  const std::string path = write_report(store, fit, evaluations, verdicts, options.output, &number);
+  watch.lap("report");
+  session.code = exit_code_of(verdicts);
+  const std::string origin = store.run(numbers.front()).origin;
+  if (session.json) {
+    nlohmann::ordered_json json = {{"origin", origin}, {"runs", numbers}, {"report", path}, {"report_number", number}};
+    json["evaluations"] = nlohmann::ordered_json::array();
+    for (const NamedEvaluation& named : evaluations) json["evaluations"].push_back(evaluation_json(named));
+    json["verdicts"] = verdicts_json(verdicts, origin);
+    for (const auto& [stage, seconds] : watch.laps()) json["timing_s"][stage] = seconds;
+    print_json("demo", json);
+    return;
+  }
+  fmt::print(
+      "\nSIMULATED DATA. Hysteresis of the mean taxel, raw: {:.1f} % FS max, {:.1f} % mean (paper: 25.3, 10.0)\n\n{}\n",
+      100.0 * evaluations[0].evaluation.hysteresis_max_fs, 100.0 * evaluations[0].evaluation.hysteresis_mean_fs,
+      figures_table(evaluations));
+  fmt::print("verdicts on the held-out run:\n{}\n", verdict_table(verdicts, origin));
+  if (options.timing) {
+    double total = 0.0;
+    for (const auto& [stage, seconds] : watch.laps()) {
+      fmt::print("{:<26}{:>8.2f} s\n", stage, seconds);
+      total += seconds;
+    }
+    fmt::print("{:<26}{:>8.2f} s\n\n", "all", total);
+  }
+  fmt::print("report {}: {}\n", number, path);
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "demo", "the paper's whole characterization on the simulated rig, models, held-out runs, verdicts and report");
+  verb->add_option("--seed", options->seed, "noise")->capture_default_str();
+  verb->add_option("--sensor-seed", options->sensor_seed, "makes the array")->capture_default_str();
+  verb->add_option("-o,--output", options->output, "report file (default: reports/run-N.html beside the store)");
+  verb->add_flag("--timing", options->timing, "print the time of each stage");
+  add_common(*verb, session);
+  verb->callback([options, &session] { demo(*options, session); });
+}
+
+}  // namespace tactbench::bench

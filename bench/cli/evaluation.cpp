@@ -1,0 +1,75 @@
+#include "bench/cli/evaluation.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "build_info.h"
+
+namespace tactbench::bench {
+
+analysis::ArrayFit fit_run(db::RunStore& store, std::int64_t run) {
+  const analysis::ArrayFit fit = analysis::fit_array(analysis::load_dataset(store, run));
+  analysis::store_fit(store, fit, TACTBENCH_VERSION, utc_now());
+  return fit;
+}
+
+std::vector<NamedEvaluation> evaluate_runs(const db::RunStore& store, const analysis::ArrayFit& fit,
+                                           const std::vector<std::int64_t>& held_out,
+                                           const std::vector<std::string>& titles) {
+  std::vector<NamedEvaluation> evaluations;
+  evaluations.push_back(
+      {fmt::format("run {}, the fit's own", fit.run), analysis::evaluate(analysis::load_dataset(store, fit.run), fit)});
+  for (std::size_t i = 0; i < held_out.size(); ++i) {
+    const std::string title = i < titles.size() ? titles[i] : fmt::format("held-out run {}", held_out[i]);
+    evaluations.push_back({title, analysis::evaluate(analysis::load_dataset(store, held_out[i]), fit)});
+  }
+  return evaluations;
+}
+
+std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
+                                               const analysis::Evaluation& evaluation, const std::string& limits_file) {
+  const std::vector<db::VerdictRecord> verdicts =
+      analysis::judge(evaluation, fit, read_limits(find_config(limits_file)));
+  const std::optional<db::FitRecord> record = store.latest_fit(fit.run, "elam");
+  store.replace_verdicts(evaluation.run, record ? record->fit : 0, verdicts);
+  return verdicts;
+}
+
+std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
+                         const std::vector<NamedEvaluation>& evaluations,
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number) {
+  analysis::ReportInput input;
+  input.run = store.run(fit.run);
+  input.sensor = store.sensor(input.run.sensor_serial);
+  input.fit = fit;
+  input.evaluation = evaluations.front().evaluation;
+  for (std::size_t i = 1; i < evaluations.size(); ++i) {
+    input.held_out.push_back(
+        {evaluations[i].title, store.run(evaluations[i].evaluation.run), evaluations[i].evaluation});
+  }
+  input.verdicts = verdicts;
+  input.program_version = TACTBENCH_VERSION;
+  input.frame_count = store.frame_count(fit.run);
+  const analysis::Report report = analysis::render_report(input);
+  namespace fs = std::filesystem;
+  if (path.empty()) {
+    path = (fs::path(store.path()).parent_path() / "reports" / fmt::format("run-{}.html", fit.run)).string();
+  }
+  std::error_code failed;
+  if (fs::path(path).has_parent_path()) fs::create_directories(fs::path(path).parent_path(), failed);
+  const std::string partial = path + ".partial";  // a reader never sees half a report
+  std::ofstream stream(partial, std::ios::binary);
+  stream << report.html;
+  stream.close();
+  if (!stream.fail()) fs::rename(partial, path, failed);
+  if (stream.fail() || failed) {
+    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot write the report", path,
+                "check folder, space and permissions");
+  }
+  if (number != nullptr) *number = report.number;
+  return path;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,31 @@
+// From run numbers to figures: what fit, report and demo do alike.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/report/report.h"
+#include "bench/cli/session.h"
+
+namespace tactbench::bench {
+
+// Fits all taxels of `run` and stores the models.
+analysis::ArrayFit fit_run(db::RunStore& store, std::int64_t run);
+
+// The run's own figures with its stored fit, then those of `held_out` runs with the same models.
+std::vector<NamedEvaluation> evaluate_runs(const db::RunStore& store, const analysis::ArrayFit& fit,
+                                           const std::vector<std::int64_t>& held_out,
+                                           const std::vector<std::string>& titles = {});
+
+// Judges by the limits and stores the verdicts.
+std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
+                                               const analysis::Evaluation& evaluation, const std::string& limits_file);
+
+// Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
+// store. Returns the path.
+std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
+                         const std::vector<NamedEvaluation>& evaluations,
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/session.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct Options {
+  std::string folder = ".";
+  bool force = false;
+};
+
+void init(const Options& options, const Session& session) {
+  namespace fs = std::filesystem;
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"simulated.toml", "bench.toml"}, {"sensor.toml", "sensor.toml"}, {"limits.toml", "limits.toml"}};
+  for (const auto& [shipped, name] : files) {
+    const fs::path target = fs::path(options.folder) / name;
+    if (fs::exists(target) && !options.force) {
+      throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", fmt::format("'{}' exists already", target.string()),
+                  target.string(), "give another folder, or --force to overwrite");
+    }
+  }
+  nlohmann::ordered_json written = nlohmann::ordered_json::array();
+  std::error_code failed;
+  fs::create_directories(options.folder, failed);
+  for (const auto& [shipped, name] : files) {
+    const fs::path target = fs::path(options.folder) / name;
+    fs::copy_file(find_config(shipped), target, fs::copy_options::overwrite_existing, failed);
+    if (failed) {
+      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write: {}", failed.message()), target.string(),
+                  "check folder, space and permissions");
+    }
+    written.push_back(target.string());
+  }
+  if (session.json) {
+    print_json("init", {{"files", written}});
+    return;
+  }
+  for (const auto& file : written) fmt::print("{}\n", file.get<std::string>());
+  fmt::print(
+      "\nNext:  tactbench sensors add MY-SENSOR --type {0}/sensor.toml\n"
+      "       tactbench run descending ascending --bench {0}/bench.toml --sensor MY-SENSOR --operator NAME\n",
+      options.folder);
+}
+
+}  // namespace
+
+void add_init(CLI::App& app, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      app.add_subcommand("init", "write a commented bench.toml, sensor.toml and limits.toml to start from");
+  verb->add_option("folder", options->folder, "where to")->capture_default_str();
+  verb->add_flag("--force", options->force, "overwrite files that exist");
+  verb->add_flag("--json", session.json, "one JSON document on standard output");
+  verb->callback([options, &session] { init(*options, session); });
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/session.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct Options {
+  std::string serial, type = "sensor.toml", scanner, note;
+};
+
+nlohmann::ordered_json sensor_json(const db::SensorRecord& sensor) {
+  return {{"serial", sensor.serial},          {"type", sensor.type}, {"type_sha256", sensor.type_sha256},
+          {"scanner", sensor.scanner_serial}, {"note", sensor.note}, {"added_utc", sensor.added_utc}};
+}
+
+void add(const Options& options, const Session& session) {
+  const SensorType type = read_sensor_type(find_config(options.type));
+  db::RunStore store = db::RunStore::open(session.db);
+  db::SensorRecord sensor{options.serial,  type.name,    type.text, db::sha256_hex(type.text),
+                          options.scanner, options.note, utc_now()};
+  store.add_sensor(sensor);
+  if (session.json) {
+    print_json("sensors.add", sensor_json(sensor));
+  } else {
+    fmt::print("sensor {} ({}) registered in {}\n", sensor.serial, sensor.type, session.db);
+  }
+}
+
+void list(const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  if (!session.json) fmt::print("{:<16}{:<32}{:<18}{}\n", "serial", "type", "scanner", "note");
+  for (const db::SensorRecord& sensor : store.sensors()) {
+    if (session.json) {
+      json.push_back(sensor_json(sensor));
+    } else {
+      fmt::print("{:<16}{:<32}{:<18}{}\n", sensor.serial, sensor.type,
+                 sensor.scanner_serial.empty() ? "any" : sensor.scanner_serial, sensor.note);
+    }
+  }
+  if (session.json) print_json("sensors.list", {{"sensors", json}});
+}
+
+void show(const std::string& serial, const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  const std::optional<db::SensorRecord> sensor = store.sensor(serial);
+  if (!sensor) {
+    throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered", serial), session.db,
+                "tactbench sensors list shows those that are");
+  }
+  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+  for (const db::RunRecord& run : store.runs()) {
+    if (run.sensor_serial == serial) runs.push_back(run.run);
+  }
+  if (session.json) {
+    nlohmann::ordered_json json = sensor_json(*sensor);
+    json["runs"] = runs;
+    json["type_toml"] = sensor->type_toml;
+    print_json("sensors.show", json);
+    return;
+  }
+  fmt::print("sensor {}\n  type     {}\n  scanner  {}\n  note     {}\n  added    {}\n  runs     {}\n\n{}",
+             sensor->serial, sensor->type, sensor->scanner_serial.empty() ? "any" : sensor->scanner_serial,
+             sensor->note.empty() ? "not stated" : sensor->note, sensor->added_utc, runs.dump(), sensor->type_toml);
+}
+
+}  // namespace
+
+void add_sensors(CLI::App& app, Session& session) {
+  CLI::App* sensors = app.add_subcommand("sensors", "register, list or show sensors");
+  sensors->require_subcommand(1);
+  auto options = std::make_shared<Options>();
+  CLI::App* add_verb = sensors->add_subcommand("add", "register a sensor: its serial, its type file, its scanner");
+  add_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
+  add_verb->add_option("--type", options->type, "sensor type file")->capture_default_str();
+  add_verb->add_option("--scanner", options->scanner, "serial of the scanner it is read with (default: any)");
+  add_verb->add_option("--note", options->note, "anything worth knowing");
+  add_common(*add_verb, session);
+  add_verb->callback([options, &session] { add(*options, session); });
+  CLI::App* list_verb = sensors->add_subcommand("list", "one line a sensor");
+  add_common(*list_verb, session);
+  list_verb->callback([&session] { list(session); });
+  CLI::App* show_verb = sensors->add_subcommand("show", "one sensor, its type file and its runs");
+  show_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
+  add_common(*show_verb, session);
+  show_verb->callback([options, &session] { show(options->serial, session); });
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,170 @@
+#include "bench/cli/session.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace tactbench::bench {
+
+using nlohmann::ordered_json;
+
+void print_json(const std::string& verb, const ordered_json& body) {
+  ordered_json document;
+  document["schema"] = "tactbench." + verb;
+  document["version"] = 1;
+  document.update(body);
+  fmt::print("{}\n", document.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+}
+
+SplitOverrides split_overrides(const std::vector<std::string>& set) {
+  SplitOverrides split;
+  const std::string prefix = "recipe.";
+  for (const std::string& text : set) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not key=value", text), "--set " + text,
+                  "write --set table.key=value, for a recipe --set recipe.key=value");
+    }
+    const sequences::Override item{text.substr(0, equals), text.substr(equals + 1)};
+    split.all.push_back(item);
+    if (item.key.starts_with(prefix)) {
+      split.recipe.push_back({item.key.substr(prefix.size()), item.value});
+    } else {
+      split.bench.push_back(item);
+    }
+  }
+  return split;
+}
+
+ExitCode exit_code_of(const std::vector<db::VerdictRecord>& verdicts) {
+  ExitCode code = ExitCode::kPass;
+  for (const db::VerdictRecord& verdict : verdicts) {
+    if (verdict.verdict == "fail") return ExitCode::kCriterionFailed;
+    if (verdict.verdict == "inconclusive" || verdict.verdict == "conditional fail") code = ExitCode::kInconclusive;
+  }
+  return code;
+}
+
+std::string shown_verdict(const std::string& verdict, const std::string& origin) {
+  return origin == "simulated" ? "simulated " + verdict : verdict;
+}
+
+std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
+  std::string text = fmt::format("{:<26}{:<14}{:>12}{:>12}  {}\n", "criterion", "scope", "value", "limit", "verdict");
+  for (const db::VerdictRecord& row : verdicts) {
+    text += fmt::format("{:<26}{:<14}{:>12}{:>12}  {}\n", row.criterion, row.scope,
+                        fmt::format("{:.3g} {}", row.value, row.unit), fmt::format("{:.3g} {}", row.limit, row.unit),
+                        shown_verdict(row.verdict, origin));
+  }
+  return text;
+}
+
+ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
+  ordered_json list = ordered_json::array();
+  for (const db::VerdictRecord& row : verdicts) {
+    list.push_back({{"criterion", row.criterion},
+                    {"scope", row.scope},
+                    {"value", row.value},
+                    {"limit", row.limit},
+                    {"unit", row.unit},
+                    {"rule", row.rule},
+                    {"verdict", row.verdict},
+                    {"shown", shown_verdict(row.verdict, origin)}});
+  }
+  return list;
+}
+
+std::string figures_table(const std::vector<NamedEvaluation>& evaluations) {
+  std::string text = fmt::format("{:<30}{:>8}{:>12}{:>9}{:>11}{:>9}{:>11}{:>12}\n", "|up - down|, % of full scale",
+                                 "raw", "compensated", "taxels", "(observ.)", "worst", "(observ.)", "error, psi");
+  text += fmt::format("{:<30}{:>8}{:>12}{:>20}{:>20}\n", "", "mean of", "mean of all", "mean of each", "worst one");
+  for (const NamedEvaluation& named : evaluations) {
+    const analysis::Evaluation& e = named.evaluation;
+    text += fmt::format("{:<30}{:>8.2f}{:>12.2f}{:>9.2f}{:>11.2f}{:>9.2f}{:>11.2f}{:>12.3f}\n", named.title,
+                        100.0 * e.raw_distance, 100.0 * e.comp_distance_of_mean, 100.0 * e.comp_distance,
+                        100.0 * e.comp_distance_observable, 100.0 * e.worst_taxel_distance,
+                        100.0 * e.worst_taxel_distance_observable, e.mean_error_psi);
+  }
+  return text;
+}
+
+ordered_json evaluation_json(const NamedEvaluation& named) {
+  const analysis::Evaluation& e = named.evaluation;
+  ordered_json json = {{"title", named.title},
+                       {"run", e.run},
+                       {"model_run", e.model_run},
+                       {"frames", e.frames},
+                       {"full_scale_v", e.full_scale_v},
+                       {"full_scale_psi", e.full_scale_psi},
+                       {"hysteresis_max_fs", e.hysteresis_max_fs},
+                       {"hysteresis_mean_fs", e.hysteresis_mean_fs},
+                       {"mean_error_psi", e.mean_error_psi},
+                       {"max_error_psi", e.max_error_psi},
+                       {"mean_error_observable_psi", e.mean_error_observable_psi},
+                       {"max_error_observable_psi", e.max_error_observable_psi},
+                       {"worst_taxel_mean_error_psi", e.worst_taxel_mean_error_psi},
+                       {"worst_taxel", e.worst_taxel},
+                       {"raw_distance_fs", e.raw_distance},
+                       {"comp_distance_of_mean_fs", e.comp_distance_of_mean},
+                       {"comp_distance_fs", e.comp_distance},
+                       {"comp_distance_observable_fs", e.comp_distance_observable},
+                       {"worst_taxel_distance_fs", e.worst_taxel_distance},
+                       {"worst_taxel_distance_observable_fs", e.worst_taxel_distance_observable},
+                       {"flat_share", e.flat_share}};
+  ordered_json worse = ordered_json::array();
+  for (const analysis::LevelFigures& level : e.levels) {
+    if (level.made_worse) worse.push_back(level.pressure_psi);
+  }
+  json["levels_made_worse_psi"] = worse;
+  return json;
+}
+
+ordered_json run_json(const db::RunRecord& run) {
+  ordered_json json = {{"run", run.run},
+                       {"uuid", run.uuid},
+                       {"origin", run.origin},
+                       {"state", run.state},
+                       {"outcome", db::to_string(run.outcome)},
+                       {"reason", run.reason},
+                       {"safe_state", db::to_string(run.safe_state)},
+                       {"operator", run.operator_name},
+                       {"purpose", run.purpose},
+                       {"sensor", run.sensor_serial},
+                       {"scanner", run.scanner_serial},
+                       {"bench", run.bench_id},
+                       {"seed", run.seed},
+                       {"sensor_seed", run.sensor_seed},
+                       {"started_utc", run.started_utc},
+                       {"ended_utc", run.ended_utc},
+                       {"program_version", run.program_version},
+                       {"git_commit", run.git_commit},
+                       {"content_sha256", run.content_sha256}};
+  ordered_json recipes = ordered_json::array();
+  for (const db::SequenceRecord& sequence : run.sequences) {
+    recipes.push_back({{"name", sequence.name},
+                       {"sha256", sequence.recipe_sha256},
+                       {"repeats", sequence.repeats},
+                       {"frames_per_repeat", sequence.frames_per_repeat}});
+  }
+  if (!recipes.empty()) json["recipes"] = recipes;
+  ordered_json devices = ordered_json::array();
+  for (const db::DeviceRecord& device : run.devices) {
+    devices.push_back({{"role", device.role},
+                       {"model", device.model},
+                       {"serial", device.serial},
+                       {"firmware", device.firmware},
+                       {"origin", device.origin}});
+  }
+  if (!devices.empty()) json["devices"] = devices;
+  return json;
+}
+
+void add_common(CLI::App& verb, Session& session) {
+  verb.add_option("--db", session.db, "run store, one SQLite file a bench")->capture_default_str();
+  verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
+  verb.add_flag("-q,--quiet", session.quiet, "no progress line");
+}
+
+}  // namespace tactbench::bench

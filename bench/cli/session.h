@@ -1,0 +1,70 @@
+// What the verbs share: the common options, how results and verdicts are printed, and the exit code. Standard output
+// is the result, standard error is talk.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/evaluation.h"
+#include "bench/config.h"
+#include "bench/error.h"
+#include "bench/run/characterize.h"
+#include "db/run_store.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tactbench::bench {
+
+struct Session {
+  bool json = false;
+  bool quiet = false;
+  std::string db = "runs.db";
+  ExitCode code = ExitCode::kPass;
+};
+
+// One document on standard output, with schema "tactbench.<verb>" and version 1 in front.
+void print_json(const std::string& verb, const nlohmann::ordered_json& body);
+
+// "--set k=v": keys that start with "recipe." go to the recipes (without the prefix), all others to the bench file.
+struct SplitOverrides {
+  std::vector<sequences::Override> all, bench, recipe;
+};
+SplitOverrides split_overrides(const std::vector<std::string>& set);
+
+// "fail" outranks "inconclusive" and "conditional fail" (6), those outrank "pass".
+ExitCode exit_code_of(const std::vector<db::VerdictRecord>& verdicts);
+// The verdict's word as people read it: "simulated pass" on a simulated run.
+std::string shown_verdict(const std::string& verdict, const std::string& origin);
+std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
+nlohmann::ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
+
+// Figures of one evaluation beside each other: raw, compensated, with and without unobservable levels.
+struct NamedEvaluation {
+  std::string title;
+  analysis::Evaluation evaluation;
+};
+std::string figures_table(const std::vector<NamedEvaluation>& evaluations);
+nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
+nlohmann::ordered_json run_json(const db::RunRecord& run);
+
+// One file a verb.
+void add_init(CLI::App& app, Session& session);
+void add_plan(CLI::App& app, Session& session);
+void add_run(CLI::App& app, Session& session);
+void add_fit(CLI::App& app, Session& session);
+void add_report(CLI::App& app, Session& session);
+void add_runs(CLI::App& app, Session& session);
+void add_sensors(CLI::App& app, Session& session);
+void add_demo(CLI::App& app, Session& session);
+
+// --db, --json, -q on a verb.
+void add_common(CLI::App& verb, Session& session);
+
+// Parses and runs; never throws; returns the process's exit code.
+int run_command_line(int argc, char** argv);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,88 @@
+// Text -> checked configuration: the bench file (rig and its limits), the sensor type file and the limits file. Units
+// are in the keys; unknown keys are errors (sequences/strict_toml.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/evaluation.h"
+#include "bench/simulation/plant.h"
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/regulator.h"
+#include "devices/pressure/simulated_module.h"
+#include "devices/tactile/hid_scanner.h"
+#include "devices/tactile/simulated_scanner.h"
+#include "devices/wire/hid_link.h"
+#include "sequences/strict_toml.h"
+
+namespace tactbench::bench {
+
+struct Settling {                // when a commanded level counts as reached
+  double band_psi = 0.25;        // |feedback - set-point|
+  double slope_psi_per_s = 0.5;  // |change of the reference| between two polls
+  double poll_s = 0.2;
+  double timeout_s = 20.0;
+};
+
+struct SafetyLimits {
+  double command_psi = 60.0;  // inclusive
+  double trip_psi = 66.0;     // measured, either witness
+  double safe_psi = 1.0;
+  double vent_timeout_s = 20.0;
+};
+
+struct SimulationConfig {
+  PlantOptions plant;
+  std::string scanner_serial = "SIM-SCANNER-1";
+  devices::SimulatedModuleFaults module_faults;
+  devices::SimulatedScannerFaults scanner_faults;
+};
+
+struct BenchConfig {
+  std::string id, location;
+  devices::Origin origin = devices::Origin::kHardware;
+  SafetyLimits limits;
+  Settling settling;
+  std::string module_profile = "beckhoff-ek9000";
+  devices::ModbusEndpoint module;
+  double watchdog_s = 1.0;
+  devices::RegulatorOptions regulator;
+  devices::TransducerOptions reference;
+  std::string reference_certificate, reference_due;
+  bool reference_independent = true;
+  devices::HidScannerOptions scanner;
+  devices::HidAddress scanner_address;
+  int scans_per_frame = 2;
+  std::optional<SimulationConfig> simulation;  // exactly when origin is simulated
+  std::string file, text;                      // where it came from, stored with the run
+};
+
+struct SensorType {
+  std::string name;
+  int rows = 0, columns = 0;
+  double pitch_mm = 0.0, taxel_area_mm2 = 0.0;
+  double orientation_deg = 0.0;  // of row 0 against the bench's x axis
+  double output_low_v = 0.0, output_high_v = 0.0;
+  std::string full_scale;  // "highest mean output of the run"
+  std::string text;
+};
+
+struct SeedOptions {  // command line wins over the file
+  std::optional<std::uint64_t> seed, sensor_seed;
+};
+
+// Each throws sequences::FileError.
+BenchConfig read_bench(const std::string& path, const std::vector<sequences::Override>& overrides,
+                       const SeedOptions& seeds = {});
+SensorType read_sensor_type(const std::string& path, const std::vector<sequences::Override>& overrides = {});
+SensorType parse_sensor_type(const std::string& text, const std::string& name);
+analysis::Limits read_limits(const std::string& path);
+
+// Folder of the shipped recipes and configuration: $TACTBENCH_SHARE, else the source tree that this was built from.
+std::string share_folder();
+// `name` if such a file exists, else the shipped one of that name (with or without .toml), else `name`.
+std::string find_recipe(const std::string& name);
+std::string find_config(const std::string& name);
+
+}  // namespace tactbench::bench

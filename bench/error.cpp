@@ -1,0 +1,68 @@
+#include "bench/error.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "analysis/dataset.h"
+#include "db/run_store.h"
+#include "devices/fault.h"
+#include "sequences/strict_toml.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+ExitCode code_of_fault(const std::string& id) {
+  if (id == "TB-CHAMBER-LIMIT" || id == "TB-CHAMBER-TRIP") return ExitCode::kStopped;
+  if (id == "TB-MODULE-PROFILE") return ExitCode::kUsage;
+  return ExitCode::kDevice;
+}
+
+}  // namespace
+
+Error as_error(std::exception_ptr exception, const std::string& where) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const Error& error) {
+    return error;
+  } catch (const devices::Fault& fault) {
+    const std::string place = where.empty() ? fault.device() : where + ", " + fault.device();
+    return {code_of_fault(fault.id()), fault.id(), fault.what(), place, fault.remedy()};
+  } catch (const sequences::FileError& error) {
+    return {ExitCode::kUsage, error.id(), error.what(), error.where(), error.remedy()};
+  } catch (const db::StoreError& error) {
+    const ExitCode code = error.id() == "TB-STORE-NOT-FOUND" ? ExitCode::kUsage : ExitCode::kStore;
+    return {code, error.id(), error.what(), where, error.remedy()};
+  } catch (const analysis::AnalysisError& error) {
+    return {ExitCode::kInconclusive, error.id(), error.what(), where, error.remedy()};
+  } catch (const std::exception& error) {
+    return {ExitCode::kInternal, "TB-INTERNAL", error.what(), where, "this is a defect of tactbench: please report it"};
+  } catch (...) {
+    return {ExitCode::kInternal, "TB-INTERNAL", "unknown failure", where,
+            "this is a defect of tactbench: please report it"};
+  }
+}
+
+std::string error_text(const Error& error) {
+  std::string text = fmt::format("error: {} [{}]\n", error.what(), error.id());
+  if (!error.where().empty()) text += fmt::format("  at: {}\n", error.where());
+  if (!error.remedy().empty()) text += fmt::format("  try: {}\n", error.remedy());
+  text += fmt::format("  state: {}\n", error.rig_state().empty() ? "no device was touched" : error.rig_state());
+  return text;
+}
+
+std::string error_json(const Error& error) {
+  nlohmann::ordered_json json;
+  json["schema"] = "tactbench.error";
+  json["version"] = 1;
+  json["id"] = error.id();
+  json["exit_code"] = static_cast<int>(error.code());
+  json["message"] = error.what();
+  json["where"] = error.where();
+  json["remedy"] = error.remedy();
+  json["rig_state"] = error.rig_state().empty() ? "no device was touched" : error.rig_state();
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tactbench::bench

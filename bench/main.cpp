@@ -1,0 +1,3 @@
+#include "bench/cli/session.h"
+
+int main(int argc, char** argv) { return tactbench::bench::run_command_line(argc, argv); }

@@ -1,0 +1,28 @@
+// The progress line on standard error: on a terminal one line rewritten at 10 Hz, otherwise (or with CI set) a plain
+// line every 10 s.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace tactbench::bench {
+
+class Progress {
+ public:
+  enum class Mode { kQuiet, kPlain, kTerminal };
+  explicit Progress(Mode mode) : mode_(mode) {}
+  // kTerminal or kPlain by what standard error is; kQuiet when asked.
+  static Mode mode_for(bool quiet);
+  // `done` of `total` steps; time left follows from the pace so far.
+  void step(const std::string& label, int done, int total, double pressure_psi);
+  void finish();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Mode mode_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point shown_{};
+  bool open_ = false;
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,14 @@
+// The sequencer's states in one table; each change is an event with time and reason. The outcome is kept apart.
+#pragma once
+
+#include <string>
+
+namespace tactbench::bench {
+
+enum class RunState { kPrepared, kRunning, kStopping, kEnded };
+
+const char* to_string(RunState state);
+// The table: which state may follow which.
+[[nodiscard]] bool may_follow(RunState from, RunState to);
+
+}  // namespace tactbench::bench

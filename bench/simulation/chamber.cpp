@@ -1,0 +1,46 @@
+#include "bench/simulation/chamber.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactbench::bench {
+namespace {
+
+constexpr double kStepSeconds = 0.0025;  // a 48th of the default time constant
+constexpr double kFullScaleVolts = 10.0;
+constexpr double kLeadPerPsi = 0.25;  // how fast the hysteresis turns over: fully within 4 widths of travel
+
+}  // namespace
+
+void Chamber::command(devices::Volts volts) {
+  double seen = std::clamp(volts.value(), 0.0, kFullScaleVolts);
+  if (options_.resolution_v > 0.0) seen = std::round(seen / options_.resolution_v) * options_.resolution_v;
+  target_psi_ = seen / kFullScaleVolts * options_.span_psi;
+}
+
+void Chamber::advance(double seconds) {
+  const auto whole = static_cast<long>(seconds / kStepSeconds + 1e-9);
+  for (long i = 0; i < whole; ++i) step(kStepSeconds);
+  const double rest = seconds - static_cast<double>(whole) * kStepSeconds;
+  if (rest > 1e-12) step(rest);
+}
+
+void Chamber::step(double seconds) {
+  // p'' = w^2 (target - p) - 2 z w p', rate limited; semi-implicit Euler.
+  const double omega = 1.0 / options_.time_constant_s;
+  const double pull = omega * omega * (target_psi_ - believed_psi_);
+  const double drag = 2.0 * options_.damping * omega * rate_psi_per_s_;
+  rate_psi_per_s_ =
+      std::clamp(rate_psi_per_s_ + (pull - drag) * seconds, -options_.slew_psi_per_s, options_.slew_psi_per_s);
+  const double before = believed_psi_;
+  believed_psi_ += (rate_psi_per_s_ - options_.leak_psi_per_s) * seconds;
+  if (believed_psi_ < 0.0) {  // no vacuum
+    believed_psi_ = 0.0;
+    rate_psi_per_s_ = std::max(0.0, rate_psi_per_s_);
+  }
+  const double half = 0.5 * options_.hysteresis_share * options_.span_psi;
+  lead_psi_ = std::clamp(lead_psi_ + kLeadPerPsi * (believed_psi_ - before), -half, half);
+  pressure_psi_ = std::max(0.0, believed_psi_ + lead_psi_);
+}
+
+}  // namespace tactbench::bench

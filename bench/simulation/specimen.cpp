@@ -1,0 +1,31 @@
+#include "bench/simulation/specimen.h"
+
+#include <stdexcept>
+
+#include "bench/simulation/specimen_film.h"
+
+namespace tactbench::bench {
+
+Specimen::Specimen(const SpecimenOptions& options) : film_(std::make_unique<Film>(options)) {}
+Specimen::~Specimen() = default;
+
+void Specimen::advance(double pressure_psi, double seconds) {
+  if (!(seconds > 0.0)) throw std::invalid_argument("Specimen::advance: seconds must be positive");
+  film_->advance(film_->memory, pressure_psi, seconds);
+}
+
+void Specimen::output(std::span<double> volts) const { film_->output(film_->memory, volts); }
+
+void Specimen::output_after(double pressure_psi, double seconds, std::span<double> volts) const {
+  if (!(seconds > 0.0)) return film_->output(film_->memory, volts);
+  FilmMemory memory = film_->memory;
+  film_->advance(memory, pressure_psi, seconds);
+  film_->output(memory, volts);
+}
+
+double Specimen::noise_v(int taxel) const { return film_->noise_v.at(static_cast<std::size_t>(taxel)); }
+std::string Specimen::state() const { return write_state(film_->memory, film_->options); }
+void Specimen::set_state(const std::string& text) { film_->memory = read_state(text, film_->options); }
+const SpecimenOptions& Specimen::options() const { return film_->options; }
+
+}  // namespace tactbench::bench

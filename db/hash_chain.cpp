@@ -1,0 +1,166 @@
+#include "db/hash_chain.h"
+
+#include <openssl/evp.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "db/run_store.h"
+
+namespace tactbench::db {
+
+struct HashChain::Context {
+  // Fetched once: OpenSSL 3 else looks the algorithm up at every digest, which costs more than hashing a frame.
+  std::unique_ptr<EVP_MD, decltype(&EVP_MD_free)> algorithm{EVP_MD_fetch(nullptr, "SHA256", nullptr), &EVP_MD_free};
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> state{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
+};
+
+HashChain::HashChain() : context_(std::make_unique<Context>()) {
+  if (context_->algorithm && context_->state) return;
+  throw StoreError("TB-STORE-SQL", "OpenSSL offers no SHA-256", "check the OpenSSL installation and its configuration");
+}
+HashChain::~HashChain() = default;
+
+Digest HashChain::digest(std::span<const std::uint8_t> bytes) {
+  Digest result{};
+  EVP_MD_CTX* state = context_->state.get();
+  if (EVP_DigestInit_ex2(state, context_->algorithm.get(), nullptr) != 1 ||
+      EVP_DigestUpdate(state, bytes.data(), bytes.size()) != 1 ||
+      EVP_DigestFinal_ex(state, result.data(), nullptr) != 1) {
+    throw StoreError("TB-STORE-SQL", "OpenSSL failed to compute a SHA-256", "check the OpenSSL installation");
+  }
+  return result;
+}
+
+void HashChain::begin(std::string_view name) {
+  bytes_.clear();
+  add(name);
+}
+
+void HashChain::raw(char kind, std::uint64_t value) {
+  std::array<std::uint8_t, 9> bytes{static_cast<std::uint8_t>(kind)};
+  for (std::size_t i = 0; i < 8; ++i) bytes[i + 1] = static_cast<std::uint8_t>(value >> (8 * i));
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+}
+
+void HashChain::add(std::int64_t value) { raw('i', static_cast<std::uint64_t>(value)); }
+
+void HashChain::add(double value) {
+  if (value == 0.0) value = 0.0;
+  if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
+  raw('r', std::bit_cast<std::uint64_t>(value));
+}
+
+void HashChain::add(std::string_view text) {
+  raw('t', text.size());
+  bytes_.insert(bytes_.end(), text.begin(), text.end());
+}
+
+void HashChain::add(std::span<const std::uint8_t> bytes) {
+  raw('b', bytes.size());
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+}
+
+Digest HashChain::header(const RunRecord& run) {
+  begin("tactbench run 1");
+  for (const std::string* text :
+       {&run.origin, &run.operator_name, &run.purpose, &run.sensor_serial, &run.scanner_serial, &run.bench_id,
+        &run.bench_toml, &run.bench_sha256, &run.sensor_toml, &run.sensor_sha256, &run.overrides_json,
+        &run.program_version, &run.git_commit, &run.build_id}) {
+    add(*text);
+  }
+  add(std::int64_t{run.git_dirty});
+  add(run.seed);
+  add(run.sensor_seed);
+  add(static_cast<std::int64_t>(run.sequences.size()));
+  for (const SequenceRecord& sequence : run.sequences) {
+    add(std::int64_t{sequence.sequence});
+    add(sequence.name);
+    add(sequence.recipe_toml);
+    add(sequence.recipe_sha256);
+    add(std::int64_t{sequence.repeats});
+    add(std::int64_t{sequence.frames_per_repeat});
+  }
+  add(static_cast<std::int64_t>(run.devices.size()));
+  for (const DeviceRecord& device : run.devices) {
+    for (const std::string* text :
+         {&device.role, &device.model, &device.serial, &device.firmware, &device.origin, &device.calibration_json}) {
+      add(*text);
+    }
+  }
+  return finish();
+}
+
+void HashChain::place(const BranchRecord& branch) {
+  for (const int number : {branch.sequence, branch.repeat, branch.ordinal, branch.attempt}) add(std::int64_t{number});
+}
+
+Digest HashChain::frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame) {
+  begin("frame");
+  add(std::span(before));
+  place(branch);
+  add(std::int64_t{frame.ordinal});
+  for (const double pressure : {frame.setpoint_psi, frame.feedback_psi, frame.reference_psi}) add(pressure);
+  for (const std::int32_t counts : {frame.setpoint_counts, frame.feedback_counts, frame.reference_counts}) {
+    add(std::int64_t{counts});
+  }
+  for (const std::int64_t time : {frame.time_ns, frame.since_command_ns, frame.in_band_ns, frame.device_time_us}) {
+    add(time);
+  }
+  add("uint16le");
+  for (const int number : {frame.status, frame.exchanges, frame.rows, frame.columns, frame.scans}) {
+    add(std::int64_t{number});
+  }
+  const std::size_t size = frame.counts.size() * sizeof(std::uint16_t);
+  raw('b', size);
+  const std::size_t start = bytes_.size();
+  bytes_.resize(start + size);
+  if (size > 0) std::memcpy(bytes_.data() + start, frame.counts.data(), size);  // little-endian: see sqlite.h
+  return finish();
+}
+
+Digest HashChain::close(const Digest& before, std::int64_t frames, const std::vector<EventRecord>& events,
+                        const std::vector<BranchRecord>& branches, Outcome outcome, const std::string& reason,
+                        SafeState safe) {
+  begin("end");
+  add(std::span(before));
+  add(frames);
+  add(static_cast<std::int64_t>(events.size()));
+  for (const EventRecord& event : events) {
+    add(event.time_ns);
+    add(event.kind);
+    add(event.id);
+    add(event.detail);
+  }
+  add(static_cast<std::int64_t>(branches.size()));
+  for (const BranchRecord& branch : branches) {
+    place(branch);
+    add(std::int64_t{branch.is_void});
+    add(branch.void_reason);
+    add(branch.from_psi);
+    add(branch.to_psi);
+  }
+  add(to_string(outcome));
+  add(reason);
+  add(to_string(safe));
+  return finish();
+}
+
+std::string hex(const Digest& digest) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : digest) {
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
+std::string sha256_hex(const std::string& text) {
+  HashChain chain;
+  return hex(chain.digest({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
+}
+
+}  // namespace tactbench::db

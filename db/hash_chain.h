@@ -1,0 +1,57 @@
+// SHA-256 over the canonical content of a run: a header, then one link a frame, then the closing part.
+// Canonical is all that a run holds but: UUID, wall-clock times and time zone, host, tags, notes, and the numbers that
+// are accidents of the file (run, branch, frame and event keys). Program version, commit and build belong to it.
+//   chain(0) = H(header: origin, operator, purpose, serials, bench, sensor and recipe texts, overrides, program, seeds,
+//                devices)
+//   chain(i) = H(chain(i - 1), the i-th frame with the place and attempt of its branch, its counts)
+//   content  = H(chain(n), n, events, branches with their voids, outcome, reason, safe state)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "db/record.h"
+
+namespace tactbench::db {
+
+using Digest = std::array<std::uint8_t, 32>;
+std::string hex(const Digest& digest);
+
+class HashChain {
+ public:
+  HashChain();
+  ~HashChain();
+  HashChain(const HashChain&) = delete;
+  HashChain& operator=(const HashChain&) = delete;
+
+  // A link is made whole in memory and hashed at once; the memory is kept for the next one.
+  [[nodiscard]] Digest header(const RunRecord& run);
+  [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
+  [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const std::vector<EventRecord>& events,
+                             const std::vector<BranchRecord>& branches, Outcome outcome, const std::string& reason,
+                             SafeState safe);
+  [[nodiscard]] Digest digest(std::span<const std::uint8_t> bytes);
+
+ private:
+  // Each value is a letter for its kind, then 8 bytes little-endian: an integer, the bits of a double, or the length of
+  // the bytes that follow. So no two contents have the same bytes.
+  void begin(std::string_view name);
+  void add(std::int64_t value);
+  void add(double value);  // -0.0 as 0.0 and every NaN as one, since SQLite does not tell them apart
+  void add(std::string_view text);
+  void add(std::span<const std::uint8_t> bytes);
+  void raw(char kind, std::uint64_t value);
+  void place(const BranchRecord& branch);
+  [[nodiscard]] Digest finish() { return digest(bytes_); }
+
+  struct Context;
+  std::unique_ptr<Context> context_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+}  // namespace tactbench::db

@@ -1,0 +1,73 @@
+// The inside of a RunStore: its connection, the statements used at every frame, and where each open run's chain stands.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "db/hash_chain.h"
+#include "db/run_store.h"
+#include "db/schema.h"
+#include "db/sqlite.h"
+
+namespace tactbench::db {
+
+// The keys of a run's frames lie above first and below end.
+constexpr std::int64_t frames_above(std::int64_t run) { return run * kFramesPerRun; }
+constexpr std::int64_t frames_below(std::int64_t run) { return (run + 1) * kFramesPerRun; }
+
+class RunStore::Database {
+ public:
+  Database(const std::string& given_path, const std::string& absolute_path, sqlite::Access access)
+      : path(given_path), connection(absolute_path, access) {}
+
+  // A run that takes rows. The chain is empty until the first frame, up to which devices may still be set.
+  struct OpenRun {
+    std::int64_t frames = 0;
+    std::optional<Digest> chain;
+  };
+
+  OpenRun& open_run(std::int64_t run);  // TB-STORE-NOT-FOUND, TB-STORE-CONFLICT when it has ended
+  const BranchRecord& branch_of(std::int64_t run, std::int64_t branch);
+  void require_run(std::int64_t run);  // TB-STORE-NOT-FOUND, naming those there are
+  Digest header_digest(std::int64_t run);
+  void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
+  void insert_event(std::int64_t run, const EventRecord& event);
+  // The run row's last update. Part of the caller's transaction.
+  void close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
+
+  RunRecord run(std::int64_t number);
+  std::vector<BranchRecord> branches(std::int64_t run);
+  std::vector<EventRecord> events(std::int64_t run);
+  template <class Take>
+  void each_frame(std::int64_t run, Take take);
+
+  std::string path;
+  sqlite::Connection connection;
+  HashChain hasher;
+  std::map<std::int64_t, OpenRun> open_runs;
+  BranchRecord last_branch;  // of the last frame; its run beside it
+  std::int64_t last_branch_run = 0;
+  std::unique_ptr<sqlite::Statement> frame_statement;
+};
+
+template <class Take>
+void RunStore::Database::each_frame(std::int64_t run, Take take) {
+  sqlite::Statement rows(connection,
+                         "SELECT branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
+                         "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, "
+                         "status, exchanges, \"rows\", columns, scans, counts FROM frames "
+                         "WHERE frame > ? AND frame < ? ORDER BY frame");
+  rows.bind(frames_above(run), frames_below(run));
+  FrameRecord f;
+  while (rows.step()) {
+    rows.read(f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi, f.setpoint_counts,
+              f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns, f.device_time_us,
+              f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts);
+    take(f);
+  }
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,85 @@
+// How a run ends: by its sequencer, or found dead at the next start; and its content hash.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+Digest RunStore::Database::header_digest(std::int64_t run) { return hasher.header(this->run(run)); }
+
+void RunStore::Database::close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe,
+                                   const std::string& utc) {
+  OpenRun& open = open_run(run);
+  const Digest chain = open.chain ? *open.chain : header_digest(run);
+  const Digest content = hasher.close(chain, open.frames, events(run), branches(run), outcome, reason, safe);
+  sqlite::Statement(connection,
+                    "UPDATE runs SET state = 'ended', outcome = ?, reason = ?, safe_state = ?, ended_utc = ?, "
+                    "content_sha256 = ? WHERE run = ?")
+      .bind(to_string(outcome), reason, to_string(safe), utc, hex(content), run)
+      .run();
+}
+
+void RunStore::end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe,
+                       const std::string& utc) {
+  database_->open_run(run);
+  if (outcome == Outcome::kIncomplete) {
+    throw StoreError("TB-STORE-CONFLICT", "an ended run is not incomplete", "this is a defect: please report it");
+  }
+  sqlite::Transaction transaction(database_->connection);
+  database_->close_run(run, outcome, reason, safe, utc);
+  transaction.commit();
+  database_->open_runs.erase(run);
+}
+
+int RunStore::mark_interrupted(const std::string& utc) {
+  struct Dead {
+    std::int64_t run = 0, time_ns = 0;
+    std::string state;
+  };
+  sqlite::Transaction transaction(database_->connection);
+  std::vector<Dead> found;
+  {
+    sqlite::Statement rows(
+        database_->connection,
+        "SELECT run, state, max(coalesce((SELECT max(time_ns) FROM events e WHERE e.run = r.run), 0),"
+        " coalesce((SELECT time_ns FROM frames f WHERE f.frame > r.run * 1000000000 AND "
+        "f.frame < (r.run + 1) * 1000000000 ORDER BY f.frame DESC LIMIT 1), 0)) "
+        "FROM runs r WHERE state <> 'ended' ORDER BY run");
+    while (rows.step()) {
+      Dead& dead = found.emplace_back();
+      rows.read(dead.run, dead.state, dead.time_ns);
+    }
+  }
+  const std::string reason = "TB-RUN-INTERRUPTED: the process ended without closing the run";
+  database_->open_runs.clear();
+  for (const Dead& dead : found) {
+    database_->insert_event(dead.run, {dead.time_ns, "state", "TB-RUN-INTERRUPTED",
+                                       dead.state + " -> ended: found without a living process at the next start"});
+    database_->close_run(dead.run, Outcome::kInterrupted, reason, SafeState::kUnknown, utc);
+  }
+  transaction.commit();
+  database_->open_runs.clear();
+  return static_cast<int>(found.size());
+}
+
+std::string RunStore::content_hash(std::int64_t number) const {
+  Database& database = *database_;
+  const RunRecord run = database.run(number);
+  const std::vector<BranchRecord> branches = database.branches(number);
+  Digest chain = database.hasher.header(run);
+  std::int64_t frames = 0;
+  database.each_frame(number, [&](const FrameRecord& frame) {
+    const auto branch = std::lower_bound(branches.begin(), branches.end(), frame.branch,
+                                         [](const BranchRecord& b, std::int64_t key) { return b.branch < key; });
+    // A frame of no branch of this run can only come from a hand in the file; it still counts for the hash.
+    const bool known = branch != branches.end() && branch->branch == frame.branch;
+    chain = database.hasher.frame(chain, known ? *branch : BranchRecord{}, frame);
+    ++frames;
+  });
+  return hex(
+      database.hasher.close(chain, frames, database.events(number), branches, run.outcome, run.reason, run.safe_state));
+}
+
+}  // namespace tactbench::db

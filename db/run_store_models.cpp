@@ -1,0 +1,115 @@
+// Models and verdicts.
+#include <fmt/format.h>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+namespace {
+
+constexpr const char* kFitColumns =
+    "SELECT fit, run, model, options_json, summary_json, program_version, created_utc, patterns_json FROM fits";
+
+FitRecord fit_of(const sqlite::Statement& row) {
+  FitRecord fit;
+  row.read(fit.fit, fit.run, fit.model, fit.options_json, fit.summary_json, fit.program_version, fit.created_utc,
+           fit.patterns_json);
+  return fit;
+}
+
+}  // namespace
+
+std::int64_t RunStore::add_fit(const FitRecord& fit, const std::vector<FitTaxelRecord>& taxels) {
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  database_->require_run(fit.run);
+  sqlite::Statement(connection,
+                    "INSERT INTO fits (run, model, options_json, summary_json, program_version, created_utc, "
+                    "patterns_json) VALUES (?, ?, ?, ?, ?, ?, ?)")
+      .bind(fit.run, fit.model, fit.options_json, fit.summary_json, fit.program_version, fit.created_utc,
+            fit.patterns_json)
+      .run();
+  const std::int64_t number = connection.last_row();
+  sqlite::Statement row(connection,
+                        "INSERT INTO fit_taxels (fit, taxel, status, parameters, ascending_v, descending_v, noise_v, "
+                        "j_v2, mean_error_v, max_error_v, full_scale_v, at_bound) "
+                        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const FitTaxelRecord& t : taxels) {
+    row.bind(number, t.taxel, t.status, t.parameters, t.ascending_v, t.descending_v, t.noise_v, t.j_v2, t.mean_error_v,
+             t.max_error_v, t.full_scale_v, t.at_bound)
+        .run();
+  }
+  transaction.commit();
+  return number;
+}
+
+std::optional<FitRecord> RunStore::latest_fit(std::int64_t run, const std::string& model) const {
+  database_->require_run(run);
+  sqlite::Statement row(database_->connection,
+                        std::string(kFitColumns) + " WHERE run = ? AND model = ? ORDER BY fit DESC LIMIT 1");
+  return row.bind(run, model).step() ? std::optional(fit_of(row)) : std::nullopt;
+}
+
+FitRecord RunStore::fit(std::int64_t fit) const {
+  sqlite::Statement row(database_->connection, std::string(kFitColumns) + " WHERE fit = ?");
+  if (row.bind(fit).step()) return fit_of(row);
+  std::string there;
+  sqlite::Statement rows(database_->connection, "SELECT fit, run FROM fits ORDER BY fit");
+  while (rows.step()) {
+    std::int64_t number = 0, run = 0;
+    rows.read(number, run);
+    there += fmt::format("{}{} (run {})", there.empty() ? "" : ", ", number, run);
+  }
+  throw StoreError("TB-STORE-NOT-FOUND",
+                   fmt::format("store {} has no fit {}; it has {}", path(), fit, there.empty() ? "none yet" : there),
+                   "make one: tactbench fit RUN");
+}
+
+std::vector<FitTaxelRecord> RunStore::fit_taxels(std::int64_t fit) const {
+  static_cast<void>(this->fit(fit));  // a fit that is not there is no empty list
+  sqlite::Statement rows(database_->connection,
+                         "SELECT taxel, status, parameters, ascending_v, descending_v, noise_v, j_v2, mean_error_v, "
+                         "max_error_v, full_scale_v, at_bound FROM fit_taxels WHERE fit = ? ORDER BY taxel");
+  rows.bind(fit);
+  std::vector<FitTaxelRecord> taxels;
+  while (rows.step()) {
+    FitTaxelRecord& t = taxels.emplace_back();
+    rows.read(t.taxel, t.status, t.parameters, t.ascending_v, t.descending_v, t.noise_v, t.j_v2, t.mean_error_v,
+              t.max_error_v, t.full_scale_v, t.at_bound);
+  }
+  return taxels;
+}
+
+void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts) {
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  database_->require_run(run);
+  if (fit != 0) static_cast<void>(this->fit(fit));
+  sqlite::Statement(connection, "DELETE FROM verdicts WHERE run = ?").bind(run).run();
+  sqlite::Statement row(connection,
+                        "INSERT INTO verdicts (run, fit, criterion, scope, value, limit_value, unit, rule, verdict, "
+                        "limits_toml, limits_sha256) VALUES (?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const VerdictRecord& v : verdicts) {
+    row.bind(run, fit, v.criterion, v.scope, v.value, v.limit, v.unit, v.rule, v.verdict, v.limits_toml,
+             v.limits_sha256)
+        .run();
+  }
+  transaction.commit();
+}
+
+std::vector<VerdictRecord> RunStore::verdicts(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement rows(database_->connection,
+                         "SELECT run, fit, criterion, scope, value, limit_value, unit, rule, verdict, limits_toml, "
+                         "limits_sha256 FROM verdicts WHERE run = ? ORDER BY verdict_row");
+  rows.bind(run);
+  std::vector<VerdictRecord> verdicts;
+  while (rows.step()) {
+    VerdictRecord& v = verdicts.emplace_back();
+    rows.read(v.run, v.fit, v.criterion, v.scope, v.value, v.limit, v.unit, v.rule, v.verdict, v.limits_toml,
+              v.limits_sha256);
+  }
+  return verdicts;
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,139 @@
+// Reading runs back.
+#include <fmt/format.h>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+namespace {
+
+constexpr const char* kRunColumns =
+    "SELECT run, uuid, origin, state, outcome, reason, safe_state, operator, purpose, sensor_serial, scanner_serial, "
+    "bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256, overrides_json, program_version, git_commit, "
+    "git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, content_sha256 FROM runs";
+
+RunRecord run_of(const sqlite::Statement& row) {
+  RunRecord r;
+  std::string outcome, safe_state;
+  row.read(r.run, r.uuid, r.origin, r.state, outcome, r.reason, safe_state, r.operator_name, r.purpose, r.sensor_serial,
+           r.scanner_serial, r.bench_id, r.bench_toml, r.bench_sha256, r.sensor_toml, r.sensor_sha256, r.overrides_json,
+           r.program_version, r.git_commit, r.git_dirty, r.build_id, r.host, r.time_zone, r.seed, r.sensor_seed,
+           r.started_utc, r.ended_utc, r.content_sha256);
+  const auto known_outcome = outcome_from(outcome);
+  const auto known_state = safe_state_from(safe_state);
+  if (!known_outcome || !known_state) {
+    throw StoreError("TB-STORE-SQL",
+                     fmt::format("run {} has the outcome '{}' and the safe state '{}'", r.run, outcome, safe_state),
+                     "the file was changed by another hand: take your last snapshot");
+  }
+  r.outcome = *known_outcome;
+  r.safe_state = *known_state;
+  return r;
+}
+
+// 1, 2, 3, 7 -> "1-3, 7"
+std::string ranges(const std::vector<std::int64_t>& numbers) {
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size();) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    if (!text.empty()) text += ", ";
+    text += last == i ? std::to_string(numbers[i]) : fmt::format("{}-{}", numbers[i], numbers[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+}  // namespace
+
+void RunStore::Database::require_run(std::int64_t run) {
+  {
+    sqlite::Statement row(connection, "SELECT 1 FROM runs WHERE run = ?");
+    if (row.bind(run).step()) return;
+  }
+  std::vector<std::int64_t> numbers;
+  sqlite::Statement rows(connection, "SELECT run FROM runs ORDER BY run");
+  while (rows.step()) rows.read(numbers.emplace_back());
+  throw StoreError("TB-STORE-NOT-FOUND",
+                   fmt::format("store {} has no run {}; {}", path, run,
+                               numbers.empty() ? "it has none yet" : "it has " + ranges(numbers)),
+                   "see 'tactbench runs list', or name another store with --db");
+}
+
+RunRecord RunStore::Database::run(std::int64_t number) {
+  require_run(number);
+  sqlite::Statement row(connection, std::string(kRunColumns) + " WHERE run = ?");
+  if (!row.bind(number).step()) require_run(number);
+  RunRecord run = run_of(row);
+  sqlite::Statement sequences(connection,
+                              "SELECT sequence, name, recipe_toml, recipe_sha256, repeats, frames_per_repeat "
+                              "FROM sequences WHERE run = ? ORDER BY sequence");
+  sequences.bind(number);
+  while (sequences.step()) {
+    SequenceRecord& s = run.sequences.emplace_back();
+    sequences.read(s.sequence, s.name, s.recipe_toml, s.recipe_sha256, s.repeats, s.frames_per_repeat);
+  }
+  sqlite::Statement devices(connection,
+                            "SELECT role, model, serial, firmware, origin, calibration_json "
+                            "FROM devices WHERE run = ? ORDER BY position");
+  devices.bind(number);
+  while (devices.step()) {
+    DeviceRecord& d = run.devices.emplace_back();
+    devices.read(d.role, d.model, d.serial, d.firmware, d.origin, d.calibration_json);
+  }
+  return run;
+}
+
+std::vector<BranchRecord> RunStore::Database::branches(std::int64_t run) {
+  require_run(run);
+  sqlite::Statement rows(connection,
+                         "SELECT branch, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, to_psi "
+                         "FROM branches WHERE run = ? ORDER BY branch");
+  rows.bind(run);
+  std::vector<BranchRecord> branches;
+  while (rows.step()) {
+    BranchRecord& b = branches.emplace_back();
+    rows.read(b.branch, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi);
+  }
+  return branches;
+}
+
+std::vector<EventRecord> RunStore::Database::events(std::int64_t run) {
+  require_run(run);
+  sqlite::Statement rows(connection, "SELECT time_ns, kind, id, detail FROM events WHERE run = ? ORDER BY event");
+  rows.bind(run);
+  std::vector<EventRecord> events;
+  while (rows.step()) {
+    EventRecord& event = events.emplace_back();
+    rows.read(event.time_ns, event.kind, event.id, event.detail);
+  }
+  return events;
+}
+
+std::vector<RunRecord> RunStore::runs() const {
+  sqlite::Statement rows(database_->connection, std::string(kRunColumns) + " ORDER BY run");
+  std::vector<RunRecord> runs;
+  while (rows.step()) runs.push_back(run_of(rows));
+  return runs;
+}
+
+RunRecord RunStore::run(std::int64_t number) const { return database_->run(number); }
+std::vector<BranchRecord> RunStore::branches(std::int64_t run) const { return database_->branches(run); }
+std::vector<EventRecord> RunStore::events(std::int64_t run) const { return database_->events(run); }
+
+std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
+  database_->require_run(run);
+  std::vector<FrameRecord> frames;
+  database_->each_frame(run, [&](const FrameRecord& frame) { frames.push_back(frame); });
+  return frames;
+}
+
+std::int64_t RunStore::frame_count(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement row(database_->connection, "SELECT count(*) FROM frames WHERE frame > ? AND frame < ?");
+  std::int64_t count = 0;
+  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(count);
+  return count;
+}
+
+}  // namespace tactbench::db

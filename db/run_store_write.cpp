@@ -1,0 +1,197 @@
+// Writing a run. The statement that stores a frame is prepared once and is a transaction by itself.
+#include <fmt/format.h>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+namespace {
+
+StoreError conflict(const std::string& message, const std::string& remedy) {
+  return {"TB-STORE-CONFLICT", message, remedy};
+}
+
+constexpr const char* kInsertFrame =
+    "INSERT INTO frames (frame, branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
+    "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, status, exchanges, "
+    "dtype, \"rows\", columns, scans, counts, chain) "
+    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'uint16le', ?, ?, ?, ?, ?)";
+
+void check_shape(const FrameRecord& frame) {
+  const bool positive = frame.rows > 0 && frame.columns > 0 && frame.scans > 0;
+  const auto expected = static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns) *
+                        static_cast<std::size_t>(frame.scans);
+  if (positive && frame.counts.size() == expected) return;
+  throw conflict(fmt::format("a frame of {} scans of {} x {} taxels comes with {} counts", frame.scans, frame.rows,
+                             frame.columns, frame.counts.size()),
+                 "this is a defect of the caller: please report it");
+}
+
+}  // namespace
+
+RunStore::Database::OpenRun& RunStore::Database::open_run(std::int64_t run) {
+  const auto known = open_runs.find(run);
+  if (known != open_runs.end()) return known->second;
+  require_run(run);
+  std::string outcome;
+  OpenRun open;
+  {
+    sqlite::Statement row(connection, "SELECT outcome FROM runs WHERE run = ? AND state = 'ended'");
+    if (row.bind(run).step()) {
+      row.read(outcome);
+      throw conflict(fmt::format("store {}: run {} has ended ({}) and takes no more", path, run, outcome),
+                     "start a new run");
+    }
+  }
+  sqlite::Statement last(connection,
+                         "SELECT frame, chain FROM frames WHERE frame > ? AND frame < ? "
+                         "ORDER BY frame DESC LIMIT 1");
+  if (last.bind(frames_above(run), frames_below(run)).step()) {
+    last.read(open.frames, open.chain.emplace());
+    open.frames -= frames_above(run);
+  }
+  return open_runs.emplace(run, open).first->second;
+}
+
+const BranchRecord& RunStore::Database::branch_of(std::int64_t run, std::int64_t branch) {
+  if (last_branch_run == run && last_branch.branch == branch) return last_branch;
+  sqlite::Statement row(connection,
+                        "SELECT branch, sequence, \"repeat\", ordinal, attempt, void FROM branches "
+                        "WHERE branch = ? AND run = ?");
+  if (!row.bind(branch, run).step()) {
+    throw conflict(fmt::format("store {}: run {} has no branch {}", path, run, branch), "begin the branch first");
+  }
+  BranchRecord found;
+  row.read(found.branch, found.sequence, found.repeat, found.ordinal, found.attempt, found.is_void);
+  if (found.is_void) {
+    throw conflict(fmt::format("store {}: branch {} of run {} is void", path, branch, run),
+                   "begin the branch anew with the next attempt");
+  }
+  last_branch = found;
+  last_branch_run = run;
+  return last_branch;
+}
+
+void RunStore::Database::insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices) {
+  sqlite::Statement row(connection,
+                        "INSERT INTO devices (run, position, role, model, serial, firmware, origin, calibration_json) "
+                        "VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  int position = 0;
+  for (const DeviceRecord& d : devices) {
+    row.bind(run, position++, d.role, d.model, d.serial, d.firmware, d.origin, d.calibration_json).run();
+  }
+}
+
+void RunStore::Database::insert_event(std::int64_t run, const EventRecord& event) {
+  sqlite::Statement(connection, "INSERT INTO events (run, time_ns, kind, id, detail) VALUES (?, ?, ?, ?, ?)")
+      .bind(run, event.time_ns, event.kind, event.id, event.detail)
+      .run();
+}
+
+std::int64_t RunStore::begin_run(const RunRecord& run) {
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  std::optional<std::string> sensor_serial;
+  if (!run.sensor_serial.empty()) {
+    if (!sensor(run.sensor_serial)) {
+      throw conflict(fmt::format("store {}: sensor '{}' is not registered", path(), run.sensor_serial),
+                     "register it: tactbench sensors add");
+    }
+    sensor_serial = run.sensor_serial;
+  }
+  sqlite::Statement(
+      connection,
+      "INSERT INTO runs (uuid, origin, state, outcome, reason, safe_state, operator, purpose, sensor_serial, "
+      "scanner_serial, bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256, overrides_json, "
+      "program_version, git_commit, git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, "
+      "content_sha256) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, '', '')")
+      .bind(run.uuid.empty() ? new_uuid() : run.uuid, run.origin, run.state, to_string(Outcome::kIncomplete),
+            run.reason, to_string(run.safe_state), run.operator_name, run.purpose, sensor_serial, run.scanner_serial,
+            run.bench_id, run.bench_toml, run.bench_sha256, run.sensor_toml, run.sensor_sha256, run.overrides_json,
+            run.program_version, run.git_commit, run.git_dirty, run.build_id, run.host, run.time_zone, run.seed,
+            run.sensor_seed, run.started_utc)
+      .run();
+  const std::int64_t number = connection.last_row();
+  sqlite::Statement row(connection,
+                        "INSERT INTO sequences (run, sequence, name, recipe_toml, recipe_sha256, repeats, "
+                        "frames_per_repeat) VALUES (?, ?, ?, ?, ?, ?, ?)");
+  for (const SequenceRecord& s : run.sequences) {
+    row.bind(number, s.sequence, s.name, s.recipe_toml, s.recipe_sha256, s.repeats, s.frames_per_repeat).run();
+  }
+  database_->insert_devices(number, run.devices);
+  transaction.commit();
+  return number;
+}
+
+void RunStore::set_devices(std::int64_t run, const std::vector<DeviceRecord>& devices) {
+  if (database_->open_run(run).frames > 0) {
+    throw conflict(fmt::format("store {}: run {} has frames already; its devices stand", path(), run),
+                   "set the devices before the first frame");
+  }
+  sqlite::Transaction transaction(database_->connection);
+  sqlite::Statement(database_->connection, "DELETE FROM devices WHERE run = ?").bind(run).run();
+  database_->insert_devices(run, devices);
+  transaction.commit();
+}
+
+void RunStore::set_state(std::int64_t run, const std::string& state, const EventRecord& event) {
+  database_->open_run(run);
+  if (state == "ended") throw conflict("a run ends through end_run alone", "this is a defect: please report it");
+  sqlite::Transaction transaction(database_->connection);
+  sqlite::Statement(database_->connection, "UPDATE runs SET state = ? WHERE run = ?").bind(state, run).run();
+  database_->insert_event(run, event);
+  transaction.commit();
+}
+
+std::int64_t RunStore::begin_branch(std::int64_t run, const BranchRecord& b) {
+  database_->open_run(run);
+  sqlite::Statement(database_->connection,
+                    "INSERT INTO branches (run, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, "
+                    "to_psi) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(run, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi)
+      .run();
+  return database_->connection.last_row();
+}
+
+void RunStore::void_branch(std::int64_t branch, const std::string& reason) {
+  std::int64_t run = 0;
+  {
+    sqlite::Statement row(database_->connection, "SELECT run FROM branches WHERE branch = ?");
+    if (!row.bind(branch).step()) {
+      throw StoreError("TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
+                       "name a branch that begin_branch gave");
+    }
+    row.read(run);
+  }
+  database_->open_run(run);
+  sqlite::Statement(database_->connection, "UPDATE branches SET void = 1, void_reason = ? WHERE branch = ?")
+      .bind(reason, branch)
+      .run();
+  database_->last_branch_run = 0;
+}
+
+void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
+  Database& database = *database_;
+  Database::OpenRun& open = database.open_run(run);
+  const BranchRecord& branch = database.branch_of(run, f.branch);
+  check_shape(f);
+  if (!open.chain) open.chain = database.header_digest(run);
+  const Digest chain = database.hasher.frame(*open.chain, branch, f);
+  if (!database.frame_statement) {
+    database.frame_statement = std::make_unique<sqlite::Statement>(database.connection, kInsertFrame, true);
+  }
+  database.frame_statement
+      ->bind(frames_above(run) + open.frames + 1, f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi,
+             f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns,
+             f.device_time_us, f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, chain)
+      .run();
+  ++open.frames;
+  open.chain = chain;
+}
+
+void RunStore::append_event(std::int64_t run, const EventRecord& event) {
+  database_->open_run(run);
+  database_->insert_event(run, event);
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,175 @@
+#include "db/schema.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "db/run_store.h"
+
+namespace tactbench::db {
+
+namespace {
+
+// A REAL that may be NULL: NULL says "not a number", that is, no reading.
+constexpr const char* kVersion1 = R"sql(
+CREATE TABLE sensors (
+  serial TEXT PRIMARY KEY NOT NULL CHECK (serial <> ''),
+  type TEXT NOT NULL, type_toml TEXT NOT NULL, type_sha256 TEXT NOT NULL,
+  scanner_serial TEXT NOT NULL, note TEXT NOT NULL, added_utc TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE runs (
+  run INTEGER PRIMARY KEY AUTOINCREMENT,
+  uuid TEXT NOT NULL UNIQUE,
+  origin TEXT NOT NULL CHECK (origin IN ('simulated', 'hardware', 'imported')),
+  state TEXT NOT NULL CHECK (state <> ''),
+  outcome TEXT NOT NULL CHECK (outcome IN ('incomplete', 'completed', 'stopped', 'aborted', 'failed', 'interrupted')),
+  reason TEXT NOT NULL,
+  safe_state TEXT NOT NULL CHECK (safe_state IN ('unknown', 'verified', 'unverified', 'failed')),
+  operator TEXT NOT NULL, purpose TEXT NOT NULL,
+  sensor_serial TEXT REFERENCES sensors (serial), scanner_serial TEXT NOT NULL,
+  bench_id TEXT NOT NULL, bench_toml TEXT NOT NULL, bench_sha256 TEXT NOT NULL,
+  sensor_toml TEXT NOT NULL, sensor_sha256 TEXT NOT NULL, overrides_json TEXT NOT NULL,
+  program_version TEXT NOT NULL, git_commit TEXT NOT NULL,
+  git_dirty INTEGER NOT NULL CHECK (git_dirty IN (0, 1)),
+  build_id TEXT NOT NULL, host TEXT NOT NULL, time_zone TEXT NOT NULL,
+  seed INTEGER NOT NULL, sensor_seed INTEGER NOT NULL,
+  started_utc TEXT NOT NULL, ended_utc TEXT NOT NULL, content_sha256 TEXT NOT NULL,
+  tags TEXT NOT NULL DEFAULT '', notes TEXT NOT NULL DEFAULT '',
+  CHECK ((state = 'ended') = (outcome <> 'incomplete'))
+) STRICT;
+
+CREATE TABLE sequences (
+  run INTEGER NOT NULL REFERENCES runs (run),
+  sequence INTEGER NOT NULL CHECK (sequence >= 0),
+  name TEXT NOT NULL, recipe_toml TEXT NOT NULL, recipe_sha256 TEXT NOT NULL,
+  repeats INTEGER NOT NULL, frames_per_repeat INTEGER NOT NULL,
+  PRIMARY KEY (run, sequence)
+) STRICT;
+
+CREATE TABLE devices (
+  run INTEGER NOT NULL REFERENCES runs (run),
+  position INTEGER NOT NULL,
+  role TEXT NOT NULL, model TEXT NOT NULL, serial TEXT NOT NULL, firmware TEXT NOT NULL,
+  origin TEXT NOT NULL, calibration_json TEXT NOT NULL,
+  PRIMARY KEY (run, position)
+) STRICT;
+
+CREATE TABLE branches (
+  branch INTEGER PRIMARY KEY,
+  run INTEGER NOT NULL, sequence INTEGER NOT NULL,
+  "repeat" INTEGER NOT NULL CHECK ("repeat" >= 0),
+  ordinal INTEGER NOT NULL CHECK (ordinal >= 0),
+  attempt INTEGER NOT NULL CHECK (attempt >= 0),
+  void INTEGER NOT NULL CHECK (void IN (0, 1)), void_reason TEXT NOT NULL,
+  from_psi REAL NOT NULL, to_psi REAL NOT NULL,
+  UNIQUE (run, sequence, "repeat", ordinal, attempt),
+  FOREIGN KEY (run, sequence) REFERENCES sequences (run, sequence)
+) STRICT;
+
+CREATE TABLE frames (
+  frame INTEGER PRIMARY KEY CHECK (frame % 1000000000 > 0),  -- run * 1000000000 + position in the run, from 1
+  branch INTEGER NOT NULL REFERENCES branches (branch),
+  ordinal INTEGER NOT NULL,
+  setpoint_psi REAL NOT NULL, feedback_psi REAL, reference_psi REAL,
+  setpoint_counts INTEGER NOT NULL, feedback_counts INTEGER NOT NULL, reference_counts INTEGER NOT NULL,
+  time_ns INTEGER NOT NULL, since_command_ns INTEGER NOT NULL, in_band_ns INTEGER NOT NULL,
+  device_time_us INTEGER NOT NULL, status INTEGER NOT NULL, exchanges INTEGER NOT NULL,
+  dtype TEXT NOT NULL CHECK (dtype = 'uint16le'),
+  "rows" INTEGER NOT NULL CHECK ("rows" > 0), columns INTEGER NOT NULL CHECK (columns > 0),
+  scans INTEGER NOT NULL CHECK (scans > 0),
+  counts BLOB NOT NULL CHECK (length(counts) = 2 * "rows" * columns * scans),  -- scan slowest, then row, then column
+  chain BLOB NOT NULL CHECK (length(chain) = 32)  -- SHA-256 of the chain up to this frame
+) STRICT;
+
+CREATE TABLE events (
+  event INTEGER PRIMARY KEY,
+  run INTEGER NOT NULL REFERENCES runs (run),
+  time_ns INTEGER NOT NULL, kind TEXT NOT NULL, id TEXT NOT NULL, detail TEXT NOT NULL
+) STRICT;
+CREATE INDEX events_of_run ON events (run);
+
+CREATE TABLE fits (
+  fit INTEGER PRIMARY KEY AUTOINCREMENT,
+  run INTEGER NOT NULL REFERENCES runs (run),
+  model TEXT NOT NULL, options_json TEXT NOT NULL, summary_json TEXT NOT NULL,
+  program_version TEXT NOT NULL, created_utc TEXT NOT NULL, patterns_json TEXT NOT NULL
+) STRICT;
+CREATE INDEX fits_of_run ON fits (run, model);
+
+CREATE TABLE fit_taxels (
+  fit INTEGER NOT NULL REFERENCES fits (fit),
+  taxel INTEGER NOT NULL,  -- row * columns + column; -1: the mean taxel
+  status TEXT NOT NULL,
+  parameters BLOB NOT NULL, ascending_v BLOB NOT NULL, descending_v BLOB NOT NULL,  -- float64le
+  noise_v REAL, j_v2 REAL, mean_error_v REAL, max_error_v REAL, full_scale_v REAL,
+  at_bound INTEGER NOT NULL,
+  PRIMARY KEY (fit, taxel)
+) STRICT;
+
+CREATE TABLE verdicts (
+  verdict_row INTEGER PRIMARY KEY,
+  run INTEGER NOT NULL REFERENCES runs (run),
+  fit INTEGER REFERENCES fits (fit),  -- NULL: judged without a stored fit
+  criterion TEXT NOT NULL, scope TEXT NOT NULL, value REAL, limit_value REAL,
+  unit TEXT NOT NULL,  -- of value and limit_value
+  rule TEXT NOT NULL,
+  verdict TEXT NOT NULL
+    CHECK (verdict IN ('pass', 'conditional pass', 'conditional fail', 'fail', 'inconclusive')),
+  limits_toml TEXT NOT NULL, limits_sha256 TEXT NOT NULL
+) STRICT;
+CREATE INDEX verdicts_of_run ON verdicts (run);
+
+CREATE VIEW v_runs AS
+SELECT r.run, r.uuid, r.origin, r.state, r.outcome, r.reason, r.safe_state, r.operator, r.purpose, r.sensor_serial,
+  r.scanner_serial, r.bench_id,
+  (SELECT group_concat(name, ', ') FROM (SELECT name FROM sequences s WHERE s.run = r.run ORDER BY sequence)) AS recipes,
+  (SELECT count(*) FROM frames f
+    WHERE f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999) AS frames,
+  r.program_version, r.git_commit, r.git_dirty, r.seed, r.sensor_seed, r.started_utc, r.ended_utc, r.content_sha256,
+  r.tags, r.notes
+FROM runs r;
+
+CREATE VIEW v_frames AS
+SELECT r.run, f.frame - r.run * 1000000000 AS position, s.name AS recipe, b.sequence, b."repeat", b.ordinal AS branch,
+  b.attempt, b.void, b.from_psi, b.to_psi, f.ordinal AS step, f.setpoint_psi, f.feedback_psi, f.reference_psi,
+  f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns, f.time_ns * 1e-9 AS time_s, f.since_command_ns,
+  f.in_band_ns, f.device_time_us, f.status, f.exchanges, f.dtype, f."rows", f.columns, f.scans,
+  lower(hex(f.chain)) AS chain_sha256
+FROM runs r
+JOIN frames f ON f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999
+JOIN branches b ON b.branch = f.branch
+JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence;
+
+CREATE VIEW v_verdicts AS
+SELECT v.run, v.fit, r.origin, r.sensor_serial, v.criterion, v.scope, v.value, v.limit_value, v.unit, v.rule, v.verdict,
+  v.limits_sha256
+FROM verdicts v JOIN runs r ON r.run = v.run;
+)sql";
+
+constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1};  // [i] leads from version i to i + 1
+
+}  // namespace
+
+void check_version(sqlite::Connection& connection) {
+  const std::int64_t version = connection.integer("PRAGMA user_version");
+  if (version <= kSchemaVersion) return;
+  throw StoreError("TB-STORE-NEWER",
+                   fmt::format("store {} has schema version {}, this program knows versions up to {}",
+                               connection.path(), version, kSchemaVersion),
+                   "use the newer tactbench that wrote it; a store is not taken back to an older version");
+}
+
+void migrate(sqlite::Connection& connection) {
+  if (connection.integer("PRAGMA user_version") == kSchemaVersion) return;
+  sqlite::Transaction transaction(connection);
+  check_version(connection);  // another process may have been here before us
+  for (std::int64_t version = connection.integer("PRAGMA user_version"); version < kSchemaVersion; ++version) {
+    connection.execute(kMigrations[static_cast<std::size_t>(version)]);
+  }
+  connection.execute(
+      fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kSchemaVersion));
+  transaction.commit();
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,203 @@
+#include "db/sqlite.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+
+#include "db/run_store.h"
+
+namespace tactbench::db::sqlite {
+
+namespace {
+
+// Path as a URI: all but the unreserved characters in percent form.
+std::string immutable_uri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
+                       c == '-' || c == '_' || c == '.' || c == '~';
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri + "?immutable=1";
+}
+
+struct Meaning {
+  const char* id;
+  const char* what;
+  const char* remedy;
+};
+
+Meaning meaning_of(int code, int system_error) {
+  constexpr Meaning kFull{"TB-STORE-FULL", "there is no room left",
+                          "free space on the disk of the store; what was acknowledged is kept"};
+  // The operating system's "full" is not always SQLITE_FULL: quota, a limit on file size, no room for the -shm file.
+  if (system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG) return kFull;
+  switch (code & 0xff) {
+    case SQLITE_FULL:
+      return kFull;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return {"TB-STORE-LOCKED", "another process is writing and did not finish in time",
+              "see who holds it (fuser FILE), let it end, and try again"};
+    case SQLITE_NOTADB:
+      return {"TB-STORE-OPEN", "this is not a store of tactbench", "name another file with --db"};
+    case SQLITE_CORRUPT:
+      return {"TB-STORE-OPEN", "the file is damaged",
+              "keep a copy, take your last snapshot, and check the disk; sqlite3's .recover may save the rest"};
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+      return {"TB-STORE-OPEN", "the file or its folder may not be written by this user",
+              "check owner and permissions of the file and of its folder (WAL makes files beside it)"};
+    case SQLITE_CANTOPEN:
+      return {"TB-STORE-OPEN", "the file cannot be opened", "check path, owner and permissions of file and folder"};
+    case SQLITE_CONSTRAINT:
+      return {"TB-STORE-CONFLICT", "the row contradicts what is stored", "check the values named"};
+    default:
+      return {"TB-STORE-SQL", "the database library refused", "check the disk; if it is sound, please report this"};
+  }
+}
+
+}  // namespace
+
+Connection::Connection(const std::string& path, Access access, int busy_timeout_ms) : path_(path) {
+  int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  flags |= access == Access::kReadWrite ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY;
+  if (access == Access::kImmutable) flags |= SQLITE_OPEN_URI;
+  const std::string name = access == Access::kImmutable ? immutable_uri(path) : path;
+  const int code = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);
+  try {
+    if (code != SQLITE_OK) fail(code, "open");
+    sqlite3_busy_timeout(handle_, busy_timeout_ms);
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
+    execute("PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF");
+  } catch (...) {
+    sqlite3_close_v2(handle_);
+    throw;
+  }
+}
+
+Connection::~Connection() { sqlite3_close_v2(handle_); }
+
+void Connection::fail(int code, const std::string& doing) const {
+  const int system_error = handle_ != nullptr ? sqlite3_system_errno(handle_) : 0;
+  const bool own_message = handle_ != nullptr && (sqlite3_errcode(handle_) & 0xff) == (code & 0xff);
+  std::string detail = own_message ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
+  // The number of the operating system stays from an earlier call: it tells about this one only for input and output.
+  const int base = code & 0xff;
+  const bool of_system = base == SQLITE_IOERR || base == SQLITE_CANTOPEN || base == SQLITE_FULL;
+  if (of_system && system_error != 0) detail += fmt::format("; {}", std::strerror(system_error));
+  const Meaning meaning = meaning_of(code, of_system ? system_error : 0);
+  throw StoreError(meaning.id,
+                   fmt::format("store {}: {} ({}, SQLite code {}; {})", path_, meaning.what, detail, code, doing),
+                   meaning.remedy);
+}
+
+void Connection::execute(const std::string& sql) {
+  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) fail(code, sql.substr(0, 80));
+}
+
+std::int64_t Connection::integer(const std::string& sql) {
+  Statement statement(*this, sql);
+  std::int64_t value = 0;
+  if (!statement.step()) fail(SQLITE_DONE, sql);
+  statement.read(value);
+  return value;
+}
+
+std::string Connection::text(const std::string& sql) {
+  Statement statement(*this, sql);
+  std::string value;
+  if (!statement.step()) fail(SQLITE_DONE, sql);
+  statement.read(value);
+  return value;
+}
+
+std::int64_t Connection::last_row() const { return sqlite3_last_insert_rowid(handle_); }
+bool Connection::in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
+bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_, "main") == 1; }
+
+Statement::Statement(Connection& connection, std::string_view sql, bool kept) : connection_(connection) {
+  const unsigned flags = kept ? SQLITE_PREPARE_PERSISTENT : 0U;
+  const int code =
+      sqlite3_prepare_v3(connection.handle(), sql.data(), static_cast<int>(sql.size()), flags, &handle_, nullptr);
+  if (code != SQLITE_OK) connection.fail(code, std::string(sql.substr(0, 80)));
+}
+
+Statement::~Statement() { sqlite3_finalize(handle_); }
+
+bool Statement::step() {
+  const int code = sqlite3_step(handle_);
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  try {
+    connection_.fail(code, std::string(sqlite3_sql(handle_)).substr(0, 80));
+  } catch (...) {
+    sqlite3_reset(handle_);
+    sqlite3_clear_bindings(handle_);
+    throw;
+  }
+}
+
+void Statement::run() {
+  while (step()) {
+  }
+  sqlite3_reset(handle_);
+  sqlite3_clear_bindings(handle_);
+}
+
+void Statement::put_integer(int index, std::int64_t value) { sqlite3_bind_int64(handle_, index, value); }
+void Statement::put_real(int index, double value) { sqlite3_bind_double(handle_, index, value); }
+
+void Statement::put_text(int index, std::string_view value) {
+  const char* data = value.data() != nullptr ? value.data() : "";
+  const int code = sqlite3_bind_text64(handle_, index, data, value.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  if (code != SQLITE_OK) connection_.fail(code, "bind text");
+}
+
+void Statement::put_blob(int index, std::span<const std::byte> value) {
+  // A null pointer would be taken for NULL; an empty blob is not NULL.
+  const int code = value.empty() ? sqlite3_bind_zeroblob(handle_, index, 0)
+                                 : sqlite3_bind_blob64(handle_, index, value.data(), value.size(), SQLITE_STATIC);
+  if (code != SQLITE_OK) connection_.fail(code, "bind blob");
+}
+
+std::int64_t Statement::get_integer(int column) const { return sqlite3_column_int64(handle_, column); }
+
+double Statement::get_real(int column) const {
+  if (sqlite3_column_type(handle_, column) == SQLITE_NULL) return std::numeric_limits<double>::quiet_NaN();
+  return sqlite3_column_double(handle_, column);
+}
+
+std::string Statement::get_text(int column) const {
+  const void* data = sqlite3_column_blob(handle_, column);
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(handle_, column));
+  return data != nullptr ? std::string(static_cast<const char*>(data), size) : std::string();
+}
+
+std::size_t Statement::blob_size(int column) const {
+  return static_cast<std::size_t>(sqlite3_column_bytes(handle_, column));
+}
+
+void Statement::get_blob(int column, std::span<std::byte> value) const {
+  const void* data = sqlite3_column_blob(handle_, column);
+  const std::size_t size = std::min(value.size(), blob_size(column));
+  if (data != nullptr && size > 0) std::memcpy(value.data(), data, size);
+}
+
+Transaction::Transaction(Connection& connection) : connection_(connection) { connection_.execute("BEGIN IMMEDIATE"); }
+
+Transaction::~Transaction() {
+  // A failure may have rolled back already; one that meets a failed disk leaves the log, which the next open drops.
+  if (connection_.in_transaction()) sqlite3_exec(connection_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+void Transaction::commit() { connection_.execute("COMMIT"); }
+
+}  // namespace tactbench::db::sqlite

@@ -1,0 +1,144 @@
+// A thin wrapper over SQLite: one connection, prepared statements, transactions. Every failure becomes a StoreError
+// that names the file and a remedy. sqlite3.h is included in sqlite.cpp alone.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace tactbench::db::sqlite {
+
+// Blobs are stored as they lie in memory, and the file's format is little-endian.
+static_assert(std::endian::native == std::endian::little, "blobs need swapping on this host");
+
+enum class Access {
+  kReadWrite,
+  kReadOnly,
+  kImmutable,  // for a folder in which nobody can write: takes no locks, makes no -wal and -shm
+};
+
+inline constexpr int kBusyTimeoutMs = 5000;
+
+class Connection {
+ public:
+  Connection(const std::string& path, Access access, int busy_timeout_ms = kBusyTimeoutMs);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  void execute(const std::string& sql);                        // one or more statements; rows are dropped
+  [[nodiscard]] std::int64_t integer(const std::string& sql);  // first column of the one row
+  [[nodiscard]] std::string text(const std::string& sql);
+  [[nodiscard]] std::int64_t last_row() const;
+  [[nodiscard]] bool in_transaction() const;
+  [[nodiscard]] bool is_read_only() const;  // also true when a file asked for writing could only be read
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] sqlite3* handle() const { return handle_; }
+  [[noreturn]] void fail(int code, const std::string& doing) const;
+
+ private:
+  std::string path_;
+  sqlite3* handle_ = nullptr;
+};
+
+// Values go in with bind(...) and come out with read(...), in the order of the SQL text. Vectors and arrays of numbers
+// are blobs. A double that is not a number is NULL in the file and comes back as NaN.
+class Statement {
+ public:
+  Statement(Connection& connection, std::string_view sql, bool kept = false);  // kept: to be run many times
+  ~Statement();
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  // Blobs are not copied: they must live until run() or the last step().
+  template <class... Values>
+  Statement& bind(const Values&... values) {
+    int index = 0;
+    (put(++index, values), ...);
+    return *this;
+  }
+  [[nodiscard]] bool step();  // true: there is a row
+  void run();                 // to the end, then ready to be bound again
+  template <class... Values>
+  void read(Values&... values) const {
+    int column = 0;
+    (get(column++, values), ...);
+  }
+
+ private:
+  template <class T>
+  void put(int index, const T& value) {
+    if constexpr (std::integral<T>) {
+      put_integer(index, static_cast<std::int64_t>(value));
+    } else if constexpr (std::floating_point<T>) {
+      put_real(index, value);
+    } else if constexpr (std::convertible_to<T, std::string_view>) {
+      put_text(index, value);
+    } else {
+      put_blob(index, std::as_bytes(std::span(value)));
+    }
+  }
+  template <class T>
+  void put(int index, const std::optional<T>& value) {
+    if (value) put(index, *value);  // an unbound parameter is NULL
+  }
+  template <class T>
+  void get(int column, T& value) const {
+    if constexpr (std::same_as<T, bool>) {
+      value = get_integer(column) != 0;
+    } else if constexpr (std::integral<T>) {
+      value = static_cast<T>(get_integer(column));
+    } else if constexpr (std::floating_point<T>) {
+      value = get_real(column);
+    } else {
+      value = get_text(column);
+    }
+  }
+  template <class T>
+  void get(int column, std::vector<T>& value) const {
+    value.resize(blob_size(column) / sizeof(T));
+    get_blob(column, std::as_writable_bytes(std::span(value)));
+  }
+  template <class T, std::size_t N>
+  void get(int column, std::array<T, N>& value) const {
+    get_blob(column, std::as_writable_bytes(std::span(value)));
+  }
+  void put_integer(int index, std::int64_t value);
+  void put_real(int index, double value);
+  void put_text(int index, std::string_view value);
+  void put_blob(int index, std::span<const std::byte> value);
+  [[nodiscard]] std::int64_t get_integer(int column) const;
+  [[nodiscard]] double get_real(int column) const;
+  [[nodiscard]] std::string get_text(int column) const;
+  [[nodiscard]] std::size_t blob_size(int column) const;
+  void get_blob(int column, std::span<std::byte> value) const;
+
+  Connection& connection_;
+  sqlite3_stmt* handle_ = nullptr;
+};
+
+// Takes the right to write at once; rolls back unless committed.
+class Transaction {
+ public:
+  explicit Transaction(Connection& connection);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  void commit();
+
+ private:
+  Connection& connection_;
+};
+
+}  // namespace tactbench::db::sqlite

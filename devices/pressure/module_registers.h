@@ -1,0 +1,60 @@
+// What stands behind the simulated module's wire: the EK9000-like register map with its watchdog on process time and
+// its write lock. No sockets; used by simulated_module.cpp alone.
+//
+// Read: inputs from 0x0000 (FC 3, 4; asked of the port at each reading), outputs from 0x0800, 0x1020 watchdog time
+// left in ms, 0x1021 fallbacks so far, 0x1022 connections, 0x1120-0x1124 (FC 3). Written: outputs, 0x1120-0x1124.
+// After a fallback, writes to outputs are refused (exception 4) until 0xBECF, 0xAFFE went to 0x1121. The bus stop
+// (0x1123 = 2) is refused as not simulated. Where the manual is silent (0x1020's direction, the exception numbers,
+// who feeds when the lock is off) this is our reading, not verified on hardware.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/chamber_port.h"
+
+namespace tactbench::devices {
+
+// Modbus exception codes; kNone: carried out.
+enum class Refusal { kNone = 0, kFunction = 1, kAddress = 2, kValue = 3, kFailure = 4 };
+
+class ModuleRegisters {
+ public:
+  ModuleRegisters(ModuleProfile profile, ChamberPort& chamber, const Clock& clock);
+
+  // Lets the watchdog fall back when its time is over; to be called before each request.
+  void turn();
+  // `function` is 3 (also for FC 23) or 4; `client` is who asks (the watchdog knows its master).
+  [[nodiscard]] Refusal check_read(int function, int address, std::size_t count) const;
+  [[nodiscard]] Refusal read(int client, int function, int address, std::span<std::uint16_t> into);
+  [[nodiscard]] Refusal write(int client, int address, std::span<const std::uint16_t> values);
+  void connected() { ++connections_; }
+  void disconnected(int client);
+
+ private:
+  [[nodiscard]] bool outputs_hold(int address, std::size_t count) const;
+  [[nodiscard]] Refusal write_setting(int offset, std::uint16_t value);
+  [[nodiscard]] std::uint16_t read_one(int address);
+  void feed(bool by_write);
+  void drive();
+
+  static constexpr int kNobody = -1;
+  ModuleProfile profile_;
+  ChamberPort& chamber_;
+  const Clock& clock_;
+  std::vector<std::uint16_t> outputs_;
+  std::array<std::uint16_t, 5> settings_{1000, 0, 1, 0, 1};  // 0x1120: time ms, reset, type, fallback, write lock
+  int connections_ = 0;
+  int master_ = kNobody;  // who wrote process data first: the only one whose telegrams feed the watchdog
+  bool armed_ = false;
+  bool tripped_ = false;
+  bool reset_begun_ = false;
+  std::uint16_t fallbacks_ = 0;
+  Nanoseconds deadline_{0};
+};
+
+}  // namespace tactbench::devices

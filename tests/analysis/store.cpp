@@ -1,0 +1,240 @@
+// From stored frames to a dataset, and a fit to the store and back.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "analysis/dataset.h"
+#include "analysis/identify/identify.h"
+#include "analysis/statistics/evaluation.h"
+#include "db/run_store.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace synthetic;
+namespace db = tactbench::db;
+
+namespace {
+
+constexpr double kScale = 5.0 / 65535.0;
+
+class TemporaryStore {
+ public:
+  TemporaryStore() : folder_(std::filesystem::temp_directory_path() / ("tactbench-analysis-" + db::new_uuid())) {
+    std::filesystem::create_directory(folder_);
+    store_.emplace(db::RunStore::open((folder_ / "runs.db").string(), db::Durability::kNormal));
+  }
+  ~TemporaryStore() {
+    store_.reset();
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  TemporaryStore(const TemporaryStore&) = delete;
+  TemporaryStore& operator=(const TemporaryStore&) = delete;
+  db::RunStore& operator*() { return *store_; }
+  db::RunStore* operator->() { return &*store_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::optional<db::RunStore> store_;
+};
+
+struct Recorded {
+  std::string calibration = R"({"volts_per_count": 7.62951094834821e-05})";
+  std::string scanner_role = "tactile scanner";
+  int scans = 2;
+};
+
+std::int64_t begin(db::RunStore& store, const Recorded& recorded, const std::vector<db::SequenceRecord>& sequences) {
+  if (!store.sensor("S1")) store.add_sensor({"S1", "type", "a = 1", db::sha256_hex("a = 1"), "C1", "", ""});
+  db::RunRecord run;
+  run.uuid = db::new_uuid();
+  run.origin = "simulated";
+  run.state = "prepared";
+  run.sensor_serial = "S1";
+  run.scanner_serial = "C1";
+  run.sequences = sequences;
+  run.devices = {{recorded.scanner_role, "m", "C1", "1", "simulated", recorded.calibration}};
+  return store.begin_run(run);
+}
+
+db::FrameRecord frame(std::int64_t branch, int ordinal, double level, std::vector<std::uint16_t> counts, int scans,
+                      int rows, int columns) {
+  db::FrameRecord record;
+  record.branch = branch;
+  record.ordinal = ordinal;
+  record.setpoint_psi = level;
+  record.reference_psi = level + 0.1;
+  record.rows = rows;
+  record.columns = columns;
+  record.scans = scans;
+  record.counts = std::move(counts);
+  return record;
+}
+
+// One taxel pair, levels 0 2 0 in two branches a repeat; the counts tell repeat and step.
+void record_repeat(db::RunStore& store, std::int64_t run, int repeat, int frames = 3) {
+  const double levels[] = {0.0, 2.0, 0.0};
+  std::int64_t branch = 0;
+  for (int i = 0; i < frames; ++i) {
+    if (i != 1)
+      branch = store.begin_branch(run, {0, 0, repeat, i / 2, 0, false, "", i < 2 ? 0.0 : 2.0, i < 2 ? 2.0 : 0.0});
+    const auto base = static_cast<std::uint16_t>(1000 * repeat + 100 * i + 10);
+    const auto next = static_cast<std::uint16_t>(base + 4);
+    store.append_frame(run, frame(branch, i, levels[i], {base, 7, next, 7}, 2, 1, 2));
+  }
+}
+
+const std::vector<db::SequenceRecord> kTiny{{0, "tiny", "r = 1", "", 3, 3}};
+
+std::string id_of_loading(const db::RunStore& store, std::int64_t run) {
+  try {
+    load_dataset(store, run);
+  } catch (const AnalysisError& error) {
+    return error.id();
+  }
+  return "loaded";
+}
+
+// A whole synthetic run through the store.
+std::int64_t record_dataset(db::RunStore& store, const Dataset& data) {
+  std::vector<db::SequenceRecord> sequences;
+  for (std::size_t s = 0; s < data.sequences.size(); ++s)
+    sequences.push_back({static_cast<int>(s), data.sequences[s].name, "r = 1", "",
+                         static_cast<int>(data.sequences[s].repeats.size()),
+                         static_cast<int>(data.sequences[s].repeats[0].steps.size())});
+  const std::int64_t run = begin(store, {}, sequences);
+  const auto width = static_cast<std::size_t>(data.taxels());
+  for (std::size_t s = 0; s < data.sequences.size(); ++s) {
+    for (std::size_t r = 0; r < data.sequences[s].repeats.size(); ++r) {
+      const Repeat& repeat = data.sequences[s].repeats[r];
+      const auto branch =
+          store.begin_branch(run, {0, static_cast<int>(s), static_cast<int>(r), 0, 0, false, "", 0.0, 60.0});
+      for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+        std::vector<std::uint16_t> counts;
+        for (std::size_t taxel = 0; taxel < width; ++taxel)
+          counts.push_back(static_cast<std::uint16_t>(
+              std::clamp(std::lround(repeat.volts[i * width + taxel] / kScale), 0L, 65535L)));
+        db::FrameRecord record =
+            frame(branch, static_cast<int>(i), repeat.steps[i].setpoint_psi, counts, 1, data.rows, data.columns);
+        record.reference_psi = repeat.steps[i].reference_psi;
+        store.append_frame(run, record);
+      }
+    }
+  }
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("frames become volts in step order; an incomplete repeat is left out") {
+  TemporaryStore store;
+  const std::int64_t run = begin(*store, {}, kTiny);
+  record_repeat(*store, run, 0);
+  record_repeat(*store, run, 1);
+  record_repeat(*store, run, 2, 2);
+  const Dataset data = load_dataset(*store, run);
+  REQUIRE(data.sequences.size() == 1);
+  REQUIRE(data.sequences[0].repeats.size() == 2);
+  const Repeat& second = data.sequences[0].repeats[1];
+  CHECK(second.steps[1].setpoint_psi == 2.0);
+  CHECK(second.steps[1].reference_psi == 2.1);
+  CHECK(second.volts[2] == Approx(1112.0 * kScale));  // mean of the two scans
+  CHECK(second.volts[3] == Approx(7.0 * kScale));
+  CHECK(data.origin == "simulated");
+  CHECK(data.sensor_serial == "S1");
+  // Two scans 4 counts apart: variance 8, of the mean 4. A silent taxel has the converter's rounding.
+  CHECK(data.noise_v[0] == Approx(2.0 * kScale));
+  CHECK(data.noise_v[1] == Approx(kScale / std::sqrt(24.0)));
+  CHECK_FALSE(data.at_limit[0]);
+}
+
+TEST_CASE("void branches do not count, their redone ones do") {
+  TemporaryStore store;
+  const std::int64_t run = begin(*store, {}, kTiny);
+  const std::int64_t bad = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 2.0});
+  store->append_frame(run, frame(bad, 0, 0.0, {65535, 1, 65535, 1}, 2, 1, 2));
+  store->void_branch(bad, "interrupted");
+  record_repeat(*store, run, 0);
+  const Dataset data = load_dataset(*store, run);
+  CHECK(data.sequences[0].repeats.size() == 1);
+  CHECK(data.sequences[0].repeats[0].volts[0] == Approx(12.0 * kScale));
+  CHECK_FALSE(data.at_limit[0]);
+}
+
+TEST_CASE("a taxel at the converter's limit is marked") {
+  TemporaryStore store;
+  const std::int64_t run = begin(*store, {}, kTiny);
+  const std::int64_t branch = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 2.0});
+  for (int i = 0; i < 3; ++i) store->append_frame(run, frame(branch, i, 2.0 * i, {9, 65534, 65535, 65534}, 2, 1, 2));
+  const Dataset data = load_dataset(*store, run);
+  CHECK(data.at_limit[0]);
+  CHECK_FALSE(data.at_limit[1]);
+}
+
+TEST_CASE("runs without a complete repeat or a scale are refused, saying what is missing") {
+  TemporaryStore store;
+  const std::int64_t empty = begin(*store, {}, kTiny);
+  CHECK(id_of_loading(*store, empty) == "TB-ANALYSIS-EMPTY");
+  record_repeat(*store, empty, 0, 2);
+  try {
+    load_dataset(*store, empty);
+    FAIL("loaded");
+  } catch (const AnalysisError& error) {
+    CHECK(error.id() == "TB-ANALYSIS-EMPTY");
+    CHECK_THAT(error.what(), Catch::Contains("1 of 3 frames missing"));
+    CHECK_FALSE(error.remedy().empty());
+  }
+  CHECK(id_of_loading(*store, begin(*store, {.calibration = "{}"}, kTiny)) == "TB-ANALYSIS-NO-CALIBRATION");
+  CHECK(id_of_loading(*store, begin(*store, {.calibration = "not json"}, kTiny)) == "TB-ANALYSIS-NO-CALIBRATION");
+  CHECK(id_of_loading(*store, begin(*store, {.calibration = R"({"volts_per_count": -1})"}, kTiny)) ==
+        "TB-ANALYSIS-NO-CALIBRATION");
+  CHECK(id_of_loading(*store, begin(*store, {.scanner_role = "camera"}, kTiny)) == "TB-ANALYSIS-NO-CALIBRATION");
+}
+
+TEST_CASE("a fit survives the store bit for bit, and evaluates the same") {
+  TemporaryStore store;
+  ArrayOptions options;
+  options.rows = 3;
+  options.columns = 2;
+  RunOptions twice;
+  twice.repeats = 2;
+  Dataset source = run(Array(options), twice);
+  for (SequenceData& sequence : source.sequences)
+    for (Repeat& repeat : sequence.repeats)
+      for (std::size_t i = 0; i < repeat.steps.size(); ++i) repeat.volts[i * 6 + 4] = 0.0;  // a dead one
+  const std::int64_t number = record_dataset(*store, source);
+  const Dataset data = load_dataset(*store, number);
+  ArrayFitOptions fit_options;
+  fit_options.elam.exact_outer = true;
+  const ArrayFit fit = fit_array(data, fit_options);
+  CHECK_THROWS_AS(load_fit(*store, number), AnalysisError);
+  CHECK(store_fit(*store, fit, "0.1.0", "2024-01-01T00:00:00Z") > 0);
+  const ArrayFit back = load_fit(*store, number);
+
+  CHECK(back.run == number);
+  CHECK(back.sensor_serial == "S1");
+  CHECK(back.scanner_serial == "C1");
+  CHECK(back.origin == "simulated");
+  CHECK(back.full_scale_v == fit.full_scale_v);
+  CHECK(back.pressure_psi == fit.pressure_psi);
+  const auto same = [](const TaxelFit& a, const TaxelFit& b) {
+    CHECK(a.status == b.status);
+    CHECK(a.noise_v == b.noise_v);
+    CHECK(a.fit.j_v2 == b.fit.j_v2);
+    CHECK(a.fit.mean_error_v == b.fit.mean_error_v);
+    CHECK(a.fit.max_error_v == b.fit.max_error_v);
+    CHECK(a.fit.full_scale_v == b.fit.full_scale_v);
+    CHECK(a.fit.at_bound == b.fit.at_bound);
+    const ElamParameters &p = a.fit.model.parameters, &q = b.fit.model.parameters;
+    CHECK((p.alpha_d == q.alpha_d && p.beta_d == q.beta_d && p.beta_a == q.beta_a));
+    CHECK((p.alpha_a1 == q.alpha_a1 && p.alpha_a0 == q.alpha_a0));
+    CHECK(std::ranges::equal(a.fit.model.ascending.y(), b.fit.model.ascending.y()));
+    CHECK(std::ranges::equal(a.fit.model.descending.y(), b.fit.model.descending.y()));
+  };
+  REQUIRE(back.taxels.size() == 6);
+  for (std::size_t i = 0; i < 6; ++i) same(fit.taxels[i], back.taxels[i]);
+  same(fit.mean_taxel, back.mean_taxel);
+  CHECK(back.taxels[4].status == TaxelStatus::kDead);
+  CHECK(back.taxels[0].fit.model.options.exact_outer);
+  CHECK(evaluate(data, back).mean_error_psi == evaluate(data, fit).mean_error_psi);
+}

@@ -1,0 +1,163 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::ExitCode;
+
+TEST_CASE("a run goes through every room and leaves a closed, verified row") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(small_request(), store);
+  REQUIRE(!result.error);
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.frames == 2 * 15);
+  CHECK(result.most_exchanges_a_step <= 20);
+  const db::RunRecord row = store.run(result.run);
+  CHECK(row.origin == "simulated");
+  CHECK(row.state == "ended");
+  CHECK(row.devices.size() == 4);
+  CHECK(row.content_sha256 == store.content_hash(result.run));
+  CHECK(row.content_sha256.size() == 64);
+  const std::vector<db::FrameRecord> frames = store.frames(result.run);
+  REQUIRE(frames.size() == 30);
+  for (const db::FrameRecord& frame : frames) {
+    CHECK(frame.in_band_ns >= 2'000'000'000);
+    CHECK(frame.in_band_ns < 2'100'000'000);
+    CHECK(frame.since_command_ns > frame.in_band_ns);
+    CHECK(std::abs(frame.feedback_psi - frame.setpoint_psi) < 0.5);
+    CHECK(std::abs(frame.reference_psi - frame.setpoint_psi) < 1.0);
+    CHECK(frame.counts.size() == 2U * 256U);
+    CHECK(frame.exchanges > 0);
+  }
+  CHECK(store.branches(result.run).size() == 8);
+}
+
+TEST_CASE("the same seeds give the same canonical content, another noise seed another") {
+  const TemporaryFolder folder;
+  db::RunStore one = db::RunStore::open(folder.path("one.db"), db::Durability::kNormal);
+  db::RunStore two = db::RunStore::open(folder.path("two.db"), db::Durability::kNormal);
+  const std::string first = run_small(small_request({}, {5, 7}), one).content_sha256;
+  CHECK(run_small(small_request({}, {5, 7}), two).content_sha256 == first);
+  CHECK(run_small(small_request({}, {6, 7}), two).content_sha256 != first);
+  CHECK(run_small(small_request({}, {5, 8}), two).content_sha256 != first);
+}
+
+TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, exit code 3") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const auto [key, id] = GENERATE(table<std::string, std::string>({
+      {"scanner_silent_after_scans", "TB-SCANNER-TIMEOUT"},
+      {"scanner_unplug_after_scans", "TB-HID-LOST"},
+      {"scanner_corrupt_scan", "TB-SCANNER-CORRUPT"},
+      {"scanner_drop_report_scan", "TB-SCANNER-CORRUPT"},
+  }));
+  // 2 scans a frame and 2 for the baseline: the fault strikes in frame 6 (counted from 0).
+  const bench::RunResult result =
+      run_small(small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "100"}}), store);
+  REQUIRE(result.error);
+  INFO(key << ": " << result.error->what());
+  CHECK(result.error->id() == id);
+  CHECK(result.error->code() == ExitCode::kDevice);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.outcome == db::Outcome::kFailed);
+  CHECK(result.frames == 6);
+  CHECK(store.frames(result.run).size() == 6);
+  const db::RunRecord row = store.run(result.run);
+  CHECK(row.outcome == db::Outcome::kFailed);
+  CHECK_THAT(row.reason, Catch::StartsWith(id));
+  CHECK(row.content_sha256 == store.content_hash(result.run));
+  CHECK_THAT(result.error->rig_state(), Catch::Contains("vented, verified"));
+  CHECK(!result.error->remedy().empty());
+}
+
+TEST_CASE("a silent or dead Modbus server ends the run; what cannot be reached is called unverified") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const std::string key = GENERATE("module_silent_after_requests", "module_dead_after_requests");
+  const bench::RunResult result =
+      run_small(small_request({{"simulation.wire_faults." + key, "150"}, {"module.response_timeout_ms", "50"}}), store);
+  REQUIRE(result.error);
+  INFO(key << ": " << result.error->what() << " / " << result.error->rig_state());
+  CHECK(result.error->code() == ExitCode::kUnsafe);
+  CHECK_THAT(result.error->id(), Catch::StartsWith("TB-MODBUS-"));
+  CHECK(result.safe == db::SafeState::kUnverified);
+  CHECK(result.outcome == db::Outcome::kFailed);
+  CHECK(result.frames > 0);
+  CHECK(static_cast<int>(store.frames(result.run).size()) == result.frames);
+  CHECK_THAT(result.error->rig_state(), Catch::Contains("tactile array back at its unloaded baseline"));
+}
+
+TEST_CASE("a module that never answers is found before the first command") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(small_request({{"simulation.wire_faults.module_silent_after_requests", "0"},
+                                                           {"module.response_timeout_ms", "50"}}),
+                                            store);
+  REQUIRE(result.error);
+  CHECK(result.error->code() == ExitCode::kUnsafe);
+  CHECK(result.frames == 0);
+  CHECK(store.run(result.run).outcome == db::Outcome::kFailed);
+}
+
+TEST_CASE("pressure above the trip aborts the run and vents") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  // A transducer that reads a third too much stands for an overshoot: 50 psi seem to be 66.7.
+  bench::RunRequest request = small_request({{"reference.span_psi", "[0, 133.4]"}});
+  request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
+      "schema = 1\nname = \"high\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 10\ndwell_s = 0.5\n",
+      "high.toml"))};
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-CHAMBER-TRIP");
+  CHECK(result.error->code() == ExitCode::kStopped);
+  CHECK(result.outcome == db::Outcome::kAborted);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.frames == 5);
+}
+
+TEST_CASE("a chamber that cannot reach its level is a named time-out") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result =
+      run_small(small_request({{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}}), store);
+  REQUIRE(result.error);
+  INFO(result.error->what());
+  CHECK(result.error->id() == "TB-CHAMBER-TIMEOUT");
+  CHECK(result.error->code() == ExitCode::kDevice);
+  CHECK(result.safe == db::SafeState::kVerified);
+}
+
+TEST_CASE("a sensor registered with another scanner is refused before any pressure") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.sensor.scanner_serial = "ANOTHER";
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-SCANNER-SERIAL");
+  CHECK(result.frames == 0);
+}
+
+TEST_CASE("a recipe beyond the command limit is refused before a row exists") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request({{"limits.command_psi", "6"}});
+  CHECK_THROWS_AS(run_small(request, store), bench::Error);
+  CHECK(store.runs().empty());
+}
+
+TEST_CASE("the film's memory can be carried from one run to the next") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  const std::string virgin = run_small(request, store).content_sha256;
+  request.specimen_state_file = folder.path("film.json");
+  CHECK(run_small(request, store).content_sha256 == virgin);  // no such file yet: virgin film
+  CHECK(run_small(request, store).content_sha256 != virgin);  // the second time the film remembers
+}

@@ -1,0 +1,56 @@
+// Signals: real time, wide margins.
+#include <csignal>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+TEST_CASE("Ctrl-C and a request to terminate vent, close the row and keep the frames") {
+  const auto [signal, code] = GENERATE(table<int, int>({{SIGINT, 130}, {SIGTERM, 143}}));
+  const TemporaryFolder folder;
+  // 1000 repeats would take minutes: the run cannot end before the signal comes.
+  const std::string recipe =
+      "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n";
+  write_file(folder.path("long.toml"), recipe);
+  const std::string program = TACTBENCH_PROGRAM;
+  REQUIRE(run_program(program, {"init"}, folder.path()).code == 0);
+  REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
+  const Finished run =
+      run_program(program, {"run", "long.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"},
+                  folder.path(), {signal, folder.path("runs.db-wal"), 1000});
+  INFO(run.err);
+  CHECK(run.code == code);
+  CHECK_THAT(run.err, Catch::Contains("TB-RUN-STOPPED") && Catch::Contains("vented, verified"));
+  const json row = json::parse(run_program(program, {"runs", "show", "1", "--json"}, folder.path()).out);
+  CHECK(row["outcome"] == "stopped");
+  CHECK(row["safe_state"] == "verified");
+  CHECK(row["frames"] > 0);
+  CHECK(row["frames"] < 61000);
+}
+
+TEST_CASE("a run whose process was killed is found and marked interrupted by the next start") {
+  const TemporaryFolder folder;
+  write_file(folder.path("long.toml"),
+             "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n");
+  const std::string program = TACTBENCH_PROGRAM;
+  REQUIRE(run_program(program, {"init"}, folder.path()).code == 0);
+  REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
+  const std::vector<std::string> words = {"run", "long.toml",  "--bench", "bench.toml", "--sensor",
+                                          "S-1", "--operator", "t",       "-q"};
+  CHECK(run_program(program, words, folder.path(), {SIGKILL, folder.path("runs.db-wal"), 1000}).code == -SIGKILL);
+  const auto show = [&] {
+    return json::parse(run_program(program, {"runs", "show", "1", "--json"}, folder.path()).out);
+  };
+  const json dead = show();
+  CHECK(dead["outcome"] == "incomplete");
+  CHECK(dead["frames"] > 0);
+  std::vector<std::string> next = words;
+  next.insert(next.end(), {"--set", "recipe.repeats=1"});
+  REQUIRE(run_program(program, next, folder.path()).code == 0);
+  CHECK(show()["outcome"] == "interrupted");
+  CHECK(show()["frames"] == dead["frames"]);
+}

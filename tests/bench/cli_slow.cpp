@@ -1,0 +1,166 @@
+// The program as a person uses it: words, exit codes, files.
+#include <sqlite3.h>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+const std::string kProgram = TACTBENCH_PROGRAM;
+
+Finished tactbench(const TemporaryFolder& folder, const std::vector<std::string>& words) {
+  return run_program(kProgram, words, folder.path());
+}
+
+const char* const kSmall =
+    "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 30, 0]\nstep = 10\nrepeats = 2\n"
+    "dwell_s = 1.0\n";
+
+void prepare(const TemporaryFolder& folder) {
+  REQUIRE(tactbench(folder, {"init"}).code == 0);
+  write_file(folder.path("small.toml"), kSmall);
+  REQUIRE(tactbench(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+}
+
+std::vector<std::string> small_run(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words = {"run", "small.toml", "--bench", "bench.toml", "--sensor",
+                                    "S-1", "--operator", "tester",  "-q"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+// The four lines of an error, its exit code and identifier.
+void check_error(const Finished& finished, int code, const std::string& id) {
+  INFO(finished.err);
+  CHECK(finished.code == code);
+  CHECK_THAT(finished.err, Catch::Contains("error: ") && Catch::Contains("[" + id + "]"));
+  CHECK_THAT(finished.err, Catch::Contains("\n  try: ") && Catch::Contains("\n  state: "));
+  CHECK(finished.err.find('\x1b') == std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("from init to a report by hand") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  const Finished run = tactbench(folder, small_run());
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  CHECK_THAT(run.out, Catch::Contains("run 1: completed, 40 frames") && Catch::Contains("vented, verified"));
+  const Finished held_out = tactbench(folder, small_run({"--seed", "2", "--json"}));
+  REQUIRE(held_out.code == 0);
+  CHECK(json::parse(held_out.out)["run"] == 2);
+  const Finished fit = tactbench(folder, {"fit", "1", "--held-out", "2", "--json"});
+  INFO(fit.err);
+  REQUIRE(fit.code == 0);
+  const json fitted = json::parse(fit.out);
+  CHECK(fitted["schema"] == "tactbench.fit");
+  CHECK(fitted["fitted_taxels"] == 256);
+  CHECK(fitted["evaluations"].size() == 2);
+  CHECK(fitted["origin"] == "simulated");
+  const Finished report = tactbench(folder, {"report", "1", "--held-out", "2"});
+  REQUIRE(report.code == 0);
+  CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
+  const Finished list = tactbench(folder, {"runs", "list"});
+  CHECK_THAT(list.out, Catch::Contains("completed"));
+  CHECK(json::parse(tactbench(folder, {"runs", "list", "--json"}).out)["runs"].size() == 2);
+  CHECK_THAT(tactbench(folder, {"runs", "show", "1"}).out, Catch::Contains("tester"));
+  CHECK(json::parse(tactbench(folder, {"runs", "show", "1", "--json"}).out)["safe_state"] == "verified");
+  CHECK_THAT(tactbench(folder, {"sensors", "list"}).out, Catch::Contains("S-1"));
+  CHECK(json::parse(tactbench(folder, {"sensors", "show", "S-1", "--json"}).out)["runs"] == json::array({1, 2}));
+}
+
+TEST_CASE("limits decide the exit code") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  REQUIRE(tactbench(folder, small_run()).code == 0);
+  write_file(folder.path("hard.toml"),
+             "schema = 1\nname = \"hard\"\nrule = \"simple\"\nmean_compensation_error_psi = 0.000001\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+  const Finished fit = tactbench(folder, {"fit", "1", "--limits", "hard.toml"});
+  CHECK(fit.code == 1);
+  CHECK_THAT(fit.out, Catch::Contains("simulated fail") && Catch::Contains("simulated pass"));
+  CHECK_THAT(tactbench(folder, {"runs", "list"}).out, Catch::Contains("simulated fail"));
+  CHECK(tactbench(folder, {"report", "1"}).code == 1);
+}
+
+TEST_CASE("plan is the real compiler: 211, 451, 3310") {
+  const TemporaryFolder folder;
+  const Finished plan = tactbench(folder, {"plan", "descending", "ascending", "--json"});
+  REQUIRE(plan.code == 0);
+  CHECK(json::parse(plan.out)["frames"] == 3310);
+  CHECK(json::parse(tactbench(folder, {"plan", "descending", "--set", "recipe.repeats=1", "--json"}).out)["frames"] ==
+        211);
+  check_error(tactbench(folder, {"plan", "descending", "--set", "limits.command_psi=59"}), 2, "TB-RECIPE-LIMIT");
+}
+
+TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  check_error(tactbench(folder, {"reprot", "1"}), 2, "TB-USAGE");
+  CHECK_THAT(tactbench(folder, {"reprot"}).err, Catch::Contains("did you mean 'report'?"));
+  check_error(tactbench(folder, {"run", "small.toml"}), 2, "TB-USAGE");
+  check_error(tactbench(folder, small_run({"--set", "limits.comand_psi=50"})), 2, "TB-FILE-KEY");
+  check_error(tactbench(folder, small_run({"--set", "nonsense"})), 2, "TB-USAGE");
+  check_error(tactbench(folder, small_run({"--set", "limits.command_psi=\"60 psi\""})), 2, "TB-FILE-VALUE");
+  check_error(tactbench(folder, {"plan", "no-such-recipe"}), 2, "TB-FILE-MISSING");
+  write_file(folder.path("wrong.toml"), std::string(kSmall) + "dwel_s = 1\n");
+  const Finished wrong = tactbench(folder, {"plan", "wrong.toml"});
+  check_error(wrong, 2, "TB-FILE-KEY");
+  CHECK_THAT(wrong.err, Catch::Contains("wrong.toml:8:1") && Catch::Contains("did you mean 'dwell_s'?"));
+  check_error(tactbench(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-9", "--operator", "t"}),
+              2, "TB-SENSOR-UNKNOWN");
+  check_error(tactbench(folder, {"fit", "7"}), 2, "TB-STORE-NOT-FOUND");
+  check_error(tactbench(folder, {"init"}), 2, "TB-FILE-EXISTS");
+  CHECK(json::parse(tactbench(folder, {"fit", "7", "--json"}).out)["exit_code"] == 2);
+  CHECK(json::parse(tactbench(folder, {"runs", "list", "--json"}).out)["runs"].empty());
+}
+
+TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  const Finished scanner = tactbench(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=10",
+                                                        "--set", "scanner.frame_timeout_ms=100"}));
+  check_error(scanner, 3, "TB-SCANNER-TIMEOUT");
+  CHECK_THAT(scanner.err, Catch::Contains("vented, verified") && Catch::Contains("run 1 kept with 4 frames"));
+  const Finished module = tactbench(folder, small_run({"--set", "simulation.wire_faults.module_dead_after_requests=100",
+                                                       "--set", "module.response_timeout_ms=100"}));
+  CHECK(module.code == 7);
+  CHECK_THAT(module.err, Catch::Contains("vent NOT verified"));
+  const json runs = json::parse(tactbench(folder, {"runs", "list", "--json"}).out)["runs"];
+  REQUIRE(runs.size() == 2);
+  CHECK(runs[0]["outcome"] == "failed");
+  CHECK(runs[0]["frames"] == 4);
+  CHECK(runs[1]["safe_state"] == "unverified");
+  check_error(tactbench(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
+}
+
+TEST_CASE("a store of a newer schema, a foreign file and a missing store are refused with 5") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(db, "PRAGMA user_version = 9999", nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(db);
+  check_error(tactbench(folder, small_run()), 5, "TB-STORE-NEWER");
+  check_error(tactbench(folder, {"runs", "list"}), 5, "TB-STORE-NEWER");
+  write_file(folder.path("text.db"), std::string(5000, 'x'));
+  check_error(tactbench(folder, {"runs", "list", "--db", "text.db"}), 5, "TB-STORE-OPEN");
+  check_error(tactbench(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+}
+
+TEST_CASE("help, version and no words") {
+  const TemporaryFolder folder;
+  CHECK_THAT(tactbench(folder, {"--help"}).out, Catch::Contains("Exit codes") && Catch::Contains("demo"));
+  CHECK(tactbench(folder, {"--help"}).code == 0);
+  CHECK_THAT(tactbench(folder, {"--version"}).out, Catch::Contains("tactbench 0.1.0"));
+  CHECK(tactbench(folder, {}).code == 2);
+  for (const char* verb : {"demo", "init", "plan", "run", "fit", "report", "runs", "sensors"}) {
+    CHECK(tactbench(folder, {verb, "--help"}).code == 0);
+  }
+}

@@ -1,0 +1,214 @@
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <catch2/catch.hpp>
+
+#include <csignal>
+#include <filesystem>
+
+#include "db/sqlite.h"
+#include "db/store_file.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+
+namespace {
+
+// Refused by both ways of opening with `id`, and not one byte of the folder changed.
+std::string refused(const TemporaryFolder& folder, const std::string& id) {
+  const std::string path = folder.path("runs.db");
+  const std::string before = read_file(path);
+  std::string message;
+  CHECK(store_error([&] { RunStore::open_read_only(path); }, &message) == id);
+  CHECK(store_error([&] { RunStore::open(path); }, &message) == id);
+  CHECK(read_file(path) == before);
+  CHECK_THAT(message, Catch::Contains(path));
+  return message;
+}
+
+}  // namespace
+
+TEST_CASE("a newer schema is refused, naming both versions") {
+  const TemporaryFolder folder;
+  RunStore::open(folder.path("runs.db"));
+  Connection(folder.path("runs.db"), Access::kReadWrite).execute("PRAGMA user_version = 9999");
+  CHECK_THAT(refused(folder, "TB-STORE-NEWER"), Catch::Contains("9999") && Catch::Contains("up to 1"));
+}
+
+TEST_CASE("a database of another program is refused and left as it was") {
+  const TemporaryFolder folder;
+  Connection(folder.path("runs.db"), Access::kReadWrite)
+      .execute("PRAGMA journal_mode = WAL; CREATE TABLE runs (a); PRAGMA user_version = 1");
+  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("another program"));
+  CHECK_FALSE(std::filesystem::exists(folder.path("runs.db-wal")));
+}
+
+TEST_CASE("what is no database is refused") {
+  const TemporaryFolder folder;
+  write_file(folder.path("runs.db"), std::string(5000, 'x'));
+  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("nor any SQLite database"));
+  write_file(folder.path("runs.db"), "short");
+  refused(folder, "TB-STORE-OPEN");
+  // A true header over rubbish
+  write_file(folder.path("good.db"), "");
+  RunStore::open(folder.path("good.db"));
+  write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100) + std::string(8092, 'x'));
+  refused(folder, "TB-STORE-OPEN");
+}
+
+TEST_CASE("a missing folder, a folder for a file and no name are refused with the way out") {
+  const TemporaryFolder folder;
+  std::string message;
+  CHECK(store_error([&] { RunStore::open(folder.path("none/runs.db")); }, &message) == "TB-STORE-OPEN");
+  CHECK_THAT(message, Catch::Contains("does not exist") && Catch::Contains("mkdir -p"));
+  CHECK(store_error([&] { RunStore::open(folder.path()); }) == "TB-STORE-OPEN");
+  CHECK(store_error([&] { RunStore::open(""); }) == "TB-STORE-OPEN");
+  CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }, &message) == "TB-STORE-OPEN");
+  CHECK_THAT(message, Catch::Contains("there is no such file"));
+  CHECK_FALSE(std::filesystem::exists(folder.path("runs.db")));
+  write_file(folder.path("runs.db"), "");
+  CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }) == "TB-STORE-OPEN");
+  CHECK(store_error([&] { RunStore::open(folder.path("runs.db")); }).empty());  // an empty file may become a store
+}
+
+TEST_CASE("reading never writes, nor does it heal a dead writer's log") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    RunStore store = RunStore::open(path);
+    store_example(store);
+    _exit(0);  // without closing: the log stays
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  const std::string file = read_file(path), log = read_file(path + "-wal");
+  REQUIRE_FALSE(log.empty());
+  {
+    RunStore reader = RunStore::open_read_only(path);
+    CHECK(reader.frame_count(1) == 3);
+    CHECK(reader.content_hash(1) == reader.run(1).content_sha256);
+    CHECK(store_error([&] { reader.add_sensor({"S-2", "", "", "", "", "", ""}); }) == "TB-STORE-OPEN");
+    CHECK(store_error([&] { reader.begin_run(example_run()); }) == "TB-STORE-OPEN");
+    CHECK(store_error([&] { (void)reader.mark_interrupted(""); }) == "TB-STORE-OPEN");
+  }
+  CHECK(read_file(path) == file);
+  CHECK(read_file(path + "-wal") == log);
+}
+
+TEST_CASE("a file and a folder without the right to write: open says so, reading works") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  {
+    RunStore store = RunStore::open(path);
+    store_example(store);
+  }
+  const auto as_user = [&](mode_t folder_mode, bool write) {
+    chmod(path.c_str(), 0444);
+    chmod(folder.path().c_str(), folder_mode);
+    const pid_t child = fork();
+    if (child == 0) {
+      if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) _exit(3);
+      if (write) _exit(store_error([&] { RunStore::open(path); }) == "TB-STORE-OPEN" ? 0 : 1);
+      bool read = false;
+      const std::string id = store_error([&] { read = RunStore::open_read_only(path).frame_count(1) == 3; });
+      _exit(id.empty() && read ? 0 : 2);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    chmod(folder.path().c_str(), 0755);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  CHECK(as_user(0777, true) == 0);
+  CHECK(as_user(0555, true) == 0);
+  CHECK(as_user(0777, false) == 0);
+  CHECK(as_user(0555, false) == 0);
+}
+
+TEST_CASE("network file systems are known by number and, for FUSE, by name") {
+  using db::network_file_system;
+  CHECK(network_file_system(0x6969, "") == "NFS");
+  CHECK(network_file_system(0xff534d42, "") == "CIFS");
+  CHECK(network_file_system(0xfe534d42, "") == "SMB");
+  CHECK(network_file_system(0x01021997, "") == "9P");
+  CHECK(network_file_system(0x65735546, "fuse.sshfs") == "fuse.sshfs");
+  CHECK(network_file_system(0x65735546, "") == "FUSE");
+  CHECK_FALSE(network_file_system(0x65735546, "fuseblk"));
+  // tmpfs, overlayfs, ext4, btrfs, xfs
+  for (const std::uint64_t local : {0x01021994U, 0x794c7630U, 0xef53U, 0x9123683eU, 0x58465342U}) {
+    CHECK_FALSE(network_file_system(local, ""));
+  }
+}
+
+TEST_CASE("who waits in vain for another writer learns it, and the message says the file") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  RunStore::open(path);
+  Connection holder(path, Access::kReadWrite), waiter(path, Access::kReadWrite, 0);
+  const db::sqlite::Transaction held(holder);
+  std::string message;
+  CHECK(store_error([&] { const db::sqlite::Transaction wanted(waiter); }, &message) == "TB-STORE-LOCKED");
+  CHECK_THAT(message, Catch::Contains(path) && Catch::Contains("another process"));
+  CHECK(store_error([&] { waiter.execute("DELETE FROM sensors"); }) == "TB-STORE-LOCKED");
+  CHECK(RunStore::open_read_only(path).runs().empty());  // readers are not kept waiting
+}
+
+TEST_CASE("a database that may not grow is full") {
+  const TemporaryFolder folder;
+  Connection small(folder.path("small.db"), Access::kReadWrite);
+  small.execute("PRAGMA max_page_count = 4; CREATE TABLE t (b BLOB)");
+  std::string message;
+  CHECK(store_error([&] { small.execute("INSERT INTO t VALUES (zeroblob(50000))"); }, &message) == "TB-STORE-FULL");
+  CHECK_THAT(message, Catch::Contains("no room left") && Catch::Contains("free space"));
+}
+
+// The system's own limit on file size stands for the full disk: the same failed write, without a disk of its own.
+TEST_CASE("when the disk is full in mid-run, the frame is refused and all before it are kept") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  int pipe_ends[2];
+  REQUIRE(pipe(pipe_ends) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    int acknowledged = 0;
+    std::string id;
+    {
+      RunStore store = RunStore::open(path, db::Durability::kNormal);
+      const Begun begun = begin_example(store);
+      const rlimit limit{400'000, 400'000};
+      if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(2);
+      id = store_error([&] {
+        for (; acknowledged < 5000; ++acknowledged) {
+          store.append_frame(begun.run, example_frame(begun.branch, acknowledged));
+        }
+      });
+      // It stays full, and says so again rather than storing over a gap.
+      const auto again = store_error([&] { store.append_frame(begun.run, example_frame(begun.branch, 9999)); });
+      if (again != "TB-STORE-FULL") _exit(3);
+    }
+    if (write(pipe_ends[1], &acknowledged, sizeof acknowledged) != sizeof acknowledged) _exit(4);
+    _exit(id == "TB-STORE-FULL" ? 0 : 1);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  int acknowledged = 0;
+  REQUIRE(read(pipe_ends[0], &acknowledged, sizeof acknowledged) == sizeof acknowledged);
+  close(pipe_ends[0]);
+  close(pipe_ends[1]);
+  CHECK(acknowledged > 50);
+  RunStore store = RunStore::open(path);
+  CHECK(store.frame_count(1) == acknowledged);
+  CHECK(store.mark_interrupted("2024-05-01T11:00:00Z") == 1);
+  CHECK(store.content_hash(1) == store.run(1).content_sha256);
+}

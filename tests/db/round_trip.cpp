@@ -1,0 +1,220 @@
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+TEST_CASE("a run comes back as it went in") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::RunRecord given = example_run();
+  given.uuid = db::new_uuid();
+  given.seed = std::numeric_limits<std::int64_t>::min();
+  given.purpose = std::string("with a \0 inside and \xC3\xA4", 23);
+  const Begun begun = begin_example(store, given);
+  const db::RunRecord run = store.run(begun.run);
+  CHECK(run.run == 1);
+  CHECK(run.outcome == db::Outcome::kIncomplete);
+  CHECK(run.safe_state == db::SafeState::kUnknown);
+  CHECK(run.content_sha256.empty());
+  CHECK(run.ended_utc.empty());
+  const auto texts = [](const db::RunRecord& r) {
+    return std::vector<std::string>{r.uuid,           r.origin,        r.state,           r.operator_name,
+                                    r.purpose,        r.sensor_serial, r.scanner_serial,  r.bench_id,
+                                    r.bench_toml,     r.bench_sha256,  r.sensor_toml,     r.sensor_sha256,
+                                    r.overrides_json, r.host,          r.program_version, r.git_commit,
+                                    r.build_id,       r.time_zone,     r.started_utc};
+  };
+  CHECK(texts(run) == texts(given));
+  CHECK(run.git_dirty);
+  CHECK(run.seed == given.seed);
+  CHECK(run.sensor_seed == -8);
+  REQUIRE(run.sequences.size() == 2);
+  const db::SequenceRecord& down = run.sequences[1];
+  CHECK((down.sequence == 1 && down.name == "down" && down.recipe_toml == "recipe b" && down.recipe_sha256 == "rb"));
+  CHECK((down.repeats == 1 && down.frames_per_repeat == 4));
+  REQUIRE(run.devices.size() == 2);
+  const db::DeviceRecord& device = run.devices[1];
+  CHECK((device.role == "tactile scanner" && device.model == "T-1" && device.serial == "SC-7"));
+  CHECK((device.firmware == "2.0" && device.origin == "simulated"));
+  CHECK(device.calibration_json == given.devices[1].calibration_json);
+  CHECK(store.runs().size() == 1);
+}
+
+TEST_CASE("frames, branches and events come back exactly") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  db::FrameRecord odd = example_frame(begun.branch, 1);
+  odd.setpoint_psi = 5e-324;
+  odd.feedback_psi = kNaN;  // no reading
+  odd.reference_psi = std::nextafter(60.0, 61.0);
+  odd.in_band_ns = -1;
+  store.append_frame(begun.run, example_frame(begun.branch, 0));
+  store.append_frame(begun.run, odd);
+  const std::vector<db::FrameRecord> frames = store.frames(begun.run);
+  REQUIRE(frames.size() == 2);
+  CHECK(store.frame_count(begun.run) == 2);
+  const db::FrameRecord given = example_frame(begun.branch, 0);
+  const db::FrameRecord& got = frames[0];
+  CHECK((got.branch == given.branch && got.ordinal == 0 && got.status == 4 && got.exchanges == 11));
+  CHECK((got.setpoint_psi == given.setpoint_psi && got.feedback_psi == given.feedback_psi &&
+         got.reference_psi == given.reference_psi));
+  CHECK((got.setpoint_counts == 100 && got.feedback_counts == -200 && got.reference_counts == 300));
+  CHECK((got.time_ns == given.time_ns && got.since_command_ns == given.since_command_ns &&
+         got.in_band_ns == given.in_band_ns && got.device_time_us == given.device_time_us));
+  CHECK((got.rows == 3 && got.columns == 2 && got.scans == 2));
+  CHECK(got.counts == given.counts);
+  CHECK(frames[1].setpoint_psi == 5e-324);
+  CHECK(std::isnan(frames[1].feedback_psi));
+  CHECK(frames[1].reference_psi == odd.reference_psi);
+  CHECK(frames[1].in_band_ns == -1);
+
+  store.void_branch(begun.branch, "why");
+  const db::BranchRecord branch = store.branches(begun.run).at(0);
+  CHECK((branch.branch == begun.branch && branch.sequence == 1 && branch.repeat == 0 && branch.ordinal == 0));
+  CHECK((branch.is_void && branch.void_reason == "why" && branch.from_psi == 0.1 && branch.to_psi == 60.0));
+  store.append_event(begun.run, {-3, "note", "", "by hand"});
+  store.set_state(begun.run, "running", {9, "state", "X", "go"});
+  const std::vector<db::EventRecord> events = store.events(begun.run);
+  REQUIRE(events.size() == 2);
+  CHECK((events[0].time_ns == -3 && events[0].kind == "note" && events[0].detail == "by hand"));
+  CHECK((events[1].time_ns == 9 && events[1].id == "X" && store.run(begun.run).state == "running"));
+}
+
+TEST_CASE("models and verdicts come back exactly") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  db::FitRecord fit{0, run, "elam", "{\"o\":1}", "{\"s\":2}", "0.1.0", "2024-05-02T00:00:00Z", "{\"p\":[0.1]}"};
+  db::FitTaxelRecord taxel;
+  taxel.taxel = 5;
+  taxel.status = "fitted";
+  taxel.parameters = {0.1, -0.0, 1e-310, kNaN, 1.0 / 3.0};
+  taxel.ascending_v = {3.5, std::nextafter(3.5, 4.0)};
+  taxel.noise_v = 1e-3 / 3.0;
+  taxel.j_v2 = kNaN;
+  taxel.mean_error_v = 0.2;
+  taxel.max_error_v = 0.3;
+  taxel.full_scale_v = 3.5;
+  taxel.at_bound = 9;
+  db::FitTaxelRecord mean;
+  mean.taxel = -1;
+  mean.status = "dead";
+  const std::int64_t first = store.add_fit(fit, {taxel, mean});
+  const std::int64_t second = store.add_fit(fit, {});
+  fit.model = "gpi";
+  store.add_fit(fit, {});
+  CHECK(store.latest_fit(run, "elam")->fit == second);
+  CHECK_FALSE(store.latest_fit(run, "mpi"));
+  const db::FitRecord got = store.fit(first);
+  CHECK((got.run == run && got.model == "elam" && got.options_json == "{\"o\":1}" && got.summary_json == "{\"s\":2}"));
+  CHECK((got.program_version == "0.1.0" && got.created_utc == fit.created_utc && got.patterns_json == "{\"p\":[0.1]}"));
+  const std::vector<db::FitTaxelRecord> taxels = store.fit_taxels(first);
+  REQUIRE(taxels.size() == 2);
+  CHECK((taxels[0].taxel == -1 && taxels[0].status == "dead" && taxels[0].parameters.empty()));
+  const db::FitTaxelRecord& back = taxels[1];
+  REQUIRE(back.parameters.size() == 5);
+  CHECK((back.parameters[0] == 0.1 && std::signbit(back.parameters[1]) && back.parameters[2] == 1e-310 &&
+         std::isnan(back.parameters[3]) && back.parameters[4] == 1.0 / 3.0));
+  CHECK((back.ascending_v == taxel.ascending_v && back.descending_v.empty() && back.noise_v == taxel.noise_v));
+  CHECK((std::isnan(back.j_v2) && back.mean_error_v == 0.2 && back.max_error_v == 0.3 && back.full_scale_v == 3.5));
+  CHECK(back.at_bound == 9);
+
+  const db::VerdictRecord verdict{
+      0, 0, "mean_compensation_error", "40 psi", 0.1 + 0.2, 1.5, "%", "simple", "pass", "limits", "sha"};
+  store.replace_verdicts(run, first, {verdict, verdict});
+  store.replace_verdicts(run, second, {verdict});
+  const std::vector<db::VerdictRecord> verdicts = store.verdicts(run);
+  REQUIRE(verdicts.size() == 1);
+  CHECK((verdicts[0].run == run && verdicts[0].fit == second && verdicts[0].criterion == verdict.criterion));
+  CHECK((verdicts[0].scope == "40 psi" && verdicts[0].value == 0.1 + 0.2 && verdicts[0].limit == 1.5));
+  CHECK((verdicts[0].unit == "%" && verdicts[0].rule == "simple" && verdicts[0].limits_sha256 == "sha"));
+  CHECK(store_error([&] { store.replace_verdicts(run, 99, {}); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store.verdicts(run).size() == 1);
+}
+
+TEST_CASE("what is not there is named beside what is") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  std::string message;
+  CHECK(store_error([&] { (void)store.run(1); }, &message) == "TB-STORE-NOT-FOUND");
+  CHECK_THAT(message, Catch::Contains("has no run 1; it has none yet"));
+  for (int i = 0; i < 3; ++i) store_example(store);
+  CHECK(store_error([&] { (void)store.frames(7); }, &message) == "TB-STORE-NOT-FOUND");
+  CHECK_THAT(message, Catch::Contains("has no run 7; it has 1-3") && Catch::Contains("runs list"));
+  CHECK(store_error([&] { store.append_event(7, {}); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.fit(4); }, &message) == "TB-STORE-NOT-FOUND");
+  CHECK_THAT(message, Catch::Contains("no fit 4; it has none yet"));
+}
+
+TEST_CASE("a sensor's serial stands for one type file and one scanner") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  store.add_sensor(example_sensor());
+  store.add_sensor(example_sensor());
+  CHECK(store.sensors().size() == 1);
+  CHECK(store.sensor("S-1")->note == "first");
+  CHECK_FALSE(store.sensor("S-2"));
+  db::SensorRecord other = example_sensor();
+  other.type_sha256 = "other";
+  std::string message;
+  CHECK(store_error([&] { store.add_sensor(other); }, &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("S-1") && Catch::Contains("another type file"));
+  other = example_sensor();
+  other.scanner_serial = "SC-8";
+  CHECK(store_error([&] { store.add_sensor(other); }, &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("SC-7") && Catch::Contains("SC-8"));
+  CHECK(store.sensor("S-1")->scanner_serial == "SC-7");
+  db::RunRecord run = example_run();
+  run.sensor_serial = "S-9";
+  CHECK(store_error([&] { store.begin_run(run); }) == "TB-STORE-CONFLICT");
+  CHECK(store.runs().empty());
+}
+
+TEST_CASE("rows that contradict the run are refused and leave nothing") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t ended = store_example(store);
+  const Begun begun = begin_example(store);
+  const std::string before = store.content_hash(begun.run);
+  db::FrameRecord frame = example_frame(begun.branch, 0);
+  frame.counts.pop_back();
+  CHECK(store_error([&] { store.append_frame(begun.run, frame); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.append_frame(begun.run, example_frame(1, 0)); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.append_frame(ended, example_frame(1, 0)); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.begin_branch(ended, example_branch()); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.void_branch(1, "late"); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.set_state(begun.run, "ended", {}); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.end_run(ended, db::Outcome::kFailed, "", {}, ""); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.end_run(begun.run, db::Outcome::kIncomplete, "", {}, ""); }) == "TB-STORE-CONFLICT");
+  CHECK(store.content_hash(begun.run) == before);
+  store.set_devices(begun.run, {});
+  CHECK(store.run(begun.run).devices.empty());
+  frame = example_frame(begun.branch, 0);
+  frame.setpoint_psi = kNaN;  // the database itself refuses: the chain must not have moved on
+  CHECK(store_error([&] { store.append_frame(begun.run, frame); }) == "TB-STORE-CONFLICT");
+  store.append_frame(begun.run, example_frame(begun.branch, 0));
+  CHECK(store_error([&] { store.set_devices(begun.run, {}); }) == "TB-STORE-CONFLICT");
+  store.end_run(begun.run, db::Outcome::kFailed, "r", db::SafeState::kFailed, "");
+  CHECK(store.run(begun.run).content_sha256 == store.content_hash(begun.run));
+}
+
+TEST_CASE("UUIDs are of version 4 and differ") {
+  const std::regex form("[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}");
+  CHECK(std::regex_match(db::new_uuid(), form));
+  CHECK(db::new_uuid() != db::new_uuid());
+}

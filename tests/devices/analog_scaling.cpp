@@ -1,0 +1,73 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/regulator.h"
+#include "test_chamber.h"
+
+using namespace tactbench::devices;
+
+namespace {
+
+struct Unconnected {
+  TurnedClock clock;
+  AnalogModule module{module_profile("beckhoff-ek9000"), ModbusEndpoint{}, std::chrono::milliseconds(1000), clock,
+                      Origin::kSimulated};
+};
+
+}  // namespace
+
+TEST_CASE("analog module: 0x7FFF is 10 V, both ways") {
+  const Unconnected rig;
+  CHECK(rig.module.volts(0x7FFF) == Volts(10.0));
+  CHECK(rig.module.volts(0) == Volts(0.0));
+  CHECK(rig.module.volts(-0x7FFF) == Volts(-10.0));
+  CHECK(rig.module.counts(Volts(10.0)) == 0x7FFF);
+  CHECK(rig.module.counts(Volts(5.0)) == 16384);  // 16383.5 rounds up
+  CHECK(rig.module.counts(Volts(12.0)) == 0x7FFF);
+  CHECK(rig.module.counts(Volts(-1.0)) == 0);
+  CHECK(rig.module.counts(Volts(std::nan(""))) == 0);
+  for (int counts = 0; counts <= 0x7FFF; ++counts) {
+    if (rig.module.counts(rig.module.volts(counts)) != counts) FAIL("counts " << counts << " do not come back");
+  }
+}
+
+TEST_CASE("regulator span: 60 psi of a 9 bar regulator are 4.596 V, 2 psi 0.1532 V") {
+  LinearSpan span;
+  span.high = psi_from_bar(9.0);
+  CHECK(span.voltage(Psi(60.0)).value() == Approx(4.5965).margin(0.0005));
+  CHECK(span.voltage(Psi(2.0)).value() == Approx(0.1532).margin(0.00005));
+  CHECK(span.pressure(Volts(10.0)).value() == Approx(130.534).epsilon(1e-5));
+  CHECK(span.pressure(span.voltage(Psi(37.5))).value() == Approx(37.5));
+  const LinearSpan live_zero{Volts(1.0), Volts(5.0), Psi(0.0), Psi(100.0)};
+  CHECK(live_zero.pressure(Volts(3.0)).value() == Approx(50.0));
+  CHECK(live_zero.voltage(Psi(0.0)).value() == Approx(1.0));
+}
+
+TEST_CASE("module profile: the EK9000's addresses, and an unknown name") {
+  const auto profile = module_profile("beckhoff-ek9000");
+  CHECK(profile.input_address == 0x0000);
+  CHECK(profile.output_address == 0x0800);
+  CHECK(profile.watchdog_address == 0x1120);
+  const auto fault = fault_of([] { (void)module_profile("beckhof"); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-MODULE-PROFILE");
+  CHECK_THAT(fault->what(), Catch::Contains("beckhof"));
+  CHECK_THAT(fault->remedy(), Catch::Contains("beckhoff-ek9000"));
+}
+
+TEST_CASE("regulator: channels that the module does not have and spans that do not rise are refused at once") {
+  Unconnected rig;
+  RegulatorOptions options;
+  options.command_span.high = options.feedback_span.high = Psi(130.0);
+  CHECK(fault_id_of([&] { Regulator(rig.module, options, rig.clock); }) == "none");
+  options.feedback_channel = 2;
+  CHECK(fault_id_of([&] { Regulator(rig.module, options, rig.clock); }) == "TB-MODULE-CHANNEL");
+  options.feedback_channel = 0;
+  options.command_span.high = Psi(0.0);
+  CHECK(fault_id_of([&] { Regulator(rig.module, options, rig.clock); }) == "TB-MODULE-SPAN");
+  TransducerOptions transducer;
+  transducer.span.high = Psi(100.0);
+  transducer.channel = -1;
+  CHECK(fault_id_of([&] { ModuleTransducer(rig.module, transducer); }) == "TB-MODULE-CHANNEL");
+}

@@ -1,0 +1,128 @@
+#include "devices/tactile/scan_report.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+using namespace tactbench::devices;
+
+namespace {
+
+RowReport some_row() {
+  RowReport report{0xFFFE, 0x01020304, 0xA55A, 15, kStatusAtLimit | kStatusSupply, 0xFEDCBA98, {}};
+  for (std::size_t i = 0; i < report.samples.size(); ++i)
+    report.samples[i] = static_cast<std::uint16_t>(65535 - 257 * i);
+  return report;
+}
+
+IdentityReport some_identity() { return {7, 16, 16, 7.62939453125e-5F, "SIM-0123456789AB", "1.0"}; }
+
+template <class Encoded, class Decode>
+void every_flip_is_refused(const Encoded& good, Decode decode) {
+  REQUIRE(decode(good).has_value());
+  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+    auto bad = good;
+    bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ (1U << (bit % 8)));
+    INFO("bit " << bit);
+    CHECK_FALSE(decode(bad).has_value());
+  }
+}
+
+template <class Encoded, class Decode>
+void every_other_length_is_refused(const Encoded& good, Decode decode) {
+  std::vector<std::uint8_t> bytes(good.begin(), good.end());
+  bytes.push_back(0);
+  CHECK_FALSE(decode(bytes).has_value());
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    CHECK_FALSE(decode(std::span(good).first(size)).has_value());
+  }
+}
+
+template <std::size_t N>
+void reseal(std::array<std::uint8_t, N>& bytes) {
+  const std::uint16_t crc = crc16_ccitt(std::span(bytes).first(N - 2));
+  bytes[N - 2] = static_cast<std::uint8_t>(crc & 0xFFU);
+  bytes[N - 1] = static_cast<std::uint8_t>(crc >> 8U);
+}
+
+}  // namespace
+
+TEST_CASE("scan report: CRC-16/CCITT-FALSE check value") {
+  const std::string text = "123456789";
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  CHECK(crc16_ccitt(bytes) == 0x29B1);
+  CHECK(crc16_ccitt({}) == 0xFFFF);
+}
+
+TEST_CASE("scan report: fields stand where the format says, little-endian") {
+  const auto row = encode(some_row());
+  CHECK(row[0] == 0x01);
+  CHECK((row[1] == 0xFE && row[2] == 0xFF));
+  CHECK((row[3] == 0x04 && row[6] == 0x01));
+  CHECK((row[7] == 0x5A && row[8] == 0xA5));
+  CHECK((row[9] == 15 && row[10] == 5));
+  CHECK((row[11] == 0x98 && row[14] == 0xFE));
+  CHECK((row[15] == 0xFF && row[17] == 0xFE && row[18] == 0xFE));
+  CHECK(row[47] == 0);
+  const auto command = encode(CommandReport{ScanCommand::kScan, 0x1234});
+  CHECK((command[0] == 0x02 && command[1] == 1 && command[2] == 0x34 && command[3] == 0x12 && command[4] == 0));
+  const auto identity = encode(some_identity());
+  CHECK((identity[0] == 0x03 && identity[1] == 7 && identity[3] == 16 && identity[9] == 'S' && identity[25] == '1'));
+  CHECK((identity[5] == 0 && identity[8] == 0x38));  // 7.62939453125e-5 = 2^-13.68: 0x38A00000
+}
+
+TEST_CASE("scan report: what is encoded decodes to the same") {
+  CHECK(decode_row(encode(some_row())) == some_row());
+  CHECK(decode_row(encode(RowReport{})) == RowReport{});
+  CHECK(decode_identity(encode(some_identity())) == some_identity());
+  CHECK(decode_identity(encode(IdentityReport{})) == IdentityReport{});
+  for (const auto command : {ScanCommand::kScan, ScanCommand::kIdentify}) {
+    const CommandReport report{command, 0xBEEF};
+    CHECK(decode_command(encode(report)) == report);
+  }
+}
+
+TEST_CASE("scan report: every single flipped bit is refused") {
+  every_flip_is_refused(encode(some_row()), [](auto bytes) { return decode_row(bytes); });
+  every_flip_is_refused(encode(some_identity()), [](auto bytes) { return decode_identity(bytes); });
+  every_flip_is_refused(encode(CommandReport{ScanCommand::kScan, 3}), [](auto bytes) { return decode_command(bytes); });
+}
+
+TEST_CASE("scan report: every other length is refused") {
+  every_other_length_is_refused(encode(some_row()), [](auto bytes) { return decode_row(bytes); });
+  every_other_length_is_refused(encode(some_identity()), [](auto bytes) { return decode_identity(bytes); });
+  every_other_length_is_refused(encode(CommandReport{}), [](auto bytes) { return decode_command(bytes); });
+}
+
+TEST_CASE("scan report: a right CRC does not excuse wrong content") {
+  auto row = encode(some_row());
+  row[47] = 1;  // padding
+  reseal(row);
+  CHECK_FALSE(decode_row(row).has_value());
+  row[47] = 0;
+  row[0] = 0x03;  // another report's id
+  reseal(row);
+  CHECK_FALSE(decode_row(row).has_value());
+  auto command = encode(CommandReport{});
+  command[1] = 3;  // unknown command
+  reseal(command);
+  CHECK_FALSE(decode_command(command).has_value());
+  command[1] = 1;
+  command[4] = 1;  // reserved
+  reseal(command);
+  CHECK_FALSE(decode_command(command).has_value());
+  auto identity = encode(IdentityReport{1, 16, 16, 1.0F, "A", "B"});
+  identity[12] = 'x';  // text behind the padding
+  reseal(identity);
+  CHECK_FALSE(decode_identity(identity).has_value());
+  identity[12] = 0;
+  identity[9] = 0x07;  // not printable
+  reseal(identity);
+  CHECK_FALSE(decode_identity(identity).has_value());
+}
+
+TEST_CASE("scan report: a serial that does not fit is refused, not cut") {
+  CHECK_THROWS_AS(encode(IdentityReport{1, 16, 16, 1.0F, "SEVENTEEN-LETTERS", ""}), std::invalid_argument);
+  CHECK_THROWS_AS(encode(IdentityReport{1, 16, 16, 1.0F, "", "\x01"}), std::invalid_argument);
+}

@@ -1,0 +1,152 @@
+#include "devices/pressure/simulated_module.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <catch2/catch.hpp>
+
+#include <vector>
+
+#include "devices/wire/modbus_link.h"
+#include "test_chamber.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// A client that knows no Modbus: bytes out, bytes in.
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval patience{20, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  }
+  ~RawClient() { ::close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+  void send(const Bytes& bytes) const {
+    REQUIRE(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()));
+  }
+  // `size` bytes, fewer at the end of the connection.
+  [[nodiscard]] Bytes receive(std::size_t size) const {
+    Bytes bytes(size);
+    const ssize_t got = ::recv(socket_, bytes.data(), size, MSG_WAITALL);
+    bytes.resize(static_cast<std::size_t>(got > 0 ? got : 0));
+    return bytes;
+  }
+
+ private:
+  int socket_;
+};
+
+struct Module {
+  TurnedClock clock;
+  TestChamber chamber{clock};
+  SimulatedModule server{module_profile("beckhoff-ek9000"), 0, chamber, clock};
+};
+
+const Bytes kReadLock{0, 1, 0, 0, 0, 6, 1, 3, 0x11, 0x24, 0, 1};
+const Bytes kLockIsOne{0, 1, 0, 0, 0, 5, 1, 3, 2, 0, 1};
+
+}  // namespace
+
+TEST_CASE("simulated module: FC 6 writes and echoes") {
+  Module module;
+  const RawClient client(module.server.port());
+  const Bytes write{0, 9, 0, 0, 0, 6, 1, 6, 0x08, 0x00, 0x20, 0x00};
+  client.send(write);
+  CHECK(client.receive(12) == write);
+  CHECK(module.chamber.output().value() == Approx(2.5).margin(0.001));
+}
+
+TEST_CASE("simulated module: illegal requests get the exception that fits, at once") {
+  Module module;
+  const RawClient client(module.server.port());
+  const auto exception = [&](const Bytes& request) {
+    client.send(request);
+    const Bytes reply = client.receive(9);
+    return reply.size() == 9 && reply[7] == (request[7] | 0x80U) ? int{reply[8]} : -1;
+  };
+  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1}) == 1);            // coils: no such function
+  CHECK(exception({0, 1, 0, 0, 0, 4, 1, 0x2B, 0x0E, 1}) == 1);            // neither, and of another length
+  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 3, 0x20, 0, 0, 1}) == 2);         // no such register
+  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 3, 0xFF, 0xFF, 0, 2}) == 2);      // over the end of all addresses
+  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 6, 0, 0, 0, 1}) == 2);            // inputs cannot be written
+  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 3, 0, 0, 0, 0}) == 3);            // no registers
+  CHECK(exception({0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 126}) == 3);          // too many
+  CHECK(exception({0, 1, 0, 0, 0, 9, 1, 16, 8, 0, 0, 2, 2, 0, 1}) == 3);  // counts that disagree
+  CHECK(exception({0, 1, 0, 0, 0, 3, 1, 3, 0}) == 3);                     // cut short
+  CHECK(exception({0, 1, 0, 0, 0, 13, 1, 23, 0x20, 0, 0, 1, 8, 0, 0, 1, 2, 0, 9}) == 2);
+  CHECK(module.chamber.output() == Volts(0.0));  // a refused FC 23 has not written either
+  client.send(kReadLock);
+  CHECK(client.receive(11) == kLockIsOne);
+}
+
+TEST_CASE("simulated module: half a request holds up nobody else, pieces are joined, several are answered in turn") {
+  Module module;
+  const RawClient slow(module.server.port());
+  slow.send(Bytes(kReadLock.begin(), kReadLock.begin() + 5));
+  const RawClient quick(module.server.port());
+  quick.send(kReadLock);
+  CHECK(quick.receive(11) == kLockIsOne);
+  slow.send(Bytes(kReadLock.begin() + 5, kReadLock.end()));
+  CHECK(slow.receive(11) == kLockIsOne);
+  Bytes twice = kReadLock;
+  twice.insert(twice.end(), kReadLock.begin(), kReadLock.end());
+  slow.send(twice);
+  CHECK(slow.receive(22).size() == 22);
+}
+
+TEST_CASE("simulated module: what is not Modbus ends that connection alone") {
+  Module module;
+  const RawClient good(module.server.port());
+  const RawClient bad(module.server.port());
+  bad.send({'G', 'E', 'T', ' ', '/', ' ', 'H', 'T', 'T', 'P'});
+  CHECK(bad.receive(1).empty());
+  good.send(kReadLock);
+  CHECK(good.receive(11) == kLockIsOne);
+}
+
+TEST_CASE("simulated module: a port that is taken is a fault") {
+  Module module;
+  CHECK(fault_id_of([&] {
+          SimulatedModule(module_profile("beckhoff-ek9000"), module.server.port(), module.chamber, module.clock);
+        }) == "TB-SIM-LISTEN");
+}
+
+TEST_CASE("simulated module: a failing port is a failing device, not a dead program") {
+  class Failing final : public ChamberPort {
+    void drive(Volts, Nanoseconds, Volts) override { throw std::runtime_error("physics"); }
+    Volts feedback() override { throw std::runtime_error("physics"); }
+    Volts reference() override { return Volts(0.0); }
+  } failing;
+  TurnedClock clock;
+  const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, failing, clock);
+  ModbusLink link({"127.0.0.1", server.port(), 1, 20s}, "module", clock);
+  std::uint16_t value = 0;
+  CHECK(fault_id_of([&] { link.read_input_registers(0, std::span(&value, 1)); }) == "TB-MODBUS-EXCEPTION");
+  CHECK(fault_id_of([&] { link.read_input_registers(1, std::span(&value, 1)); }) == "none");
+}
+
+TEST_CASE("simulated module: the write lock passes on when its holder hangs up, whoever came first") {
+  Module module;
+  for (int round = 0; round < 50; ++round) {
+    ModbusLink older({"127.0.0.1", module.server.port(), 1, 20s}, "older", module.clock);
+    ModbusLink holder({"127.0.0.1", module.server.port(), 1, 20s}, "holder", module.clock);
+    const std::uint16_t value = 5;
+    std::uint16_t read = 0;
+    older.read_holding_registers(0x0800, std::span(&read, 1));
+    holder.write_registers(0x0800, std::span(&value, 1));
+    holder.close();
+    REQUIRE(fault_id_of([&] { older.write_registers(0x0800, std::span(&value, 1)); }) == "none");
+  }
+}

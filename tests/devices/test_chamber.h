@@ -1,0 +1,89 @@
+// What the device tests' simulated ends stand on: a chamber that follows its voltage at once, an array that counts its
+// scans, a fault's parts, a folder for sockets.
+#pragma once
+
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/fault.h"
+#include "devices/pressure/chamber_port.h"
+#include "devices/tactile/simulated_scanner.h"
+
+namespace tactbench::devices {
+
+class TestChamber final : public ChamberPort {
+ public:
+  explicit TestChamber(const Clock& clock) : clock_(clock) {}
+  void drive(Volts command, Nanoseconds hold_until, Volts fallback) override {
+    command_ = command;
+    hold_until_ = hold_until;
+    fallback_ = fallback;
+  }
+  Volts feedback() override { return output(); }
+  Volts reference() override { return reference_volts; }
+  [[nodiscard]] Volts output() const { return clock_.now() < hold_until_ ? command_ : fallback_; }
+  Volts reference_volts{0.0};
+
+ private:
+  const Clock& clock_;
+  Volts command_{0.0};
+  Nanoseconds hold_until_{0};
+  Volts fallback_{0.0};
+};
+
+// Sample of taxel i in scan n (from 0): 256 n + i, modulo 2^16.
+class TestArray final : public TactilePort {
+ public:
+  void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override {
+    for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = sample(scans, i);
+    for (std::size_t row = 0; row < status.size(); ++row) status[row] = row == 3 ? kStatusNotSettled : 0;
+    ++scans;
+    scans.notify_all();
+  }
+  static std::uint16_t sample(int scan, std::size_t taxel) {
+    return static_cast<std::uint16_t>((256U * static_cast<unsigned>(scan) + taxel) & 0xFFFFU);
+  }
+  std::atomic<int> scans{0};
+};
+
+// Runs `act`; the fault it throws, empty when it throws none.
+template <class Act>
+std::optional<Fault> fault_of(Act&& act) {
+  try {
+    act();
+  } catch (const Fault& fault) {
+    return fault;
+  }
+  return std::nullopt;
+}
+
+template <class Act>
+std::string fault_id_of(Act&& act) {
+  const auto fault = fault_of(act);
+  return fault ? fault->id() : "none";
+}
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tactbench-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,38 @@
+// A short run on the simulated rig, for tests of the bench: shipped bench file, tiny recipe, overrides.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/run/characterize.h"
+
+namespace tactbench::tests {
+
+// 0 - 8 - 2 - 8 - 0 psi in steps of 2, two repeats, one conditioning cycle: 15 frames a repeat.
+inline sequences::Recipe small_recipe(const std::string& more = {}) {
+  return sequences::parse_recipe(sequences::TomlDocument::from_text(
+      "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 8, 2, 8, 0]\nstep = 2\nrepeats = 2\n" + more +
+          "[conditioning]\ncycles = 1\npeak = 20\n",
+      "small.toml"));
+}
+
+inline bench::RunRequest small_request(const std::vector<sequences::Override>& bench_overrides = {},
+                                       bench::SeedOptions seeds = {}) {
+  bench::RunRequest request;
+  request.bench = bench::read_bench(bench::find_config("simulated.toml"), bench_overrides, seeds);
+  request.recipes = {small_recipe()};
+  request.overrides = bench_overrides;
+  const bench::SensorType type = bench::read_sensor_type(bench::find_config("sensor.toml"));
+  request.sensor = {"S-1", type.name, type.text, db::sha256_hex(type.text), "SIM-SCANNER-1", "", bench::utc_now()};
+  request.sensor_type = type;
+  request.operator_name = "test";
+  return request;
+}
+
+inline bench::RunResult run_small(const bench::RunRequest& request, db::RunStore& store) {
+  if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
+  bench::Progress progress(bench::Progress::Mode::kQuiet);
+  return bench::characterize(request, store, progress);
+}
+
+}  // namespace tactbench::tests
