@@ -8,6 +8,7 @@ namespace {
 
 void read_chamber(const TomlTable& table, const BenchConfig& config, ChamberOptions& chamber) {
   chamber.span_psi = config.regulator.command_span.high.value();
+  chamber.reference_span_psi = table.number_in("reference_span_psi", chamber.reference_span_psi, 1.0, 1000.0);
   chamber.time_constant_s = table.number_in("time_constant_s", chamber.time_constant_s, 0.01, 10.0);
   chamber.damping = table.number_in("damping", chamber.damping, 0.2, 5.0);
   chamber.slew_psi_per_s = table.number_in("slew_psi_per_s", chamber.slew_psi_per_s, 1.0, 1000.0);

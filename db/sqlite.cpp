@@ -25,6 +25,19 @@ std::string immutable_uri(const std::string& path) {
   return uri + "?immutable=1";
 }
 
+// The operating system's number for a failed read or write, kept beside the log's or the database's open file: the one
+// that sqlite3_system_errno gives is lost on the way out of a statement.
+int error_of_files(sqlite3* handle) {
+  sqlite3_file* log = nullptr;  // in WAL mode this is the log
+  int number = 0;
+  if (sqlite3_file_control(handle, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log) == SQLITE_OK && log != nullptr &&
+      log->pMethods != nullptr) {
+    log->pMethods->xFileControl(log, SQLITE_FCNTL_LAST_ERRNO, &number);
+  }
+  if (number == 0) sqlite3_file_control(handle, "main", SQLITE_FCNTL_LAST_ERRNO, &number);
+  return number;
+}
+
 struct Meaning {
   const char* id;
   const char* what;
@@ -85,14 +98,17 @@ Connection::Connection(const std::string& path, Access access, int busy_timeout_
 Connection::~Connection() { sqlite3_close_v2(handle_); }
 
 void Connection::fail(int code, const std::string& doing) const {
-  const int system_error = handle_ != nullptr ? sqlite3_system_errno(handle_) : 0;
   const bool own_message = handle_ != nullptr && (sqlite3_errcode(handle_) & 0xff) == (code & 0xff);
   std::string detail = own_message ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
-  // The number of the operating system stays from an earlier call: it tells about this one only for input and output.
+  // These numbers may stem from an earlier call: they tell about this one only where a file failed.
   const int base = code & 0xff;
-  const bool of_system = base == SQLITE_IOERR || base == SQLITE_CANTOPEN || base == SQLITE_FULL;
-  if (of_system && system_error != 0) detail += fmt::format("; {}", std::strerror(system_error));
-  const Meaning meaning = meaning_of(code, of_system ? system_error : 0);
+  int system_error = 0;
+  if (handle_ != nullptr && (base == SQLITE_IOERR || base == SQLITE_CANTOPEN)) {
+    system_error = sqlite3_system_errno(handle_);
+    if (system_error == 0) system_error = error_of_files(handle_);
+  }
+  if (system_error != 0) detail += fmt::format("; {}", std::strerror(system_error));
+  const Meaning meaning = meaning_of(code, system_error);
   throw StoreError(meaning.id,
                    fmt::format("store {}: {} ({}, SQLite code {}; {})", path_, meaning.what, detail, code, doing),
                    meaning.remedy);
@@ -191,7 +207,11 @@ void Statement::get_blob(int column, std::span<std::byte> value) const {
   if (data != nullptr && size > 0) std::memcpy(value.data(), data, size);
 }
 
-Transaction::Transaction(Connection& connection) : connection_(connection) { connection_.execute("BEGIN IMMEDIATE"); }
+Transaction::Transaction(Connection& connection) : connection_(connection) {
+  // SQLite itself would complain only at the first row that changes.
+  if (connection_.is_read_only()) connection_.fail(SQLITE_READONLY, "BEGIN IMMEDIATE");
+  connection_.execute("BEGIN IMMEDIATE");
+}
 
 Transaction::~Transaction() {
   // A failure may have rolled back already; one that meets a failed disk leaves the log, which the next open drops.

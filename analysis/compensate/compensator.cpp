@@ -43,6 +43,12 @@ ElamCurve TaxelCompensator::curve_from_extreme() const {
   return {*model_, false, x, extreme_v_, x + converged * (xu - x)};
 }
 
+bool TaxelCompensator::weak(const ElamCurve& curve, double volts) const {
+  const double off = options_.flat_in_noises * options_.noise_v, here = curve.input(volts);
+  return std::max(std::abs(curve.input(volts - off) - here), std::abs(curve.input(volts + off) - here)) >
+         options_.flat_psi;
+}
+
 Compensated TaxelCompensator::step(double volts) {
   if (!std::isfinite(volts)) throw std::invalid_argument("compensator: the voltage is not a finite number");
   const double band = options_.band_in_noises * options_.noise_v;
@@ -58,16 +64,14 @@ Compensated TaxelCompensator::step(double volts) {
     set_extreme(volts, 1);
   }
   ahead = curve_->ascending() ? volts - extreme_v_ : extreme_v_ - volts;
-  const bool back = ahead < -hold;
-  if (back && !tentative_) tentative_ = curve_from_extreme();
+  const bool back = ahead < -hold, held = !back && samples_ > 1;
+  if ((back || held) && !tentative_) tentative_ = curve_from_extreme();
   const ElamCurve& curve = back ? *tentative_ : *curve_;
 
   Compensated result;
   result.pressure_psi = curve.input(volts);
-  const double off = options_.flat_in_noises * options_.noise_v;
-  const double moved = std::max(std::abs(curve.input(volts - off) - result.pressure_psi),
-                                std::abs(curve.input(volts + off) - result.pressure_psi));
-  result.flat = moved > options_.flat_psi;
+  // A held output may have turned already: then the reverse curve says how much hides behind the noise.
+  result.flat = weak(curve, volts) || (held && weak(*tentative_, volts));
   result.out_of_range = volts < model_->y0() - band || volts > model_->yu() + band;
   return result;
 }

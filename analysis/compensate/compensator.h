@@ -39,6 +39,7 @@ class TaxelCompensator {
  private:
   void set_extreme(double volts, int samples);
   [[nodiscard]] ElamCurve curve_from_extreme() const;
+  [[nodiscard]] bool weak(const ElamCurve& curve, double volts) const;
   const ElamModel* model_;
   CompensatorOptions options_;
   std::optional<ElamCurve> curve_;      // since the last remembered turn

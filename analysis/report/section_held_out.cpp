@@ -50,8 +50,10 @@ constexpr Row kRows[] = {
 };
 
 Markup table(std::span<const Column> columns, const html::Safe& caption) {
-  Markup out =
-      markup("<div class=\"wide\"><table><caption>{}</caption><thead><tr><th scope=\"col\">figure</th>", caption);
+  Markup out = markup(
+      "<div class=\"wide\" tabindex=\"0\" role=\"region\" "
+      "aria-label=\"Runs\"><table><caption>{}</caption><thead><tr><th scope=\"col\">figure</th>",
+      caption);
   for (const Column& column : columns)
     out += markup("<th scope=\"col\" class=\"n\">{}</th>", html::stated(column.title));
   out += markup("</tr></thead><tbody>\n<tr><th scope=\"row\">run</th>");

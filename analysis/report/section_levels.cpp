@@ -36,7 +36,7 @@ Markup charts(const Evaluation& evaluation, int fitted) {
                          .series = {series("before", &LevelFigures::raw_distance, 1),
                                     series("after", &LevelFigures::comp_distance, 2), only_observable},
                          .width = 335,
-                         .height = 300,
+                         .height = 270,
                          .y_from_zero = true}));
   out += markup("<figure>{}<figcaption>Mismatch: standard deviation over the taxels.</figcaption></figure>\n",
                 line_chart({.title = "Standard deviation over the taxels per level before and after compensation",
@@ -47,7 +47,7 @@ Markup charts(const Evaluation& evaluation, int fitted) {
                                        series("up, after", &LevelFigures::comp_std_up, 2),
                                        series("down, after", &LevelFigures::comp_std_down, 3)},
                             .width = 335,
-                            .height = 300,
+                            .height = 270,
                             .y_from_zero = true}));
   out += markup("</div>\n");
   return out;
@@ -71,7 +71,8 @@ Markup level_row(const LevelFigures& level, int fitted) {
   out += number_cell(html::fixed(level.down_psi, 2));
   for (const double figure :
        {level.raw_std_up, level.raw_std_down, level.raw_distance, level.comp_std_up, level.comp_std_down,
-        level.comp_distance, level.comp_distance_observable, level.worst_taxel_distance}) {
+        level.comp_distance, observable(level, &LevelFigures::comp_distance_observable, fitted),
+        level.worst_taxel_distance}) {
     out += number_cell(html::percent(figure, 2));
   }
   out += markup("<td class=\"n\">{}</td><td>{}</td></tr>\n", level.flat_taxels, judgement(level));
@@ -121,7 +122,8 @@ Markup levels_section(const ReportInput& input) {
   const int fitted = fitted_taxels(input.fit);
   out += charts(evaluation, fitted);
   out += markup(
-      "<div class=\"wide\"><table class=\"levels\"><caption>Levels of the external loop; figures in % "
+      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Levels\"><table "
+      "class=\"levels\"><caption>Levels of the external loop; figures in % "
       "FS</caption><thead><tr>"
       "<th scope=\"colgroup\" colspan=\"4\">pressure</th>"
       "<th scope=\"colgroup\" colspan=\"3\">before</th>"

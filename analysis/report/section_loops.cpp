@@ -32,14 +32,14 @@ Markup trace_figures(const Trace& trace) {
                  .series = {{"measured", trace.pressure_psi, trace.measured_v, 0, false},
                             {"ELAM model", trace.pressure_psi, trace.model_v, 1, false}},
                  .width = 335,
-                 .height = 290},
+                 .height = 250},
                 "Measured output and direct model.");
   LineChart compensated{.title = "Pressure after compensation against reference pressure, " + of,
                         .x_label = "reference pressure in psi",
                         .y_label = "compensated pressure in psi",
                         .series = {{"compensated", trace.pressure_psi, trace.compensated_psi, 2, true}},
                         .width = 335,
-                        .height = 290};
+                        .height = 250};
   const Spread range = spread_of(trace.pressure_psi);
   if (range.count > 1) {
     compensated.series.push_back({"ideal", {range.low, range.high}, {range.low, range.high}, 0, false});
@@ -58,7 +58,7 @@ Markup trace_figures(const Trace& trace) {
                  .y_label = "residual in mV",
                  .series = {{"model minus measured", at, residual_mv, 1, true}},
                  .width = 682,
-                 .height = 190},
+                 .height = 165},
                 "Residual: model minus measured, one dot a step.");
   return out;
 }
@@ -97,7 +97,8 @@ Markup loops_section(const ReportInput& input) {
   }
   const double full_scale = input.evaluation.full_scale_v;
   out += markup(
-      "<div class=\"wide\"><table><caption>Errors of the mean taxel by sequence</caption><thead><tr>"
+      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Errors by sequence\"><table><caption>Errors of "
+      "the mean taxel by sequence</caption><thead><tr>"
       "<th scope=\"col\" rowspan=\"2\">sequence</th><th scope=\"col\" rowspan=\"2\" class=\"n\">steps</th>"
       "<th scope=\"colgroup\" colspan=\"4\">direct model against measured output</th>"
       "<th scope=\"colgroup\" colspan=\"2\">compensated against reference pressure</th></tr><tr>"

@@ -145,8 +145,8 @@ Markup error_map(const ReportInput& input) {
   if (spread.count == 0) return markup("<p>Map of the compensation error: not available</p>\n");
   const ColourScale scale{0.0, spread.high > 0.0 ? spread.high : 1.0};
   Markup out = markup("<figure>{}", numbered_map({"Mean compensation error of each taxel in psi", input.fit.rows,
-                                                  input.fit.columns, evaluation.taxel_mean_error_psi, scale, 448.0},
-                                                 2));
+                                                  input.fit.columns, evaluation.taxel_mean_error_psi, scale, 416.0},
+                                                 spread.high < 10.0 ? 2 : 1));
   out += colour_bar(scale, "Colour scale of the error map", "psi", 2);
   out += markup(
       "<figcaption>Mean of |compensated − reference| of each taxel over all frames, in psi (1 psi = 6.895 kPa). Row 0 "
@@ -186,8 +186,8 @@ Markup model_section(const ReportInput& input) {
       "unloading "
       "curve is saturated are weakly determined: judge the error, not the parameter.</p>\n");
   out += unfitted_table(input.fit);
-  out += error_table(input.evaluation, input.fit.columns);
-  out += error_map(input);
+  out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input),
+                error_table(input.evaluation, input.fit.columns));
   return out;
 }
 

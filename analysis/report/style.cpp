@@ -34,6 +34,7 @@ th[scope=row] { min-width: 7em; }
 th[scope=colgroup] { text-align: center; border-left: 1px solid #c8c8c8; }
 th[scope=colgroup]:first-child { border-left: 0; }
 table.pairs th { width: 32%; font-weight: normal; color: #444444; }
+table.verdicts td:last-child { min-width: 10em; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
 table.levels { font-size: 11px; }
 table.levels th[scope=row] { min-width: 0; }
@@ -51,6 +52,9 @@ figure { margin: 10px 0 16px; break-inside: avoid; }
 figcaption { font-size: 12px; color: #444444; }
 .pair { display: flex; flex-wrap: wrap; gap: 0 12px; }
 .pair figure { flex: 1 1 300px; min-width: 0; }
+.beside { display: flex; flex-wrap: wrap; gap: 0 20px; break-inside: avoid; }
+.beside > div { flex: 1 1 220px; min-width: 0; }
+.beside figure { flex: 0 1 416px; }
 svg { max-width: 100%; vertical-align: middle; }
 svg.chart, svg.map { height: auto; }
 svg text { font: 11px "DejaVu Sans", "Liberation Sans", Arial, sans-serif; fill: #1a1a1a; }

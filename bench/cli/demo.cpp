@@ -100,8 +100,7 @@ void demo(const Options& options, Session& session) {
   const std::vector<NamedEvaluation> evaluations =
       evaluate_runs(store, fit, {numbers.begin() + 1, numbers.end()}, titles);
   watch.lap("compensation");
-  // The demo is judged on the held-out run: frames that no model has seen.
-  const std::vector<db::VerdictRecord> verdicts = judge_and_store(store, fit, evaluations[1].evaluation, "limits.toml");
+  const std::vector<db::VerdictRecord> verdicts = judge_and_store(store, fit, judged(evaluations), "limits.toml");
   std::string number;
   const std::string path = write_report(store, fit, evaluations, verdicts, options.output, &number);
   watch.lap("report");

@@ -28,6 +28,10 @@ std::vector<NamedEvaluation> evaluate_runs(const db::RunStore& store, const anal
   return evaluations;
 }
 
+const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluations) {
+  return evaluations[evaluations.size() > 1 ? 1 : 0].evaluation;
+}
+
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file) {
   const std::vector<db::VerdictRecord> verdicts =

@@ -18,6 +18,9 @@ std::vector<NamedEvaluation> evaluate_runs(const db::RunStore& store, const anal
                                            const std::vector<std::int64_t>& held_out,
                                            const std::vector<std::string>& titles = {});
 
+// What limits are judged on: the first held-out run, whose frames no model has seen, else the fit's own run.
+const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluations);
+
 // Judges by the limits and stores the verdicts.
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file);

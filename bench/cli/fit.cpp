@@ -41,7 +41,7 @@ void fit(const Options& options, Session& session) {
   const std::vector<NamedEvaluation> evaluations = evaluate_runs(store, fitted, options.held_out);
   std::vector<db::VerdictRecord> verdicts;
   if (!options.limits.empty()) {
-    verdicts = judge_and_store(store, fitted, evaluations.front().evaluation, options.limits);
+    verdicts = judge_and_store(store, fitted, judged(evaluations), options.limits);
     session.code = exit_code_of(verdicts);
   }
   const std::string origin = store.run(options.run).origin;
@@ -82,10 +82,10 @@ void report(const ReportOptions& options, Session& session) {
   const std::vector<NamedEvaluation> evaluations = evaluate_runs(store, fitted, options.held_out);
   const std::string origin = store.run(options.run).origin;
   // --limits judges anew without storing (contract.md, "Words on the command line").
+  const analysis::Evaluation& evaluation = judged(evaluations);
   const std::vector<db::VerdictRecord> verdicts =
-      options.limits.empty()
-          ? store.verdicts(options.run)
-          : analysis::judge(evaluations.front().evaluation, fitted, read_limits(find_config(options.limits)));
+      options.limits.empty() ? store.verdicts(evaluation.run)
+                             : analysis::judge(evaluation, fitted, read_limits(find_config(options.limits)));
   std::string number;
   const std::string path = write_report(store, fitted, evaluations, verdicts, options.output, &number);
   session.code = exit_code_of(verdicts);
@@ -110,7 +110,8 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option("run", options->run, "run number")->required();
   verb->add_option("--held-out", options->held_out, "score these runs of the same sensor with the models, too")
       ->take_all();
-  verb->add_option("--limits", options->limits, "limits file: judge and store the verdicts");
+  verb->add_option("--limits", options->limits,
+                   "limits file: judge the first held-out run (without one, the run itself) and store the verdicts");
   add_common(*verb, session);
   verb->callback([options, &session] { fit(*options, session); });
 }

@@ -51,12 +51,19 @@ std::string shown_verdict(const std::string& verdict, const std::string& origin)
   return origin == "simulated" ? "simulated " + verdict : verdict;
 }
 
+namespace {
+
+std::string with_unit(double value, const std::string& unit) {
+  return unit == "FS" ? fmt::format("{:.3g} % FS", 100.0 * value) : fmt::format("{:.3g} {}", value, unit);
+}
+
+}  // namespace
+
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
-  std::string text = fmt::format("{:<26}{:<14}{:>12}{:>12}  {}\n", "criterion", "scope", "value", "limit", "verdict");
+  std::string text = fmt::format("{:<26}{:<14}{:>14}{:>14}  {}\n", "criterion", "scope", "value", "limit", "verdict");
   for (const db::VerdictRecord& row : verdicts) {
-    text += fmt::format("{:<26}{:<14}{:>12}{:>12}  {}\n", row.criterion, row.scope,
-                        fmt::format("{:.3g} {}", row.value, row.unit), fmt::format("{:.3g} {}", row.limit, row.unit),
-                        shown_verdict(row.verdict, origin));
+    text += fmt::format("{:<26}{:<14}{:>14}{:>14}  {}\n", row.criterion, row.scope, with_unit(row.value, row.unit),
+                        with_unit(row.limit, row.unit), shown_verdict(row.verdict, origin));
   }
   return text;
 }
@@ -77,17 +84,20 @@ ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const
 }
 
 std::string figures_table(const std::vector<NamedEvaluation>& evaluations) {
-  std::string text = fmt::format("{:<30}{:>8}{:>12}{:>9}{:>11}{:>9}{:>11}{:>12}\n", "|up - down|, % of full scale",
-                                 "raw", "compensated", "taxels", "(observ.)", "worst", "(observ.)", "error, psi");
-  text += fmt::format("{:<30}{:>8}{:>12}{:>20}{:>20}\n", "", "mean of", "mean of all", "mean of each", "worst one");
+  std::string text = fmt::format("{:<28}{:>8} |{:>12}{:>14}{:>12}{:>14} |{:>10}\n", "|up - down|, % FS", "raw",
+                                 "compensated", "", "", "", "mean");
+  text += fmt::format("{:<28}{:>8} |{:>12}{:>14}{:>12}{:>14} |{:>10}\n", "mean over the levels", "array", "array",
+                      "each taxel (*)", "worst one", "worst one*", "error, psi");
   for (const NamedEvaluation& named : evaluations) {
     const analysis::Evaluation& e = named.evaluation;
-    text += fmt::format("{:<30}{:>8.2f}{:>12.2f}{:>9.2f}{:>11.2f}{:>9.2f}{:>11.2f}{:>12.3f}\n", named.title,
-                        100.0 * e.raw_distance, 100.0 * e.comp_distance_of_mean, 100.0 * e.comp_distance,
-                        100.0 * e.comp_distance_observable, 100.0 * e.worst_taxel_distance,
-                        100.0 * e.worst_taxel_distance_observable, e.mean_error_psi);
+    text += fmt::format("{:<28}{:>8.2f} |{:>12.2f}{:>14}{:>12.2f}{:>14.2f} |{:>10.3f}\n", named.title,
+                        100.0 * e.raw_distance, 100.0 * e.comp_distance_of_mean,
+                        fmt::format("{:.2f} ({:.2f})", 100.0 * e.comp_distance, 100.0 * e.comp_distance_observable),
+                        100.0 * e.worst_taxel_distance, 100.0 * e.worst_taxel_distance_observable, e.mean_error_psi);
   }
-  return text;
+  return text +
+         "array: the outputs (pressures) of all taxels averaged first; *: in brackets or starred, levels flagged "
+         "unobservable left out\n";
 }
 
 ordered_json evaluation_json(const NamedEvaluation& named) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "devices/fault.h"
 
@@ -56,16 +57,17 @@ void Sequencer::carry_out(const Step& step) {
 void Sequencer::settle(const Step& step, StepReadings& readings) {
   const Settling& settling = rig_.config().settling;
   devices::Clock& clock = rig_.clock();
-  double last_reference = rig_.reference().read().pressure.value();
   readings.commanded_at = clock.now();
   readings.setpoint_counts = rig_.source().command(step.setpoint);
   const Nanoseconds deadline = readings.commanded_at + seconds(settling.timeout_s);
-  // Often at first, when small steps arrive; then only as often as the module is fed, to spare exchanges.
-  constexpr int kQuickPolls = 3;
+  const Nanoseconds feed = rig_.config().regulator.feed_interval;
+  // The first look when the first feeding is due, then a few quick ones while a small step arrives; a long way is
+  // watched only as often as the module is fed, to spare exchanges.
+  constexpr int kQuickPolls = 4;
+  double last_reference = std::numeric_limits<double>::infinity();
   for (int polls = 0;; ++polls) {
-    const Nanoseconds pause = polls < kQuickPolls
-                                  ? seconds(settling.poll_s)
-                                  : std::max(seconds(settling.poll_s), rig_.config().regulator.feed_interval);
+    const bool quick = polls > 0 && polls <= kQuickPolls;
+    const Nanoseconds pause = quick ? seconds(settling.poll_s) : std::max(seconds(settling.poll_s), feed);
     const Nanoseconds before = clock.now();
     wait_until(before + pause);
     poll(readings);

@@ -9,6 +9,7 @@
 
 #include "devices/clock.h"
 #include "devices/device.h"
+#include "devices/fault.h"
 #include "devices/units.h"
 #include "devices/wire/modbus_link.h"
 
@@ -42,11 +43,12 @@ class AnalogModule {
   // exchanges. Throws Fault TB-MODULE-READBACK when another value stands there, TB-MODULE-WATCHDOG when the module
   // refuses because its watchdog has fallen back since bring_up(): only bring_up() makes it writable again.
   void write(int output, std::uint16_t counts);
-  // Rewrites the last value of every output: feeds the watchdog. As write().
+  // Reads the last written outputs back (FC 3), then rewrites them and reads the inputs (FC 23): feeds the watchdog.
+  // Reading first finds another master's write since the last feeding, which rewriting would hide. As write().
   void feed();
   // Reads the outputs back (FC 3, one exchange); Fault TB-MODULE-READBACK when another master has changed them.
   void verify_outputs();
-  // Reads the input image (FC 4, one exchange) unless it is younger than `max_age`.
+  // Reads the input image (FC 4, one exchange) unless it is at most `max_age` old.
   void refresh(Nanoseconds max_age = Nanoseconds(0));
 
   [[nodiscard]] std::int16_t input(int channel) const;    // raw counts of the last image
@@ -64,6 +66,8 @@ class AnalogModule {
 
  private:
   void write_image(std::vector<std::uint16_t> image);
+  void blame_watchdog(const Fault& fault, Nanoseconds time);
+  void send_outputs(const std::vector<std::uint16_t>& image);
   void set_register(int address, std::uint16_t value);
   std::uint16_t fallbacks();
   ModuleProfile profile_;

@@ -92,6 +92,7 @@ void require_inert(const std::string& page) {
                                                    "rowspan",
                                                    "href",
                                                    "aria-label",
+                                                   "tabindex",
                                                    "viewBox",
                                                    "width",
                                                    "height",
@@ -155,6 +156,7 @@ TEST_CASE("the report number is run number and eight hex digits of the content")
 
   SECTION("wall-clock times, UUID, host and notes are not content; neither is the run's number") {
     input.run.run = 99;
+    for (db::VerdictRecord& verdict : input.verdicts) verdict.run = 99;
     input.run.uuid = "another";
     input.run.host = "another";
     input.run.started_utc = "2031-01-01T00:00:00Z";
@@ -222,6 +224,9 @@ TEST_CASE("verdicts that are neither pass nor fail carry a triangle and their ow
   input.verdicts[2].verdict = "fail";
   CHECK(contains(render_report(input).html,
                  "All criteria together: <span class=\"fail\"><span class=\"sign\">✗</span> fail"));
+  CHECK(contains(render_report(input).html, "Judged on: own run (fit). "));
+  for (db::VerdictRecord& verdict : input.verdicts) verdict.run = 13;
+  CHECK(contains(render_report(input).html, "Judged on: held-out run. "));
   input.verdicts.clear();
   CHECK(contains(render_report(input).html, "No limits were given"));
 }

@@ -72,12 +72,12 @@ db::FrameRecord frame(std::int64_t branch, int ordinal, double level, std::vecto
 }
 
 // One taxel pair, levels 0 2 0 in two branches a repeat; the counts tell repeat and step.
-void record_repeat(db::RunStore& store, std::int64_t run, int repeat, int frames = 3) {
+void record_repeat(db::RunStore& store, std::int64_t run, int repeat, int frames = 3, int attempt = 0) {
   const double levels[] = {0.0, 2.0, 0.0};
   std::int64_t branch = 0;
   for (int i = 0; i < frames; ++i) {
     if (i != 1)
-      branch = store.begin_branch(run, {0, 0, repeat, i / 2, 0, false, "", i < 2 ? 0.0 : 2.0, i < 2 ? 2.0 : 0.0});
+      branch = store.begin_branch(run, {0, 0, repeat, i / 2, attempt, false, "", i < 2 ? 0.0 : 2.0, i < 2 ? 2.0 : 0.0});
     const auto base = static_cast<std::uint16_t>(1000 * repeat + 100 * i + 10);
     const auto next = static_cast<std::uint16_t>(base + 4);
     store.append_frame(run, frame(branch, i, levels[i], {base, 7, next, 7}, 2, 1, 2));
@@ -154,7 +154,7 @@ TEST_CASE("void branches do not count, their redone ones do") {
   const std::int64_t bad = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 2.0});
   store->append_frame(run, frame(bad, 0, 0.0, {65535, 1, 65535, 1}, 2, 1, 2));
   store->void_branch(bad, "interrupted");
-  record_repeat(*store, run, 0);
+  record_repeat(*store, run, 0, 3, 1);
   const Dataset data = load_dataset(*store, run);
   CHECK(data.sequences[0].repeats.size() == 1);
   CHECK(data.sequences[0].repeats[0].volts[0] == Approx(12.0 * kScale));

@@ -52,7 +52,7 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const auto [key, id] = GENERATE(table<std::string, std::string>({
       {"scanner_silent_after_scans", "TB-SCANNER-TIMEOUT"},
-      {"scanner_unplug_after_scans", "TB-HID-LOST"},
+      {"scanner_unplug_after_scans", "TB-SCANNER-LOST"},
       {"scanner_corrupt_scan", "TB-SCANNER-CORRUPT"},
       {"scanner_drop_report_scan", "TB-SCANNER-CORRUPT"},
   }));

@@ -13,7 +13,7 @@ namespace {
 
 const std::string kProgram = TACTBENCH_PROGRAM;
 
-Finished tactbench(const TemporaryFolder& folder, const std::vector<std::string>& words) {
+Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
   return run_program(kProgram, words, folder.path());
 }
 
@@ -22,9 +22,9 @@ const char* const kSmall =
     "dwell_s = 1.0\n";
 
 void prepare(const TemporaryFolder& folder) {
-  REQUIRE(tactbench(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"init"}).code == 0);
   write_file(folder.path("small.toml"), kSmall);
-  REQUIRE(tactbench(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
 }
 
 std::vector<std::string> small_run(const std::vector<std::string>& more = {}) {
@@ -48,14 +48,14 @@ void check_error(const Finished& finished, int code, const std::string& id) {
 TEST_CASE("from init to a report by hand") {
   const TemporaryFolder folder;
   prepare(folder);
-  const Finished run = tactbench(folder, small_run());
+  const Finished run = call(folder, small_run());
   INFO(run.err);
   REQUIRE(run.code == 0);
-  CHECK_THAT(run.out, Catch::Contains("run 1: completed, 40 frames") && Catch::Contains("vented, verified"));
-  const Finished held_out = tactbench(folder, small_run({"--seed", "2", "--json"}));
+  CHECK_THAT(run.out, Catch::Contains("run 1: completed, 54 frames") && Catch::Contains("vented, verified"));
+  const Finished held_out = call(folder, small_run({"--seed", "2", "--json"}));
   REQUIRE(held_out.code == 0);
   CHECK(json::parse(held_out.out)["run"] == 2);
-  const Finished fit = tactbench(folder, {"fit", "1", "--held-out", "2", "--json"});
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--json"});
   INFO(fit.err);
   REQUIRE(fit.code == 0);
   const json fitted = json::parse(fit.out);
@@ -63,81 +63,80 @@ TEST_CASE("from init to a report by hand") {
   CHECK(fitted["fitted_taxels"] == 256);
   CHECK(fitted["evaluations"].size() == 2);
   CHECK(fitted["origin"] == "simulated");
-  const Finished report = tactbench(folder, {"report", "1", "--held-out", "2"});
+  const Finished report = call(folder, {"report", "1", "--held-out", "2"});
   REQUIRE(report.code == 0);
   CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
-  const Finished list = tactbench(folder, {"runs", "list"});
+  const Finished list = call(folder, {"runs", "list"});
   CHECK_THAT(list.out, Catch::Contains("completed"));
-  CHECK(json::parse(tactbench(folder, {"runs", "list", "--json"}).out)["runs"].size() == 2);
-  CHECK_THAT(tactbench(folder, {"runs", "show", "1"}).out, Catch::Contains("tester"));
-  CHECK(json::parse(tactbench(folder, {"runs", "show", "1", "--json"}).out)["safe_state"] == "verified");
-  CHECK_THAT(tactbench(folder, {"sensors", "list"}).out, Catch::Contains("S-1"));
-  CHECK(json::parse(tactbench(folder, {"sensors", "show", "S-1", "--json"}).out)["runs"] == json::array({1, 2}));
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].size() == 2);
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("tester"));
+  CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["safe_state"] == "verified");
+  CHECK_THAT(call(folder, {"sensors", "list"}).out, Catch::Contains("S-1"));
+  CHECK(json::parse(call(folder, {"sensors", "show", "S-1", "--json"}).out)["runs"] == json::array({1, 2}));
 }
 
 TEST_CASE("limits decide the exit code") {
   const TemporaryFolder folder;
   prepare(folder);
-  REQUIRE(tactbench(folder, small_run()).code == 0);
+  REQUIRE(call(folder, small_run()).code == 0);
   write_file(folder.path("hard.toml"),
              "schema = 1\nname = \"hard\"\nrule = \"simple\"\nmean_compensation_error_psi = 0.000001\n"
              "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
-  const Finished fit = tactbench(folder, {"fit", "1", "--limits", "hard.toml"});
+  const Finished fit = call(folder, {"fit", "1", "--limits", "hard.toml"});
   CHECK(fit.code == 1);
   CHECK_THAT(fit.out, Catch::Contains("simulated fail") && Catch::Contains("simulated pass"));
-  CHECK_THAT(tactbench(folder, {"runs", "list"}).out, Catch::Contains("simulated fail"));
-  CHECK(tactbench(folder, {"report", "1"}).code == 1);
+  CHECK_THAT(call(folder, {"runs", "list"}).out, Catch::Contains("simulated fail"));
+  CHECK(call(folder, {"report", "1"}).code == 1);
 }
 
 TEST_CASE("plan is the real compiler: 211, 451, 3310") {
   const TemporaryFolder folder;
-  const Finished plan = tactbench(folder, {"plan", "descending", "ascending", "--json"});
+  const Finished plan = call(folder, {"plan", "descending", "ascending", "--json"});
   REQUIRE(plan.code == 0);
   CHECK(json::parse(plan.out)["frames"] == 3310);
-  CHECK(json::parse(tactbench(folder, {"plan", "descending", "--set", "recipe.repeats=1", "--json"}).out)["frames"] ==
-        211);
-  check_error(tactbench(folder, {"plan", "descending", "--set", "limits.command_psi=59"}), 2, "TB-RECIPE-LIMIT");
+  CHECK(json::parse(call(folder, {"plan", "descending", "--set", "recipe.repeats=1", "--json"}).out)["frames"] == 211);
+  check_error(call(folder, {"plan", "descending", "--set", "limits.command_psi=59"}), 2, "TB-RECIPE-LIMIT");
 }
 
 TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
   const TemporaryFolder folder;
   prepare(folder);
-  check_error(tactbench(folder, {"reprot", "1"}), 2, "TB-USAGE");
-  CHECK_THAT(tactbench(folder, {"reprot"}).err, Catch::Contains("did you mean 'report'?"));
-  check_error(tactbench(folder, {"run", "small.toml"}), 2, "TB-USAGE");
-  check_error(tactbench(folder, small_run({"--set", "limits.comand_psi=50"})), 2, "TB-FILE-KEY");
-  check_error(tactbench(folder, small_run({"--set", "nonsense"})), 2, "TB-USAGE");
-  check_error(tactbench(folder, small_run({"--set", "limits.command_psi=\"60 psi\""})), 2, "TB-FILE-VALUE");
-  check_error(tactbench(folder, {"plan", "no-such-recipe"}), 2, "TB-FILE-MISSING");
+  check_error(call(folder, {"reprot", "1"}), 2, "TB-USAGE");
+  CHECK_THAT(call(folder, {"reprot"}).err, Catch::Contains("did you mean 'report'?"));
+  check_error(call(folder, {"run", "small.toml"}), 2, "TB-USAGE");
+  check_error(call(folder, small_run({"--set", "limits.comand_psi=50"})), 2, "TB-FILE-KEY");
+  check_error(call(folder, small_run({"--set", "nonsense"})), 2, "TB-USAGE");
+  check_error(call(folder, small_run({"--set", "limits.command_psi=\"60 psi\""})), 2, "TB-FILE-VALUE");
+  check_error(call(folder, {"plan", "no-such-recipe"}), 2, "TB-FILE-MISSING");
   write_file(folder.path("wrong.toml"), std::string(kSmall) + "dwel_s = 1\n");
-  const Finished wrong = tactbench(folder, {"plan", "wrong.toml"});
+  const Finished wrong = call(folder, {"plan", "wrong.toml"});
   check_error(wrong, 2, "TB-FILE-KEY");
   CHECK_THAT(wrong.err, Catch::Contains("wrong.toml:8:1") && Catch::Contains("did you mean 'dwell_s'?"));
-  check_error(tactbench(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-9", "--operator", "t"}),
-              2, "TB-SENSOR-UNKNOWN");
-  check_error(tactbench(folder, {"fit", "7"}), 2, "TB-STORE-NOT-FOUND");
-  check_error(tactbench(folder, {"init"}), 2, "TB-FILE-EXISTS");
-  CHECK(json::parse(tactbench(folder, {"fit", "7", "--json"}).out)["exit_code"] == 2);
-  CHECK(json::parse(tactbench(folder, {"runs", "list", "--json"}).out)["runs"].empty());
+  check_error(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-9", "--operator", "t"}), 2,
+              "TB-SENSOR-UNKNOWN");
+  check_error(call(folder, {"fit", "7"}), 2, "TB-STORE-NOT-FOUND");
+  check_error(call(folder, {"init"}), 2, "TB-FILE-EXISTS");
+  CHECK(json::parse(call(folder, {"fit", "7", "--json"}).out)["exit_code"] == 2);
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].empty());
 }
 
 TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay") {
   const TemporaryFolder folder;
   prepare(folder);
-  const Finished scanner = tactbench(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=10",
-                                                        "--set", "scanner.frame_timeout_ms=100"}));
+  const Finished scanner = call(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=10",
+                                                   "--set", "scanner.frame_timeout_ms=100"}));
   check_error(scanner, 3, "TB-SCANNER-TIMEOUT");
   CHECK_THAT(scanner.err, Catch::Contains("vented, verified") && Catch::Contains("run 1 kept with 4 frames"));
-  const Finished module = tactbench(folder, small_run({"--set", "simulation.wire_faults.module_dead_after_requests=100",
-                                                       "--set", "module.response_timeout_ms=100"}));
+  const Finished module = call(folder, small_run({"--set", "simulation.wire_faults.module_dead_after_requests=100",
+                                                  "--set", "module.response_timeout_ms=100"}));
   CHECK(module.code == 7);
   CHECK_THAT(module.err, Catch::Contains("vent NOT verified"));
-  const json runs = json::parse(tactbench(folder, {"runs", "list", "--json"}).out)["runs"];
+  const json runs = json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"];
   REQUIRE(runs.size() == 2);
   CHECK(runs[0]["outcome"] == "failed");
   CHECK(runs[0]["frames"] == 4);
   CHECK(runs[1]["safe_state"] == "unverified");
-  check_error(tactbench(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
+  check_error(call(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
 }
 
 TEST_CASE("a store of a newer schema, a foreign file and a missing store are refused with 5") {
@@ -147,20 +146,58 @@ TEST_CASE("a store of a newer schema, a foreign file and a missing store are ref
   REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
   REQUIRE(sqlite3_exec(db, "PRAGMA user_version = 9999", nullptr, nullptr, nullptr) == SQLITE_OK);
   sqlite3_close(db);
-  check_error(tactbench(folder, small_run()), 5, "TB-STORE-NEWER");
-  check_error(tactbench(folder, {"runs", "list"}), 5, "TB-STORE-NEWER");
+  check_error(call(folder, small_run()), 5, "TB-STORE-NEWER");
+  check_error(call(folder, {"runs", "list"}), 5, "TB-STORE-NEWER");
   write_file(folder.path("text.db"), std::string(5000, 'x'));
-  check_error(tactbench(folder, {"runs", "list", "--db", "text.db"}), 5, "TB-STORE-OPEN");
-  check_error(tactbench(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+  check_error(call(folder, {"runs", "list", "--db", "text.db"}), 5, "TB-STORE-OPEN");
+  check_error(call(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+}
+
+TEST_CASE("demo: the paper's characterization, and models that hold on runs they never saw") {
+  const TemporaryFolder folder;
+  const Finished demo = call(folder, {"demo", "--json", "-q"});
+  INFO(demo.err);
+  REQUIRE(demo.code == 0);
+  const json result = json::parse(demo.out);
+  REQUIRE(result["evaluations"].size() == 4);
+  const json& own = result["evaluations"][0];
+  const json& held_out = result["evaluations"][1];
+  CHECK(own["frames"] == 3310);
+  CHECK(held_out["frames"] == 662);
+  CHECK(own["hysteresis_max_fs"].get<double>() == Approx(0.253).margin(0.015));
+  CHECK(own["hysteresis_mean_fs"].get<double>() == Approx(0.100).margin(0.012));
+  CHECK(own["full_scale_v"].get<double>() == Approx(3.5).margin(0.05));
+  CHECK(held_out["raw_distance_fs"].get<double>() == Approx(0.10).margin(0.012));
+  CHECK(held_out["comp_distance_of_mean_fs"].get<double>() < 0.015);
+  CHECK(held_out["comp_distance_of_mean_fs"].get<double>() > 0.0);
+  for (const json& verdict : result["verdicts"]) CHECK(verdict["shown"] == "simulated pass");
+  const std::string page = read_file(folder.path("reports/run-1.html"));
+  CHECK(page.size() > 150000);
+  CHECK(page.size() < 2000000);
+  CHECK_THAT(page, Catch::Contains("held-out run") && Catch::Contains("re-mounted") && Catch::Contains("+5 °C"));
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
+  const auto integer = [&](const char* sql) {
+    sqlite3_stmt* statement = nullptr;
+    REQUIRE(sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) == SQLITE_OK);
+    REQUIRE(sqlite3_step(statement) == SQLITE_ROW);
+    const int value = sqlite3_column_int(statement, 0);
+    sqlite3_finalize(statement);
+    return value;
+  };
+  CHECK(integer("SELECT count(*) FROM frames WHERE run = 1") == 3310);
+  CHECK(integer("SELECT max(exchanges) FROM frames") <= 20);
+  CHECK(integer("SELECT count(*) FROM fit_taxels WHERE taxel >= 0 AND status = 'fitted'") == 256);
+  sqlite3_close(db);
 }
 
 TEST_CASE("help, version and no words") {
   const TemporaryFolder folder;
-  CHECK_THAT(tactbench(folder, {"--help"}).out, Catch::Contains("Exit codes") && Catch::Contains("demo"));
-  CHECK(tactbench(folder, {"--help"}).code == 0);
-  CHECK_THAT(tactbench(folder, {"--version"}).out, Catch::Contains("tactbench 0.1.0"));
-  CHECK(tactbench(folder, {}).code == 2);
+  CHECK_THAT(call(folder, {"--help"}).out, Catch::Contains("Exit codes") && Catch::Contains("demo"));
+  CHECK(call(folder, {"--help"}).code == 0);
+  CHECK_THAT(call(folder, {"--version"}).out, Catch::Contains("tactbench 0.1.0"));
+  CHECK(call(folder, {}).code == 2);
   for (const char* verb : {"demo", "init", "plan", "run", "fit", "report", "runs", "sensors"}) {
-    CHECK(tactbench(folder, {verb, "--help"}).code == 0);
+    CHECK(call(folder, {verb, "--help"}).code == 0);
   }
 }

@@ -1,8 +1,6 @@
-// Each switchable effect against its known truth, each defect, the memory as text, and the seeds.
+// Each switchable effect against its known truth, and each defect.
 #include <catch2/catch.hpp>
 #include <functional>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 
 #include "tests/bench/specimen_runs.h"
@@ -223,84 +221,6 @@ TEST_CASE("specimen: a defect outside the array and an impossible shape are refu
   CHECK_THROWS_AS(Specimen(changed([](SpecimenOptions& o) { o.rows = 0; })), std::invalid_argument);
   Specimen specimen({});
   CHECK_THROWS_AS(specimen.advance(1.0, 0.0), std::invalid_argument);
-}
-
-TEST_CASE("specimen: the memory goes through text to the last bit") {
-  Specimen first({});
-  Walker walker(first);
-  walker.walk({60, 14, 36});
-  Specimen second({});
-  second.set_state(first.state());
-  CHECK(second.state() == first.state());
-  CHECK(Walker(second).frame() == walker.frame());
-  for (const double pressure : {37.0, 20.0, 45.5, 3.0}) {
-    first.advance(pressure, 0.7);
-    second.advance(pressure, 0.7);
-  }
-  CHECK(Walker(second).frame() == Walker(first).frame());
-}
-
-TEST_CASE("specimen: a state that does not fit is refused and changes nothing") {
-  Specimen specimen({});
-  Walker(specimen).walk({20});
-  const std::string before = specimen.state();
-  const auto refuse = [&](const std::string& text) {
-    CHECK_THROWS_AS(specimen.set_state(text), std::invalid_argument);
-    CHECK(specimen.state() == before);
-  };
-  refuse("");
-  refuse("{}");
-  refuse(before.substr(0, before.size() / 2));
-  Specimen other(changed([](SpecimenOptions& o) { o.sensor_seed = 2; }));
-  refuse(other.state());
-  auto json = nlohmann::json::parse(before);
-  json["plays"][0].erase(0);
-  refuse(json.dump());
-  json = nlohmann::json::parse(before);
-  json["creep"][3][7] = -0.5;
-  refuse(json.dump());
-  json = nlohmann::json::parse(before);
-  json["version"] = 2;
-  refuse(json.dump());
-}
-
-TEST_CASE("specimen: the sensor seed makes the array, and makes it again") {
-  const auto with_seed = [](std::uint64_t seed) {
-    return read(changed([&](SpecimenOptions& o) { o.sensor_seed = seed; })).loaded;
-  };
-  const Frame one = with_seed(1);
-  CHECK(with_seed(1) == one);
-  std::set<double> tenth;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) tenth.insert(with_seed(seed)[10]);
-  CHECK(tenth.size() == 5);
-  CHECK(std::abs(correlation(one, with_seed(2))) < 0.5);
-}
-
-TEST_CASE("specimen: looking ahead leaves the memory alone and agrees with going there") {
-  Specimen specimen({});
-  Walker(specimen).walk({40, 20});
-  const std::string before = specimen.state();
-  Frame ahead(256);
-  specimen.output_after(24.0, 1.5, ahead);
-  CHECK(specimen.state() == before);
-  specimen.advance(24.0, 1.5);
-  CHECK(Walker(specimen).frame() == ahead);
-}
-
-TEST_CASE("specimen: other shapes of array work") {
-  for (const auto& [rows, columns] : {std::pair{1, 1}, {3, 5}, {32, 16}}) {
-    SpecimenOptions options;
-    options.rows = rows;
-    options.columns = columns;
-    options.effects.row_crosstalk = 0.01;
-    options.effects.chamber_nonuniformity = 0.02;
-    Specimen specimen(options);
-    Walker walker(specimen);
-    walker.walk({30});
-    const Frame frame = walker.frame();
-    CHECK(mean(frame) > 1.0);
-    CHECK(mean(frame) < 4.9);
-  }
 }
 
 }  // namespace tactbench::bench::testing

@@ -115,6 +115,7 @@ TEST_CASE("specimen: first cycles differ and the difference fades") {
   Specimen specimen({});
   Walker walker(specimen);
   std::vector<Loop> loops;
+  loops.reserve(6);
   for (int cycle = 0; cycle < 6; ++cycle) loops.push_back(external_loop(walker));
   std::vector<double> changes;
   changes.reserve(loops.size());

@@ -89,7 +89,7 @@ TEST_CASE("every canonical column counts, and no other") {
       {"branches.void", "1 - void"},   {"runs.git_dirty", "1 - git_dirty"},
       {"frames.branch", "3 - branch"}, {"frames.counts", "CAST(x'01' || substr(counts, 2) AS BLOB)"}};
   Connection raw(path, Access::kReadWrite);
-  raw.execute("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON");
+  raw.execute("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON; PRAGMA synchronous = OFF");
   int tried = 0;
   for (const std::string table : {"runs", "sequences", "devices", "branches", "frames", "events"}) {
     std::vector<std::pair<std::string, std::string>> columns;
@@ -132,6 +132,7 @@ TEST_CASE("each bit of a blob, each frame, event and branch, and their order cou
   const std::int64_t run = store_example(store);
   const std::string hash = store.content_hash(run);
   Connection raw(path, Access::kReadWrite);
+  raw.execute("PRAGMA synchronous = OFF");
   const std::int64_t frame = run * 1'000'000'000 + 2;
   std::vector<std::uint8_t> counts;
   {

@@ -198,6 +198,7 @@ TEST_CASE("when the disk is full in mid-run, the frame is refused and all before
     if (write(pipe_ends[1], &acknowledged, sizeof acknowledged) != sizeof acknowledged) _exit(4);
     _exit(id == "TB-STORE-FULL" ? 0 : 1);
   }
+  close(pipe_ends[1]);
   int status = 0;
   REQUIRE(waitpid(child, &status, 0) == child);
   REQUIRE(WIFEXITED(status));
@@ -205,7 +206,6 @@ TEST_CASE("when the disk is full in mid-run, the frame is refused and all before
   int acknowledged = 0;
   REQUIRE(read(pipe_ends[0], &acknowledged, sizeof acknowledged) == sizeof acknowledged);
   close(pipe_ends[0]);
-  close(pipe_ends[1]);
   CHECK(acknowledged > 50);
   RunStore store = RunStore::open(path);
   CHECK(store.frame_count(1) == acknowledged);

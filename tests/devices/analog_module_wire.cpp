@@ -169,6 +169,7 @@ TEST_CASE("analog module: another master's write is found by reading back") {
   const auto counts = rig.module.output(0);
   auto other = rig.foreign();
   write_one(other, 0x0800, 77);
+  rig.clock.wait_until(400ms);  // the next feeding looks before it rewrites
   const auto fault = fault_of([&] { rig.regulator.keep_alive(); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-MODULE-READBACK");
