@@ -84,20 +84,18 @@ ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const
 }
 
 std::string figures_table(const std::vector<NamedEvaluation>& evaluations) {
-  std::string text = fmt::format("{:<28}{:>8} |{:>12}{:>14}{:>12}{:>14} |{:>10}\n", "|up - down|, % FS", "raw",
-                                 "compensated", "", "", "", "mean");
-  text += fmt::format("{:<28}{:>8} |{:>12}{:>14}{:>12}{:>14} |{:>10}\n", "mean over the levels", "array", "array",
-                      "each taxel (*)", "worst one", "worst one*", "error, psi");
+  std::string text = fmt::format("{:<28}{:>8} |{:<54}|{:>11}\n{:<28}{:>8} |{:>10}{:>16}{:>14}{:>14}|{:>11}\n",
+                                 "|up - down|, % FS", "raw", " compensated", "mean", "mean over the levels", "array",
+                                 "array", "each taxel (*)", "worst taxel", "worst taxel*", "error, psi");
   for (const NamedEvaluation& named : evaluations) {
     const analysis::Evaluation& e = named.evaluation;
-    text += fmt::format("{:<28}{:>8.2f} |{:>12.2f}{:>14}{:>12.2f}{:>14.2f} |{:>10.3f}\n", named.title,
+    text += fmt::format("{:<28}{:>8.2f} |{:>10.2f}{:>16}{:>14.2f}{:>14.2f}|{:>11.3f}\n", named.title,
                         100.0 * e.raw_distance, 100.0 * e.comp_distance_of_mean,
                         fmt::format("{:.2f} ({:.2f})", 100.0 * e.comp_distance, 100.0 * e.comp_distance_observable),
                         100.0 * e.worst_taxel_distance, 100.0 * e.worst_taxel_distance_observable, e.mean_error_psi);
   }
   return text +
-         "array: the outputs (pressures) of all taxels averaged first; *: in brackets or starred, levels flagged "
-         "unobservable left out\n";
+         "array: the outputs (pressures) of all taxels averaged first; *: without the levels flagged unobservable\n";
 }
 
 ordered_json evaluation_json(const NamedEvaluation& named) {

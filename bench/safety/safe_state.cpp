@@ -67,7 +67,7 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
   bool above = false;
   const auto judge = [&](const char* name, const std::optional<double>& psi) {
     if (!psi) return;
-    witnesses.push_back(fmt::format("{} {:.1f} psi", name, *psi));
+    witnesses.push_back(fmt::format("{} {:.1f} psi", name, std::abs(*psi) < 0.05 ? 0.0 : *psi));  // no "-0.0"
     below += *psi < limits.safe_psi ? 1 : 0;
     above = above || *psi >= limits.safe_psi;
   };

@@ -185,7 +185,7 @@ TEST_CASE("demo: the paper's characterization, and models that hold on runs they
     sqlite3_finalize(statement);
     return value;
   };
-  CHECK(integer("SELECT count(*) FROM frames WHERE run = 1") == 3310);
+  CHECK(integer("SELECT count(*) FROM v_frames WHERE run = 1") == 3310);
   CHECK(integer("SELECT max(exchanges) FROM frames") <= 20);
   CHECK(integer("SELECT count(*) FROM fit_taxels WHERE taxel >= 0 AND status = 'fitted'") == 256);
   sqlite3_close(db);
