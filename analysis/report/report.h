@@ -14,16 +14,16 @@ namespace tactbench::analysis {
 
 // A further run of the same sensor compensated with the same models: held-out, re-mounted, later and warmer.
 struct HeldOut {
-  std::string title;          // "held-out run", "re-mounted", "one month later at +5 °C"
+  std::string title;  // "held-out run", "re-mounted", "one month later at +5 °C"
   db::RunRecord run;
   Evaluation evaluation;
 };
 
 struct ReportInput {
-  db::RunRecord run;                          // the characterization
+  db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
   ArrayFit fit;
-  Evaluation evaluation;                      // the fit's own run
+  Evaluation evaluation;  // the fit's own run
   std::vector<HeldOut> held_out;
   std::vector<db::VerdictRecord> verdicts;
   std::string program_version;
@@ -31,7 +31,7 @@ struct ReportInput {
 };
 
 struct Report {
-  std::string number;         // run number + first 8 hex digits of the content hash (contract.md)
+  std::string number;  // run number + first 8 hex digits of the content hash (contract.md)
   std::string html;
 };
 

@@ -11,7 +11,7 @@ namespace tactbench::bench {
 
 namespace {
 
-const char* const kFooter = R"(
+constexpr const char* kFooter = R"(
 Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link,
   4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified,
   70 internal error, 130/143 ended by a signal. Ctrl-C ends a run: it vents, proves the safe state and keeps all frames.

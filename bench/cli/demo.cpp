@@ -83,15 +83,21 @@ void demo(const Options& options, Session& session) {
   const RunLock lock(session.db);
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
   const std::string serial = fmt::format("SIM-{:04}", options.sensor_seed);
-  if (!store.sensor(serial)) {
-    store.add_sensor({serial, type.name, type.text, db::sha256_hex(type.text), bench.simulation->scanner_serial,
-                      "simulated array of the demo", utc_now()});
+  std::optional<db::SensorRecord> sensor = store.sensor(serial);
+  if (!sensor) {
+    sensor = db::SensorRecord{serial,
+                              type.name,
+                              type.text,
+                              db::sha256_hex(type.text),
+                              SimulationConfig().scanner_serial,
+                              "simulated array of the demo",
+                              utc_now()};
+    store.add_sensor(*sensor);
   }
-  const db::SensorRecord sensor = *store.sensor(serial);
   std::vector<std::int64_t> numbers;
   std::vector<std::string> titles;
   for (const DemoRun& run : demo_runs()) {
-    numbers.push_back(carry_out(run, options, sensor, store, session));
+    numbers.push_back(carry_out(run, options, *sensor, store, session));
     watch.lap(run.title);
     if (numbers.size() > 1) titles.push_back(run.title);
   }

@@ -10,7 +10,7 @@
 namespace tactbench::bench {
 
 analysis::ArrayFit fit_run(db::RunStore& store, std::int64_t run) {
-  const analysis::ArrayFit fit = analysis::fit_array(analysis::load_dataset(store, run));
+  analysis::ArrayFit fit = analysis::fit_array(analysis::load_dataset(store, run));
   analysis::store_fit(store, fit, TACTBENCH_VERSION, utc_now());
   return fit;
 }
@@ -34,8 +34,7 @@ const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluatio
 
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file) {
-  const std::vector<db::VerdictRecord> verdicts =
-      analysis::judge(evaluation, fit, read_limits(find_config(limits_file)));
+  std::vector<db::VerdictRecord> verdicts = analysis::judge(evaluation, fit, read_limits(find_config(limits_file)));
   const std::optional<db::FitRecord> record = store.latest_fit(fit.run, "elam");
   store.replace_verdicts(evaluation.run, record ? record->fit : 0, verdicts);
   return verdicts;

@@ -25,6 +25,7 @@ void plan(const Options& options, const Session& session) {
   const SplitOverrides overrides = split_overrides(options.set);
   const BenchConfig bench = read_bench(find_config(options.bench), overrides.bench);
   std::vector<sequences::Recipe> recipes;
+  recipes.reserve(options.recipes.size());
   for (const std::string& name : options.recipes) {
     recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
   }

@@ -85,6 +85,15 @@ TEST_CASE("the views show what a person asks for") {
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_info('v_frames') WHERE name = 'counts'") == 0);
   CHECK(raw.text("SELECT value || ' ' || unit || ' > ' || limit_value FROM v_verdicts WHERE run = 2") ==
         "1.75 % > 1.5");
-  // The rows of a run are found by key, not by reading all frames.
   CHECK(raw.integer("SELECT count(*) FROM v_frames WHERE run = 3") == 0);
+  // The frames of a run are found by key, not by reading all frames.
+  db::sqlite::Statement plan(raw, "EXPLAIN QUERY PLAN SELECT * FROM v_frames WHERE run = 2");
+  std::string steps;
+  while (plan.step()) {
+    int id = 0, parent = 0, unused = 0;
+    std::string detail;
+    plan.read(id, parent, unused, detail);
+    steps += detail + "\n";
+  }
+  CHECK_THAT(steps, Catch::Contains("SEARCH f USING INTEGER PRIMARY KEY") && !Catch::Contains("SCAN"));
 }

@@ -5,7 +5,7 @@
 
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
-#include "test_chamber.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -3,7 +3,7 @@
 
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/regulator.h"
-#include "test_chamber.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 

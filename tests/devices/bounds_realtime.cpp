@@ -5,8 +5,8 @@
 #include "devices/pressure/simulated_module.h"
 #include "devices/tactile/hid_scanner.h"
 #include "devices/wire/packet_link.h"
-#include "scripted_server.h"
-#include "test_chamber.h"
+#include "tests/devices/scripted_server.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "test_chamber.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "devices/pressure/simulated_module.h"
-#include "scripted_server.h"
-#include "test_chamber.h"
+#include "tests/devices/scripted_server.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "test_chamber.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "devices/wire/modbus_link.h"
-#include "test_chamber.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
