@@ -84,11 +84,11 @@ TEST_CASE("bounds: a silent scanner holds a scan for its frame timeout, and simu
   TurnedClock clock;
   TestArray array;
   TestChamber chamber(clock);
-  auto server = std::make_unique<SimulatedScanner>(folder.file("s"), IdentityReport{0, 16, 16, 1.0F, "S", "1"}, array,
+  auto server = std::make_unique<SimulatedScanner>(folder.path("s"), IdentityReport{0, 16, 16, 1.0F, "S", "1"}, array,
                                                    clock, SimulatedScannerFaults{.silent_after_scans = 0});
   HidScannerOptions options;
   options.frame_timeout = 200ms;
-  HidScanner scanner(open_packet_link(folder.file("s")), options, clock);
+  HidScanner scanner(open_packet_link(folder.path("s")), options, clock);
   const auto took = time_of([&] { CHECK(fault_id_of([&] { (void)scanner.read(5); }) == "TB-SCANNER-TIMEOUT"); });
   CHECK(took >= 200ms);
   CHECK(took < 1s);

@@ -27,7 +27,7 @@ struct Scanner {
   [[nodiscard]] HidScanner open() const { return HidScanner(open_packet_link(path), options, clock); }
 
   TemporaryFolder folder;
-  std::string path = folder.file("scanner.sock");
+  std::string path = folder.path("scanner.sock");
   mutable TurnedClock clock;
   TestArray array;
   HidScannerOptions options;

@@ -17,11 +17,11 @@ TEST_CASE("simulated scanner: a path that cannot be, and one left behind by a ki
   TestArray array;
   const IdentityReport identity{0, 16, 16, 1.0F, "S", "1"};
   const TemporaryFolder folder;
-  for (const auto& path : {folder.file("no/such/folder"), std::string(200, 'x'), std::string()}) {
+  for (const auto& path : {folder.path("no/such/folder"), std::string(200, 'x'), std::string()}) {
     CHECK(fault_id_of([&] { SimulatedScanner(path, identity, array, clock); }) == "TB-SIM-LISTEN");
     CHECK(fault_id_of([&] { (void)open_packet_link(path); }) == "TB-HID-OPEN");
   }
-  const auto path = folder.file("scanner.sock");
+  const auto path = folder.path("scanner.sock");
   const int left = ::socket(AF_UNIX, SOCK_SEQPACKET, 0);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -12,6 +12,7 @@
 #include "devices/fault.h"
 #include "devices/pressure/chamber_port.h"
 #include "devices/tactile/simulated_scanner.h"
+#include "tests/support/process.h"
 
 namespace tactbench::devices {
 
@@ -67,23 +68,6 @@ std::string fault_id_of(Act&& act) {
   return fault ? fault->id() : "none";
 }
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tactbench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
+using tests::TemporaryFolder;
 
 }  // namespace tactbench::devices
