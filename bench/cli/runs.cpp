@@ -89,7 +89,8 @@ void show(std::int64_t number, const Session& session) {
                                sequence.frames_per_repeat, sequence.recipe_sha256.substr(0, 12)));
   }
   for (const db::DeviceRecord& device : run.devices) {
-    line("device", fmt::format("{}: {}, serial {}, {}", device.role, device.model, device.serial, device.origin));
+    line("device", fmt::format("{}: {}, serial {}, {}", device.role, device.model,
+                               device.serial.empty() ? "not stated" : device.serial, device.origin));
   }
   line("frames", std::to_string(store.frame_count(number)));
   for (const db::EventRecord& event : events) {
