@@ -4,7 +4,6 @@
 
 namespace tactbench::analysis {
 
-using html::fixed;
 using html::markup;
 using html::Markup;
 using html::stated;
