@@ -29,6 +29,7 @@ struct TomlTable::View {
   }
   [[nodiscard]] std::string place(const toml::node* node, const std::string& key) const {
     const std::string dotted = path.empty() ? key : path + "." + key;
+    if (node != nullptr && node->source().begin.line == 0) return fmt::format("--set {} (over {})", dotted, file);
     const toml::node* shown = node != nullptr ? node : table;
     if (shown == nullptr || shown->source().begin.line == 0) return file + ", " + dotted;
     return fmt::format("{}:{}:{}, {}", file, shown->source().begin.line, shown->source().begin.column, dotted);

@@ -17,9 +17,7 @@ struct Options {
   bool steps = false;
 };
 
-// What the settling of the rig in the paper costs, until the store has timings to learn from.
-constexpr double kSettleSeconds = 0.5;
-constexpr double kSlewPsiPerSecond = 60.0;
+constexpr double kSlewPsiPerSecond = 60.0;  // the chamber's, until the store has timings to learn from
 
 void plan(const Options& options, const Session& session) {
   const SplitOverrides overrides = split_overrides(options.set);
@@ -32,7 +30,9 @@ void plan(const Options& options, const Session& session) {
   check_limits(recipes, bench.limits);
   const std::vector<sequences::Step> steps = sequences::compile(recipes);
   const double frame_bytes = 2.0 * bench.scanner.rows * bench.scanner.columns * bench.scans_per_frame;
-  const sequences::Estimate all = sequences::estimate(steps, kSlewPsiPerSecond, kSettleSeconds, frame_bytes);
+  // A small step is in band at the second look: one feeding and one poll after the command.
+  const double settle_s = static_cast<double>(bench.regulator.feed_interval.count()) * 1e-9 + bench.settling.poll_s;
+  const sequences::Estimate all = sequences::estimate(steps, kSlewPsiPerSecond, settle_s, frame_bytes);
   if (session.json) {
     nlohmann::ordered_json json = {{"bench", bench.id},
                                    {"steps", all.steps},
@@ -66,8 +66,7 @@ void plan(const Options& options, const Session& session) {
                minutes % 60);
   };
   for (const sequences::Recipe& recipe : recipes) {
-    row(recipe.name,
-        sequences::estimate(sequences::compile(recipe, 0), kSlewPsiPerSecond, kSettleSeconds, frame_bytes));
+    row(recipe.name, sequences::estimate(sequences::compile(recipe, 0), kSlewPsiPerSecond, settle_s, frame_bytes));
   }
   row("all", all);
   fmt::print(

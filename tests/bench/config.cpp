@@ -58,6 +58,16 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   CHECK_THROWS_AS(read_bench(kBench, {{"module.profile", "beckhof"}}), devices::Fault);
 }
 
+TEST_CASE("a complaint about an overridden value names --set") {
+  try {
+    (void)read_bench(kBench, {{"limits.comand_psi", "3"}});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK_THAT(error.where(), Catch::Contains("--set limits.comand_psi"));
+    CHECK_THAT(error.remedy(), Catch::Contains("command_psi"));
+  }
+}
+
 TEST_CASE("seeds of the command line win over the file") {
   const BenchConfig config = read_bench(kBench, {}, {42, 43});
   CHECK(config.simulation->plant.seed == 42);
