@@ -160,7 +160,7 @@ namespace {
 std::string find_in(const std::string& folder, const std::string& name) {
   if (std::filesystem::exists(name)) return name;
   for (const char* ending : {"", ".toml"}) {
-    const std::string candidate = share_folder() + "/" + folder + "/" + name + ending;
+    std::string candidate = fmt::format("{}/{}/{}{}", share_folder(), folder, name, ending);
     if (name.find('/') == std::string::npos && std::filesystem::exists(candidate)) return candidate;
   }
   return name;

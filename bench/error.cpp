@@ -21,7 +21,7 @@ ExitCode code_of_fault(const std::string& id) {
 
 }  // namespace
 
-Error as_error(std::exception_ptr exception, const std::string& where) {
+Error as_error(const std::exception_ptr& exception, const std::string& where) {
   try {
     std::rethrow_exception(exception);
   } catch (const Error& error) {

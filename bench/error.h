@@ -45,7 +45,7 @@ class Error : public std::runtime_error {
 };
 
 // The rooms' own errors as an Error. `where` is used where the room's error does not say.
-Error as_error(std::exception_ptr exception, const std::string& where = {});
+Error as_error(const std::exception_ptr& exception, const std::string& where = {});
 
 // The four lines of ux.md 4.3.
 std::string error_text(const Error& error);
