@@ -113,7 +113,7 @@ TEST_CASE("cividis rises in lightness from end to end and is clamped") {
   }
 }
 
-TEST_CASE("a frame map has one path a colour bin; a taxel without a value is crossed out") {
+TEST_CASE("a frame map has one path a colour bin, and a taxel without a value is crossed out") {
   FrameMap map{"title & more", 2, 2, {0.0, 1.0, 1.0, std::nan("")}, {0.0, 1.0}, 40.0};
   const std::string svg = frame_map(map).value;
   CHECK(svg.find("<title>title &amp; more</title>") != std::string::npos);

@@ -126,7 +126,7 @@ std::int64_t record_dataset(db::RunStore& store, const Dataset& data) {
 
 }  // namespace
 
-TEST_CASE("frames become volts in step order; an incomplete repeat is left out") {
+TEST_CASE("frames become volts in step order, and an incomplete repeat is left out") {
   TemporaryStore store;
   const std::int64_t run = begin(*store, {}, kTiny);
   record_repeat(*store, run, 0);

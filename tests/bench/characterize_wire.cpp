@@ -75,7 +75,7 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   CHECK(!result.error->remedy().empty());
 }
 
-TEST_CASE("a silent or dead Modbus server ends the run; what cannot be reached is called unverified") {
+TEST_CASE("a silent or dead Modbus server ends the run and what cannot be reached is called unverified") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::string key = GENERATE("module_silent_after_requests", "module_dead_after_requests");

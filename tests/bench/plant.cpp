@@ -133,7 +133,7 @@ TEST_CASE("plant: feeding the watchdog leaves no trace, and questions do not eit
   CHECK(run(true, true) == quiet);
 }
 
-TEST_CASE("plant: same seeds, same answers; another noise seed moves only the noise") {
+TEST_CASE("plant: same seeds, same answers, and another noise seed moves only the noise") {
   const auto run = [](std::uint64_t seed, std::uint64_t sensor) {
     PlantOptions options;
     options.seed = seed;

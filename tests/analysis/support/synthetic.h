@@ -25,7 +25,7 @@ struct Loop {
 };
 
 inline Loop paper_loop() {
-  std::ifstream file(std::string(TACTBENCH_SOURCE_DIR) + "/tests/analysis/data/paper_taxel.csv");
+  std::ifstream file(TACTBENCH_SOURCE_DIR "/tests/analysis/data/paper_taxel.csv");
   std::string line;
   Loop loop;
   std::getline(file, line);
