@@ -215,7 +215,7 @@ std::string TomlTable::text(const std::string& key, const std::string& fallback)
 }
 
 std::string TomlTable::word(const std::string& key, const std::vector<std::string>& words) const {
-  const std::string value = text(key);
+  std::string value = text(key);
   if (std::find(words.begin(), words.end(), value) != words.end()) return value;
   const std::string near = nearest_word(value, words);
   fail(key, fmt::format("'{}' is \"{}\", which is not one of {}", key, value, fmt::join(words, ", ")),

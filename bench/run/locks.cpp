@@ -20,7 +20,7 @@ namespace {
 
 std::string runtime_folder() {
   const char* given = std::getenv("XDG_RUNTIME_DIR");
-  const std::string base =
+  std::string base =
       given != nullptr && *given != '\0'
           ? std::string(given) + "/tactbench"
           : (std::filesystem::temp_directory_path() / fmt::format("tactbench-{}", geteuid())).string();
