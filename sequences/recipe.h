@@ -24,7 +24,7 @@ struct Recipe {
 
 // Reads a recipe file, `overrides` applied. Throws FileError.
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides = {});
-Recipe parse_recipe(TomlDocument document);
+Recipe parse_recipe(const TomlDocument& document);
 
 enum class StepKind { kConditioning, kMeasure };
 

@@ -16,7 +16,7 @@ double psi_per_unit(const std::string& unit) {
 
 }  // namespace
 
-Recipe parse_recipe(TomlDocument document) {
+Recipe parse_recipe(const TomlDocument& document) {
   const TomlTable root = document.root();
   Recipe recipe;
   recipe.text = document.text();
@@ -59,7 +59,7 @@ Recipe parse_recipe(TomlDocument document) {
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides) {
   TomlDocument document = TomlDocument::from_file(path);
   for (const Override& override_value : overrides) document.set(override_value);
-  return parse_recipe(std::move(document));
+  return parse_recipe(document);
 }
 
 }  // namespace tactbench::sequences
