@@ -20,10 +20,9 @@ namespace {
 
 std::string runtime_folder() {
   const char* given = std::getenv("XDG_RUNTIME_DIR");
-  std::string base =
-      given != nullptr && *given != '\0'
-          ? std::string(given) + "/tactbench"
-          : (std::filesystem::temp_directory_path() / fmt::format("tactbench-{}", geteuid())).string();
+  std::string base = given != nullptr && *given != '\0'
+                         ? std::string(given) + "/tactbench"
+                         : (std::filesystem::temp_directory_path() / fmt::format("tactbench-{}", geteuid())).string();
   mkdir(base.c_str(), 0700);
   return base;
 }
