@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "bench/config_simulation.h"
+#include "bench/process_time.h"
 
 namespace tactbench::bench {
 
@@ -15,9 +16,7 @@ using sequences::TomlTable;
 
 namespace {
 
-devices::Nanoseconds milliseconds(double value) {
-  return std::chrono::duration_cast<devices::Nanoseconds>(std::chrono::duration<double, std::milli>(value));
-}
+devices::Nanoseconds milliseconds(double value) { return seconds(value / 1000.0); }
 
 SafetyLimits read_safety(const TomlTable& table) {
   SafetyLimits limits;

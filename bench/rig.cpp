@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "bench/process_time.h"
 #include "devices/fault.h"
 #include "devices/pressure/regulator.h"
 #include "devices/wire/packet_link.h"
@@ -64,9 +65,8 @@ Rig::Rig(const BenchConfig& config) : config_(config) {
   } else {
     clock_ = std::make_unique<devices::SteadyClock>();
   }
-  module_ = std::make_unique<devices::AnalogModule>(
-      devices::module_profile(config_.module_profile), config_.module,
-      devices::Nanoseconds(static_cast<std::int64_t>(config_.watchdog_s * 1e9)), *clock_, config_.origin);
+  module_ = std::make_unique<devices::AnalogModule>(devices::module_profile(config_.module_profile), config_.module,
+                                                    seconds(config_.watchdog_s), *clock_, config_.origin);
   source_ = std::make_unique<devices::Regulator>(*module_, config_.regulator, *clock_);
   reference_ = std::make_unique<devices::ModuleTransducer>(*module_, config_.reference);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/process_time.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -17,7 +18,6 @@ using sequences::StepKind;
 
 namespace {
 
-Nanoseconds seconds(double value) { return Nanoseconds(static_cast<std::int64_t>(std::llround(value * 1e9))); }
 double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
 
 }  // namespace

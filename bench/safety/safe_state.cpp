@@ -8,6 +8,8 @@
 #include <numeric>
 #include <optional>
 
+#include "bench/process_time.h"
+
 namespace tactbench::bench {
 
 using devices::Nanoseconds;
@@ -15,8 +17,6 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr int kTries = 3;  // a link that fails this often in a row is given up
-
-Nanoseconds seconds(double value) { return Nanoseconds(static_cast<std::int64_t>(value * 1e9)); }
 
 struct Witnesses {
   std::optional<double> feedback_psi, reference_psi;
