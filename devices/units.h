@@ -27,6 +27,7 @@ using Psi = Quantity<struct PsiTag>;
 using Volts = Quantity<struct VoltsTag>;
 using Newtons = Quantity<struct NewtonsTag>;
 using Millimetres = Quantity<struct MillimetresTag>;
+using MillimetresPerSecond = Quantity<struct MillimetresPerSecondTag>;
 using Celsius = Quantity<struct CelsiusTag>;
 
 // NIST SP 811, appendix B: 1 psi = 6.894757 kPa; 1 bar = 100 kPa exactly.

@@ -1,0 +1,52 @@
+// A six-axis force and torque sensor (ATI Nano17) behind any of its interfaces: one call, one averaged reading, raw
+// counts or gauge voltages kept beside the scaled wrench.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/device.h"
+
+namespace tactbench::devices {
+
+struct Wrench {                        // in the sensor's frame, or the tool's when a tool transform is given
+  std::array<double, 3> force_n{};     // Fx, Fy, Fz
+  std::array<double, 3> torque_nmm{};  // Tx, Ty, Tz
+};
+
+struct ForceReading {
+  Wrench wrench;                          // mean of the records, bias removed
+  std::array<double, 6> raw{};            // mean as it came: counts (Net, Digital) or gauge volts (DAQ)
+  int records = 0;                        // how many were averaged
+  std::uint32_t status = 0;               // of all records, or-ed; 0: healthy
+  std::uint64_t lost = 0, reordered = 0;  // records, since the sensor was opened
+  Nanoseconds time{0};                    // process time when the reading was asked for
+};
+
+class ForceSensor {
+ public:
+  virtual ~ForceSensor() = default;
+  // Asks for `records` fresh records and averages them; nothing that waited in a queue is used. Bounded by the reply
+  // timeout. Throws Fault TB-FORCE-TIMEOUT, TB-FORCE-STATUS (the sensor reports an error: bits named), TB-FORCE-STALL
+  // (its counter stands still), TB-FORCE-OVERLOAD (an axis beyond the calibration's range: which, how far).
+  [[nodiscard]] virtual ForceReading read(int records) = 0;
+  // Takes the mean of `records` as zero from now on (software bias; raw values stay raw). Returns what was removed.
+  virtual Wrench bias(int records) = 0;
+  // Rated range of each axis, N and N*mm, of the calibration fitted: Fx, Fy, Fz, Tx, Ty, Tz.
+  [[nodiscard]] virtual std::array<double, 6> range() const = 0;
+  [[nodiscard]] virtual std::string calibration_serial() const = 0;
+  [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
+  [[nodiscard]] virtual Identity identity() const = 0;
+};
+
+// What a simulated force sensor asks of physics, from its own thread while the clock stands still.
+class ForcePort {
+ public:
+  virtual ~ForcePort() = default;
+  [[nodiscard]] virtual Wrench wrench() = 0;  // noise included
+};
+
+}  // namespace tactbench::devices

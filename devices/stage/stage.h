@@ -1,0 +1,49 @@
+// A stage of linear axes x, y, z. Positions in mm from the home sensor; z grows toward the specimen.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "devices/actuator.h"
+#include "devices/clock.h"
+#include "devices/device.h"
+#include "devices/units.h"
+
+namespace tactbench::devices {
+
+enum class Axis { kX, kY, kZ };
+inline constexpr int kAxes = 3;
+
+enum class Activity { kIdle, kHoming, kMoving, kStopping, kByHand };
+
+struct AxisState {
+  Millimetres position;
+  std::int32_t microsteps = 0;  // raw, beside the scaled value
+  Activity activity = Activity::kIdle;
+  bool homed = false;
+  Nanoseconds time{0};
+};
+
+class Stage : public Actuator {
+ public:
+  // Blocks until the axis stands at its home sensor, at most the home timeout.
+  virtual void home(Axis axis) = 0;
+  // Starts a move and returns; wait() for its end. Refused before anything is sent: out of the axis' limits
+  // (Fault TB-STAGE-LIMIT; not-a-number too), an absolute move of an axis that is not homed (TB-STAGE-NOT-HOMED).
+  virtual void start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) = 0;
+  virtual void start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) = 0;
+  // Moves at constant speed until stop() or a limit. Refused on an axis that is not homed.
+  virtual void start_speed(Axis axis, MillimetresPerSecond speed) = 0;
+  // Blocks until the axis stands; returns where. Bounded by the longest time that the move may take.
+  virtual Millimetres wait(Axis axis) = 0;
+  virtual Millimetres stop(Axis axis) = 0;  // decelerates, blocks until it stands
+  [[nodiscard]] virtual AxisState state(Axis axis) = 0;
+  // Stops every axis; bounded in time, callable twice and in any state, from any thread, armed or not. True: every
+  // axis answered that it stands.
+  [[nodiscard]] virtual bool halt() noexcept = 0;
+  [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one an axis
+  [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
+};
+
+}  // namespace tactbench::devices
