@@ -5,13 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/config_pressure.h"
 #include "bench/config_simulation.h"
 #include "bench/process_time.h"
 
 namespace tactbench::bench {
 
-using devices::Psi;
-using devices::Volts;
 using sequences::TomlTable;
 
 namespace {
@@ -24,6 +23,8 @@ SafetyLimits read_safety(const TomlTable& table) {
   limits.command_psi = table.number_in("command_psi", limits.command_psi, 1.0, 100.0);
   limits.trip_psi = table.number_in("trip_psi", limits.trip_psi, limits.command_psi, 110.0);
   limits.safe_psi = table.number_in("safe_psi", limits.safe_psi, 0.1, 1.0);
+  limits.disagreement_psi = table.number_in("disagreement_psi", limits.disagreement_psi, 0.1, 50.0);
+  limits.disagreement_s = table.number_in("disagreement_s", limits.disagreement_s, 0.2, 60.0);
   limits.vent_timeout_s = table.number_in("vent_timeout_s", limits.vent_timeout_s, 1.0, 120.0);
   table.finish();
   return limits;
@@ -37,69 +38,6 @@ Settling read_settling(const TomlTable& table) {
   settling.timeout_s = table.number_in("timeout_s", settling.timeout_s, 1.0, 600.0);
   table.finish();
   return settling;
-}
-
-void read_module(const TomlTable& table, BenchConfig& config) {
-  config.module_profile = table.text("profile");
-  config.module.host = table.text("host", config.module.host);
-  config.module.port = static_cast<int>(table.integer("port", 502, 0, 65535));
-  config.module.unit = static_cast<int>(table.integer("unit", 1, 0, 255));
-  config.module.response_timeout = milliseconds(table.number_in("response_timeout_ms", 500, 10, 10000));
-  config.watchdog_s = table.number_in("watchdog_ms", 1000, 500, 60000) / 1000.0;
-  table.finish();
-  (void)devices::module_profile(config.module_profile);  // refuses an unknown one before any device is touched
-}
-
-devices::LinearSpan read_span(const TomlTable& table, const std::string& pressure_key, double per_unit,
-                              std::pair<double, double> pressure_default) {
-  const auto volts = table.span("span_v", {0.0, 10.0});
-  const auto pressure = table.span(pressure_key, pressure_default);
-  return {Volts(volts.first), Volts(volts.second), Psi(pressure.first * per_unit), Psi(pressure.second * per_unit)};
-}
-
-void read_regulator(const TomlTable& table, BenchConfig& config) {
-  devices::RegulatorOptions& regulator = config.regulator;
-  regulator.model = table.text("model", regulator.model);
-  regulator.serial = table.text("serial");
-  regulator.output_channel = static_cast<int>(table.integer("output_channel", 0, 0, 7));
-  regulator.feedback_channel = static_cast<int>(table.integer("feedback_channel", 0, 0, 7));
-  regulator.command_span = read_span(table, "span_bar", devices::kPsiPerBar, {0.0, 9.0});
-  regulator.feedback_span = regulator.command_span;
-  const double feed_ms = table.number_in("feed_interval_ms", 450, 50, 500);
-  if (feed_ms / 1000.0 > 0.6 * config.watchdog_s) {
-    table.fail(
-        "feed_interval_ms",
-        fmt::format("feeding every {:g} ms is too slow for a watchdog of {:g} ms", feed_ms, 1000.0 * config.watchdog_s),
-        "keep it at or below 0.6 of [module] watchdog_ms");
-  }
-  regulator.feed_interval = milliseconds(feed_ms);
-  regulator.command_limit = Psi(config.limits.command_psi);
-  regulator.origin = config.origin;
-  table.finish();
-}
-
-void read_reference(const TomlTable& table, BenchConfig& config) {
-  config.reference_independent = table.boolean("independent", true);
-  config.reference_certificate = table.text("certificate", "");
-  config.reference_due = table.text("due", "");
-  devices::TransducerOptions& reference = config.reference;
-  reference.origin = config.origin;
-  if (config.reference_independent) {
-    reference.model = table.text("model");
-    reference.serial = table.text("serial");
-    reference.channel = static_cast<int>(table.integer("channel", 1, 0, 7));
-    if (reference.channel == config.regulator.feedback_channel) {
-      table.fail("channel", "the reference shares the regulator's feedback channel",
-                 "wire the transducer to an input of its own, or set independent = false");
-    }
-    reference.span = read_span(table, "span_psi", 1.0, {0.0, 100.0});
-  } else {  // the regulator's own monitor output stands in
-    reference.model = config.regulator.model + " (feedback)";
-    reference.serial = config.regulator.serial;
-    reference.channel = config.regulator.feedback_channel;
-    reference.span = config.regulator.feedback_span;
-  }
-  table.finish();
 }
 
 void read_scanner(const TomlTable& table, BenchConfig& config) {
@@ -135,9 +73,7 @@ BenchConfig read_bench(const std::string& path, const std::vector<sequences::Ove
   bench.finish();
   config.limits = read_safety(root.table("limits"));
   config.settling = read_settling(root.table("settling"));
-  read_module(root.table("module"), config);
-  read_regulator(root.table("regulator"), config);
-  read_reference(root.table("reference"), config);
+  read_pressure(root, config);
   read_scanner(root.table("scanner"), config);
   const bool simulated = config.origin == devices::Origin::kSimulated;
   if (root.has("simulation") && !simulated) {

@@ -9,6 +9,7 @@
 #include "analysis/statistics/evaluation.h"
 #include "bench/simulation/plant.h"
 #include "devices/pressure/analog_module.h"
+#include "devices/pressure/pressure_reference.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
 #include "devices/tactile/hid_scanner.h"
@@ -29,6 +30,8 @@ struct SafetyLimits {
   double command_psi = 60.0;  // inclusive
   double trip_psi = 66.0;     // measured, either witness
   double safe_psi = 1.0;
+  double disagreement_psi = 5.0;  // between feedback and reference, for longer than disagreement_s
+  double disagreement_s = 1.0;
   double vent_timeout_s = 20.0;
 };
 
@@ -39,18 +42,41 @@ struct SimulationConfig {
   devices::SimulatedScannerFaults scanner_faults;
 };
 
+struct ModuleConfig {
+  devices::ModuleProfile profile;
+  devices::ModbusEndpoint endpoint;
+  bool same_line = false;  // as [module], another unit
+};
+
+struct GaugeConfig {  // a digital gauge as reference
+  devices::ModbusEndpoint endpoint;
+  bool own_line = false;
+  devices::ModbusQuantity quantity;  // psi
+};
+
+struct EnvironmentSensor {
+  std::string quantity;  // temperature_c | supply_bar
+  std::string model, serial;
+  devices::ModbusEndpoint endpoint;
+  bool own_line = false;
+  devices::ModbusQuantity place;
+};
+
 struct BenchConfig {
   std::string id, location;
   devices::Origin origin = devices::Origin::kHardware;
   SafetyLimits limits;
   Settling settling;
-  std::string module_profile = "beckhoff-ek9000";
-  devices::ModbusEndpoint module;
-  double watchdog_s = 1.0;
+  ModuleConfig module;                       // drives the regulator
+  std::optional<ModuleConfig> input_module;  // reads feedback and transducer; none: `module` does
+  double watchdog_s = 0.0;                   // 0: the module has none
   devices::RegulatorOptions regulator;
   devices::TransducerOptions reference;
   std::string reference_certificate, reference_due;
   bool reference_independent = true;
+  std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`
+  devices::PressureCorrection reference_correction;
+  std::vector<EnvironmentSensor> environment;
   devices::HidScannerOptions scanner;
   devices::HidAddress scanner_address;
   int scans_per_frame = 2;

@@ -85,6 +85,7 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   specimen.mount_seed = static_cast<std::uint64_t>(table.integer("mount_seed", 0, 0, kMost));
   specimen.temperature_c = table.number_in("temperature_c", specimen.temperature_c, -20.0, 80.0);
   specimen.age_months = table.number_in("age_months", specimen.age_months, 0.0, 1200.0);
+  plant.supply_bar = table.number_in("supply_bar", plant.supply_bar, 0.0, 20.0);
   specimen.rows = config.scanner.rows;
   specimen.columns = config.scanner.columns;
   simulation.scanner_serial = table.text("scanner_serial", simulation.scanner_serial);

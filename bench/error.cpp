@@ -14,8 +14,9 @@ namespace tactbench::bench {
 namespace {
 
 ExitCode code_of_fault(const std::string& id) {
-  if (id == "TB-CHAMBER-LIMIT" || id == "TB-CHAMBER-TRIP") return ExitCode::kStopped;
-  if (id == "TB-MODULE-PROFILE") return ExitCode::kUsage;
+  if (id == "TB-CHAMBER-LIMIT" || id == "TB-CHAMBER-TRIP" || id == "TB-CHAMBER-DISAGREE" || id == "TB-STAGE-LIMIT") {
+    return ExitCode::kStopped;
+  }
   return ExitCode::kDevice;
 }
 

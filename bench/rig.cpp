@@ -33,6 +33,17 @@ nlohmann::ordered_json span_json(const devices::LinearSpan& span) {
           {"psi_high", span.high.value()}};
 }
 
+nlohmann::ordered_json scale_json(const devices::LinearScale& scale) {
+  return {{"raw_low", scale.raw_low}, {"raw_high", scale.raw_high}, {"low", scale.low}, {"high", scale.high}};
+}
+
+nlohmann::ordered_json module_json(const devices::ModuleProfile& profile) {
+  nlohmann::ordered_json json = {{"profile", profile.name}};
+  if (profile.outputs.channels > 0) json["output_volts"] = scale_json(profile.outputs.volts);
+  if (profile.inputs.channels > 0) json["input_volts"] = scale_json(profile.inputs.volts);
+  return json;
+}
+
 db::DeviceRecord record_of(const devices::Identity& identity, const nlohmann::ordered_json& calibration) {
   return {identity.role,
           identity.model,
@@ -48,11 +59,7 @@ Rig::Rig(const BenchConfig& config) : config_(config) {
   if (config_.simulation) {
     clock_ = std::make_unique<devices::TurnedClock>();
     plant_ = std::make_unique<Plant>(config_.simulation->plant, *clock_);
-    simulated_module_ =
-        std::make_unique<devices::SimulatedModule>(devices::module_profile(config_.module_profile), config_.module.port,
-                                                   *plant_, *clock_, config_.simulation->module_faults);
-    config_.module.host = "127.0.0.1";
-    config_.module.port = simulated_module_->port();
+    simulated_lines_ = std::make_unique<SimulatedLines>(config_, *plant_, *clock_);
     socket_folder_ = make_socket_folder();
     devices::IdentityReport identity;
     identity.rows = static_cast<std::uint8_t>(config_.scanner.rows);
@@ -65,10 +72,55 @@ Rig::Rig(const BenchConfig& config) : config_(config) {
   } else {
     clock_ = std::make_unique<devices::SteadyClock>();
   }
-  module_ = std::make_unique<devices::AnalogModule>(devices::module_profile(config_.module_profile), config_.module,
+  make_pressure();
+}
+
+void Rig::make_pressure() {
+  module_ = std::make_unique<devices::AnalogModule>(config_.module.profile, config_.module.endpoint,
                                                     seconds(config_.watchdog_s), *clock_, config_.origin);
-  source_ = std::make_unique<devices::Regulator>(*module_, config_.regulator, *clock_);
-  reference_ = std::make_unique<devices::ModuleTransducer>(*module_, config_.reference);
+  if (config_.input_module) {
+    const ModuleConfig& inputs = *config_.input_module;
+    input_module_ = inputs.same_line
+                        ? std::make_unique<devices::AnalogModule>(inputs.profile, *module_, inputs.endpoint.unit,
+                                                                  *clock_, config_.origin)
+                        : std::make_unique<devices::AnalogModule>(inputs.profile, inputs.endpoint,
+                                                                  devices::Nanoseconds(0), *clock_, config_.origin);
+  }
+  devices::AnalogModule& inputs = input_module_ ? *input_module_ : *module_;
+  source_ = std::make_unique<devices::Regulator>(*module_, inputs, config_.regulator, *clock_);
+  if (config_.reference_gauge) {
+    const GaugeConfig& gauge = *config_.reference_gauge;
+    const devices::TransducerOptions& named = config_.reference;
+    auto made = std::make_unique<devices::ModbusGauge>(
+        link_to(gauge.endpoint, gauge.own_line, "pressure gauge"),
+        devices::GaugeOptions{named.model, named.serial, gauge.quantity, named.origin}, *clock_);
+    gauge_ = made.get();
+    reference_ = std::move(made);
+  } else {
+    reference_ = std::make_unique<devices::ModuleTransducer>(inputs, config_.reference);
+  }
+  if (!config_.reference_correction.empty()) {
+    reference_ = std::make_unique<devices::CorrectedReference>(std::move(reference_), config_.reference_correction);
+  }
+  for (const EnvironmentSensor& sensor : config_.environment) {
+    environment_.push_back(link_to(sensor.endpoint, sensor.own_line, sensor.quantity + " sensor"));
+  }
+}
+
+// A link of its own, or one to another unit on the module's line.
+std::unique_ptr<devices::ModbusLink> Rig::link_to(const devices::ModbusEndpoint& endpoint, bool own_line,
+                                                  const std::string& device) {
+  return own_line ? std::make_unique<devices::ModbusLink>(endpoint, device, *clock_)
+                  : std::make_unique<devices::ModbusLink>(module_->link(), endpoint.unit, device);
+}
+
+std::vector<EnvironmentReading> Rig::environment() {
+  std::vector<EnvironmentReading> readings;
+  for (std::size_t i = 0; i < environment_.size(); ++i) {
+    const EnvironmentSensor& sensor = config_.environment[i];
+    readings.push_back({sensor.quantity, devices::read_quantity(*environment_[i], sensor.place).value});
+  }
+  return readings;
 }
 
 Rig::~Rig() {
@@ -81,7 +133,7 @@ Rig::~Rig() {
 }
 
 void Rig::open() {
-  module_->bring_up();
+  source_->arm();
   auto link = config_.simulation ? devices::open_packet_link(socket_folder_ + "/scanner")
                                  : devices::open_hid_link(config_.scanner_address);
   array_ = std::make_unique<devices::HidScanner>(std::move(link), config_.scanner, *clock_);
@@ -93,23 +145,38 @@ devices::TactileArray& Rig::array() {
 }
 
 std::vector<db::DeviceRecord> Rig::devices() const {
-  nlohmann::ordered_json module = {{"raw_full_scale", module_->profile().raw_full_scale},
-                                   {"volts_full_scale", module_->profile().volts_full_scale.value()}};
-  nlohmann::ordered_json reference = span_json(config_.reference.span);
+  nlohmann::ordered_json reference =
+      config_.reference_gauge ? scale_json(config_.reference_gauge->quantity.scale) : span_json(config_.reference.span);
+  if (const devices::PressureCorrection& correction = config_.reference_correction; !correction.empty()) {
+    reference["correction"] = {{"reading_psi", correction.reading_psi},
+                               {"correction_psi", correction.correction_psi},
+                               {"expanded_uncertainty_psi", correction.expanded_uncertainty_psi},
+                               {"coverage_factor", correction.coverage_factor}};
+  }
   reference["independent"] = config_.reference_independent;
   reference["certificate"] = config_.reference_certificate;
   reference["due"] = config_.reference_due;
   std::vector<db::DeviceRecord> records = {
-      record_of(module_->identity(), module),
+      record_of(module_->identity(), module_json(module_->profile())),
       record_of(source_->identity(), span_json(config_.regulator.command_span)),
       record_of(reference_->identity(), reference),
   };
+  if (input_module_) records.push_back(record_of(input_module_->identity(), module_json(input_module_->profile())));
+  for (const EnvironmentSensor& sensor : config_.environment) {
+    records.push_back(record_of({sensor.quantity + " sensor", sensor.model, sensor.serial, "", config_.origin},
+                                scale_json(sensor.place.scale)));
+  }
   if (array_) {
     records.push_back(record_of(array_->identity(), {{"volts_per_count", array_->volts_per_count().value()}}));
   }
   return records;
 }
 
-std::uint64_t Rig::exchanges() const { return module_->exchanges() + (array_ ? array_->exchanges() : 0); }
+std::uint64_t Rig::exchanges() const {
+  std::uint64_t sum = module_->exchanges() + (input_module_ ? input_module_->exchanges() : 0) +
+                      (gauge_ != nullptr ? gauge_->exchanges() : 0) + (array_ ? array_->exchanges() : 0);
+  for (const auto& link : environment_) sum += link->exchanges();
+  return sum;
+}
 
 }  // namespace tactbench::bench

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cli/session.h"
+#include "bench/safety/fail_safe.h"
 
 namespace tactbench::bench {
 
@@ -42,7 +43,8 @@ void plan(const Options& options, const Session& session) {
                                    {"command_limit_psi", bench.limits.command_psi},
                                    {"margin_psi", bench.limits.command_psi - all.highest.value()},
                                    {"process_seconds", all.seconds},
-                                   {"store_bytes", all.bytes}};
+                                   {"store_bytes", all.bytes},
+                                   {"fail_safe", fail_safe_layers(bench)}};
     if (options.steps) {
       nlohmann::ordered_json list = nlohmann::ordered_json::array();
       for (const sequences::Step& step : steps) {
@@ -72,6 +74,8 @@ void plan(const Options& options, const Session& session) {
   fmt::print(
       "command limit {:.1f} psi, margin {:.1f} psi; about {:.1f} MB in the store; time in h:mm of process time\n",
       bench.limits.command_psi, bench.limits.command_psi - all.highest.value(), all.bytes / 1e6);
+  fmt::print("fail-safe layers of bench '{}':\n", bench.id);
+  for (const std::string& line : fail_safe_layers(bench)) fmt::print("  - {}\n", line);
   if (options.steps) {
     for (const sequences::Step& step : steps) {
       fmt::print("{} sequence {} repeat {} branch {} step {}: {:g} psi, dwell {:g} s\n",

@@ -14,6 +14,7 @@
 
 #include "bench/rig.h"
 #include "bench/run/sequencer.h"
+#include "bench/safety/fail_safe.h"
 #include "build_info.h"
 #include "devices/fault.h"
 
@@ -112,6 +113,12 @@ void check_scanner(const RunRequest& request, const std::string& serial) {
                        "electronics change the calibration");
 }
 
+void record_environment(Rig& rig, Recorder& recorder) {
+  for (const EnvironmentReading& reading : rig.environment()) {
+    recorder.event("environment", reading.quantity, fmt::format("{:.3f}", reading.value));
+  }
+}
+
 void load_specimen(Rig& rig, const std::string& file) {
   if (file.empty() || rig.plant() == nullptr || !std::filesystem::exists(file)) return;
   std::ifstream stream(file);
@@ -180,11 +187,14 @@ RunResult characterize(const RunRequest& request, db::RunStore& store, Progress&
     load_specimen(*rig, request.specimen_state_file);
     rig->open();
     store.set_devices(result.run, rig->devices());
+    for (const std::string& layer : fail_safe_layers(request.bench)) recorder->event("fail-safe", "", layer);
+    record_environment(*rig, *recorder);
     check_scanner(request, rig->array().identity().serial);
     Sequencer sequencer(*rig, *recorder, progress, stop);
     baseline = sequencer.read_baseline();
     recorder->state(RunState::kRunning, "devices open, chamber unloaded");
     sequencer.run(steps, request.label);
+    record_environment(*rig, *recorder);
   } catch (...) {
     ended_by = why_ended(result.run, recorder ? recorder->frames() : 0);
   }

@@ -108,6 +108,26 @@ void Sequencer::poll(StepReadings& readings) {
                 fmt::format("{:.1f} psi measured, above the trip of {:.1f} psi", highest, trip),
                 "check regulator and reference before the next run; the limit is [limits] trip_psi");
   }
+  check_agreement(readings);
+}
+
+// On the way to a level the two may differ by what one lags behind the other; standing apart, one of them lies.
+void Sequencer::check_agreement(const StepReadings& readings) {
+  const SafetyLimits& limits = rig_.config().limits;
+  const double apart = std::abs((readings.feedback.pressure - readings.reference.pressure).value());
+  if (apart <= limits.disagreement_psi) {
+    disagree_since_.reset();
+    return;
+  }
+  const Nanoseconds now = rig_.clock().now();
+  if (!disagree_since_) disagree_since_ = now;
+  if (now - *disagree_since_ < seconds(limits.disagreement_s)) return;
+  throw Fault("TB-CHAMBER-DISAGREE", "chamber",
+              fmt::format("the regulator's feedback reads {:.2f} psi and the reference {:.2f} psi, apart for {:.1f} s",
+                          readings.feedback.pressure.value(), readings.reference.pressure.value(),
+                          in_seconds(now - *disagree_since_)),
+              "check both against a hand gauge (`tactbench devices calibrate-reference`), the transducer's wiring and "
+              "spans; the limits are [limits] disagreement_psi and disagreement_s");
 }
 
 void Sequencer::wait_until(Nanoseconds time) {

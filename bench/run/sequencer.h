@@ -2,6 +2,8 @@
 // does. Reads as a list of steps.
 #pragma once
 
+#include <optional>
+
 #include "bench/rig.h"
 #include "bench/run/progress.h"
 #include "bench/run/recorder.h"
@@ -32,11 +34,13 @@ class Sequencer {
   void settle(const sequences::Step& step, StepReadings& readings);
   void dwell(const sequences::Step& step, StepReadings& readings);
   void poll(StepReadings& readings);  // feeds when due, reads both witnesses, trips
+  void check_agreement(const StepReadings& readings);
   void wait_until(devices::Nanoseconds time);
   Rig& rig_;
   Recorder& recorder_;
   Progress& progress_;
   const StopRequest& stop_;
+  std::optional<devices::Nanoseconds> disagree_since_;  // feedback and reference
 };
 
 }  // namespace tactbench::bench

@@ -60,11 +60,14 @@ devices::Volts Plant::feedback() {
 }
 
 devices::Volts Plant::reference() {
+  return devices::Volts(reference_pressure().value() / options_.chamber.reference_span_psi * kFullScaleVolts);
+}
+
+devices::Psi Plant::reference_pressure() {
   const std::lock_guard lock(mutex_);
   advance_to(clock_.now());
   const double noise = bell_of(hash_of(options_.seed, kReference, reference_counter_++));
-  const double psi = chamber_.pressure().value() + options_.chamber.reference_noise_psi * noise;
-  return devices::Volts(psi / options_.chamber.reference_span_psi * kFullScaleVolts);
+  return devices::Psi(chamber_.pressure().value() + options_.chamber.reference_noise_psi * noise);
 }
 
 void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) {

@@ -29,6 +29,7 @@ struct PlantOptions {
   ChamberOptions chamber;
   SpecimenOptions specimen;
   ScannerFrontEnd scanner;
+  double supply_bar = 8.0;  // compressed air in front of the regulator
 };
 
 class Plant final : public devices::ChamberPort, public devices::TactilePort {
@@ -41,6 +42,10 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort {
   [[nodiscard]] devices::Volts feedback() override;
   // The truth with the transducer's noise, 0-10 V over its span; not clipped.
   [[nodiscard]] devices::Volts reference() override;
+  // What a digital gauge on the chamber tells: the truth with the transducer's noise.
+  [[nodiscard]] devices::Psi reference_pressure();
+  [[nodiscard]] double temperature_c() const { return options_.specimen.temperature_c; }
+  [[nodiscard]] double supply_bar() const { return options_.supply_bar; }
   // Throws std::invalid_argument when a span does not fit the array.
   void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override;
 

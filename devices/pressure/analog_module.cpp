@@ -13,29 +13,14 @@
 namespace tactbench::devices {
 namespace {
 
-// Offsets from the EK9000's watchdog time register (0x1120).
-constexpr int kReset = 1;
-constexpr int kType = 2;
-constexpr int kWriteLock = 4;
-constexpr std::uint16_t kFedByWrites = 0;
-constexpr std::array<std::uint16_t, 2> kResetWords{0xBECF, 0xAFFE};
+// Between two readings of an output that has not yet followed.
+constexpr Nanoseconds kReadbackPoll = std::chrono::milliseconds(20);
 
 constexpr const char* kDevice = "analog module";
 
-}  // namespace
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
-ModuleProfile module_profile(const std::string& name) {
-  if (name == "beckhoff-ek9000") {
-    ModuleProfile profile;
-    profile.name = name;
-    profile.model = "Beckhoff EK9000 + EL4xxx/EL3xxx";
-    profile.watchdog_address = 0x1120;
-    profile.fallbacks_address = 0x1021;
-    return profile;
-  }
-  throw Fault("TB-MODULE-PROFILE", kDevice, fmt::format("no module profile is named '{}'", name),
-              "Known profiles: beckhoff-ek9000.");
-}
+}  // namespace
 
 AnalogModule::AnalogModule(ModuleProfile profile, ModbusEndpoint endpoint, Nanoseconds watchdog, Clock& clock,
                            Origin origin)
@@ -43,53 +28,38 @@ AnalogModule::AnalogModule(ModuleProfile profile, ModbusEndpoint endpoint, Nanos
       watchdog_(watchdog),
       clock_(clock),
       origin_(origin),
-      link_(std::move(endpoint), kDevice, clock),
-      inputs_(static_cast<std::size_t>(profile_.inputs)),
-      outputs_(static_cast<std::size_t>(profile_.outputs)) {}
-
-void AnalogModule::bring_up() {
-  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(watchdog_).count();
-  if (profile_.watchdog_address < 0 || milliseconds < 1 || milliseconds > 60'000) {
-    throw Fault("TB-MODULE-WATCHDOG", kDevice,
-                fmt::format("a watchdog of {} ms was asked of {}, which {}", milliseconds, link_.peer(),
-                            profile_.watchdog_address < 0 ? "has none" : "takes 1 to 60000 ms"),
-                "Correct the watchdog time in the bench file, or choose a module with a watchdog.");
-  }
-  for (const std::uint16_t word : kResetWords) {
-    link_.write_registers(profile_.watchdog_address + kReset, std::span(&word, 1));
-  }
-  set_register(profile_.watchdog_address + kWriteLock, 0);
-  set_register(profile_.watchdog_address + kType, kFedByWrites);
-  set_register(profile_.watchdog_address, static_cast<std::uint16_t>(milliseconds));
-  fallbacks_at_start_ = fallbacks();
+      link_(std::move(endpoint), kDevice, clock) {
+  prepare();
 }
 
-void AnalogModule::set_register(int address, std::uint16_t value) {
-  link_.write_registers(address, std::span(&value, 1));
-  std::uint16_t stands = 0;
-  link_.read_holding_registers(address, std::span(&stands, 1));
-  if (stands == value) return;
-  throw Fault("TB-MODULE-WATCHDOG", kDevice,
-              fmt::format("setting watchdog register 0x{:04X} of {} to {}: it reads back {}", address, link_.peer(),
-                          value, stands),
-              "Check that the profile in the bench file fits the module and that no other master sets it.");
+AnalogModule::AnalogModule(ModuleProfile profile, const AnalogModule& line_of, int unit, Clock& clock, Origin origin)
+    : profile_(std::move(profile)), watchdog_(0), clock_(clock), origin_(origin), link_(line_of.link_, unit, kDevice) {
+  prepare();
 }
 
-std::uint16_t AnalogModule::fallbacks() {
-  std::uint16_t count = 0;
-  if (profile_.fallbacks_address >= 0) link_.read_holding_registers(profile_.fallbacks_address, std::span(&count, 1));
-  return count;
+void AnalogModule::prepare() {
+  const ModuleInputs& in = profile_.inputs;
+  const std::size_t values = size(in.channels) * in.format.words();
+  const std::size_t status = in.status_offset < 0 ? 0 : size(in.status_offset + in.channels);
+  inputs_.resize(std::max(values, status));
+  outputs_.resize(size(profile_.outputs.channels), counts(Volts(0.0)));
+}
+
+std::vector<std::uint16_t> AnalogModule::look() {
+  refresh();
+  return profile_.outputs.channels > 0 && profile_.outputs.readback != 0 ? read_outputs()
+                                                                         : std::vector<std::uint16_t>();
 }
 
 void AnalogModule::write(int output, std::uint16_t counts) {
   auto image = outputs_;
-  image.at(static_cast<std::size_t>(output)) = counts;
+  image.at(size(output)) = counts;
   write_image(std::move(image));
 }
 
 void AnalogModule::feed() {
   if (last_write_time_ < Nanoseconds(0)) {
-    write_image(outputs_);  // what an earlier owner left standing is no fault
+    write_image(outputs_);
     return;
   }
   const Nanoseconds time = clock_.now();
@@ -102,21 +72,14 @@ void AnalogModule::feed() {
   send_outputs(outputs_);
 }
 
-// Throws TB-MODULE-WATCHDOG instead of `fault` when the watchdog has fallen back since the start.
-void AnalogModule::blame_watchdog(const Fault& fault, Nanoseconds time) {
-  const bool possible = fault.id() == "TB-MODBUS-EXCEPTION" || fault.id() == "TB-MODULE-READBACK";
-  if (!possible || fallbacks() == fallbacks_at_start_) return;
-  throw Fault("TB-MODULE-WATCHDOG", kDevice,
-              fmt::format("{}; its watchdog ({:g} ms) has fallen back since the start, the last write is {:g} ms old",
-                          fault.what(), std::chrono::duration<double, std::milli>(watchdog_).count(),
-                          std::chrono::duration<double, std::milli>(time - last_write_time_).count()),
-              "The outputs stand at zero. Find out why the set-point was not rewritten in time, then start anew.");
-}
-
 void AnalogModule::write_image(std::vector<std::uint16_t> image) {
   send_outputs(image);
   image.swap(outputs_);  // `image` now keeps what stood before
   try {
+    const Nanoseconds deadline = clock_.now() + profile_.outputs.deadline;
+    while (profile_.outputs.readback != 0 && clock_.now() < deadline && !same(read_outputs(), outputs_)) {
+      clock_.wait_until(std::min(deadline, clock_.now() + kReadbackPoll));
+    }
     verify_outputs();
   } catch (...) {
     outputs_ = std::move(image);
@@ -127,19 +90,51 @@ void AnalogModule::write_image(std::vector<std::uint16_t> image) {
 void AnalogModule::send_outputs(const std::vector<std::uint16_t>& image) {
   const Nanoseconds time = clock_.now();
   try {
-    link_.write_and_read_registers(profile_.output_address, image, profile_.input_address, inputs_);
+    put_outputs(image);
   } catch (const Fault& fault) {
     blame_watchdog(fault, time);
     throw;
   }
-  image_time_ = time;
   last_write_time_ = time;
+  if (profile_.outputs.function == 23) {
+    take_image(time);
+  } else if (profile_.inputs.channels > 0) {
+    read_inputs();
+    take_image(time);
+  }
+}
+
+void AnalogModule::put_outputs(const std::vector<std::uint16_t>& image) {
+  const ModuleOutputs& out = profile_.outputs;
+  if (out.function == 23) {
+    link_.write_and_read_registers(out.address, image, profile_.inputs.address, inputs_);
+  } else if (out.function == 16) {
+    link_.write_registers(out.address, image);
+  } else {
+    for (int i = 0; i < out.channels; ++i) link_.write_register(out.address + i, image[size(i)]);
+  }
+}
+
+std::vector<std::uint16_t> AnalogModule::read_outputs() {
+  const ModuleOutputs& out = profile_.outputs;
+  std::vector<std::uint16_t> stands(outputs_.size());
+  if (out.readback == 4) {
+    link_.read_input_registers(out.address, stands);
+  } else {
+    link_.read_holding_registers(out.address, stands);
+  }
+  return stands;
+}
+
+bool AnalogModule::same(const std::vector<std::uint16_t>& stands, const std::vector<std::uint16_t>& wanted) const {
+  return std::equal(stands.begin(), stands.end(), wanted.begin(), wanted.end(),
+                    [&](int a, int b) { return std::abs(a - b) <= profile_.outputs.dead_band; });
 }
 
 void AnalogModule::verify_outputs() {
-  std::vector<std::uint16_t> stands(outputs_.size());
-  link_.read_holding_registers(profile_.output_address, stands);
-  if (stands == outputs_) return;
+  if (profile_.outputs.readback == 0) return;
+  const std::vector<std::uint16_t> stands = read_outputs();
+  if (same(stands, outputs_)) return;
   throw Fault("TB-MODULE-READBACK", kDevice,
               fmt::format("reading the outputs of {} back: counts {} were written, {} stand there", link_.peer(),
                           fmt::join(outputs_, " "), fmt::join(stands, " ")),
@@ -148,44 +143,71 @@ void AnalogModule::verify_outputs() {
 
 void AnalogModule::refresh(Nanoseconds max_age) {
   const Nanoseconds time = clock_.now();
-  if (image_time_ >= Nanoseconds(0) && time - image_time_ <= max_age) return;
-  link_.read_input_registers(profile_.input_address, inputs_);
+  if (profile_.inputs.channels == 0 || (image_time_ >= Nanoseconds(0) && time - image_time_ <= max_age)) return;
+  read_inputs();
+  take_image(time);
+}
+
+void AnalogModule::read_inputs() {
+  const std::size_t readable = inputs_.size() + size(profile_.inputs.spare);
+  if (profile_.inputs.function == 3) {
+    link_.read_holding_registers(profile_.inputs.address, inputs_, readable);
+  } else {
+    link_.read_input_registers(profile_.inputs.address, inputs_, readable);
+  }
+}
+
+void AnalogModule::take_image(Nanoseconds time) {
   image_time_ = time;
+  const ModuleInputs& in = profile_.inputs;
+  if (in.status_offset < 0) return;
+  for (int channel = 0; channel < in.channels; ++channel) {
+    const unsigned status = inputs_[size(in.status_offset + channel)];
+    if ((status & 7U) == 0) continue;
+    throw Fault("TB-MODULE-INPUT", kDevice,
+                fmt::format("input {} of {} reports status 0x{:04X}:{}{}{}", channel, link_.peer(), status,
+                            (status & 1U) != 0 ? " above its range" : "", (status & 2U) != 0 ? " below its range" : "",
+                            (status & 4U) != 0 ? " calibration not valid" : ""),
+                "Check the transducer's wiring and supply, and the input's range setting.");
+  }
 }
 
-std::int16_t AnalogModule::input(int channel) const {
-  return static_cast<std::int16_t>(inputs_.at(static_cast<std::size_t>(channel)));
+RegisterValue AnalogModule::input(int channel) const {
+  const std::size_t words = profile_.inputs.format.words();
+  if (channel < 0 || channel >= profile_.inputs.channels) throw std::out_of_range("AnalogModule::input");
+  return decode_register(profile_.inputs.format, std::span(inputs_).subspan(size(channel) * words, words));
 }
 
-std::uint16_t AnalogModule::output(int channel) const { return outputs_.at(static_cast<std::size_t>(channel)); }
-
-Volts AnalogModule::volts(std::int32_t counts) const {
-  return Volts(counts * profile_.volts_full_scale.value() / profile_.raw_full_scale);
-}
+std::uint16_t AnalogModule::output(int channel) const { return outputs_.at(size(channel)); }
 
 std::uint16_t AnalogModule::counts(Volts volts) const {
-  const double exact = volts / profile_.volts_full_scale * profile_.raw_full_scale;
-  if (!(exact > 0.0)) return 0;  // NaN too
-  return static_cast<std::uint16_t>(std::lround(std::min(exact, static_cast<double>(profile_.raw_full_scale))));
+  const LinearScale& scale = profile_.outputs.volts;
+  const double exact = scale.raw(volts.value());
+  if (!(exact > scale.raw_low)) return static_cast<std::uint16_t>(scale.raw_low);  // NaN too
+  return static_cast<std::uint16_t>(std::lround(std::min(exact, scale.raw_high)));
 }
 
 Identity AnalogModule::identity() const { return {"analog module", profile_.model, "", "", origin_}; }
 
 bool AnalogModule::zero_outputs() noexcept {
+  if (profile_.outputs.channels == 0) return false;
   for (int attempt = 0; attempt < 2; ++attempt) {
     try {
-      const std::vector<std::uint16_t> zeros(outputs_.size(), 0);
+      const std::vector<std::uint16_t> zeros(outputs_.size(), counts(Volts(0.0)));
       const Nanoseconds time = clock_.now();
       try {
-        link_.write_registers(profile_.output_address, zeros);
+        if (profile_.outputs.function == 6) {
+          put_outputs(zeros);
+        } else {
+          link_.write_registers(profile_.outputs.address, zeros);
+        }
         last_write_time_ = time;
       } catch (const Fault& fault) {
         // A module whose watchdog has tripped refuses the write, but stands at zero: the reading decides.
         if (fault.id() != "TB-MODBUS-EXCEPTION") throw;
       }
-      std::vector<std::uint16_t> stands(outputs_.size(), 1);
-      link_.read_holding_registers(profile_.output_address, stands);
-      if (stands == zeros) {
+      // Without a way to read back, the acknowledged write is all there is.
+      if (profile_.outputs.readback == 0 || same(read_outputs(), zeros)) {
         outputs_ = zeros;
         return true;
       }

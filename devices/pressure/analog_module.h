@@ -1,9 +1,9 @@
-// A Modbus analog module as data (profile) and as process image: output words written, input words read, raw counts
-// kept beside volts. First profile: Beckhoff EK9000 with EL4xxx/EL3xxx terminals (input words from 0x0000, output
-// words from 0x0800, watchdog registers 0x1120-0x1124; 0x7FFF = +10 V).
+// A Modbus analog module as data (profile) and as process image: output words written and read back, input words read,
+// raw counts kept beside volts. Profiles are files (devices/profiles/*.toml), read by bench/config_profile.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,63 +12,106 @@
 #include "devices/fault.h"
 #include "devices/units.h"
 #include "devices/wire/modbus_link.h"
+#include "devices/wire/modbus_value.h"
 
 namespace tactbench::devices {
 
-struct ModuleProfile {
-  std::string name;             // "beckhoff-ek9000"
-  std::string model;            // printed and stored: "Beckhoff EK9000 + EL4xxx/EL3xxx"
-  int input_address = 0x0000;   // FC 4
-  int output_address = 0x0800;  // FC 16/23, read back by FC 3
-  int inputs = 2;               // words in the input image
-  int outputs = 1;              // words in the output image
-  std::int32_t raw_full_scale = 0x7FFF;
-  Volts volts_full_scale{10.0};
-  int watchdog_address = -1;   // 0x1120 on the EK9000; -1: the module has none
-  int fallbacks_address = -1;  // 0x1021 on the EK9000: how often the watchdog fell back; -1: not told
+struct ModuleOutputs {
+  int function = 16;        // 6, 16, or 23 (which reads the inputs in the same exchange)
+  int address = 0;          // zero-based, of channel 0; one word a channel
+  int channels = 0;         // 0: the module has no outputs
+  int readback = 3;         // function that reads what stands at `address`; 0: none
+  int dead_band = 0;        // counts by which the reading may differ from what was written
+  Nanoseconds deadline{0};  // how long after writing the reading may differ; 0: not at all
+  LinearScale volts{0, 32767, 0, 10};
 };
 
-// Throws Fault TB-MODULE-PROFILE naming the known profiles.
-ModuleProfile module_profile(const std::string& name);
+struct ModuleInputs {
+  int function = 4;  // 3 or 4
+  int address = 0;
+  int channels = 0;  // 0: the module has no inputs
+  int spare = 0;     // readable registers behind the last channel (RTU readings alternate their length)
+  RegisterFormat format{RegisterType::kI16};
+  int status_offset = -1;  // registers from `address` to a status word a channel (ADAM-6024: 20); -1: none
+  LinearScale volts{0, 32767, 0, 10};
+};
+
+struct ModuleFailSafe {
+  std::vector<std::string> layers;   // in words, as preflight prints them; empty: none known
+  int watchdog_address = -1;         // Beckhoff: 0x1120 time, +1 reset, +2 type, +3 fallback, +4 write lock; -1: none
+  int fallbacks_address = -1;        // Beckhoff 0x1021: how often the watchdog fell back; -1: not told
+  int safe_mode_address = -1;        // Moxa: discrete inputs, one an output: the channel stands in safe mode; -1: none
+  int safe_mode_clear_address = -1;  // Moxa: coils that clear it
+};
+
+struct ModuleProfile {
+  std::string name;   // "beckhoff-ek9000"
+  std::string model;  // printed and stored: "Beckhoff EK9000 + EL4xxx/EL3xxx"
+  bool tcp = true, rtu = false;
+  Nanoseconds max_reply_delay = std::chrono::seconds(1);
+  ModuleOutputs outputs;
+  ModuleInputs inputs;
+  ModuleFailSafe fail_safe;
+};
 
 class AnalogModule {
  public:
+  // `watchdog`: the time to set in a module that has one; zero where it has none.
   AnalogModule(ModuleProfile profile, ModbusEndpoint endpoint, Nanoseconds watchdog, Clock& clock, Origin origin);
+  // On the line of another module.
+  AnalogModule(ModuleProfile profile, const AnalogModule& line_of, int unit, Clock& clock, Origin origin);
 
-  // Clears a fallback of an earlier run (0xBECF, 0xAFFE to 0x1121; not verified on hardware), then sets and verifies
-  // by reading: 0x1124 = 0 (more than one writer), 0x1122 = 0 (fed by writes only), 0x1120 = the watchdog time, 1 ms
-  // to 1 min. Throws Fault TB-MODULE-WATCHDOG when a register does not read back or the module has no watchdog.
+  // Makes the module writable and forgets what was written before: the next feeding writes 0 V unless a command came.
+  // Beckhoff: clears a fallback of an earlier run (0xBECF, 0xAFFE to 0x1121; not verified on hardware), then sets and
+  // verifies by reading: 0x1124 = 0 (more than one writer), 0x1122 = 0 (fed by writes only), 0x1120 = the watchdog
+  // time, 1 ms to 1 min. Moxa: clears a channel's safe mode and verifies that. Throws Fault TB-MODULE-WATCHDOG when a
+  // register does not read back or a time was asked of a module without a watchdog.
   void bring_up();
-  // Writes the output word, reads the inputs in the same exchange (FC 23), then reads the output back (FC 3): two
-  // exchanges. Throws Fault TB-MODULE-READBACK when another value stands there, TB-MODULE-WATCHDOG when the module
-  // refuses because its watchdog has fallen back since bring_up(): only bring_up() makes it writable again.
+  // Reads inputs and outputs and writes nothing; returns the counts that stand at the outputs (empty: not told).
+  std::vector<std::uint16_t> look();
+  // Writes the output word, reads the inputs (in the same exchange with FC 23), then reads the output back. Throws
+  // Fault TB-MODULE-READBACK when another value stands there after the profile's deadline, TB-MODULE-WATCHDOG when
+  // the module refuses because its watchdog has fallen back since bring_up(): only bring_up() makes it writable again.
   void write(int output, std::uint16_t counts);
-  // Reads the last written outputs back (FC 3), then rewrites them and reads the inputs (FC 23): feeds the watchdog.
-  // Reading first finds another master's write since the last feeding, which rewriting would hide. As write().
+  // Reads the last written outputs back, then rewrites them and reads the inputs: feeds the watchdog. Reading first
+  // finds another master's write since the last feeding, which rewriting would hide. As write().
   void feed();
-  // Reads the outputs back (FC 3, one exchange); Fault TB-MODULE-READBACK when another master has changed them.
+  // Reads the outputs back; Fault TB-MODULE-READBACK when another master has changed them. A module that cannot be
+  // read back passes.
   void verify_outputs();
-  // Reads the input image (FC 4, one exchange) unless it is at most `max_age` old.
+  // Reads the input image (one exchange) unless it is at most `max_age` old. Throws Fault TB-MODULE-INPUT when a
+  // status word names a channel out of range.
   void refresh(Nanoseconds max_age = Nanoseconds(0));
 
-  [[nodiscard]] std::int16_t input(int channel) const;    // raw counts of the last image
+  [[nodiscard]] RegisterValue input(int channel) const;   // of the last image
   [[nodiscard]] std::uint16_t output(int channel) const;  // raw counts last written and read back
   [[nodiscard]] Nanoseconds image_time() const { return image_time_; }
   [[nodiscard]] Nanoseconds last_write_time() const { return last_write_time_; }
-  [[nodiscard]] Volts volts(std::int32_t counts) const;
-  [[nodiscard]] std::uint16_t counts(Volts volts) const;  // nearest, clipped to 0..full scale
+  [[nodiscard]] Volts input_volts(int channel) const {
+    return Volts(profile_.inputs.volts.physical(input(channel).value));
+  }
+  [[nodiscard]] std::uint16_t counts(Volts volts) const;  // of an output: nearest, clipped to its span
   [[nodiscard]] std::uint64_t exchanges() const { return link_.exchanges(); }
   [[nodiscard]] Identity identity() const;
   [[nodiscard]] const ModuleProfile& profile() const { return profile_; }
-  // Writes 0 to every output and reads it back, connecting anew once if need be: at most two attempts of two
-  // exchanges. True: every output read back as 0.
+  [[nodiscard]] const ModbusLink& link() const { return link_; }
+  // Writes 0 V to every output and reads it back, connecting anew once if need be: at most two attempts of two
+  // exchanges. True: every output read back as 0 V.
   [[nodiscard]] bool zero_outputs() noexcept;
 
  private:
+  void prepare();
   void write_image(std::vector<std::uint16_t> image);
   void blame_watchdog(const Fault& fault, Nanoseconds time);
   void send_outputs(const std::vector<std::uint16_t>& image);
+  void put_outputs(const std::vector<std::uint16_t>& image);
+  std::vector<std::uint16_t> read_outputs();
+  [[nodiscard]] bool same(const std::vector<std::uint16_t>& stands, const std::vector<std::uint16_t>& wanted) const;
+  void read_inputs();
+  void take_image(Nanoseconds time);
   void set_register(int address, std::uint16_t value);
+  void set_watchdog();
+  void clear_safe_mode();
   std::uint16_t fallbacks();
   ModuleProfile profile_;
   Nanoseconds watchdog_;

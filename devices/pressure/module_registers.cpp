@@ -23,60 +23,78 @@ bool inside(int address, std::size_t count, int from, int words) {
   return address >= from && static_cast<long>(address) + static_cast<long>(count) <= static_cast<long>(from) + words;
 }
 
+std::uint16_t zero_counts(const ModuleOutputs& out) {
+  return static_cast<std::uint16_t>(std::lround(std::max(0.0, out.volts.raw(0.0))));
+}
+
 }  // namespace
 
-ModuleRegisters::ModuleRegisters(ModuleProfile profile, ChamberPort& chamber, const Clock& clock)
-    : profile_(std::move(profile)),
+ModuleRegisters::ModuleRegisters(SimulatedUnit unit, ChamberPort& chamber, const Clock& clock)
+    : unit_(std::move(unit)),
+      out_(unit_.profile.outputs),
+      in_(unit_.profile.inputs),
+      watchdog_at_(unit_.profile.fail_safe.watchdog_address),
       chamber_(chamber),
       clock_(clock),
-      outputs_(static_cast<std::size_t>(profile_.outputs)) {}
+      outputs_(static_cast<std::size_t>(out_.channels), zero_counts(out_)),
+      safe_mode_(outputs_.size(), unit_.starts_in_safe_mode ? 1 : 0) {}
 
 void ModuleRegisters::turn() {
-  if (!armed_ || settings_[kType] == kOff || clock_.now() < deadline_) return;
+  if (watchdog_at_ < 0 || !armed_ || settings_[kType] == kOff || clock_.now() < deadline_) return;
   // The port was told at the last write when and to what it falls; here only the registers follow.
   armed_ = false;
   tripped_ = true;
   ++fallbacks_;
-  if (settings_[kFallback] == kFallToZero) std::fill(outputs_.begin(), outputs_.end(), std::uint16_t{0});
+  if (settings_[kFallback] == kFallToZero) std::fill(outputs_.begin(), outputs_.end(), zero_counts(out_));
 }
 
 bool ModuleRegisters::outputs_hold(int address, std::size_t count) const {
-  return inside(address, count, profile_.output_address, profile_.outputs);
+  return inside(address, count, out_.address, out_.channels);
+}
+
+bool ModuleRegisters::inputs_hold(int address, std::size_t count) const {
+  const int values = in_.channels * static_cast<int>(in_.format.words());
+  const int status = in_.status_offset < 0 || in_.channels == 0 ? 0 : in_.status_offset + in_.channels;
+  return inside(address, count, in_.address, std::max(values, status) + in_.spare);
+}
+
+const SimulatedQuantity* ModuleRegisters::quantity_at(int function, int address, std::size_t count) const {
+  for (const SimulatedQuantity& quantity : unit_.quantities) {
+    const int words = static_cast<int>(quantity.at.format.words()) + quantity.at.spare;
+    if (quantity.at.function == function && inside(address, count, quantity.at.address, words)) return &quantity;
+  }
+  return nullptr;
 }
 
 Refusal ModuleRegisters::check_read(int function, int address, std::size_t count) const {
-  const int settings = profile_.watchdog_address;
   const bool holds =
-      inside(address, count, profile_.input_address, profile_.inputs) ||
+      inputs_hold(address, count) || quantity_at(function, address, count) != nullptr ||
       (function == 3 && (outputs_hold(address, count) ||
-                         (settings >= 0 && (inside(address, count, settings, 5) ||
-                                            inside(address, count, settings + kStatusOffset, kStatusWords)))));
+                         (watchdog_at_ >= 0 && (inside(address, count, watchdog_at_, 5) ||
+                                                inside(address, count, watchdog_at_ + kStatusOffset, kStatusWords)))));
   return holds ? Refusal::kNone : Refusal::kAddress;
 }
 
 Refusal ModuleRegisters::read(int client, int function, int address, std::span<std::uint16_t> into) {
   const Refusal refusal = check_read(function, address, into.size());
   if (refusal != Refusal::kNone) return refusal;
-  const bool process_data =
-      inside(address, into.size(), profile_.input_address, profile_.inputs) || outputs_hold(address, into.size());
+  const bool process_data = inputs_hold(address, into.size()) || outputs_hold(address, into.size());
   if (process_data && client == master_) feed(false);
-  for (std::size_t i = 0; i < into.size(); ++i) into[i] = read_one(address + static_cast<int>(i));
+  for (std::size_t i = 0; i < into.size(); ++i) into[i] = read_one(function, address + static_cast<int>(i));
   return Refusal::kNone;
 }
 
-std::uint16_t ModuleRegisters::read_one(int address) {
-  if (inside(address, 1, profile_.input_address, profile_.inputs)) {
-    const int channel = address - profile_.input_address;
-    if (channel > 1) return 0;
-    const Volts volts = channel == 0 ? chamber_.feedback() : chamber_.reference();
-    const double full = profile_.raw_full_scale;
-    const double counts = std::clamp(volts / profile_.volts_full_scale * full, -full - 1.0, full);
-    return static_cast<std::uint16_t>(std::lround(counts));
+std::uint16_t ModuleRegisters::read_one(int function, int address) {
+  // ADAM's input block has the outputs in its middle.
+  if (function == 3 && outputs_hold(address, 1)) return outputs_[static_cast<std::size_t>(address - out_.address)];
+  if (inputs_hold(address, 1)) return read_input(address - in_.address);
+  if (const SimulatedQuantity* quantity = quantity_at(function, address, 1)) {
+    const auto words = encode_register(quantity->at.format, quantity->at.scale.raw(quantity->read()));
+    const auto offset = static_cast<std::size_t>(address - quantity->at.address);
+    return offset < words.size() ? words[offset] : std::uint16_t{0};
   }
-  if (outputs_hold(address, 1)) return outputs_[static_cast<std::size_t>(address - profile_.output_address)];
-  if (address >= profile_.watchdog_address)
-    return settings_[static_cast<std::size_t>(address - profile_.watchdog_address)];
-  switch (address - profile_.watchdog_address - kStatusOffset) {
+  if (address >= watchdog_at_) return settings_[static_cast<std::size_t>(address - watchdog_at_)];
+  switch (address - watchdog_at_ - kStatusOffset) {
     case 0: {
       if (!armed_ || settings_[kType] == kOff) return 0;
       return static_cast<std::uint16_t>(
@@ -89,12 +107,40 @@ std::uint16_t ModuleRegisters::read_one(int address) {
   }
 }
 
+// The regulator's monitor and the transducer are wired to a channel each; the others are open.
+std::uint16_t ModuleRegisters::read_input(int offset) {
+  const int words = static_cast<int>(in_.format.words());
+  const int channel = offset / words;
+  if (channel >= in_.channels || (channel != unit_.feedback_channel && channel != unit_.reference_channel)) return 0;
+  const Volts volts = channel == unit_.feedback_channel ? chamber_.feedback() : chamber_.reference();
+  const double span = in_.volts.raw_high - in_.volts.raw_low;
+  const double raw = std::clamp(in_.volts.raw(volts.value()), in_.volts.raw_low - span - 1.0, in_.volts.raw_high);
+  return encode_register(in_.format, raw)[static_cast<std::size_t>(offset % words)];
+}
+
+Refusal ModuleRegisters::read_bits(int address, std::span<std::uint8_t> into) const {
+  const int at = unit_.profile.fail_safe.safe_mode_address;
+  if (at < 0 || !inside(address, into.size(), at, out_.channels)) return Refusal::kAddress;
+  std::copy_n(safe_mode_.begin() + (address - at), into.size(), into.begin());
+  return Refusal::kNone;
+}
+
+Refusal ModuleRegisters::write_bit(int address, bool value) {
+  const int at = unit_.profile.fail_safe.safe_mode_clear_address;
+  if (at < 0 || !inside(address, 1, at, out_.channels)) return Refusal::kAddress;
+  if (value) safe_mode_[static_cast<std::size_t>(address - at)] = 0;
+  return Refusal::kNone;
+}
+
 Refusal ModuleRegisters::write(int client, int address, std::span<const std::uint16_t> values) {
   if (outputs_hold(address, values.size())) {
     const bool locked = settings_[kWriteLock] == 1 && master_ != kNobody && master_ != client;
     if (tripped_ || locked) return Refusal::kFailure;
     if (master_ == kNobody) master_ = client;
-    std::copy(values.begin(), values.end(), outputs_.begin() + (address - profile_.output_address));
+    const auto first_channel = static_cast<std::size_t>(address - out_.address);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (safe_mode_[first_channel + i] == 0) outputs_[first_channel + i] = values[i];
+    }
     const bool first = !std::exchange(armed_, true);
     if (client == master_ || first) {
       feed(true);
@@ -103,7 +149,7 @@ Refusal ModuleRegisters::write(int client, int address, std::span<const std::uin
     }
     return Refusal::kNone;
   }
-  const int settings = profile_.watchdog_address;
+  const int settings = watchdog_at_;
   if (settings < 0 || !inside(address, values.size(), settings, 5)) return Refusal::kAddress;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Refusal refusal = write_setting(address - settings + static_cast<int>(i), values[i]);
@@ -136,10 +182,12 @@ void ModuleRegisters::feed(bool by_write) {
 }
 
 void ModuleRegisters::drive() {
-  // A unipolar output terminal clips negative words to zero.
-  const auto counts = std::max<std::int16_t>(0, static_cast<std::int16_t>(outputs_[0]));
-  const Volts volts = profile_.volts_full_scale * (static_cast<double>(counts) / profile_.raw_full_scale);
-  const bool off = settings_[kType] == kOff;
+  if (outputs_.empty()) return;
+  const std::uint16_t counts = outputs_[static_cast<std::size_t>(unit_.output_channel)];
+  // Where 15 bits are the full scale (a unipolar output terminal), a negative word is clipped to 0 V.
+  const bool negative = out_.volts.raw_low >= 0.0 && out_.volts.raw_high <= 0x7FFF && (counts & 0x8000U) != 0;
+  const Volts volts(negative ? 0.0 : out_.volts.physical(counts));
+  const bool off = watchdog_at_ < 0 || settings_[kType] == kOff;
   chamber_.drive(volts, off ? Nanoseconds::max() : deadline_, settings_[kFallback] == kFreeze ? volts : Volts(0.0));
 }
 

@@ -1,21 +1,24 @@
-// What stands behind the simulated module's wire: the EK9000-like register map with its watchdog on process time and
-// its write lock. No sockets; used by simulated_module.cpp alone.
+// What stands behind one unit of the simulated module's wire: outputs and inputs where the profile puts them, the
+// EK9000's watchdog on process time and its write lock, Moxa's safe mode, further quantities. No sockets; used by
+// simulated_module.cpp alone.
 //
-// Read: inputs from 0x0000 (FC 3, 4; asked of the port at each reading), outputs from 0x0800, 0x1020 watchdog time
-// left in ms, 0x1021 fallbacks so far, 0x1022 connections, 0x1120-0x1124 (FC 3). Written: outputs, 0x1120-0x1124.
-// After a fallback, writes to outputs are refused (exception 4) until 0xBECF, 0xAFFE went to 0x1121. The bus stop
-// (0x1123 = 2) is refused as not simulated. Where the manual is silent (0x1020's direction, the exception numbers,
-// who feeds when the lock is off) this is our reading, not verified on hardware.
+// Beckhoff: read 0x1020 watchdog time left in ms, 0x1021 fallbacks so far, 0x1022 connections, 0x1120-0x1124 (FC 3);
+// after a fallback, writes to outputs are refused (exception 4) until 0xBECF, 0xAFFE went to 0x1121. The bus stop
+// (0x1123 = 2) is refused as not simulated. Where the manuals are silent (0x1020's direction, the exception numbers,
+// who feeds when the lock is off, that a channel in safe mode ignores writes) this is our reading, not verified on
+// hardware.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "devices/clock.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/chamber_port.h"
+#include "devices/pressure/simulated_module.h"
 
 namespace tactbench::devices {
 
@@ -24,7 +27,10 @@ enum class Refusal { kNone = 0, kFunction = 1, kAddress = 2, kValue = 3, kFailur
 
 class ModuleRegisters {
  public:
-  ModuleRegisters(ModuleProfile profile, ChamberPort& chamber, const Clock& clock);
+  ModuleRegisters(SimulatedUnit unit, ChamberPort& chamber, const Clock& clock);
+  ModuleRegisters(const ModuleRegisters&) = delete;
+  ModuleRegisters& operator=(const ModuleRegisters&) = delete;
+  [[nodiscard]] int unit() const { return unit_.unit; }
 
   // Lets the watchdog fall back when its time is over; to be called before each request.
   void turn();
@@ -32,18 +38,26 @@ class ModuleRegisters {
   [[nodiscard]] Refusal check_read(int function, int address, std::size_t count) const;
   [[nodiscard]] Refusal read(int client, int function, int address, std::span<std::uint16_t> into);
   [[nodiscard]] Refusal write(int client, int address, std::span<const std::uint16_t> values);
+  [[nodiscard]] Refusal read_bits(int address, std::span<std::uint8_t> into) const;  // FC 2
+  [[nodiscard]] Refusal write_bit(int address, bool value);                          // FC 5
   void connected() { ++connections_; }
   void disconnected(int client);
 
  private:
   [[nodiscard]] bool outputs_hold(int address, std::size_t count) const;
+  [[nodiscard]] bool inputs_hold(int address, std::size_t count) const;
+  [[nodiscard]] const SimulatedQuantity* quantity_at(int function, int address, std::size_t count) const;
   [[nodiscard]] Refusal write_setting(int offset, std::uint16_t value);
-  [[nodiscard]] std::uint16_t read_one(int address);
+  [[nodiscard]] std::uint16_t read_one(int function, int address);
+  [[nodiscard]] std::uint16_t read_input(int offset);
   void feed(bool by_write);
   void drive();
 
   static constexpr int kNobody = -1;
-  ModuleProfile profile_;
+  SimulatedUnit unit_;
+  const ModuleOutputs& out_;
+  const ModuleInputs& in_;
+  int watchdog_at_;  // -1: none
   ChamberPort& chamber_;
   const Clock& clock_;
   std::vector<std::uint16_t> outputs_;
@@ -55,6 +69,7 @@ class ModuleRegisters {
   bool reset_begun_ = false;
   std::uint16_t fallbacks_ = 0;
   Nanoseconds deadline_{0};
+  std::vector<std::uint8_t> safe_mode_;  // one an output
 };
 
 }  // namespace tactbench::devices

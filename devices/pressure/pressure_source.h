@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "devices/actuator.h"
 #include "devices/clock.h"
 #include "devices/device.h"
 #include "devices/units.h"
@@ -11,23 +12,22 @@ namespace tactbench::devices {
 
 struct PressureReading {
   Psi pressure;
-  Volts voltage;
-  std::int32_t counts = 0;
+  Volts voltage;            // 0 where the instrument tells pressure itself
+  std::int32_t counts = 0;  // as it came; of a float the bit pattern
   Nanoseconds time{0};
 };
 
-class PressureSource {
+class PressureSource : public Actuator {
  public:
-  virtual ~PressureSource() = default;
   // Sets the pressure and reads the set-point back. Returns the raw counts written. Throws Fault.
   virtual std::uint16_t command(Psi pressure) = 0;
-  // Rewrites the set-point and reads it back when the last write is at least `feed interval` old; otherwise only
-  // reads. To be called at least every feed interval.
+  // Rewrites the set-point and reads it back when the last write is at least `feed interval` old; otherwise, and when
+  // disarmed, only reads. To be called at least every feed interval.
   virtual void keep_alive() = 0;
   [[nodiscard]] virtual PressureReading feedback() = 0;
   // Process time of the last write that was read back: the next feeding is due one feed interval later.
   [[nodiscard]] virtual Nanoseconds last_fed() const = 0;
-  // Asks for 0 psi; bounded in time, callable twice and in any state. True: the order was read back.
+  // Asks for 0 psi; bounded in time, callable twice and in any state, armed or not. True: the order was read back.
   [[nodiscard]] virtual bool vent() noexcept = 0;
   [[nodiscard]] virtual Identity identity() const = 0;
 };

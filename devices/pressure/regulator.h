@@ -1,5 +1,5 @@
-// Pneumax 171E2N.T.D.0009 (0-9 bar for 0-10 V, monitor output alike) on two channels of an analog module, and a
-// transducer on a third as pressure reference. Not verified on hardware.
+// Pneumax 171E2N.T.D.0009 (0-9 bar for 0-10 V, monitor output alike) on an output and an input of analog modules. Not
+// verified on hardware.
 #pragma once
 
 #include <string>
@@ -30,39 +30,35 @@ struct RegulatorOptions {
   Origin origin = Origin::kHardware;
 };
 
+// Feedback and reference may stand in one input image; a reading this young serves both. Far below any settling time.
+inline constexpr Nanoseconds kSameImage = std::chrono::microseconds(500);
+
+// Throw Fault TB-MODULE-CHANNEL and TB-MODULE-SPAN, naming `device`.
+void check_channel(const char* device, const char* what, int channel, int channels);
+void check_span(const char* device, const LinearSpan& span);
+
 class Regulator final : public PressureSource {
  public:
-  Regulator(AnalogModule& module, RegulatorOptions options, Clock& clock);
+  // `output` drives it, `input` (often the same module) reads its monitor.
+  Regulator(AnalogModule& output, AnalogModule& input, RegulatorOptions options, Clock& clock);
+  void arm() override;
+  void disarm() noexcept override { armed_ = false; }
+  [[nodiscard]] bool armed() const override { return armed_; }
   std::uint16_t command(Psi pressure) override;
   void keep_alive() override;
   [[nodiscard]] PressureReading feedback() override;
-  [[nodiscard]] Nanoseconds last_fed() const override { return module_.last_write_time(); }
+  [[nodiscard]] Nanoseconds last_fed() const override { return output_.last_write_time(); }
   [[nodiscard]] bool vent() noexcept override;
   [[nodiscard]] Identity identity() const override;
 
  private:
-  AnalogModule& module_;
+  template <class Act>
+  void or_disarm(Act&& act);
+  AnalogModule& output_;
+  AnalogModule& input_;
   RegulatorOptions options_;
   Clock& clock_;
-};
-
-struct TransducerOptions {
-  std::string model;
-  std::string serial;
-  int channel = 1;
-  LinearSpan span;
-  Origin origin = Origin::kHardware;
-};
-
-class ModuleTransducer final : public PressureReference {
- public:
-  ModuleTransducer(AnalogModule& module, TransducerOptions options);
-  [[nodiscard]] PressureReading read() override;
-  [[nodiscard]] Identity identity() const override;
-
- private:
-  AnalogModule& module_;
-  TransducerOptions options_;
+  bool armed_ = false;
 };
 
 }  // namespace tactbench::devices

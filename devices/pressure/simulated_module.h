@@ -1,32 +1,59 @@
-// The module's side of the wire: a real Modbus TCP server (libmodbus) on loopback with an EK9000-like map, its
-// watchdog on process time, asking a ChamberPort for volts. Any client may talk to it (FC 3, 4, 6, 16, 23).
+// The module's side of the wire: a real Modbus server (libmodbus) on loopback TCP or, as RTU, on a pseudo-terminal,
+// with the register map of one or several units, watchdog on process time, asking a ChamberPort for volts. Any client
+// may talk to it (FC 2, 3, 4, 5, 6, 16, 23).
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "devices/clock.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/chamber_port.h"
+#include "devices/pressure/pressure_reference.h"
 
 namespace tactbench::devices {
 
 struct SimulatedModuleFaults {      // test and nightly switches, all off by default
   long silent_after_requests = -1;  // answers that many requests, then none (the connection stays open)
-  long dead_after_requests = -1;    // closes connections and refuses new ones
+  long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
+};
+
+struct SimulatedQuantity {  // a gauge's or a thermometer's registers
+  ModbusQuantity at;
+  std::function<double()> read;  // physical value, from the server's thread while the clock stands still
+};
+
+struct SimulatedUnit {
+  int unit = 0;  // 0: answers to every unit number (TCP only)
+  ModuleProfile profile;
+  std::vector<SimulatedQuantity> quantities;
+  bool starts_in_safe_mode = false;
+  int output_channel = 0;  // how the chamber is wired to this unit
+  int feedback_channel = 0;
+  int reference_channel = 1;
 };
 
 class SimulatedModule {
  public:
-  // Listens on 127.0.0.1; port 0 lets the system choose. Throws Fault TB-SIM-LISTEN.
+  // TCP: listens on 127.0.0.1; port 0 lets the system choose. RTU: makes a pseudo-terminal. Throws Fault
+  // TB-SIM-LISTEN.
   SimulatedModule(const ModuleProfile& profile, int port, ChamberPort& chamber, const Clock& clock,
+                  SimulatedModuleFaults faults = {});
+  enum class Wire { kTcp, kRtu };
+  SimulatedModule(std::vector<SimulatedUnit> units, Wire wire, int port, ChamberPort& chamber, const Clock& clock,
                   SimulatedModuleFaults faults = {});
   ~SimulatedModule();  // stops the thread, bounded
   SimulatedModule(const SimulatedModule&) = delete;
   SimulatedModule& operator=(const SimulatedModule&) = delete;
-  [[nodiscard]] int port() const;
+  [[nodiscard]] int port() const;                 // TCP
+  [[nodiscard]] std::string serial_port() const;  // RTU: the terminal that a client opens
 
  private:
   class Server;
+  class TcpServer;
+  class RtuServer;
   std::unique_ptr<Server> server_;
 };
 

@@ -1,181 +1,202 @@
 #include "devices/wire/modbus_link.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <modbus.h>
-#include <netdb.h>
-#include <sys/select.h>
 
 #include <cerrno>
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/wire/modbus_line.h"
 
 namespace tactbench::devices {
 namespace {
 
-bool is_exception(int error) { return error > MODBUS_ENOBASE && error < MODBUS_ENOBASE + MODBUS_EXCEPTION_MAX; }
+constexpr std::uint8_t kExceptionBit = 0x80;
 
-double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+void put(std::vector<std::uint8_t>& bytes, std::size_t word) {
+  bytes.push_back(static_cast<std::uint8_t>(word >> 8U & 0xFFU));
+  bytes.push_back(static_cast<std::uint8_t>(word & 0xFFU));
+}
 
 }  // namespace
 
-struct ModbusLink::Context {
-  modbus_t* modbus = nullptr;
-  ~Context() {
-    if (modbus == nullptr) return;
-    modbus_close(modbus);
-    modbus_free(modbus);
-  }
-};
-
 struct ModbusLink::Request {
   const char* verb;
+  const char* unit_of_count;
   int function;
   int address;
   std::size_t count;
-  std::size_t most;      // registers that a frame of this function can hold
-  std::size_t expected;  // libmodbus' return value when all went well
+  bool fits;                           // a frame can hold it
+  std::vector<std::uint8_t> body;      // after the function code
+  std::vector<std::uint8_t> expected;  // how the answer begins after the function code
+  std::size_t answer_bytes;            // of the answer after the function code
 };
 
 ModbusLink::ModbusLink(ModbusEndpoint endpoint, std::string device, Clock& clock)
-    : endpoint_(std::move(endpoint)), device_(std::move(device)), clock_(clock) {}
+    : line_(std::make_shared<ModbusLine>(endpoint, clock)), unit_(endpoint.unit), device_(std::move(device)) {}
+
+ModbusLink::ModbusLink(const ModbusLink& other, int unit, std::string device)
+    : line_(other.line_), unit_(unit), device_(std::move(device)) {}
 
 ModbusLink::~ModbusLink() = default;
 
+const ModbusEndpoint& ModbusLink::endpoint() const { return line_->endpoint(); }
+
+void ModbusLink::close() noexcept { line_->close(); }
+
 std::string ModbusLink::peer() const {
-  return fmt::format("{} at {}:{} unit {}", device_, endpoint_.host, endpoint_.port, endpoint_.unit);
+  const ModbusEndpoint& at = endpoint();
+  return line_->is_rtu() ? fmt::format("{} at {} ({} baud, 8{}{}) unit {}", device_, at.serial_port, at.baud, at.parity,
+                                       at.stop_bits, unit_)
+                         : fmt::format("{} at {}:{} unit {}", device_, at.host, at.port, unit_);
 }
 
-void ModbusLink::close() noexcept { context_.reset(); }
-
-void ModbusLink::look_up() {
-  in_addr numeric{};
-  if (inet_pton(AF_INET, endpoint_.host.c_str(), &numeric) == 1) {
-    address_ = endpoint_.host;
-    return;
-  }
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int result = getaddrinfo(endpoint_.host.c_str(), nullptr, &hints, &found);
-  if (result != 0) {
-    throw Fault("TB-MODBUS-CONNECT", device_,
-                fmt::format("connecting to {}: the host's name has no address ({})", peer(), gai_strerror(result)),
-                "Check the host in the bench file, or give its IPv4 address.");
-  }
-  char text[NI_MAXHOST] = "";
-  getnameinfo(found->ai_addr, found->ai_addrlen, text, sizeof text, nullptr, 0, NI_NUMERICHOST);
-  freeaddrinfo(found);
-  address_ = text;
-}
-
-void ModbusLink::connect() {
-  if (address_.empty()) look_up();
-  auto fresh = std::make_unique<Context>();
-  fresh->modbus = modbus_new_tcp(address_.c_str(), endpoint_.port);
-  const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(endpoint_.response_timeout).count();
-  // A byte timeout of 0 makes the response timeout rule the whole reply: a peer that trickles bytes cannot stretch it.
-  const bool set = fresh->modbus != nullptr && timeout > 0 && modbus_set_slave(fresh->modbus, endpoint_.unit) == 0 &&
-                   modbus_set_response_timeout(fresh->modbus, static_cast<std::uint32_t>(timeout / 1'000'000),
-                                               static_cast<std::uint32_t>(timeout % 1'000'000)) == 0 &&
-                   modbus_set_byte_timeout(fresh->modbus, 0, 0) == 0;
-  if (!set) fail_connect(EINVAL);
-  errno = 0;
-  int result = modbus_connect(fresh->modbus);
-  if (result != 0 && errno == EINTR) result = modbus_connect(fresh->modbus);
-  // libmodbus leaves EINPROGRESS behind when its wait for the connection ran out.
-  if (result != 0) fail_connect(errno == EINPROGRESS ? ETIMEDOUT : errno);
-  // libmodbus waits with select(), which cannot hold a descriptor beyond FD_SETSIZE.
-  if (modbus_get_socket(fresh->modbus) >= FD_SETSIZE) fail_connect(EMFILE);
-  context_ = std::move(fresh);
-}
-
-template <class Call>
-void ModbusLink::exchange(const Request& request, Call&& call) {
-  if (request.count == 0 || request.count > request.most) fail_exchange(request, -1, EMBMDATA);
-  if (!context_) connect();
+// Returns the answer's bytes after the function code.
+std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
+  const std::string what =
+      fmt::format("{} {} {}{} at 0x{:04X} (FC {}) of {}: ", request.verb, request.count, request.unit_of_count,
+                  request.count == 1 ? "" : "s", request.address, request.function, peer());
+  const auto misfit = [&](const std::string& why) {
+    return Fault("TB-MODBUS-PROTOCOL", device_, what + why,
+                 "Check that the address belongs to the module and that no other program shares its wire.");
+  };
+  if (!request.fits) throw misfit("more than one frame can hold, or nothing");
+  line_->open(device_, peer());
   ++exchanges_;
-  errno = 0;
-  const int result = call(context_->modbus);
-  if (result == static_cast<int>(request.expected)) return;
-  const int error = errno;
-  close();
-  fail_exchange(request, result, error);
+  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(unit_), static_cast<std::uint8_t>(request.function)};
+  bytes.insert(bytes.end(), request.body.begin(), request.body.end());
+  std::vector<std::uint8_t> answer = line_->exchange(bytes);
+  if (answer.empty()) {
+    const int error = line_->error();
+    if (error == ETIMEDOUT) {
+      line_->clock().reply_lost(endpoint().response_timeout);
+      throw Fault("TB-MODBUS-TIMEOUT", device_,
+                  what + fmt::format("no complete reply within {:g} ms",
+                                     std::chrono::duration<double, std::milli>(endpoint().response_timeout).count()),
+                  "Check the module's power, cable and unit number.");
+    }
+    if (error > MODBUS_ENOBASE) throw misfit(modbus_strerror(error));
+    throw Fault("TB-MODBUS-CONNECT", device_, what + fmt::format("the connection broke ({})", modbus_strerror(error)),
+                "Check the module's power and cable; the next request connects anew.");
+  }
+  const auto fail = [&](const std::string& why) {
+    line_->close_after_error();
+    throw misfit(why);
+  };
+  if (answer[0] != unit_) fail(fmt::format("unit {} answered", answer[0]));
+  if (answer[1] == (request.function | kExceptionBit) && answer.size() == 3) {  // a whole answer, and in its turn
+    throw Fault(
+        "TB-MODBUS-EXCEPTION", device_,
+        what + fmt::format("refused with exception {} ({})", answer[2], modbus_strerror(MODBUS_ENOBASE + answer[2])),
+        "Check that the profile in the bench file fits the module, that no other master holds it, and that "
+        "its watchdog has not tripped.");
+  }
+  if (answer[1] != request.function) fail(fmt::format("the answer is to function {}", answer[1]));
+  answer.erase(answer.begin(), answer.begin() + 2);
+  if (answer.size() != request.answer_bytes ||
+      !std::equal(request.expected.begin(), request.expected.end(), answer.begin())) {
+    fail(fmt::format("the answer does not fit the request ({} bytes instead of {}, or another address or count)",
+                     answer.size(), request.answer_bytes));
+  }
+  return answer;
 }
 
-void ModbusLink::fail_connect(int error) {
-  const std::string what = fmt::format("connecting to {}: ", peer());
-  if (error == ETIMEDOUT) {
-    clock_.reply_lost(endpoint_.response_timeout);
-    throw Fault("TB-MODBUS-TIMEOUT", device_,
-                what + fmt::format("no answer within {:g} ms", milliseconds(endpoint_.response_timeout)),
-                "Check the module's power and network cable, and the host in the bench file.");
+void ModbusLink::read_registers(int function, int address, std::span<std::uint16_t> into, std::size_t readable) {
+  std::size_t count = into.size();
+  if (line_->is_rtu() && count + 1 <= readable && count < MODBUS_MAX_READ_REGISTERS) {
+    if (longer_) ++count;
+    longer_ = !longer_;
   }
-  if (error == EINVAL) {
-    throw Fault("TB-MODBUS-CONNECT", device_,
-                what + fmt::format("address, port, unit or response timeout ({:g} ms) is not valid",
-                                   milliseconds(endpoint_.response_timeout)),
-                "Correct the endpoint in the bench file.");
+  Request request{"reading",    "register",
+                  function,     address,
+                  count,        count > 0 && count <= MODBUS_MAX_READ_REGISTERS,
+                  {},           {static_cast<std::uint8_t>(2 * count)},
+                  1 + 2 * count};
+  put(request.body, static_cast<std::size_t>(address));
+  put(request.body, count);
+  const auto answer = exchange(request);
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    into[i] = static_cast<std::uint16_t>(answer[1 + 2 * i] << 8U | answer[2 + 2 * i]);
   }
-  throw Fault("TB-MODBUS-CONNECT", device_, what + modbus_strerror(error),
-              "Check that the module is on and that host and port in the bench file are its own.");
 }
 
-void ModbusLink::fail_exchange(const Request& request, int result, int error) {
-  const std::string what = fmt::format("{} {} register{} at 0x{:04X} (FC {}) of {}: ", request.verb, request.count,
-                                       request.count == 1 ? "" : "s", request.address, request.function, peer());
-  if (error == ETIMEDOUT) {
-    clock_.reply_lost(endpoint_.response_timeout);
-    throw Fault("TB-MODBUS-TIMEOUT", device_,
-                what + fmt::format("no complete reply within {:g} ms", milliseconds(endpoint_.response_timeout)),
-                "Check the module's power, network cable and unit number.");
-  }
-  if (is_exception(error)) {
-    throw Fault("TB-MODBUS-EXCEPTION", device_,
-                what + fmt::format("refused with exception {} ({})", error - MODBUS_ENOBASE, modbus_strerror(error)),
-                "Check that the profile in the bench file fits the module, that no other master holds it, and that "
-                "its watchdog has not tripped.");
-  }
-  if (error > MODBUS_ENOBASE || result >= 0) {
-    throw Fault("TB-MODBUS-PROTOCOL", device_,
-                what + (result >= 0 ? fmt::format("the answer speaks of {} instead of {}", result, request.expected)
-                                    : std::string(modbus_strerror(error))),
-                "Check that host and port belong to the module and that no other program shares its gateway.");
-  }
-  throw Fault("TB-MODBUS-CONNECT", device_, what + fmt::format("the connection broke ({})", modbus_strerror(error)),
-              "Check the module's power and network cable; the next request connects anew.");
+void ModbusLink::read_input_registers(int address, std::span<std::uint16_t> into, std::size_t readable) {
+  read_registers(4, address, into, readable);
 }
 
-void ModbusLink::read_input_registers(int address, std::span<std::uint16_t> into) {
-  exchange({"reading", 4, address, into.size(), MODBUS_MAX_READ_REGISTERS, into.size()}, [&](modbus_t* modbus) {
-    return modbus_read_input_registers(modbus, address, static_cast<int>(into.size()), into.data());
-  });
+void ModbusLink::read_holding_registers(int address, std::span<std::uint16_t> into, std::size_t readable) {
+  read_registers(3, address, into, readable);
 }
 
-void ModbusLink::read_holding_registers(int address, std::span<std::uint16_t> into) {
-  exchange({"reading", 3, address, into.size(), MODBUS_MAX_READ_REGISTERS, into.size()}, [&](modbus_t* modbus) {
-    return modbus_read_registers(modbus, address, static_cast<int>(into.size()), into.data());
-  });
+std::vector<bool> ModbusLink::read_discrete_inputs(int address, int count) {
+  const auto bits = static_cast<std::size_t>(count);
+  const std::size_t bytes = (bits + 7) / 8;
+  Request request{"reading", "discrete input",
+                  2,         address,
+                  bits,      count > 0 && count <= MODBUS_MAX_READ_BITS,
+                  {},        {static_cast<std::uint8_t>(bytes)},
+                  1 + bytes};
+  put(request.body, static_cast<std::size_t>(address));
+  put(request.body, bits);
+  const auto answer = exchange(request);
+  std::vector<bool> values(bits);
+  for (std::size_t i = 0; i < bits; ++i) values[i] = (answer[1 + i / 8] >> (i % 8) & 1U) != 0;
+  return values;
+}
+
+void ModbusLink::write_coil(int address, bool value) {
+  Request request{"writing", "coil", 5, address, 1, true, {}, {}, 4};
+  put(request.body, static_cast<std::size_t>(address));
+  put(request.body, value ? 0xFF00 : 0);
+  request.expected = request.body;
+  (void)exchange(request);
+}
+
+void ModbusLink::write_register(int address, std::uint16_t value) {
+  Request request{"writing", "register", 6, address, 1, true, {}, {}, 4};
+  put(request.body, static_cast<std::size_t>(address));
+  put(request.body, value);
+  request.expected = request.body;
+  (void)exchange(request);
 }
 
 void ModbusLink::write_registers(int address, std::span<const std::uint16_t> values) {
-  exchange({"writing", 16, address, values.size(), MODBUS_MAX_WRITE_REGISTERS, values.size()}, [&](modbus_t* modbus) {
-    return modbus_write_registers(modbus, address, static_cast<int>(values.size()), values.data());
-  });
+  const std::size_t count = values.size();
+  Request request{"writing", "register", 16, address, count, count > 0 && count <= MODBUS_MAX_WRITE_REGISTERS,
+                  {},        {},         4};
+  put(request.body, static_cast<std::size_t>(address));
+  put(request.body, count);
+  request.expected = request.body;
+  request.body.push_back(static_cast<std::uint8_t>(2 * count));
+  for (const std::uint16_t value : values) put(request.body, value);
+  (void)exchange(request);
 }
 
 void ModbusLink::write_and_read_registers(int write_address, std::span<const std::uint16_t> values, int read_address,
                                           std::span<std::uint16_t> into) {
-  // libmodbus returns the number of registers read; the two sizes have limits of their own.
-  const std::size_t most =
-      into.empty() || into.size() > MODBUS_MAX_WR_READ_REGISTERS ? 0 : MODBUS_MAX_WR_WRITE_REGISTERS;
-  exchange(
-      {"writing (and reading inputs)", 23, write_address, values.size(), most, into.size()}, [&](modbus_t* modbus) {
-        return modbus_write_and_read_registers(modbus, write_address, static_cast<int>(values.size()), values.data(),
-                                               read_address, static_cast<int>(into.size()), into.data());
-      });
+  const std::size_t count = values.size();
+  const bool fits = count > 0 && count <= MODBUS_MAX_WR_WRITE_REGISTERS && !into.empty() &&
+                    into.size() <= MODBUS_MAX_WR_READ_REGISTERS;
+  Request request{"writing (and reading inputs)",
+                  "register",
+                  23,
+                  write_address,
+                  count,
+                  fits,
+                  {},
+                  {static_cast<std::uint8_t>(2 * into.size())},
+                  1 + 2 * into.size()};
+  put(request.body, static_cast<std::size_t>(read_address));
+  put(request.body, into.size());
+  put(request.body, static_cast<std::size_t>(write_address));
+  put(request.body, count);
+  request.body.push_back(static_cast<std::uint8_t>(2 * count));
+  for (const std::uint16_t value : values) put(request.body, value);
+  const auto answer = exchange(request);
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    into[i] = static_cast<std::uint16_t>(answer[1 + 2 * i] << 8U | answer[2 + 2 * i]);
+  }
 }
 
 }  // namespace tactbench::devices

@@ -108,7 +108,7 @@ TEST_CASE("pressure above the trip aborts the run and vents") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   // A transducer that reads a third too much stands for an overshoot: 50 psi seem to be 66.7.
-  bench::RunRequest request = small_request({{"reference.span_psi", "[0, 133.4]"}});
+  bench::RunRequest request = small_request({{"limits.disagreement_psi", "50"}, {"reference.span_psi", "[0, 133.4]"}});
   request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
       "schema = 1\nname = \"high\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 10\ndwell_s = 0.5\n",
       "high.toml"))};

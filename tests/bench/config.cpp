@@ -55,7 +55,7 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"bench.origin", "hardware"}, "has a [simulation] table");
   refused({"simulation.effects.row_cross", "0.1"}, "unknown key");
   refused({"regulator.span_v", "[10, 0]"}, "low < high");
-  CHECK_THROWS_AS(read_bench(kBench, {{"module.profile", "beckhof"}}), devices::Fault);
+  CHECK_THROWS_AS(read_bench(kBench, {{"module.profile", "beckhof"}}), sequences::FileError);
 }
 
 TEST_CASE("a complaint about an overridden value names --set") {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "devices/pressure/pressure_reference.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
 #include "tests/devices/test_chamber.h"
@@ -20,7 +21,7 @@ struct Rig {
       : server(std::make_unique<SimulatedModule>(module_profile("beckhoff-ek9000"), 0, chamber, clock, faults)),
         module(module_profile("beckhoff-ek9000"), {"127.0.0.1", server->port(), 1, timeout}, 1000ms, clock,
                Origin::kSimulated),
-        regulator(module, options(), clock) {}
+        regulator(module, module, options(), clock) {}
 
   static RegulatorOptions options() {
     RegulatorOptions options;
@@ -60,7 +61,7 @@ std::uint16_t read_one(ModbusLink& link, int address) {
 
 TEST_CASE("analog module: bring-up sets lock, type and time") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   auto other = rig.foreign();
   CHECK(read_one(other, 0x1120) == 1000);
   CHECK(read_one(other, 0x1122) == 0);
@@ -79,7 +80,7 @@ TEST_CASE("analog module: a watchdog time that the module does not take is refus
 
 TEST_CASE("regulator: a command drives the output, feedback and reference come back") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   const auto exchanges = rig.module.exchanges();
   const auto counts = rig.regulator.command(Psi(60.0));
   CHECK(rig.module.exchanges() - exchanges == 2);
@@ -105,7 +106,7 @@ TEST_CASE("regulator: a command drives the output, feedback and reference come b
 
 TEST_CASE("regulator: the command limit is inclusive and refuses before anything is sent") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(60.0));
   const auto exchanges = rig.module.exchanges();
   const double refused[] = {60.0001, -0.0001, 1e9, -1e9, std::nan(""), HUGE_VAL, -HUGE_VAL};
@@ -121,14 +122,14 @@ TEST_CASE("regulator: the command limit is inclusive and refuses before anything
 
   auto options = Rig::options();
   options.command_limit = Psi(200.0);  // beyond the regulator's own span: the output cannot give it
-  Regulator beyond(rig.module, options, rig.clock);
+  Regulator beyond(rig.module, rig.module, options, rig.clock);
   CHECK(fault_id_of([&] { beyond.command(Psi(150.0)); }) == "TB-CHAMBER-LIMIT");
   CHECK(rig.module.exchanges() == exchanges);
 }
 
 TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output in process time") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(40.0));
   for (int i = 1; i <= 50; ++i) {
     rig.clock.wait_until(i * 400ms);
@@ -145,14 +146,14 @@ TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output
   CHECK_THAT(fault->what(), Catch::Contains("fallen back") && Catch::Contains("1000 ms"));
   CHECK(rig.chamber.output() == Volts(0.0));
   CHECK(rig.regulator.vent());  // refused as a write, but all outputs read 0
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(10.0));
   CHECK(rig.regulator.feedback().pressure.value() == Approx(10.0).margin(0.003));
 }
 
 TEST_CASE("regulator: keep-alive only reads while the last write is young") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(40.0));
   rig.clock.wait_until(399ms);
   rig.regulator.keep_alive();
@@ -164,7 +165,7 @@ TEST_CASE("regulator: keep-alive only reads while the last write is young") {
 
 TEST_CASE("analog module: another master's write is found by reading back") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(40.0));
   const auto counts = rig.module.output(0);
   auto other = rig.foreign();
@@ -193,7 +194,7 @@ TEST_CASE("analog module: with the lock on only the first writer writes") {
 
 TEST_CASE("regulator: vents, twice") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(50.0));
   REQUIRE(rig.chamber.output() > Volts(3.8));
   CHECK(rig.regulator.vent());
@@ -204,7 +205,7 @@ TEST_CASE("regulator: vents, twice") {
 
 TEST_CASE("regulator: vents on a fresh connection after the link was cut") {
   Rig rig;
-  rig.module.bring_up();
+  rig.regulator.arm();
   rig.regulator.command(Psi(50.0));
   const int port = rig.server->port();
   rig.server.reset();  // the connection breaks; the output terminal holds what it had

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "devices/pressure/analog_module.h"
+#include "devices/pressure/pressure_reference.h"
 #include "devices/pressure/regulator.h"
 #include "tests/devices/test_chamber.h"
 
@@ -19,16 +20,17 @@ struct Unconnected {
 
 TEST_CASE("analog module: 0x7FFF is 10 V, both ways") {
   const Unconnected rig;
-  CHECK(rig.module.volts(0x7FFF) == Volts(10.0));
-  CHECK(rig.module.volts(0) == Volts(0.0));
-  CHECK(rig.module.volts(-0x7FFF) == Volts(-10.0));
+  const LinearScale& volts = rig.module.profile().inputs.volts;
+  CHECK(volts.physical(0x7FFF) == 10.0);
+  CHECK(volts.physical(0) == 0.0);
+  CHECK(volts.physical(-0x7FFF) == -10.0);
   CHECK(rig.module.counts(Volts(10.0)) == 0x7FFF);
   CHECK(rig.module.counts(Volts(5.0)) == 16384);  // 16383.5 rounds up
   CHECK(rig.module.counts(Volts(12.0)) == 0x7FFF);
   CHECK(rig.module.counts(Volts(-1.0)) == 0);
   CHECK(rig.module.counts(Volts(std::nan(""))) == 0);
   for (int counts = 0; counts <= 0x7FFF; ++counts) {
-    if (rig.module.counts(rig.module.volts(counts)) != counts) FAIL("counts " << counts << " do not come back");
+    if (rig.module.counts(Volts(volts.physical(counts))) != counts) FAIL("counts " << counts << " do not come back");
   }
 }
 
@@ -44,28 +46,16 @@ TEST_CASE("regulator span: 60 psi of a 9 bar regulator are 4.596 V, 2 psi 0.1532
   CHECK(live_zero.voltage(Psi(0.0)).value() == Approx(1.0));
 }
 
-TEST_CASE("module profile: the EK9000's addresses, and an unknown name") {
-  const auto profile = module_profile("beckhoff-ek9000");
-  CHECK(profile.input_address == 0x0000);
-  CHECK(profile.output_address == 0x0800);
-  CHECK(profile.watchdog_address == 0x1120);
-  const auto fault = fault_of([] { (void)module_profile("beckhof"); });
-  REQUIRE(fault);
-  CHECK(fault->id() == "TB-MODULE-PROFILE");
-  CHECK_THAT(fault->what(), Catch::Contains("beckhof"));
-  CHECK_THAT(fault->remedy(), Catch::Contains("beckhoff-ek9000"));
-}
-
 TEST_CASE("regulator: channels that the module does not have and spans that do not rise are refused at once") {
   Unconnected rig;
   RegulatorOptions options;
   options.command_span.high = options.feedback_span.high = Psi(130.0);
-  CHECK(fault_id_of([&] { Regulator(rig.module, options, rig.clock); }) == "none");
+  CHECK(fault_id_of([&] { Regulator(rig.module, rig.module, options, rig.clock); }) == "none");
   options.feedback_channel = 2;
-  CHECK(fault_id_of([&] { Regulator(rig.module, options, rig.clock); }) == "TB-MODULE-CHANNEL");
+  CHECK(fault_id_of([&] { Regulator(rig.module, rig.module, options, rig.clock); }) == "TB-MODULE-CHANNEL");
   options.feedback_channel = 0;
   options.command_span.high = Psi(0.0);
-  CHECK(fault_id_of([&] { Regulator(rig.module, options, rig.clock); }) == "TB-MODULE-SPAN");
+  CHECK(fault_id_of([&] { Regulator(rig.module, rig.module, options, rig.clock); }) == "TB-MODULE-SPAN");
   TransducerOptions transducer;
   transducer.span.high = Psi(100.0);
   transducer.channel = -1;

@@ -132,9 +132,11 @@ TEST_CASE("modbus link: answers that do not fit are refused and leave nothing be
     if (kind == 1) reply[7] = 3;                                        // another function
     if (kind == 2) reply = ScriptedServer::answer(request, {1, 2});     // more registers than asked for
     if (kind == 3) reply.resize(reply.size() - 1);                      // the last byte never comes
+    if (kind == 4) reply[6] = static_cast<std::uint8_t>(reply[6] + 1);  // another unit behind the same gateway
+    if (kind == 5) reply[3] = 1;                                        // not Modbus
     return reply;
   };
-  for (int kind = 0; kind < 4; ++kind) {
+  for (int kind = 0; kind < 6; ++kind) {
     INFO("kind " << kind);
     ScriptedServer server([&](int number, int socket, const Bytes& request) {
       ScriptedServer::send(socket, number == 0 ? spoil(kind, request) : ScriptedServer::answer(request, {42}));

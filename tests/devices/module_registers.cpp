@@ -13,7 +13,7 @@ namespace {
 struct Map {
   TurnedClock clock;
   TestChamber chamber{clock};
-  ModuleRegisters registers{module_profile("beckhoff-ek9000"), chamber, clock};
+  ModuleRegisters registers{SimulatedUnit{1, module_profile("beckhoff-ek9000"), {}}, chamber, clock};
 
   Refusal write(int client, int address, std::uint16_t value) {
     registers.turn();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/config_profile.h"
 #include "devices/clock.h"
 #include "devices/fault.h"
 #include "devices/pressure/chamber_port.h"
@@ -67,6 +68,8 @@ std::string fault_id_of(Act&& act) {
   const auto fault = fault_of(act);
   return fault ? fault->id() : "none";
 }
+
+inline ModuleProfile module_profile(const std::string& name) { return bench::read_module_profile(name); }
 
 using tests::TemporaryFolder;
 

@@ -1,0 +1,16 @@
+// Module profiles: files of devices/profiles, or one of the user's own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "devices/pressure/analog_module.h"
+
+namespace tactbench::bench {
+
+// `name` is a shipped profile ("beckhoff-ek9000") or the path of a .toml file. Throws sequences::FileError, naming the
+// shipped ones when there is none of that name.
+devices::ModuleProfile read_module_profile(const std::string& name);
+std::vector<std::string> shipped_profiles();
+
+}  // namespace tactbench::bench

@@ -1,0 +1,28 @@
+// The Modbus side of a simulated rig: which units stand on which simulated line, as the bench file describes them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/config.h"
+#include "bench/simulation/plant.h"
+#include "devices/pressure/simulated_module.h"
+
+namespace tactbench::bench {
+
+class SimulatedLines {
+ public:
+  // Starts the servers and writes where they are into the endpoints of `config`. Both outlive this. Throws Fault.
+  SimulatedLines(BenchConfig& config, Plant& plant, const devices::Clock& clock);
+  // "Modbus TCP 127.0.0.1:1502, unit 1: Beckhoff EK9000 + EL4xxx/EL3xxx", one a line.
+  [[nodiscard]] const std::vector<std::string>& descriptions() const { return descriptions_; }
+
+ private:
+  void serve(std::vector<devices::SimulatedUnit> units, const std::vector<devices::ModbusEndpoint*>& endpoints,
+             Plant& plant, const devices::Clock& clock, const devices::SimulatedModuleFaults& faults);
+  std::vector<std::unique_ptr<devices::SimulatedModule>> servers_;
+  std::vector<std::string> descriptions_;
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,72 @@
+#include "devices/pressure/simulated_rtu.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <utility>
+
+namespace tactbench::devices {
+namespace {
+
+constexpr int kOnlyClient = 0;
+// A client pauses no longer than this inside a frame; half a frame older than that is noise.
+constexpr int kFrameMilliseconds = 100;
+
+// Bytes of the request that begins `bytes` (unit, function, ..., check sum); 0: not yet known.
+std::size_t request_size(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 2) return 0;
+  if (bytes[1] == 16) return bytes.size() < 7 ? 0 : 9U + bytes[6];
+  if (bytes[1] == 23) return bytes.size() < 11 ? 0 : 13U + bytes[10];
+  return 8;
+}
+
+}  // namespace
+
+SimulatedModule::RtuServer::RtuServer(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock,
+                                      SimulatedModuleFaults faults)
+    : Server(std::move(units), chamber, clock, faults) {
+  modbus_ = modbus_new_rtu(terminal_.path().c_str(), 9600, 'N', 8, 1);
+  if (modbus_ == nullptr || stop_ < 0) fail_to_listen("serving " + terminal_.path(), errno);
+  connected();
+  start();
+}
+
+SimulatedModule::RtuServer::~RtuServer() { stop(); }
+
+void SimulatedModule::RtuServer::serve() {
+  for (;;) {
+    std::array<pollfd, 2> descriptors{pollfd{stop_, POLLIN, 0}, pollfd{terminal_.master(), POLLIN, 0}};
+    const int ready = ::poll(descriptors.data(), descriptors.size(), received_.empty() ? -1 : kFrameMilliseconds);
+    if (ready == 0) received_.clear();
+    if (descriptors[0].revents != 0) return;
+    if (ready > 0 && descriptors[1].revents != 0 && !attend()) {
+      terminal_.hang_up();
+      return;
+    }
+  }
+}
+
+// False: the line is to hang up.
+bool SimulatedModule::RtuServer::attend() {
+  std::array<std::uint8_t, MODBUS_RTU_MAX_ADU_LENGTH> bytes{};
+  const ssize_t got = ::read(terminal_.master(), bytes.data(), bytes.size());
+  if (got <= 0) return got < 0 && (errno == EAGAIN || errno == EINTR);
+  received_.insert(received_.end(), bytes.begin(), bytes.begin() + got);
+  for (;;) {
+    const std::size_t size = request_size(received_);
+    if (size == 0 || received_.size() < size) return true;
+    const auto frame = std::span<const std::uint8_t>(received_).first(size);
+    const std::uint16_t crc = modbus_crc(frame.first(size - 2));
+    if (frame[size - 2] != (crc & 0xFFU) || frame[size - 1] != crc >> 8U) {
+      received_.clear();  // a damaged request is not answered, and where the next begins only silence tells
+      return true;
+    }
+    if (answer(kOnlyClient, terminal_.master(), frame, 0, 2) == Answer::kDie) return false;
+    received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+}
+
+}  // namespace tactbench::devices

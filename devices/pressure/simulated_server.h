@@ -1,0 +1,58 @@
+// What the simulated module's TCP and RTU servers share: units, the carrying out of a request, faults. libmodbus builds
+// the answers. Used by simulated_module*.cpp alone.
+#pragma once
+
+#include <modbus.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "devices/pressure/module_registers.h"
+
+namespace tactbench::devices {
+
+class SimulatedModule::Server {
+ public:
+  Server(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock, SimulatedModuleFaults faults);
+  virtual ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+  [[nodiscard]] virtual int port() const { return 0; }
+  [[nodiscard]] virtual std::string serial_port() const { return {}; }
+
+ protected:
+  enum class Answer { kSent, kNone, kBroken, kDie };
+  // One request of client number `client`, answered on `descriptor`: `frame` is header, unit, PDU, trailer.
+  Answer answer(int client, int descriptor, std::span<const std::uint8_t> frame, std::size_t header,
+                std::size_t trailer);
+  [[noreturn]] void fail_to_listen(const std::string& what, int error);
+  void start() {
+    thread_ = std::thread([this] { serve(); });
+  }
+  void stop();  // to be called by the destructor of the class that has serve()
+  void connected();
+  void disconnected(int client);
+
+  modbus_t* modbus_ = nullptr;
+  int stop_ = -1;  // readable: end
+
+ private:
+  virtual void serve() = 0;
+  Refusal carry_out(ModuleRegisters& registers, int client, std::span<const std::uint8_t> pdu);
+  Refusal read(ModuleRegisters& registers, int client, int function, int address, std::size_t count);
+  Refusal write(ModuleRegisters& registers, int client, int address, std::span<const std::uint8_t> bytes);
+  Refusal read_bits(const ModuleRegisters& registers, int address, std::size_t count);
+  std::vector<std::unique_ptr<ModuleRegisters>> units_;
+  SimulatedModuleFaults faults_;
+  modbus_mapping_t* mapping_ = nullptr;
+  long requests_ = 0;
+  std::thread thread_;
+};
+
+// CRC of Modbus over serial line 1.02, section 6.2.2.
+std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes);
+
+}  // namespace tactbench::devices

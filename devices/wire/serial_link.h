@@ -1,0 +1,37 @@
+// ByteStream over a serial port (libserialport), its traps closed: unplugging is a fault at once and not silence, no
+// waiting burns a core, a port is held by one program only.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/wire/byte_stream.h"
+
+namespace tactbench::devices {
+
+struct SerialAddress {
+  std::string port;  // "/dev/ttyUSB0", a link such as /dev/serial/by-id/..., or what open_stream() takes
+  int baud = 9600;
+  char parity = 'N';  // 'N', 'E' or 'O'
+  int stop_bits = 1;
+  std::string usb_serial;  // with a port: it must carry this serial number; without: the port that carries it is used
+};
+
+struct SerialPortInfo {
+  std::string name;
+  std::string description;
+  int usb_vendor = -1;  // -1: not a USB port
+  int usb_product = -1;
+  std::string usb_serial;
+};
+
+// Ports of the system; pseudo-terminals are never among them, and a port may have nothing attached.
+[[nodiscard]] std::vector<SerialPortInfo> list_serial_ports();
+
+// Opens the port, eight data bits and no handshake; what waited to be read is thrown away. Addresses that open_stream()
+// takes go there, since libserialport opens ports only. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another
+// program holds the port. Each write() takes at most one second.
+[[nodiscard]] std::unique_ptr<ByteStream> open_serial(const SerialAddress& address);
+
+}  // namespace tactbench::devices

@@ -1,0 +1,211 @@
+#include "devices/wire/stream_link.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "devices/fault.h"
+#include "devices/wire/wait.h"
+
+namespace tactbench::devices {
+namespace {
+
+constexpr const char* kPty = "/dev/pts/";
+constexpr const char* kTcp = "tcp:";
+constexpr const char* kUnix = "unix:";
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor& operator=(Descriptor&&) = delete;
+  [[nodiscard]] int get() const { return number_; }
+
+ private:
+  int number_;
+};
+
+class StreamLink final : public ByteStream {
+ public:
+  StreamLink(Descriptor descriptor, std::string address, bool socket, Nanoseconds write_timeout)
+      : descriptor_(std::move(descriptor)),
+        address_(std::move(address)),
+        socket_(socket),
+        write_timeout_(write_timeout) {}
+
+  void write(std::span<const std::uint8_t> bytes) override {
+    const auto deadline = std::chrono::steady_clock::now() + write_timeout_;
+    const std::size_t asked = bytes.size();
+    while (!bytes.empty()) {
+      const ssize_t sent = socket_ ? ::send(descriptor_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                                   : ::write(descriptor_.get(), bytes.data(), bytes.size());
+      if (sent > 0) {
+        bytes = bytes.subspan(static_cast<std::size_t>(sent));
+      } else if (sent == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
+        lost("sending to", sent == 0 ? "it takes no bytes" : std::strerror(errno));
+      } else if (wait_for(descriptor_.get(), POLLOUT, deadline - std::chrono::steady_clock::now()) == 0) {
+        throw Fault("TB-SERIAL-TIMEOUT", address_,
+                    fmt::format("sending {} bytes to {}: {} were not taken within {:g} s", asked, address_,
+                                bytes.size(), std::chrono::duration<double>(write_timeout_).count()),
+                    "Check that the program or instrument at the other end still runs.");
+      }
+    }
+  }
+
+  std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) override {
+    const auto deadline = std::chrono::steady_clock::now() + timeout;
+    for (auto left = timeout;; left = deadline - std::chrono::steady_clock::now()) {
+      if (wait_for(descriptor_.get(), POLLIN, left) == 0) return 0;
+      const ssize_t got = ::read(descriptor_.get(), into.data(), into.size());
+      if (got > 0) return static_cast<std::size_t>(got);
+      // Readable without a byte: a closed socket, or a pseudo-terminal that was hung up.
+      if (got == 0) lost("reading from", "closed by the other side");
+      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) lost("reading from", std::strerror(errno));
+    }
+  }
+
+  std::size_t discard() override {
+    std::array<std::uint8_t, 4096> bytes{};
+    std::size_t thrown = 0;
+    while (thrown < kDiscardLimit) {
+      const std::size_t got = read(bytes, Nanoseconds(0));
+      if (got == 0) break;
+      thrown += got;
+    }
+    return thrown;
+  }
+
+  std::string description() const override { return address_; }
+
+ private:
+  static constexpr std::size_t kDiscardLimit = 1U << 20U;  // a sender that never rests must not hold us
+
+  [[noreturn]] void lost(const char* doing, const char* why) const {
+    throw Fault("TB-SERIAL-LOST", address_, fmt::format("{} {}: {}", doing, address_, why),
+                "Plug the instrument in again (or start its program) and connect anew.");
+  }
+
+  Descriptor descriptor_;
+  std::string address_;
+  bool socket_;
+  Nanoseconds write_timeout_;
+};
+
+[[noreturn]] void fail_open(const std::string& address, const std::string& why) {
+  throw Fault("TB-SERIAL-OPEN", address, fmt::format("opening {}: {}", address, why),
+              "Check that the instrument or its simulator runs and that the address in the bench file is its own.");
+}
+
+// O_NOCTTY: the terminal must not become ours and hang us up. flock() alone keeps a second client out: TIOCEXCL would
+// stay set after a killed client, since the simulated end keeps the terminal open.
+Descriptor open_pty(const std::string& path) {
+  Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (opened.get() < 0) fail_open(path, std::strerror(errno));
+  if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) fail_open(path, std::strerror(errno));
+    throw Fault("TB-SERIAL-BUSY", path, fmt::format("opening {}: another program or device holds it", path),
+                "Close the other program, or correct the address in the bench file.");
+  }
+  termios settings{};
+  if (::tcgetattr(opened.get(), &settings) != 0) fail_open(path, std::strerror(errno));
+  ::cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cc[VMIN] = 1;
+  settings.c_cc[VTIME] = 0;
+  if (::tcsetattr(opened.get(), TCSANOW, &settings) != 0) fail_open(path, std::strerror(errno));
+  ::tcflush(opened.get(), TCIFLUSH);  // replies that the client before us left
+  return opened;
+}
+
+// -1 when the other end refused or did not answer in time; `why` then says so.
+int connect_within(int domain, const sockaddr* address, socklen_t size, Nanoseconds timeout, std::string& why) {
+  const int socket = ::socket(domain, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  int error = socket < 0 ? errno : 0;
+  if (error == 0 && ::connect(socket, address, size) != 0) {
+    error = errno;
+    if (error == EINPROGRESS) {
+      error = ETIMEDOUT;
+      socklen_t length = sizeof error;
+      if (wait_for(socket, POLLOUT, timeout) != 0) ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &length);
+    }
+  }
+  if (error == 0) return socket;
+  why = std::strerror(error);
+  if (socket >= 0) ::close(socket);
+  return -1;
+}
+
+Descriptor connect_unix(const std::string& address, Nanoseconds timeout) {
+  const std::string path = address.substr(std::strlen(kUnix));
+  sockaddr_un local{};
+  local.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof local.sun_path) fail_open(address, "the path is empty or too long");
+  std::copy(path.begin(), path.end(), local.sun_path);
+  std::string why;
+  Descriptor opened(connect_within(AF_UNIX, reinterpret_cast<const sockaddr*>(&local), sizeof local, timeout, why));
+  if (opened.get() < 0) fail_open(address, why);
+  return opened;
+}
+
+Descriptor connect_tcp(const std::string& address, Nanoseconds timeout) {
+  const std::string rest = address.substr(std::strlen(kTcp));
+  const std::size_t colon = rest.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == rest.size()) {
+    fail_open(address, "the address is not of the form tcp:HOST:PORT");
+  }
+  std::string host = rest.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int result = ::getaddrinfo(host.c_str(), rest.substr(colon + 1).c_str(), &hints, &found);
+  if (result != 0) fail_open(address, ::gai_strerror(result));
+  std::string why = "no address";
+  int socket = -1;
+  for (const addrinfo* one = found; one != nullptr && socket < 0; one = one->ai_next) {
+    socket = connect_within(one->ai_family, one->ai_addr, one->ai_addrlen, timeout, why);
+  }
+  ::freeaddrinfo(found);
+  if (socket < 0) fail_open(address, why);
+  const int one = 1;
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+  return Descriptor(socket);
+}
+
+}  // namespace
+
+bool is_stream_address(const std::string& address) {
+  return address.starts_with(kPty) || address.starts_with(kTcp) || address.starts_with(kUnix);
+}
+
+std::unique_ptr<ByteStream> open_stream(const std::string& address, Nanoseconds timeout) {
+  if (address.starts_with(kPty)) return std::make_unique<StreamLink>(open_pty(address), address, false, timeout);
+  if (address.starts_with(kUnix)) {
+    return std::make_unique<StreamLink>(connect_unix(address, timeout), address, true, timeout);
+  }
+  if (address.starts_with(kTcp)) {
+    return std::make_unique<StreamLink>(connect_tcp(address, timeout), address, true, timeout);
+  }
+  fail_open(address, "a stream's address is /dev/pts/N, tcp:HOST:PORT or unix:PATH");
+}
+
+}  // namespace tactbench::devices

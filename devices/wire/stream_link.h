@@ -1,0 +1,21 @@
+// ByteStream over what libserialport cannot open: a pseudo-terminal, a TCP connection or a local stream socket.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "devices/wire/byte_stream.h"
+
+namespace tactbench::devices {
+
+// True for the addresses that open_stream() takes: "/dev/pts/N", "tcp:HOST:PORT" (IPv6 as "tcp:[::1]:PORT"),
+// "unix:PATH".
+[[nodiscard]] bool is_stream_address(const std::string& address);
+
+// Opens `address`; a connection that is not there within `timeout` is a fault (resolving a host's name comes on top).
+// What waited to be read is thrown away. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another ByteStream
+// holds the pseudo-terminal. Each write() takes at most `timeout`.
+[[nodiscard]] std::unique_ptr<ByteStream> open_stream(const std::string& address,
+                                                      Nanoseconds timeout = std::chrono::seconds(2));
+
+}  // namespace tactbench::devices

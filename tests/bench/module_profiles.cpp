@@ -1,0 +1,76 @@
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "bench/config_profile.h"
+#include "devices/wire/modbus_value.h"
+#include "sequences/strict_toml.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using bench::read_module_profile;
+
+namespace {
+
+std::string error_of(const std::string& name) {
+  try {
+    (void)read_module_profile(name);
+  } catch (const sequences::FileError& error) {
+    return error.id() + " " + error.what() + " " + error.remedy();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("module profiles: the EK9000's addresses") {
+  const auto profile = read_module_profile("beckhoff-ek9000");
+  CHECK(profile.tcp);
+  CHECK_FALSE(profile.rtu);
+  CHECK(profile.inputs.address == 0x0000);
+  CHECK(profile.outputs.address == 0x0800);
+  CHECK(profile.outputs.function == 23);
+  CHECK(profile.fail_safe.watchdog_address == 0x1120);
+  CHECK(profile.fail_safe.fallbacks_address == 0x1021);
+  CHECK(profile.fail_safe.layers.size() == 2);
+}
+
+TEST_CASE("module profiles: each shipped one can be read, and holds outputs or inputs") {
+  const auto names = bench::shipped_profiles();
+  CHECK(names.size() >= 7);
+  for (const std::string& name : names) {
+    INFO(name);
+    const auto profile = read_module_profile(name);
+    CHECK(profile.name == name);
+    CHECK(profile.outputs.channels + profile.inputs.channels > 0);
+  }
+}
+
+TEST_CASE("module profiles: the manuals' numbers of ADAM, Moxa and Waveshare") {
+  const auto adam = read_module_profile("advantech-adam-6024");
+  CHECK(adam.outputs.address == 40011 - 40001);
+  CHECK(adam.inputs.address + adam.inputs.status_offset == 40021 - 40001);
+  const auto moxa = read_module_profile("moxa-iologik-e1241");
+  CHECK(moxa.outputs.address == 41025 - 40001);
+  CHECK(moxa.fail_safe.safe_mode_address == 0x1010);
+  CHECK(moxa.fail_safe.safe_mode_clear_address == 0x1020);
+  const auto waveshare = read_module_profile("waveshare-analog-output-8ch-b");
+  CHECK_FALSE(waveshare.tcp);
+  CHECK(waveshare.outputs.volts.raw(1.0) == 1000.0);  // 01 06 00 00 03 E8: 1 V
+  CHECK(waveshare.fail_safe.layers.empty());
+}
+
+TEST_CASE("module profiles: an unknown name, a wrong function and an unknown key are told with the remedy") {
+  CHECK_THAT(error_of("beckhof-ek9000"),
+             Catch::Contains("TB-MODULE-PROFILE") && Catch::Contains("did you mean 'beckhoff-ek9000'"));
+  const tests::TemporaryFolder folder;
+  const auto write = [&](const std::string& text) {
+    const std::string path = folder.path() + "/mine.toml";
+    std::ofstream(path) << "schema = 1\nmodel = \"mine\"\ntransport = \"any\"\n" << text;
+    return path;
+  };
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nfunction = 15\n")), Catch::Contains("6, 16, 23"));
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nadress = 3\n")), Catch::Contains("adress"));
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nvolts_span = [2, 10]\n")), Catch::Contains("0 V"));
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nfunction = 23\n")), Catch::Contains("function 23 reads inputs"));
+  CHECK(error_of(write("[inputs]\nchannels = 1\n")) == "none");
+}
