@@ -5,10 +5,14 @@
 namespace tactbench::devices {
 
 Nanoseconds SteadyClock::now() const {
-  return std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now() - start_);
+  const Nanoseconds real = std::chrono::steady_clock::now() - start_;
+  return rate_ == 1.0 ? real : std::chrono::duration_cast<Nanoseconds>(real * rate_);
 }
 
-void SteadyClock::wait_until(Nanoseconds time) { std::this_thread::sleep_until(start_ + time); }
+void SteadyClock::wait_until(Nanoseconds time) {
+  const std::chrono::duration<double, std::nano> real = std::chrono::duration<double, std::nano>(time) / rate_;
+  std::this_thread::sleep_until(start_ + (rate_ == 1.0 ? time : std::chrono::ceil<Nanoseconds>(real)));
+}
 
 void TurnedClock::wait_until(Nanoseconds time) {
   // One thread turns the clock, so load and store need not be one step; it never goes back.

@@ -23,11 +23,14 @@ class Clock {
 
 class SteadyClock final : public Clock {
  public:
+  // `rate`: process time runs that many times as fast as real time (a simulated rig in a process of its own).
+  explicit SteadyClock(double rate = 1.0) : rate_(rate) {}
   [[nodiscard]] Nanoseconds now() const override;
   void wait_until(Nanoseconds time) override;
   void reply_lost(Nanoseconds) override {}  // the waiting itself has moved this clock
 
  private:
+  double rate_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

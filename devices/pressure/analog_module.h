@@ -82,6 +82,7 @@ class AnalogModule {
   // Reads the input image (one exchange) unless it is at most `max_age` old. Throws Fault TB-MODULE-INPUT when a
   // status word names a channel out of range.
   void refresh(Nanoseconds max_age = Nanoseconds(0));
+  void forget_image() { image_time_ = Nanoseconds(-1); }  // the next refresh() reads anew
 
   [[nodiscard]] RegisterValue input(int channel) const;   // of the last image
   [[nodiscard]] std::uint16_t output(int channel) const;  // raw counts last written and read back

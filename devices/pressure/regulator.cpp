@@ -77,6 +77,7 @@ std::uint16_t Regulator::command(Psi pressure) {
         "Arm it first; a failed exchange disarms it.");
   }
   const std::uint16_t counts = output_.counts(volts);
+  input_.forget_image();
   or_disarm([&] { output_.write(options_.output_channel, counts); });
   return counts;
 }
@@ -97,7 +98,10 @@ PressureReading Regulator::feedback() {
           input_.image_time()};
 }
 
-bool Regulator::vent() noexcept { return output_.zero_outputs(); }
+bool Regulator::vent() noexcept {
+  input_.forget_image();  // what it showed is from before
+  return output_.zero_outputs();
+}
 
 Identity Regulator::identity() const { return {"regulator", options_.model, options_.serial, "", options_.origin}; }
 

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "devices/wire/modbus_crc.h"
+
 namespace tactbench::devices {
 namespace {
 
@@ -59,7 +61,7 @@ bool SimulatedModule::RtuServer::attend() {
     const std::size_t size = request_size(received_);
     if (size == 0 || received_.size() < size) return true;
     const auto frame = std::span<const std::uint8_t>(received_).first(size);
-    const std::uint16_t crc = modbus_crc(frame.first(size - 2));
+    const std::uint16_t crc = crc16_modbus(frame.first(size - 2));
     if (frame[size - 2] != (crc & 0xFFU) || frame[size - 1] != crc >> 8U) {
       received_.clear();  // a damaged request is not answered, and where the next begins only silence tells
       return true;

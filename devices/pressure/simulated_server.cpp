@@ -150,13 +150,4 @@ Refusal SimulatedModule::Server::write(ModuleRegisters& registers, int client, i
   return registers.write(client, address, std::span(values, count));
 }
 
-std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes) {
-  unsigned crc = 0xFFFF;
-  for (const std::uint8_t byte : bytes) {
-    crc ^= byte;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1U) != 0 ? crc >> 1U ^ 0xA001U : crc >> 1U;
-  }
-  return static_cast<std::uint16_t>(crc);
-}
-
 }  // namespace tactbench::devices

@@ -52,7 +52,4 @@ class SimulatedModule::Server {
   std::thread thread_;
 };
 
-// CRC of Modbus over serial line 1.02, section 6.2.2.
-std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes);
-
 }  // namespace tactbench::devices

@@ -78,16 +78,25 @@ class HidLink final : public ReportLink {
 
 std::string devices_present() {
   std::string list;
-  hid_device_info* first = hid_enumerate(0, 0);
-  for (const hid_device_info* info = first; info != nullptr; info = info->next) {
-    list += fmt::format("{}{:04x}:{:04x} serial '{}' {}", list.empty() ? "" : ", ", info->vendor_id, info->product_id,
-                        narrow(info->serial_number), narrow(info->product_string));
+  for (const HidInfo& info : list_hid_devices()) {
+    list += fmt::format("{}{:04x}:{:04x} serial '{}' {}", list.empty() ? "" : ", ", info.vendor_id, info.product_id,
+                        info.serial, info.product);
   }
-  hid_free_enumeration(first);
   return list.empty() ? "none" : list;
 }
 
 }  // namespace
+
+std::vector<HidInfo> list_hid_devices() {
+  std::vector<HidInfo> list;
+  hid_device_info* first = hid_enumerate(0, 0);
+  for (const hid_device_info* info = first; info != nullptr; info = info->next) {
+    list.push_back({info->vendor_id, info->product_id, narrow(info->serial_number), narrow(info->product_string),
+                    info->path == nullptr ? "" : info->path});
+  }
+  hid_free_enumeration(first);
+  return list;
+}
 
 std::unique_ptr<ReportLink> open_hid_link(const HidAddress& address) {
   const std::string name = fmt::format("HID device {:04x}:{:04x}{}", address.vendor_id, address.product_id,

@@ -12,14 +12,13 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <functional>
 #include <numeric>
 #include <vector>
 
-#include "devices/fault.h"
 #include "devices/wire/pseudo_terminal.h"
 #include "devices/wire/serial_link.h"
 #include "devices/wire/stream_link.h"
+#include "tests/devices/fault_of.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
@@ -33,17 +32,6 @@ SerialAddress at(const std::string& port, const std::string& usb_serial = "") {
   address.port = port;
   address.usb_serial = usb_serial;
   return address;
-}
-
-std::string fault_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Fault& fault) {
-    CHECK_FALSE(std::string(fault.what()).empty());
-    CHECK_FALSE(fault.remedy().empty());
-    return fault.id();
-  }
-  return "none";
 }
 
 Bytes read_exactly(ByteStream& stream, std::size_t count) {

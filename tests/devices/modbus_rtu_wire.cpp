@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "devices/pressure/simulated_module.h"
-#include "devices/pressure/simulated_server.h"
+#include "devices/wire/modbus_crc.h"
 #include "devices/wire/pseudo_terminal.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"
@@ -31,13 +31,6 @@ ModbusEndpoint on(const std::string& port, int unit, Nanoseconds timeout = kPati
   return endpoint;
 }
 
-Bytes with_crc(Bytes frame) {
-  const std::uint16_t crc = modbus_crc(frame);
-  frame.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
-  frame.push_back(static_cast<std::uint8_t>(crc >> 8U));
-  return frame;
-}
-
 // Answers a reading of `count` registers, all of them `value`.
 Bytes reading(int unit, int function, int count, std::uint16_t value) {
   Bytes frame{static_cast<std::uint8_t>(unit), static_cast<std::uint8_t>(function),
@@ -46,7 +39,7 @@ Bytes reading(int unit, int function, int count, std::uint16_t value) {
     frame.push_back(static_cast<std::uint8_t>(value >> 8U));
     frame.push_back(static_cast<std::uint8_t>(value & 0xFFU));
   }
-  return with_crc(frame);
+  return rtu_frame(frame);
 }
 
 class ScriptedLine {
@@ -191,7 +184,7 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
       return answer;
     }
     if (kind == 4) return {};
-    return with_crc({1, 0x84, 6});  // exception: busy
+    return rtu_frame(Bytes{1, 0x84, 6});  // exception: busy
   };
   const char* expected[] = {"TB-MODBUS-PROTOCOL", "TB-MODBUS-PROTOCOL", "TB-MODBUS-PROTOCOL",
                             "TB-MODBUS-TIMEOUT",  "TB-MODBUS-TIMEOUT",  "TB-MODBUS-EXCEPTION"};

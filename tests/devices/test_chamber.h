@@ -21,6 +21,7 @@ class TestChamber final : public ChamberPort {
  public:
   explicit TestChamber(const Clock& clock) : clock_(clock) {}
   void drive(Volts command, Nanoseconds hold_until, Volts fallback) override {
+    ++drives;
     command_ = command;
     hold_until_ = hold_until;
     fallback_ = fallback;
@@ -29,6 +30,7 @@ class TestChamber final : public ChamberPort {
   Volts reference() override { return reference_volts; }
   [[nodiscard]] Volts output() const { return clock_.now() < hold_until_ ? command_ : fallback_; }
   Volts reference_volts{0.0};
+  std::atomic<int> drives{0};  // orders given to the output terminal
 
  private:
   const Clock& clock_;

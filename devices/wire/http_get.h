@@ -1,0 +1,23 @@
+// One small page of a device's built-in web server, by HTTP/1.0. Our own forty lines rather than a library: Beast would
+// bring its headers into this room for one fixed request, and every step here has the deadline that the room asks for.
+#pragma once
+
+#include <string>
+
+#include "devices/clock.h"
+
+namespace tactbench::devices {
+
+struct HttpPage {
+  std::string host;  // in numbers
+  int port = 80;
+  std::string path;  // begins with '/'
+  Nanoseconds timeout = std::chrono::seconds(3);
+  std::size_t largest = std::size_t{1} << 18U;  // bytes, headers included
+};
+
+// The body of the answer "200". Returns or throws within `timeout`. Throws Fault TB-HTTP-OPEN (no address, refused, no
+// connection in time), TB-HTTP-TIMEOUT, TB-HTTP-ANSWER (other status, too large, cut short, no HTTP).
+[[nodiscard]] std::string http_get(const HttpPage& page, const std::string& device, Clock& clock);
+
+}  // namespace tactbench::devices

@@ -1,0 +1,21 @@
+// An IP address in numbers as sockets take it. Names are not resolved: a resolver's time has no bound that we set.
+#pragma once
+
+#include <netinet/in.h>
+
+#include <optional>
+#include <string>
+
+namespace tactbench::devices {
+
+struct IpAddress {
+  sockaddr_storage storage{};
+  socklen_t size = 0;
+  [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+  [[nodiscard]] int family() const { return storage.ss_family; }
+};
+
+// Empty when `host` is no IPv4 or IPv6 address in numbers, or the port is not 1..65535.
+[[nodiscard]] std::optional<IpAddress> numeric_address(const std::string& host, int port);
+
+}  // namespace tactbench::devices

@@ -1,0 +1,91 @@
+#include "devices/wire/udp_link.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "devices/fault.h"
+
+namespace tactbench::devices {
+namespace {
+
+constexpr std::size_t kDrainLimit = 100'000;  // a sender that never rests must not hold us
+
+bool is_nothing_yet(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+
+}  // namespace
+
+UdpLink::UdpLink(const std::string& host, int port, std::string device)
+    : device_(std::move(device)), peer_(fmt::format("{} port {} (UDP)", host, port)) {
+  const auto address = numeric_address(host, port);
+  if (!address) {
+    throw Fault("TB-UDP-OPEN", device_, fmt::format("{} at {}: no address in numbers or no port", device_, peer_),
+                "Write the address in numbers, as 192.168.1.1, and a port from 1 to 65535 in the bench file.");
+  }
+  address_ = *address;
+  renew();
+}
+
+UdpLink::~UdpLink() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+void UdpLink::renew() {
+  const int socket = ::socket(address_.family(), SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (socket < 0) fail("TB-UDP-OPEN", "making a socket for", errno);
+  if (::connect(socket, address_.get(), address_.size) != 0) {
+    const int error = errno;
+    ::close(socket);
+    fail("TB-UDP-OPEN", "connecting to", error);
+  }
+  if (socket_ >= 0) ::close(socket_);  // only now, so that the new one cannot get the old one's port
+  socket_ = socket;
+}
+
+void UdpLink::send(std::span<const std::uint8_t> datagram) {
+  ssize_t sent = -1;
+  do {
+    sent = ::send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  } while (sent < 0 && errno == EINTR);
+  if (sent != static_cast<ssize_t>(datagram.size())) fail("TB-UDP-LOST", "sending to", sent < 0 ? errno : EMSGSIZE);
+}
+
+std::size_t UdpLink::receive(std::span<std::uint8_t> into, Nanoseconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    const ssize_t got = ::recv(socket_, into.data(), into.size(), MSG_DONTWAIT);
+    if (got > 0) return static_cast<std::size_t>(got);  // an empty datagram says nothing
+    if (got < 0 && !is_nothing_yet(errno)) fail("TB-UDP-LOST", "receiving from", errno);
+    const Nanoseconds left = deadline - std::chrono::steady_clock::now();
+    if (left <= Nanoseconds(0)) return 0;
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+    const timespec span{seconds.count(), (left - seconds).count()};
+    pollfd descriptor{socket_, POLLIN, 0};
+    ::ppoll(&descriptor, 1, &span, nullptr);
+  }
+}
+
+std::size_t UdpLink::drain() {
+  std::size_t thrown = 0;
+  std::array<std::uint8_t, 1> sink{};
+  while (thrown < kDrainLimit) {
+    const ssize_t got = ::recv(socket_, sink.data(), sink.size(), MSG_DONTWAIT | MSG_TRUNC);
+    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
+    ++thrown;
+  }
+  return thrown;
+}
+
+void UdpLink::fail(const char* id, const std::string& doing, int error) const {
+  throw Fault(id, device_, fmt::format("{} {} at {}: {}", doing, device_, peer_, std::strerror(error)),
+              error == ECONNREFUSED ? "Nobody listens there: check address and port in the bench file."
+                                    : "Check power, network cable and address of the device.");
+}
+
+}  // namespace tactbench::devices

@@ -1,0 +1,42 @@
+// Datagrams to and from one peer: a connected UDP socket, so that the kernel drops what others send and reports a port
+// at which nobody listens.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/wire/ip_address.h"
+
+namespace tactbench::devices {
+
+class UdpLink {
+ public:
+  // `host` in numbers. Throws Fault TB-UDP-OPEN; whether somebody listens shows only at receive().
+  UdpLink(const std::string& host, int port, std::string device);
+  ~UdpLink();
+  UdpLink(const UdpLink&) = delete;
+  UdpLink& operator=(const UdpLink&) = delete;
+
+  // A new socket on another local port: what is still on its way to the old one never arrives. Throws TB-UDP-OPEN.
+  void renew();
+  // Throws Fault TB-UDP-LOST.
+  void send(std::span<const std::uint8_t> datagram);
+  // Waits in real time for one datagram; 0 when none came before `timeout`. A datagram larger than `into` is cut to
+  // its size. Throws Fault TB-UDP-LOST when the peer's host says that nobody listens, or the interface is gone.
+  [[nodiscard]] std::size_t receive(std::span<std::uint8_t> into, Nanoseconds timeout);
+  // Throws away what waits (100 000 datagrams at most) and forgets an old error; returns how many.
+  std::size_t drain();
+  [[nodiscard]] const std::string& peer() const { return peer_; }
+
+ private:
+  [[noreturn]] void fail(const char* id, const std::string& doing, int error) const;
+  std::string device_;
+  std::string peer_;
+  IpAddress address_;
+  int socket_ = -1;
+};
+
+}  // namespace tactbench::devices
