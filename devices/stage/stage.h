@@ -40,7 +40,8 @@ class Stage : public Actuator {
   virtual Millimetres stop(Axis axis) = 0;  // decelerates, blocks until it stands
   [[nodiscard]] virtual AxisState state(Axis axis) = 0;
   // Stops every axis; bounded in time, callable twice and in any state, from any thread, armed or not. True: every
-  // axis answered that it stands.
+  // axis answered that it stands. Whoever waits for a move gets a fault, and so does every command until arm(): none
+  // that was on its way may start an axis again.
   [[nodiscard]] virtual bool halt() noexcept = 0;
   [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one an axis
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;

@@ -1,0 +1,225 @@
+#include "devices/stage/chain_device.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tactbench::devices {
+namespace {
+
+using enum ZaberCommand;
+
+constexpr Nanoseconds kTracking = std::chrono::milliseconds(250);
+constexpr double kSpeedUnit = 9.375;
+constexpr double kAccelerationUnit = 11250.0;
+
+double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+Nanoseconds after(Nanoseconds begin, double span) {
+  return begin + std::chrono::ceil<Nanoseconds>(std::chrono::duration<double>(span));
+}
+
+bool answered_without_auto_reply(ZaberCommand command) {
+  const bool asks = command >= kDeviceId && command <= kEcho;
+  return asks || command == kPosition || command == kRenumber || command == kReturnStoredPosition || command == kError;
+}
+
+}  // namespace
+
+ChainDevice::ChainDevice(const ChainDeviceOptions& options) : options_(options), number_(options.number) {
+  const ZaberModel* model = zaber_model(options.device_id);
+  if (model == nullptr) model = zaber_model(60);
+  full_step_mm_ = model->full_step_mm;
+  const double microstep = full_step_mm_ / 64;
+  settings_ = {{kResolution, 64},
+               {kRunningCurrent, 10},
+               {kHoldCurrent, 20},
+               {kMode, options.mode},
+               {kHomeSpeed, options.home_speed},
+               {kTargetSpeed, options.target_speed},
+               {kAcceleration, options.acceleration},
+               {kMaximumPosition, static_cast<std::int32_t>(model->travel.value() / microstep)},
+               {kMaximumRelativeMove, static_cast<std::int32_t>(model->travel.value() / microstep)},
+               {kHomeOffset, 0},
+               {kAlias, 0},
+               {kLock, 0}};
+  ramp_ = Ramp(std::round(options.stands_at.value() / microstep));
+  power_up();
+}
+
+// The counter starts at 0 wherever the device stands; home status is lost, settings stay.
+void ChainDevice::power_up() {
+  settings_[kMode] &= ~kZaberHomed;
+  zero_ = ramp_.end();
+}
+
+bool ChainDevice::hears(std::uint8_t device) const {
+  return device == 0 || device == number_ || (device == setting(kAlias) && setting(kAlias) != 0);
+}
+
+double ChainDevice::physical(Nanoseconds now) const { return ramp_.position(seconds(now - began_)); }
+double ChainDevice::velocity(Nanoseconds now) const { return ramp_.velocity(seconds(now - began_)); }
+
+std::int32_t ChainDevice::counter(Nanoseconds now) const {
+  return static_cast<std::int32_t>(std::lround(physical(now) - zero_));
+}
+
+Millimetres ChainDevice::position(Nanoseconds now) const {
+  return Millimetres(physical(now) * full_step_mm_ / setting(kResolution));
+}
+
+void ChainDevice::say(ZaberCommand command, std::int32_t data, std::uint8_t id,
+                      std::vector<ZaberFrame>& replies) const {
+  if ((setting(kMode) & kZaberNoAutoReply) != 0 && !answered_without_auto_reply(command)) return;
+  replies.push_back({number_, command, data, id});
+}
+
+std::optional<Nanoseconds> ChainDevice::due() const {
+  if (!under_way_) return std::nullopt;
+  const Nanoseconds end = after(began_, ramp_.duration());
+  return (setting(kMode) & kZaberMoveTracking) != 0 ? std::min(end, next_tracking_) : end;
+}
+
+void ChainDevice::run(Nanoseconds now, std::vector<ZaberFrame>& replies) {
+  if (!under_way_) return;
+  const Nanoseconds end = after(began_, ramp_.duration());
+  if ((setting(kMode) & kZaberMoveTracking) != 0) {
+    for (; next_tracking_ <= std::min(now, end); next_tracking_ += kTracking) {
+      say(kMoveTracking, counter(next_tracking_), 0, replies);
+    }
+  }
+  if (now < end) return;
+  const ZaberFrame done = *std::exchange(under_way_, std::nullopt);
+  ramp_ = Ramp(ramp_.end());
+  if (done.command == kHome) {
+    zero_ = ramp_.end();
+    settings_[kMode] |= kZaberHomed;
+  }
+  if (done.command == kConstantSpeed) {
+    say(kLimitActive, counter(now), 0, replies);
+  } else {
+    say(done.command, counter(now), done.id, replies);
+  }
+}
+
+void ChainDevice::begin(const ZaberFrame& frame, Ramp ramp, Nanoseconds now) {
+  ramp_ = std::move(ramp);
+  began_ = now;
+  next_tracking_ = now + kTracking;
+  under_way_ = frame;
+}
+
+std::int32_t ChainDevice::error_of_move(const ZaberFrame& frame, Nanoseconds now) const {
+  const bool homing = under_way_ && under_way_->command == kHome;
+  if (homing && (frame.command != kStop || options_.refuses_stop_while_homing)) return kZaberBusy;
+  const std::int64_t highest = setting(kMaximumPosition);
+  const std::int64_t target = frame.data + (frame.command == kMoveRelative ? counter(now) : 0);
+  switch (frame.command) {
+    case kMoveAbsolute:
+      return target < 0 || target > highest ? 20 : 0;
+    case kMoveRelative:
+      if (std::abs(frame.data) > setting(kMaximumRelativeMove)) return 2146;
+      return target < 0 || target > highest ? 21 : 0;
+    case kConstantSpeed:
+      return std::abs(frame.data) > 512 * setting(kResolution) - 1 ? 22 : 0;
+    case kMoveToStoredPosition:
+      if (frame.data < 0 || frame.data >= static_cast<std::int32_t>(stored_.size())) return 1800;
+      if ((setting(kMode) & kZaberHomed) == 0) return 1801;
+      return stored_[static_cast<std::size_t>(frame.data)] > highest ? 18 : 0;
+    default:
+      return 0;
+  }
+}
+
+void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
+  const double place = physical(now);
+  const double pace = velocity(now);
+  const int ramp_data = setting(kAcceleration) == 0 ? 512 * setting(kResolution) - 1 : setting(kAcceleration);
+  const double acceleration = ramp_data * kAccelerationUnit;
+  const double speed = kSpeedUnit * std::max(setting(kTargetSpeed), 1);
+  const auto go = [&](double target, double at) { begin(frame, Ramp::to(place, pace, target, at, acceleration), now); };
+  switch (frame.command) {
+    case kHome:
+      return go(setting(kHomeOffset), kSpeedUnit * std::max(setting(kHomeSpeed), 1));
+    case kMoveAbsolute:
+      return go(zero_ + frame.data, speed);
+    case kMoveRelative:
+      return go(zero_ + counter(now) + frame.data, speed);
+    case kMoveToStoredPosition:
+      return go(zero_ + stored_[static_cast<std::size_t>(frame.data)], speed);
+    case kConstantSpeed:
+      if (frame.data == 0) return begin(frame, Ramp::to_rest(place, pace, acceleration), now);
+      return go(frame.data > 0 ? zero_ + setting(kMaximumPosition) : zero_, kSpeedUnit * std::abs(frame.data));
+    default:
+      return begin(frame, Ramp::to_rest(place, pace, acceleration), now);
+  }
+}
+
+void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place,
+                          std::vector<ZaberFrame>& replies) {
+  const auto answer = [&](ZaberCommand command, std::int32_t data) { say(command, data, frame.id, replies); };
+  const auto answer_or_refuse = [&](std::int32_t error, std::int32_t data) {
+    answer(error != 0 ? kError : frame.command, error != 0 ? error : data);
+  };
+  const std::int32_t data = frame.data;
+  const bool is_register = data >= 0 && data < static_cast<std::int32_t>(stored_.size());
+  const bool homed = (setting(kMode) & kZaberHomed) != 0;
+  switch (frame.command) {
+    case kReset:
+      ramp_ = Ramp(physical(now));
+      under_way_.reset();
+      return power_up();
+    case kHome:
+    case kMoveToStoredPosition:
+    case kMoveAbsolute:
+    case kMoveRelative:
+    case kConstantSpeed:
+    case kStop:
+      if (const std::int32_t error = error_of_move(frame, now); error != 0) return answer(kError, error);
+      move(frame, now);
+      return frame.command == kConstantSpeed ? answer(kConstantSpeed, data) : void();
+    case kRenumber:
+      if (frame.device != 0 && (data < 1 || data > 254)) return answer(kError, 2);
+      number_ = frame.device == 0 ? place : static_cast<std::uint8_t>(data);
+      return answer(kRenumber, options_.device_id);
+    case kStorePosition:
+      if (!is_register) return answer(kError, 1600);
+      if (homed) stored_[static_cast<std::size_t>(data)] = counter(now);
+      return answer_or_refuse(homed ? 0 : 1601, data);
+    case kReturnStoredPosition:
+      return answer_or_refuse(is_register ? 0 : 1700, is_register ? stored_[static_cast<std::size_t>(data)] : 0);
+    case kMemory:
+      return answer(kMemory, memory(data));
+    case kDeviceId:
+      return answer(kDeviceId, options_.device_id);
+    case kFirmware:
+      return answer(kFirmware, options_.firmware);
+    case kSupplyVoltage:
+      return answer(kSupplyVoltage, options_.supply_decivolts);
+    case kStatus:
+      return answer(kStatus, under_way_ ? static_cast<std::int32_t>(under_way_->command) : kZaberIdle);
+    case kEcho:
+      return answer(kEcho, data);
+    case kPosition:
+      return answer(kPosition, counter(now));
+    case kReturnSetting: {
+      const auto asked = data >= 0 && data <= 255 ? static_cast<ZaberCommand>(data) : kError;
+      if (asked == kSetPosition) return answer(kSetPosition, counter(now));
+      const auto found = settings_.find(asked);
+      if (found == settings_.end()) return answer(kError, 53);
+      // Under the setting's number, and yet a "return" command that silence by mode bit 0 does not cover.
+      return replies.push_back({number_, asked, found->second, frame.id});
+    }
+    case kRestoreSettings:
+      return answer_or_refuse(data == 0 ? 0 : 36, data);
+    default:
+      if (frame.command != kSetPosition && !settings_.contains(frame.command)) return answer(kError, 64);
+      if (const std::int32_t error = error_of_setting(frame.command, data, now); error != 0) {
+        return answer(kError, error);
+      }
+      change_setting(frame.command, data, now);
+      return answer(frame.command, data);
+  }
+}
+
+}  // namespace tactbench::devices

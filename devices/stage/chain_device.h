@@ -1,0 +1,76 @@
+// One simulated T-Series device: its settings, its motion in process time and what it answers, without a wire
+// (simulated_chain.h has that). Rules and errors as in the manual of firmware 5; not compared with hardware.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/stage/ramp.h"
+#include "devices/stage/zaber_binary.h"
+#include "devices/units.h"
+
+namespace tactbench::devices {
+
+struct ChainDeviceOptions {
+  std::int32_t device_id = 60;
+  std::int32_t firmware = 523;
+  std::uint8_t number = 1;
+  std::int32_t supply_decivolts = 150;
+  Millimetres stands_at{5.0};  // at power-up, from the home sensor
+  std::int32_t target_speed = 2922;
+  std::int32_t home_speed = 2922;
+  std::int32_t acceleration = 111;
+  std::int32_t mode = 0;
+  bool refuses_stop_while_homing = false;  // what a real unit does is not known
+};
+
+class ChainDevice {
+ public:
+  explicit ChainDevice(const ChainDeviceOptions& options);
+  // Whether a frame to `device` is for this one: its number, its alias, or 0.
+  [[nodiscard]] bool hears(std::uint8_t device) const;
+  // Carries out one instruction at `now`, which never goes backward; answers go to `replies`. `place` counts from 1 at
+  // the computer's end of the cable.
+  void receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place, std::vector<ZaberFrame>& replies);
+  // What the device says of its own accord up to `now`: the end of a move, tracking, a limit.
+  void run(Nanoseconds now, std::vector<ZaberFrame>& replies);
+  // When run() has something to say next.
+  [[nodiscard]] std::optional<Nanoseconds> due() const;
+  // In message-id mode data has 24 bits and the id goes out.
+  [[nodiscard]] bool message_ids() const { return (setting(ZaberCommand::kMode) & kZaberMessageIds) != 0; }
+  [[nodiscard]] Millimetres position(Nanoseconds now) const;  // from the home sensor
+  [[nodiscard]] std::uint8_t number() const { return number_; }
+
+ private:
+  using Reply = std::optional<std::int32_t>;  // the data; none: nothing to answer now
+  void power_up();
+  [[nodiscard]] std::int32_t setting(ZaberCommand command) const { return settings_.at(command); }
+  [[nodiscard]] std::int32_t error_of_setting(ZaberCommand command, std::int32_t data, Nanoseconds now) const;
+  void change_setting(ZaberCommand command, std::int32_t data, Nanoseconds now);
+  [[nodiscard]] std::int32_t error_of_move(const ZaberFrame& frame, Nanoseconds now) const;
+  void move(const ZaberFrame& frame, Nanoseconds now);
+  void begin(const ZaberFrame& frame, Ramp ramp, Nanoseconds now);
+  [[nodiscard]] std::int32_t memory(std::int32_t data);
+  [[nodiscard]] std::int32_t counter(Nanoseconds now) const;  // what the device takes for its position
+  [[nodiscard]] double physical(Nanoseconds now) const;       // microsteps from the home sensor
+  [[nodiscard]] double velocity(Nanoseconds now) const;
+  void say(ZaberCommand command, std::int32_t data, std::uint8_t id, std::vector<ZaberFrame>& replies) const;
+
+  ChainDeviceOptions options_;
+  double full_step_mm_;
+  std::uint8_t number_;
+  std::map<ZaberCommand, std::int32_t> settings_;
+  std::array<std::int32_t, 16> stored_{};
+  std::array<std::int32_t, 128> memory_{};
+  Ramp ramp_;
+  Nanoseconds began_{0};
+  Nanoseconds next_tracking_{0};
+  double zero_ = 0.0;                    // counter = physical - zero
+  std::optional<ZaberFrame> under_way_;  // the instruction that the motion belongs to
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,255 @@
+#include "devices/stage/simulated_chain.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "devices/fault.h"
+#include "devices/wire/stream_end.h"
+
+namespace tactbench::devices {
+namespace {
+
+constexpr Nanoseconds kRenumbering = std::chrono::milliseconds(500);  // deaf meanwhile
+constexpr std::size_t kCutBytes = 3;
+
+ChainDeviceOptions device(std::int32_t id, std::uint8_t number) {
+  ChainDeviceOptions options;
+  options.device_id = id;
+  options.number = number;
+  return options;
+}
+
+}  // namespace
+
+std::vector<ChainDeviceOptions> paper_chain() { return {device(60, 1), device(60, 2), device(5082, 3)}; }
+
+class SimulatedChain::Server {
+ public:
+  Server(SimulatedChainOptions options, const Clock& clock, SimulatedChainFaults faults)
+      : options_(std::move(options)),
+        clock_(clock),
+        faults_(faults),
+        end_(options_.listen),
+        address_(end_.address()),
+        devices_(options_.devices.begin(), options_.devices.end()),
+        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (wake_ < 0) {
+      throw Fault("TB-SIM-LISTEN", "simulated chain", "starting the simulated chain: no event descriptor is left",
+                  "Raise the limit of open files.");
+    }
+    thread_ = std::thread([this] { serve(); });
+  }
+
+  ~Server() {
+    order(Order::kStop);
+    thread_.join();
+    ::close(wake_);
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  enum class Order { kNone, kStop, kUnplug, kPlugIn };
+
+  // Hands the order to the serving thread, which alone touches the wire, and waits until it is carried out.
+  void order(Order wanted) {
+    std::unique_lock lock(mutex_);
+    order_ = wanted;
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t written = ::write(wake_, &one, sizeof one);
+    done_.wait(lock, [this] { return order_ == Order::kNone; });
+  }
+
+  Millimetres position(Axis axis) const {
+    const std::lock_guard lock(mutex_);
+    return devices_.at(options_.axes.at(static_cast<std::size_t>(axis))).position(clock_.now());
+  }
+
+  void power_cycle() {
+    const std::lock_guard lock(mutex_);
+    std::vector<ZaberFrame> none;
+    for (ChainDevice& one : devices_) one.receive({0, ZaberCommand::kReset, 0, 0}, clock_.now(), 0, none);
+  }
+
+  mutable std::mutex mutex_;
+  std::string address() const { return address_; }
+  std::uint64_t bytes_ = 0;
+  std::vector<ZaberFrame> log_;
+  std::optional<std::pair<ZaberCommand, std::int32_t>> refusal_;
+  std::vector<ZaberFrame> injected_;
+
+ private:
+  // The 10 ms in which the bytes of a frame must follow one another are real time: a client's pause is real.
+  static Nanoseconds real_time() { return std::chrono::steady_clock::now().time_since_epoch(); }
+
+  void serve() {
+    for (;;) {
+      pollfd descriptors[] = {{wake_, POLLIN, 0}, {end_.descriptor(), POLLIN, 0}};
+      ::poll(descriptors, 2, patience());
+      const std::lock_guard lock(mutex_);
+      if (descriptors[0].revents != 0 && !obey()) return;
+      if (options_.free_running) say_what_is_due();
+      if (descriptors[1].revents != 0) attend();
+    }
+  }
+
+  int patience() const {
+    if (!options_.free_running) return -1;
+    const std::lock_guard lock(mutex_);
+    std::optional<Nanoseconds> next;
+    for (const ChainDevice& one : devices_) {
+      if (const auto due = one.due(); due && (!next || *due < *next)) next = due;
+    }
+    if (!next) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*next - clock_.now());
+    return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1000));
+  }
+
+  bool obey() {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
+    const Order wanted = std::exchange(order_, Order::kNone);
+    if (wanted == Order::kUnplug) end_.hang_up();
+    try {
+      if (wanted == Order::kPlugIn) plug_in();
+    } catch (const Fault&) {
+      // It stays unplugged, which who opens it is told.
+    }
+    done_.notify_all();
+    return wanted != Order::kStop;
+  }
+
+  void plug_in() {
+    faults_.unplug_after_requests = -1;
+    parser_ = ZaberParser();
+    end_.plug_in();
+    address_ = end_.address();
+  }
+
+  void attend() {
+    std::array<std::uint8_t, 512> bytes{};
+    const std::size_t got = end_.descriptor() >= 0 ? end_.receive(bytes) : 0;
+    bytes_ += got;
+    std::vector<ZaberBytes> frames;
+    parser_.add(std::span(bytes).first(got), real_time(), frames);
+    for (const ZaberBytes& frame : frames) request(frame);
+  }
+
+  void request(const ZaberBytes& bytes) {
+    const auto number = static_cast<long>(log_.size());
+    log_.push_back(decode(bytes));
+    if (faults_.unplug_after_requests >= 0 && number >= faults_.unplug_after_requests) return end_.hang_up();
+    const Nanoseconds now = clock_.now();
+    if (now < deaf_until_) return;
+    silent_ = faults_.silent_after_requests >= 0 && number >= faults_.silent_after_requests;
+    say_what_is_due();
+    for (const ZaberFrame& frame : std::exchange(injected_, {})) reply(encode(frame));
+    if (bytes[0] == 0 && log_.back().command == ZaberCommand::kRenumber) deaf_until_ = now + kRenumbering;
+    for (std::size_t i = 0; i < devices_.size(); ++i) hand_to(i, bytes, now);
+  }
+
+  void hand_to(std::size_t index, const ZaberBytes& bytes, Nanoseconds now) {
+    ChainDevice& one = devices_[index];
+    if (!one.hears(bytes[0])) return;
+    const bool ids = one.message_ids();
+    ZaberFrame frame = ids ? decode(bytes) : decode_without_id(bytes);
+    std::vector<ZaberFrame> replies;
+    if (refusal_ && refusal_->first == frame.command) {
+      replies.push_back({one.number(), ZaberCommand::kError, refusal_->second, frame.id});
+      refusal_.reset();
+    } else {
+      one.receive(frame, now, static_cast<std::uint8_t>(index + 1), replies);
+    }
+    send(one, replies);
+  }
+
+  void say_what_is_due() {
+    for (ChainDevice& one : devices_) {
+      std::vector<ZaberFrame> replies;
+      one.run(clock_.now(), replies);
+      send(one, replies);
+    }
+  }
+
+  void send(const ChainDevice& one, const std::vector<ZaberFrame>& replies) {
+    for (const ZaberFrame& frame : replies) {
+      ZaberBytes bytes = encode_without_id(frame);
+      if (one.message_ids()) bytes[5] = frame.id;
+      reply(bytes);
+    }
+  }
+
+  void reply(ZaberBytes bytes) {
+    const long number = replies_++;
+    if (silent_) return;
+    if (number == faults_.corrupt_reply) bytes[0] ^= 0x40U;
+    if (number == faults_.cut_reply) return end_.send(std::span(bytes).first(kCutBytes));
+    if (number == faults_.late_reply) {
+      late_ = bytes;
+      return;
+    }
+    end_.send(bytes);
+    if (late_) end_.send(*std::exchange(late_, std::nullopt));
+  }
+
+  SimulatedChainOptions options_;
+  const Clock& clock_;
+  SimulatedChainFaults faults_;
+  StreamEnd end_;
+  std::string address_;
+  ZaberParser parser_;
+  std::vector<ChainDevice> devices_;
+  Nanoseconds deaf_until_{0};
+  std::optional<ZaberBytes> late_;
+  long replies_ = 0;
+  bool silent_ = false;
+  Order order_ = Order::kNone;
+  std::condition_variable done_;
+  int wake_;
+  std::thread thread_;
+};
+
+SimulatedChain::SimulatedChain(SimulatedChainOptions options, const Clock& clock, SimulatedChainFaults faults)
+    : server_(std::make_unique<Server>(std::move(options), clock, faults)) {}
+
+SimulatedChain::~SimulatedChain() = default;
+
+Millimetres SimulatedChain::position(Axis axis) const { return server_->position(axis); }
+
+std::string SimulatedChain::address() const {
+  const std::lock_guard lock(server_->mutex_);
+  return server_->address();
+}
+
+std::uint64_t SimulatedChain::bytes_received() const {
+  const std::lock_guard lock(server_->mutex_);
+  return server_->bytes_;
+}
+
+std::vector<ZaberFrame> SimulatedChain::requests() const {
+  const std::lock_guard lock(server_->mutex_);
+  return server_->log_;
+}
+
+void SimulatedChain::unplug() { server_->order(Server::Order::kUnplug); }
+void SimulatedChain::plug_in() { server_->order(Server::Order::kPlugIn); }
+void SimulatedChain::power_cycle() { server_->power_cycle(); }
+
+void SimulatedChain::refuse_next(ZaberCommand command, std::int32_t error) {
+  const std::lock_guard lock(server_->mutex_);
+  server_->refusal_ = {command, error};
+}
+
+void SimulatedChain::inject(const ZaberFrame& frame) {
+  const std::lock_guard lock(server_->mutex_);
+  server_->injected_.push_back(frame);
+}
+
+}  // namespace tactbench::devices

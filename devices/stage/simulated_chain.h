@@ -1,0 +1,62 @@
+// The stage's side of the wire: a daisy chain of simulated T-Series devices on a pseudo-terminal or a socket, moving
+// in process time. It never turns the clock. Any client may talk to it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/stage/chain_device.h"
+#include "devices/stage/stage_view.h"
+
+namespace tactbench::devices {
+
+// As in the paper: x and y T-LA60A, z T-NA08A50, numbered 1, 2, 3 from the computer's end.
+[[nodiscard]] std::vector<ChainDeviceOptions> paper_chain();
+
+struct SimulatedChainOptions {
+  std::vector<ChainDeviceOptions> devices = paper_chain();
+  std::array<std::size_t, kAxes> axes{0, 1, 2};  // which device is x, y, z
+  std::string listen;                            // "" a pseudo-terminal, "tcp:PORT" (0: any), "unix:PATH"
+  // True with a clock that runs by itself: ends of moves are sent when due. False with a turned clock: they are sent
+  // before the next request is answered.
+  bool free_running = false;
+};
+
+struct SimulatedChainFaults {       // test and nightly switches, all off by default; requests and replies from 0
+  long silent_after_requests = -1;  // answers that many requests, then none
+  long unplug_after_requests = -1;
+  long corrupt_reply = -1;  // that reply comes with another device's number
+  long cut_reply = -1;      // of that reply only three bytes come
+  long late_reply = -1;     // that reply comes after the one that follows it
+};
+
+class SimulatedChain final : public StageView {
+ public:
+  // Throws Fault TB-SIM-LISTEN.
+  SimulatedChain(SimulatedChainOptions options, const Clock& clock, SimulatedChainFaults faults = {});
+  ~SimulatedChain() override;  // stops the thread, bounded
+  SimulatedChain(const SimulatedChain&) = delete;
+  SimulatedChain& operator=(const SimulatedChain&) = delete;
+
+  [[nodiscard]] Millimetres position(Axis axis) const override;
+  [[nodiscard]] std::string address() const;  // what open_serial() takes
+  [[nodiscard]] std::uint64_t bytes_received() const;
+  [[nodiscard]] std::vector<ZaberFrame> requests() const;  // all that came whole, as sent with message ids
+
+  // What may happen at any time; callable from any thread.
+  void unplug();   // returns once the client has lost the wire; the devices keep power and go on moving
+  void plug_in();  // a pseudo-terminal then has a new address
+  void power_cycle();
+  void refuse_next(ZaberCommand command, std::int32_t error);  // the next such instruction, by whichever device
+  void inject(const ZaberFrame& frame);                        // sent before the next reply, as it is
+
+ private:
+  class Server;
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,50 @@
+// A daisy chain's line: instructions out, replies matched by device number and message id. Everything else that comes
+// goes to a listener. Waits in real time; knows nothing of axes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "devices/stage/zaber_binary.h"
+#include "devices/wire/byte_stream.h"
+
+namespace tactbench::devices {
+
+class ZaberLine {
+ public:
+  using Listener = std::function<void(const ZaberFrame&)>;
+  // `silence` after which half a reply is dropped: more than the devices' own 10 ms, since a USB adapter holds bytes
+  // back (FTDI: 16 ms).
+  ZaberLine(std::unique_ptr<ByteStream> stream, Nanoseconds reply_timeout, Nanoseconds silence, Listener others);
+  // Lets the devices drop half a frame that somebody left on the line, and throws away what waits to be read. Blocks
+  // 12 ms.
+  void settle();
+  // Sends with a message id that nobody else gets before release(): the reply, a move's end say, goes to the listener.
+  std::uint8_t send(std::uint8_t device, ZaberCommand command, std::int32_t data);
+  void release(std::uint8_t id) { held_[id] = false; }
+  // Sends and waits for the reply, an error's too; none when nothing came within the reply timeout.
+  [[nodiscard]] std::optional<ZaberFrame> ask(std::uint8_t device, ZaberCommand command, std::int32_t data);
+  // The same without message id, for devices whose mode is not known: the reply is known by its command. The data must
+  // not be negative.
+  [[nodiscard]] std::optional<ZaberFrame> ask_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data);
+  void send_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data);
+  // Numbers all devices from the computer's end and waits until `devices` have answered, at most `timeout`.
+  void renumber(int devices, Nanoseconds timeout);
+
+ private:
+  std::uint8_t new_id();
+  void write(const ZaberFrame& frame);
+  std::optional<ZaberFrame> await(const std::function<bool(const ZaberFrame&)>& wanted, Nanoseconds timeout);
+
+  std::unique_ptr<ByteStream> stream_;
+  Nanoseconds reply_timeout_;
+  Listener others_;
+  ZaberParser parser_;
+  std::uint8_t last_id_ = 0;
+  std::array<bool, 256> held_{};
+};
+
+}  // namespace tactbench::devices

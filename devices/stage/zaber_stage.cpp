@@ -1,0 +1,256 @@
+#include "devices/stage/zaber_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "devices/fault.h"
+
+namespace tactbench::devices {
+namespace {
+
+using enum ZaberCommand;
+
+constexpr double kMoveFactor = 1.25;  // of the time a move should take
+
+Nanoseconds from_seconds(double seconds) {
+  return std::chrono::ceil<Nanoseconds>(std::chrono::duration<double>(seconds));
+}
+
+// What happened to the chain after these is not known: commands wait for arm().
+bool breaks_link(const Fault& fault) { return fault.id().starts_with("TB-SERIAL") || fault.id() == "TB-STAGE-TIMEOUT"; }
+
+}  // namespace
+
+// Takes the line for one short action, so that halt() waits for little; a halt that waits goes first.
+template <class Action>
+auto ZaberStage::exclusively(Action action) {
+  check_armed();
+  const std::lock_guard lock(mutex_);
+  check_armed();
+  try {
+    return action();
+  } catch (const Fault& fault) {
+    if (breaks_link(fault)) drop();
+    throw;
+  }
+}
+
+void ZaberStage::check_halt() const {
+  if (halting_ > 0 || halted_) {
+    throw Fault("TB-STAGE-HALTED", "stage", "a command was given to the stage after it was halted; nothing was sent",
+                "Find out why it was halted, then arm the stage anew.");
+  }
+}
+
+void ZaberStage::check_armed() const {
+  check_halt();
+  if (armed_) return;
+  throw Fault("TB-STAGE-NOT-ARMED", "stage", "a command was given to the stage before it was armed; nothing was sent",
+              "Arm the stage first, after a broken line too.");
+}
+
+void ZaberStage::refuse_target(Axis axis, const std::string& asked) const {
+  throw Fault(
+      "TB-STAGE-LIMIT", title(axis),
+      fmt::format("{}: {} was asked for, allowed is {:g} to {:g} mm at up to {:g} mm/s; nothing was sent", title(axis),
+                  asked, option(axis).low.value(), option(axis).high.value(), option(axis).maximum_speed.value()),
+      "Correct the recipe, or the stage's limits in the bench file.");
+}
+
+// Written so that NaN is refused too.
+std::int32_t ZaberStage::target(Axis axis, Millimetres position) {
+  const bool allowed = position >= option(axis).low && position <= option(axis).high;
+  const auto steps = allowed ? record(axis).units.microsteps(position) : std::nullopt;
+  if (!steps || *steps < 0 || *steps > record(axis).maximum_position) {
+    refuse_target(axis, fmt::format("{:g} mm", position.value()));
+  }
+  return *steps;
+}
+
+std::int32_t ZaberStage::speed_data(Axis axis, MillimetresPerSecond speed) {
+  const bool allowed = speed.value() > 0.0 && speed <= option(axis).maximum_speed;
+  const auto data = allowed ? record(axis).units.speed_data(speed) : std::nullopt;
+  if (!data || *data < 1) refuse_target(axis, fmt::format("{:g} mm/s", speed.value()));
+  return *data;
+}
+
+// A device that lost power meanwhile lost its home too, so it is asked before each move.
+void ZaberStage::check_homed(Axis axis, bool ask_device) {
+  if (ask_device) record(axis).homed = (setting(axis, kMode) & kZaberHomed) != 0;
+  if (record(axis).homed) return;
+  throw Fault("TB-STAGE-NOT-HOMED", title(axis),
+              fmt::format("{} was asked to move and has not been homed; no move was sent", title(axis)),
+              "Home the axis first; after a loss of power too.");
+}
+
+void ZaberStage::end_motion(Axis axis) {
+  Record& one = record(axis);
+  if (one.motion) line_->release(one.motion->id);
+  one.motion.reset();
+}
+
+void ZaberStage::begin(Axis axis, ZaberCommand command, std::int32_t data, Nanoseconds expected, Nanoseconds longest) {
+  end_motion(axis);  // the new instruction takes the place of the old, which is not answered any more
+  Motion motion;
+  motion.command = command;
+  motion.expected = clock_.now() + expected;
+  motion.deadline = clock_.now() + longest;
+  ++exchanges_;
+  motion.id = line_->send(option(axis).device, command, data);
+  record(axis).motion = motion;
+}
+
+void ZaberStage::start(Axis axis, ZaberCommand command, std::int32_t data, std::int32_t speed, std::int32_t target) {
+  Record& one = record(axis);
+  check_homed(axis, true);
+  if (one.motion) one.microsteps = ask(axis, kPosition);
+  // The target speed is not volatile: written only when it differs.
+  if (command != kConstantSpeed && one.target_speed != speed) {
+    one.target_speed = 0;
+    one.target_speed = ask(axis, kTargetSpeed, speed);
+  }
+  // Trapezoid: distance / v + v / a; twice v / a more when it must turn round first.
+  const double v = one.units.speed(speed).value();
+  const double ramp =
+      std::max(v, option(axis).maximum_speed.value()) / one.units.acceleration_mm_per_s2(one.acceleration);
+  const double distance = std::abs((one.units.position(target) - one.units.position(one.microsteps)).value());
+  const double takes = distance / v + v / one.units.acceleration_mm_per_s2(one.acceleration);
+  begin(axis, command, data, from_seconds(takes),
+        from_seconds(kMoveFactor * (takes + 2.0 * ramp)) + options_.move_margin);
+  one.motion->target = target;
+  (void)follow(axis);  // a refusal comes before the answer to the question that follows
+}
+
+void ZaberStage::start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) {
+  exclusively([&] {
+    check_homed(axis, false);
+    const std::int32_t steps = target(axis, position);
+    start(axis, kMoveAbsolute, steps, speed_data(axis, speed.value_or(option(axis).maximum_speed)), steps);
+  });
+}
+
+void ZaberStage::start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) {
+  exclusively([&] {
+    Record& one = record(axis);
+    check_homed(axis, false);
+    const std::int32_t pace = speed_data(axis, speed.value_or(option(axis).maximum_speed));
+    (void)target(axis, one.units.position(one.microsteps) + distance);
+    if (one.motion && !follow(axis)) {
+      throw Fault("TB-STAGE-MOVING", title(axis),
+                  fmt::format("{} was asked to move by {:g} mm while it moves; nothing was sent", title(axis),
+                              distance.value()),
+                  "Wait for the end of the move first.");
+    }
+    one.microsteps = ask(axis, kPosition);  // it may have been turned by hand
+    const std::int32_t end = target(axis, one.units.position(one.microsteps) + distance);
+    start(axis, kMoveRelative, end - one.microsteps, pace, end);
+  });
+}
+
+void ZaberStage::start_speed(Axis axis, MillimetresPerSecond speed) {
+  exclusively([&] {
+    Record& one = record(axis);
+    check_homed(axis, false);
+    const std::int32_t pace = speed_data(axis, MillimetresPerSecond(std::abs(speed.value())));
+    const bool up = speed.value() > 0.0;
+    const auto limit = one.units.microsteps(up ? option(axis).high : option(axis).low);
+    const std::int32_t device_limit = up ? one.maximum_position : 0;
+    const std::int32_t end = std::clamp(limit.value_or(device_limit), 0, one.maximum_position);
+    // The device stops by itself at its own limit only; at a narrower one a move to there does the same.
+    if (end == device_limit) return start(axis, kConstantSpeed, up ? pace : -pace, pace, end);
+    start(axis, kMoveAbsolute, end, pace, end);
+  });
+}
+
+// One question about a motion under way. True: it has ended, and the record says where.
+bool ZaberStage::follow(Axis axis) {
+  Record& one = record(axis);
+  if (!one.motion) return true;
+  const std::int32_t status = ask(axis, kStatus);
+  const Motion motion = *one.motion;
+  if (!motion.reply && status != kZaberIdle) {
+    if (clock_.now() < motion.deadline) return false;
+    end_motion(axis);
+    line_->send_plainly(option(axis).device, kStop, 0);
+    (void)ask(axis, kStatus);  // an answer means that the stop was read
+    throw Fault("TB-STAGE-OVERDUE", title(axis),
+                fmt::format("{}: {} should have ended by now and has not (status {}); a stop was sent", title(axis),
+                            name(motion.command), status),
+                "Check that nothing blocks the axis; home it again before the next move.");
+  }
+  if (motion.reply && motion.reply->command == kError) {
+    const bool again = motion.command == kStop && motion.reply->data == kZaberBusy && clock_.now() < motion.deadline;
+    end_motion(axis);
+    if (!again) refuse(axis, motion.command, motion.reply->data);
+    // A device that homes may refuse to stop: asked until it stands. Not verified on hardware.
+    begin(axis, kStop, 0, Nanoseconds(0), motion.deadline - clock_.now());
+    return false;
+  }
+  // Idle without a reply: the reply was lost on the way, so the device is asked where it stands.
+  one.microsteps = motion.reply ? motion.reply->data : ask(axis, kPosition);
+  end_motion(axis);
+  if (motion.target && one.microsteps != *motion.target) {
+    throw Fault("TB-STAGE-ASTRAY", title(axis),
+                fmt::format("{} was sent to {:g} mm and stands at {:g} mm", title(axis),
+                            one.units.position(*motion.target).value(), one.units.position(one.microsteps).value()),
+                "Check that nothing blocks the axis and nobody else moves it; home it again.");
+  }
+  return true;
+}
+
+Millimetres ZaberStage::wait(Axis axis) {
+  for (;;) {
+    Nanoseconds next{0};
+    const bool ended = exclusively([&] {
+      if (follow(axis)) return true;
+      // Often while far from the expected end, and again right at it.
+      const Nanoseconds now = clock_.now();
+      next = now + std::clamp(record(axis).motion->expected - now, options_.poll_interval / 8, options_.poll_interval);
+      return false;
+    });
+    if (ended) return record(axis).units.position(record(axis).microsteps);
+    clock_.wait_until(next);
+  }
+}
+
+void ZaberStage::home(Axis axis) {
+  exclusively([&] {
+    record(axis).homed = false;
+    begin(axis, kHome, 0, option(axis).home_timeout, option(axis).home_timeout);
+  });
+  (void)wait(axis);
+  exclusively([&] { check_homed(axis, true); });
+}
+
+Millimetres ZaberStage::stop(Axis axis) {
+  exclusively([&] {
+    const Record& one = record(axis);
+    const double ramp = option(axis).maximum_speed.value() / one.units.acceleration_mm_per_s2(one.acceleration);
+    begin(axis, kStop, 0, from_seconds(ramp), from_seconds(kMoveFactor * ramp) + options_.move_margin);
+  });
+  return wait(axis);
+}
+
+AxisState ZaberStage::state(Axis axis) {
+  return exclusively([&] {
+    Record& one = record(axis);
+    AxisState result;
+    const std::int32_t status = ask(axis, kStatus);
+    one.microsteps = ask(axis, kPosition);
+    result.time = clock_.now();
+    result.position = one.units.position(one.microsteps);
+    result.microsteps = one.microsteps;
+    result.homed = one.homed;
+    result.activity = status == kZaberIdle       ? Activity::kIdle
+                      : status == kZaberHoming   ? Activity::kHoming
+                      : status == kZaberByHand   ? Activity::kByHand
+                      : status == kZaberStopping ? Activity::kStopping
+                                                 : Activity::kMoving;
+    return result;
+  });
+}
+
+}  // namespace tactbench::devices

@@ -1,0 +1,154 @@
+// Driver of three Zaber T-Series actuators on one daisy chain (firmware 5, binary protocol, message ids on). Not
+// verified on hardware; stopping while homing least of all: what a real unit answers is not known.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/stage/stage.h"
+#include "devices/stage/zaber_line.h"
+
+namespace tactbench::devices {
+
+struct ZaberAxisOptions {
+  std::uint8_t device = 1;      // number on the chain
+  std::int32_t device_id = 60;  // expected; arm() refuses another
+  std::int32_t firmware_low = 500;
+  std::int32_t firmware_high = 599;  // firmware 6 has other units
+  Millimetres low{0.0};              // limits, inclusive
+  Millimetres high{60.0};
+  MillimetresPerSecond maximum_speed{4.0};  // also taken when a move names none
+  Nanoseconds home_timeout = std::chrono::seconds(120);
+  std::string serial;  // the device cannot be asked for it
+};
+
+struct ZaberStageOptions {
+  std::array<ZaberAxisOptions, kAxes> axes;
+  bool renumber = false;  // arm() numbers the devices 1, 2, 3 from the computer's end first
+  bool knob_off = true;
+  Nanoseconds reply_timeout = std::chrono::milliseconds(300);  // real; a question is asked twice before it is a fault
+  Nanoseconds frame_silence = std::chrono::milliseconds(40);
+  Nanoseconds poll_interval = std::chrono::milliseconds(100);  // process time between two questions during a move
+  Nanoseconds move_margin = std::chrono::seconds(2);           // added to what a move should take
+  Nanoseconds halt_timeout = std::chrono::seconds(2);
+  Origin origin = Origin::kHardware;
+};
+
+struct ZaberIdentity {
+  Axis axis = Axis::kX;
+  bool present = false;  // answered
+  std::int32_t device_id = 0;
+  std::int32_t firmware = 0;  // 523 is 5.23
+  Volts supply;               // scale not verified on hardware
+  std::int32_t status = 0;
+  std::int32_t microsteps = 0;
+  std::string complaint;  // empty: as expected
+};
+
+class ZaberStage final : public Stage {
+ public:
+  using Factory = std::function<std::unique_ptr<ByteStream>()>;
+  // The factory opens the line anew at each arm(). All functions but halt(), armed() and exchanges() belong to the
+  // sequencer's thread.
+  ZaberStage(Factory open, ZaberStageOptions options, Clock& clock);
+  // Reads who is there, sets the mode (writes only what differs), reads home status, positions and settings. Moves
+  // nothing. Faults: TB-SERIAL-*, TB-STAGE-TIMEOUT, TB-STAGE-WRONG-DEVICE, TB-STAGE-REFUSED.
+  void arm() override;
+  void disarm() noexcept override;
+  [[nodiscard]] bool armed() const override { return armed_; }
+  void home(Axis axis) override;
+  void start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) override;
+  // Refused while the axis moves (TB-STAGE-MOVING): from where is not known.
+  void start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) override;
+  // Ends at the axis' limit, where the device's own limit lies further out too.
+  void start_speed(Axis axis, MillimetresPerSecond speed) override;
+  // Beside the faults of the wire: TB-STAGE-OVERDUE (a stop was sent), TB-STAGE-ASTRAY when it stands elsewhere.
+  Millimetres wait(Axis axis) override;
+  Millimetres stop(Axis axis) override;
+  [[nodiscard]] AxisState state(Axis axis) override;
+  // Disarms besides: commands are refused (TB-STAGE-HALTED) until arm(). Opens the line when there is none. Longest:
+  // the exchange under way, then twice opening, halt timeout and two reply timeouts an axis. Under a turned clock only
+  // the thread that armed can see axes come to rest; from another one the answer is false while they slow down.
+  [[nodiscard]] bool halt() noexcept override;
+  [[nodiscard]] std::vector<Identity> identities() const override;
+  [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
+  // For `devices check`: asks, and changes nothing; works armed or not. Throws only the wire's faults.
+  [[nodiscard]] std::vector<ZaberIdentity> identify();
+
+ private:
+  struct Motion {
+    ZaberCommand command = ZaberCommand::kStop;
+    std::uint8_t id = 0;
+    Nanoseconds expected{0};
+    Nanoseconds deadline{0};
+    std::optional<std::int32_t> target;  // microsteps
+    std::optional<ZaberFrame> reply;
+  };
+  struct Record {
+    std::int32_t device_id = 0;
+    std::int32_t firmware = 0;
+    ZaberUnits units;
+    std::int32_t maximum_position = 0;
+    std::int32_t acceleration = 0;
+    std::int32_t target_speed = 0;
+    std::int32_t microsteps = 0;
+    bool homed = false;
+    std::optional<std::int32_t> complaint;  // an error that the device sent of its own accord
+    std::optional<Motion> motion;
+  };
+
+  template <class Action>
+  auto exclusively(Action action);
+  [[nodiscard]] const ZaberAxisOptions& option(Axis axis) const { return options_.axes.at(index(axis)); }
+  [[nodiscard]] Record& record(Axis axis) { return records_.at(index(axis)); }
+  static std::size_t index(Axis axis) { return static_cast<std::size_t>(axis); }
+  [[nodiscard]] std::string title(Axis axis) const;
+  [[noreturn]] void refuse(Axis axis, ZaberCommand command, std::int32_t error) const;
+  [[noreturn]] void refuse_target(Axis axis, const std::string& asked) const;
+  void check_halt() const;
+  void check_armed() const;
+
+  void open();
+  void drop() noexcept;
+  void listen(const ZaberFrame& frame);
+  std::int32_t ask(Axis axis, ZaberCommand command, std::int32_t data = 0);
+  std::int32_t ask_plainly(Axis axis, ZaberCommand command, std::int32_t data = 0);
+  std::int32_t asked(Axis axis, ZaberCommand command, std::int32_t data, bool plainly);
+  std::int32_t setting(Axis axis, ZaberCommand command);
+  void renumber();
+  void arm(Axis axis);
+  ZaberIdentity identify(Axis axis);
+
+  [[nodiscard]] std::int32_t target(Axis axis, Millimetres position);
+  [[nodiscard]] std::int32_t speed_data(Axis axis, MillimetresPerSecond speed);
+  void check_homed(Axis axis, bool ask_device);
+  void start(Axis axis, ZaberCommand command, std::int32_t data, std::int32_t speed, std::int32_t target);
+  void begin(Axis axis, ZaberCommand command, std::int32_t data, Nanoseconds expected, Nanoseconds longest);
+  void end_motion(Axis axis);
+  bool follow(Axis axis);
+  bool stop_all();
+  void pause(Nanoseconds span);
+
+  Factory open_;
+  ZaberStageOptions options_;
+  Clock& clock_;
+  std::array<Record, kAxes> records_;
+  std::unique_ptr<ZaberLine> line_;
+  std::mutex mutex_;  // the line and the records; held for an exchange or a few, never for a move
+  std::atomic<bool> armed_{false};
+  std::atomic<bool> halted_{false};
+  std::atomic<int> halting_{0};
+  std::atomic<std::uint64_t> exchanges_{0};
+  std::thread::id turner_;  // the thread that armed, which may turn the clock
+};
+
+}  // namespace tactbench::devices

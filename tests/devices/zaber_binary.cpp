@@ -1,0 +1,170 @@
+// The Zaber codec against bytes worked out by hand from the manual's frame layout and figures.
+#include "devices/stage/zaber_binary.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "devices/fault.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::vector<ZaberFrame> frames_of(ZaberParser& parser, std::vector<std::uint8_t> bytes, Nanoseconds time) {
+  std::vector<ZaberBytes> found;
+  parser.add(bytes, time, found);
+  std::vector<ZaberFrame> frames;
+  for (const ZaberBytes& one : found) frames.push_back(decode(one));
+  return frames;
+}
+
+}  // namespace
+
+TEST_CASE("Zaber frames without message ids are device, command and 32 bits, least significant byte first") {
+  using enum ZaberCommand;
+  CHECK(encode_without_id({0, kRenumber, 0, 0}) == ZaberBytes{0, 2, 0, 0, 0, 0});
+  CHECK(encode_without_id({1, kHome, 0, 0}) == ZaberBytes{1, 1, 0, 0, 0, 0});
+  CHECK(encode_without_id({1, kMoveAbsolute, 257, 0}) == ZaberBytes{1, 20, 1, 1, 0, 0});
+  CHECK(encode_without_id({2, kMoveAbsolute, 1066666, 0}) == ZaberBytes{2, 20, 0xAA, 0x46, 0x10, 0});
+  CHECK(encode_without_id({3, kMoveRelative, -1, 0}) == ZaberBytes{3, 21, 0xFF, 0xFF, 0xFF, 0xFF});
+  CHECK(encode_without_id({3, kMoveRelative, -1000, 0}) == ZaberBytes{3, 21, 0x18, 0xFC, 0xFF, 0xFF});
+  CHECK(decode_without_id({1, 51, 0x0B, 0x02, 0, 0}) == ZaberFrame{1, kFirmware, 523, 0});
+  CHECK(decode_without_id({1, 50, 0xDA, 0x13, 0, 0}) == ZaberFrame{1, kDeviceId, 5082, 0});
+  CHECK(decode_without_id({4, 21, 0x18, 0xFC, 0xFF, 0xFF}) == ZaberFrame{4, kMoveRelative, -1000, 0});
+}
+
+TEST_CASE("Zaber frames with message ids have 24 bits of data and the id last") {
+  using enum ZaberCommand;
+  CHECK(encode({1, kMoveAbsolute, 1066666, 7}) == ZaberBytes{1, 20, 0xAA, 0x46, 0x10, 7});
+  CHECK(encode({3, kMoveRelative, -1000, 200}) == ZaberBytes{3, 21, 0x18, 0xFC, 0xFF, 200});
+  CHECK(decode({1, 255, 20, 0, 0, 9}) == ZaberFrame{1, kError, 20, 9});
+  CHECK(decode({3, 21, 0x18, 0xFC, 0xFF, 200}) == ZaberFrame{3, kMoveRelative, -1000, 200});
+  CHECK(decode({3, 21, 0xFF, 0xFF, 0x7F, 1}).data == kZaberDataMax);
+  CHECK(decode({3, 21, 0x00, 0x00, 0x80, 1}).data == kZaberDataMin);
+  // What the driver's start rests on: a reply without message ids reads the same when its value fits.
+  CHECK(decode(encode_without_id({1, kPosition, 604724, 0})) == ZaberFrame{1, kPosition, 604724, 0});
+}
+
+TEST_CASE("data beyond 24 bits is refused instead of becoming another value") {
+  for (const std::int32_t data : {kZaberDataMax + 1, kZaberDataMin - 1, std::numeric_limits<std::int32_t>::max()}) {
+    try {
+      (void)encode({1, ZaberCommand::kMoveAbsolute, data, 1});
+      FAIL("it was encoded");
+    } catch (const Fault& fault) {
+      CHECK(fault.id() == "TB-STAGE-DATA");
+    }
+  }
+}
+
+TEST_CASE("every Zaber frame survives encoding and decoding") {
+  std::mt19937 random(20250101);
+  std::uniform_int_distribution<int> byte(0, 255);
+  std::uniform_int_distribution<std::int32_t> data(kZaberDataMin, kZaberDataMax);
+  std::uniform_int_distribution<std::int32_t> wide(std::numeric_limits<std::int32_t>::min());
+  for (int i = 0; i < 20'000; ++i) {
+    ZaberFrame frame{static_cast<std::uint8_t>(byte(random)), static_cast<ZaberCommand>(byte(random)), data(random),
+                     static_cast<std::uint8_t>(byte(random))};
+    REQUIRE(decode(encode(frame)) == frame);
+    frame.id = 0;
+    frame.data = wide(random);
+    REQUIRE(decode_without_id(encode_without_id(frame)) == frame);
+  }
+}
+
+TEST_CASE("the Zaber parser finds frames however the stream is cut") {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> byte(0, 255);
+  std::uniform_int_distribution<std::size_t> length(1, 17);
+  std::vector<std::uint8_t> stream(6 * 500);
+  for (auto& one : stream) one = static_cast<std::uint8_t>(byte(random));
+  ZaberParser parser;
+  std::vector<ZaberBytes> found;
+  Nanoseconds time{0};
+  for (std::size_t at = 0; at < stream.size(); time += 9ms) {
+    const std::size_t count = std::min(length(random), stream.size() - at);
+    parser.add(std::span(stream).subspan(at, count), time, found);
+    at += count;
+  }
+  REQUIRE(found.size() == 500);
+  for (std::size_t i = 0; i < stream.size(); ++i) REQUIRE(found[i / 6][i % 6] == stream[i]);
+  CHECK(parser.dropped() == 0);
+  CHECK(parser.waiting() == 0);
+}
+
+TEST_CASE("the Zaber parser drops an incomplete frame after 10 ms of silence and not before") {
+  ZaberParser parser;
+  CHECK(frames_of(parser, {1, 60, 0xFF}, 100ms).empty());
+  CHECK(frames_of(parser, {0, 0}, 110ms).empty());
+  CHECK(parser.waiting() == 5);
+  const auto after = frames_of(parser, {1, 60, 5, 0, 0, 3}, 120ms + 1ns);
+  REQUIRE(after.size() == 1);
+  CHECK(after[0] == ZaberFrame{1, ZaberCommand::kPosition, 5, 3});
+  CHECK(parser.dropped() == 5);
+  // Silence between whole frames costs nothing.
+  CHECK(frames_of(parser, {1, 60, 6, 0, 0, 4}, 10s).size() == 1);
+  CHECK(parser.dropped() == 5);
+}
+
+TEST_CASE("units of the T-NA08A50 and the T-LA60A are the manual's") {
+  const ZaberModel* z = zaber_model(5082);
+  const ZaberModel* x = zaber_model(60);
+  REQUIRE(z != nullptr);
+  REQUIRE(x != nullptr);
+  CHECK(z->name == "T-NA08A50");
+  CHECK(x->name == "T-LA60A");
+  CHECK(zaber_model(61) == nullptr);
+  const ZaberUnits na{z->full_step_mm / 64};
+  const ZaberUnits la{x->full_step_mm / 64};
+  CHECK(na.microstep_mm == Approx(0.000047625));
+  CHECK(la.microstep_mm == Approx(0.00009921875));
+  CHECK(na.microsteps(Millimetres(50.8)) == 1066667);
+  CHECK(la.microsteps(Millimetres(60.0)) == 604724);
+  CHECK(na.speed(1).value() == Approx(0.00044648).epsilon(1e-4));
+  CHECK(la.speed(1).value() == Approx(0.00093018).epsilon(1e-4));
+  CHECK(na.speed_data(MillimetresPerSecond(8.0)) == 17918);
+  CHECK(la.speed_data(MillimetresPerSecond(4.0)) == 4300);
+  CHECK(na.speed(32767).value() == Approx(14.63).epsilon(1e-3));
+  CHECK(na.acceleration_mm_per_s2(1) == Approx(0.53578).epsilon(1e-4));
+  CHECK(la.acceleration_mm_per_s2(1) == Approx(1.11621).epsilon(1e-4));
+  CHECK(la.acceleration_mm_per_s2(0) == Approx(la.acceleration_mm_per_s2(32767)));
+}
+
+TEST_CASE("a position goes to microsteps and back within half a microstep, and nonsense to none") {
+  const ZaberUnits na{0.003048 / 64};
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> millimetres(-50.0, 50.0);
+  for (int i = 0; i < 1000; ++i) {
+    const Millimetres asked(millimetres(random));
+    const auto steps = na.microsteps(asked);
+    REQUIRE(steps.has_value());
+    REQUIRE(std::abs((na.position(*steps) - asked).value()) <= 0.5001 * na.microstep_mm);
+  }
+  CHECK_FALSE(na.microsteps(Millimetres(std::nan(""))).has_value());
+  CHECK_FALSE(na.microsteps(Millimetres(std::numeric_limits<double>::infinity())).has_value());
+  CHECK_FALSE(na.microsteps(Millimetres(1e6)).has_value());
+  CHECK_FALSE(na.speed_data(MillimetresPerSecond(-1e9)).has_value());
+}
+
+TEST_CASE("every Zaber command and error of the manual has a name of its own") {
+  std::set<std::string> names;
+  const std::vector<int> commands{0,  1,  2,  8,  9,  10, 16, 17, 18, 20, 21, 22, 23, 35, 36, 37, 38, 39,
+                                  40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 60, 255};
+  for (const int number : commands) names.insert(name(static_cast<ZaberCommand>(number)));
+  CHECK(names.size() == commands.size());
+  CHECK(name(ZaberCommand::kMoveAbsolute) == "move absolute (20)");
+  CHECK(name(static_cast<ZaberCommand>(99)) == "command 99");
+  std::set<std::string> texts;
+  const std::vector<int> errors{1,    2,    14,   15,   18,   20,   21,   22,   36,   37,   38,   39,   40,   41,
+                                42,   43,   44,   45,   46,   47,   48,   49,   50,   53,   64,   255,  1600, 1601,
+                                1700, 1800, 1801, 2146, 3600, 4001, 4002, 4008, 4010, 4011, 4012, 4013, 4014, 4015};
+  for (const int code : errors) {
+    CHECK(zaber_error_text(code).find("not in the manual") == std::string::npos);
+    texts.insert(zaber_error_text(code));
+  }
+  CHECK(texts.size() == errors.size());
+  CHECK(zaber_error_text(77).find("not in the manual") != std::string::npos);
+}
