@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,16 +25,24 @@ struct ForceReading {
   std::uint32_t status = 0;               // of all records, or-ed; 0: healthy
   std::uint64_t lost = 0, reordered = 0;  // records, since the sensor was opened
   Nanoseconds time{0};                    // process time when the reading was asked for
+  std::optional<double> thermistor_v;  // DAQ with a thermistor: its mean, without which the raw volts cannot be scaled
 };
+
+inline constexpr int kMostForceRecords = 100'000;
 
 class ForceSensor {
  public:
   virtual ~ForceSensor() = default;
   // Asks for `records` fresh records and averages them; nothing that waited in a queue is used. Bounded by the reply
   // timeout. Throws Fault TB-FORCE-TIMEOUT, TB-FORCE-STATUS (the sensor reports an error: bits named), TB-FORCE-STALL
-  // (its counter stands still), TB-FORCE-OVERLOAD (an axis beyond the calibration's range: which, how far).
+  // (its counter stands still), TB-FORCE-SATURATED (a converter at its limit: the values mean nothing),
+  // TB-FORCE-OVERLOAD (an axis of any record beyond the calibration's range, software bias removed: which, how
+  // far), TB-FORCE-PROTOCOL (what came is no record), TB-FORCE-RECORDS (1 to 100 000 can be asked for), and the
+  // transport's own (TB-UDP-LOST, TB-SERIAL-LOST, a gauge source's).
   [[nodiscard]] virtual ForceReading read(int records) = 0;
-  // Takes the mean of `records` as zero from now on (software bias; raw values stay raw). Returns what was removed.
+  // Takes the mean of `records` as zero from now on (software bias; raw values stay raw). Returns what was removed. To
+  // be called without load: an unloaded transducer's offset can be a good part of the range, and overload is judged
+  // from here.
   virtual Wrench bias(int records) = 0;
   // Rated range of each axis, N and N*mm, of the calibration fitted: Fx, Fy, Fz, Tx, Ty, Tz.
   [[nodiscard]] virtual std::array<double, 6> range() const = 0;

@@ -1,0 +1,211 @@
+#include "devices/force/ati_calibration.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <pugixml.hpp>
+
+#include "devices/fault.h"
+#include "devices/force/ati_units.h"
+
+namespace tactbench::devices {
+namespace {
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 20U;
+constexpr double kLargestRange = 1e9;
+
+// Reads one file; every complaint names it and the element.
+class Reader {
+ public:
+  explicit Reader(const std::string& where) : where_(where) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Fault("TB-FORCE-CALIBRATION", "force sensor", fmt::format("reading the calibration {}: {}", where_, what),
+                "Take the .cal file that came with the transducer of this serial number, unchanged.");
+  }
+
+  [[nodiscard]] std::string text(const pugi::xml_node& node, const char* name) const {
+    const auto attribute = node.attribute(name);
+    if (!attribute || *attribute.value() == '\0') fail(fmt::format("{} has no attribute {}", node.name(), name));
+    return attribute.value();
+  }
+
+  [[nodiscard]] double number(const pugi::xml_node& node, const char* name, const char* otherwise = "") const {
+    const std::string written = node.attribute(name) || *otherwise == '\0' ? text(node, name) : otherwise;
+    const auto value = finite_number(written);
+    if (!value) fail(fmt::format("{} {}: '{}' is no number", title(node), name, written));
+    return *value;
+  }
+
+  [[nodiscard]] std::array<double, 6> six(const pugi::xml_node& node) const {
+    const std::string written = text(node, "values");
+    const auto values = six_numbers(written);
+    if (!values) fail(fmt::format("{} values: '{}' are not six numbers", title(node), written));
+    return *values;
+  }
+
+  // Exactly one child of that name, or none where it may be absent.
+  [[nodiscard]] pugi::xml_node only(const pugi::xml_node& parent, const char* name, bool required) const {
+    const auto node = parent.child(name);
+    if (!node && required) fail(fmt::format("{} holds no {}", *parent.name() == '\0' ? "it" : parent.name(), name));
+    if (node && node.next_sibling(name)) fail(fmt::format("{} stands there more than once", name));
+    return node;
+  }
+
+  [[nodiscard]] std::array<AtiAxis, 6> axes(const pugi::xml_node& parent, const char* element) const {
+    std::array<AtiAxis, 6> axes{};
+    std::array<bool, 6> seen{};
+    for (const auto& node : parent.children(element)) {
+      const std::string name = text(node, "Name");
+      std::size_t row = 0;
+      while (row < 6 && name != kAxisNames[row]) ++row;
+      if (row == 6) fail(fmt::format("{} is named '{}', not one of Fx Fy Fz Tx Ty Tz", element, name));
+      if (seen[row]) fail(fmt::format("{} {} stands there twice", element, name));
+      seen[row] = true;
+      axes[row] = {six(node), number(node, "scale", "1"), number(node, "max")};
+      if (axes[row].scale == 0.0) fail(fmt::format("{} scale is 0", title(node)));
+      if (!(axes[row].max > 0.0 && axes[row].max < kLargestRange)) {
+        fail(fmt::format("{} max is {:g}, no sensible range", title(node), axes[row].max));
+      }
+    }
+    for (std::size_t row = 0; row < 6; ++row) {
+      if (!seen[row]) fail(fmt::format("{} {} is missing", element, kAxisNames[row]));
+    }
+    return axes;
+  }
+
+ private:
+  static std::string title(const pugi::xml_node& node) {
+    const auto name = node.attribute("Name");
+    return name ? fmt::format("{} {}", node.name(), name.value()) : node.name();
+  }
+  const std::string& where_;
+};
+
+AtiTransform basic_transform(const Reader& reader, const pugi::xml_node& calibration) {
+  AtiTransform transform;
+  const auto node = reader.only(calibration, "BasicTransform", false);
+  if (!node) return transform;
+  const std::string distance = reader.text(calibration, "DistUnits");
+  const auto millimetres = millimetres_in(distance);
+  if (!millimetres) reader.fail(fmt::format("DistUnits '{}' is unknown; known: mm, cm, m, in, ft", distance));
+  const std::string angle = calibration.attribute("AngleUnits").as_string("degrees");
+  const auto degrees = degrees_in(angle);
+  if (!degrees) reader.fail(fmt::format("AngleUnits '{}' is unknown; known: degrees, radians", angle));
+  constexpr const char* kNames[2][3] = {{"Dx", "Dy", "Dz"}, {"Rx", "Ry", "Rz"}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    transform.displacement_mm[i] = *millimetres * reader.number(node, kNames[0][i], "0");
+    transform.rotation_deg[i] = *degrees * reader.number(node, kNames[1][i], "0");
+  }
+  return transform;
+}
+
+std::optional<AtiTemperature> temperature(const Reader& reader, const pugi::xml_node& calibration) {
+  if (!calibration.child("BiasSlope") && !calibration.child("GainSlope") && !calibration.child("Thermistor")) {
+    return std::nullopt;
+  }
+  return AtiTemperature{reader.six(reader.only(calibration, "BiasSlope", true)),
+                        reader.six(reader.only(calibration, "GainSlope", true)),
+                        reader.number(reader.only(calibration, "Thermistor", true), "value")};
+}
+
+Vector6 file_units(const AtiCalibration& calibration) {
+  const double force = newtons_in(calibration.force_unit).value();
+  const double torque = newton_millimetres_in(calibration.torque_unit).value();
+  return (Vector6() << force, force, force, torque, torque, torque).finished();
+}
+
+}  // namespace
+
+AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& where) {
+  const Reader reader(where);
+  if (xml.size() > kLargestFile) reader.fail(fmt::format("it has {} bytes, at most {}", xml.size(), kLargestFile));
+  pugi::xml_document document;
+  const auto parsed = document.load_buffer(xml.data(), xml.size());
+  if (!parsed) reader.fail(fmt::format("it is no XML: {} at byte {}", parsed.description(), parsed.offset));
+  const auto sensor = reader.only(document, "FTSensor", true);
+  const auto node = reader.only(sensor, "Calibration", true);
+
+  AtiCalibration calibration;
+  calibration.serial = reader.text(sensor, "Serial");
+  calibration.body_style = reader.text(sensor, "BodyStyle");
+  calibration.version = reader.text(sensor, "CalFileVersion");
+  if (calibration.version != "1.0" && calibration.version != "1.1") {
+    reader.fail(fmt::format("CalFileVersion is {}; versions 1.0 and 1.1 are known", calibration.version));
+  }
+  if (const double gauges = reader.number(sensor, "NumGages"); gauges != 6.0) {
+    reader.fail(fmt::format("NumGages is {:g}; transducers of 6 gauges are known", gauges));
+  }
+  calibration.part_number = reader.text(node, "PartNumber");
+  calibration.date = reader.text(node, "CalDate");
+  calibration.force_unit = reader.text(node, "ForceUnits");
+  if (!newtons_in(calibration.force_unit)) {
+    reader.fail(fmt::format("ForceUnits '{}' is unknown; known: {}", calibration.force_unit, known_force_units()));
+  }
+  calibration.torque_unit = reader.text(node, "TorqueUnits");
+  if (!newton_millimetres_in(calibration.torque_unit)) {
+    reader.fail(fmt::format("TorqueUnits '{}' is unknown; known: {}", calibration.torque_unit, known_torque_units()));
+  }
+  calibration.axes = reader.axes(node, "Axis");
+  calibration.basic = basic_transform(reader, node);
+  calibration.temperature = temperature(reader, node);
+  if (node.child("UserAxis")) calibration.user_axes = reader.axes(node, "UserAxis");
+  if (!working_matrix(calibration).allFinite()) reader.fail("its numbers are too large for a matrix");
+  return calibration;
+}
+
+AtiCalibration read_ati_calibration(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) Reader(path).fail("it cannot be opened");
+  std::string text(kLargestFile + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) Reader(path).fail("it cannot be read");
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return parse_ati_calibration(text, path);
+}
+
+Matrix6 wrench_transform(const AtiTransform& transform) {
+  constexpr double kRadians = std::numbers::pi / 180.0;
+  const auto& [x, y, z] = transform.rotation_deg;
+  const auto& [dx, dy, dz] = transform.displacement_mm;
+  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(-z * kRadians, Eigen::Vector3d::UnitZ()) *
+                                    Eigen::AngleAxisd(-y * kRadians, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(-x * kRadians, Eigen::Vector3d::UnitX()))
+                                       .toRotationMatrix();
+  Eigen::Matrix3d cross;  // cross * F = D x F
+  cross << 0.0, -dz, dy, dz, 0.0, -dx, -dy, dx, 0.0;
+  Matrix6 matrix;
+  matrix << rotation, Eigen::Matrix3d::Zero(), -rotation * cross, rotation;
+  return matrix;
+}
+
+Matrix6 working_matrix(const AtiCalibration& calibration) {
+  const auto& axes = calibration.user_axes ? *calibration.user_axes : calibration.axes;
+  Matrix6 matrix;
+  for (int row = 0; row < 6; ++row) {
+    const AtiAxis& axis = axes[static_cast<std::size_t>(row)];
+    matrix.row(row) = Eigen::Map<const Vector6>(axis.values.data()).transpose() / axis.scale;
+  }
+  matrix = file_units(calibration).asDiagonal() * matrix;
+  return calibration.user_axes ? matrix : Matrix6(wrench_transform(calibration.basic) * matrix);
+}
+
+std::array<double, 6> rated_range(const AtiCalibration& calibration) {
+  const auto& axes = calibration.user_axes ? *calibration.user_axes : calibration.axes;
+  const Vector6 units = file_units(calibration);
+  std::array<double, 6> range{};
+  for (std::size_t i = 0; i < 6; ++i) range[i] = axes[i].max * units[static_cast<Eigen::Index>(i)];
+  return range;
+}
+
+Vector6 compensated(const AtiTemperature& temperature, const Vector6& gauges, double thermistor_v) {
+  const double change = thermistor_v - temperature.thermistor_v;
+  const Eigen::Map<const Vector6> bias(temperature.bias_slope.data());
+  const Eigen::Map<const Vector6> gain(temperature.gain_slope.data());
+  return ((gauges + bias * change).array() / (1.0 - gain.array() * change)).matrix();
+}
+
+}  // namespace tactbench::devices

@@ -1,0 +1,57 @@
+// Driver of the ATI DAQ F/T: six gauge voltages from any GaugeSource, made a wrench by the transducer's .cal file. Not
+// verified on hardware.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "devices/force/ati_calibration.h"
+#include "devices/force/force_checks.h"
+#include "devices/force/force_sensor.h"
+#include "devices/force/gauge_source.h"
+#include "devices/units.h"
+
+namespace tactbench::devices {
+
+struct DaqFtOptions {
+  std::string model = "ATI Nano17, DAQ F/T";
+  std::string expected_serial;           // of the transducer; empty: any
+  AtiTransform tool;                     // the wrench is given in this frame, seen from the transducer's
+  bool temperature_compensation = true;  // where the .cal file has it; needs the thermistor on channel 7
+  Volts converter_limit{10.0};
+  double saturation_share = 0.999;  // of the converter's limit
+  double overload_share = 1.0;      // of the range
+};
+
+class DaqFt final : public ForceSensor {
+ public:
+  // Reads nothing. Throws Fault TB-FORCE-SERIAL, TB-FORCE-GAUGES (the source has not six gauges, or no thermistor where
+  // compensation needs it).
+  DaqFt(std::unique_ptr<GaugeSource> source, AtiCalibration calibration, DaqFtOptions options);
+  // `raw` holds gauge volts as they came, before compensation and bias. Saturation and overload are judged for every
+  // sample, overload in the transducer's frame. Bounded by the source's timeout, whose faults pass through.
+  [[nodiscard]] ForceReading read(int records) override;
+  // A voltage vector, taken after compensation.
+  Wrench bias(int records) override;
+  // In the transducer's frame, also with a tool transform.
+  [[nodiscard]] SixAxes range() const override { return range_; }
+  [[nodiscard]] std::string calibration_serial() const override { return calibration_.serial; }
+  [[nodiscard]] std::uint64_t exchanges() const override { return source_->exchanges(); }
+  [[nodiscard]] Identity identity() const override;
+
+ private:
+  struct Means {
+    ForceReading reading;  // wrench not yet filled
+    Vector6 gauges;        // compensated
+  };
+  Means acquire(int records, const Vector6& bias);
+  std::unique_ptr<GaugeSource> source_;
+  AtiCalibration calibration_;
+  DaqFtOptions options_;
+  Matrix6 matrix_;  // transducer's frame
+  Matrix6 tool_;
+  SixAxes range_;
+  Vector6 bias_ = Vector6::Zero();
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,46 @@
+// The gauge voltages of a DAQ F/T through an NI card: six differential inputs, a thermistor as the seventh where it is
+// wired. Not verified on hardware.
+#pragma once
+
+#include <string>
+
+#include "devices/force/gauge_source.h"
+#include "devices/wire/daqmx_api.h"
+
+namespace tactbench::devices {
+
+struct DaqmxGaugesOptions {
+  std::string library;  // empty: NI's own (daqmx_api.h)
+  std::string device = "Dev1";
+  std::string expected_serial;            // of the card, hexadecimal; empty: any
+  std::string channels = "Dev1/ai16:21";  // gauges in the calibration's order, then the thermistor
+  DaqmxTerminal terminal = DaqmxTerminal::kDifferential;
+  Volts range{10.0};
+  double sample_rate_hz = 10'000;
+  Nanoseconds timeout = std::chrono::milliseconds(500);  // beyond the time that the samples take
+  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
+};
+
+class DaqmxGauges final : public GaugeSource {
+ public:
+  // Throws the faults of DaqmxApi, and TB-DAQMX-CHANNELS where the channels are neither 6 nor 7.
+  DaqmxGauges(DaqmxGaugesOptions options, Clock& clock);
+  // Throws DaqmxError, Fault TB-DAQMX-SHORT; std::invalid_argument below 1 sample.
+  [[nodiscard]] GaugeSamples read(int samples) override;
+  [[nodiscard]] int channels() const override { return channels_; }
+  [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
+  [[nodiscard]] Identity identity() const override;
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return api_.warnings(); }
+
+ private:
+  DaqmxGaugesOptions options_;
+  Clock& clock_;
+  DaqmxApi api_;
+  DaqmxDevice device_;
+  DaqmxTask inputs_;
+  int channels_ = 0;
+  int samples_ = 0;  // that the task is set up for
+  std::uint64_t exchanges_ = 0;
+};
+
+}  // namespace tactbench::devices

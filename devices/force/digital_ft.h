@@ -1,0 +1,65 @@
+// Driver of the ATI Digital F/T over any ByteStream (RS-485, 1 250 000 baud, 8 data bits, even parity, 1 stop bit as
+// far as known): the stream is started and stopped around each reading. Not verified on hardware.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/force/ati_calibration.h"
+#include "devices/force/digital_record.h"
+#include "devices/force/force_checks.h"
+#include "devices/force/force_sensor.h"
+#include "devices/wire/byte_stream.h"
+
+namespace tactbench::devices {
+
+struct DigitalFtOptions {
+  std::string model = "ATI Nano17, Digital F/T";
+  int unit = 10;                // Modbus
+  bool low_word_first = false;  // of 32-bit values in the calibration registers: not verified
+  std::string expected_serial;  // of the transducer; empty: any
+  double overload_share = 1.0;  // of the range
+  double samples_per_second = 7000.0;
+  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the samples' own time
+  Nanoseconds quiet = std::chrono::milliseconds(20);           // no byte for so long: the stream has stopped
+  Origin origin = Origin::kHardware;
+};
+
+class DigitalFt final : public ForceSensor {
+ public:
+  // Stops a stream that may run, reads the calibration and checks that the sensor's active gains and offsets are its.
+  // Writes no register. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-FORCE-TIMEOUT, TB-FORCE-PROTOCOL and
+  // the stream's.
+  DigitalFt(std::unique_ptr<ByteStream> stream, DigitalFtOptions options, Clock& clock);
+  // Damaged samples are left out and counted as lost; the next is found where two in a row have the right sum. The
+  // samples carry no counter: a sensor that stands still is not seen. `raw` holds gauge counts G0 to G5.
+  [[nodiscard]] ForceReading read(int records) override;
+  Wrench bias(int records) override;
+  [[nodiscard]] SixAxes range() const override { return range_; }
+  [[nodiscard]] std::string calibration_serial() const override { return calibration_.serial; }
+  [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
+  [[nodiscard]] Identity identity() const override;
+
+ private:
+  ForceReading measure(int records, const Wrench& bias);
+  void stream_samples(int records, const Wrench& bias, Vector6& sum);
+  void take(const DigitalSample& sample, const Wrench& bias, Vector6& sum) const;
+  void stop();
+  std::vector<std::uint8_t> read_registers(int address, int count);
+  std::vector<std::uint8_t> answer(std::size_t size, const std::string& asked);
+  [[nodiscard]] SixAxes scaled(const Vector6& gauges) const;
+  [[noreturn]] void timed_out(const std::string& asked, const std::string& came, Nanoseconds nominal);
+  std::unique_ptr<ByteStream> stream_;
+  DigitalFtOptions options_;
+  Clock& clock_;
+  DigitalCalibration calibration_;
+  Matrix6 matrix_;  // N and N*mm per gauge count
+  SixAxes range_{};
+  Wrench bias_;
+  std::uint64_t exchanges_ = 0;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace tactbench::devices

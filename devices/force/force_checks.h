@@ -1,0 +1,25 @@
+// What every force driver checks and computes alike: the number of records, the load against the rated range, means.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "devices/force/force_sensor.h"
+
+namespace tactbench::devices {
+
+inline constexpr const char* kForceDevice = "force sensor";
+
+using SixAxes = std::array<double, 6>;  // Fx, Fy, Fz, Tx, Ty, Tz
+
+Wrench wrench_of(const SixAxes& axes);
+Wrench operator-(const Wrench& wrench, const Wrench& bias);
+
+// Throws Fault TB-FORCE-RECORDS unless 1 <= records <= kMostForceRecords.
+void check_records(int records);
+// `load`, in the frame of `range` (N, N*mm), against share * range of each axis. Throws Fault TB-FORCE-OVERLOAD.
+void check_overload(const Wrench& load, const SixAxes& range, double share);
+// Throws Fault TB-FORCE-SERIAL when a serial number is asked for (not empty) and another one is found.
+void check_serial(const std::string& asked, const std::string& found, const std::string& where);
+
+}  // namespace tactbench::devices

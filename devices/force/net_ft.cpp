@@ -1,0 +1,182 @@
+#include "devices/force/net_ft.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "devices/fault.h"
+#include "devices/wire/http_get.h"
+
+namespace tactbench::devices {
+namespace {
+
+// A burst of that many datagrams fits the receive buffer that Linux gives by default (about 270 of this size).
+constexpr int kRequestRecords = 100;
+constexpr int kAttempts = 3;
+
+double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+
+NetFtPage configuration(const NetFtOptions& options, Clock& clock) {
+  if (options.page_file.empty()) {
+    const HttpPage page{options.host, options.http_port, "/netftapi2.xml", options.page_timeout};
+    return parse_netft_page(http_get(page, kForceDevice, clock),
+                            fmt::format("http://{}:{}{}", page.host, page.port, page.path));
+  }
+  std::ifstream file(options.page_file, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
+                fmt::format("reading the configuration {}: it cannot be read or is empty", options.page_file),
+                "Correct the path in the bench file, or leave it out to ask the sensor.");
+  }
+  return parse_netft_page(text.str(), options.page_file);
+}
+
+}  // namespace
+
+NetFt::NetFt(NetFtOptions options, Clock& clock)
+    : options_(std::move(options)),
+      clock_(clock),
+      page_(configuration(options_, clock)),
+      link_(options_.host, options_.port, kForceDevice) {
+  check_serial(options_.expected_serial, page_.calibration_serial, "the sensor at " + link_.peer());
+  const auto told = options_.range ? options_.range : page_.range_n_nmm();
+  if (!told) {
+    throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
+                fmt::format("the configuration of the sensor at {} names no range (cfgmr)", link_.peer()),
+                "Give the calibration's six ranges in the bench file: without them no overload is seen.");
+  }
+  range_ = *told;
+}
+
+Identity NetFt::identity() const {
+  return {"force sensor", options_.model, page_.calibration_serial, page_.firmware, options_.origin};
+}
+
+SixAxes NetFt::scaled(const SixAxes& counts) const {
+  SixAxes axes{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    axes[i] = counts[i] * (i < 3 ? page_.newtons_per_count() : page_.newton_millimetres_per_count());
+  }
+  return axes;
+}
+
+ForceReading NetFt::read(int records) { return measure(records, bias_); }
+
+Wrench NetFt::bias(int records) {
+  bias_ = measure(records, {}).wrench;
+  return bias_;
+}
+
+ForceReading NetFt::measure(int records, const Wrench& bias) {
+  check_records(records);
+  ForceReading reading;
+  reading.time = clock_.now();
+  Sum sum;
+  sum.bias = bias;
+  while (sum.records < records) request(std::min(records - sum.records, kRequestRecords), sum);
+  for (std::size_t i = 0; i < 6; ++i) reading.raw[i] = sum.counts[i] / sum.records;
+  reading.wrench = wrench_of(scaled(reading.raw)) - bias;
+  reading.records = sum.records;
+  reading.status = sum.status;
+  reading.lost = lost_;
+  reading.reordered = reordered_;
+  return reading;
+}
+
+void NetFt::request(int records, Sum& sum) {
+  const Nanoseconds limit =
+      options_.reply_timeout + Nanoseconds(static_cast<Nanoseconds::rep>(1e9 * records / page_.records_per_second));
+  int missing = records;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const int came = gather(missing, sum, limit);
+    missing -= came;
+    if (missing == 0) return;
+    lost_ += static_cast<std::uint64_t>(missing);
+    if (came == 0) break;  // silence, not loss
+  }
+  throw Fault("TB-FORCE-TIMEOUT", kForceDevice,
+              fmt::format("asking {} records of the sensor at {}: {} came, waiting up to {:g} ms", records,
+                          link_.peer(), records - missing, milliseconds(limit)),
+              "Check the sensor's power and network cable, and that RDT is enabled in its configuration.");
+}
+
+// One request; returns how many fresh records came before `limit`.
+int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
+  // After a request that did not end well its records may still be on their way: to a port that is no longer ours.
+  if (!std::exchange(settled_, false)) link_.renew();
+  link_.drain();
+  link_.send(encode(RdtRequest{RdtCommand::kStartRealtime, static_cast<std::uint32_t>(records)}));
+  ++exchanges_;
+  const auto end = std::chrono::steady_clock::now() + limit;
+  const auto before = newest_;
+  std::set<std::uint32_t> seen;     // RDT sequence numbers of this stream
+  std::set<std::uint32_t> samples;  // F/T sequence numbers
+  int old = 0;
+  int came = 0;
+  std::array<std::uint8_t, 2 * kRdtRecordBytes> buffer{};
+  while (came < records) {
+    const Nanoseconds left = end - std::chrono::steady_clock::now();
+    const std::size_t size = link_.receive(buffer, std::max(left, Nanoseconds(0)));
+    if (size == 0) {
+      clock_.reply_lost(limit);
+      if (came == 0 && old > 0) stalled(*before);
+      return came;
+    }
+    const auto record = decode_rdt_record(std::span(buffer).first(size));
+    if (!record) {
+      throw Fault(
+          "TB-FORCE-PROTOCOL", kForceDevice,
+          fmt::format("a datagram of {} bytes came from {}; a record has {}", size, link_.peer(), kRdtRecordBytes),
+          "Check that the port is the sensor's RDT port and that its RDT buffer size is 1.");
+    }
+    // Differences of counters that wrap. What is not newer than the last reading is a straggler of it, or the sensor
+    // stands still: then no record is newer.
+    if (before && static_cast<std::int32_t>(record->ft_sequence - *before) <= 0) {
+      if (++old == records) stalled(*before);
+      continue;
+    }
+    const bool behind = !seen.empty() && record->rdt_sequence < *seen.rbegin();
+    if (!seen.insert(record->rdt_sequence).second) continue;  // the network has doubled it
+    if (behind) ++reordered_;
+    if (!samples.insert(record->ft_sequence).second) stalled(record->ft_sequence);
+    if (came == 0 || static_cast<std::int32_t>(record->ft_sequence - *newest_) > 0) newest_ = record->ft_sequence;
+    take(*record, sum);
+    ++came;
+  }
+  settled_ = true;
+  return came;
+}
+
+void NetFt::stalled(std::uint32_t sample) {
+  newest_.reset();  // a sensor that has started anew counts from the beginning: the next reading goes with it
+  throw Fault(
+      "TB-FORCE-STALL", kForceDevice,
+      fmt::format("asking records of the sensor at {}: its sample counter does not go beyond {}", link_.peer(), sample),
+      "The sensor repeats itself or has started anew: look at its status page, switch it off and on.");
+}
+
+void NetFt::take(const RdtRecord& record, Sum& sum) const {
+  if (rdt_status_is_error(record.status)) {
+    const bool saturated = (record.status & ~(kRdtSummary | kRdtMonitorTripped)) == kRdtSaturated;
+    throw Fault(saturated ? "TB-FORCE-SATURATED" : "TB-FORCE-STATUS", kForceDevice,
+                fmt::format("the sensor at {} reports status 0x{:08X}: {}", link_.peer(), record.status,
+                            rdt_status_text(record.status)),
+                saturated ? "Take the load off; if it stays, a gauge or the transducer's cable is broken."
+                          : "Look at the sensor's status page; switch it off and on.");
+  }
+  SixAxes counts{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    counts[i] = record.counts[i];
+    sum.counts[i] += record.counts[i];
+  }
+  check_overload(wrench_of(scaled(counts)) - sum.bias, range_, options_.overload_share);
+  sum.status |= record.status;
+  ++sum.records;
+}
+
+}  // namespace tactbench::devices

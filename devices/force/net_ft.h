@@ -1,0 +1,72 @@
+// Driver of the ATI Net F/T (and its kin) over RDT: every reading is requested with a count, over UDP; what the counts
+// mean comes from the sensor's page netftapi2.xml. Not verified on hardware.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "devices/force/force_checks.h"
+#include "devices/force/force_sensor.h"
+#include "devices/force/netft_xml.h"
+#include "devices/force/rdt_record.h"
+#include "devices/wire/udp_link.h"
+
+namespace tactbench::devices {
+
+struct NetFtOptions {
+  std::string model = "ATI Nano17, Net F/T";
+  std::string host = "192.168.1.1";  // in numbers
+  int port = 49152;
+  int http_port = 80;
+  std::string page_file;         // a kept netftapi2.xml, read instead of asking for it; empty: ask
+  std::string expected_serial;   // of the calibration; empty: any
+  std::optional<SixAxes> range;  // N, N*mm; where the page does not tell it
+  double overload_share = 1.0;   // of the range
+  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the time that the records themselves take
+  Nanoseconds page_timeout = std::chrono::seconds(3);
+  Origin origin = Origin::kHardware;
+};
+
+class NetFt final : public ForceSensor {
+ public:
+  // Reads the page, asks no record. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-HTTP-*, TB-UDP-OPEN.
+  NetFt(NetFtOptions options, Clock& clock);
+  // In requests of up to 100 records. Records that do not come are asked for anew twice, from another local port, so
+  // that late ones are never taken for answers. Bounded by three times (reply timeout + the records' time) a request.
+  // A tripped threshold monitor is not an error: it stands in the reading's status.
+  [[nodiscard]] ForceReading read(int records) override;
+  // Kept here, not in the sensor: raw counts stay what the sensor measures.
+  Wrench bias(int records) override;
+  [[nodiscard]] SixAxes range() const override { return range_; }
+  [[nodiscard]] std::string calibration_serial() const override { return page_.calibration_serial; }
+  [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
+  [[nodiscard]] Identity identity() const override;
+  [[nodiscard]] const NetFtPage& page() const { return page_; }
+
+ private:
+  struct Sum {
+    Wrench bias;  // removed before a record's load is judged
+    SixAxes counts{};
+    int records = 0;
+    std::uint32_t status = 0;
+  };
+  ForceReading measure(int records, const Wrench& bias);
+  void request(int records, Sum& sum);
+  int gather(int records, Sum& sum, Nanoseconds limit);
+  void take(const RdtRecord& record, Sum& sum) const;
+  [[noreturn]] void stalled(std::uint32_t sample);
+  [[nodiscard]] SixAxes scaled(const SixAxes& counts) const;
+  NetFtOptions options_;
+  Clock& clock_;
+  NetFtPage page_;
+  SixAxes range_{};
+  UdpLink link_;
+  Wrench bias_;
+  std::optional<std::uint32_t> newest_;  // F/T sequence of the last record taken
+  bool settled_ = true;                  // the last request got all its records
+  std::uint64_t exchanges_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t reordered_ = 0;
+};
+
+}  // namespace tactbench::devices

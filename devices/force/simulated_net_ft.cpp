@@ -1,0 +1,236 @@
+#include "devices/force/simulated_net_ft.h"
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "devices/fault.h"
+#include "devices/force/force_checks.h"
+#include "devices/force/rdt_record.h"
+#include "devices/wire/loopback.h"
+#include "devices/wire/page_server.h"
+
+namespace tactbench::devices {
+namespace {
+
+using SteadyTime = std::chrono::steady_clock::time_point;
+using Packet = std::array<std::uint8_t, kRdtRecordBytes>;
+constexpr std::size_t kBatch = 64;
+
+std::int32_t counts(double value) {
+  constexpr double kLow = std::numeric_limits<std::int32_t>::min();
+  constexpr double kHigh = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::isnan(value) ? kLow : std::clamp(std::round(value), kLow, kHigh));
+}
+
+}  // namespace
+
+class SimulatedNetFt::Server {
+ public:
+  Server(SimulatedNetFtOptions options, ForcePort& port)
+      : options_(std::move(options)),
+        port_(port),
+        pages_(options_.http_port, "/netftapi2.xml", format_netft_page(options_.page), "simulated Net F/T"),
+        rdt_(bind_loopback(SOCK_DGRAM, options_.rdt_port, "simulated Net F/T")),
+        stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (stop_ < 0) {
+      ::close(rdt_.socket);
+      throw Fault("TB-SIM-LISTEN", "simulated Net F/T", "no descriptor is left for its thread", "Close programs.");
+    }
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Server() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t written = ::write(stop_, &one, sizeof one);
+    thread_.join();
+    ::close(stop_);
+    ::close(rdt_.socket);
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] int rdt_port() const { return rdt_.port; }
+  [[nodiscard]] int http_port() const { return pages_.port(); }
+
+ private:
+  struct Endless {
+    sockaddr_in client{};
+    std::uint32_t sequence = 0;
+    std::uint64_t sent = 0;
+    SteadyTime start;
+  };
+
+  void serve() {
+    std::vector<pollfd> descriptors;
+    for (;;) {
+      descriptors.assign({{stop_, POLLIN, 0}, {rdt_.socket, POLLIN, 0}});
+      pages_.add_to(descriptors);
+      timespec wait{};
+      if (endless_) {
+        const Nanoseconds left = std::max(Nanoseconds(0), Nanoseconds(due(endless_->sent + 1) - now()));
+        wait.tv_sec = left.count() / 1'000'000'000;
+        wait.tv_nsec = left.count() % 1'000'000'000;
+      }
+      if (::ppoll(descriptors.data(), descriptors.size(), endless_ ? &wait : nullptr, nullptr) < 0) continue;
+      if (descriptors[0].revents != 0) return;
+      if (descriptors[1].revents != 0) attend();
+      pages_.serve();
+      if (endless_) keep_pace();
+    }
+  }
+
+  static SteadyTime now() { return std::chrono::steady_clock::now(); }
+  [[nodiscard]] SteadyTime due(std::uint64_t record) const {
+    const double seconds = static_cast<double>(record) / options_.page.records_per_second;
+    return endless_->start + Nanoseconds(static_cast<Nanoseconds::rep>(seconds * 1e9));
+  }
+
+  void attend() {
+    std::array<std::uint8_t, 2 * kRdtRequestBytes> bytes{};
+    sockaddr_in client{};
+    socklen_t size = sizeof client;
+    const ssize_t got =
+        ::recvfrom(rdt_.socket, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&client), &size);
+    if (got < 0) return;  // an earlier client is gone, or nothing is there after all
+    const auto request = decode_rdt_request(std::span(bytes).first(static_cast<std::size_t>(got)));
+    if (!request) return;  // the sensor is silent to what it does not know
+    switch (request->command) {
+      case RdtCommand::kStartRealtime:
+      case RdtCommand::kStartBuffered:
+      case RdtCommand::kStartMultiUnit:
+        endless_.reset();
+        if (request->count == 0) {
+          endless_ = Endless{client, 0, 0, now()};
+        } else {
+          answer(client, request->count);
+        }
+        break;
+      case RdtCommand::kStop:
+        endless_.reset();
+        break;
+      case RdtCommand::kSetBias:
+        if (const auto loads = measure()) bias_ = *loads;
+        break;
+      case RdtCommand::kResetLatch:
+        break;
+    }
+  }
+
+  // All counted records at once: process time stands still while they are asked for.
+  void answer(const sockaddr_in& client, std::uint32_t count) {
+    std::uint32_t sequence = 0;
+    while (sequence < count) {
+      const auto batch = std::min<std::uint32_t>(count - sequence, kBatch);
+      if (!send(client, sequence, batch)) return;
+      sequence += batch;
+    }
+  }
+
+  // Sends what is due by now. A thread that was held up leaves out what it missed, as the numbers then show.
+  void keep_pace() {
+    const SteadyTime time = now();
+    if (time - due(endless_->sent) > std::chrono::seconds(1)) {
+      endless_->start = time;
+      endless_->sent = 0;
+    }
+    while (due(endless_->sent + 1) <= time) {
+      if (!send(endless_->client, endless_->sequence, 1)) {
+        endless_.reset();  // the client is gone
+        return;
+      }
+      ++endless_->sequence;
+      ++endless_->sent;
+    }
+  }
+
+  // Counts without bias; empty when physics fails: the sensor falls silent.
+  std::optional<std::array<double, 6>> measure() {
+    try {
+      const Wrench wrench = port_.wrench();
+      std::array<double, 6> loads{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        loads[i] = wrench.force_n[i] / options_.page.newtons_per_count();
+        loads[i + 3] = wrench.torque_nmm[i] / options_.page.newton_millimetres_per_count();
+      }
+      return loads;
+    } catch (...) {
+      return std::nullopt;
+    }
+  }
+
+  // Records `sequence + 1` and on of a stream, in one call; false when the client cannot be reached.
+  bool send(const sockaddr_in& client, std::uint32_t sequence, std::uint32_t count) {
+    const SimulatedNetFtFaults& faults = options_.faults;
+    packets_.clear();
+    std::optional<Packet> held;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const long number = records_++;
+      const auto loads = measure();
+      if (!loads || (faults.silent_after_records >= 0 && number >= faults.silent_after_records)) continue;
+      if (faults.stall_from_record < 0 || number < faults.stall_from_record) ++sample_;
+      if (number == faults.drop_record) continue;
+      RdtRecord record{sequence + i + 1, sample_, number == faults.status_record ? faults.status_bits : 0, {}};
+      for (std::size_t axis = 0; axis < 6; ++axis) record.counts[axis] = counts((*loads)[axis] - bias_[axis]);
+      if (number == faults.late_record) {
+        held = encode(record);
+        continue;
+      }
+      packets_.push_back(encode(record));
+      if (held) packets_.push_back(*std::exchange(held, std::nullopt));
+    }
+    if (held) packets_.push_back(*held);
+    return send_packets(client);
+  }
+
+  bool send_packets(sockaddr_in client) {
+    std::array<iovec, kBatch> parts{};
+    std::array<mmsghdr, kBatch> messages{};
+    for (std::size_t i = 0; i < packets_.size(); ++i) {
+      parts[i] = {packets_[i].data(), packets_[i].size()};
+      messages[i].msg_hdr.msg_name = &client;
+      messages[i].msg_hdr.msg_namelen = sizeof client;
+      messages[i].msg_hdr.msg_iov = &parts[i];
+      messages[i].msg_hdr.msg_iovlen = 1;
+    }
+    std::size_t sent = 0;
+    while (sent < packets_.size()) {
+      const int now = ::sendmmsg(rdt_.socket, messages.data() + sent, static_cast<unsigned>(packets_.size() - sent), 0);
+      if (now < 0 && errno != EINTR) return errno == EAGAIN || errno == EWOULDBLOCK;
+      if (now > 0) sent += static_cast<std::size_t>(now);
+    }
+    return true;
+  }
+
+  SimulatedNetFtOptions options_;
+  ForcePort& port_;
+  PageServer pages_;
+  BoundSocket rdt_;
+  int stop_;
+  std::optional<Endless> endless_;
+  std::array<double, 6> bias_{};
+  std::uint32_t sample_ = 0;
+  long records_ = 0;
+  std::vector<Packet> packets_;
+  std::thread thread_;
+};
+
+SimulatedNetFt::SimulatedNetFt(SimulatedNetFtOptions options, ForcePort& port)
+    : server_(std::make_unique<Server>(std::move(options), port)) {}
+
+SimulatedNetFt::~SimulatedNetFt() = default;
+
+int SimulatedNetFt::rdt_port() const { return server_->rdt_port(); }
+int SimulatedNetFt::http_port() const { return server_->http_port(); }
+
+}  // namespace tactbench::devices

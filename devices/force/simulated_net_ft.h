@@ -1,0 +1,46 @@
+// The Net F/T's side of the wire on loopback: RDT over UDP and the page netftapi2.xml over HTTP, asking a ForcePort for
+// the wrench. A counted request is answered at once, an endless one is paced in real time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "devices/force/force_sensor.h"
+#include "devices/force/netft_xml.h"
+
+namespace tactbench::devices {
+
+struct SimulatedNetFtFaults {      // test and nightly switches, all off by default; records count from 0
+  long silent_after_records = -1;  // sends that many records, then none
+  long drop_record = -1;           // leaves that one out
+  long late_record = -1;           // sends that one after the next (within one request)
+  long stall_from_record = -1;     // the F/T sequence stands still from that one on
+  long status_record = -1;         // that one carries status_bits
+  std::uint32_t status_bits = 0x80020000U;
+};
+
+struct SimulatedNetFtOptions {
+  int rdt_port = 0;   // 0: the system chooses
+  int http_port = 0;  // 0: the system chooses
+  NetFtPage page;     // what it serves and how it counts; endless streams run at records_per_second
+  SimulatedNetFtFaults faults;
+};
+
+class SimulatedNetFt {
+ public:
+  // Listens on 127.0.0.1. Sends only to who has asked, one client at a time (the last to ask). Bias and stop are done;
+  // buffered and multi-unit start are taken for a real-time start. No monitor ever trips, so that the latch has nothing
+  // to reset. Throws Fault TB-SIM-LISTEN.
+  SimulatedNetFt(SimulatedNetFtOptions options, ForcePort& port);
+  ~SimulatedNetFt();  // stops the thread, bounded
+  SimulatedNetFt(const SimulatedNetFt&) = delete;
+  SimulatedNetFt& operator=(const SimulatedNetFt&) = delete;
+  [[nodiscard]] int rdt_port() const;
+  [[nodiscard]] int http_port() const;
+
+ private:
+  class Server;
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace tactbench::devices
