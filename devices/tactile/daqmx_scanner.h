@@ -1,0 +1,76 @@
+// The paper's own scanner: the 16 columns on analog inputs of an NI USB-6259, the 16 rows closed one after the other by
+// electro-mechanical relays on digital lines (paper section 2). Not verified on hardware.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "devices/tactile/tactile_array.h"
+#include "devices/wire/daqmx_api.h"
+
+namespace tactbench::devices {
+
+struct DaqmxScannerOptions {
+  std::string library;  // empty: NI's own (daqmx_api.h)
+  std::string device = "Dev1";
+  std::string expected_serial;  // hexadecimal; empty: any
+  std::string column_channels = "Dev1/ai0:15";
+  std::string row_lines = "Dev1/port0/line0:15";
+  int rows = 16;
+  int columns = 16;
+  DaqmxTerminal terminal = DaqmxTerminal::kRse;
+  Volts range{10.0};                                     // inputs measure -range to +range; counts cover 0 to range
+  bool relays_active_low = false;                        // a relay closes on 0
+  double sample_rate_hz = 10'000;                        // samples of all columns a second
+  double convert_rate_hz = 0;                            // from column to column; 0: the driver chooses
+  int samples_per_row = 10;                              // averaged
+  Nanoseconds settle = std::chrono::milliseconds(5);     // from closing a relay to the first sample
+  Nanoseconds timeout = std::chrono::milliseconds(500);  // per row, beyond the time that the samples take
+  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
+};
+
+// Counts: the driver's calibrated volts, averaged over samples_per_row and rounded to range / 65535; below 0 V they are
+// 0. The status bit for the converter's limit is set by a sample at the range and by a column more than 1 % of the
+// range below 0 V, which is wiring and not noise.
+class DaqmxScanner final : public TactileArray {
+ public:
+  // Opens all relays. Throws the faults of DaqmxApi, and TB-SCANNER-GEOMETRY where channels and lines are not as many
+  // as columns and rows.
+  DaqmxScanner(DaqmxScannerOptions options, Clock& clock);
+  ~DaqmxScanner() override;  // opens all relays
+  DaqmxScanner(const DaqmxScanner&) = delete;
+  DaqmxScanner& operator=(const DaqmxScanner&) = delete;
+
+  // The settling time is process time: a turned clock is turned by it, rows x settle a scan. The relays are all open
+  // when this returns or throws. Also throws TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-CORRUPT (samples lost).
+  // Device time is process time, for the card has no clock to ask.
+  [[nodiscard]] ScanSet read(int scans) override;
+  [[nodiscard]] int rows() const override { return options_.rows; }
+  [[nodiscard]] int columns() const override { return options_.columns; }
+  [[nodiscard]] Volts volts_per_count() const override { return options_.range * (1.0 / 65535.0); }
+  // Writes and acquisitions asked of the driver.
+  [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
+  [[nodiscard]] Identity identity() const override;
+  // How often each row's relay has closed since this was made: relays wear out.
+  [[nodiscard]] const std::vector<std::uint64_t>& relay_operations() const { return relay_operations_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return api_.warnings(); }
+
+ private:
+  void set_relays(int closed_row);  // -1: all open
+  void open_relays() noexcept;
+  void read_row(ScanSet& set, int row);
+  DaqmxScannerOptions options_;
+  Clock& clock_;
+  DaqmxApi api_;
+  DaqmxDevice device_;
+  DaqmxTask inputs_;
+  DaqmxTask relays_;
+  std::vector<std::uint8_t> levels_;
+  std::vector<double> volts_;
+  std::vector<std::uint64_t> relay_operations_;
+  std::uint32_t frame_ = 0;
+  std::uint64_t exchanges_ = 0;
+};
+
+}  // namespace tactbench::devices

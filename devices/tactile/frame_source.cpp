@@ -1,0 +1,160 @@
+#include "devices/tactile/frame_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "devices/fault.h"
+#include "devices/wire/stream_link.h"
+
+namespace tactbench::devices {
+namespace {
+
+namespace protocol = frame_protocol;
+constexpr const char* kDevice = "tactile scanner";
+constexpr int kMostStale = 10'000;  // a source that never rests must not hold us
+
+double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+
+// Runs `talk`; a stream that is gone becomes this room's word for it.
+template <class Talk>
+auto with_source(Talk&& talk) {
+  try {
+    return talk();
+  } catch (const Fault& fault) {
+    if (!fault.id().starts_with("TB-SERIAL-")) throw;
+    const bool slow = fault.id() == "TB-SERIAL-TIMEOUT";
+    throw Fault(slow ? "TB-SCANNER-TIMEOUT" : "TB-SCANNER-LOST", kDevice,
+                fmt::format("the frame source {}: {}", slow ? "does not listen" : "is gone", fault.what()),
+                fault.remedy());
+  }
+}
+
+}  // namespace
+
+FrameSource::FrameSource(FrameSourceOptions options, Clock& clock) : options_(std::move(options)), clock_(clock) {
+  stream_ = with_source([this] { return open_stream(options_.address, options_.connect_timeout); });
+  with_source([this] { identify(); });
+}
+
+void FrameSource::identify() {
+  const auto answer = exchange(protocol::Identify{}, "its identity");
+  const auto* description = std::get_if<protocol::Description>(&answer.body);
+  if (description == nullptr) corrupt("asked for its identity it answers something else");
+  described_ = *description;
+  if (described_.version != protocol::kVersion) {
+    corrupt(fmt::format("it speaks version {} of the protocol, not {}", described_.version, protocol::kVersion));
+  }
+  if (described_.rows != options_.rows || described_.columns != options_.columns) {
+    throw Fault("TB-SCANNER-GEOMETRY", kDevice,
+                fmt::format("a scanner of {} x {} taxels was asked for, {} says {} x {}", options_.rows,
+                            options_.columns, stream_->description(), described_.rows, described_.columns),
+                "Correct rows and columns in the sensor file, or connect the scanner meant.");
+  }
+  if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
+    throw Fault("TB-SCANNER-SERIAL", kDevice,
+                fmt::format("scanner '{}' was asked for, '{}' answers on {}", options_.expected_serial,
+                            described_.serial, stream_->description()),
+                "Connect the scanner meant, or correct its serial in the bench file.");
+  }
+}
+
+void FrameSource::corrupt(const std::string& what) const {
+  throw Fault("TB-SCANNER-CORRUPT", kDevice, fmt::format("frame source {}: {}", stream_->description(), what),
+              "Connect anew; when it comes back, hold the source against frame_protocol.md.");
+}
+
+std::optional<protocol::Message> FrameSource::next_message(Nanoseconds timeout) {
+  const auto end = std::chrono::steady_clock::now() + timeout;  // waiting on a wire is real
+  std::array<std::uint8_t, 16384> bytes{};
+  for (;;) {
+    if (const auto packet = parser_.next()) {
+      auto message = protocol::decode(*packet);
+      if (!message) {
+        corrupt(fmt::format("a message of type 0x{:02x} with {} bytes is not of the protocol", packet->type,
+                            packet->payload.size()));
+      }
+      return message;
+    }
+    if (!parser_.broken().empty()) corrupt(fmt::format("the stream of messages is damaged ({})", parser_.broken()));
+    const Nanoseconds left = std::max(Nanoseconds(0), Nanoseconds(end - std::chrono::steady_clock::now()));
+    const std::size_t got = stream_->read(bytes, left);
+    if (got == 0) return std::nullopt;
+    parser_.feed(std::span(bytes).first(got));
+  }
+}
+
+protocol::Message FrameSource::exchange(const protocol::Body& request, const std::string& asked) {
+  for (int stale = 0; stale < kMostStale && next_message(Nanoseconds(0)); ++stale) {
+  }
+  if (next_tag_ == 0) ++next_tag_;  // tag 0 speaks of damage
+  const std::uint16_t tag = next_tag_++;
+  stream_->write(protocol::encode({tag, request}));
+  ++exchanges_;
+  const auto end = std::chrono::steady_clock::now() + options_.frame_timeout;
+  for (;;) {
+    auto answer = next_message(end - std::chrono::steady_clock::now());
+    if (!answer) break;
+    // An error with tag 0 speaks of a request that the source could not read.
+    const auto* error = std::get_if<protocol::Error>(&answer->body);
+    if (error != nullptr && (answer->tag == tag || answer->tag == 0)) {
+      throw Fault("TB-SCANNER-REFUSED", kDevice,
+                  fmt::format("asking {} {}: error {} '{}'", stream_->description(), asked,
+                              static_cast<int>(error->code), error->text),
+                  "See what the source's own program says.");
+    }
+    if (answer->tag == tag) return *std::move(answer);
+    if (std::chrono::steady_clock::now() >= end) break;
+  }
+  clock_.reply_lost(options_.frame_timeout);
+  throw Fault("TB-SCANNER-TIMEOUT", kDevice,
+              fmt::format("asking {} {}: no answer within {:g} ms", stream_->description(), asked,
+                          milliseconds(options_.frame_timeout)),
+              "Check the source's program and the network, then start anew.");
+}
+
+ScanSet FrameSource::read(int scans) {
+  ScanSet set;
+  set.rows = options_.rows;
+  set.columns = options_.columns;
+  set.scans = scans;
+  set.time = clock_.now();
+  const auto taxels = static_cast<std::size_t>(set.rows) * static_cast<std::size_t>(set.columns);
+  set.counts.reserve(static_cast<std::size_t>(std::max(scans, 0)) * taxels);
+  with_source([&] {
+    for (int index = 0; index < scans; ++index) read_scan(set, index);
+  });
+  return set;
+}
+
+void FrameSource::read_scan(ScanSet& set, int index) {
+  const auto answer = exchange(protocol::Scan{}, fmt::format("for scan {}", index));
+  const auto* frame = std::get_if<protocol::Frame>(&answer.body);
+  if (frame == nullptr) corrupt("asked for a scan it answers something else");
+  if (frame->rows != set.rows || frame->columns != set.columns) {
+    corrupt(fmt::format("a frame of {} x {} taxels came, the array has {} x {}", frame->rows, frame->columns, set.rows,
+                        set.columns));
+  }
+  if (last_counter_) {
+    const std::uint32_t ahead = frame->counter - *last_counter_;  // modulo 2^32
+    if (ahead == 0 || ahead > 0x7FFF'FFFFU) {
+      corrupt(fmt::format("asked for a fresh frame it sent frame {} after frame {}: it came twice, or is old",
+                          frame->counter, *last_counter_));
+    }
+    skipped_ += ahead - 1;
+  }
+  last_counter_ = frame->counter;
+  set.counts.insert(set.counts.end(), frame->counts.begin(), frame->counts.end());
+  set.frame_counters.push_back(frame->counter);
+  if (index == 0) set.device_time_us = static_cast<std::uint32_t>(frame->device_time_us & 0xFFFF'FFFFU);
+  set.status = static_cast<std::uint8_t>(set.status | frame->status);
+}
+
+Identity FrameSource::identity() const {
+  return {"tactile scanner", described_.model, described_.serial, described_.firmware, options_.origin};
+}
+
+}  // namespace tactbench::devices

@@ -1,0 +1,252 @@
+#include "devices/tactile/simulated_frame_source.h"
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "devices/fault.h"
+#include "devices/wire/loopback.h"
+
+namespace tactbench::devices {
+namespace {
+
+namespace protocol = frame_protocol;
+using Real = std::chrono::steady_clock;
+constexpr std::size_t kMaxClients = 16;
+
+struct Client {
+  int socket = -1;
+  protocol::Parser parser;
+  std::vector<std::uint8_t> unsent;           // while any, no request of this client is read
+  bool closing = false;                       // once all is sent
+  std::optional<std::uint16_t> subscription;  // its tag
+};
+
+}  // namespace
+
+class SimulatedFrameSource::Server {
+ public:
+  Server(SimulatedFrameSourceOptions options, TactilePort& port, const Clock& clock)
+      : options_(std::move(options)), port_(port), clock_(clock) {
+    [[maybe_unused]] const auto encodable = protocol::encode({0, options_.description});
+    if (!(options_.free_running_hz > 0.0 && options_.free_running_hz <= 1e5))
+      fail("a rate lies above 0, up to 100 kHz");
+    period_ = std::chrono::duration_cast<Real::duration>(std::chrono::duration<double>(1.0 / options_.free_running_hz));
+    last_.rows = options_.description.rows;
+    last_.columns = options_.description.columns;
+    last_.counts.resize(std::size_t{last_.rows} * last_.columns);
+    status_.resize(last_.rows);
+    stop_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (stop_ < 0) fail(std::strerror(errno));
+    try {
+      const BoundSocket bound = bind_loopback(SOCK_STREAM, options_.port, "simulated frame source");
+      listener_ = bound.socket;
+      options_.port = bound.port;
+    } catch (...) {
+      release();
+      throw;
+    }
+    thread_ = std::thread([this] { serve(); });
+  }
+
+  ~Server() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t written = ::write(stop_, &one, sizeof one);
+    thread_.join();
+    release();
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] int port() const { return options_.port; }
+
+ private:
+  [[noreturn]] void fail(const std::string& why) {
+    release();
+    throw Fault("TB-SIM-LISTEN", "simulated frame source",
+                fmt::format("listening on 127.0.0.1:{}: {}", options_.port, why),
+                "Correct the rate, or close other programs.");
+  }
+
+  void release() {
+    for (const Client& client : clients_) ::close(client.socket);
+    for (int* descriptor : {&listener_, &stop_}) {
+      if (*descriptor >= 0) ::close(std::exchange(*descriptor, -1));
+    }
+  }
+
+  void serve() {
+    std::vector<pollfd> watched;
+    for (;;) {
+      const int listener = clients_.size() < kMaxClients ? listener_ : -1;  // poll() passes over negative ones
+      watched.assign({{stop_, POLLIN, 0}, {listener, POLLIN, 0}});
+      for (const Client& client : clients_) {
+        watched.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
+      }
+      const timespec left = time_to_frame();
+      if (::ppoll(watched.data(), watched.size(), subscribed() ? &left : nullptr, nullptr) < 0) continue;
+      if (watched[0].revents != 0) return;
+      for (std::size_t i = 2; i < watched.size(); ++i) {
+        Client& client = clients_[i - 2];
+        const bool open = watched[i].revents == 0 || (client.unsent.empty() ? attend(client) : flush(client));
+        if (!open) ::close(std::exchange(client.socket, -1));
+      }
+      std::erase_if(clients_, [](const Client& client) { return client.socket < 0; });
+      if (watched[1].revents != 0) accept();
+      if (subscribed() && Real::now() >= next_frame_) publish();
+    }
+  }
+
+  [[nodiscard]] bool subscribed() const {
+    return std::any_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.subscription.has_value(); });
+  }
+
+  [[nodiscard]] timespec time_to_frame() const {
+    const auto left = std::max(Real::duration(0), Real::duration(next_frame_ - Real::now()));
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+    return {seconds.count(), Nanoseconds(left - seconds).count()};
+  }
+
+  void accept() {
+    const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (socket < 0) return;
+    const int one = 1;
+    ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    clients_.emplace_back().socket = socket;
+  }
+
+  // False: the connection is to be closed.
+  bool attend(Client& client) {
+    std::uint8_t bytes[512];
+    const ssize_t got = ::recv(client.socket, bytes, sizeof bytes, 0);
+    if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    if (got == 0) return false;
+    client.parser.feed(std::span(bytes, static_cast<std::size_t>(got)));
+    while (const auto packet = client.parser.next()) answer(client, *packet);
+    if (const std::string& broken = client.parser.broken(); !broken.empty()) {
+      put(client, {0, protocol::Error{protocol::ErrorCode::kDamaged, "damaged request: " + broken}});
+      client.closing = true;
+    }
+    return flush(client);
+  }
+
+  bool flush(Client& client) {
+    while (!client.unsent.empty()) {
+      const ssize_t sent = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
+      if (sent < 0 && errno == EINTR) continue;
+      if (sent < 0) return errno == EAGAIN || errno == EWOULDBLOCK;
+      client.unsent.erase(client.unsent.begin(), client.unsent.begin() + sent);
+    }
+    return !client.closing;
+  }
+
+  static void put(Client& client, const protocol::Message& message) {
+    const auto bytes = protocol::encode(message);
+    client.unsent.insert(client.unsent.end(), bytes.begin(), bytes.end());
+  }
+
+  void answer(Client& client, const protocol::Packet& packet) {
+    const auto error = [&](protocol::ErrorCode code, const char* text) {
+      put(client, {packet.tag, protocol::Error{code, text}});
+    };
+    const auto request = protocol::decode(packet);
+    if (!protocol::known_type(packet.type) || packet.type >= 0x80) {
+      error(protocol::ErrorCode::kUnknownType, "not a request of this protocol");
+    } else if (!request) {
+      error(protocol::ErrorCode::kBadPayload, "the payload does not fit the request");
+    } else if (std::holds_alternative<protocol::Identify>(request->body)) {
+      put(client, {packet.tag, options_.description});
+    } else if (std::holds_alternative<protocol::Scan>(request->body)) {
+      scan(client, packet.tag);
+    } else if (std::holds_alternative<protocol::Subscribe>(request->body)) {
+      if (!subscribed()) next_frame_ = Real::now();
+      client.subscription = packet.tag;
+    } else {
+      client.subscription.reset();
+      put(client, {packet.tag, protocol::Done{}});
+    }
+  }
+
+  // False: physics failed.
+  bool make_frame() {
+    try {
+      port_.scan(last_.counts, status_);
+    } catch (...) {
+      return false;
+    }
+    last_.counter = counter_++;
+    last_.status = 0;
+    for (const std::uint8_t status : status_) last_.status = static_cast<std::uint8_t>(last_.status | status);
+    last_.device_time_us =
+        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(clock_.now()).count());
+    return true;
+  }
+
+  void scan(Client& client, std::uint16_t tag) {
+    const auto& faults = options_.faults;
+    const long number = scans_++;
+    if (faults.silent_after_scans >= 0 && number >= faults.silent_after_scans) return;
+    if (number != faults.repeat_scan && !make_frame()) {
+      put(client, {tag, protocol::Error{protocol::ErrorCode::kDevice, "the array does not answer"}});
+      return;
+    }
+    if (number == faults.drop_scan) return;
+    const std::size_t begin = client.unsent.size();
+    put(client, {tag, last_});
+    const std::size_t middle = begin + (client.unsent.size() - begin) / 2;
+    if (number == faults.corrupt_scan) client.unsent[middle] ^= 0x10U;
+    if (number == faults.double_scan) put(client, {tag, last_});
+    if (number == faults.cut_scan) {
+      client.unsent.resize(middle);
+      client.closing = true;
+    }
+  }
+
+  // One frame to each subscriber that has taken the one before; whoever is slow sees the counter jump.
+  void publish() {
+    next_frame_ = std::max(next_frame_ + period_, Real::now());
+    if (!make_frame()) return;
+    for (Client& client : clients_) {
+      if (!client.subscription || !client.unsent.empty()) continue;
+      put(client, {*client.subscription, last_});
+      if (!flush(client)) ::close(std::exchange(client.socket, -1));
+    }
+    std::erase_if(clients_, [](const Client& client) { return client.socket < 0; });
+  }
+
+  SimulatedFrameSourceOptions options_;
+  TactilePort& port_;
+  const Clock& clock_;
+  Real::duration period_{};
+  Real::time_point next_frame_;
+  protocol::Frame last_;
+  std::vector<std::uint8_t> status_;
+  std::uint32_t counter_ = 0;
+  long scans_ = 0;
+  int listener_ = -1;
+  int stop_ = -1;
+  std::vector<Client> clients_;
+  std::thread thread_;
+};
+
+SimulatedFrameSource::SimulatedFrameSource(SimulatedFrameSourceOptions options, TactilePort& port, const Clock& clock)
+    : server_(std::make_unique<Server>(std::move(options), port, clock)) {}
+
+SimulatedFrameSource::~SimulatedFrameSource() = default;
+
+int SimulatedFrameSource::port() const { return server_->port(); }
+
+}  // namespace tactbench::devices

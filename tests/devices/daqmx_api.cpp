@@ -1,0 +1,149 @@
+#include "devices/wire/daqmx_api.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <stdexcept>
+
+#include "devices/force/daqmx_gauges.h"
+#include "tests/devices/test_chamber.h"
+#include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using tactbench::tests::fake_daqmx;
+using tactbench::tests::FakeDaqmx;
+
+namespace {
+
+FakeDaqmx& fresh_card() { return fake_daqmx() = FakeDaqmx{}; }
+
+DaqmxGaugesOptions gauge_options() {
+  DaqmxGaugesOptions options;
+  options.library = TACTBENCH_FAKE_NIDAQMX;
+  return options;
+}
+
+double gauge_volts(const FakeDaqmx::Levels&, int channel, int sample) { return channel + 0.001 * sample; }
+
+}  // namespace
+
+TEST_CASE("daqmx api: a library that is absent, or is another") {
+  const auto absent = fault_of([] { DaqmxApi("/no/such/libnidaqmx.so"); });
+  REQUIRE(absent);
+  CHECK(absent->id() == "TB-DAQMX-LIBRARY");
+  CHECK_THAT(absent->what(), Catch::Contains("/no/such/libnidaqmx.so"));
+  CHECK_THAT(absent->remedy(), Catch::Contains("Install") && Catch::Contains("USB-6259") && Catch::Contains("frame"));
+  const auto other = fault_of([] { DaqmxApi("libm.so.6"); });
+  REQUIRE(other);
+  CHECK(other->id() == "TB-DAQMX-LIBRARY");
+  CHECK_THAT(other->what(), Catch::Contains("libm.so.6 has no function DAQmxGetSysDevNames"));
+}
+
+TEST_CASE("daqmx api: the devices that the driver sees") {
+  auto& card = fresh_card();
+  card.devices = {{}, {"Dev2", "USB-6003", 0xFFFFFFFF, true}};
+  DaqmxApi api(TACTBENCH_FAKE_NIDAQMX);
+  const auto devices = api.list_devices();
+  REQUIRE(devices.size() == 2);
+  CHECK(devices[0].name == "Dev1");
+  CHECK(devices[0].product_type == "USB-6259");
+  CHECK(devices[0].serial == "01A2B3C4");
+  CHECK_FALSE(devices[0].simulated);
+  CHECK(devices[1].name == "Dev2");
+  CHECK(devices[1].serial == "FFFFFFFF");
+  CHECK(devices[1].simulated);
+
+  const auto other = fault_of([&] { (void)api.device("Dev3", ""); });
+  REQUIRE(other);
+  CHECK(other->id() == "TB-DAQMX-DEVICE");
+  CHECK_THAT(other->what(), Catch::Contains("Dev3") && Catch::Contains("Dev1 (USB-6259, serial 01A2B3C4), Dev2"));
+  card.devices.clear();
+  CHECK(api.list_devices().empty());
+  const auto none = fault_of([&] { (void)api.device("Dev1", ""); });
+  REQUIRE(none);
+  CHECK_THAT(none->what(), Catch::Contains("no device"));
+  CHECK(card.misuse.empty());
+}
+
+TEST_CASE("daqmx api: a driver that refuses to list") {
+  auto& card = fresh_card();
+  card.fail_function = "GetDevSerialNum";
+  card.fail_code = -200324;
+  DaqmxApi api(TACTBENCH_FAKE_NIDAQMX);
+  try {
+    (void)api.list_devices();
+    FAIL("no error");
+  } catch (const DaqmxError& error) {
+    CHECK(error.id() == "TB-DAQMX-ERROR");
+    CHECK(error.code() == -200324);
+    CHECK(error.device_gone());
+    CHECK_THAT(error.what(), Catch::Contains("asking Dev1") && Catch::Contains("device absent"));
+    CHECK_THAT(error.remedy(), Catch::Contains("nilsdev"));
+  }
+}
+
+TEST_CASE("daqmx api: warnings are kept, each once") {
+  fresh_card();
+  DaqmxApi api(TACTBENCH_FAKE_NIDAQMX);
+  api.check(0, "nothing");
+  for (int i = 0; i < 3; ++i) api.check(200010, "stopping");
+  api.check(200015, "stopping");
+  CHECK(api.warnings() == std::vector<std::string>{"stopping: warning 200010: words for 200010",
+                                                   "stopping: warning 200015: words for 200015"});
+}
+
+TEST_CASE("daqmx gauges: six or seven channels, sample by sample") {
+  auto& card = fresh_card();
+  card.volts = gauge_volts;
+  TurnedClock clock;
+  clock.wait_until(3s);
+  auto options = gauge_options();
+  for (const int channels : {6, 7}) {
+    options.channels = channels == 6 ? "Dev1/ai16:21" : "Dev1/ai16:21,Dev1/ai30";
+    DaqmxGauges gauges(options, clock);
+    CHECK(gauges.channels() == channels);
+    for (const int samples : {4, 4, 1, 100}) {
+      const auto read = gauges.read(samples);
+      CHECK(read.samples == samples);
+      CHECK(read.channels == channels);
+      CHECK(read.time == 3s);
+      REQUIRE(read.volts.size() == static_cast<std::size_t>(samples * channels));
+      CHECK(read.volts.back() == gauge_volts({}, channels - 1, samples - 1));
+      CHECK(read.volts.front() == 0.0);
+    }
+    CHECK(gauges.exchanges() == 4);
+    CHECK(gauges.identity().serial == "01A2B3C4");
+    CHECK(card.terminal == 10106);
+    CHECK_THROWS_AS(gauges.read(0), std::invalid_argument);
+  }
+  CHECK(std::count(card.calls.begin(), card.calls.end(), "CfgSampClkTiming") == 2 * 3);
+  CHECK(card.tasks == 0);
+  CHECK(card.misuse.empty());
+}
+
+TEST_CASE("daqmx gauges: refusals, and a whole reading after them") {
+  auto& card = fresh_card();
+  card.volts = gauge_volts;
+  TurnedClock clock;
+  auto options = gauge_options();
+  options.channels = "Dev1/ai0:4";
+  CHECK(fault_id_of([&] { DaqmxGauges(options, clock); }) == "TB-DAQMX-CHANNELS");
+  options = gauge_options();
+  options.expected_serial = "01A2B3C5";
+  CHECK(fault_id_of([&] { DaqmxGauges(options, clock); }) == "TB-DAQMX-SERIAL");
+  DaqmxGauges gauges(gauge_options(), clock);
+  card.fail_function = "ReadAnalogF64";
+  card.fail_code = -200284;
+  CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-ERROR");
+  CHECK(clock.now() == 501ms);
+  card.fail_code = 200010;
+  CHECK(gauges.read(10).volts.size() == 60);
+  REQUIRE(gauges.warnings().size() == 1);
+  CHECK_THAT(gauges.warnings()[0], Catch::Contains("200010"));
+  card.fail_function.clear();
+  card.short_by = 10;
+  CHECK(fault_id_of([&] { (void)gauges.read(10); }) == "TB-DAQMX-SHORT");
+  card.short_by = 0;
+  CHECK(gauges.read(10).volts.size() == 60);
+  CHECK(card.misuse.empty());
+}

@@ -1,0 +1,68 @@
+// A program that runs beside a test, its standard output read line by line; killed by its id when the test ends, and
+// by the kernel when the test dies.
+#pragma once
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactbench::tests {
+
+class ChildProcess {
+ public:
+  explicit ChildProcess(std::vector<std::string> words) {
+    int ends[2];
+    if (pipe(ends) != 0) throw std::runtime_error("pipe failed");
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    child_ = fork();
+    if (child_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      dup2(ends[1], 1);
+      close(ends[0]);
+      close(ends[1]);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    close(ends[1]);
+    output_ = ends[0];
+    if (child_ < 0) throw std::runtime_error("fork failed");
+  }
+  ~ChildProcess() {
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+    close(output_);
+  }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  // The next line without its end. Throws when it does not come within `timeout`.
+  std::string line(std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
+    const auto end = std::chrono::steady_clock::now() + timeout;
+    std::string text;
+    for (char c = 0;;) {
+      const auto left =
+          std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
+      pollfd descriptor{output_, POLLIN, 0};
+      if (left <= 0 || ::poll(&descriptor, 1, static_cast<int>(left)) != 1 || ::read(output_, &c, 1) != 1) {
+        throw std::runtime_error("the child's line did not come; so far: '" + text + "'");
+      }
+      if (c == '\n') return text;
+      text += c;
+    }
+  }
+
+ private:
+  pid_t child_ = -1;
+  int output_ = -1;
+};
+
+}  // namespace tactbench::tests
