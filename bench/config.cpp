@@ -5,17 +5,15 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/config_instruments.h"
 #include "bench/config_pressure.h"
 #include "bench/config_simulation.h"
-#include "bench/process_time.h"
 
 namespace tactbench::bench {
 
 using sequences::TomlTable;
 
 namespace {
-
-devices::Nanoseconds milliseconds(double value) { return seconds(value / 1000.0); }
 
 SafetyLimits read_safety(const TomlTable& table) {
   SafetyLimits limits;
@@ -40,29 +38,16 @@ Settling read_settling(const TomlTable& table) {
   return settling;
 }
 
-void read_scanner(const TomlTable& table, BenchConfig& config) {
-  config.scanner.model = table.text("model", config.scanner.model);
-  config.scanner.expected_serial = table.text("serial", "");
-  config.scanner.rows = static_cast<int>(table.integer("rows", 16, 1, 64));
-  config.scanner.columns = static_cast<int>(table.integer("columns", 16, 16, 16));
-  config.scanner.frame_timeout = milliseconds(table.number_in("frame_timeout_ms", 500, 10, 10000));
-  config.scanner.origin = config.origin;
-  config.scans_per_frame = static_cast<int>(table.integer("scans_per_frame", 2, 1, 8));
-  config.scanner_address.vendor_id = static_cast<std::uint16_t>(table.integer("vendor_id", 0, 0, 65535));
-  config.scanner_address.product_id = static_cast<std::uint16_t>(table.integer("product_id", 0, 0, 65535));
-  config.scanner_address.serial = config.scanner.expected_serial;
-  table.finish();
-}
-
 }  // namespace
 
-BenchConfig read_bench(const std::string& path, const std::vector<sequences::Override>& overrides,
-                       const SeedOptions& seeds) {
-  sequences::TomlDocument document = sequences::TomlDocument::from_file(path);
+namespace {
+
+BenchConfig read_document(sequences::TomlDocument document, const std::vector<sequences::Override>& overrides,
+                          const SeedOptions& seeds) {
   for (const sequences::Override& override_value : overrides) document.set(override_value);
   const TomlTable root = document.root();
   BenchConfig config;
-  config.file = path;
+  config.file = document.name();
   config.text = document.text();
   (void)root.integer("schema", 1, 1);
   const TomlTable bench = root.table("bench");
@@ -70,19 +55,42 @@ BenchConfig read_bench(const std::string& path, const std::vector<sequences::Ove
   config.location = bench.text("location", "not stated");
   config.origin = bench.word("origin", {"simulated", "hardware"}) == "simulated" ? devices::Origin::kSimulated
                                                                                  : devices::Origin::kHardware;
+  const bool simulated = config.origin == devices::Origin::kSimulated;
+  config.in_process = simulated;
+  if (bench.has("simulator")) {
+    if (!simulated) {
+      bench.fail("simulator", "a hardware bench has no simulator", "remove it, or set origin = \"simulated\"");
+    }
+    config.in_process = bench.word("simulator", {"in-process", "external"}) == "in-process";
+  }
+  if (!config.in_process && simulated) config.rate = bench.number_in("rate", 1.0, 0.1, 100.0);
   bench.finish();
+  if (root.has("simulation") && !config.in_process) {
+    root.fail("simulation",
+              simulated ? "an external simulator has its own [simulation] table"
+                        : "a hardware bench has a [simulation] table",
+              "remove it, or set origin = \"simulated\": simulated data must never pass for real");
+  }
   config.limits = read_safety(root.table("limits"));
   config.settling = read_settling(root.table("settling"));
   read_pressure(root, config);
-  read_scanner(root.table("scanner"), config);
-  const bool simulated = config.origin == devices::Origin::kSimulated;
-  if (root.has("simulation") && !simulated) {
-    root.fail("simulation", "a hardware bench has a [simulation] table",
-              "remove it, or set origin = \"simulated\": simulated data must never pass for real");
-  }
-  if (simulated) config.simulation = read_simulation(root.table("simulation"), config, seeds);
+  read_instruments(root, config);
+  if (config.in_process) config.simulation = read_simulation(root.table("simulation"), config, seeds);
   root.finish();
+  config.settings = document.settings();
   return config;
+}
+
+}  // namespace
+
+BenchConfig read_bench(const std::string& path, const std::vector<sequences::Override>& overrides,
+                       const SeedOptions& seeds) {
+  return read_document(sequences::TomlDocument::from_file(path), overrides, seeds);
+}
+
+BenchConfig parse_bench(const std::string& text, const std::string& name,
+                        const std::vector<sequences::Override>& overrides, const SeedOptions& seeds) {
+  return read_document(sequences::TomlDocument::from_text(text, name), overrides, seeds);
 }
 
 std::string share_folder() {
@@ -93,10 +101,11 @@ std::string share_folder() {
 namespace {
 
 std::string find_in(const std::string& folder, const std::string& name) {
-  if (std::filesystem::exists(name)) return name;
+  std::error_code unusable;  // a name that no file can have is not there
+  if (std::filesystem::exists(name, unusable)) return name;
   for (const char* ending : {"", ".toml"}) {
     std::string candidate = fmt::format("{}/{}/{}{}", share_folder(), folder, name, ending);
-    if (name.find('/') == std::string::npos && std::filesystem::exists(candidate)) return candidate;
+    if (name.find('/') == std::string::npos && std::filesystem::exists(candidate, unusable)) return candidate;
   }
   return name;
 }

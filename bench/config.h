@@ -8,13 +8,21 @@
 
 #include "analysis/statistics/evaluation.h"
 #include "bench/simulation/plant.h"
+#include "devices/force/daq_ft.h"
+#include "devices/force/daqmx_gauges.h"
+#include "devices/force/digital_ft.h"
+#include "devices/force/net_ft.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
+#include "devices/stage/zaber_stage.h"
+#include "devices/tactile/daqmx_scanner.h"
+#include "devices/tactile/frame_source.h"
 #include "devices/tactile/hid_scanner.h"
 #include "devices/tactile/simulated_scanner.h"
 #include "devices/wire/hid_link.h"
+#include "devices/wire/serial_link.h"
 #include "sequences/strict_toml.h"
 
 namespace tactbench::bench {
@@ -38,8 +46,30 @@ struct SafetyLimits {
 struct SimulationConfig {
   PlantOptions plant;
   std::string scanner_serial = "SIM-SCANNER-1";
+  int frame_source_port = 0;  // 0: the system chooses
   devices::SimulatedModuleFaults module_faults;
   devices::SimulatedScannerFaults scanner_faults;
+};
+
+enum class ScannerKind { kHid, kDaqmx, kFrameSource };
+enum class ForceKind { kNet, kDaq, kDigital };
+
+struct StageConfig {
+  devices::SerialAddress address;
+  devices::ZaberStageOptions options;
+};
+
+struct ForceConfig {
+  ForceKind kind = ForceKind::kNet;
+  std::string model, serial;  // of the transducer
+  double overload_share = 1.0;
+  int records = 50;  // averaged into one reading
+  devices::NetFtOptions net;
+  std::string calibration_file;  // DAQ: the .cal file
+  devices::DaqFtOptions daq;
+  devices::DaqmxGaugesOptions gauges;
+  devices::SerialAddress address;  // Digital
+  devices::DigitalFtOptions digital;
 };
 
 struct ModuleConfig {
@@ -77,11 +107,20 @@ struct BenchConfig {
   std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`
   devices::PressureCorrection reference_correction;
   std::vector<EnvironmentSensor> environment;
-  devices::HidScannerOptions scanner;
+  ScannerKind scanner_kind = ScannerKind::kHid;
+  devices::HidScannerOptions scanner;  // geometry, serial and timeout count for every kind
   devices::HidAddress scanner_address;
+  std::string scanner_socket;  // HID reports over a local socket instead: a simulated scanner in another process
+  devices::DaqmxScannerOptions daqmx_scanner;
+  devices::FrameSourceOptions frame_source;
   int scans_per_frame = 2;
-  std::optional<SimulationConfig> simulation;  // exactly when origin is simulated
+  std::optional<StageConfig> stage;
+  std::optional<ForceConfig> force;
+  bool in_process = false;                     // simulated, with the simulated ends in this process
+  double rate = 1.0;                           // of process time against real time; not 1 only with a simulator
+  std::optional<SimulationConfig> simulation;  // exactly when in_process
   std::string file, text;                      // where it came from, stored with the run
+  std::vector<sequences::Setting> settings;    // every value, and where it came from
 };
 
 struct SensorType {
@@ -101,6 +140,9 @@ struct SeedOptions {  // command line wins over the file
 // Each throws sequences::FileError.
 BenchConfig read_bench(const std::string& path, const std::vector<sequences::Override>& overrides,
                        const SeedOptions& seeds = {});
+// The same of a text; `name` stands for the file in complaints. Reads no file but those that the text names.
+BenchConfig parse_bench(const std::string& text, const std::string& name,
+                        const std::vector<sequences::Override>& overrides, const SeedOptions& seeds = {});
 SensorType read_sensor_type(const std::string& path, const std::vector<sequences::Override>& overrides = {});
 SensorType parse_sensor_type(const std::string& text, const std::string& name);
 analysis::Limits read_limits(const std::string& path);

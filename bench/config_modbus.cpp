@@ -10,12 +10,12 @@ using sequences::TomlTable;
 
 devices::ModbusEndpoint read_endpoint(const TomlTable& table, bool simulated, devices::Nanoseconds max_reply_delay) {
   devices::ModbusEndpoint endpoint;
-  const bool rtu = table.has("transport") && table.word("transport", {"tcp", "rtu"}) == "rtu";
+  const bool rtu = table.word("transport", "tcp", {"tcp", "rtu"}) == "rtu";
   if (rtu) {
     endpoint.serial_port = simulated ? table.text("serial_port", kSimulatedLine) : table.text("serial_port");
     if (endpoint.serial_port.empty()) table.fail("serial_port", "no serial port is named", "e.g. \"/dev/ttyUSB0\"");
     endpoint.baud = static_cast<int>(table.integer("baud", 9600, 110, 921600));
-    endpoint.parity = table.has("parity") ? table.word("parity", {"N", "E", "O"})[0] : 'N';
+    endpoint.parity = table.word("parity", "N", {"N", "E", "O"})[0];
     endpoint.stop_bits = static_cast<int>(table.integer("stop_bits", 1, 1, 2));
     endpoint.unit = static_cast<int>(table.integer("unit", 1, 1, 247));
     endpoint.max_reply_delay = seconds(
@@ -34,13 +34,12 @@ devices::ModbusEndpoint read_endpoint(const TomlTable& table, bool simulated, de
 
 devices::RegisterFormat read_format(const TomlTable& table, const std::string& default_type) {
   const std::vector<std::string> names(devices::kRegisterTypes.begin(), devices::kRegisterTypes.end());
-  const std::string type = table.has("type") ? table.word("type", names) : default_type;
+  const std::string type = table.word("type", default_type, names);
   devices::RegisterFormat format;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == type) format.type = static_cast<devices::RegisterType>(i);
   }
-  format.low_word_first =
-      table.has("word_order") && table.word("word_order", {"high-first", "low-first"}) == "low-first";
+  format.low_word_first = table.word("word_order", "high-first", {"high-first", "low-first"}) == "low-first";
   return format;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "bench/config_modbus.h"
 #include "bench/config_profile.h"
 #include "bench/process_time.h"
@@ -14,7 +16,15 @@ using sequences::TomlTable;
 
 namespace {
 
-bool simulated(const BenchConfig& config) { return config.origin == devices::Origin::kSimulated; }
+bool has_own_line(const TomlTable& table) { return table.has("host") || table.has("port") || table.has("serial_port"); }
+
+// Of a line of its own, or another unit on the module's.
+devices::ModbusEndpoint endpoint_or_unit(const TomlTable& table, const BenchConfig& config) {
+  if (has_own_line(table)) return read_endpoint(table, config.in_process, std::chrono::seconds(1));
+  devices::ModbusEndpoint endpoint = config.module.endpoint;
+  endpoint.unit = static_cast<int>(table.integer("unit", 1, 247));
+  return endpoint;
+}
 
 void read_channels(const TomlTable& table, devices::ModuleProfile& profile) {
   if (profile.outputs.channels > 0) {
@@ -36,7 +46,7 @@ ModuleConfig read_module(const TomlTable& table, const BenchConfig& config) {
   ModuleConfig module;
   module.profile = read_module_profile(table.text("profile"));
   read_channels(table, module.profile);
-  module.endpoint = read_endpoint(table, simulated(config), module.profile.max_reply_delay);
+  module.endpoint = read_endpoint(table, config.in_process, module.profile.max_reply_delay);
   check_transport(table, module);
   return module;
 }
@@ -59,8 +69,7 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
   table.finish();
   if (root.has("input_module")) {
     const TomlTable inputs = root.table("input_module");
-    const bool own_line = inputs.has("host") || inputs.has("port") || inputs.has("serial_port");
-    if (own_line) {
+    if (has_own_line(inputs)) {
       config.input_module = read_module(inputs, config);
     } else {
       config.input_module = ModuleConfig{read_module_profile(inputs.text("profile")), config.module.endpoint, true};
@@ -108,8 +117,9 @@ void read_regulator(const TomlTable& table, BenchConfig& config) {
   table.finish();
 }
 
-devices::PressureCorrection read_correction(const TomlTable& table) {
+devices::PressureCorrection read_correction(const TomlTable& table, bool own_file = false) {
   devices::PressureCorrection correction;
+  if (own_file) (void)table.integer("schema", 1, 1);
   correction.reading_psi = table.numbers("reading_psi");
   correction.correction_psi = table.numbers("correction_psi");
   correction.expanded_uncertainty_psi = table.numbers("expanded_uncertainty_psi");
@@ -131,13 +141,8 @@ devices::PressureCorrection read_correction(const TomlTable& table) {
 
 void read_gauge(const TomlTable& table, BenchConfig& config) {
   GaugeConfig gauge;
-  gauge.own_line = table.has("host") || table.has("port") || table.has("serial_port");
-  if (gauge.own_line) {
-    gauge.endpoint = read_endpoint(table, simulated(config), std::chrono::seconds(1));
-  } else {
-    gauge.endpoint = config.module.endpoint;
-    gauge.endpoint.unit = static_cast<int>(table.integer("unit", 1, 247));
-  }
+  gauge.own_line = has_own_line(table);
+  gauge.endpoint = endpoint_or_unit(table, config);
   gauge.quantity = read_quantity_place(table, "span_psi");
   table.finish();
   config.reference_gauge = gauge;
@@ -176,6 +181,15 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     reference.span = config.regulator.feedback_span;
   }
   if (table.has("correction")) config.reference_correction = read_correction(table.table("correction"));
+  if (table.has("correction_file")) {
+    if (table.has("correction")) {
+      table.fail("correction_file", "the correction is given twice", "keep [reference.correction] or correction_file");
+    }
+    // Beside the bench file, as its other relative names.
+    const auto path = std::filesystem::path(config.file).parent_path() / table.text("correction_file");
+    const auto document = sequences::TomlDocument::from_file(path.string());
+    config.reference_correction = read_correction(document.root(), true);
+  }
   table.finish();
 }
 
@@ -184,13 +198,8 @@ EnvironmentSensor read_sensor(const TomlTable& table, const BenchConfig& config)
   sensor.quantity = table.word("quantity", {"temperature_c", "supply_bar"});
   sensor.model = table.text("model", "not stated");
   sensor.serial = table.text("serial", "not stated");
-  sensor.own_line = table.has("host") || table.has("port") || table.has("serial_port");
-  if (sensor.own_line) {
-    sensor.endpoint = read_endpoint(table, simulated(config), std::chrono::seconds(1));
-  } else {
-    sensor.endpoint = config.module.endpoint;
-    sensor.endpoint.unit = static_cast<int>(table.integer("unit", 1, 247));
-  }
+  sensor.own_line = has_own_line(table);
+  sensor.endpoint = endpoint_or_unit(table, config);
   sensor.place = read_quantity_place(table, sensor.quantity == "temperature_c" ? "span_c" : "span_bar");
   table.finish();
   return sensor;

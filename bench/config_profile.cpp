@@ -88,8 +88,9 @@ std::string profile_folder() { return share_folder() + "/devices/profiles"; }
 
 std::string find_profile(const std::string& name) {
   std::string shipped = fmt::format("{}/{}.toml", profile_folder(), name);
-  if (name.find('/') == std::string::npos && std::filesystem::exists(shipped)) return shipped;
-  if (std::filesystem::exists(name)) return name;
+  std::error_code unusable;  // a name that no file can have is not there
+  if (name.find('/') == std::string::npos && std::filesystem::is_regular_file(shipped, unusable)) return shipped;
+  if (std::filesystem::is_regular_file(name, unusable)) return name;
   const auto known = shipped_profiles();
   const std::string near = sequences::nearest_word(name, known);
   throw sequences::FileError("TB-MODULE-PROFILE", fmt::format("no module profile is named '{}'", name),

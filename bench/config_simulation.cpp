@@ -20,6 +20,14 @@ void read_chamber(const TomlTable& table, const BenchConfig& config, ChamberOpti
   table.finish();
 }
 
+void read_contact(const TomlTable& table, ContactOptions& contact) {
+  contact.surface_z_mm = table.number_in("surface_z_mm", contact.surface_z_mm, 0.0, 1000.0);
+  contact.stiffness_n_per_mm = table.number_in("stiffness_n_per_mm", contact.stiffness_n_per_mm, 0.1, 1000.0);
+  contact.force_noise_n = table.number_in("force_noise_n", contact.force_noise_n, 0.0, 1.0);
+  contact.torque_noise_nmm = table.number_in("torque_noise_nmm", contact.torque_noise_nmm, 0.0, 10.0);
+  table.finish();
+}
+
 void read_front_end(const TomlTable& table, ScannerFrontEnd& front_end) {
   front_end.noise_v = table.number_in("noise_v", front_end.noise_v, 0.0, 1.0);
   front_end.relay_settle_s = table.number_in("relay_settle_s", front_end.relay_settle_s, 0.0, 1.0);
@@ -88,8 +96,10 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   plant.supply_bar = table.number_in("supply_bar", plant.supply_bar, 0.0, 20.0);
   specimen.rows = config.scanner.rows;
   specimen.columns = config.scanner.columns;
+  simulation.frame_source_port = static_cast<int>(table.integer("frame_source_port", 0, 0, 65535));
   simulation.scanner_serial = table.text("scanner_serial", simulation.scanner_serial);
   read_chamber(table.table("chamber"), config, plant.chamber);
+  read_contact(table.table("contact"), plant.contact);
   read_front_end(table.table("front_end"), plant.scanner);
   read_effects(table.table("effects"), specimen.effects);
   for (const TomlTable& defect : table.tables("defect")) {

@@ -1,7 +1,5 @@
 #include "bench/rig.h"
 
-#include <cstdlib>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -15,16 +13,6 @@ namespace tactbench::bench {
 using devices::Origin;
 
 namespace {
-
-// A private folder (mode 0700) for the simulated scanner's socket file.
-std::string make_socket_folder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "tactbench-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) {
-    throw devices::Fault("TB-SIM-LISTEN", "simulated scanner", "cannot make a temporary folder at " + pattern,
-                         "check that the folder for temporary files exists and can be written (TMPDIR)");
-  }
-  return pattern;
-}
 
 nlohmann::ordered_json span_json(const devices::LinearSpan& span) {
   return {{"volts_low", span.volts_low.value()},
@@ -56,23 +44,18 @@ db::DeviceRecord record_of(const devices::Identity& identity, const nlohmann::or
 }  // namespace
 
 Rig::Rig(const BenchConfig& config) : config_(config) {
-  if (config_.simulation) {
+  if (config_.in_process) {
     clock_ = std::make_unique<devices::TurnedClock>();
-    plant_ = std::make_unique<Plant>(config_.simulation->plant, *clock_);
-    simulated_lines_ = std::make_unique<SimulatedLines>(config_, *plant_, *clock_);
-    socket_folder_ = make_socket_folder();
-    devices::IdentityReport identity;
-    identity.rows = static_cast<std::uint8_t>(config_.scanner.rows);
-    identity.columns = static_cast<std::uint8_t>(config_.scanner.columns);
-    identity.volts_per_count = static_cast<float>(config_.simulation->plant.scanner.volts_per_count);
-    identity.serial = config_.simulation->scanner_serial;
-    identity.firmware = "sim-1";
-    simulated_scanner_ = std::make_unique<devices::SimulatedScanner>(socket_folder_ + "/scanner", identity, *plant_,
-                                                                     *clock_, config_.simulation->scanner_faults);
+    simulated_ = std::make_unique<SimulatedRig>(config_, *clock_, false);
   } else {
-    clock_ = std::make_unique<devices::SteadyClock>();
+    clock_ = std::make_unique<devices::SteadyClock>(config_.rate);
   }
   make_pressure();
+  if (config_.stage) {
+    const devices::SerialAddress address = config_.stage->address;
+    stage_ = std::make_unique<devices::ZaberStage>([address] { return devices::open_serial(address); },
+                                                   config_.stage->options, *clock_);
+  }
 }
 
 void Rig::make_pressure() {
@@ -116,27 +99,46 @@ std::unique_ptr<devices::ModbusLink> Rig::link_to(const devices::ModbusEndpoint&
 
 std::vector<EnvironmentReading> Rig::environment() {
   std::vector<EnvironmentReading> readings;
-  for (std::size_t i = 0; i < environment_.size(); ++i) {
-    const EnvironmentSensor& sensor = config_.environment[i];
-    readings.push_back({sensor.quantity, devices::read_quantity(*environment_[i], sensor.place).value});
-  }
+  for (std::size_t i = 0; i < environment_.size(); ++i) readings.push_back(environment(i));
   return readings;
 }
 
-Rig::~Rig() {
-  array_.reset();  // the driver's end first, so that no simulated end is left waiting
-  simulated_scanner_.reset();
-  if (!socket_folder_.empty()) {
-    std::error_code ignored;
-    std::filesystem::remove_all(socket_folder_, ignored);
-  }
+EnvironmentReading Rig::environment(std::size_t sensor) {
+  const EnvironmentSensor& place = config_.environment.at(sensor);
+  return {place.quantity, devices::read_quantity(*environment_.at(sensor), place.place).value};
 }
+
+Rig::~Rig() = default;
 
 void Rig::open() {
   source_->arm();
-  auto link = config_.simulation ? devices::open_packet_link(socket_folder_ + "/scanner")
-                                 : devices::open_hid_link(config_.scanner_address);
-  array_ = std::make_unique<devices::HidScanner>(std::move(link), config_.scanner, *clock_);
+  open_array();
+}
+
+void Rig::open_array() {
+  if (config_.scanner_kind == ScannerKind::kDaqmx) {
+    array_ = std::make_unique<devices::DaqmxScanner>(config_.daqmx_scanner, *clock_);
+  } else if (config_.scanner_kind == ScannerKind::kFrameSource) {
+    array_ = std::make_unique<devices::FrameSource>(config_.frame_source, *clock_);
+  } else {
+    auto link = config_.scanner_socket.empty() ? devices::open_hid_link(config_.scanner_address)
+                                               : devices::open_packet_link(config_.scanner_socket);
+    array_ = std::make_unique<devices::HidScanner>(std::move(link), config_.scanner, *clock_);
+  }
+}
+
+devices::ForceSensor& Rig::open_force() {
+  if (!config_.force) throw std::logic_error("Rig::open_force() without [force]");
+  const ForceConfig& force = *config_.force;
+  if (force.kind == ForceKind::kNet) {
+    force_ = std::make_unique<devices::NetFt>(force.net, *clock_);
+  } else if (force.kind == ForceKind::kDaq) {
+    force_ = std::make_unique<devices::DaqFt>(std::make_unique<devices::DaqmxGauges>(force.gauges, *clock_),
+                                              devices::read_ati_calibration(force.calibration_file), force.daq);
+  } else {
+    force_ = std::make_unique<devices::DigitalFt>(devices::open_serial(force.address), force.digital, *clock_);
+  }
+  return *force_;
 }
 
 devices::TactileArray& Rig::array() {
@@ -170,6 +172,11 @@ std::vector<db::DeviceRecord> Rig::devices() const {
     records.push_back(record_of(array_->identity(), {{"volts_per_count", array_->volts_per_count().value()}}));
   }
   return records;
+}
+
+std::vector<std::uint64_t> Rig::relay_operations() const {
+  const auto* relays = dynamic_cast<const devices::DaqmxScanner*>(array_.get());
+  return relays == nullptr ? std::vector<std::uint64_t>() : relays->relay_operations();
 }
 
 std::uint64_t Rig::exchanges() const {

@@ -29,6 +29,12 @@ struct Override {     // --set key=value
   std::string value;  // a TOML value; a bare word counts as a string
 };
 
+struct Setting {       // what a reader asked for and got
+  std::string key;     // dotted, list elements as sensor[0]
+  std::string value;   // as TOML
+  std::string origin;  // "file:line", "--set", or "default"
+};
+
 class TomlTable;
 
 class TomlDocument {
@@ -37,9 +43,12 @@ class TomlDocument {
   static TomlDocument from_text(const std::string& text, const std::string& name);
   // Replaces or adds a value before reading. Throws FileError TB-FILE-VALUE.
   void set(const Override& override_value);
+  void remove(const std::string& key);  // of the root; absent is no error
   [[nodiscard]] TomlTable root() const;
+  [[nodiscard]] std::string to_text() const;  // as TOML, with what was set and without what was removed; no comments
   [[nodiscard]] const std::string& text() const { return text_; }  // as read, overrides not in it
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::vector<Setting>& settings() const;  // all read so far, in the order of reading
 
  private:
   struct Node;
@@ -64,6 +73,8 @@ class TomlTable {
   [[nodiscard]] std::string text(const std::string& key, const std::string& fallback) const;
   // One of `words`.
   [[nodiscard]] std::string word(const std::string& key, const std::vector<std::string>& words) const;
+  [[nodiscard]] std::string word(const std::string& key, const std::string& fallback,
+                                 const std::vector<std::string>& words) const;
   [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
   // Two numbers [low, high], low < high.
   [[nodiscard]] std::pair<double, double> span(const std::string& key, std::pair<double, double> fallback) const;

@@ -55,6 +55,10 @@ int run_command_line(int argc, char** argv) {
   add_report(app, session);
   add_runs(app, session);
   add_sensors(app, session);
+  add_devices(app, session);
+  add_simulate(app, session);
+  add_config(app, session);
+  add_benchmark(app, session);
   try {
     check_verb(app, argc, argv);
     app.parse(argc, argv);

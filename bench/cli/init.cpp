@@ -14,12 +14,15 @@ namespace {
 struct Options {
   std::string folder = ".";
   bool force = false;
+  bool rig = false;
 };
 
 void init(const Options& options, const Session& session) {
   namespace fs = std::filesystem;
   const std::vector<std::pair<std::string, std::string>> files = {
-      {"simulated.toml", "bench.toml"}, {"sensor.toml", "sensor.toml"}, {"limits.toml", "limits.toml"}};
+      {options.rig ? "paper-rig.example.toml" : "simulated.toml", "bench.toml"},
+      {"sensor.toml", "sensor.toml"},
+      {"limits.toml", "limits.toml"}};
   for (const auto& [shipped, name] : files) {
     const fs::path target = fs::path(options.folder) / name;
     if (fs::exists(target) && !options.force) {
@@ -44,6 +47,13 @@ void init(const Options& options, const Session& session) {
     return;
   }
   for (const auto& file : written) fmt::print("{}\n", file.get<std::string>());
+  if (options.rig) {
+    fmt::print(
+        "\nNext:  fill in bench.toml (serials, ports, certificates), then\n"
+        "       tactbench devices check --bench {}/bench.toml\n",
+        options.folder);
+    return;
+  }
   fmt::print(
       "\nNext:  tactbench sensors add MY-SENSOR --type {0}/sensor.toml\n"
       "       tactbench run descending ascending --bench {0}/bench.toml --sensor MY-SENSOR --operator NAME\n",
@@ -57,6 +67,7 @@ void add_init(CLI::App& app, Session& session) {
   CLI::App* verb =
       app.add_subcommand("init", "write a commented bench.toml, sensor.toml and limits.toml to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
+  verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
   verb->add_flag("--force", options->force, "overwrite files that exist");
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { init(*options, session); });

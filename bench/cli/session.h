@@ -60,6 +60,11 @@ void add_report(CLI::App& app, Session& session);
 void add_runs(CLI::App& app, Session& session);
 void add_sensors(CLI::App& app, Session& session);
 void add_demo(CLI::App& app, Session& session);
+void add_devices(CLI::App& app, Session& session);
+void add_calibrate_reference(CLI::App& devices, Session& session);
+void add_simulate(CLI::App& app, Session& session);
+void add_config(CLI::App& app, Session& session);
+void add_benchmark(CLI::App& app, Session& session);
 
 // --db, --json, -q on a verb.
 void add_common(CLI::App& verb, Session& session);

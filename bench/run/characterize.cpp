@@ -2,6 +2,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <array>
@@ -222,6 +223,10 @@ RunResult characterize(const RunRequest& request, db::RunStore& store, Progress&
   result.outcome = ended_by ? outcome_of(*ended_by) : db::Outcome::kCompleted;
   std::string reason = ended_by ? fmt::format("{}: {}", ended_by->id(), ended_by->what()) : "all steps done";
   try {
+    if (rig && !rig->relay_operations().empty()) {
+      recorder->event("relays", "",
+                      fmt::format("closed {} times, row by row", fmt::join(rig->relay_operations(), " ")));
+    }
     if (ended_by) recorder->event("fault", ended_by->id(), ended_by->what());
     recorder->state(RunState::kStopping, reason);
     recorder->event("safe", to_string(proof.state), proof.text);

@@ -64,9 +64,8 @@ void FileLock::write_owner(const std::string& text) const {
   if (ftruncate(fd_, 0) != 0 || pwrite(fd_, text.data(), text.size(), 0) < 0) return;  // the lock itself holds
 }
 
-BenchLock::BenchLock(const BenchConfig& config)
-    : lock_(config.origin == devices::Origin::kHardware ? FileLock(config.id, true) : FileLock()) {
-  if (config.origin != devices::Origin::kHardware) return;
+BenchLock::BenchLock(const BenchConfig& config) : lock_(!config.in_process ? FileLock(config.id, true) : FileLock()) {
+  if (config.in_process) return;
   if (!lock_.held()) {
     throw Error(ExitCode::kUsage, "TB-BENCH-LOCKED",
                 fmt::format("bench '{}' is in use by {}", config.id, lock_.owner()), lock_.path(),
@@ -78,7 +77,7 @@ BenchLock::BenchLock(const BenchConfig& config)
 RunLock::RunLock(const std::string& db_path) : lock_(store_lock_name(db_path), false) {}
 
 db::RunStore open_for_running(const std::string& db_path, const BenchConfig& config) {
-  const bool hardware = config.origin == devices::Origin::kHardware;
+  const bool hardware = !config.in_process;
   db::RunStore store = db::RunStore::open(db_path, hardware ? db::Durability::kFull : db::Durability::kNormal);
   const FileLock alone(store_lock_name(db_path), true);  // nobody is writing a run to this store
   if (alone.held()) (void)store.mark_interrupted(utc_now());

@@ -24,7 +24,7 @@ constexpr double kCalmGrowth = 0.5;
 constexpr double kFullScaleVolts = 10.0;
 constexpr double kNotSettledShare = 0.01;
 
-enum Stream : std::uint64_t { kFeedback = 101, kReference, kScan };
+enum Stream : std::uint64_t { kFeedback = 101, kReference, kScan, kWrench };
 
 double seconds_of(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
@@ -68,6 +68,21 @@ devices::Psi Plant::reference_pressure() {
   advance_to(clock_.now());
   const double noise = bell_of(hash_of(options_.seed, kReference, reference_counter_++));
   return devices::Psi(chamber_.pressure().value() + options_.chamber.reference_noise_psi * noise);
+}
+
+devices::Wrench Plant::wrench() {
+  const ContactOptions& contact = options_.contact;
+  const devices::StageView* stage = stage_;
+  const double z_mm = stage == nullptr ? 0.0 : stage->position(devices::Axis::kZ).value();
+  devices::Wrench wrench;
+  wrench.force_n[2] = -contact.stiffness_n_per_mm * std::max(0.0, z_mm - contact.surface_z_mm);
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t key = hash_of(options_.seed, kWrench, wrench_counter_++);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    wrench.force_n[axis] += contact.force_noise_n * bell_of(mix64(key ^ axis));
+    wrench.torque_nmm[axis] += contact.torque_noise_nmm * bell_of(mix64(key ^ (axis + 3)));
+  }
+  return wrench;
 }
 
 void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) {

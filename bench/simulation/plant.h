@@ -3,6 +3,7 @@
 // lock; asking changes nothing but the noise drawn, so the same seeds and questions give the same answers.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <span>
@@ -12,7 +13,9 @@
 #include "bench/simulation/chamber.h"
 #include "bench/simulation/specimen.h"
 #include "devices/clock.h"
+#include "devices/force/force_sensor.h"
 #include "devices/pressure/chamber_port.h"
+#include "devices/stage/stage_view.h"
 #include "devices/tactile/simulated_scanner.h"
 
 namespace tactbench::bench {
@@ -24,15 +27,23 @@ struct ScannerFrontEnd {
   double relay_time_constant_s = 0.0006;   // what is left of the row before decays with this
 };
 
+struct ContactOptions {        // indenter and specimen, an elastic half of the truth until the contact mechanics come
+  double surface_z_mm = 30.0;  // where the indenter touches
+  double stiffness_n_per_mm = 20.0;  // of specimen and support
+  double force_noise_n = 0.005;      // standard deviation, each axis
+  double torque_noise_nmm = 0.02;
+};
+
 struct PlantOptions {
   std::uint64_t seed = 1;  // noise
   ChamberOptions chamber;
   SpecimenOptions specimen;
   ScannerFrontEnd scanner;
+  ContactOptions contact;
   double supply_bar = 8.0;  // compressed air in front of the regulator
 };
 
-class Plant final : public devices::ChamberPort, public devices::TactilePort {
+class Plant final : public devices::ChamberPort, public devices::TactilePort, public devices::ForcePort {
  public:
   // The pressure starts at 0 with nothing driven. `clock` has to outlive the plant.
   Plant(const PlantOptions& options, const devices::Clock& clock);
@@ -48,6 +59,11 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort {
   [[nodiscard]] double supply_bar() const { return options_.supply_bar; }
   // Throws std::invalid_argument when a span does not fit the array.
   void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override;
+
+  // The indenter's sensor: pressing on the specimen is a negative Fz. Without a stage it hangs free.
+  [[nodiscard]] devices::Wrench wrench() override;
+  // `stage` has to outlive what asks wrench(); null takes it away.
+  void set_stage(const devices::StageView* stage) { stage_ = stage; }
 
   // Truth, for tests and reports on the simulation; never seen by drivers.
   [[nodiscard]] devices::Psi true_pressure();
@@ -80,6 +96,8 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort {
   std::uint64_t feedback_counter_ = 0;
   std::uint64_t reference_counter_ = 0;
   std::uint64_t scan_counter_ = 0;
+  std::uint64_t wrench_counter_ = 0;
+  std::atomic<const devices::StageView*> stage_{nullptr};
   bool volts_fresh_ = false;
   std::vector<double> volts_;
 };

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "bench/config_modbus.h"
+#include "bench/config_profile.h"
+
 namespace tactbench::bench {
 
 using devices::ModbusEndpoint;
@@ -58,6 +61,17 @@ SimulatedLines::SimulatedLines(BenchConfig& config, Plant& plant, const devices:
   }
   serve(std::move(shared.units), shared.endpoints, plant, clock, config.simulation->module_faults);
   for (Line& line : others) serve(std::move(line.units), line.endpoints, plant, clock, {});
+}
+
+void SimulatedLines::serve_waveshare(Plant& plant, const devices::Clock& clock) {
+  SimulatedUnit output, input;
+  output.unit = 1;
+  output.profile = read_module_profile("waveshare-analog-output-8ch-b");
+  input.unit = 2;
+  input.profile = read_module_profile("waveshare-analog-input-8ch-b");
+  ModbusEndpoint endpoint;
+  endpoint.serial_port = kSimulatedLine;
+  serve({output, input}, {&endpoint}, plant, clock, {});
 }
 
 void SimulatedLines::serve(std::vector<SimulatedUnit> units, const std::vector<ModbusEndpoint*>& endpoints,

@@ -58,6 +58,13 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   CHECK_THROWS_AS(read_bench(kBench, {{"module.profile", "beckhof"}}), sequences::FileError);
 }
 
+TEST_CASE("names that no file can have, and a folder, are refused as missing files") {
+  refused({"module.profile", std::string(300, 'a')}, "no module profile");
+  refused({"module.profile", "\".\""}, "no module profile");
+  CHECK_THROWS_AS(read_bench(find_config(std::string(300, 'a')), {}), FileError);
+  CHECK_THROWS_AS(read_bench(".", {}), FileError);
+}
+
 TEST_CASE("a complaint about an overridden value names --set") {
   try {
     (void)read_bench(kBench, {{"limits.comand_psi", "3"}});
@@ -95,4 +102,29 @@ TEST_CASE("an error says what, where, how to mend it and how the rig was left") 
   const Error error(ExitCode::kDevice, "TB-X", "what", "where", "mend", "vented");
   CHECK(error_text(error) == "error: what [TB-X]\n  at: where\n  try: mend\n  state: vented\n");
   CHECK_THAT(error_json(error), Catch::Contains("\"exit_code\": 3"));
+}
+
+TEST_CASE("the example of the paper's rig reads without complaint, and names hardware only") {
+  const BenchConfig config = read_bench(find_config("paper-rig.example.toml"), {});
+  CHECK(config.origin == devices::Origin::kHardware);
+  CHECK_FALSE(config.in_process);
+  CHECK_FALSE(config.simulation);
+  CHECK(config.scanner_kind == ScannerKind::kDaqmx);
+  REQUIRE(config.stage);
+  CHECK(config.stage->options.axes[2].device_id == 5082);
+  REQUIRE(config.force);
+  CHECK(config.force->kind == ForceKind::kNet);
+  CHECK(config.force->net.port == 49152);
+}
+
+TEST_CASE("bad instrument values are refused with place and remedy") {
+  refused({"scanner.kind", "daqmx"}, "no NI-DAQmx device");
+  refused({"scanner.kind", "camera"}, "not one of");
+  refused({"stage.x.device_id", "7"}, "not a device id");
+  refused({"stage.z.low_mm", "60"}, "high_mm");
+  refused({"force.kind", "daq"}, "no NI-DAQmx device");
+  refused({"force.overload_share", "1.5"}, "outside");
+  refused({"bench.simulator", "somewhere"}, "not one of");
+  refused({"bench.simulator", "external"}, "external simulator");
+  refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"}, "not one of");
 }

@@ -121,3 +121,15 @@ TEST_CASE("the nearest word is found, a far one is not") {
   CHECK(nearest_word("reprot", {"run", "report", "fit"}) == "report");
   CHECK(nearest_word("zzzzzz", {"run", "report", "fit"}).empty());
 }
+
+TEST_CASE("a key of 200000 parts is refused, not recursed into") {
+  std::string key = "a";
+  for (int i = 0; i < 200'000; ++i) key += ".a";
+  try {
+    (void)TomlDocument::from_text("schema = 1\n" + key + " = 1\n", "deep.toml");
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK(error.id() == "TB-FILE-SYNTAX");
+    CHECK(error.where() == "deep.toml:2");
+  }
+}

@@ -1,0 +1,19 @@
+// Time per exchange over each wire of the simulated rig, beside the floor that the machine sets.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+struct Figure {
+  std::string name;
+  double value = 0.0;
+  std::string unit;
+};
+
+// Medians of `exchanges` each through the shipped drivers; the floor is a bare echo of 12 bytes over TCP between two
+// threads in the same process. Ratios are against that floor. Also the time from a hang-up to the fault.
+std::vector<Figure> benchmark_wires(int exchanges);
+
+}  // namespace tactbench::bench

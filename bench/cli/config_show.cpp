@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/session.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct Options {
+  std::string bench = "simulated.toml";
+  std::vector<std::string> set;
+  bool origin = false;
+};
+
+void show(const Options& options, const Session& session) {
+  const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
+  if (session.json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const sequences::Setting& setting : config.settings) {
+      list.push_back({{"key", setting.key}, {"value", setting.value}, {"origin", setting.origin}});
+    }
+    print_json("config.show", {{"bench", config.file}, {"settings", list}});
+    return;
+  }
+  std::size_t widest = 0;
+  for (const sequences::Setting& setting : config.settings) {
+    widest = std::max(widest, setting.key.size() + setting.value.size() + 3);
+  }
+  for (const sequences::Setting& setting : config.settings) {
+    const std::string line = fmt::format("{} = {}", setting.key, setting.value);
+    fmt::print("{}\n", options.origin
+                           ? fmt::format("{:<{}}  # {}", line, std::min<std::size_t>(widest, 72), setting.origin)
+                           : line);
+  }
+}
+
+}  // namespace
+
+void add_config(CLI::App& app, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("config", "show every value of a bench file, defaults included");
+  verb->require_subcommand(1);
+  CLI::App* show_verb = verb->add_subcommand("show", "all keys with the values in force");
+  show_verb->add_option("--bench", options->bench, "bench file")->capture_default_str();
+  show_verb->add_option("--set", options->set, "override table.key=value")->take_all();
+  show_verb->add_flag("--origin", options->origin, "tell where each value comes from: file and line, --set, default");
+  show_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  show_verb->callback([options, &session] { show(*options, session); });
+}
+
+}  // namespace tactbench::bench

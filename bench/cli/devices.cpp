@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "bench/cli/session.h"
+#include "bench/instruments/check.h"
+#include "bench/instruments/scan.h"
+#include "bench/instruments/watch.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> modbus, set;
+  std::string bench;
+  double interval_s = 0.5;
+  long count = 0;
+};
+
+BenchConfig bench_of(const Options& options) {
+  return read_bench(find_config(options.bench), split_overrides(options.set).bench);
+}
+
+void scan(const Options& options, const Session& session) {
+  const std::vector<ScanEntry> entries = scan_devices(options.modbus);
+  if (session.json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const ScanEntry& entry : entries) {
+      list.push_back({{"kind", entry.kind}, {"where", entry.where}, {"what", entry.what}});
+    }
+    print_json("devices.scan", {{"devices", list}});
+    return;
+  }
+  for (const ScanEntry& entry : entries)
+    fmt::print("{:<12} {}\n{:<12}   {}\n", entry.kind, entry.where, "", entry.what);
+  if (options.modbus.empty()) fmt::print("Modbus hosts are asked only when given: --modbus HOST[:PORT]\n");
+}
+
+void check(const Options& options, Session& session) {
+  const BenchConfig config = bench_of(options);
+  Rig rig(config);
+  const std::vector<DeviceCheck> checks = check_devices(rig, utc_now().substr(0, 10));
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  if (!session.json) fmt::print("bench '{}' ({})\n", config.id, config.file);
+  for (const DeviceCheck& device : checks) {
+    if (device.state != DeviceCheck::State::kOk) session.code = ExitCode::kDevice;
+    list.push_back({{"role", device.role},
+                    {"state", to_string(device.state)},
+                    {"found", device.found},
+                    {"reading", device.reading},
+                    {"notes", device.notes},
+                    {"remedy", device.remedy}});
+    if (session.json) continue;
+    fmt::print("{:<7} {:<18} {}\n", to_string(device.state), device.role, device.found);
+    if (!device.reading.empty()) fmt::print("{:<26} {}\n", "", device.reading);
+    for (const std::string& note : device.notes) fmt::print("{:<26} - {}\n", "", note);
+    if (!device.remedy.empty()) fmt::print("{:<26} to do: {}\n", "", device.remedy);
+  }
+  if (session.json) print_json("devices.check", {{"bench", config.id}, {"devices", list}});
+}
+
+void watch(const Options& options) {
+  const BenchConfig config = bench_of(options);
+  watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0});
+}
+
+}  // namespace
+
+void add_devices(CLI::App& app, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("devices", "the bench's instruments: scan, check, watch, calibrate-reference");
+  verb->require_subcommand(1);
+
+  CLI::App* scan_verb = verb->add_subcommand("scan", "list serial ports, HID devices, NI-DAQmx devices, Modbus hosts");
+  scan_verb->add_option("--modbus", options->modbus, "HOST or HOST:PORT to ask; may be repeated")->take_all();
+  scan_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  scan_verb->callback([options, &session] { scan(*options, session); });
+
+  CLI::App* check_verb = verb->add_subcommand(
+      "check", "open each instrument read-only, identify it, read zero; exit code 3 unless all are ok");
+  CLI::App* watch_verb = verb->add_subcommand("watch", "live values, read-only, until Ctrl-C");
+  for (CLI::App* each : {check_verb, watch_verb}) {
+    each->add_option("--bench", options->bench, "bench file")->required();
+    each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
+  }
+  check_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  check_verb->callback([options, &session] { check(*options, session); });
+  watch_verb->add_option("--interval", options->interval_s, "seconds between two readings")
+      ->check(CLI::Range(0.05, 60.0))
+      ->capture_default_str();
+  watch_verb->add_option("--count", options->count, "end after so many readings; 0: never")->capture_default_str();
+  watch_verb->callback([options] { watch(*options); });
+  add_calibrate_reference(*verb, session);
+}
+
+}  // namespace tactbench::bench

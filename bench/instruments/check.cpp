@@ -1,0 +1,179 @@
+#include "bench/instruments/check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "bench/safety/fail_safe.h"
+#include "devices/fault.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using State = DeviceCheck::State;
+
+// Faults that mean nobody is there; all others mean that something else is.
+bool means_absent(const std::string& id) {
+  constexpr std::array kAbsent{"TB-MODBUS-CONNECT", "TB-MODBUS-TIMEOUT", "TB-HID-OPEN",      "TB-SERIAL-OPEN",
+                               "TB-SERIAL-LOST",    "TB-HID-LOST",       "TB-SCANNER-LOST",  "TB-SCANNER-TIMEOUT",
+                               "TB-FORCE-TIMEOUT",  "TB-UDP-OPEN",       "TB-DAQMX-LIBRARY", "TB-DAQMX-DEVICE",
+                               "TB-STAGE-TIMEOUT",  "TB-HTTP-OPEN",      "TB-HTTP-TIMEOUT",  "TB-UDP-LOST"};
+  return std::find(kAbsent.begin(), kAbsent.end(), id) != kAbsent.end();
+}
+
+DeviceCheck check(const std::string& role, const std::function<void(DeviceCheck&)>& look) {
+  DeviceCheck result;
+  result.role = role;
+  try {
+    look(result);
+  } catch (const devices::Fault& fault) {
+    result.state = means_absent(fault.id()) ? State::kAbsent : State::kWrong;
+    result.notes.insert(result.notes.begin(), fmt::format("{}: {}", fault.id(), fault.what()));
+    result.remedy = fault.remedy();
+  }
+  return result;
+}
+
+void complain(DeviceCheck& result, const std::string& note, const std::string& remedy) {
+  result.state = State::kWrong;
+  result.notes.push_back(note);
+  result.remedy = remedy;
+}
+
+std::string name_of(const devices::Identity& identity) {
+  const auto stated = [](const std::string& text, const char* what) {
+    return text.empty() ? std::string() : fmt::format(", {} {}", what, text);
+  };
+  return fmt::format("{}{}{}{}", identity.model, stated(identity.serial, "serial"),
+                     stated(identity.firmware, "firmware"),
+                     identity.origin == devices::Origin::kSimulated ? " (simulated)" : "");
+}
+
+void look_at_module(Rig& rig, DeviceCheck& result) {
+  result.found = name_of(rig.module().identity());
+  const auto outputs = rig.module().look();
+  result.reading =
+      outputs.empty() ? "outputs cannot be read" : fmt::format("outputs {} counts", fmt::join(outputs, " "));
+  for (const std::string& layer : fail_safe_layers(rig.config())) result.notes.push_back(layer);
+}
+
+void look_at_regulator(Rig& rig, DeviceCheck& result) {
+  result.found = name_of(rig.source().identity());
+  const double psi = rig.source().feedback().pressure.value();
+  result.reading = fmt::format("feedback {:.2f} psi", psi);
+  const double safe = rig.config().limits.safe_psi;
+  if (std::abs(psi) >= safe) {
+    complain(result, fmt::format("not at zero: {:.2f} psi by the monitor output (limit {:g})", psi, safe),
+             "vent the chamber; check span_v and span_bar, the monitor's wiring and the regulator's zero");
+  }
+}
+
+void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) {
+  const BenchConfig& config = rig.config();
+  result.found = name_of(rig.reference().identity());
+  const double psi = rig.reference().read().pressure.value();
+  result.reading = fmt::format("{:.2f} psi", psi);
+  if (!config.reference_independent)
+    result.notes.emplace_back("the regulator's feedback: pressure not independently traceable");
+  result.notes.push_back(fmt::format("certificate {}, {}",
+                                     config.reference_certificate.empty() ? "not stated" : config.reference_certificate,
+                                     due_text(config.reference_due, today)));
+  if (!config.reference_correction.empty()) {
+    result.notes.push_back(fmt::format("correction {:+.3f} psi, U {:.3f} psi (k = {:g}) at this reading",
+                                       config.reference_correction.corrected(devices::Psi(psi)).value() - psi,
+                                       config.reference_correction.expanded_uncertainty(devices::Psi(psi)),
+                                       config.reference_correction.coverage_factor));
+  }
+  if (std::abs(psi) >= config.limits.safe_psi) {
+    complain(result, fmt::format("not at zero: {:.2f} psi", psi),
+             "vent the chamber; check the transducer's span and zero");
+  }
+}
+
+void look_at_array(Rig& rig, DeviceCheck& result) {
+  rig.open_array();
+  const devices::ScanSet scan = rig.array().read(1);
+  result.found = name_of(rig.array().identity());
+  const double sum = std::accumulate(scan.counts.begin(), scan.counts.end(), 0.0);
+  const auto highest = *std::max_element(scan.counts.begin(), scan.counts.end());
+  const double volts = rig.array().volts_per_count().value();
+  result.reading = fmt::format("{} x {} taxels, mean {:.3f} V, highest {:.3f} V", scan.rows, scan.columns,
+                               sum / static_cast<double>(scan.counts.size()) * volts, highest * volts);
+  if (scan.status != 0) result.notes.push_back(fmt::format("status 0x{:02X}", scan.status));
+}
+
+void look_at_stage(Rig& rig, DeviceCheck& result) {
+  std::vector<std::string> names, positions;
+  for (const devices::ZaberIdentity& axis : rig.stage()->identify()) {
+    const char letter = "xyz"[static_cast<int>(axis.axis)];
+    if (!axis.present) {
+      result.state = State::kAbsent;
+      result.notes.push_back(fmt::format("axis {} does not answer", letter));
+      result.remedy = "check the daisy chain's cables and power, and [stage.x], [stage.y], [stage.z] device";
+      continue;
+    }
+    names.push_back(
+        fmt::format("{}: id {}, firmware {}.{:02}", letter, axis.device_id, axis.firmware / 100, axis.firmware % 100));
+    positions.push_back(fmt::format("{} {} microsteps, {:.1f} V", letter, axis.microsteps, axis.supply.value()));
+    if (!axis.complaint.empty()) {
+      complain(result, fmt::format("axis {}: {}", letter, axis.complaint),
+               "correct device_id in the bench file, or the chain");
+    }
+  }
+  result.found = fmt::format("{}{}", fmt::join(names, "; "),
+                             rig.config().origin == devices::Origin::kSimulated ? " (simulated)" : "");
+  result.reading = fmt::format("{}", fmt::join(positions, "; "));
+}
+
+void look_at_force(Rig& rig, DeviceCheck& result) {
+  devices::ForceSensor& sensor = rig.open_force();
+  const devices::ForceReading reading = sensor.read(rig.config().force->records);
+  result.found = fmt::format("{}, calibration {}", name_of(sensor.identity()), sensor.calibration_serial());
+  const auto& force = reading.wrench.force_n;
+  const auto& torque = reading.wrench.torque_nmm;
+  result.reading = fmt::format("F {:.3f} {:.3f} {:.3f} N, T {:.2f} {:.2f} {:.2f} N mm", force[0], force[1], force[2],
+                               torque[0], torque[1], torque[2]);
+  const auto range = sensor.range();
+  result.notes.push_back(fmt::format("range +-{:g} {:g} {:g} N, +-{:g} {:g} {:g} N mm", range[0], range[1], range[2],
+                                     range[3], range[4], range[5]));
+  if (std::abs(force[2]) > 0.1 * range[2]) {
+    result.notes.emplace_back("far from zero: something rests on the sensor, or it needs a tare");
+  }
+}
+
+}  // namespace
+
+const char* to_string(State state) { return state == State::kOk ? "ok" : state == State::kAbsent ? "absent" : "wrong"; }
+
+std::string due_text(const std::string& due, const std::string& today) {
+  if (due.empty()) return "no due date stated";
+  return due < today ? "OVERDUE since " + due : "due " + due;  // ISO dates sort as text
+}
+
+std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today) {
+  std::vector<DeviceCheck> all;
+  all.push_back(check("analog module", [&](DeviceCheck& result) { look_at_module(rig, result); }));
+  all.push_back(check("regulator", [&](DeviceCheck& result) { look_at_regulator(rig, result); }));
+  all.push_back(check("pressure reference", [&](DeviceCheck& result) { look_at_reference(rig, result, today); }));
+  for (std::size_t i = 0; i < rig.config().environment.size(); ++i) {
+    const EnvironmentSensor& sensor = rig.config().environment[i];
+    all.push_back(check(sensor.quantity + " sensor", [&](DeviceCheck& result) {
+      result.reading = fmt::format("{:.2f}", rig.environment(i).value);
+      result.found = fmt::format("{}, serial {}", sensor.model, sensor.serial);
+    }));
+  }
+  all.push_back(check("tactile scanner", [&](DeviceCheck& result) { look_at_array(rig, result); }));
+  if (rig.stage() != nullptr) all.push_back(check("stage", [&](DeviceCheck& result) { look_at_stage(rig, result); }));
+  if (rig.config().force) {
+    all.push_back(check("force sensor", [&](DeviceCheck& result) { look_at_force(rig, result); }));
+  }
+  return all;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,30 @@
+// Opens each instrument of a bench read-only, identifies it and reads zero: what `devices check` shows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/rig.h"
+
+namespace tactbench::bench {
+
+struct DeviceCheck {
+  enum class State { kOk, kAbsent, kWrong };
+  std::string role;
+  State state = State::kOk;
+  std::string found;               // model, serial, firmware
+  std::string reading;             // now, with unit
+  std::vector<std::string> notes;  // due dates, warnings
+  std::string remedy;              // what to do, when not ok
+};
+
+const char* to_string(DeviceCheck::State state);
+
+// Writes nothing to any instrument: no watchdog, no mode, no output. `today` as 2026-01-31, for due dates. Bounded by
+// the instruments' timeouts.
+std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today);
+
+// "due 2027-01-31", "OVERDUE since 2025-01-31", "no due date stated".
+std::string due_text(const std::string& due, const std::string& today);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,122 @@
+#include "bench/instruments/watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <numeric>
+#include <thread>
+
+#include "bench/process_time.h"
+#include "bench/rig.h"
+#include "bench/run/stop_request.h"
+#include "devices/fault.h"
+#include "devices/stage/zaber_binary.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// Eight steps of grey, dark to bright, for the array's picture.
+constexpr const char* kShades[] = {" ", "░", "░", "▒", "▒", "▓", "▓", "█"};
+
+constexpr std::uint16_t kFaintest = 6554;    // a tenth of the range: an unloaded array stays dark
+constexpr double kDefaultResolution = 64.0;  // microsteps a full step
+
+std::string or_fault(const std::function<std::string()>& read) {
+  try {
+    return read();
+  } catch (const devices::Fault& fault) {
+    return fmt::format("-- {} ({})", fault.id(), fault.what());
+  }
+}
+
+// Two columns a taxel, since a terminal's cell is twice as high as wide.
+std::string picture(const devices::ScanSet& scan) {
+  const auto highest = std::max(kFaintest, *std::max_element(scan.counts.begin(), scan.counts.end()));
+  std::string text;
+  for (int row = 0; row < scan.rows; ++row) {
+    text += "  ";
+    for (int column = 0; column < scan.columns; ++column) {
+      const unsigned count = scan.counts[static_cast<std::size_t>(row * scan.columns + column)];
+      const char* shade = kShades[count * 7U / highest];
+      text += shade;
+      text += shade;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string array_text(Rig& rig, bool with_picture) {
+  if (!rig.has_array()) rig.open_array();
+  try {
+    const devices::ScanSet scan = rig.array().read(1);
+    const double volts = rig.array().volts_per_count().value();
+    const double sum = std::accumulate(scan.counts.begin(), scan.counts.end(), 0.0);
+    return fmt::format("mean {:.3f} V, highest {:.3f} V, status 0x{:02X}{}",
+                       sum / static_cast<double>(scan.counts.size()) * volts,
+                       *std::max_element(scan.counts.begin(), scan.counts.end()) * volts, scan.status,
+                       with_picture ? fmt::format("\n{}", picture(scan)) : "");
+  } catch (const devices::Fault&) {
+    rig.close_array();
+    throw;
+  }
+}
+
+std::string stage_text(Rig& rig) {
+  std::string text;
+  for (const devices::ZaberIdentity& axis : rig.stage()->identify()) {
+    const devices::ZaberModel* model = devices::zaber_model(axis.device_id);
+    const std::string where =
+        !axis.present      ? "absent"
+        : model == nullptr ? fmt::format("{} microsteps", axis.microsteps)
+                           : fmt::format("{:.4f} mm", axis.microsteps * model->full_step_mm / kDefaultResolution);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", "xyz"[static_cast<int>(axis.axis)], where);
+  }
+  return text;
+}
+
+std::string lines_of(Rig& rig, devices::ForceSensor*& force, bool with_picture) {
+  std::string text = fmt::format("time       {:.2f} s\n", static_cast<double>(rig.clock().now().count()) * 1e-9);
+  const auto line = [&](const char* name, const std::function<std::string()>& read) {
+    text += fmt::format("{:<10} {}\n", name, or_fault(read));
+  };
+  line("feedback", [&] { return fmt::format("{:8.3f} psi", rig.source().feedback().pressure.value()); });
+  line("reference", [&] { return fmt::format("{:8.3f} psi", rig.reference().read().pressure.value()); });
+  for (std::size_t i = 0; i < rig.config().environment.size(); ++i) {
+    line(rig.config().environment[i].quantity.c_str(), [&] { return fmt::format("{:.2f}", rig.environment(i).value); });
+  }
+  if (rig.stage() != nullptr) line("stage", [&] { return stage_text(rig); });
+  if (rig.config().force) {
+    line("force", [&] {
+      if (force == nullptr) force = &rig.open_force();
+      const auto f = force->read(rig.config().force->records).wrench.force_n;
+      return fmt::format("{:8.3f} {:8.3f} {:8.3f} N", f[0], f[1], f[2]);
+    });
+  }
+  line("array", [&] { return array_text(rig, with_picture); });
+  return text;
+}
+
+}  // namespace
+
+void watch_devices(const BenchConfig& config, const WatchOptions& options) {
+  Rig rig(config);
+  const StopRequest stop;
+  devices::ForceSensor* force = nullptr;
+  for (long done = 0; stop.signal() == 0 && (options.count == 0 || done < options.count); ++done) {
+    const std::string text = lines_of(rig, force, options.terminal);
+    if (options.terminal)
+      fmt::print("\x1b[H\x1b[2J{} ({}), every {:g} s, Ctrl-C ends\n", config.id,
+                 config.origin == devices::Origin::kSimulated ? "simulated" : "hardware", options.interval_s);
+    fmt::print("{}{}", text, options.terminal ? "" : "\n");
+    std::fflush(stdout);
+    rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
+    // A turned clock does not wait, but who looks does.
+    if (config.in_process) std::this_thread::sleep_for(seconds(options.interval_s));
+  }
+}
+
+}  // namespace tactbench::bench
