@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/wire/stream_link.h"
 
 namespace tactbench::devices {
 namespace {
@@ -115,7 +116,8 @@ void ModbusLine::open(const std::string& device, const std::string& peer) {
   // libmodbus waits with select(), which cannot hold a descriptor beyond FD_SETSIZE.
   if (descriptor >= FD_SETSIZE) fail(EMFILE, device, peer);
   if (is_rtu() && flock(descriptor, LOCK_EX | LOCK_NB) != 0) fail(EBUSY, device, peer);
-  if (is_rtu()) ioctl(descriptor, TIOCEXCL);
+  // On a pseudo-terminal it would outlive a killed client, since the simulated end keeps the terminal open.
+  if (is_rtu() && !is_stream_address(endpoint_.serial_port)) ioctl(descriptor, TIOCEXCL);
   context_ = std::move(fresh);
   transaction_ = 0;
 }
