@@ -101,13 +101,8 @@ void read_axis(const TomlTable& table, int default_device, int default_id, devic
 
 void read_stage(const TomlTable& table, BenchConfig& config) {
   StageConfig stage;
-  if (config.in_process) {
-    stage.address.port = table.text("port", "");
-  } else if (table.has("usb_serial")) {
-    stage.address.port = table.text("port", "");
-  } else {
-    stage.address.port = table.text("port");
-  }
+  const bool found_otherwise = config.in_process || table.has("usb_serial");
+  stage.address.port = found_otherwise ? table.text("port", "") : table.text("port");
   stage.address.usb_serial = table.text("usb_serial", "");
   stage.options.renumber = table.boolean("renumber", false);
   stage.options.knob_off = table.boolean("knob_off", true);

@@ -28,15 +28,15 @@ class TestChamber final : public ChamberPort {
   }
   Volts feedback() override { return output(); }
   Volts reference() override { return reference_volts; }
-  [[nodiscard]] Volts output() const { return clock_.now() < hold_until_ ? command_ : fallback_; }
-  Volts reference_volts{0.0};
+  [[nodiscard]] Volts output() const { return clock_.now() < hold_until_.load() ? command_ : fallback_; }
+  std::atomic<Volts> reference_volts{Volts(0.0)};
   std::atomic<int> drives{0};  // orders given to the output terminal
 
  private:
   const Clock& clock_;
-  Volts command_{0.0};
-  Nanoseconds hold_until_{0};
-  Volts fallback_{0.0};
+  std::atomic<Volts> command_{Volts(0.0)};
+  std::atomic<Nanoseconds> hold_until_{Nanoseconds(0)};
+  std::atomic<Volts> fallback_{Volts(0.0)};
 };
 
 // Sample of taxel i in scan n (from 0): 256 n + i, modulo 2^16.
