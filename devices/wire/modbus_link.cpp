@@ -34,7 +34,9 @@ struct ModbusLink::Request {
 };
 
 ModbusLink::ModbusLink(ModbusEndpoint endpoint, std::string device, Clock& clock)
-    : line_(std::make_shared<ModbusLine>(endpoint, clock)), unit_(endpoint.unit), device_(std::move(device)) {}
+    : line_(std::make_shared<ModbusLine>(std::move(endpoint), clock)),
+      unit_(line_->endpoint().unit),
+      device_(std::move(device)) {}
 
 ModbusLink::ModbusLink(const ModbusLink& other, int unit, std::string device)
     : line_(other.line_), unit_(unit), device_(std::move(device)) {}
