@@ -6,7 +6,9 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "db/run_store_database.h"
 #include "db/store_file.h"
@@ -16,6 +18,20 @@ namespace tactbench::db {
 namespace {
 
 std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
+
+// SQLite does not wait for another process here, though a busy timeout is set: two that make one store at once meet.
+std::string switch_to_log(sqlite::Connection& connection) {
+  using RealClock = std::chrono::steady_clock;
+  const auto deadline = RealClock::now() + std::chrono::milliseconds(sqlite::kBusyTimeoutMs);
+  for (;;) {
+    try {
+      return connection.text("PRAGMA journal_mode = WAL");
+    } catch (const StoreError& error) {
+      if (error.id() != "TB-STORE-LOCKED" || RealClock::now() > deadline) throw;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+}
 
 }  // namespace
 
@@ -39,7 +55,7 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
   // The first migration goes before WAL, so that our application id is in the file itself and never in the log alone.
   connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
   migrate(connection);
-  if (connection.text("PRAGMA journal_mode = WAL") != "wal") {
+  if (switch_to_log(connection) != "wal") {
     throw StoreError("TB-STORE-OPEN", fmt::format("store {}: this file system does not carry a write-ahead log", path),
                      "keep the store on a local disk");
   }

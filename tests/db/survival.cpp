@@ -1,6 +1,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <catch2/catch.hpp>
+#include <cstdio>
 
 #include <csignal>
 
@@ -111,6 +112,7 @@ TEST_CASE("several processes may make one store at once and write to it at once"
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
+      std::string why;
       const std::string id = store_error(
           [&] {
             RunStore store = RunStore::open(path, Durability::kNormal);
@@ -118,7 +120,8 @@ TEST_CASE("several processes may make one store at once and write to it at once"
             for (int f = 0; f < kFrames; ++f) store.append_frame(begun.run, example_frame(begun.branch, f));
             store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, "");
           },
-          nullptr);
+          &why);
+      if (!id.empty()) std::fprintf(stderr, "%s %s\n", id.c_str(), why.c_str());
       _exit(id.empty() ? 0 : 1);
     }
     children.push_back(child);
