@@ -100,11 +100,8 @@ void look_at_array(Rig& rig, DeviceCheck& result) {
   rig.open_array();
   const devices::ScanSet scan = rig.array().read(1);
   result.found = name_of(rig.array().identity());
-  const double sum = std::accumulate(scan.counts.begin(), scan.counts.end(), 0.0);
-  const auto highest = *std::max_element(scan.counts.begin(), scan.counts.end());
-  const double volts = rig.array().volts_per_count().value();
-  result.reading = fmt::format("{} x {} taxels, mean {:.3f} V, highest {:.3f} V", scan.rows, scan.columns,
-                               sum / static_cast<double>(scan.counts.size()) * volts, highest * volts);
+  result.reading =
+      fmt::format("{} x {} taxels, {}", scan.rows, scan.columns, array_summary(scan, rig.array().volts_per_count()));
   if (scan.status != 0) result.notes.push_back(fmt::format("status 0x{:02X}", scan.status));
 }
 
@@ -150,6 +147,14 @@ void look_at_force(Rig& rig, DeviceCheck& result) {
 }  // namespace
 
 const char* to_string(State state) { return state == State::kOk ? "ok" : state == State::kAbsent ? "absent" : "wrong"; }
+
+std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per_count) {
+  const double sum = std::accumulate(scan.counts.begin(), scan.counts.end(), 0.0);
+  const auto highest = *std::max_element(scan.counts.begin(), scan.counts.end());
+  return fmt::format("mean {:.3f} V, highest {:.3f} V",
+                     sum / static_cast<double>(scan.counts.size()) * volts_per_count.value(),
+                     highest * volts_per_count.value());
+}
 
 std::string due_text(const std::string& due, const std::string& today) {
   if (due.empty()) return "no due date stated";

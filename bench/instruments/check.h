@@ -24,6 +24,9 @@ const char* to_string(DeviceCheck::State state);
 // the instruments' timeouts.
 std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today);
 
+// "mean 0.020 V, highest 0.027 V": all taxels of one scan or several.
+std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per_count);
+
 // "due 2027-01-31", "OVERDUE since 2025-01-31", "no due date stated".
 std::string due_text(const std::string& due, const std::string& today);
 

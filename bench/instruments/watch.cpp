@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <numeric>
 #include <thread>
 
+#include "bench/instruments/check.h"
 #include "bench/process_time.h"
 #include "bench/rig.h"
 #include "bench/run/stop_request.h"
@@ -53,12 +53,8 @@ std::string array_text(Rig& rig, bool with_picture) {
   if (!rig.has_array()) rig.open_array();
   try {
     const devices::ScanSet scan = rig.array().read(1);
-    const double volts = rig.array().volts_per_count().value();
-    const double sum = std::accumulate(scan.counts.begin(), scan.counts.end(), 0.0);
-    return fmt::format("mean {:.3f} V, highest {:.3f} V, status 0x{:02X}{}",
-                       sum / static_cast<double>(scan.counts.size()) * volts,
-                       *std::max_element(scan.counts.begin(), scan.counts.end()) * volts, scan.status,
-                       with_picture ? fmt::format("\n{}", picture(scan)) : "");
+    return fmt::format("{}, status 0x{:02X}{}", array_summary(scan, rig.array().volts_per_count()), scan.status,
+                       with_picture ? fmt::format("\n{}", picture(scan)) : std::string());
   } catch (const devices::Fault&) {
     rig.close_array();
     throw;

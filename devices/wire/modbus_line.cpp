@@ -89,7 +89,6 @@ void ModbusLine::look_up(const std::string& device, const std::string& peer) {
 }
 
 void ModbusLine::open(const std::string& device, const std::string& peer) {
-  if (context_) return;
   auto fresh = std::make_unique<Context>();
   if (is_rtu()) {
     if (std::find(kRates.begin(), kRates.end(), endpoint_.baud) == kRates.end()) fail(EINVAL, device, peer);

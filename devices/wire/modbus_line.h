@@ -22,7 +22,8 @@ class ModbusLine {
   // Sends unit and PDU and returns unit and PDU of the answer, header and check sum taken off. Empty: failed, `error()`
   // says why (an errno value or one of libmodbus); the line is then closed.
   std::vector<std::uint8_t> exchange(std::span<const std::uint8_t> request);
-  // Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`. Nothing to do when open.
+  [[nodiscard]] bool is_open() const { return context_ != nullptr; }
+  // Not when open. Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`.
   void open(const std::string& device, const std::string& peer);
   void close() noexcept;              // at the caller's wish
   void close_after_error() noexcept;  // RTU: and silence for max_reply_delay

@@ -56,15 +56,16 @@ std::string ModbusLink::peer() const {
 
 // Returns the answer's bytes after the function code.
 std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
-  const std::string what =
-      fmt::format("{} {} {}{} at 0x{:04X} (FC {}) of {}: ", request.verb, request.count, request.unit_of_count,
-                  request.count == 1 ? "" : "s", request.address, request.function, peer());
+  const auto what = [&] {  // only for faults: an exchange that goes well formats nothing
+    return fmt::format("{} {} {}{} at 0x{:04X} (FC {}) of {}: ", request.verb, request.count, request.unit_of_count,
+                       request.count == 1 ? "" : "s", request.address, request.function, peer());
+  };
   const auto misfit = [&](const std::string& why) {
-    return Fault("TB-MODBUS-PROTOCOL", device_, what + why,
+    return Fault("TB-MODBUS-PROTOCOL", device_, what() + why,
                  "Check that the address belongs to the module and that no other program shares its wire.");
   };
   if (!request.fits) throw misfit("more than one frame can hold, or nothing");
-  line_->open(device_, peer());
+  if (!line_->is_open()) line_->open(device_, peer());
   ++exchanges_;
   std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(unit_), static_cast<std::uint8_t>(request.function)};
   bytes.insert(bytes.end(), request.body.begin(), request.body.end());
@@ -74,12 +75,12 @@ std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
     if (error == ETIMEDOUT) {
       line_->clock().reply_lost(endpoint().response_timeout);
       throw Fault("TB-MODBUS-TIMEOUT", device_,
-                  what + fmt::format("no complete reply within {:g} ms",
-                                     std::chrono::duration<double, std::milli>(endpoint().response_timeout).count()),
+                  what() + fmt::format("no complete reply within {:g} ms",
+                                       std::chrono::duration<double, std::milli>(endpoint().response_timeout).count()),
                   "Check the module's power, cable and unit number.");
     }
     if (error > MODBUS_ENOBASE) throw misfit(modbus_strerror(error));
-    throw Fault("TB-MODBUS-CONNECT", device_, what + fmt::format("the connection broke ({})", modbus_strerror(error)),
+    throw Fault("TB-MODBUS-CONNECT", device_, what() + fmt::format("the connection broke ({})", modbus_strerror(error)),
                 "Check the module's power and cable; the next request connects anew.");
   }
   const auto fail = [&](const std::string& why) {
@@ -90,7 +91,7 @@ std::vector<std::uint8_t> ModbusLink::exchange(const Request& request) {
   if (answer[1] == (request.function | kExceptionBit) && answer.size() == 3) {  // a whole answer, and in its turn
     throw Fault(
         "TB-MODBUS-EXCEPTION", device_,
-        what + fmt::format("refused with exception {} ({})", answer[2], modbus_strerror(MODBUS_ENOBASE + answer[2])),
+        what() + fmt::format("refused with exception {} ({})", answer[2], modbus_strerror(MODBUS_ENOBASE + answer[2])),
         "Check that the profile in the bench file fits the module, that no other master holds it, and that "
         "its watchdog has not tripped.");
   }

@@ -58,7 +58,6 @@ class ModbusLink {
   void close() noexcept;
   [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
   [[nodiscard]] const ModbusEndpoint& endpoint() const;
-  [[nodiscard]] int unit() const { return unit_; }
   // "analog module at 127.0.0.1:502 unit 1", as faults name it.
   [[nodiscard]] std::string peer() const;
 

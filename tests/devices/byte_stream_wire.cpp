@@ -94,7 +94,7 @@ TEST_CASE("a pseudo-terminal carries every byte value unchanged both ways") {
 TEST_CASE("a pseudo-terminal has one client at a time and outlives it") {
   PseudoTerminal terminal;
   auto first = open_stream(terminal.path());
-  CHECK(fault_of([&] { (void)open_stream(terminal.path()); }) == "TB-SERIAL-BUSY");
+  CHECK(fault_id_of([&] { (void)open_stream(terminal.path()); }) == "TB-SERIAL-BUSY");
   first.reset();
   // What the first client left unread does not reach the second.
   const Bytes stale{1, 2, 3};
@@ -120,9 +120,9 @@ TEST_CASE("a hung-up pseudo-terminal is a loss and not silence") {
   terminal.hang_up();
   std::array<std::uint8_t, 8> into{};
   const Bytes out{1};
-  CHECK(fault_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
-  CHECK(fault_of([&] { stream->write(out); }) == "TB-SERIAL-LOST");
-  CHECK(fault_of([&] { stream->discard(); }) == "TB-SERIAL-LOST");
+  CHECK(fault_id_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
+  CHECK(fault_id_of([&] { stream->write(out); }) == "TB-SERIAL-LOST");
+  CHECK(fault_id_of([&] { stream->discard(); }) == "TB-SERIAL-LOST");
   CHECK(terminal.master() == -1);
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("a writer is not held for ever by an end that takes nothing") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path(), 1ms);
   const Bytes many(1U << 20U);
-  CHECK(fault_of([&] { stream->write(many); }) == "TB-SERIAL-TIMEOUT");
+  CHECK(fault_id_of([&] { stream->write(many); }) == "TB-SERIAL-TIMEOUT");
 }
 
 TEST_CASE("a TCP stream carries bytes both ways and reports its end") {
@@ -148,9 +148,9 @@ TEST_CASE("a TCP stream carries bytes both ways and reports its end") {
   check_both_ways(*stream, other_end);
   ::close(other_end);
   std::array<std::uint8_t, 8> into{};
-  CHECK(fault_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
+  CHECK(fault_id_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
   ::close(listener);
-  CHECK(fault_of([&] { (void)open_stream(name); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([&] { (void)open_stream(name); }) == "TB-SERIAL-OPEN");
 }
 
 TEST_CASE("a local socket carries bytes both ways and reports its end") {
@@ -167,7 +167,7 @@ TEST_CASE("a local socket carries bytes both ways and reports its end") {
   check_both_ways(*stream, other_end);
   ::close(other_end);
   std::array<std::uint8_t, 8> into{};
-  CHECK(fault_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
+  CHECK(fault_id_of([&] { (void)stream->read(into, 24h); }) == "TB-SERIAL-LOST");
   ::close(listener);
   std::filesystem::remove(path);
 }
@@ -184,15 +184,15 @@ TEST_CASE("a serial address that leads to a pseudo-terminal is opened as one, li
 }
 
 TEST_CASE("what cannot be opened is refused with the reason") {
-  CHECK(fault_of([] { (void)open_stream("/dev/pts/999999"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_stream("/dev/null"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_stream("tcp:127.0.0.1"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_stream("tcp:127.0.0.1:"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_stream("unix:/nowhere/at/all"); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_stream("unix:" + std::string(200, 'x')); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_serial({}); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_serial(at("/dev/ttyUSB99")); }) == "TB-SERIAL-OPEN");
-  CHECK(fault_of([] { (void)open_serial(at("", "no such serial")); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_stream("/dev/pts/999999"); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_stream("/dev/null"); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_stream("tcp:127.0.0.1"); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_stream("tcp:127.0.0.1:"); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_stream("unix:/nowhere/at/all"); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_stream("unix:" + std::string(200, 'x')); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_serial({}); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_serial(at("/dev/ttyUSB99")); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([] { (void)open_serial(at("", "no such serial")); }) == "TB-SERIAL-OPEN");
 }
 
 TEST_CASE("listed serial ports have names and never are pseudo-terminals") {

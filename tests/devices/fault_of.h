@@ -2,24 +2,33 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+#include <optional>
 #include <string>
 
 #include "devices/fault.h"
 
 namespace tactbench::devices {
 
-// The fault's id, "none" when there was none. Each fault has to say what happened and what to try.
-template <class Action>
-std::string fault_of(Action action) {
+// Runs `act`; the fault it throws, empty when it throws none.
+template <class Act>
+std::optional<Fault> fault_of(Act&& act) {
   try {
-    action();
+    act();
   } catch (const Fault& fault) {
-    CHECK_FALSE(std::string(fault.what()).empty());
-    CHECK_FALSE(fault.device().empty());
-    CHECK_FALSE(fault.remedy().empty());
-    return fault.id();
+    return fault;
   }
-  return "none";
+  return std::nullopt;
+}
+
+// The fault's id, "none" when there was none. Each fault has to say what happened, of whom, and what to try.
+template <class Act>
+std::string fault_id_of(Act&& act) {
+  const auto fault = fault_of(act);
+  if (!fault) return "none";
+  CHECK_FALSE(std::string(fault->what()).empty());
+  CHECK_FALSE(fault->device().empty());
+  CHECK_FALSE(fault->remedy().empty());
+  return fault->id();
 }
 
 }  // namespace tactbench::devices

@@ -5,14 +5,13 @@
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "bench/config_profile.h"
 #include "devices/clock.h"
-#include "devices/fault.h"
 #include "devices/pressure/chamber_port.h"
 #include "devices/tactile/simulated_scanner.h"
+#include "tests/devices/fault_of.h"
 #include "tests/support/process.h"
 
 namespace tactbench::devices {
@@ -53,23 +52,6 @@ class TestArray final : public TactilePort {
   }
   std::atomic<int> scans{0};
 };
-
-// Runs `act`; the fault it throws, empty when it throws none.
-template <class Act>
-std::optional<Fault> fault_of(Act&& act) {
-  try {
-    act();
-  } catch (const Fault& fault) {
-    return fault;
-  }
-  return std::nullopt;
-}
-
-template <class Act>
-std::string fault_id_of(Act&& act) {
-  const auto fault = fault_of(act);
-  return fault ? fault->id() : "none";
-}
 
 inline ModuleProfile module_profile(const std::string& name) { return bench::read_module_profile(name); }
 

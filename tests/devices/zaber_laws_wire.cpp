@@ -20,13 +20,13 @@ namespace {
 
 // Every command there is, each expected to end in `fault`.
 void check_all_refused(Stage& stage, const std::string& fault) {
-  CHECK(fault_of([&] { stage.home(Axis::kX); }) == fault);
-  CHECK(fault_of([&] { stage.start_move_to(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
-  CHECK(fault_of([&] { stage.start_move_by(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
-  CHECK(fault_of([&] { stage.start_speed(Axis::kX, MillimetresPerSecond(1.0)); }) == fault);
-  CHECK(fault_of([&] { (void)stage.wait(Axis::kX); }) == fault);
-  CHECK(fault_of([&] { (void)stage.stop(Axis::kX); }) == fault);
-  CHECK(fault_of([&] { (void)stage.state(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { stage.home(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { stage.start_move_to(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
+  CHECK(fault_id_of([&] { stage.start_move_by(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
+  CHECK(fault_id_of([&] { stage.start_speed(Axis::kX, MillimetresPerSecond(1.0)); }) == fault);
+  CHECK(fault_id_of([&] { (void)stage.wait(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { (void)stage.stop(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { (void)stage.state(Axis::kX); }) == fault);
 }
 
 }  // namespace
@@ -49,15 +49,15 @@ TEST_CASE("law: a target out of range is refused before a byte is sent") {
   const double nan = std::nan("");
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double target : {-0.001, 50.001, 1e9, nan, infinity, -infinity}) {
-    CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(target), {}); }) == "TB-STAGE-LIMIT");
-    CHECK(fault_of([&] { rig.stage.start_move_by(Axis::kZ, Millimetres(target), {}); }) == "TB-STAGE-LIMIT");
+    CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(target), {}); }) == "TB-STAGE-LIMIT");
+    CHECK(fault_id_of([&] { rig.stage.start_move_by(Axis::kZ, Millimetres(target), {}); }) == "TB-STAGE-LIMIT");
   }
   for (const double speed : {0.0, -1.0, 8.001, 1e-9, nan, infinity}) {
-    CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(1.0), MillimetresPerSecond(speed)); }) ==
+    CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(1.0), MillimetresPerSecond(speed)); }) ==
           "TB-STAGE-LIMIT");
   }
   for (const double speed : {0.0, 8.001, -8.001, nan, -infinity}) {
-    CHECK(fault_of([&] { rig.stage.start_speed(Axis::kZ, MillimetresPerSecond(speed)); }) == "TB-STAGE-LIMIT");
+    CHECK(fault_id_of([&] { rig.stage.start_speed(Axis::kZ, MillimetresPerSecond(speed)); }) == "TB-STAGE-LIMIT");
   }
   CHECK(rig.chain.bytes_received() == before);
   CHECK(rig.stage.armed());
@@ -67,13 +67,13 @@ TEST_CASE("law: no axis moves before it is homed, nor after it lost its power") 
   ZaberRig rig;
   rig.stage.arm();
   const auto before = rig.chain.bytes_received();
-  CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
-  CHECK(fault_of([&] { rig.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
-  CHECK(fault_of([&] { rig.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0)); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0)); }) == "TB-STAGE-NOT-HOMED");
   CHECK(rig.chain.bytes_received() == before);
   rig.stage.home(Axis::kX);
   rig.chain.power_cycle();
-  CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
   CHECK(rig.count({kMoveAbsolute, kMoveRelative, kConstantSpeed}) == 0);
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("law: a quiet wire is a fault within its deadline and disarms") {
     rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
     (void)rig.stage.wait(Axis::kZ);
   };
-  CHECK(fault_of(all) == "TB-STAGE-TIMEOUT");
+  CHECK(fault_id_of(all) == "TB-STAGE-TIMEOUT");
   CHECK_FALSE(rig.stage.armed());
   // The question whose answer was lost was asked twice: process time has spent both waits.
   CHECK(rig.clock.now() >= 2 * impatient_stage().reply_timeout);
@@ -101,10 +101,10 @@ TEST_CASE("law: an unplugged stage is a fault at once, and nothing is replayed a
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
   rig.chain.unplug();
-  CHECK(fault_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-SERIAL-LOST");
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-SERIAL-LOST");
   CHECK_FALSE(rig.stage.armed());
   check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
-  CHECK(fault_of([&] { rig.stage.arm(); }) == "TB-SERIAL-OPEN");
+  CHECK(fault_id_of([&] { rig.stage.arm(); }) == "TB-SERIAL-OPEN");
 
   rig.chain.plug_in();
   const std::size_t before = rig.chain.requests().size();
@@ -120,7 +120,7 @@ TEST_CASE("law: an unplugging in the middle of anything is a loss and never sile
   SimulatedChainFaults faults;
   faults.unplug_after_requests = GENERATE(0L, 9L, 33L, 60L, 80L);
   ZaberRig rig({}, faults);
-  CHECK(fault_of([&] {
+  CHECK(fault_id_of([&] {
           rig.arm_and_home();
           rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
           (void)rig.stage.wait(Axis::kZ);
@@ -177,7 +177,7 @@ TEST_CASE("law: halt is bounded and says no when the wire is quiet or gone") {
   SimulatedChainFaults faults;
   faults.silent_after_requests = 40;
   ZaberRig rig({}, faults, impatient_stage());
-  CHECK(fault_of([&] { rig.arm_and_home(); }) == "TB-STAGE-TIMEOUT");
+  CHECK(fault_id_of([&] { rig.arm_and_home(); }) == "TB-STAGE-TIMEOUT");
   const auto before = rig.stage.exchanges();
   CHECK_FALSE(rig.stage.halt());
   CHECK(rig.stage.exchanges() - before <= 6);  // a quiet axis is asked twice
@@ -221,7 +221,7 @@ TEST_CASE("law: halt from another thread ends the wait of the first one") {
     while (rig.chain.requests().size() < before + 20) std::this_thread::yield();
     (void)rig.stage.halt();  // the clock may stand still meanwhile, so that the answer may be no
   });
-  CHECK(fault_of([&] { (void)rig.stage.wait(Axis::kX); }) == "TB-STAGE-HALTED");
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kX); }) == "TB-STAGE-HALTED");
   other.join();
   CHECK(rig.stage.halt());
   CHECK(rig.chain.position(Axis::kX).value() < 59.0);

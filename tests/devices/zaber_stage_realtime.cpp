@@ -40,7 +40,7 @@ TEST_CASE("a real-time stage homes, moves and is halted by another thread") {
   rig.stage.start_move_to(Axis::kZ, Millimetres(50.0), MillimetresPerSecond(1.0));  // 50 s
   bool stands = false;
   std::thread other([&] { stands = rig.stage.halt(); });
-  CHECK(fault_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-STAGE-HALTED");
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-STAGE-HALTED");
   other.join();
   CHECK(stands);
   CHECK(rig.chain.position(Axis::kZ).value() < 25.0);

@@ -138,7 +138,7 @@ TEST_CASE("a move may take another's place, a relative one may not") {
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kX, Millimetres(40.0), std::nullopt);
   rig.clock.wait_until(rig.clock.now() + 2s);
-  CHECK(fault_of([&] { rig.stage.start_move_by(Axis::kX, Millimetres(1.0), std::nullopt); }) == "TB-STAGE-MOVING");
+  CHECK(fault_id_of([&] { rig.stage.start_move_by(Axis::kX, Millimetres(1.0), std::nullopt); }) == "TB-STAGE-MOVING");
   rig.stage.start_move_to(Axis::kX, Millimetres(1.0), std::nullopt);
   CHECK(rig.stage.wait(Axis::kX).value() == Approx(1.0).margin(kStep));
 }
@@ -175,10 +175,10 @@ TEST_CASE("every error that a device may answer is named and leaves the stage ar
     }
   }
   rig.chain.refuse_next(kHome, 1);
-  CHECK(fault_of([&] { rig.stage.home(Axis::kY); }) == "TB-STAGE-REFUSED");
-  CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kY, Millimetres(3.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.home(Axis::kY); }) == "TB-STAGE-REFUSED");
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kY, Millimetres(3.0), {}); }) == "TB-STAGE-NOT-HOMED");
   rig.chain.refuse_next(kTargetSpeed, 42);
-  CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(3.0), MillimetresPerSecond(1.0)); }) ==
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(3.0), MillimetresPerSecond(1.0)); }) ==
         "TB-STAGE-REFUSED");
   rig.stage.home(Axis::kY);
   rig.stage.start_move_to(Axis::kY, Millimetres(3.0), std::nullopt);
@@ -212,8 +212,8 @@ TEST_CASE("an axis that somebody else sends elsewhere is noticed") {
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
   rig.chain.power_cycle();
-  CHECK(fault_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-STAGE-ASTRAY");
-  CHECK(fault_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-STAGE-ASTRAY");
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), {}); }) == "TB-STAGE-NOT-HOMED");
 }
 
 TEST_CASE("a move that does not end in its time is stopped and reported") {
@@ -222,7 +222,7 @@ TEST_CASE("a move that does not end in its time is stopped and reported") {
   ZaberRig rig({}, {}, options);
   rig.connect()->write(encode_without_id({1, kMoveAbsolute, 500000, 0}));  // another program's: 18 s
   rig.stage.arm();
-  CHECK(fault_of([&] { (void)rig.stage.wait(Axis::kX); }) == "TB-STAGE-OVERDUE");
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kX); }) == "TB-STAGE-OVERDUE");
   rig.clock.wait_until(rig.clock.now() + 60s);
   CHECK(rig.chain.position(Axis::kX).value() < 5.0 + 3.5 * 2.8);
   CHECK(rig.stage.armed());
@@ -249,7 +249,7 @@ TEST_CASE("the chain is renumbered only when asked to") {
   ZaberStageOptions options = impatient_stage();
   {
     ZaberRig rig(chain, {}, options);
-    CHECK(fault_of([&] { rig.stage.arm(); }) == "TB-STAGE-TIMEOUT");
+    CHECK(fault_id_of([&] { rig.stage.arm(); }) == "TB-STAGE-TIMEOUT");
     CHECK(rig.count({kRenumber}) == 0);
   }
   options.renumber = true;
@@ -263,7 +263,7 @@ TEST_CASE("a device that is not the expected one is refused before its mode is w
   SECTION("another model") { std::swap(chain.devices[0].device_id, chain.devices[2].device_id); }
   SECTION("firmware 6, whose units differ") { chain.devices[0].firmware = 606; }
   ZaberRig rig(chain);
-  CHECK(fault_of([&] { rig.stage.arm(); }) == "TB-STAGE-WRONG-DEVICE");
+  CHECK(fault_id_of([&] { rig.stage.arm(); }) == "TB-STAGE-WRONG-DEVICE");
   CHECK_FALSE(rig.stage.armed());
   CHECK(rig.count({kMode}) == 0);
 }
