@@ -47,7 +47,8 @@ Repeat make_repeat(const Slots& slots, double scale, Dataset& dataset, Noise& no
   repeat.steps.reserve(slots.size());
   repeat.volts.reserve(slots.size() * taxels);
   for (const db::FrameRecord* frame : slots) {
-    repeat.steps.push_back({frame->setpoint_psi, frame->reference_psi});
+    repeat.steps.push_back({frame->setpoint_psi, frame->reference_psi, 1e-9 * static_cast<double>(frame->time_ns),
+                            1e-9 * static_cast<double>(frame->since_command_ns)});
     const auto scans = static_cast<std::size_t>(frame->scans);
     for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
       double sum = 0.0, squares = 0.0;
@@ -103,6 +104,7 @@ Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
   if (!frames.empty()) {
     dataset.rows = frames.front().rows;
     dataset.columns = frames.front().columns;
+    dataset.scans = std::max(1, frames.front().scans);
   }
   const auto taxels = static_cast<std::size_t>(dataset.taxels());
   dataset.noise_v.assign(taxels, 0.0);

@@ -6,25 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "analysis/error.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {
 
-// The one error type of this room.
-class AnalysisError : public std::runtime_error {
- public:
-  AnalysisError(std::string id, const std::string& message, std::string remedy)
-      : std::runtime_error(message), id_(std::move(id)), remedy_(std::move(remedy)) {}
-  [[nodiscard]] const std::string& id() const { return id_; }
-  [[nodiscard]] const std::string& remedy() const { return remedy_; }
-
- private:
-  std::string id_, remedy_;
-};
-
 struct Sample {
   double setpoint_psi = 0.0;
   double reference_psi = 0.0;  // measured, at frame time
+  double time_s = 0.0;         // process time since the run's start
+  double held_s = 0.0;         // since the set-point was commanded
 };
 
 // One pass through a sequence's turning points.
@@ -41,7 +32,7 @@ struct SequenceData {
 struct Dataset {
   std::int64_t run = 0;
   std::string origin, sensor_serial, scanner_serial;
-  int rows = 0, columns = 0;
+  int rows = 0, columns = 0, scans = 1;  // scans: averaged into a sample, in the first frame
   std::vector<SequenceData> sequences;
   std::vector<double> noise_v;  // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
   std::vector<bool> at_limit;   // per taxel: a sample stood at the converter's limit

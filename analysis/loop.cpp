@@ -52,24 +52,26 @@ void check_alike(const SequenceData& sequence, const CommonOptions& options, int
 
 }  // namespace
 
-std::vector<Branch> branches_of(std::span<const Sample> steps) {
+std::vector<Branch> branches_along(std::span<const double> x, double tolerance) {
   std::vector<Branch> branches;
-  if (steps.size() < 2) return branches;
-  Branch current;
-  bool known = false;  // leading equal samples have no direction yet: they join the first branch
-  for (std::size_t i = 1; i < steps.size(); ++i) {
-    const double rise = steps[i].setpoint_psi - steps[i - 1].setpoint_psi;
-    const int here = static_cast<int>(i);
-    if (rise != 0.0 && !known) {
-      current.ascending = rise > 0.0;
-      known = true;
-    } else if (rise != 0.0 && (rise > 0.0) != current.ascending) {
-      branches.push_back(current);
-      current = {current.last, here, rise > 0.0};
+  std::size_t first = 0, extreme = 0;  // of the current branch; leading equal samples join the first
+  int direction = 0;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    const double ahead = x[i] - x[extreme];
+    if (direction == 0) {
+      if (std::abs(ahead) <= tolerance) continue;
+      direction = ahead > 0.0 ? 1 : -1;
+      extreme = i;
+    } else if (ahead * direction >= 0.0) {
+      extreme = i;
+    } else if (-ahead * direction > tolerance) {
+      branches.push_back({static_cast<int>(first), static_cast<int>(extreme), direction > 0});
+      first = extreme;
+      extreme = i;
+      direction = -direction;
     }
-    current.last = here;
   }
-  if (known) branches.push_back(current);
+  if (direction != 0) branches.push_back({static_cast<int>(first), static_cast<int>(x.size()) - 1, direction > 0});
   return branches;
 }
 
@@ -81,7 +83,9 @@ CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const C
   const double weight = 1.0 / (last - options.first_repeat + 1);
 
   CommonSequence common;
-  common.branches = branches_of(steps);
+  std::vector<double> commanded;
+  for (const Sample& step : steps) commanded.push_back(step.setpoint_psi);
+  common.branches = branches_along(commanded);
   common.pressure_psi.assign(steps.size(), 0.0);
   common.volts.assign(steps.size() * width, 0.0);
   if (common.branches.empty())

@@ -15,8 +15,9 @@ struct Branch {
   bool ascending = true;
 };
 
-// Splits set-points into branches; equal samples keep the last direction [A8].
-std::vector<Branch> branches_of(std::span<const Sample> steps);
+// Splits inputs into branches; equal samples keep the last direction [A8]. A turn counts once x has gone back by more
+// than `tolerance` (0 for commanded inputs; measured ones carry noise).
+std::vector<Branch> branches_along(std::span<const double> x, double tolerance = 0.0);
 
 // The mean of a sequence's repeats on the set-point grid: outputs moved there by local slope x (reference -
 // set-point) of their own branch (contract.md, "Which pressure").

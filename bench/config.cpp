@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -24,8 +25,31 @@ SafetyLimits read_safety(const TomlTable& table) {
   limits.disagreement_psi = table.number_in("disagreement_psi", limits.disagreement_psi, 0.1, 50.0);
   limits.disagreement_s = table.number_in("disagreement_s", limits.disagreement_s, 0.2, 60.0);
   limits.vent_timeout_s = table.number_in("vent_timeout_s", limits.vent_timeout_s, 1.0, 120.0);
+  limits.rate_psi_per_s = table.number_in("rate_psi_per_s", limits.rate_psi_per_s, 0.01, 200.0);
+  limits.step_psi = table.number_in("step_psi", limits.step_psi, 0.01, 100.0);
+  limits.stale_s = table.number_in("stale_s", limits.stale_s, 0.1, 10.0);
+  limits.contact_n = table.number_in("contact_n", limits.contact_n, 0.05, 5.0);
+  limits.clear_z_mm = table.number_in("clear_z_mm", limits.clear_z_mm, 0.0, 1000.0);
+  if (table.has("force_n")) {
+    const std::vector<double> force = table.numbers("force_n");
+    const auto usable = [](double newtons) { return newtons > 0.0 && newtons <= 100.0; };
+    if (force.size() != 3 || !std::all_of(force.begin(), force.end(), usable)) {
+      table.fail("force_n", "'force_n' must hold three numbers above 0 up to 100", "write [fx, fy, fz] in N");
+    }
+    std::copy(force.begin(), force.end(), limits.force_n.begin());
+  }
   table.finish();
   return limits;
+}
+
+DeadManConfig read_dead_man(const TomlTable& table) {
+  DeadManConfig dead_man;
+  dead_man.enabled = table.boolean("enabled", dead_man.enabled);
+  dead_man.timeout_s = table.number_in("timeout_ms", 1000.0 * dead_man.timeout_s, 100.0, 5000.0) / 1000.0;
+  dead_man.progress_s = table.number_in("progress_ms", 1000.0 * dead_man.progress_s, 250.0, 30000.0) / 1000.0;
+  dead_man.back_off_mm = table.number_in("back_off_mm", dead_man.back_off_mm, 0.0, 50.0);
+  table.finish();
+  return dead_man;
 }
 
 Settling read_settling(const TomlTable& table) {
@@ -33,6 +57,8 @@ Settling read_settling(const TomlTable& table) {
   settling.band_psi = table.number_in("band_psi", settling.band_psi, 0.01, 5.0);
   settling.slope_psi_per_s = table.number_in("slope_psi_per_s", settling.slope_psi_per_s, 0.01, 100.0);
   settling.poll_s = table.number_in("poll_s", settling.poll_s, 0.01, 0.5);
+  settling.trace_s = table.number_in("trace_s", settling.trace_s, 0.0, 10.0);
+  settling.landing_s = table.number_in("landing_s", settling.landing_s, 0.0, 10.0);
   settling.timeout_s = table.number_in("timeout_s", settling.timeout_s, 1.0, 600.0);
   table.finish();
   return settling;
@@ -49,6 +75,7 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
   BenchConfig config;
   config.file = document.name();
   config.text = document.text();
+  config.resolved = document.to_text();
   (void)root.integer("schema", 1, 1);
   const TomlTable bench = root.table("bench");
   config.id = bench.text("id");
@@ -72,6 +99,7 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
               "remove it, or set origin = \"simulated\": simulated data must never pass for real");
   }
   config.limits = read_safety(root.table("limits"));
+  config.dead_man = read_dead_man(root.table("dead_man"));
   config.settling = read_settling(root.table("settling"));
   read_pressure(root, config);
   read_instruments(root, config);

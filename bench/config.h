@@ -2,6 +2,7 @@
 // are in the keys; unknown keys are errors (sequences/strict_toml.h).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +31,9 @@ namespace tactbench::bench {
 struct Settling {                // when a commanded level counts as reached
   double band_psi = 0.25;        // |feedback - set-point|
   double slope_psi_per_s = 0.5;  // |change of the reference| between two polls
-  double poll_s = 0.2;
+  double poll_s = 0.2;           // between two looks while it settles
+  double trace_s = 0.0;          // between two looks while it dwells; 0: at each feeding of the module
+  double landing_s = 0.5;        // rest before the last tick of a way of several
   double timeout_s = 20.0;
 };
 
@@ -41,6 +44,20 @@ struct SafetyLimits {
   double disagreement_psi = 5.0;  // between feedback and reference, for longer than disagreement_s
   double disagreement_s = 1.0;
   double vent_timeout_s = 20.0;
+  double rate_psi_per_s = 20.0;                   // of the set-point upward, lasting
+  double step_psi = 2.5;                          // of the set-point upward, at once
+  double stale_s = 1.0;                           // witnesses older than this refuse upward commands
+  std::array<double, 3> force_n{5.0, 5.0, 35.0};  // measured, each axis: beyond is a trip
+  double contact_n = 0.5;                         // from this force on the indenter touches
+  double clear_z_mm = 25.0;                       // z may not be beyond this while x or y move
+};
+
+struct DeadManConfig {
+  bool enabled = true;      // where instruments outlive the sequencer: never on a bench simulated in its own process
+  double timeout_s = 0.4;   // between two signs of life of the sequencer's process
+  double progress_s = 1.5;  // between two steps of its work: more than the longest exchange that fails
+  double back_off_mm = 5.0;
+  std::string program = "/proc/self/exe";  // what serves as the dead-man; tests name another
 };
 
 struct SimulationConfig {
@@ -96,6 +113,7 @@ struct BenchConfig {
   std::string id, location;
   devices::Origin origin = devices::Origin::kHardware;
   SafetyLimits limits;
+  DeadManConfig dead_man;
   Settling settling;
   ModuleConfig module;                       // drives the regulator
   std::optional<ModuleConfig> input_module;  // reads feedback and transducer; none: `module` does
@@ -120,6 +138,7 @@ struct BenchConfig {
   double rate = 1.0;                           // of process time against real time; not 1 only with a simulator
   std::optional<SimulationConfig> simulation;  // exactly when in_process
   std::string file, text;                      // where it came from, stored with the run
+  std::string resolved;                        // text with the overrides in it
   std::vector<sequences::Setting> settings;    // every value, and where it came from
 };
 

@@ -66,6 +66,7 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
   } else {
     config.watchdog_s = 0.0;
   }
+  config.module.profile.dump_coil = static_cast<int>(table.integer("dump_coil", -1, -1, 65535));
   table.finish();
   if (root.has("input_module")) {
     const TomlTable inputs = root.table("input_module");

@@ -1,10 +1,20 @@
 #include "bench/config_simulation.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace tactbench::bench {
 
 using sequences::TomlTable;
 
 namespace {
+
+// The value of an enumeration whose words stand in its order.
+template <typename Enum>
+Enum word_of(const TomlTable& table, const char* key, Enum usual, const std::vector<std::string>& words) {
+  const std::string word = table.word(key, words[static_cast<std::size_t>(usual)], words);
+  return static_cast<Enum>(std::find(words.begin(), words.end(), word) - words.begin());
+}
 
 void read_chamber(const TomlTable& table, const BenchConfig& config, ChamberOptions& chamber) {
   chamber.span_psi = config.regulator.command_span.high.value();
@@ -15,17 +25,55 @@ void read_chamber(const TomlTable& table, const BenchConfig& config, ChamberOpti
   chamber.resolution_v = table.number_in("resolution_v", chamber.resolution_v, 0.0, 0.1);
   chamber.hysteresis_share = table.number_in("hysteresis_share", chamber.hysteresis_share, 0.0, 0.05);
   chamber.leak_psi_per_s = table.number_in("leak_psi_per_s", chamber.leak_psi_per_s, 0.0, 50.0);
+  chamber.dump_psi_per_s = table.number_in("dump_psi_per_s", chamber.dump_psi_per_s, 1.0, 10000.0);
   chamber.reference_noise_psi = table.number_in("reference_noise_psi", chamber.reference_noise_psi, 0.0, 1.0);
   chamber.feedback_noise_psi = table.number_in("feedback_noise_psi", chamber.feedback_noise_psi, 0.0, 1.0);
   table.finish();
 }
 
 void read_contact(const TomlTable& table, ContactOptions& contact) {
-  contact.surface_z_mm = table.number_in("surface_z_mm", contact.surface_z_mm, 0.0, 1000.0);
-  contact.stiffness_n_per_mm = table.number_in("stiffness_n_per_mm", contact.stiffness_n_per_mm, 0.1, 1000.0);
-  contact.force_noise_n = table.number_in("force_noise_n", contact.force_noise_n, 0.0, 1.0);
-  contact.torque_noise_nmm = table.number_in("torque_noise_nmm", contact.torque_noise_nmm, 0.0, 10.0);
+  contact.object = word_of(table, "object", contact.object, {"ring", "point", "flat"});
+  const auto read = [&](const char* key, double& value, double low, double high) {
+    value = table.number_in(key, value, low, high);
+  };
+  read("outer_diameter_mm", contact.outer_diameter_mm, 0.1, 200.0);
+  read("inner_diameter_mm", contact.inner_diameter_mm, 0.0, contact.outer_diameter_mm - 0.1);
+  read("point_diameter_mm", contact.point_diameter_mm, 0.0, 200.0);
+  read("surface_z_mm", contact.surface_z_mm, 0.0, 1000.0);
+  read("stiffness_n_per_mm", contact.stiffness_n_per_mm, 0.1, 1000.0);
+  read("stiffening_n_per_mm2", contact.stiffening_n_per_mm2, 0.0, 10000.0);
+  read("friction_share", contact.friction_share, 0.0, 0.5);
+  read("relaxation_share", contact.relaxation_share, 0.0, 0.5);
+  read("relaxation_s", contact.relaxation_s, 0.01, 1000.0);
+  read("backlash_mm", contact.backlash_mm, 0.0, 1.0);
+  read("fabric_spread_mm", contact.fabric_spread_mm, 0.05, 20.0);
+  read("pitch_mm", contact.pitch_mm, 0.1, 100.0);
+  read("centre_x_mm", contact.centre_x_mm, -1000.0, 1000.0);
+  read("centre_y_mm", contact.centre_y_mm, -1000.0, 1000.0);
+  read("misplaced_x_mm", contact.misplaced_x_mm, -100.0, 100.0);
+  read("misplaced_y_mm", contact.misplaced_y_mm, -100.0, 100.0);
+  read("misplaced_deg", contact.misplaced_deg, -180.0, 180.0);
+  read("force_noise_n", contact.force_noise_n, 0.0, 1.0);
+  read("torque_noise_nmm", contact.torque_noise_nmm, 0.0, 10.0);
   table.finish();
+}
+
+PlannedFault read_fault(const TomlTable& table) {
+  const auto& words = fault_words();
+  PlannedFault fault;
+  const std::string kind = table.word("kind", words);
+  fault.kind = static_cast<FaultKind>(std::find(words.begin(), words.end(), kind) - words.begin());
+  const auto read = [&](const char* key, std::optional<double>& value, double low, double high) {
+    if (table.has(key)) value = table.number_in(key, low, low, high);
+  };
+  read("at_s", fault.at_s, 0.0, 1e8);
+  read("at_psi", fault.at_psi, 0.0, 1000.0);
+  read("at_n", fault.at_n, 0.0, 1000.0);
+  fault.lasts_s = table.number_in("lasts_s", fault.lasts_s, 0.0, std::numeric_limits<double>::infinity());
+  read("value", fault.value, -1000.0, 1000.0);
+  fault.times = table.integer("times", 0, 0, 1000000000);
+  table.finish();
+  return fault;
 }
 
 void read_front_end(const TomlTable& table, ScannerFrontEnd& front_end) {
@@ -93,6 +141,10 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   specimen.mount_seed = static_cast<std::uint64_t>(table.integer("mount_seed", 0, 0, kMost));
   specimen.temperature_c = table.number_in("temperature_c", specimen.temperature_c, -20.0, 80.0);
   specimen.age_months = table.number_in("age_months", specimen.age_months, 0.0, 1200.0);
+  specimen.mount_turn = word_of(table, "mount_turn", specimen.mount_turn,
+                                mount_turn_words(config.scanner.rows == config.scanner.columns));
+  specimen.edge_outside = word_of(table, "edge_outside", specimen.edge_outside, mount_edge_words());
+  specimen.edge_outside_lines = static_cast<int>(table.integer("edge_outside_lines", 0, 0, 1024));
   plant.supply_bar = table.number_in("supply_bar", plant.supply_bar, 0.0, 20.0);
   specimen.rows = config.scanner.rows;
   specimen.columns = config.scanner.columns;
@@ -105,6 +157,7 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   for (const TomlTable& defect : table.tables("defect")) {
     specimen.defects.push_back(read_defect(defect, config.scanner));
   }
+  for (const TomlTable& fault : table.tables("faults")) plant.faults.push_back(read_fault(fault));
   read_wire_faults(table.table("wire_faults"), simulation);
   table.finish();
   return simulation;

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
-#include "analysis/dataset.h"
+#include "analysis/error.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
 #include "sequences/strict_toml.h"
@@ -14,10 +16,15 @@ namespace tactbench::bench {
 namespace {
 
 ExitCode code_of_fault(const std::string& id) {
-  if (id == "TB-CHAMBER-LIMIT" || id == "TB-CHAMBER-TRIP" || id == "TB-CHAMBER-DISAGREE" || id == "TB-STAGE-LIMIT") {
-    return ExitCode::kStopped;
-  }
-  return ExitCode::kDevice;
+  constexpr std::array kByLimit{"TB-CHAMBER-LIMIT", "TB-CHAMBER-TRIP",  "TB-CHAMBER-DISAGREE", "TB-CHAMBER-RATE",
+                                "TB-CHAMBER-STALE", "TB-STAGE-LIMIT",   "TB-STAGE-ENVELOPE",   "TB-FORCE-TRIP",
+                                "TB-FORCE-STALE",   "TB-GUARD-TRIPPED", "TB-GUARD-NOT-ARMED",  "TB-DEADMAN-FIRED"};
+  return std::find(kByLimit.begin(), kByLimit.end(), id) != kByLimit.end() ? ExitCode::kStopped : ExitCode::kDevice;
+}
+
+// A table or a model that cannot be read is the user's to mend; data that carry no result are inconclusive.
+ExitCode code_of_analysis(const std::string& id) {
+  return id.starts_with("TB-TABLE-") || id.starts_with("TB-MODEL-") ? ExitCode::kUsage : ExitCode::kInconclusive;
 }
 
 }  // namespace
@@ -36,7 +43,7 @@ Error as_error(const std::exception_ptr& exception, const std::string& where) {
     const ExitCode code = error.id() == "TB-STORE-NOT-FOUND" ? ExitCode::kUsage : ExitCode::kStore;
     return {code, error.id(), error.what(), where, error.remedy()};
   } catch (const analysis::AnalysisError& error) {
-    return {ExitCode::kInconclusive, error.id(), error.what(), where, error.remedy()};
+    return {code_of_analysis(error.id()), error.id(), error.what(), where, error.remedy()};
   } catch (const std::exception& error) {
     return {ExitCode::kInternal, "TB-INTERNAL", error.what(), where, "this is a defect of tactbench: please report it"};
   } catch (...) {

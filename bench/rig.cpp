@@ -14,6 +14,9 @@ using devices::Origin;
 
 namespace {
 
+constexpr double kFeedSlice = 0.1;                                   // seconds between two feedings in a wait
+constexpr devices::Nanoseconds kOpening = std::chrono::seconds(10);  // an instrument is opened within
+
 nlohmann::ordered_json span_json(const devices::LinearSpan& span) {
   return {{"volts_low", span.volts_low.value()},
           {"volts_high", span.volts_high.value()},
@@ -45,17 +48,49 @@ db::DeviceRecord record_of(const devices::Identity& identity, const nlohmann::or
 
 Rig::Rig(const BenchConfig& config) : config_(config) {
   if (config_.in_process) {
-    clock_ = std::make_unique<devices::TurnedClock>();
-    simulated_ = std::make_unique<SimulatedRig>(config_, *clock_, false);
+    own_clock_ = std::make_unique<devices::TurnedClock>();
+    simulated_ = std::make_unique<SimulatedRig>(config_, *own_clock_, false);
   } else {
-    clock_ = std::make_unique<devices::SteadyClock>(config_.rate);
+    own_clock_ = std::make_unique<devices::SteadyClock>(config_.rate);
+    if (config_.dead_man.enabled) share_lines(config_, false);
   }
+  make_guard();
   make_pressure();
   if (config_.stage) {
     const devices::SerialAddress address = config_.stage->address;
-    stage_ = std::make_unique<devices::ZaberStage>([address] { return devices::open_serial(address); },
-                                                   config_.stage->options, *clock_);
+    stage_ = std::make_unique<devices::ZaberStage>(
+        [this, address] { return dead_man_ ? dead_man_->open_line() : devices::open_serial(address); },
+        config_.stage->options, *clock_);
+    stage_gate_ = std::make_unique<GuardedStage>(*stage_, *guard_, [this] { prepare_arming(); });
   }
+  guard_->set_actuators(&source_->inner(), stage_.get());
+}
+
+void Rig::make_guard() {
+  guard_ = std::make_unique<Guard>(guard_limits(config_), *own_clock_);
+  clock_ = std::make_unique<FeedingClock>(*own_clock_, seconds(kFeedSlice * (config_.in_process ? 1.0 : config_.rate)),
+                                          [this] { guard_->feed(); });
+  if (config_.in_process) {
+    const DeadManConfig& times = config_.dead_man;
+    watcher_ = std::make_unique<ProcessTimeWatcher>(seconds(times.timeout_s + times.progress_s), *own_clock_);
+    guard_->set_watcher(watcher_.get());
+  } else {
+    guard_->set_trip_sink([this](const Trip& trip) {  // a dead-man stores its own, and knows more
+      if (trip.id != kDeadManFired) (void)TripFile(config_.id).store(trip);
+    });
+  }
+}
+
+// Before anything is armed.
+void Rig::prepare_arming() {
+  refuse_tripped(config_);
+  if (config_.in_process || !config_.dead_man.enabled || dead_man_) return;
+  dead_man_ = std::make_unique<DeadManProcess>(config_);
+  guard_->set_watcher(dead_man_.get());
+}
+
+void Rig::dismiss_dead_man() {
+  if (dead_man_) dead_man_->goodbye();
 }
 
 void Rig::make_pressure() {
@@ -70,7 +105,9 @@ void Rig::make_pressure() {
                                                                   devices::Nanoseconds(0), *clock_, config_.origin);
   }
   devices::AnalogModule& inputs = input_module_ ? *input_module_ : *module_;
-  source_ = std::make_unique<devices::Regulator>(*module_, inputs, config_.regulator, *clock_);
+  source_ = std::make_unique<GuardedSource>(
+      std::make_unique<devices::Regulator>(*module_, inputs, config_.regulator, *clock_), *guard_,
+      [this] { prepare_arming(); });
   if (config_.reference_gauge) {
     const GaugeConfig& gauge = *config_.reference_gauge;
     const devices::TransducerOptions& named = config_.reference;
@@ -85,6 +122,7 @@ void Rig::make_pressure() {
   if (!config_.reference_correction.empty()) {
     reference_ = std::make_unique<devices::CorrectedReference>(std::move(reference_), config_.reference_correction);
   }
+  reference_ = std::make_unique<GuardedReference>(std::move(reference_), *guard_);
   for (const EnvironmentSensor& sensor : config_.environment) {
     environment_.push_back(link_to(sensor.endpoint, sensor.own_line, sensor.quantity + " sensor"));
   }
@@ -112,7 +150,9 @@ Rig::~Rig() = default;
 
 void Rig::open() {
   source_->arm();
+  if (dead_man_) dead_man_->allow(kOpening);
   open_array();
+  feed_dead_man();
 }
 
 void Rig::open_array() {
@@ -130,14 +170,18 @@ void Rig::open_array() {
 devices::ForceSensor& Rig::open_force() {
   if (!config_.force) throw std::logic_error("Rig::open_force() without [force]");
   const ForceConfig& force = *config_.force;
+  if (dead_man_) dead_man_->allow(kOpening);
+  std::unique_ptr<devices::ForceSensor> sensor;
   if (force.kind == ForceKind::kNet) {
-    force_ = std::make_unique<devices::NetFt>(force.net, *clock_);
+    sensor = std::make_unique<devices::NetFt>(force.net, *clock_);
   } else if (force.kind == ForceKind::kDaq) {
-    force_ = std::make_unique<devices::DaqFt>(std::make_unique<devices::DaqmxGauges>(force.gauges, *clock_),
+    sensor = std::make_unique<devices::DaqFt>(std::make_unique<devices::DaqmxGauges>(force.gauges, *clock_),
                                               devices::read_ati_calibration(force.calibration_file), force.daq);
   } else {
-    force_ = std::make_unique<devices::DigitalFt>(devices::open_serial(force.address), force.digital, *clock_);
+    sensor = std::make_unique<devices::DigitalFt>(devices::open_serial(force.address), force.digital, *clock_);
   }
+  feed_dead_man();
+  force_ = std::make_unique<GuardedForce>(std::move(sensor), *guard_);
   return *force_;
 }
 
@@ -181,7 +225,8 @@ std::vector<std::uint64_t> Rig::relay_operations() const {
 
 std::uint64_t Rig::exchanges() const {
   std::uint64_t sum = module_->exchanges() + (input_module_ ? input_module_->exchanges() : 0) +
-                      (gauge_ != nullptr ? gauge_->exchanges() : 0) + (array_ ? array_->exchanges() : 0);
+                      (gauge_ != nullptr ? gauge_->exchanges() : 0) + (array_ ? array_->exchanges() : 0) +
+                      (stage_ ? stage_->exchanges() : 0) + (force_ ? force_->exchanges() : 0);
   for (const auto& link : environment_) sum += link->exchanges();
   return sum;
 }

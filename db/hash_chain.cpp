@@ -63,6 +63,10 @@ void HashChain::add(std::span<const std::uint8_t> bytes) {
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
 }
 
+void HashChain::add(const std::vector<double>& values) {
+  add(std::span(reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(double)));
+}
+
 Digest HashChain::header(const RunRecord& run) {
   begin("tactbench run 1");
   for (const std::string* text :
@@ -118,33 +122,74 @@ Digest HashChain::frame(const Digest& before, const BranchRecord& branch, const 
   const std::size_t start = bytes_.size();
   bytes_.resize(start + size);
   if (size > 0) std::memcpy(bytes_.data() + start, frame.counts.data(), size);  // little-endian: see sqlite.h
+  if (!frame.flags.empty()) {
+    add("flags");
+    add(frame.flags);
+  }
+  if (!frame.trace.empty()) {
+    add("trace");
+    add(std::span(reinterpret_cast<const std::uint8_t*>(frame.trace.data()), frame.trace.size() * sizeof(TracePoint)));
+  }
+  if (frame.wrench) {
+    add("wrench");
+    add(frame.wrench->target_n);
+    add(frame.wrench->force_start_n);
+    for (const double value : frame.wrench->wrench) add(value);
+    for (const double value : frame.wrench->raw) add(value);
+    for (const double value : frame.wrench->place_mm) add(value);
+  }
   return finish();
 }
 
-Digest HashChain::close(const Digest& before, std::int64_t frames, const std::vector<EventRecord>& events,
-                        const std::vector<BranchRecord>& branches, Outcome outcome, const std::string& reason,
-                        SafeState safe) {
+Digest HashChain::close(const Digest& before, std::int64_t frames, const RunEnd& run_end) {
   begin("end");
   add(std::span(before));
   add(frames);
-  add(static_cast<std::int64_t>(events.size()));
-  for (const EventRecord& event : events) {
+  add(static_cast<std::int64_t>(run_end.events.size()));
+  for (const EventRecord& event : run_end.events) {
     add(event.time_ns);
     add(event.kind);
     add(event.id);
     add(event.detail);
   }
-  add(static_cast<std::int64_t>(branches.size()));
-  for (const BranchRecord& branch : branches) {
+  add(static_cast<std::int64_t>(run_end.branches.size()));
+  for (const BranchRecord& branch : run_end.branches) {
     place(branch);
     add(std::int64_t{branch.is_void});
     add(branch.void_reason);
     add(branch.from_psi);
     add(branch.to_psi);
+    if (branch.from_n && branch.to_n) {
+      add("force");
+      add(*branch.from_n);
+      add(*branch.to_n);
+    }
   }
-  add(to_string(outcome));
-  add(reason);
-  add(to_string(safe));
+  if (!run_end.checks.empty()) {
+    add("checks");
+    add(static_cast<std::int64_t>(run_end.checks.size()));
+    for (const CheckRecord& check : run_end.checks) {
+      add(check.time_ns);
+      add(check.kind);
+      add(check.verdict);
+      add(check.detail_json);
+      add(static_cast<std::int64_t>(check.data.size()));
+      for (const double value : check.data) add(value);
+    }
+  }
+  if (!run_end.series.empty()) {
+    add("series");
+    add(static_cast<std::int64_t>(run_end.series.size()));
+    for (const SeriesRecord& series : run_end.series) {
+      add(std::int64_t{series.sequence});
+      add(std::int64_t{series.taxel});
+      add(series.input);
+      add(series.output);
+    }
+  }
+  add(to_string(run_end.outcome));
+  add(run_end.reason);
+  add(to_string(run_end.safe));
   return finish();
 }
 

@@ -4,7 +4,9 @@
 //   chain(0) = H(header: origin, operator, purpose, serials, bench, sensor and recipe texts, overrides, program, seeds,
 //                devices)
 //   chain(i) = H(chain(i - 1), the i-th frame with the place and attempt of its branch, its counts)
-//   content  = H(chain(n), n, events, branches with their voids, outcome, reason, safe state)
+//   content  = H(chain(n), n, events, branches with their voids, checks, series, outcome, reason, safe state)
+// What later schemas brought enters only where it is there (each behind its own word), so that older runs keep their
+// hashes.
 #pragma once
 
 #include <array>
@@ -22,6 +24,17 @@ namespace tactbench::db {
 using Digest = std::array<std::uint8_t, 32>;
 std::string hex(const Digest& digest);
 
+// What a run holds beside its header and its frames.
+struct RunEnd {
+  std::vector<EventRecord> events;
+  std::vector<BranchRecord> branches;
+  std::vector<CheckRecord> checks;
+  std::vector<SeriesRecord> series;
+  Outcome outcome = Outcome::kIncomplete;
+  std::string reason;
+  SafeState safe = SafeState::kUnknown;
+};
+
 class HashChain {
  public:
   HashChain();
@@ -32,9 +45,7 @@ class HashChain {
   // A link is made whole in memory and hashed at once; the memory is kept for the next one.
   [[nodiscard]] Digest header(const RunRecord& run);
   [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
-  [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const std::vector<EventRecord>& events,
-                             const std::vector<BranchRecord>& branches, Outcome outcome, const std::string& reason,
-                             SafeState safe);
+  [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const RunEnd& run_end);
   [[nodiscard]] Digest digest(std::span<const std::uint8_t> bytes);
 
  private:
@@ -45,6 +56,7 @@ class HashChain {
   void add(double value);  // -0.0 as 0.0 and every NaN as one, since SQLite does not tell them apart
   void add(std::string_view text);
   void add(std::span<const std::uint8_t> bytes);
+  void add(const std::vector<double>& values);
   void raw(char kind, std::uint64_t value);
   void place(const BranchRecord& branch);
   [[nodiscard]] Digest finish() { return digest(bytes_); }

@@ -2,6 +2,7 @@
 // names; times are process time in nanoseconds since the run's start unless called utc. The schema is in schema.cpp.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -46,7 +47,7 @@ struct RunRecord {
   std::int64_t run = 0;  // short number, given by the store
   std::string uuid;
   std::string origin;  // simulated | hardware | imported
-  std::string state;   // prepared | running | stopping | ended (issue of the sequencer adds the others)
+  std::string state;   // bench/run/run_state.h
   Outcome outcome = Outcome::kIncomplete;
   std::string reason;  // why it ended so; error identifier first
   SafeState safe_state = SafeState::kUnknown;
@@ -56,8 +57,9 @@ struct RunRecord {
   std::string program_version, git_commit, build_id, host, time_zone;
   bool git_dirty = false;
   std::int64_t seed = 0, sensor_seed = 0;
-  std::string started_utc, ended_utc;
-  std::string content_sha256;  // end of the hash chain over the canonical content; empty until the run ends
+  std::string started_utc, ended_utc, seen_utc;
+  std::optional<double> rest_s;  // between the sensor's last load and this run, by the wall clock
+  std::string content_sha256;    // end of the hash chain over the canonical content; empty until the run ends
   std::vector<SequenceRecord> sequences;
   std::vector<DeviceRecord> devices;
 };
@@ -72,6 +74,22 @@ struct BranchRecord {
   std::string void_reason;
   double from_psi = 0.0;
   double to_psi = 0.0;
+  std::optional<double> from_n = {}, to_n = {};  // of a branch of force; then the pressures are 0
+};
+
+// Of a frame under an indenter.
+struct WrenchRecord {
+  double target_n = 0.0;
+  double force_start_n = 0.0;        // pressing is positive here, at the dwell's start
+  std::array<double, 6> wrench{};    // at frame time: Fx Fy Fz N, Tx Ty Tz N mm, in the sensor's frame
+  std::array<double, 6> raw{};       // as it came: counts or volts
+  std::array<double, 3> place_mm{};  // x, y, z of the stage
+};
+
+// One poll of the pressures between two frames.
+struct TracePoint {
+  float before_frame_s = 0.0F;  // seconds before the frame's time
+  float setpoint_psi = 0.0F, feedback_psi = 0.0F, reference_psi = 0.0F;
 };
 
 struct FrameRecord {
@@ -87,6 +105,40 @@ struct FrameRecord {
   int exchanges = 0;                  // on all wires for this step
   int rows = 0, columns = 0, scans = 0;
   std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest; stored little-endian
+  std::string flags;                  // what makes the frame incomparable, words with spaces between; empty: nothing
+  std::vector<TracePoint> trace;      // since the frame before
+  std::optional<WrenchRecord> wrench;
+};
+
+// A judgement on the set-up, made before or during a run.
+struct CheckRecord {
+  std::int64_t run = 0;
+  std::int64_t time_ns = 0;
+  std::string kind;     // seating | warm-up | conditioning | mount | tare
+  std::string verdict;  // pass | fail | warning
+  std::string detail_json;
+  std::vector<double> data;  // what the kind says
+};
+
+// An imported run has no frames but series: the samples of one taxel in one sequence, in the order of the table's rows,
+// in the units that the run's device of role "table" names.
+struct SeriesRecord {
+  int sequence = 0;
+  int taxel = 0;
+  std::vector<double> input, output;  // of equal length
+};
+
+struct TimedSequence {  // what is needed to say whether a stored sequence was the same work
+  std::int64_t run = 0;
+  int sequence = 0;
+  std::string recipe_sha256, overrides_json;
+  int repeats = 0, frames_per_repeat = 0;
+};
+
+struct FrameTime {
+  int sequence = 0, repeat = 0, ordinal = 0;
+  bool is_void = false;  // its branch was done again
+  std::int64_t time_ns = 0;
 };
 
 struct EventRecord {

@@ -31,7 +31,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 1;
+inline constexpr int kSchemaVersion = 3;
 
 class RunStore {
  public:
@@ -58,11 +58,19 @@ class RunStore {
   void void_branch(std::int64_t branch, const std::string& reason);
   void append_frame(std::int64_t run, const FrameRecord& frame);
   void append_event(std::int64_t run, const EventRecord& event);
+  void append_check(std::int64_t run, const CheckRecord& check);
+  // TB-STORE-CONFLICT when a series is there already, or has not one output for each input.
+  void append_series(std::int64_t run, const std::vector<SeriesRecord>& series);
+  void set_rest(std::int64_t run, double rest_s);           // wall clock: no part of the canonical content
+  void set_seen(std::int64_t run, const std::string& utc);  // a sign of life, for who resumes it
   // Closes the run: state ended, outcome, reason, safe state, content hash.
   void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
   // The runs that have not ended become interrupted, with an event and their content hash; returns how many. Only for
   // a caller who knows that nobody is writing a run to this store.
   int mark_interrupted(const std::string& utc);
+  // An ended run that was not completed takes rows again: state prepared, outcome incomplete; `event` says why and what
+  // had ended it. TB-STORE-CONFLICT for a completed or a running one.
+  void reopen_run(std::int64_t run, const EventRecord& event);
 
   // Reading. TB-STORE-NOT-FOUND names the runs there are.
   [[nodiscard]] std::vector<RunRecord> runs() const;  // newest last; without sequences and devices
@@ -71,6 +79,17 @@ class RunStore {
   [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;  // in the order written
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
   [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;
+  [[nodiscard]] std::vector<CheckRecord> checks(std::int64_t run) const;
+  [[nodiscard]] std::vector<SeriesRecord> series(std::int64_t run) const;  // by sequence, then taxel
+  // The newest check of that kind of an earlier run of this sensor with that verdict.
+  [[nodiscard]] std::optional<CheckRecord> last_check(const std::string& sensor_serial, const std::string& kind,
+                                                      const std::string& verdict, std::int64_t before_run) const;
+  [[nodiscard]] std::int64_t last_time_ns(std::int64_t run) const;  // of its newest frame or event; 0: none
+
+  // For time estimates, cheap: no frame is read. The sequences of the `newest` completed runs of a bench, newest first.
+  [[nodiscard]] std::vector<TimedSequence> timed_sequences(const std::string& bench_id, int newest) const;
+  [[nodiscard]] std::int64_t last_position(std::int64_t run) const;  // of a frame within the run, from 1; 0: none
+  [[nodiscard]] std::optional<FrameTime> frame_time(std::int64_t run, std::int64_t position) const;
 
   // SHA-256 chained over the run's canonical content: everything but UUID, wall-clock times and time zone, host, tags,
   // notes and the run's number, which is an accident of the file (hash_chain.h). Recomputed from what is stored.
@@ -79,6 +98,7 @@ class RunStore {
   // Models and verdicts.
   std::int64_t add_fit(const FitRecord& fit, const std::vector<FitTaxelRecord>& taxels);
   [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run, const std::string& model) const;
+  [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run) const;  // of any model
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
   // All verdicts of the run, by whatever fit, give way to these; fit 0: judged without a stored fit.

@@ -1,6 +1,7 @@
 // The inside of a RunStore: its connection, the statements used at every frame, and where each open run's chain stands.
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,6 +42,9 @@ class RunStore::Database {
   RunRecord run(std::int64_t number);
   std::vector<BranchRecord> branches(std::int64_t run);
   std::vector<EventRecord> events(std::int64_t run);
+  std::vector<CheckRecord> checks(std::int64_t run);
+  std::vector<SeriesRecord> series(std::int64_t run);
+  RunEnd end_of(std::int64_t run);
   template <class Take>
   void each_frame(std::int64_t run, Take take);
 
@@ -50,7 +54,7 @@ class RunStore::Database {
   std::map<std::int64_t, OpenRun> open_runs;
   BranchRecord last_branch;  // of the last frame; its run beside it
   std::int64_t last_branch_run = 0;
-  std::unique_ptr<sqlite::Statement> frame_statement;
+  std::unique_ptr<sqlite::Statement> frame_statement, time_statement;
 };
 
 template <class Take>
@@ -58,14 +62,18 @@ void RunStore::Database::each_frame(std::int64_t run, Take take) {
   sqlite::Statement rows(connection,
                          "SELECT branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
                          "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, "
-                         "status, exchanges, \"rows\", columns, scans, counts FROM frames "
+                         "status, exchanges, \"rows\", columns, scans, counts, flags, trace, target_n, "
+                         "force_start_n, wrench, wrench_raw, place_mm FROM frames "
                          "WHERE frame > ? AND frame < ? ORDER BY frame");
   rows.bind(frames_above(run), frames_below(run));
   FrameRecord f;
   while (rows.step()) {
+    WrenchRecord& w = f.wrench.emplace();
     rows.read(f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi, f.setpoint_counts,
               f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns, f.device_time_us,
-              f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts);
+              f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, f.flags, f.trace, w.target_n,
+              w.force_start_n, w.wrench, w.raw, w.place_mm);
+    if (std::isnan(w.target_n)) f.wrench.reset();
     take(f);
   }
 }

@@ -9,11 +9,19 @@ namespace tactbench::db {
 
 Digest RunStore::Database::header_digest(std::int64_t run) { return hasher.header(this->run(run)); }
 
+RunEnd RunStore::Database::end_of(std::int64_t run) {
+  return {events(run), branches(run), checks(run), series(run), Outcome::kIncomplete, {}, SafeState::kUnknown};
+}
+
 void RunStore::Database::close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe,
                                    const std::string& utc) {
   OpenRun& open = open_run(run);
   const Digest chain = open.chain ? *open.chain : header_digest(run);
-  const Digest content = hasher.close(chain, open.frames, events(run), branches(run), outcome, reason, safe);
+  RunEnd end = end_of(run);
+  end.outcome = outcome;
+  end.reason = reason;
+  end.safe = safe;
+  const Digest content = hasher.close(chain, open.frames, end);
   sqlite::Statement(connection,
                     "UPDATE runs SET state = 'ended', outcome = ?, reason = ?, safe_state = ?, ended_utc = ?, "
                     "content_sha256 = ? WHERE run = ?")
@@ -41,17 +49,13 @@ int RunStore::mark_interrupted(const std::string& utc) {
   sqlite::Transaction transaction(database_->connection);
   std::vector<Dead> found;
   {
-    sqlite::Statement rows(
-        database_->connection,
-        "SELECT run, state, max(coalesce((SELECT max(time_ns) FROM events e WHERE e.run = r.run), 0),"
-        " coalesce((SELECT time_ns FROM frames f WHERE f.frame > r.run * 1000000000 AND "
-        "f.frame < (r.run + 1) * 1000000000 ORDER BY f.frame DESC LIMIT 1), 0)) "
-        "FROM runs r WHERE state <> 'ended' ORDER BY run");
+    sqlite::Statement rows(database_->connection, "SELECT run, state FROM runs WHERE state <> 'ended' ORDER BY run");
     while (rows.step()) {
       Dead& dead = found.emplace_back();
-      rows.read(dead.run, dead.state, dead.time_ns);
+      rows.read(dead.run, dead.state);
     }
   }
+  for (Dead& dead : found) dead.time_ns = last_time_ns(dead.run);
   const std::string reason = "TB-RUN-INTERRUPTED: the process ended without closing the run";
   database_->open_runs.clear();
   for (const Dead& dead : found) {
@@ -64,10 +68,34 @@ int RunStore::mark_interrupted(const std::string& utc) {
   return static_cast<int>(found.size());
 }
 
+void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
+  const RunRecord record = database_->run(run);
+  if (record.outcome == Outcome::kIncomplete || record.outcome == Outcome::kCompleted) {
+    const bool done = record.outcome == Outcome::kCompleted;
+    throw StoreError("TB-STORE-CONFLICT",
+                     fmt::format("store {}: run {} {}", path(), run,
+                                 done ? "is completed: nothing is left to do" : "has not ended: a process may have it"),
+                     done ? "start a new run" : "control it with tactbench pause, resume, stop; or wait for its end");
+  }
+  sqlite::Transaction transaction(database_->connection);
+  sqlite::Statement(database_->connection,
+                    "UPDATE runs SET state = 'prepared', outcome = 'incomplete', reason = '', safe_state = 'unknown', "
+                    "ended_utc = '', content_sha256 = '' WHERE run = ?")
+      .bind(run)
+      .run();
+  database_->open_runs.erase(run);
+  database_->insert_event(run, event);
+  transaction.commit();
+}
+
 std::string RunStore::content_hash(std::int64_t number) const {
   Database& database = *database_;
   const RunRecord run = database.run(number);
-  const std::vector<BranchRecord> branches = database.branches(number);
+  RunEnd end = database.end_of(number);
+  end.outcome = run.outcome;
+  end.reason = run.reason;
+  end.safe = run.safe_state;
+  const std::vector<BranchRecord>& branches = end.branches;
   Digest chain = database.hasher.header(run);
   std::int64_t frames = 0;
   database.each_frame(number, [&](const FrameRecord& frame) {
@@ -78,8 +106,7 @@ std::string RunStore::content_hash(std::int64_t number) const {
     chain = database.hasher.frame(chain, known ? *branch : BranchRecord{}, frame);
     ++frames;
   });
-  return hex(
-      database.hasher.close(chain, frames, database.events(number), branches, run.outcome, run.reason, run.safe_state));
+  return hex(database.hasher.close(chain, frames, end));
 }
 
 }  // namespace tactbench::db

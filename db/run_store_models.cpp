@@ -50,6 +50,12 @@ std::optional<FitRecord> RunStore::latest_fit(std::int64_t run, const std::strin
   return row.bind(run, model).step() ? std::optional(fit_of(row)) : std::nullopt;
 }
 
+std::optional<FitRecord> RunStore::latest_fit(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement row(database_->connection, std::string(kFitColumns) + " WHERE run = ? ORDER BY fit DESC LIMIT 1");
+  return row.bind(run).step() ? std::optional(fit_of(row)) : std::nullopt;
+}
+
 FitRecord RunStore::fit(std::int64_t fit) const {
   sqlite::Statement row(database_->connection, std::string(kFitColumns) + " WHERE fit = ?");
   if (row.bind(fit).step()) return fit_of(row);

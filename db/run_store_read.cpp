@@ -1,6 +1,8 @@
 // Reading runs back.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "db/run_store_database.h"
 
 namespace tactbench::db {
@@ -10,15 +12,18 @@ namespace {
 constexpr const char* kRunColumns =
     "SELECT run, uuid, origin, state, outcome, reason, safe_state, operator, purpose, sensor_serial, scanner_serial, "
     "bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256, overrides_json, program_version, git_commit, "
-    "git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, content_sha256 FROM runs";
+    "git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, content_sha256, seen_utc, rest_s "
+    "FROM runs";
 
 RunRecord run_of(const sqlite::Statement& row) {
   RunRecord r;
   std::string outcome, safe_state;
+  double rest_s = 0.0;
   row.read(r.run, r.uuid, r.origin, r.state, outcome, r.reason, safe_state, r.operator_name, r.purpose, r.sensor_serial,
            r.scanner_serial, r.bench_id, r.bench_toml, r.bench_sha256, r.sensor_toml, r.sensor_sha256, r.overrides_json,
            r.program_version, r.git_commit, r.git_dirty, r.build_id, r.host, r.time_zone, r.seed, r.sensor_seed,
-           r.started_utc, r.ended_utc, r.content_sha256);
+           r.started_utc, r.ended_utc, r.content_sha256, r.seen_utc, rest_s);
+  if (!std::isnan(rest_s)) r.rest_s = rest_s;
   const auto known_outcome = outcome_from(outcome);
   const auto known_state = safe_state_from(safe_state);
   if (!known_outcome || !known_state) {
@@ -87,13 +92,17 @@ RunRecord RunStore::Database::run(std::int64_t number) {
 std::vector<BranchRecord> RunStore::Database::branches(std::int64_t run) {
   require_run(run);
   sqlite::Statement rows(connection,
-                         "SELECT branch, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, to_psi "
-                         "FROM branches WHERE run = ? ORDER BY branch");
+                         "SELECT branch, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, to_psi, "
+                         "from_n, to_n FROM branches WHERE run = ? ORDER BY branch");
   rows.bind(run);
   std::vector<BranchRecord> branches;
+  double from_n = 0.0, to_n = 0.0;
   while (rows.step()) {
     BranchRecord& b = branches.emplace_back();
-    rows.read(b.branch, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi);
+    rows.read(b.branch, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi,
+              from_n, to_n);
+    if (!std::isnan(from_n)) b.from_n = from_n;
+    if (!std::isnan(to_n)) b.to_n = to_n;
   }
   return branches;
 }
@@ -108,6 +117,63 @@ std::vector<EventRecord> RunStore::Database::events(std::int64_t run) {
     rows.read(event.time_ns, event.kind, event.id, event.detail);
   }
   return events;
+}
+
+namespace {
+
+constexpr const char* kCheckColumns = "SELECT c.run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data FROM checks c";
+
+CheckRecord check_of(const sqlite::Statement& row) {
+  CheckRecord c;
+  row.read(c.run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data);
+  return c;
+}
+
+}  // namespace
+
+std::vector<CheckRecord> RunStore::Database::checks(std::int64_t run) {
+  require_run(run);
+  sqlite::Statement rows(connection, std::string(kCheckColumns) + " WHERE c.run = ? ORDER BY c.check_row");
+  rows.bind(run);
+  std::vector<CheckRecord> checks;
+  while (rows.step()) checks.push_back(check_of(rows));
+  return checks;
+}
+
+std::vector<SeriesRecord> RunStore::Database::series(std::int64_t run) {
+  require_run(run);
+  sqlite::Statement rows(connection,
+                         "SELECT sequence, taxel, input, output FROM series WHERE run = ? ORDER BY sequence, taxel");
+  rows.bind(run);
+  std::vector<SeriesRecord> series;
+  while (rows.step()) {
+    SeriesRecord& s = series.emplace_back();
+    rows.read(s.sequence, s.taxel, s.input, s.output);
+  }
+  return series;
+}
+
+std::vector<SeriesRecord> RunStore::series(std::int64_t run) const { return database_->series(run); }
+std::vector<CheckRecord> RunStore::checks(std::int64_t run) const { return database_->checks(run); }
+
+std::optional<CheckRecord> RunStore::last_check(const std::string& sensor_serial, const std::string& kind,
+                                                const std::string& verdict, std::int64_t before_run) const {
+  sqlite::Statement rows(database_->connection,
+                         std::string(kCheckColumns) +
+                             " JOIN runs r ON r.run = c.run WHERE r.sensor_serial = ? AND c.kind = ? AND "
+                             "c.verdict = ? AND c.run < ? ORDER BY c.check_row DESC LIMIT 1");
+  rows.bind(sensor_serial, kind, verdict, before_run);
+  return rows.step() ? std::optional(check_of(rows)) : std::nullopt;
+}
+
+std::int64_t RunStore::last_time_ns(std::int64_t run) const {
+  sqlite::Statement row(database_->connection,
+                        "SELECT max(coalesce((SELECT max(time_ns) FROM events WHERE run = ?), 0),"
+                        " coalesce((SELECT time_ns FROM frames WHERE frame > ? AND frame < ? "
+                        "ORDER BY frame DESC LIMIT 1), 0))");
+  std::int64_t time_ns = 0;
+  if (row.bind(run, frames_above(run), frames_below(run)).step()) row.read(time_ns);
+  return time_ns;
 }
 
 std::vector<RunRecord> RunStore::runs() const {

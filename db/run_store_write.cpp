@@ -14,8 +14,9 @@ StoreError conflict(const std::string& message, const std::string& remedy) {
 constexpr const char* kInsertFrame =
     "INSERT INTO frames (frame, branch, ordinal, setpoint_psi, feedback_psi, reference_psi, setpoint_counts, "
     "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, status, exchanges, "
-    "dtype, \"rows\", columns, scans, counts, chain) "
-    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'uint16le', ?, ?, ?, ?, ?)";
+    "dtype, \"rows\", columns, scans, counts, chain, flags, trace, target_n, force_start_n, wrench, wrench_raw, "
+    "place_mm) "
+    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'uint16le', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
 void check_shape(const FrameRecord& frame) {
   const bool positive = frame.rows > 0 && frame.columns > 0 && frame.scans > 0;
@@ -147,8 +148,9 @@ std::int64_t RunStore::begin_branch(std::int64_t run, const BranchRecord& b) {
   database_->open_run(run);
   sqlite::Statement(database_->connection,
                     "INSERT INTO branches (run, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, "
-                    "to_psi) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(run, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi)
+                    "to_psi, from_n, to_n) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(run, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi, b.from_n,
+            b.to_n)
       .run();
   return database_->connection.last_row();
 }
@@ -180,10 +182,13 @@ void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
   if (!database.frame_statement) {
     database.frame_statement = std::make_unique<sqlite::Statement>(database.connection, kInsertFrame, true);
   }
+  const auto of = [&](auto member) { return f.wrench ? std::optional(*f.wrench.*member) : std::nullopt; };
   database.frame_statement
       ->bind(frames_above(run) + open.frames + 1, f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi,
              f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns,
-             f.device_time_us, f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, chain)
+             f.device_time_us, f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, chain, f.flags, f.trace,
+             of(&WrenchRecord::target_n), of(&WrenchRecord::force_start_n), of(&WrenchRecord::wrench),
+             of(&WrenchRecord::raw), of(&WrenchRecord::place_mm))
       .run();
   ++open.frames;
   open.chain = chain;
@@ -192,6 +197,33 @@ void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
 void RunStore::append_event(std::int64_t run, const EventRecord& event) {
   database_->open_run(run);
   database_->insert_event(run, event);
+}
+
+void RunStore::append_series(std::int64_t run, const std::vector<SeriesRecord>& series) {
+  database_->open_run(run);
+  sqlite::Transaction transaction(database_->connection);
+  sqlite::Statement row(database_->connection,
+                        "INSERT INTO series (run, sequence, taxel, input, output) VALUES (?, ?, ?, ?, ?)");
+  for (const SeriesRecord& s : series) row.bind(run, s.sequence, s.taxel, s.input, s.output).run();
+  transaction.commit();
+}
+
+void RunStore::append_check(std::int64_t run, const CheckRecord& c) {
+  database_->open_run(run);
+  sqlite::Statement(database_->connection,
+                    "INSERT INTO checks (run, time_ns, kind, verdict, detail_json, data) VALUES (?, ?, ?, ?, ?, ?)")
+      .bind(run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data)
+      .run();
+}
+
+void RunStore::set_rest(std::int64_t run, double rest_s) {
+  database_->open_run(run);
+  sqlite::Statement(database_->connection, "UPDATE runs SET rest_s = ? WHERE run = ?").bind(rest_s, run).run();
+}
+
+void RunStore::set_seen(std::int64_t run, const std::string& utc) {
+  database_->open_run(run);
+  sqlite::Statement(database_->connection, "UPDATE runs SET seen_utc = ? WHERE run = ?").bind(utc, run).run();
 }
 
 }  // namespace tactbench::db

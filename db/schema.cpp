@@ -147,7 +147,62 @@ SELECT v.run, v.fit, r.origin, r.sensor_serial, v.criterion, v.scope, v.value, v
 FROM verdicts v JOIN runs r ON r.run = v.run;
 )sql";
 
-constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1};  // [i] leads from version i to i + 1
+// What a sequencer that pauses, redoes and presses has to tell: dwells that deviate, the fast trace, the wrench.
+constexpr const char* kVersion2 = R"sql(
+ALTER TABLE runs ADD COLUMN seen_utc TEXT NOT NULL DEFAULT '';  -- when the run's process was last known to live
+ALTER TABLE runs ADD COLUMN rest_s REAL;  -- between the sensor's last load and this run, by the wall clock
+
+ALTER TABLE branches ADD COLUMN from_n REAL;  -- of a branch of force; its pressures are 0
+ALTER TABLE branches ADD COLUMN to_n REAL;
+
+ALTER TABLE frames ADD COLUMN flags TEXT NOT NULL DEFAULT '';  -- what makes it incomparable: 'dwell', 'left-band', ...
+ALTER TABLE frames ADD COLUMN trace BLOB NOT NULL DEFAULT x''  -- float32le, 4 a poll since the frame before: seconds
+  CHECK (length(trace) % 16 = 0);                              -- before this frame, set-point, feedback, reference psi
+ALTER TABLE frames ADD COLUMN target_n REAL;
+ALTER TABLE frames ADD COLUMN force_start_n REAL;              -- at the dwell's start; the wrench is at frame time
+ALTER TABLE frames ADD COLUMN wrench BLOB CHECK (length(wrench) = 48);      -- float64le: Fx Fy Fz N, Tx Ty Tz N mm
+ALTER TABLE frames ADD COLUMN wrench_raw BLOB CHECK (length(wrench_raw) = 48);  -- as it came: counts or volts
+ALTER TABLE frames ADD COLUMN place_mm BLOB CHECK (length(place_mm) = 24);  -- float64le: x, y, z of the stage
+
+CREATE TABLE checks (
+  check_row INTEGER PRIMARY KEY,
+  run INTEGER NOT NULL REFERENCES runs (run),
+  time_ns INTEGER NOT NULL,
+  kind TEXT NOT NULL CHECK (kind <> ''),  -- seating | warm-up | conditioning | mount | tare
+  verdict TEXT NOT NULL CHECK (verdict IN ('pass', 'fail', 'warning')),
+  detail_json TEXT NOT NULL,
+  data BLOB NOT NULL  -- float64le, what the kind says
+) STRICT;
+CREATE INDEX checks_of_run ON checks (run, kind);
+
+DROP VIEW v_frames;
+CREATE VIEW v_frames AS
+SELECT r.run, f.frame - r.run * 1000000000 AS position, s.name AS recipe, b.sequence, b."repeat", b.ordinal AS branch,
+  b.attempt, b.void, b.from_psi, b.to_psi, b.from_n, b.to_n, f.ordinal AS step, f.setpoint_psi,
+  f.feedback_psi, f.reference_psi, f.target_n, f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns,
+  f.time_ns * 1e-9 AS time_s, f.since_command_ns, f.in_band_ns, f.flags, f.device_time_us, f.status, f.exchanges,
+  f.dtype, f."rows", f.columns, f.scans, length(f.trace) / 16 AS polls, lower(hex(f.chain)) AS chain_sha256
+FROM runs r
+JOIN frames f ON f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999
+JOIN branches b ON b.branch = f.branch
+JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence;
+)sql";
+
+// Tables of other programs, at full precision: an imported run.
+constexpr const char* kVersion3 = R"sql(
+CREATE TABLE series (
+  run INTEGER NOT NULL,
+  sequence INTEGER NOT NULL,
+  taxel INTEGER NOT NULL CHECK (taxel >= 0),
+  input BLOB NOT NULL,  -- float64le, in the order of the table's rows
+  output BLOB NOT NULL CHECK (length(output) = length(input) AND length(input) % 8 = 0),
+  PRIMARY KEY (run, sequence, taxel),
+  FOREIGN KEY (run, sequence) REFERENCES sequences (run, sequence)
+) STRICT;
+)sql";
+
+// [i] leads from i to i + 1
+constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3};
 
 }  // namespace
 

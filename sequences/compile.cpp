@@ -1,50 +1,116 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sequences/compile_press.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::sequences {
 
 using devices::Psi;
 
-std::vector<Step> compile(const Recipe& recipe, int sequence) {
-  std::vector<Step> steps;
-  const Psi start = recipe.turning_points.front();
-  for (int cycle = 0; cycle < recipe.conditioning_cycles; ++cycle) {
-    for (const Psi level : {recipe.conditioning_peak, Psi(0.0)}) {
-      Step step;
-      step.kind = StepKind::kConditioning;
-      step.sequence = sequence;
-      step.repeat = cycle;
-      step.setpoint = level;
-      step.dwell_s = recipe.dwell_s;
+namespace {
+
+double of_repeat(const std::vector<double>& values, int repeat) {
+  return values[static_cast<std::size_t>(repeat) % values.size()];
+}
+
+void add_cycles(std::vector<Step>& steps, const Recipe& recipe, int sequence, int cycles, Psi peak) {
+  Step step;
+  step.kind = StepKind::kConditioning;
+  step.sequence = sequence;
+  step.branch = -1;
+  step.dwell_s = recipe.dwell_s.front();
+  for (step.repeat = 0; step.repeat < cycles; ++step.repeat) {
+    for (const Psi level : {peak, Psi(0.0)}) {
+      step.branch_from = level == peak ? Psi(0.0) : peak;
+      step.branch_to = step.setpoint = level;
       steps.push_back(step);
     }
   }
-  for (int repeat = 0; repeat < recipe.repeats; ++repeat) {
-    Step step;
-    step.sequence = sequence;
-    step.repeat = repeat;
-    step.dwell_s = recipe.dwell_s;
-    step.setpoint = start;
-    step.branch_from = start;
-    step.branch_to = recipe.turning_points[1];
+}
+
+// The frames of one level: the first on arrival, the others held.
+void add_level(std::vector<Step>& steps, const Recipe& recipe, Step& step) {
+  const double dwell_s = step.dwell_s;
+  for (int frame = 0; frame < recipe.frames_per_level; ++frame) {
+    step.hold = frame > 0;
+    if (step.hold) step.dwell_s = recipe.frame_interval_s;
     steps.push_back(step);
-    for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
-      const Psi from = recipe.turning_points[turn - 1];
-      const Psi to = recipe.turning_points[turn];
-      const int count = static_cast<int>(std::lround(std::abs((to - from) / recipe.step)));
-      step.branch = static_cast<int>(turn) - 1;
-      step.branch_from = from;
-      step.branch_to = to;
-      for (int i = 1; i <= count; ++i) {
-        ++step.ordinal;
-        // The last level is the turning point itself, not a sum of rounded steps.
-        step.setpoint = i == count ? to : from + (to - from) * (static_cast<double>(i) / count);
-        steps.push_back(step);
-      }
+    ++step.ordinal;
+  }
+  step.hold = false;
+  step.dwell_s = dwell_s;
+}
+
+Step first_of(const Recipe& recipe, int sequence, int repeat) {
+  Step step;
+  step.sequence = sequence;
+  step.repeat = repeat;
+  step.dwell_s = of_repeat(recipe.dwell_s, repeat);
+  step.ramp_psi_per_s = of_repeat(recipe.ramp_psi_per_s, repeat);
+  step.settle = recipe.settle;
+  step.setpoint = step.branch_from = recipe.turning_points.front();
+  step.branch_to = recipe.turning_points[recipe.turning_points.size() > 1 ? 1 : 0];
+  return step;
+}
+
+void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, int repeat) {
+  Step step = first_of(recipe, sequence, repeat);
+  step.settle = true;  // there is no ramp to be passed on before the first level
+  add_level(steps, recipe, step);
+  step.settle = recipe.settle;
+  for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
+    const Psi from = recipe.turning_points[turn - 1];
+    const Psi to = recipe.turning_points[turn];
+    const int count = static_cast<int>(std::lround(std::abs((to - from) / recipe.step)));
+    step.branch = static_cast<int>(turn) - 1;
+    step.branch_from = from;
+    step.branch_to = to;
+    for (int i = 1; i <= count; ++i) {
+      // The last level is the turning point itself, not a sum of rounded steps.
+      step.setpoint = i == count ? to : from + (to - from) * (static_cast<double>(i) / count);
+      add_level(steps, recipe, step);
     }
   }
+}
+
+std::vector<Step> levels_way_back(const Recipe& recipe, int sequence, int repeat, int branch) {
+  std::vector<Step> steps;
+  const Conditioning& conditioning = recipe.conditioning;
+  const Psi highest = *std::max_element(recipe.turning_points.begin(), recipe.turning_points.end());
+  const bool own = conditioning.cycles > 0;
+  add_cycles(steps, recipe, sequence, own ? conditioning.cycles : 1, own ? conditioning.peak : highest);
+  Step step = first_of(recipe, sequence, repeat);
+  step.kind = StepKind::kConditioning;
+  step.settle = true;
+  // Branch 0 measures its starting level itself; any other starts from a turning point that is reached here.
+  for (int turn = 0; turn <= branch && branch > 0; ++turn) {
+    const auto at = static_cast<std::size_t>(turn);
+    step.branch = std::max(0, turn - 1);
+    step.branch_from = recipe.turning_points[turn == 0 ? 0 : at - 1];
+    step.branch_to = step.setpoint = recipe.turning_points[at];
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+}  // namespace
+
+std::vector<Step> compile(const Recipe& recipe, int sequence) {
+  std::vector<Step> steps;
+  if (!recipe.prompt_before.empty()) {
+    Step prompt;
+    prompt.kind = StepKind::kPrompt;
+    prompt.sequence = sequence;
+    prompt.text = recipe.prompt_before;
+    steps.push_back(prompt);
+  }
+  if (recipe.kind == RecipeKind::kPress) {
+    add_press(steps, recipe, sequence);
+    return steps;
+  }
+  add_cycles(steps, recipe, sequence, recipe.conditioning.cycles, recipe.conditioning.peak);
+  for (int repeat = 0; repeat < recipe.repeats; ++repeat) add_repeat(steps, recipe, sequence, repeat);
   return steps;
 }
 
@@ -57,20 +123,9 @@ std::vector<Step> compile(const std::vector<Recipe>& recipes) {
   return steps;
 }
 
-Estimate estimate(const std::vector<Step>& steps, double slew_psi_per_s, double settle_s, double frame_bytes) {
-  Estimate result;
-  result.steps = static_cast<int>(steps.size());
-  Psi last(0.0);
-  for (const Step& step : steps) {
-    result.seconds += step.dwell_s + settle_s + std::abs((step.setpoint - last).value()) / slew_psi_per_s;
-    result.lowest = std::min(result.lowest, step.setpoint);
-    result.highest = std::max(result.highest, step.setpoint);
-    if (step.kind == StepKind::kMeasure) ++result.frames;
-    last = step.setpoint;
-  }
-  constexpr double kRowBytes = 220.0;  // a frame row besides its blob, indexes included
-  result.bytes = result.frames * (frame_bytes + kRowBytes);
-  return result;
+std::vector<Step> way_back(const Recipe& recipe, int sequence, int repeat, int branch) {
+  if (recipe.kind == RecipeKind::kPress) return press_way_back(recipe, sequence, repeat, branch);
+  return levels_way_back(recipe, sequence, repeat, branch);
 }
 
 }  // namespace tactbench::sequences

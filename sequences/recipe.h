@@ -1,57 +1,114 @@
-// What to do, as data: a recipe names turning points and a step; the compiler turns it into the very steps that the
-// sequencer carries out. `plan` and `run` use the same compiler.
+// What to do, as data: a recipe names turning points and a step, or positions and forces; the compiler turns it into
+// the very steps that the sequencer carries out. `plan` and `run` use the same compiler.
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "devices/units.h"
+#include "sequences/step.h"
 #include "sequences/strict_toml.h"
 
 namespace tactbench::sequences {
 
+enum class RecipeKind { kLevels, kPress };
+
+// 0 -> peak -> 0 before the first repeat, without frames; in a press recipe before the first branch at each position.
+struct Conditioning {
+  int cycles = 0;               // at most
+  int least = 1;                // at least, where change_percent may end it
+  double change_percent = 0.0;  // of full scale, from loop to loop: below it, enough; 0: always all cycles
+  devices::Psi peak{0.0};       // levels
+  double peak_n = 0.0;          // press
+};
+
+struct WarmUp {  // before the first command, until the unloaded output stands still; none when at_most_s is 0
+  double drift_percent_per_min = 0.1;
+  double at_most_s = 0.0;
+};
+
+struct BranchRule {
+  devices::Psi tolerance{0.2};   // a step back by more than this breaks a branch
+  double tolerance_n = 0.2;      // press alike
+  int redo = 2;                  // further attempts
+  bool fail_when_broken = true;  // else the branch is flagged and the run goes on
+};
+
+struct Suspension {      // measured outside trip: wait at a safe point until inside resume for hold_s
+  std::string quantity;  // supply_bar | temperature_c
+  bool below = true;     // trips below `trip`, resumes above `resume`; else the other way round
+  double trip = 0.0, resume = 0.0;
+  double hold_s = 10.0;
+  double timeout_s = 3600.0;  // longer: the run ends
+};
+
+struct FailFast {                 // stops a hopeless run in its first cycle
+  double least_response_v = 0.0;  // mean output of the array at the first peak, over the unloaded one; 0: no limit
+  int most_dead_taxels = -1;      // without response at the first peak; -1: no limit
+};
+
+struct Retry {
+  int frame = 1;            // further attempts at a frame that failed
+  int branch = 0;           // further attempts at a branch in which a device failed
+  bool any_passes = false;  // verdict: the worst attempt counts unless this is set
+};
+
+struct PressPlan {
+  std::string object;  // ring, point, ...: what presses; stored, and the simulated rig's footprint
+  std::vector<std::pair<double, double>> positions_mm;
+  std::vector<double> forces_n;  // rising; up, then down, the peak once
+  bool hold_force = false;       // else z stands while dwelling
+  double approach_mm_per_s = 0.5, contact_n = 0.2, servo_mm_per_s = 0.05, clear_mm = 5.0;
+  bool registers = false;  // the touches tell where the taxels lie under the stage
+  bool tare = true;        // before each repeat and after the last
+};
+
+struct Parameter {
+  std::string name, unit, help;
+  double value = 0.0, standard = 0.0, low = 0.0, high = 0.0;
+};
+
 struct Recipe {
   std::string name;
   std::string title;
+  RecipeKind kind = RecipeKind::kLevels;
   std::vector<devices::Psi> turning_points;
   devices::Psi step{2.0};
-  double dwell_s = 2.0;  // from pressure in band to the frame
+  std::vector<double> dwell_s{2.0};         // from pressure (force) in band to the frame; repeat i takes i % size
+  std::vector<double> ramp_psi_per_s{0.0};  // alike; 0: the bench's own rate limit
+  bool settle = true;                       // false: frames as the ramp passes the levels
+  int frames_per_level = 1;
+  double frame_interval_s = 0.0;
   int repeats = 1;
-  int conditioning_cycles = 0;  // 0 -> peak -> 0 before the first repeat, without frames
-  devices::Psi conditioning_peak{0.0};
+  double dwell_tolerance_s = 0.25;  // frames whose dwell is off by more are flagged
+  double rest_restart_s = 3600.0;   // resumed after a longer rest, the whole repeat is redone
+  double step_timeout_s = 0.0;      // 0: the bench's own timeouts alone
+  Conditioning conditioning;
+  WarmUp warm_up;
+  BranchRule guard;
+  std::vector<Suspension> suspend;
+  FailFast limits;
+  Retry retry;
+  std::string prompt_before;  // asked before the sequence; empty: nothing
+  PressPlan press;            // RecipeKind::kPress
+  std::vector<Parameter> parameters;
   std::string text;  // the file, stored with the run
 };
 
-// Reads a recipe file, `overrides` applied. Throws FileError.
+// Reads a recipe file, `overrides` applied: the name of a declared parameter sets it, another key replaces the file's.
+// Throws FileError.
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides = {});
-Recipe parse_recipe(const TomlDocument& document);
-
-enum class StepKind { kConditioning, kMeasure };
-
-struct Step {
-  StepKind kind = StepKind::kMeasure;
-  int sequence = 0;  // index of the recipe within the run
-  int repeat = 0;
-  int branch = 0;   // within the repeat; the frame at a turning point belongs to the branch that reaches it
-  int ordinal = 0;  // within the repeat
-  devices::Psi setpoint;
-  devices::Psi branch_from, branch_to;
-  double dwell_s = 0.0;
-};
+Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides = {});
 
 // 211 measuring steps a repeat for the paper's descending set, 451 for the ascending one.
 std::vector<Step> compile(const Recipe& recipe, int sequence);
 std::vector<Step> compile(const std::vector<Recipe>& recipes);
 
-struct Estimate {
-  int steps = 0;
-  int frames = 0;
-  devices::Psi lowest, highest;
-  double seconds = 0.0;  // process time
-  double bytes = 0.0;    // in the store
-};
-
-// `slew_psi_per_s` and `settle_s` model the chamber between levels; `frame_bytes` is one stored frame's blob.
-Estimate estimate(const std::vector<Step>& steps, double slew_psi_per_s, double settle_s, double frame_bytes);
+// What is travelled before `branch` of `repeat` may be done again, all without frames: the conditioning cycles (one
+// to the highest level when the recipe has none), then the repeat's turning points up to the one that the branch
+// leaves. Press: retract, home, tare, move, approach, conditioning, and for a falling branch up to the peak. kHome may
+// be skipped where the axes are homed.
+std::vector<Step> way_back(const Recipe& recipe, int sequence, int repeat, int branch);
 
 }  // namespace tactbench::sequences

@@ -1,65 +1,148 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
-#include "sequences/recipe.h"
+#include "sequences/recipe_parts.h"
 
 namespace tactbench::sequences {
 
 namespace {
 
-double psi_per_unit(const std::string& unit) {
-  if (unit == "kPa") return 1.0 / devices::kKilopascalsPerPsi;
-  if (unit == "bar") return devices::kPsiPerBar;
-  return 1.0;
+void read_guard(const TomlTable& root, Recipe& recipe) {
+  const TomlTable guard = root.table("guard");
+  if (recipe.kind == RecipeKind::kPress) {
+    recipe.guard.tolerance_n = guard.number_in("tolerance_n", 0.2, 0.0, 100.0);
+  } else {
+    recipe.guard.tolerance = devices::Psi(guard.number_in("tolerance_psi", 0.2, 0.0, 100.0));
+  }
+  recipe.guard.redo = static_cast<int>(guard.integer("redo", 2, 0, 20));
+  recipe.guard.fail_when_broken = guard.word("on_broken", "fail", {"fail", "flag"}) == "fail";
+  guard.finish();
+}
+
+void read_suspensions(const TomlTable& root, Recipe& recipe) {
+  for (const TomlTable& table : root.tables("suspend")) {
+    Suspension item;
+    item.quantity = table.word("quantity", {"supply_bar", "temperature_c"});
+    item.below = table.has("trip_below");
+    if (item.below == table.has("trip_above")) {
+      table.fail("quantity", "a [[suspend]] needs either trip_below or trip_above",
+                 "trip_below = 6.0 with resume_above = 6.5, say");
+    }
+    item.trip = table.number(item.below ? "trip_below" : "trip_above");
+    const char* resume = item.below ? "resume_above" : "resume_below";
+    item.resume = table.number(resume);
+    if (item.below ? item.resume < item.trip : item.resume > item.trip) {
+      table.fail(resume,
+                 fmt::format("'{}' is {:g}, on the wrong side of the trip at {:g}", resume, item.resume, item.trip),
+                 "a quantity must come back past the trip before the run goes on");
+    }
+    item.hold_s = table.number_in("hold_s", 10.0, 0.0, 86400.0);
+    item.timeout_s = table.number_in("timeout_s", 3600.0, 0.0, 7 * 86400.0);
+    table.finish();
+    recipe.suspend.push_back(item);
+  }
+}
+
+void read_rules(const TomlTable& root, Recipe& recipe) {
+  read_guard(root, recipe);
+  read_suspensions(root, recipe);
+  const TomlTable warm_up = root.table("warm_up");
+  recipe.warm_up.drift_percent_per_min = warm_up.number_in("drift_percent_per_min", 0.1, 1e-6, 100.0);
+  recipe.warm_up.at_most_s = warm_up.number_in("at_most_s", 0.0, 0.0, 86400.0);
+  warm_up.finish();
+  const TomlTable dwell = root.table("dwell");
+  recipe.dwell_tolerance_s = dwell.number_in("tolerance_s", 0.25, 0.0, 3600.0);
+  dwell.finish();
+  const TomlTable retry = root.table("retry");
+  recipe.retry.frame = static_cast<int>(retry.integer("frame", 1, 0, 20));
+  recipe.retry.branch = static_cast<int>(retry.integer("branch", 0, 0, 20));
+  recipe.retry.any_passes = retry.word("verdict", "worst", {"worst", "any"}) == "any";
+  retry.finish();
+  const TomlTable timeout = root.table("timeout");
+  recipe.step_timeout_s = timeout.number_in("step_s", 0.0, 0.0, 86400.0);
+  timeout.finish();
+  const TomlTable prompt = root.table("prompt");
+  recipe.prompt_before = prompt.text("before", "");
+  prompt.finish();
+  recipe.rest_restart_s = root.number_in("rest_restart_s", 3600.0, 0.0, 1e9);
 }
 
 }  // namespace
 
-Recipe parse_recipe(const TomlDocument& document) {
-  const TomlTable root = document.root();
+std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, const std::vector<Override>& overrides) {
+  std::vector<Override> others;
+  const std::vector<std::string> declared = document.root().table("parameters").keys();
+  for (const Override& item : overrides) {
+    const bool known = std::find(declared.begin(), declared.end(), item.key) != declared.end();
+    if (!known) {
+      others.push_back(item);
+      continue;
+    }
+    document.set({"parameters." + item.key + ".value", item.value});
+  }
+  const TomlTable tables = document.root().table("parameters");
+  for (const std::string& name : declared) {
+    const TomlTable table = tables.table(name);
+    Parameter parameter;
+    parameter.name = name;
+    parameter.low = table.number("low");
+    parameter.high = table.number("high");
+    parameter.standard = table.number("default");
+    if (parameter.standard < parameter.low || parameter.standard > parameter.high) {
+      table.fail(
+          "default",
+          fmt::format("'default' is {:g}, outside {:g} to {:g}", parameter.standard, parameter.low, parameter.high),
+          "choose low <= default <= high");
+    }
+    parameter.value = table.number_in("value", parameter.standard, parameter.low, parameter.high);
+    parameter.unit = table.text("unit", "");
+    parameter.help = table.text("help", "");
+    table.finish();
+    document.define(name, parameter.value);
+    recipe.parameters.push_back(parameter);
+  }
+  return others;
+}
+
+Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides) {
   Recipe recipe;
   recipe.text = document.text();
+  const std::vector<Override> others = read_parameters(document, recipe, overrides);
+  for (const Override& item : others) document.set(item);
+  const TomlTable root = document.root();
+  (void)root.table("parameters");
   (void)root.integer("schema", 1, 1);
   recipe.name = root.text("name");
   if (recipe.name.empty()) root.fail("name", "'name' is empty", "give the recipe a short name");
   recipe.title = root.text("title", recipe.name);
-  const double unit = psi_per_unit(root.word("unit", {"psi", "kPa", "bar"}));
-  recipe.step = devices::Psi(root.number("step") * unit);
-  if (recipe.step.value() <= 0.0) root.fail("step", "'step' must be above 0", "use the distance between levels");
-  const std::vector<double> points = root.numbers("turning_points");
-  if (points.size() < 2) root.fail("turning_points", "fewer than two turning points", "e.g. [0, 60, 0]");
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i] < 0.0) {
-      root.fail("turning_points", fmt::format("turning point {} is negative: {:g}", i + 1, points[i]),
-                "gauge pressure starts at 0");
-    }
-    if (i > 0) {
-      const double steps = std::abs(points[i] - points[i - 1]) * unit / recipe.step.value();
-      if (steps < 0.5 || std::abs(steps - std::round(steps)) > 1e-6) {
-        root.fail("turning_points",
-                  fmt::format("{:g} to {:g} is not a whole number of steps of {:g}", points[i - 1], points[i],
-                              recipe.step.value() / unit),
-                  "choose turning points that are whole steps apart");
-      }
-    }
-    recipe.turning_points.emplace_back(points[i] * unit);
+  const bool press = root.word("kind", "levels", {"levels", "press"}) == "press";
+  recipe.kind = press ? RecipeKind::kPress : RecipeKind::kLevels;
+  if (press) {
+    read_press(root, recipe);
+  } else {
+    read_levels(root, recipe);
   }
-  recipe.dwell_s = root.number_in("dwell_s", 2.0, 0.0, 3600.0);
-  recipe.repeats = static_cast<int>(root.integer("repeats", 1, 1, 1000));
-  const TomlTable conditioning = root.table("conditioning");
-  recipe.conditioning_cycles = static_cast<int>(conditioning.integer("cycles", 0, 0, 100));
-  const double peak = recipe.conditioning_cycles > 0 ? conditioning.number("peak") : conditioning.number("peak", 0.0);
-  recipe.conditioning_peak = devices::Psi(peak * unit);
-  conditioning.finish();
+  const long shortest = static_cast<long>(std::max(recipe.dwell_s.size(), recipe.ramp_psi_per_s.size()));
+  recipe.repeats = static_cast<int>(root.integer("repeats", shortest, 1, 1000));
+  if (recipe.repeats < shortest) {
+    root.fail("repeats", fmt::format("{} repeats for a list of {}: not all would be used", recipe.repeats, shortest),
+              fmt::format("use at least {}, or shorten the list", shortest));
+  }
+  read_rules(root, recipe);
   root.finish();
+  for (const Parameter& parameter : recipe.parameters) {
+    // An override may have taken the place of the "$name" that stood there.
+    if (document.uses(parameter.name) || !others.empty()) continue;
+    root.table("parameters")
+        .fail(parameter.name, fmt::format("nothing uses the parameter '{}'", parameter.name),
+              fmt::format("write \"${}\" where its value belongs, or take it out", parameter.name));
+  }
   return recipe;
 }
 
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides) {
-  TomlDocument document = TomlDocument::from_file(path);
-  for (const Override& override_value : overrides) document.set(override_value);
-  return parse_recipe(document);
+  return parse_recipe(TomlDocument::from_file(path), overrides);
 }
 
 }  // namespace tactbench::sequences

@@ -118,6 +118,9 @@ void TomlDocument::set(const Override& override_value) {
 
 void TomlDocument::remove(const std::string& key) { node_->table.erase(key); }
 
+void TomlDocument::define(const std::string& name, double value) { node_->parameters[name] = value; }
+bool TomlDocument::uses(const std::string& name) const { return node_->parameters_used.contains(name); }
+
 std::string TomlDocument::to_text() const {
   std::ostringstream stream;
   stream << node_->table << '\n';

@@ -2,6 +2,7 @@
 // column and the nearest known key. Recipes, bench, sensor and limits files are all read through this.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -44,6 +45,9 @@ class TomlDocument {
   // Replaces or adds a value before reading. Throws FileError TB-FILE-VALUE.
   void set(const Override& override_value);
   void remove(const std::string& key);  // of the root; absent is no error
+  // From now on the text "$name" stands for `value` wherever a number is asked for.
+  void define(const std::string& name, double value);
+  [[nodiscard]] bool uses(const std::string& name) const;  // "$name" was read
   [[nodiscard]] TomlTable root() const;
   [[nodiscard]] std::string to_text() const;  // as TOML, with what was set and without what was removed; no comments
   [[nodiscard]] const std::string& text() const { return text_; }  // as read, overrides not in it
@@ -61,6 +65,7 @@ class TomlDocument {
 class TomlTable {
  public:
   [[nodiscard]] bool has(const std::string& key) const;
+  [[nodiscard]] std::vector<std::string> keys() const;  // does not mark them known
   // Without a fallback the key is required. All throw FileError with the place.
   [[nodiscard]] double number(const std::string& key) const;
   [[nodiscard]] double number(const std::string& key, double fallback) const;
@@ -76,6 +81,9 @@ class TomlTable {
   [[nodiscard]] std::string word(const std::string& key, const std::string& fallback,
                                  const std::vector<std::string>& words) const;
   [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
+  [[nodiscard]] std::vector<double> numbers_or_one(const std::string& key, double fallback) const;
+  // [[1, 2], [3, 4]]: at least one list, each of `size` numbers.
+  [[nodiscard]] std::vector<std::vector<double>> number_lists(const std::string& key, std::size_t size) const;
   // Two numbers [low, high], low < high.
   [[nodiscard]] std::pair<double, double> span(const std::string& key, std::pair<double, double> fallback) const;
   [[nodiscard]] TomlTable table(const std::string& key) const;  // an absent table reads as an empty one

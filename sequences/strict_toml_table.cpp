@@ -2,15 +2,12 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "sequences/strict_toml.h"
 #include "sequences/strict_toml_view.h"
 
 namespace tactbench::sequences {
-
-namespace {
 
 const char* kind_of(const toml::node& node) {
   switch (node.type()) {
@@ -31,58 +28,17 @@ const char* kind_of(const toml::node& node) {
   }
 }
 
-}  // namespace
-
 bool TomlTable::has(const std::string& key) const { return view_->find(key) != nullptr; }
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> names;
+  if (view_->table == nullptr) return names;
+  for (const auto& [key, node] : *view_->table) names.emplace_back(key.str());
+  return names;
+}
 
 void TomlTable::fail(const std::string& key, const std::string& message, const std::string& remedy) const {
   throw FileError("TB-FILE-VALUE", message, view_->place(view_->find(key), key), remedy);
-}
-
-double TomlTable::number(const std::string& key) const {
-  const toml::node* node = view_->find(key);
-  if (node == nullptr) {
-    throw FileError("TB-FILE-KEY", fmt::format("'{}' is missing", key), view_->place(nullptr, key),
-                    fmt::format("add {} = <number>", key));
-  }
-  const auto value = node->value<double>();
-  if (!node->is_number() || !value) {
-    fail(key, fmt::format("'{}' must be a number, it is {}", key, kind_of(*node)),
-         "write the number alone; its unit is in the key");
-  }
-  if (!std::isfinite(*value)) fail(key, fmt::format("'{}' must be finite", key), "write a finite number");
-  view_->note(node, key, fmt::format("{}", *value));
-  return *value;
-}
-
-double TomlTable::number(const std::string& key, double fallback) const {
-  if (has(key)) return number(key);
-  view_->note(nullptr, key, fmt::format("{}", fallback));
-  return fallback;
-}
-
-double TomlTable::number_in(const std::string& key, double fallback, double low, double high) const {
-  const double value = number(key, fallback);
-  if (value < low || value > high) {
-    fail(key, fmt::format("'{}' is {:g}, outside {:g} to {:g}", key, value, low, high),
-         fmt::format("use {:g} to {:g}", low, high));
-  }
-  return value;
-}
-
-long TomlTable::integer(const std::string& key, long low, long high) const {
-  const double value = number(key);
-  if (value != std::floor(value) || value < static_cast<double>(low) || value > static_cast<double>(high)) {
-    fail(key, fmt::format("'{}' is {:g}, not a whole number from {} to {}", key, value, low, high),
-         fmt::format("use a whole number from {} to {}", low, high));
-  }
-  return static_cast<long>(value);
-}
-
-long TomlTable::integer(const std::string& key, long fallback, long low, long high) const {
-  if (has(key)) return integer(key, low, high);
-  view_->note(nullptr, key, fmt::format("{}", fallback));
-  return fallback;
 }
 
 bool TomlTable::boolean(const std::string& key, bool fallback) const {
@@ -126,36 +82,6 @@ std::string TomlTable::word(const std::string& key, const std::vector<std::strin
 std::string TomlTable::word(const std::string& key, const std::string& fallback,
                             const std::vector<std::string>& words) const {
   return has(key) ? word(key, words) : text(key, fallback);
-}
-
-std::vector<double> TomlTable::numbers(const std::string& key) const {
-  const toml::node* node = view_->find(key);
-  const toml::array* array = node == nullptr ? nullptr : node->as_array();
-  if (array == nullptr) {
-    fail(key, fmt::format("'{}' must be a list of numbers", key), fmt::format("write {} = [0, 60, 0]", key));
-  }
-  std::vector<double> values;
-  for (const toml::node& element : *array) {
-    const auto value = element.value<double>();
-    if (!element.is_number() || !value || !std::isfinite(*value)) {
-      fail(key, fmt::format("element {} of '{}' is not a finite number", values.size() + 1, key), "use numbers only");
-    }
-    values.push_back(*value);
-  }
-  view_->note(node, key, fmt::format("[{}]", fmt::join(values, ", ")));
-  return values;
-}
-
-std::pair<double, double> TomlTable::span(const std::string& key, std::pair<double, double> fallback) const {
-  if (!has(key)) {
-    view_->note(nullptr, key, fmt::format("[{}, {}]", fallback.first, fallback.second));
-    return fallback;
-  }
-  const std::vector<double> values = numbers(key);
-  if (values.size() != 2 || values[0] >= values[1]) {
-    fail(key, fmt::format("'{}' must be [low, high] with low < high", key), fmt::format("write {} = [0, 10]", key));
-  }
-  return {values[0], values[1]};
 }
 
 TomlTable TomlTable::table(const std::string& key) const {

@@ -5,7 +5,9 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,7 +19,12 @@ namespace tactbench::sequences {
 struct TomlDocument::Node {
   toml::table table;
   std::vector<Setting> settings = {};
+  std::map<std::string, double> parameters = {};
+  std::set<std::string> parameters_used = {};
 };
+
+// "a number", "text" and so on, for complaints.
+const char* kind_of(const toml::node& node);
 
 struct TomlTable::View {
   std::shared_ptr<TomlDocument::Node> owner;
@@ -36,6 +43,8 @@ struct TomlTable::View {
     if (shown == nullptr || shown->source().begin.line == 0) return file + ", " + dotted;
     return fmt::format("{}:{}:{}, {}", file, shown->source().begin.line, shown->source().begin.column, dotted);
   }
+  // A number, or the parameter that "$name" stands for; none for anything else. Throws for an undeclared parameter.
+  [[nodiscard]] std::optional<double> number_of(const toml::node& node, const std::string& key) const;
   // Remembers what was read, for TomlDocument::settings(); `node` null: the default.
   void note(const toml::node* node, const std::string& key, const std::string& value) const {
     const std::string dotted = path.empty() ? key : path + "." + key;

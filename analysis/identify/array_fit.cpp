@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <stdexcept>
 
 #include "analysis/identify/identify.h"
@@ -21,6 +19,8 @@ struct TaxelData {
 TaxelData taxel_data(const std::vector<CommonSequence>& sequences, const ExternalLoop& loop, std::size_t width,
                      std::size_t taxel) {
   TaxelData data;
+  data.ascending_v.reserve(loop.pressure_psi.size());
+  data.descending_v.reserve(loop.pressure_psi.size());
   for (std::size_t i = 0; i < loop.pressure_psi.size(); ++i) {
     data.ascending_v.push_back(loop.ascending_v[i * width + taxel]);
     data.descending_v.push_back(loop.descending_v[i * width + taxel]);
@@ -29,10 +29,11 @@ TaxelData taxel_data(const std::vector<CommonSequence>& sequences, const Externa
     for (const Branch& branch : sequence.branches) {
       TaxelBranch own;
       own.ascending = branch.ascending;
-      for (auto i = static_cast<std::size_t>(branch.first); i <= static_cast<std::size_t>(branch.last); ++i) {
-        own.pressure_psi.push_back(sequence.pressure_psi[i]);
+      own.pressure_psi.assign(sequence.pressure_psi.begin() + branch.first,
+                              sequence.pressure_psi.begin() + branch.last + 1);
+      own.volts.reserve(own.pressure_psi.size());
+      for (auto i = static_cast<std::size_t>(branch.first); i <= static_cast<std::size_t>(branch.last); ++i)
         own.volts.push_back(sequence.volts[i * width + taxel]);
-      }
       data.branches.push_back(std::move(own));
     }
   }
@@ -78,27 +79,31 @@ double mean_of(const std::vector<double>& values, std::size_t first, std::size_t
   return sum / static_cast<double>(count);
 }
 
-void refuse_falling(const ExternalLoop& loop, std::size_t width, double dead_v) {
+// The mean of all outputs falls from the lowest pressure to the highest.
+bool falls(const ExternalLoop& loop, std::size_t width, double dead_v) {
   const std::size_t last = (loop.pressure_psi.size() - 1) * width;
   const double start = 0.5 * (mean_of(loop.ascending_v, 0, width) + mean_of(loop.descending_v, 0, width));
   const double end = 0.5 * (mean_of(loop.ascending_v, last, width) + mean_of(loop.descending_v, last, width));
-  if (start - end < dead_v) return;
-  throw AnalysisError("TB-ANALYSIS-FALLING",
-                      fmt::format("the mean output falls from {:.3f} V at {:g} psi to {:.3f} V at {:g} psi", start,
-                                  loop.pressure_psi.front(), end, loop.pressure_psi.back()),
-                      "only sensors whose output rises with pressure are modelled yet; check the wiring's sign");
+  return start - end >= dead_v;
+}
+
+void negate(std::vector<double>& values) {
+  for (double& value : values) value = -value;
+}
+
+std::vector<std::size_t> fitted_of(const ArrayFit& fit) {
+  std::vector<std::size_t> fitted;
+  for (std::size_t taxel = 0; taxel < fit.taxels.size(); ++taxel)
+    if (fit.taxels[taxel].status == TaxelStatus::kFitted) fitted.push_back(taxel);
+  return fitted;
 }
 
 // The mean over the fitted taxels as one more taxel.
 TaxelFit fit_mean(const std::vector<CommonSequence>& sequences, const ExternalLoop& loop, std::size_t width,
                   const ArrayFit& fit, const ArrayFitOptions& options) {
-  std::vector<std::size_t> fitted;
+  const std::vector<std::size_t> fitted = fitted_of(fit);
   double variance = 0.0;
-  for (std::size_t taxel = 0; taxel < width; ++taxel) {
-    if (fit.taxels[taxel].status != TaxelStatus::kFitted) continue;
-    fitted.push_back(taxel);
-    variance += fit.taxels[taxel].noise_v * fit.taxels[taxel].noise_v;
-  }
+  for (const std::size_t taxel : fitted) variance += fit.taxels[taxel].noise_v * fit.taxels[taxel].noise_v;
   if (fitted.empty())
     throw AnalysisError("TB-ANALYSIS-NO-TAXEL", fmt::format("run {}: no taxel could be fitted", fit.run),
                         "look at the frames: dead, stuck and saturated taxels are left out");
@@ -136,17 +141,29 @@ const char* to_string(TaxelStatus status) {
   return "unfit";
 }
 
+Dataset as_modelled(Dataset dataset, const ArrayFit& fit) {
+  if (!fit.falling) return dataset;
+  for (SequenceData& sequence : dataset.sequences)
+    for (Repeat& repeat : sequence.repeats) negate(repeat.volts);
+  return dataset;
+}
+
 ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
-  std::vector<CommonSequence> sequences;
-  for (const SequenceData& sequence : dataset.sequences)
-    sequences.push_back(bring_to_common(sequence, dataset.taxels(), options.common));
-  const ExternalLoop loop = external_loop(sequences, dataset.taxels());
-  refuse_falling(loop, width, options.dead_v);
-
+  std::vector<CommonSequence> sequences(dataset.sequences.size());
+  for_each_index(sequences.size(), options.threads, [&](std::size_t i) {
+    sequences[i] = bring_to_common(dataset.sequences[i], dataset.taxels(), options.common);
+  });
+  ExternalLoop loop = external_loop(sequences, dataset.taxels());
   ArrayFit fit;
   fit.rows = dataset.rows;
   fit.columns = dataset.columns;
+  fit.falling = falls(loop, width, options.dead_v);
+  if (fit.falling) {
+    for (CommonSequence& sequence : sequences) negate(sequence.volts);
+    negate(loop.ascending_v);
+    negate(loop.descending_v);
+  }
   fit.run = dataset.run;
   fit.origin = dataset.origin;
   fit.sensor_serial = dataset.sensor_serial;
@@ -159,6 +176,7 @@ ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options) {
   });
   fit.mean_taxel = fit_mean(sequences, loop, width, fit, options);
   fit.full_scale_v = fit.mean_taxel.fit.full_scale_v;
+  fit.repeats = repeat_drifts(dataset, fitted_of(fit), options.common);
   return fit;
 }
 

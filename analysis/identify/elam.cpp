@@ -37,27 +37,28 @@ void check(const PatternCurve& ascending, const PatternCurve& descending, std::s
 
 }  // namespace
 
-ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descending,
-                      std::span<const TaxelBranch> branches, const ElamOptions& options) {
-  check(ascending, descending, branches);
-  ElamFit fit;
-  fit.model = {ascending, descending, {}, options};
-  const ElamSamples samples = collect_samples(fit.model, branches);
+ElamSamples searched_samples(const ElamModel& model, std::span<const TaxelBranch> branches) {
+  check(model.ascending, model.descending, branches);
+  ElamSamples samples = collect_samples(model, branches);
   // With exact_outer no parameter moves the external branches: they are scored, not searched.
-  std::vector<CurveSamples> down = samples.descending, up = samples.ascending;
-  if (options.exact_outer) {
-    std::erase_if(down, [&](const CurveSamples& c) { return c.x_turn == fit.model.xu(); });
-    std::erase_if(up, [&](const CurveSamples& c) { return c.x_turn == fit.model.x0(); });
+  if (model.options.exact_outer) {
+    std::erase_if(samples.descending, [&](const CurveSamples& c) { return c.x_turn == model.xu(); });
+    std::erase_if(samples.ascending, [&](const CurveSamples& c) { return c.x_turn == model.x0(); });
   }
-  fit_descending(fit.model, down);
-  fit_ascending(fit.model, up);
+  thin(samples.descending, kSearchedSamples);
+  thin(samples.ascending, kSearchedSamples);
+  return samples;
+}
 
-  fit.full_scale_v = std::max(*std::ranges::max_element(ascending.y()), *std::ranges::max_element(descending.y()));
-  fit.at_bound = bounds_met(fit.model);
+ElamFit scored(const ElamModel& model, std::span<const TaxelBranch> branches) {
+  ElamFit fit;
+  fit.model = model;
+  fit.full_scale_v = std::max(std::abs(model.y0()), std::abs(model.yu()));
+  fit.at_bound = bounds_met(model);
   std::size_t count = 0;
   for (const TaxelBranch& branch : branches) {
-    const TurningPoint turn = turning_point(fit.model, branch);
-    const ElamCurve curve(fit.model, branch.ascending, turn.x, turn.y);
+    const TurningPoint turn = turning_point(model, branch);
+    const ElamCurve curve(model, branch.ascending, turn.x, turn.y);
     for (std::size_t i = 1; i < branch.volts.size(); ++i, ++count) {
       const double error = curve.output(branch.pressure_psi[i]) - branch.volts[i];
       fit.j_v2 += error * error;            // (1)
@@ -67,6 +68,15 @@ ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descend
   }
   fit.mean_error_v /= static_cast<double>(count);
   return fit;
+}
+
+ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descending,
+                      std::span<const TaxelBranch> branches, const ElamOptions& options) {
+  ElamModel model{ascending, descending, {}, options};
+  const ElamSamples samples = searched_samples(model, branches);
+  fit_descending(model, samples.descending);
+  fit_ascending(model, samples.ascending);
+  return scored(model, branches);
 }
 
 }  // namespace tactbench::analysis

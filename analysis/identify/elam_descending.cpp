@@ -2,126 +2,87 @@
 // and one variable with several minima is left: a grid, then the best brackets divided until nothing moves.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
-#include "analysis/identify/elam_samples.h"
-#include "analysis/identify/knots.h"
+#include "analysis/identify/lanes.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr int kGrid = 256;     // intervals of alpha_d
-constexpr int kBrackets = 4;   // local minima of the grid that are looked into
-constexpr int kDivisions = 8;  // of a bracket, each round
+constexpr std::size_t kGrid = 128;      // values of alpha_d, both ends included
+constexpr std::size_t kIntervals = 32;  // at most so many between them, made finer
+constexpr double kPromising = 0.25;     // where J is within this share of the least
+constexpr std::size_t kInside = 4;      // values inside each
+constexpr std::size_t kMinima = 6;      // local minima of that line, looked into
+constexpr std::size_t kDivisions = 8;   // of a bracket, each round: it narrows 4.5 times
 constexpr int kFirstRounds = 3;
-constexpr int kLastRounds = 10;  // each narrows the bracket 4 times: 2^-8 x 4^-13 is below 1e-10
+constexpr int kLastRounds = 8;  // to a bracket of 1 / (127 x 4.5^11), below 1e-9
 
 struct Value {
   double j = std::numeric_limits<double>::infinity();
   double alpha = 0.0, beta = 0.0;
 };
 
-class DescendingError {
- public:
-  DescendingError(const ElamModel& model, std::span<const CurveSamples> curves)
-      : curves_(curves),
-        pattern_(model.descending),
-        x0_(model.x0()),
-        xu_(model.xu()),
-        y0_(model.y0()),
-        yu_(model.yu()),
-        tiny_(kSaturatedShare * (model.yu() - model.y0())) {
-    for (const CurveSamples& curve : curves)
-      for (const double x : curve.x) rise_.push_back(model.descending(x) - y0_);
-    slope_.resize(rise_.size());
-    offset_.resize(rise_.size());
+// Divides the brackets of half width `width` about each of `minima`, and keeps the best of each.
+void divide(const LaneProblem& problem, std::span<Value> minima, double& width) {
+  std::array<double, kMinima * kDivisions> alpha, j, beta;
+  const std::size_t count = minima.size() * kDivisions;
+  width /= 0.5 * kDivisions + 0.5;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t k = i % kDivisions;
+    const double steps = static_cast<double>(k) - (k < kDivisions / 2 ? 4.0 : 3.0);  // -4..-1, 1..4
+    alpha[i] = std::clamp(minima[i / kDivisions].alpha + steps * width, 0.0, 1.0);
   }
+  lane_descending(problem, std::span(alpha).first(count), j, beta);
+  for (std::size_t i = 0; i < count; ++i)
+    if (j[i] < minima[i / kDivisions].j) minima[i / kDivisions] = {j[i], alpha[i], beta[i]};
+}
 
-  // Best over beta_d in [0, 1] for this alpha_d. J is summed from residuals, not expanded: no cancellation.
-  [[nodiscard]] Value operator()(double alpha) {
-    double gg = 0.0, gr = 0.0;
-    std::size_t k = 0;
-    for (const CurveSamples& curve : curves_) {
-      const double depth = std::max(curve.y_turn, y0_) - y0_;
-      const double xs = x0_ + alpha * (curve.x_turn - x0_);
-      const double ysp = pattern_.at(xs).y;
-      const Piece right{1.0 / (curve.x_turn - xs), yu_ - ysp > tiny_ ? 1.0 / (yu_ - ysp) : 0.0};
-      const Piece left{1.0 / (xs - x0_), ysp - y0_ > tiny_ ? 1.0 / (ysp - y0_) : 0.0};
-      for (std::size_t i = 0; i < curve.x.size(); ++i, ++k) {
-        const double x = curve.x[i];
-        offset_[k] = y0_;
-        slope_[k] = 0.0;
-        // Each sample is offset + beta_d x slope, Eqs (15)-(19); a saturated piece is linear [A12].
-        if (x >= curve.x_turn) {
-          offset_[k] = y0_ + depth;
-        } else if (x > x0_ && x >= xs) {
-          double share = (x - xs) * right.by_x;
-          if (right.by_y > 0.0) share = (pattern_.at(xs + (xu_ - xs) * share).y - ysp) * right.by_y;
-          offset_[k] = y0_ + depth * share;
-          slope_[k] = depth * (1.0 - share);
-        } else if (x > x0_) {
-          slope_[k] = depth * (left.by_y > 0.0 ? rise_[k] * left.by_y : (x - x0_) * left.by_x);
-        }
-        const double residual = curve.y[i] - offset_[k];
-        gg += curve.weight[i] * slope_[k] * slope_[k];
-        gr += curve.weight[i] * slope_[k] * residual;
-      }
-    }
-    Value value{0.0, alpha, gg > 0.0 ? std::clamp(gr / gg, 0.0, 1.0) : 1.0};
-    k = 0;
-    for (const CurveSamples& curve : curves_) {
-      for (std::size_t i = 0; i < curve.x.size(); ++i, ++k) {
-        const double residual = curve.y[i] - offset_[k] - value.beta * slope_[k];
-        value.j += curve.weight[i] * residual * residual;
-      }
-    }
-    return value;
-  }
+// J at each alpha_d of `line`.
+void evaluate(const LaneProblem& problem, std::span<Value> line) {
+  std::vector<double> alpha((line.size() + 7) / 8 * 8, 0.0), j(alpha.size()), beta(alpha.size());
+  std::ranges::transform(line, alpha.begin(), &Value::alpha);
+  lane_descending(problem, alpha, j, beta);
+  for (std::size_t i = 0; i < line.size(); ++i) line[i] = {j[i], line[i].alpha, beta[i]};
+}
 
- private:
-  struct Piece {
-    double by_x, by_y;  // 1 / extent; by_y 0: saturated
-  };
-  std::span<const CurveSamples> curves_;
-  Knots pattern_;
-  double x0_, xu_, y0_, yu_, tiny_;
-  std::vector<double> rise_;            // of the pattern at each sample
-  std::vector<double> slope_, offset_;  // of the last alpha_d
-};
-
-// Narrows the bracket about `best` 4 times each round.
-Value refine(DescendingError& error, Value best, double& half_width, int rounds) {
-  for (int round = 0; round < rounds; ++round) {
-    const double low = std::max(0.0, best.alpha - half_width), high = std::min(1.0, best.alpha + half_width);
-    for (int k = 0; k <= kDivisions; ++k) {
-      const Value value = error(low + (high - low) * k / kDivisions);
-      if (value.j < best.j) best = value;
-    }
-    half_width *= 2.0 / kDivisions;
-  }
-  return best;
+std::vector<Value> line_of(const LaneProblem& problem) {
+  std::vector<Value> line(kGrid), inside;
+  for (std::size_t i = 0; i < kGrid; ++i) line[i].alpha = static_cast<double>(i) / (kGrid - 1);
+  evaluate(problem, line);
+  const auto least = [&](std::size_t i) { return std::min(line[i].j, line[i + 1].j); };
+  const double promising = (1.0 + kPromising) * std::ranges::min_element(line, {}, &Value::j)->j;
+  std::vector<std::size_t> intervals;
+  for (std::size_t i = 0; i + 1 < kGrid; ++i)
+    if (least(i) <= promising) intervals.push_back(i);
+  std::ranges::stable_sort(intervals, {}, least);
+  intervals.resize(std::min(intervals.size(), kIntervals));
+  for (const std::size_t i : intervals)
+    for (std::size_t k = 1; k <= kInside; ++k)
+      inside.push_back({0.0, (static_cast<double>(i) + static_cast<double>(k) / (kInside + 1)) / (kGrid - 1), 0.0});
+  evaluate(problem, inside);
+  line.insert(line.end(), inside.begin(), inside.end());
+  std::ranges::stable_sort(line, {}, &Value::alpha);
+  return line;
 }
 
 }  // namespace
 
 double fit_descending(ElamModel& model, std::span<const CurveSamples> curves) {
-  DescendingError error(model, curves);
-  std::array<Value, kGrid + 1> grid;
-  for (int i = 0; i <= kGrid; ++i) grid[static_cast<std::size_t>(i)] = error(static_cast<double>(i) / kGrid);
+  const LaneProblem problem = lane_problem(model, curves, false);
+  const std::vector<Value> line = line_of(problem);
   std::vector<Value> minima;
-  for (std::size_t i = 0; i <= kGrid; ++i)
-    if ((i == 0 || grid[i].j <= grid[i - 1].j) && (i == kGrid || grid[i].j < grid[i + 1].j)) minima.push_back(grid[i]);
-  if (minima.empty()) minima.push_back(grid[kGrid / 2]);  // J the same everywhere
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if ((i == 0 || line[i].j <= line[i - 1].j) && (i + 1 == line.size() || line[i].j < line[i + 1].j))
+      minima.push_back(line[i]);
+  if (minima.empty()) minima.push_back(line[line.size() / 2]);  // J the same everywhere
   std::ranges::stable_sort(minima, {}, &Value::j);
-  minima.resize(std::min<std::size_t>(minima.size(), kBrackets));
-  Value best;
-  double width = 0.0;
-  for (const Value& minimum : minima) {
-    width = 1.0 / kGrid;
-    const Value value = refine(error, minimum, width, kFirstRounds);
-    if (value.j < best.j) best = value;
-  }
-  best = refine(error, best, width, kLastRounds);
+  minima.resize(std::min(minima.size(), kMinima));
+  double width = 1.0 / (kGrid - 1);
+  for (int round = 0; round < kFirstRounds; ++round) divide(problem, minima, width);
+  Value best = *std::ranges::min_element(minima, {}, &Value::j);
+  for (int round = 0; round < kLastRounds; ++round) divide(problem, std::span(&best, 1), width);
   model.parameters.alpha_d = best.alpha;
   model.parameters.beta_d = best.beta;
   return best.j;

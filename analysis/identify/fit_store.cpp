@@ -9,7 +9,6 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr const char* kModelName = "elam";
 constexpr int kMeanTaxel = -1;
 
 db::FitTaxelRecord to_record(const TaxelFit& taxel, int number) {
@@ -91,7 +90,7 @@ std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::stri
                        const std::string& utc) {
   db::FitRecord record;
   record.run = fit.run;
-  record.model = kModelName;
+  record.model = kElamFit;
   record.options_json = nlohmann::json{{"exact_outer", fit.mean_taxel.fit.model.options.exact_outer}}.dump();
   record.summary_json = summary_of(fit).dump();
   record.program_version = program_version;
@@ -101,6 +100,7 @@ std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::stri
       {"columns", fit.columns},
       {"pressure_psi", fit.pressure_psi},
       {"full_scale_v", fit.full_scale_v},
+      {"falling", fit.falling},
       {"origin", fit.origin},
       {"sensor_serial", fit.sensor_serial},
       {"scanner_serial",
@@ -111,27 +111,33 @@ std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::stri
 }
 
 ArrayFit load_fit(const db::RunStore& store, std::int64_t run) {
-  const std::optional<db::FitRecord> record = store.latest_fit(run, kModelName);
+  const std::optional<db::FitRecord> record = store.latest_fit(run, kElamFit);
   if (!record)
     throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored ELAM fit", run),
                         fmt::format("make one: tactbench fit {}", run));
+  return load_fit(store, *record);
+}
+
+ArrayFit load_fit(const db::RunStore& store, const db::FitRecord& record) {
+  const std::int64_t run = record.run;
   ArrayFit fit;
   ElamOptions options;
   fit.run = run;
   try {
-    const auto patterns = nlohmann::json::parse(record->patterns_json);
+    const auto patterns = nlohmann::json::parse(record.patterns_json);
     patterns.at("rows").get_to(fit.rows);
     patterns.at("columns").get_to(fit.columns);
     patterns.at("pressure_psi").get_to(fit.pressure_psi);
     patterns.at("full_scale_v").get_to(fit.full_scale_v);
+    fit.falling = patterns.value("falling", false);  // fits of older versions: refused then
     patterns.at("origin").get_to(fit.origin);
     patterns.at("sensor_serial").get_to(fit.sensor_serial);
     patterns.at("scanner_serial").get_to(fit.scanner_serial);
-    nlohmann::json::parse(record->options_json).at("exact_outer").get_to(options.exact_outer);
+    nlohmann::json::parse(record.options_json).at("exact_outer").get_to(options.exact_outer);
   } catch (const nlohmann::json::exception& error) {
     malformed(run, error.what());
   }
-  const std::vector<db::FitTaxelRecord> taxels = store.fit_taxels(record->fit);
+  const std::vector<db::FitTaxelRecord> taxels = store.fit_taxels(record.fit);
   if (fit.rows <= 0 || fit.columns <= 0) malformed(run, "it has no taxels");
   const auto count = static_cast<std::size_t>(fit.rows) * static_cast<std::size_t>(fit.columns);
   fit.taxels.resize(count);

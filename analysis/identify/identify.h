@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/identify/repeats.h"
 #include "analysis/loop.h"
 #include "analysis/models/elam.h"
 
@@ -24,7 +25,7 @@ struct ElamFit {
   double j_v2 = 0.0;          // Eq. (1), descending + ascending
   double mean_error_v = 0.0;  // Eq. (49)
   double max_error_v = 0.0;
-  double full_scale_v = 0.0;  // highest output of the external loop
+  double full_scale_v = 0.0;  // largest output of the external loop, without sign
   unsigned at_bound = 0;      // bit i: parameter i at a bound; alpha_a1: the split of the longest branch is
 };
 
@@ -51,7 +52,10 @@ struct ArrayFit {
   std::vector<double> pressure_psi;                   // common grid
   std::vector<TaxelFit> taxels;                       // rows x columns
   TaxelFit mean_taxel;                                // of the mean of the fitted taxels
-  double full_scale_v = 0.0;                          // highest mean output
+  double full_scale_v = 0.0;                          // largest mean output
+  // The sensor's output falls when the pressure rises: all models are those of the negated output [A20].
+  bool falling = false;
+  std::vector<RepeatDrift> repeats;  // of the mean of the fitted taxels; not stored
 };
 
 struct ArrayFitOptions {
@@ -62,6 +66,9 @@ struct ArrayFitOptions {
   double unfit_share = 0.10;  // a taxel whose mean error exceeds this share of its full scale is unfit
 };
 
+// The dataset as the models of `fit` see it: outputs negated where they are those of a falling sensor.
+Dataset as_modelled(Dataset dataset, const ArrayFit& fit);
+
 // All taxels; threads by taxel, the result does not depend on their number. Throws AnalysisError.
 ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options = {});
 
@@ -69,5 +76,7 @@ ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options = {});
 std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::string& program_version,
                        const std::string& utc);
 ArrayFit load_fit(const db::RunStore& store, std::int64_t run);
+ArrayFit load_fit(const db::RunStore& store, const db::FitRecord& record);  // of the model kElamFit
+inline constexpr const char* kElamFit = "elam";
 
 }  // namespace tactbench::analysis

@@ -88,8 +88,14 @@ Trace trace_of(const SequenceData& data, const CompensatedSequence& sequence, co
 
 }  // namespace
 
-Evaluation evaluate(const Dataset& dataset, const ArrayFit& fit, int threads) {
-  check_same_sensor(dataset, fit);
+Evaluation evaluate(const Dataset& measured, const ArrayFit& fit, int threads) {
+  check_same_sensor(measured, fit);
+  if (fit.falling) {
+    ArrayFit rising = fit;
+    rising.falling = false;
+    return evaluate(as_modelled(measured, fit), rising, threads);
+  }
+  const Dataset& dataset = measured;
   const Fitted fitted(fit);
   if (fitted.taxels().empty())
     throw AnalysisError("TB-ANALYSIS-NO-TAXEL", fmt::format("the fit of run {} has no fitted taxel", fit.run),

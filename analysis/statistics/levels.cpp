@@ -121,10 +121,10 @@ void gather_levels(Evaluation& e, const CompensatedStreams& streams, const Fitte
   const Loops loops = loops_of(streams, static_cast<int>(fitted.width()));
   const std::size_t levels = loops.raw.pressure_psi.size();
   e.full_scale_psi = loops.raw.pressure_psi.back();
-  e.full_scale_v = -std::numeric_limits<double>::infinity();
+  e.full_scale_v = 0.0;
   for (std::size_t level = 0; level < levels; ++level)
     for (const auto* table : {&loops.raw.ascending_v, &loops.raw.descending_v})
-      e.full_scale_v = std::max(e.full_scale_v, mean_of(fitted.row(*table, level)));
+      e.full_scale_v = std::max(e.full_scale_v, std::abs(mean_of(fitted.row(*table, level))));
   const std::size_t taxels = fitted.taxels().size();
   TaxelDistances distances{std::vector<double>(taxels, 0.0), std::vector<double>(taxels, 0.0),
                            std::vector<int>(taxels, 0)};

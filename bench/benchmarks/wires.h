@@ -1,16 +1,11 @@
 // Time per exchange over each wire of the simulated rig, beside the floor that the machine sets.
 #pragma once
 
-#include <string>
 #include <vector>
 
-namespace tactbench::bench {
+#include "bench/benchmarks/figure.h"
 
-struct Figure {
-  std::string name;
-  double value = 0.0;
-  std::string unit;
-};
+namespace tactbench::bench {
 
 // Medians of `exchanges` each through the shipped drivers; the floor is a bare echo of 12 bytes over TCP between two
 // threads in the same process. Ratios are against that floor. Also the time from a hang-up to the fault.

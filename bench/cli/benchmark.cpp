@@ -1,9 +1,18 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/benchmarks/array.h"
+#include "bench/benchmarks/compensate.h"
+#include "bench/benchmarks/identify.h"
+#include "bench/benchmarks/report.h"
+#include "bench/benchmarks/sequence.h"
+#include "bench/benchmarks/store.h"
 #include "bench/benchmarks/wires.h"
 #include "bench/cli/session.h"
 
@@ -13,11 +22,39 @@ namespace {
 
 struct Options {
   std::string name;
-  int exchanges = 500;
+  int exchanges = 500, rounds = 5;
 };
 
+// For those that write files.
+class Folder {
+ public:
+  Folder() : path_(std::filesystem::temp_directory_path() / fmt::format("tactbench-benchmark-{}", getpid())) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+using Measure = std::vector<Figure> (*)(const Options&);
+const std::map<std::string, Measure> measures = {
+    {"wires", [](const Options& o) { return benchmark_wires(o.exchanges); }},
+    {"compensate", [](const Options& o) { return benchmark_compensate(o.rounds); }},
+    {"array", [](const Options& o) { return benchmark_array(o.rounds); }},
+    {"sequence", [](const Options& o) { return benchmark_sequence(o.rounds, Folder().path()); }},
+    {"identify", [](const Options& o) { return benchmark_identify(o.rounds, Folder().path()); }},
+    {"store", [](const Options& o) { return benchmark_store(o.rounds, Folder().path()); }},
+    {"report", [](const Options& o) { return benchmark_report(o.rounds, Folder().path()); }}};
+
 void benchmark(const Options& options, const Session& session) {
-  const std::vector<Figure> figures = benchmark_wires(options.exchanges);
+  const std::vector<Figure> figures = measures.at(options.name)(options);
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Figure& figure : figures) {
@@ -34,11 +71,19 @@ void benchmark(const Options& options, const Session& session) {
 void add_benchmark(CLI::App& app, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("benchmark", "measure on this machine; prints lines FIGURE name value unit");
-  verb->add_option("name", options->name, "wires: time per exchange over each wire of the simulated rig")
+  verb->add_option(
+          "name", options->name,
+          "wires: time per exchange over each wire of the simulated rig; sequence: a run's steps beside their bare "
+          "exchanges and the bare store; compensate: frames of 256 taxels beside plain scalar code and a mere scaling; "
+          "identify: taxels beside one plain J each, the other models, threads, growth; store: frames beside a plain "
+          "file and bare SQLite; report: its file beside writing the bytes; array: simulated frames beside their wire")
       ->required()
-      ->check(CLI::IsMember({"wires"}));
+      ->check(CLI::IsMember(measures));
   verb->add_option("--exchanges", options->exchanges, "of which the median is taken")
       ->check(CLI::Range(10, 100000))
+      ->capture_default_str();
+  verb->add_option("--rounds", options->rounds, "of which the best is taken")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { benchmark(*options, session); });

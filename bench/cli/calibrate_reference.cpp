@@ -16,7 +16,9 @@
 #include "bench/rig.h"
 #include "bench/run/locks.h"
 #include "bench/run/stop_request.h"
+#include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
+#include "bench/utc.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -88,7 +90,9 @@ double mean_reference(Rig& rig) {
 
 void settle(Rig& rig, double level, const StopRequest& stop) {
   const Settling& settling = rig.config().settling;
-  rig.source().command(devices::Psi(level));
+  ramp_to(rig, devices::Psi(level), [&] {
+    if (stop.signal() != 0) stopped("stopped by a signal");
+  });
   const devices::Nanoseconds deadline = rig.clock().now() + seconds(settling.timeout_s);
   for (int in_band = 0; in_band < 5;) {  // a second in the band
     if (stop.signal() != 0) stopped("stopped by a signal");
@@ -158,6 +162,7 @@ void calibrate(const Options& options, const Session& session) {
     failed = std::current_exception();
   }
   const SafeProof proof = make_safe(rig, {});
+  if (proof.state == db::SafeState::kVerified) rig.dismiss_dead_man();
   fmt::print(stderr, "{}\n", proof.text);
   if (failed) {
     const Error error = as_error(failed, "calibrate-reference");

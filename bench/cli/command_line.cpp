@@ -14,7 +14,8 @@ namespace {
 constexpr const char* kFooter = R"(
 Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link,
   4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified,
-  70 internal error, 130/143 ended by a signal. Ctrl-C ends a run: it vents, proves the safe state and keeps all frames.
+  70 internal error, 130/143 ended by a signal. Ctrl-C once: pause at the end of the branch; twice: stop now.
+  Every way out of a run vents, retracts, proves the safe state and keeps all frames.
 First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
 
 // CLI11 says no more than "a subcommand is required" to a misspelled verb.
@@ -23,6 +24,8 @@ void check_verb(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> verbs;
   for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
   const std::string given = argv[1];
+  verbs.erase(std::remove_if(verbs.begin(), verbs.end(), [&](const auto& v) { return v == "dead-man" && v != given; }),
+              verbs.end());
   if (std::find(verbs.begin(), verbs.end(), given) != verbs.end()) return;
   const std::string near = sequences::nearest_word(given, verbs);
   throw Error(
@@ -51,14 +54,20 @@ int run_command_line(int argc, char** argv) {
   add_init(app, session);
   add_plan(app, session);
   add_run(app, session);
+  add_control(app, session);
   add_fit(app, session);
+  add_import(app, session);
+  add_predict(app, session);
+  add_model(app, session);
   add_report(app, session);
   add_runs(app, session);
   add_sensors(app, session);
   add_devices(app, session);
+  add_live(app, session);
   add_simulate(app, session);
   add_config(app, session);
   add_benchmark(app, session);
+  add_dead_man(app, session);
   try {
     check_verb(app, argc, argv);
     app.parse(argc, argv);

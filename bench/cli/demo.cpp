@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cli/evaluation.h"
+#include "bench/cli/model_table.h"
 #include "bench/run/locks.h"
+#include "bench/utc.h"
 
 namespace tactbench::bench {
 
@@ -106,6 +108,15 @@ void demo(const Options& options, Session& session) {
   const std::vector<NamedEvaluation> evaluations =
       evaluate_runs(store, fit, {numbers.begin() + 1, numbers.end()}, titles);
   watch.lap("compensation");
+  // The other models on the mean taxel only, to keep the demo's time.
+  const auto mean_taxel = [&](std::int64_t run) {
+    return analysis::mean_taxel_of(analysis::histories_of(analysis::load_dataset(store, run)));
+  };
+  const analysis::Histories fitted = mean_taxel(numbers[0]), held_out = mean_taxel(numbers[1]);
+  const std::vector<ScoreTarget> targets = {{"the held-out run, mean taxel", &held_out, {}}};
+  const auto names = analysis::model_names();
+  const std::vector<ModelRow> models = model_rows({names.begin(), names.end()}, fitted, {}, {}, targets);
+  watch.lap("other models, mean taxel");
   const std::vector<db::VerdictRecord> verdicts = judge_and_store(store, fit, judged(evaluations), "limits.toml");
   std::string number;
   const std::string path = write_report(store, fit, evaluations, verdicts, options.output, &number);
@@ -116,6 +127,8 @@ void demo(const Options& options, Session& session) {
     nlohmann::ordered_json json = {{"origin", origin}, {"runs", numbers}, {"report", path}, {"report_number", number}};
     json["evaluations"] = nlohmann::ordered_json::array();
     for (const NamedEvaluation& named : evaluations) json["evaluations"].push_back(evaluation_json(named));
+    json["models"] = nlohmann::ordered_json::array();
+    for (const ModelRow& row : models) json["models"].push_back(model_row_json(row, targets));
     json["verdicts"] = verdicts_json(verdicts, origin);
     for (const auto& [stage, seconds] : watch.laps()) json["timing_s"][stage] = seconds;
     print_json("demo", json);
@@ -125,6 +138,7 @@ void demo(const Options& options, Session& session) {
       "\nSIMULATED DATA. Hysteresis of the mean taxel, raw: {:.1f} % FS max, {:.1f} % mean (paper: 25.3, 10.0)\n\n{}\n",
       100.0 * evaluations[0].evaluation.hysteresis_max_fs, 100.0 * evaluations[0].evaluation.hysteresis_mean_fs,
       figures_table(evaluations));
+  fmt::print("{}\n", scores_table(models, targets, "psi"));
   fmt::print("verdicts on the held-out run:\n{}\n", verdict_table(verdicts, origin));
   if (options.timing) {
     double total = 0.0;

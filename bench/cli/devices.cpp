@@ -11,6 +11,8 @@
 #include "bench/instruments/check.h"
 #include "bench/instruments/scan.h"
 #include "bench/instruments/watch.h"
+#include "bench/safety/trip.h"
+#include "bench/utc.h"
 
 namespace tactbench::bench {
 
@@ -18,7 +20,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> modbus, set;
-  std::string bench;
+  std::string bench, operator_name;
   double interval_s = 0.5;
   long count = 0;
 };
@@ -70,11 +72,30 @@ void watch(const Options& options) {
   watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0});
 }
 
+// Talks to no instrument: a person has looked at the rig.
+void reset(const Options& options, const Session& session) {
+  const BenchConfig config = bench_of(options);
+  const TripFile file(config.id);
+  const std::optional<Trip> trip = file.read();
+  if (trip) file.reset(*trip, options.operator_name);
+  if (session.json) {
+    nlohmann::ordered_json json = {{"bench", config.id}, {"tripped", trip.has_value()}};
+    if (trip) json.update({{"utc", trip->utc}, {"id", trip->id}, {"what", trip->what}, {"run", trip->run}});
+    print_json("devices.reset", json);
+  } else if (trip) {
+    fmt::print("bench '{}' tripped at {} ({}): {}\nreset by {}; logged in {}\n", config.id, trip->utc, trip->id,
+               trip->what, options.operator_name, file.log_path());
+  } else {
+    fmt::print("bench '{}' is not tripped\n", config.id);
+  }
+}
+
 }  // namespace
 
 void add_devices(CLI::App& app, Session& session) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("devices", "the bench's instruments: scan, check, watch, calibrate-reference");
+  CLI::App* verb =
+      app.add_subcommand("devices", "the bench's instruments: scan, check, watch, reset, calibrate-reference");
   verb->require_subcommand(1);
 
   CLI::App* scan_verb = verb->add_subcommand("scan", "list serial ports, HID devices, NI-DAQmx devices, Modbus hosts");
@@ -96,6 +117,12 @@ void add_devices(CLI::App& app, Session& session) {
       ->capture_default_str();
   watch_verb->add_option("--count", options->count, "end after so many readings; 0: never")->capture_default_str();
   watch_verb->callback([options] { watch(*options); });
+  CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
+  reset_verb->add_option("--bench", options->bench, "bench file")->required();
+  reset_verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
+  reset_verb->add_option("--operator", options->operator_name, "who has looked at the rig; logged")->required();
+  reset_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  reset_verb->callback([options, &session] { reset(*options, session); });
   add_calibrate_reference(*verb, session);
 }
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 
+#include "bench/utc.h"
 #include "build_info.h"
 
 namespace tactbench::bench {
@@ -35,7 +35,7 @@ const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluatio
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file) {
   std::vector<db::VerdictRecord> verdicts = analysis::judge(evaluation, fit, read_limits(find_config(limits_file)));
-  const std::optional<db::FitRecord> record = store.latest_fit(fit.run, "elam");
+  const std::optional<db::FitRecord> record = store.latest_fit(fit.run, analysis::kElamFit);
   store.replace_verdicts(evaluation.run, record ? record->fit : 0, verdicts);
   return verdicts;
 }
@@ -60,17 +60,7 @@ std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fi
   if (path.empty()) {
     path = (fs::path(store.path()).parent_path() / "reports" / fmt::format("run-{}.html", fit.run)).string();
   }
-  std::error_code failed;
-  if (fs::path(path).has_parent_path()) fs::create_directories(fs::path(path).parent_path(), failed);
-  const std::string partial = path + ".partial";  // a reader never sees half a report
-  std::ofstream stream(partial, std::ios::binary);
-  stream << report.html;
-  stream.close();
-  if (!stream.fail()) fs::rename(partial, path, failed);
-  if (stream.fail() || failed) {
-    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot write the report", path,
-                "check folder, space and permissions");
-  }
+  write_whole(path, report.html);
   if (number != nullptr) *number = report.number;
   return path;
 }

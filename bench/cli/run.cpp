@@ -1,11 +1,16 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/cli/run.h"
 #include "bench/cli/session.h"
 #include "bench/run/locks.h"
+#include "bench/run/recipe_check.h"
+#include "bench/safety/trip.h"
 
 namespace tactbench::bench {
 
@@ -13,9 +18,55 @@ namespace {
 
 struct Options {
   std::vector<std::string> recipes, set;
-  std::string bench, sensor, operator_name, purpose, specimen_state;
+  std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
+  bool assume_yes = false, no_seating = false;
   SeedOptions seeds;
 };
+
+db::SensorRecord registered(const db::RunStore& store, const std::string& serial, const std::string& db_path) {
+  if (const std::optional<db::SensorRecord> sensor = store.sensor(serial)) return *sensor;
+  std::vector<std::string> known;
+  for (const db::SensorRecord& record : store.sensors()) known.push_back(record.serial);
+  throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN",
+              fmt::format("sensor '{}' is not registered in '{}'", serial, db_path), "--sensor " + serial,
+              known.empty() ? fmt::format("tactbench sensors add {} --type sensor.toml --db {}", serial, db_path)
+                            : fmt::format("registered: {}; or tactbench sensors add", fmt::join(known, ", ")));
+}
+
+void carry_out(RunRequest& request, db::RunStore& store, const std::string& sensor, Session& session) {
+  request.sensor = registered(store, sensor, session.db);
+  request.sensor_type = parse_sensor_type(request.sensor.type_toml, "sensor type of " + sensor);
+  const RunLock run_lock(session.db);
+  Progress progress(Progress::mode_for(session.quiet));
+  TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), time_model(request.bench));
+  estimate.learn(store, request.bench.id, request.overrides, true);
+  request.estimate = &estimate;
+  const TimeBand band = estimate.total();
+  const auto clock = [](double time_s) {
+    const long whole = std::lround(time_s);
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+  };
+  const std::string basis = band.runs > 0 ? fmt::format("learned from {} runs", band.runs) : "by the model";
+  const std::string estimated =
+      fmt::format("{} ({} to {}, {})", clock(band.p50_s), clock(band.p10_s), clock(band.p90_s), basis);
+  if (!session.quiet) progress.note(fmt::format("estimated, h:mm:ss of process time: {}", estimated));
+  const RunResult result = characterize(request, store, progress);
+  if (result.error) throw *result.error;
+  if (session.json) {
+    nlohmann::ordered_json json = run_json(store.run(result.run));
+    json["frames"] = result.frames;
+    json["most_exchanges_a_step"] = result.most_exchanges_a_step;
+    json["branches_redone"] = result.branches_redone;
+    json["process_seconds"] = result.process_seconds;
+    json["time_spent"] = result.time_spent;
+    print_json("run", json);
+    return;
+  }
+  fmt::print("run {}: {}, {} frames in {:.0f} min of process time; {}\n", result.run, db::to_string(result.outcome),
+             result.frames, result.process_seconds / 60.0, result.safe_text);
+  fmt::print("took {} of process time, estimated {}\n{}\n", clock(result.process_seconds), estimated,
+             result.time_spent);
+}
 
 void run(const Options& options, Session& session) {
   const SplitOverrides overrides = split_overrides(options.set);
@@ -24,46 +75,61 @@ void run(const Options& options, Session& session) {
   for (const std::string& name : options.recipes) {
     request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
   }
-  check_limits(request.recipes, request.bench.limits);
+  check_recipes(request.recipes, request.bench);
+  refuse_tripped(request.bench);
   request.overrides = overrides.all;
   request.operator_name = options.operator_name;
   request.purpose = options.purpose;
   request.specimen_state_file = options.specimen_state;
+  request.on_event = options.on_event;
+  request.assume_yes = options.assume_yes;
+  request.check_seating = !options.no_seating;
   if (!options.specimen_state.empty() && !request.bench.simulation) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
                 "leave it out: real film keeps its own state");
   }
   const BenchLock bench_lock(request.bench);
+  request.on_begun = [&](std::int64_t number) { bench_lock.name_run(number, session.db); };
   db::RunStore store = open_for_running(session.db, request.bench);
-  const std::optional<db::SensorRecord> sensor = store.sensor(options.sensor);
-  if (!sensor) {
-    std::vector<std::string> known;
-    for (const db::SensorRecord& record : store.sensors()) known.push_back(record.serial);
-    throw Error(
-        ExitCode::kUsage, "TB-SENSOR-UNKNOWN",
-        fmt::format("sensor '{}' is not registered in '{}'", options.sensor, session.db), "--sensor " + options.sensor,
-        known.empty() ? fmt::format("tactbench sensors add {} --type sensor.toml --db {}", options.sensor, session.db)
-                      : fmt::format("registered: {}; or tactbench sensors add", fmt::join(known, ", ")));
-  }
-  request.sensor = *sensor;
-  request.sensor_type = parse_sensor_type(sensor->type_toml, "sensor type of " + sensor->serial);
-  const RunLock run_lock(session.db);
-  Progress progress(Progress::mode_for(session.quiet));
-  const RunResult result = characterize(request, store, progress);
-  if (result.error) throw *result.error;
-  if (session.json) {
-    nlohmann::ordered_json json = run_json(store.run(result.run));
-    json["frames"] = result.frames;
-    json["most_exchanges_a_step"] = result.most_exchanges_a_step;
-    json["process_seconds"] = result.process_seconds;
-    print_json("run", json);
-    return;
-  }
-  fmt::print("run {}: {}, {} frames in {:.0f} min of process time; {}\n", result.run, db::to_string(result.outcome),
-             result.frames, result.process_seconds / 60.0, result.safe_text);
+  carry_out(request, store, options.sensor, session);
 }
 
 }  // namespace
+
+void resume_run(std::int64_t number, const ResumeOptions& options, Session& session) {
+  const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
+  std::vector<std::string> set;
+  for (const nlohmann::json& item : nlohmann::json::parse(record.overrides_json)) {
+    set.push_back(item.at("key").get<std::string>() + "=" + item.at("value").get<std::string>());
+  }
+  const SplitOverrides overrides = split_overrides(set);
+  RunRequest request;
+  SeedOptions seeds;
+  if (record.origin == "simulated") {
+    seeds = {static_cast<std::uint64_t>(record.seed), static_cast<std::uint64_t>(record.sensor_seed)};
+  }
+  const std::string name = fmt::format("bench file of run {}", number);
+  request.bench = options.bench.empty() ? parse_bench(record.bench_toml, name, overrides.bench, seeds)
+                                        : read_bench(find_config(options.bench), overrides.bench, seeds);
+  if (request.bench.id != record.bench_id) {
+    throw Error(ExitCode::kUsage, "TB-RESUME-BENCH",
+                fmt::format("run {} was begun on bench '{}', not on '{}'", number, record.bench_id, request.bench.id),
+                options.bench, "resume it on its own bench, or start a new run");
+  }
+  for (const db::SequenceRecord& sequence : record.sequences) {
+    request.recipes.push_back(
+        sequences::parse_recipe(sequences::TomlDocument::from_text(
+                                    sequence.recipe_toml, fmt::format("recipe '{}' of run {}", sequence.name, number)),
+                                overrides.recipe));
+  }
+  request.resume = number;
+  request.on_event = options.on_event;
+  request.assume_yes = options.assume_yes;
+  const BenchLock bench_lock(request.bench);
+  request.on_begun = [&](std::int64_t begun) { bench_lock.name_run(begun, session.db); };
+  db::RunStore store = open_for_running(session.db, request.bench);
+  carry_out(request, store, record.sensor_serial, session);
+}
 
 void add_run(CLI::App& app, Session& session) {
   auto options = std::make_shared<Options>();
@@ -83,6 +149,11 @@ void add_run(CLI::App& app, Session& session) {
       "--specimen-state", options->specimen_state,
       "simulation: file with the film's memory, read if it exists and written at the end; without it a run "
       "starts from virgin film");
+  verb->add_option("--on-event", options->on_event,
+                   "shell command started when the run is done, has failed or waits for somebody; TACTBENCH_EVENT, "
+                   "TACTBENCH_RUN and TACTBENCH_REASON are in its environment");
+  verb->add_flag("--yes", options->assume_yes, "operator prompts answer themselves");
+  verb->add_flag("--no-seating", options->no_seating, "leave out the check of how the sensor sits");
   add_common(*verb, session);
   verb->callback([options, &session] { run(*options, session); });
 }

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -22,6 +23,24 @@ std::string worst_verdict(const db::RunStore& store, const db::RunRecord& run) {
     default:
       return shown_verdict("inconclusive", run.origin);
   }
+}
+
+// What was found; where nothing was, the figures.
+std::string check_line(const db::CheckRecord& check) {
+  const auto detail = nlohmann::ordered_json::parse(check.detail_json, nullptr, false);
+  std::vector<std::string> parts;
+  for (const auto& finding : detail.value("findings", nlohmann::ordered_json::array())) {
+    parts.push_back(finding.value("text", ""));
+  }
+  if (!parts.empty()) return fmt::format("{}", fmt::join(parts, "; "));
+  for (const auto& [key, value] : detail.items()) {
+    if (value.is_number_float()) {
+      parts.push_back(fmt::format("{} {:.4g}", key, value.get<double>()));
+    } else if (!value.is_structured() || !value.empty()) {
+      parts.push_back(fmt::format("{} {}", key, value.dump()));
+    }
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 void list(const Session& session) {
@@ -52,6 +71,7 @@ void show(std::int64_t number, const Session& session) {
   const db::RunRecord run = store.run(number);
   const std::vector<db::VerdictRecord> verdicts = store.verdicts(number);
   const std::vector<db::EventRecord> events = store.events(number);
+  const std::vector<db::CheckRecord> checks = store.checks(number);
   if (session.json) {
     nlohmann::ordered_json json = run_json(run);
     json["frames"] = store.frame_count(number);
@@ -64,6 +84,13 @@ void show(std::int64_t number, const Session& session) {
                                 {"kind", event.kind},
                                 {"id", event.id},
                                 {"detail", event.detail}});
+    }
+    json["checks"] = nlohmann::ordered_json::array();
+    for (const db::CheckRecord& check : checks) {
+      json["checks"].push_back({{"time_s", static_cast<double>(check.time_ns) * 1e-9},
+                                {"kind", check.kind},
+                                {"verdict", check.verdict},
+                                {"detail", nlohmann::ordered_json::parse(check.detail_json, nullptr, false)}});
     }
     json["verdicts"] = verdicts_json(verdicts, run.origin);
     print_json("runs.show", json);
@@ -93,6 +120,10 @@ void show(std::int64_t number, const Session& session) {
                                device.serial.empty() ? "not stated" : device.serial, device.origin));
   }
   line("frames", std::to_string(store.frame_count(number)));
+  for (const db::CheckRecord& check : checks) {
+    line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
+                              check.verdict, check_line(check)));
+  }
   for (const db::EventRecord& event : events) {
     line("event", fmt::format("{:9.3f} s  {} {} {}", static_cast<double>(event.time_ns) * 1e-9, event.kind, event.id,
                               event.detail));

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cli/session.h"
+#include "bench/utc.h"
 
 namespace tactbench::bench {
 

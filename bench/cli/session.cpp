@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace tactbench::bench {
@@ -167,6 +169,21 @@ ordered_json run_json(const db::RunRecord& run) {
   }
   if (!devices.empty()) json["devices"] = devices;
   return json;
+}
+
+void write_whole(const std::string& path, const std::string& text) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  if (fs::path(path).has_parent_path()) fs::create_directories(fs::path(path).parent_path(), failed);
+  const std::string partial = path + ".partial";
+  std::ofstream stream(partial, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream.fail()) fs::rename(partial, path, failed);
+  if (stream.fail() || failed) {
+    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot write the file", path,
+                "check folder, space and permissions");
+  }
 }
 
 void add_common(CLI::App& verb, Session& session) {

@@ -55,7 +55,11 @@ nlohmann::ordered_json run_json(const db::RunRecord& run);
 void add_init(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
 void add_run(CLI::App& app, Session& session);
+void add_control(CLI::App& app, Session& session);
 void add_fit(CLI::App& app, Session& session);
+void add_import(CLI::App& app, Session& session);
+void add_predict(CLI::App& app, Session& session);
+void add_model(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
 void add_runs(CLI::App& app, Session& session);
 void add_sensors(CLI::App& app, Session& session);
@@ -63,8 +67,13 @@ void add_demo(CLI::App& app, Session& session);
 void add_devices(CLI::App& app, Session& session);
 void add_calibrate_reference(CLI::App& devices, Session& session);
 void add_simulate(CLI::App& app, Session& session);
+void add_live(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_benchmark(CLI::App& app, Session& session);
+void add_dead_man(CLI::App& app, Session& session);
+
+// Writes `text` to a file whole: a reader never sees half of it. Makes the folder. Throws Error TB-FILE-WRITE.
+void write_whole(const std::string& path, const std::string& text);
 
 // --db, --json, -q on a verb.
 void add_common(CLI::App& verb, Session& session);

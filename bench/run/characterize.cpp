@@ -1,124 +1,29 @@
 #include "bench/run/characterize.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <array>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "bench/rig.h"
-#include "bench/run/sequencer.h"
+#include "bench/run/conductor.h"
+#include "bench/run/control_socket.h"
+#include "bench/run/recipe_check.h"
+#include "bench/run/resume.h"
+#include "bench/run/run_record.h"
+#include "bench/run/set_up.h"
 #include "bench/safety/fail_safe.h"
-#include "build_info.h"
+#include "bench/safety/trip.h"
+#include "bench/utc.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
 
-using sequences::Recipe;
-
-std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
-
-void check_limits(const std::vector<Recipe>& recipes, const SafetyLimits& limits) {
-  for (const Recipe& recipe : recipes) {
-    std::vector<devices::Psi> levels = recipe.turning_points;
-    if (recipe.conditioning_cycles > 0) levels.push_back(recipe.conditioning_peak);
-    for (const devices::Psi level : levels) {
-      if (level.value() <= limits.command_psi * (1.0 + 1e-12)) continue;
-      throw Error(
-          ExitCode::kUsage, "TB-RECIPE-LIMIT",
-          fmt::format("recipe '{}' goes to {:.2f} psi ({:.1f} kPa), beyond the bench's command limit of {:.2f} psi",
-                      recipe.name, level.value(), devices::kilopascals(level), limits.command_psi),
-          fmt::format("recipe '{}', turning_points or conditioning.peak", recipe.name),
-          "lower the recipe; the limit is [limits] command_psi in the bench file");
-    }
-  }
-}
-
 namespace {
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
-
-std::string time_zone() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  return local.tm_zone != nullptr ? local.tm_zone : "UTC";
-}
-
-db::RunRecord record_of(const RunRequest& request) {
-  db::RunRecord record;
-  record.uuid = db::new_uuid();
-  record.origin = request.bench.origin == devices::Origin::kSimulated ? "simulated" : "hardware";
-  record.state = to_string(RunState::kPrepared);
-  record.operator_name = request.operator_name;
-  record.purpose = request.purpose;
-  record.sensor_serial = request.sensor.serial;
-  record.scanner_serial = request.sensor.scanner_serial;
-  record.bench_id = request.bench.id;
-  record.bench_toml = request.bench.text;
-  record.bench_sha256 = db::sha256_hex(request.bench.text);
-  record.sensor_toml = request.sensor_type.text;
-  record.sensor_sha256 = db::sha256_hex(request.sensor_type.text);
-  nlohmann::ordered_json overrides = nlohmann::ordered_json::array();
-  for (const auto& item : request.overrides) overrides.push_back({{"key", item.key}, {"value", item.value}});
-  record.overrides_json = overrides.dump();
-  record.program_version = TACTBENCH_VERSION;
-  record.git_commit = TACTBENCH_COMMIT;
-  record.git_dirty = TACTBENCH_DIRTY;
-  record.build_id = TACTBENCH_BUILD;
-  record.host = host_name();
-  record.time_zone = time_zone();
-  if (request.bench.simulation) {
-    record.seed = static_cast<std::int64_t>(request.bench.simulation->plant.seed);
-    record.sensor_seed = static_cast<std::int64_t>(request.bench.simulation->plant.specimen.sensor_seed);
-  }
-  record.started_utc = utc_now();
-  for (std::size_t i = 0; i < request.recipes.size(); ++i) {
-    const Recipe& recipe = request.recipes[i];
-    int frames = 0;
-    for (const auto& step : sequences::compile(recipe, static_cast<int>(i))) {
-      frames += step.kind == sequences::StepKind::kMeasure && step.repeat == 0 ? 1 : 0;
-    }
-    record.sequences.push_back(
-        {static_cast<int>(i), recipe.name, recipe.text, db::sha256_hex(recipe.text), recipe.repeats, frames});
-  }
-  return record;
-}
-
-void check_geometry(const RunRequest& request) {
-  const devices::HidScannerOptions& scanner = request.bench.scanner;
-  if (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns) return;
-  throw Error(ExitCode::kUsage, "TB-SENSOR-GEOMETRY",
-              fmt::format("sensor type '{}' has {} x {} taxels, the bench's scanner {} x {}", request.sensor_type.name,
-                          request.sensor_type.rows, request.sensor_type.columns, scanner.rows, scanner.columns),
-              request.bench.file + " [scanner], sensor " + request.sensor.serial,
-              "use the bench file of this sensor's scanner, or mend rows and columns");
-}
-
-void check_scanner(const RunRequest& request, const std::string& serial) {
-  if (request.sensor.scanner_serial.empty() || serial == request.sensor.scanner_serial) return;
-  throw devices::Fault("TB-SCANNER-SERIAL", "tactile scanner",
-                       fmt::format("scanner '{}' answers, but sensor '{}' is registered with scanner '{}'", serial,
-                                   request.sensor.serial, request.sensor.scanner_serial),
-                       "connect the registered scanner, or register the pair as a sensor of its own: swapped read-out "
-                       "electronics change the calibration");
-}
-
-void record_environment(Rig& rig, Recorder& recorder) {
-  for (const EnvironmentReading& reading : rig.environment()) {
-    recorder.event("environment", reading.quantity, fmt::format("{:.3f}", reading.value));
-  }
-}
 
 void load_specimen(Rig& rig, const std::string& file) {
   if (file.empty() || rig.plant() == nullptr || !std::filesystem::exists(file)) return;
@@ -142,105 +47,243 @@ void save_specimen(Rig& rig, const std::string& file) {
 }
 
 db::Outcome outcome_of(const Error& error) {
-  switch (error.code()) {
-    case ExitCode::kInterrupted:
-    case ExitCode::kTerminated:
-      return db::Outcome::kStopped;
-    case ExitCode::kStopped:
-      return db::Outcome::kAborted;
-    default:
-      return db::Outcome::kFailed;
-  }
+  if (error.id() == "TB-RUN-STOPPED") return db::Outcome::kStopped;
+  return error.code() == ExitCode::kStopped ? db::Outcome::kAborted : db::Outcome::kFailed;
 }
 
-// What ended the run, by whatever was thrown.
-Error why_ended(std::int64_t run, int frames) {
-  const std::string where = fmt::format("run {}, after frame {}", run, frames);
-  try {
-    throw;
-  } catch (const Stopped& stopped) {
-    const bool interrupt = stopped.signal == SIGINT;
-    return {interrupt ? ExitCode::kInterrupted : ExitCode::kTerminated, "TB-RUN-STOPPED",
-            fmt::format("stopped by {}", interrupt ? "Ctrl-C" : "a request to terminate"), where,
-            "the frames so far are kept; start a new run to measure the rest"};
-  } catch (...) {
-    return as_error(std::current_exception(), where);
+Error error_of(const Leave& leave, const std::string& where) {
+  const char* remedy = "the frames so far are kept; `tactbench resume` goes on with the branch that was under way";
+  if (leave.signal == SIGINT) {
+    return {ExitCode::kInterrupted, "TB-RUN-STOPPED", "stopped by " + leave.who, where, remedy};
   }
+  if (leave.signal != 0) return {ExitCode::kTerminated, "TB-RUN-STOPPED", "stopped by " + leave.who, where, remedy};
+  if (leave.word == Word::kStop)
+    return {ExitCode::kStopped, "TB-RUN-STOPPED", "stopped by " + leave.who, where, remedy};
+  return {ExitCode::kStopped, leave.word == Word::kPanic ? "TB-RUN-PANIC" : "TB-RUN-ABORTED",
+          fmt::format("{} by {}", leave.word == Word::kPanic ? "panic" : "aborted", leave.who), where,
+          "look at the rig before the next run; the frames so far are kept"};
 }
+
+// On a rig simulated in this process the object of the recipe is what hangs on the stage.
+BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>& recipes) {
+  if (!bench.simulation) return bench;
+  constexpr std::array<std::pair<const char*, Footprint>, 3> kObjects = {
+      {{"ring", Footprint::kRing}, {"point", Footprint::kPoint}, {"flat", Footprint::kFlat}}};
+  for (const sequences::Recipe& recipe : recipes) {
+    for (const auto& [word, footprint] : kObjects) {
+      if (recipe.press.object != word) continue;
+      bench.simulation->plant.contact.object = footprint;
+      return bench;
+    }
+  }
+  return bench;
+}
+
+// One run from its row to its end. Each part of the way out is bounded in time and none stops the next.
+class Life {
+ public:
+  Life(const RunRequest& request, db::RunStore& store, Progress& progress)
+      : request_(request), store_(store), progress_(progress), notify_(request.on_event) {
+    check_recipes(request.recipes, request.bench);
+    check_geometry(request);
+    refuse_tripped(request.bench);
+    work_.recipes = request.recipes;
+    work_.steps = sequences::compile(request.recipes);
+    work_.on_step = request.on_step;
+    work_.estimate = request.estimate;
+    work_.assume_yes = request.assume_yes;
+    work_.label = request.label;
+    if (request.resume != 0) {
+      ResumePoint point = reopen(store, request.resume, request.recipes, work_.steps);
+      result_.run = request.resume;
+      offset_ = point.offset;
+      work_.done = std::move(point.done);
+    } else {
+      result_.run = store.begin_run(record_of(request));
+      if (const auto rest = rest_of_sensor(store, request.sensor.serial, result_.run)) {
+        store.set_rest(result_.run, *rest);
+      }
+    }
+    if (request.on_begun) request.on_begun(result_.run);
+  }
+
+  RunResult live() {
+    try {
+      set_up();
+      conductor_->run();
+      if (conductor_) conductor_->press_steps().register_mount(request_.sensor_type.pitch_mm, baseline_);
+      record_environment(*rig_, *recorder_);
+    } catch (...) {
+      ended_by_ = why_ended();
+    }
+    progress_.finish();
+    moment(RigMoment::kTearingDown);
+    tear_down();
+    close();
+    moment(RigMoment::kLeft);
+    return result_;
+  }
+
+ private:
+  void moment(RigMoment which) {
+    if (rig_ && request_.on_rig) request_.on_rig(*rig_, which);
+  }
+
+  [[nodiscard]] Error why_ended() const {
+    const std::string where = fmt::format("run {}, after frame {}", result_.run, recorder_ ? recorder_->frames() : 0);
+    try {
+      throw;
+    } catch (const Leave& leave) {
+      return error_of(leave, where);
+    } catch (...) {
+      return as_error(std::current_exception(), where);
+    }
+  }
+
+  void set_up() {
+    rig_ = std::make_unique<Rig>(with_object(request_.bench, request_.recipes));
+    recorder_ = std::make_unique<Recorder>(store_, result_.run, rig_->clock(), offset_);
+    rig_->guard().set_run(result_.run);
+    rig_->guard().set_log(
+        [this](devices::Nanoseconds, const std::string& actuator, const std::string& text, bool let_through) {
+          if (!let_through || actuator != "pressure") log_command(let_through ? "command" : "refused", actuator, text);
+        });
+    sequencer_ = std::make_unique<Sequencer>(*rig_, *recorder_, control_, signals_);
+    sequencer_->follow(work_.recipes.front());
+    load_specimen(*rig_, request_.specimen_state_file);
+    moment(RigMoment::kMade);
+    rig_->open();
+    moment(RigMoment::kOpened);
+    if (rig_->dead_man() != nullptr) rig_->dead_man()->name_run(result_.run);
+    const db::RunRecord begun = store_.run(result_.run);
+    if (!begun.devices.empty()) {
+      check_same_devices(begun, rig_->devices());
+    } else {  // a new run, or one that died before it knew its devices
+      store_.set_devices(result_.run, rig_->devices());
+    }
+    control_.on_panic([this] {
+      if (rig_->dead_man() != nullptr) rig_->dead_man()->fire();
+    });
+    socket_ = std::make_unique<ControlSocket>(request_.bench, control_);
+    for (const std::string& layer : fail_safe_layers(request_.bench)) recorder_->event("fail-safe", "", layer);
+    record_environment(*rig_, *recorder_);
+    check_scanner(request_, rig_->array().identity().serial);
+    baseline_ = sequencer_->read_baseline();
+    RunStatus status;
+    status.run = result_.run;
+    status.store = store_.path();
+    conductor_ = std::make_unique<Conductor>(*sequencer_, *recorder_, control_, progress_, notify_, std::move(work_),
+                                             baseline_, status);
+    conductor_->set_state(RunState::kRunning, "devices open, chamber unloaded");
+    for (bool ready = false; !ready;) {
+      try {
+        prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, progress_);
+        ready = true;
+      } catch (const Suspended& suspended) {
+        conductor_->suspend(suspended);
+      }
+    }
+  }
+
+  // A store that cannot be written ends the run by its next frame or step; it never holds up a command.
+  void log_command(const std::string& kind, const std::string& actuator, const std::string& text) {
+    if (store_lost_) return;
+    try {
+      recorder_->event(kind, actuator, text);
+    } catch (const db::StoreError&) {
+      store_lost_ = true;
+    }
+  }
+
+  void tear_down() {
+    store_lost_ = store_lost_ || (ended_by_ && ended_by_->code() == ExitCode::kStore);
+    proof_ = {db::SafeState::kVerified, "no device was opened"};
+    if (!rig_) return;
+    if (sequencer_) (void)sequencer_->times().start(Spent::kTeardown);
+    proof_ = make_safe(*rig_, baseline_);
+    if (proof_.state == db::SafeState::kVerified) rig_->dismiss_dead_man();
+    if (sequencer_) {
+      (void)sequencer_->times().start(Spent::kTeardown);
+      result_.time_spent = sequencer_->times().text();
+    }
+    result_.process_seconds = static_cast<double>(rig_->clock().now().count()) * 1e-9;
+    if (ended_by_) return;
+    try {
+      save_specimen(*rig_, request_.specimen_state_file);
+    } catch (...) {
+      ended_by_ = why_ended();
+    }
+  }
+
+  void close() {
+    const devices::SteadyClock no_rig_clock;
+    if (!recorder_) recorder_ = std::make_unique<Recorder>(store_, result_.run, no_rig_clock, offset_);
+    result_.frames = recorder_->frames();
+    result_.most_exchanges_a_step = recorder_->most_exchanges();
+    result_.store_seconds = recorder_->store_seconds();
+    result_.branches_redone = conductor_ ? conductor_->redone() : 0;
+    result_.safe = proof_.state;
+    result_.safe_text = proof_.text;
+    if (!ended_by_ && proof_.state != db::SafeState::kVerified) {
+      ended_by_ = Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved",
+                        fmt::format("run {}", result_.run), "look at the chamber's own gauge before touching the rig");
+    }
+    result_.outcome = ended_by_ ? outcome_of(*ended_by_) : db::Outcome::kCompleted;
+    const std::string reason = ended_by_ ? fmt::format("{}: {}", ended_by_->id(), ended_by_->what()) : "all steps done";
+    try {
+      write_end(reason);
+    } catch (...) {  // the store itself failed: the row stays open and the next start marks it interrupted
+      if (!ended_by_) ended_by_ = why_ended();
+    }
+    if (ended_by_) {
+      const std::string kept = fmt::format("{}; run {} kept with {} frames", proof_.text, result_.run, result_.frames);
+      const ExitCode code = proof_.state == db::SafeState::kVerified ? ended_by_->code() : ExitCode::kUnsafe;
+      result_.error = Error(code, ended_by_->id(), ended_by_->what(), ended_by_->where(), ended_by_->remedy(), kept);
+    }
+    notify_.tell(ended_by_ ? "failed" : "done", result_.run, reason);
+  }
+
+  void write_end(const std::string& reason) {
+    if (rig_ && !rig_->relay_operations().empty()) {
+      recorder_->event("relays", "",
+                       fmt::format("closed {} times, row by row", fmt::join(rig_->relay_operations(), " ")));
+    }
+    if (ended_by_) recorder_->event("fault", ended_by_->id(), ended_by_->what());
+    if (!result_.time_spent.empty()) recorder_->event("time", "", result_.time_spent);
+    if (conductor_) {
+      conductor_->set_state(RunState::kStopping, reason);
+    } else {
+      recorder_->state(RunState::kStopping, reason);
+    }
+    recorder_->event("safe", to_string(proof_.state), proof_.text);
+    store_.end_run(result_.run, result_.outcome, reason, proof_.state, utc_now());
+    result_.content_sha256 = store_.run(result_.run).content_sha256;
+  }
+
+  const RunRequest& request_;
+  db::RunStore& store_;
+  Progress& progress_;
+  Notify notify_;
+  const StopRequest signals_;
+  Control control_;
+  Work work_;
+  devices::Nanoseconds offset_{0};
+  RunResult result_;
+  std::unique_ptr<Rig> rig_;
+  std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Sequencer> sequencer_;
+  std::unique_ptr<Conductor> conductor_;
+  std::unique_ptr<ControlSocket> socket_;
+  Baseline baseline_;
+  SafeProof proof_;
+  std::optional<Error> ended_by_;
+  bool store_lost_ = false;  // nobody waits for its locks on the way out
+};
 
 }  // namespace
 
 RunResult characterize(const RunRequest& request, db::RunStore& store, Progress& progress) {
-  check_limits(request.recipes, request.bench.limits);
-  check_geometry(request);
-  const std::vector<sequences::Step> steps = sequences::compile(request.recipes);
-  RunResult result;
-  result.run = store.begin_run(record_of(request));
-  const StopRequest stop;
-  std::unique_ptr<Rig> rig;
-  std::unique_ptr<Recorder> recorder;
-  const devices::SteadyClock no_rig_clock;
-  std::optional<Error> ended_by;
-  Baseline baseline;
-  try {
-    rig = std::make_unique<Rig>(request.bench);
-    recorder = std::make_unique<Recorder>(store, result.run, rig->clock());
-    load_specimen(*rig, request.specimen_state_file);
-    rig->open();
-    store.set_devices(result.run, rig->devices());
-    for (const std::string& layer : fail_safe_layers(request.bench)) recorder->event("fail-safe", "", layer);
-    record_environment(*rig, *recorder);
-    check_scanner(request, rig->array().identity().serial);
-    Sequencer sequencer(*rig, *recorder, progress, stop);
-    baseline = sequencer.read_baseline();
-    recorder->state(RunState::kRunning, "devices open, chamber unloaded");
-    sequencer.run(steps, request.label);
-    record_environment(*rig, *recorder);
-  } catch (...) {
-    ended_by = why_ended(result.run, recorder ? recorder->frames() : 0);
-  }
-  progress.finish();
-  // Teardown runs after any failure; each part is bounded and none stops the next.
-  SafeProof proof{db::SafeState::kVerified, "no device was opened"};
-  if (rig) {
-    proof = make_safe(*rig, baseline);
-    result.process_seconds = static_cast<double>(rig->clock().now().count()) * 1e-9;
-  }
-  try {
-    if (rig && !ended_by) save_specimen(*rig, request.specimen_state_file);
-  } catch (...) {
-    ended_by = why_ended(result.run, recorder->frames());
-  }
-  if (!recorder) recorder = std::make_unique<Recorder>(store, result.run, no_rig_clock);
-  result.frames = recorder->frames();
-  result.most_exchanges_a_step = recorder->most_exchanges();
-  result.safe = proof.state;
-  result.safe_text = proof.text;
-  if (!ended_by && proof.state != db::SafeState::kVerified) {
-    ended_by = Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved",
-                     fmt::format("run {}", result.run), "look at the chamber's own gauge before touching the rig");
-  }
-  result.outcome = ended_by ? outcome_of(*ended_by) : db::Outcome::kCompleted;
-  std::string reason = ended_by ? fmt::format("{}: {}", ended_by->id(), ended_by->what()) : "all steps done";
-  try {
-    if (rig && !rig->relay_operations().empty()) {
-      recorder->event("relays", "",
-                      fmt::format("closed {} times, row by row", fmt::join(rig->relay_operations(), " ")));
-    }
-    if (ended_by) recorder->event("fault", ended_by->id(), ended_by->what());
-    recorder->state(RunState::kStopping, reason);
-    recorder->event("safe", to_string(proof.state), proof.text);
-    store.end_run(result.run, result.outcome, reason, proof.state, utc_now());
-    result.content_sha256 = store.run(result.run).content_sha256;
-  } catch (...) {  // the store itself failed: the row stays open and the next start marks it interrupted
-    if (!ended_by) ended_by = why_ended(result.run, result.frames);
-  }
-  if (ended_by) {
-    const std::string kept = fmt::format("{}; run {} kept with {} frames", proof.text, result.run, result.frames);
-    const ExitCode code = proof.state == db::SafeState::kVerified ? ended_by->code() : ExitCode::kUnsafe;
-    result.error = Error(code, ended_by->id(), ended_by->what(), ended_by->where(), ended_by->remedy(), kept);
-  }
-  return result;
+  return Life(request, store, progress).live();
 }
 
 }  // namespace tactbench::bench

@@ -7,16 +7,17 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include "bench/error.h"
-#include "bench/run/characterize.h"
+#include "bench/run/recorder.h"
+#include "bench/utc.h"
 
 namespace tactbench::bench {
-
-namespace {
 
 std::string runtime_folder() {
   const char* given = std::getenv("XDG_RUNTIME_DIR");
@@ -26,6 +27,10 @@ std::string runtime_folder() {
   mkdir(base.c_str(), 0700);
   return base;
 }
+
+namespace {
+
+constexpr devices::Nanoseconds kDeadManEnds = std::chrono::seconds(15);
 
 std::string store_lock_name(const std::string& db_path) {
   return "store-" + db::sha256_hex(std::filesystem::weakly_canonical(db_path).string()).substr(0, 16);
@@ -64,14 +69,34 @@ void FileLock::write_owner(const std::string& text) const {
   if (ftruncate(fd_, 0) != 0 || pwrite(fd_, text.data(), text.size(), 0) < 0) return;  // the lock itself holds
 }
 
+FileLock dead_man_lock(const std::string& bench_id, devices::Nanoseconds longest) {
+  constexpr auto kTurn = std::chrono::milliseconds(10);
+  const auto end = std::chrono::steady_clock::now() + longest;
+  for (;;) {
+    FileLock lock(bench_id + ".dead-man", true);
+    if (lock.held() || std::chrono::steady_clock::now() >= end) return lock;
+    std::this_thread::sleep_for(kTurn);
+  }
+}
+
 BenchLock::BenchLock(const BenchConfig& config) : lock_(!config.in_process ? FileLock(config.id, true) : FileLock()) {
   if (config.in_process) return;
   if (!lock_.held()) {
     throw Error(ExitCode::kUsage, "TB-BENCH-LOCKED",
                 fmt::format("bench '{}' is in use by {}", config.id, lock_.owner()), lock_.path(),
-                "wait for it to end, or end it with Ctrl-C where it runs");
+                "wait for it to end, or end it: tactbench stop");
   }
   lock_.write_owner(fmt::format("pid {}", getpid()));
+  const FileLock dead_man = dead_man_lock(config.id, kDeadManEnds);
+  if (dead_man.held()) return;
+  throw Error(
+      ExitCode::kUsage, "TB-BENCH-LOCKED",
+      fmt::format("the dead-man ({}) of the run before is still making bench '{}' safe", dead_man.owner(), config.id),
+      dead_man.path(), "look at the rig: the chamber may hold pressure; then try again");
+}
+
+void BenchLock::name_run(std::int64_t run, const std::string& db_path) const {
+  if (lock_.held()) lock_.write_owner(fmt::format("pid {}, run {} of {}", getpid(), run, db_path));
 }
 
 RunLock::RunLock(const std::string& db_path) : lock_(store_lock_name(db_path), false) {}

@@ -2,12 +2,17 @@
 // knows that an unended run in a store has no living process.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "bench/config.h"
 #include "db/run_store.h"
+#include "devices/clock.h"
 
 namespace tactbench::bench {
+
+// $XDG_RUNTIME_DIR/tactbench, else in the system's temporary folder; made with mode 0700.
+std::string runtime_folder();
 
 // An flock on a file of $XDG_RUNTIME_DIR/tactbench (fallback: the system's temporary folder), released with the
 // process however it ends.
@@ -28,11 +33,16 @@ class FileLock {
   int fd_ = -1;
 };
 
-// Throws Error TB-BENCH-LOCKED naming pid and store of the run that has the bench. A simulated bench lives inside its
-// process and needs no lock.
+// Held by a bench's dead-man as long as it lives, so that the one of a killed run never vents what the next run fills.
+// Waits at most `longest` (real time) for it; not held: another dead-man is still at work.
+FileLock dead_man_lock(const std::string& bench_id, devices::Nanoseconds longest);
+
+// Waits for a dead-man that still makes the bench safe, at most 15 s. Throws Error TB-BENCH-LOCKED naming pid, run and
+// store of who has the bench. A simulated bench lives inside its process and needs no lock.
 class BenchLock {
  public:
   explicit BenchLock(const BenchConfig& config);
+  void name_run(std::int64_t run, const std::string& db_path) const;  // for whoever is refused
 
  private:
   FileLock lock_;

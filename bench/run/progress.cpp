@@ -16,7 +16,7 @@ Progress::Mode Progress::mode_for(bool quiet) {
   return isatty(STDERR_FILENO) != 0 && std::getenv("CI") == nullptr && !dumb ? Mode::kTerminal : Mode::kPlain;
 }
 
-void Progress::step(const std::string& label, int done, int total, double pressure_psi) {
+void Progress::step(const std::string& label, int done, int total, const sequences::Step& now_doing, double left_s) {
   if (mode_ == Mode::kQuiet) return;
   const auto now = Clock::now();
   const auto interval = mode_ == Mode::kTerminal ? std::chrono::milliseconds(100) : std::chrono::milliseconds(10000);
@@ -24,10 +24,13 @@ void Progress::step(const std::string& label, int done, int total, double pressu
   if (now - shown_ < interval && done != total) return;
   shown_ = now;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double left = done > 0 ? elapsed * (total - done) / done : 0.0;
+  const double by_pace = done > 0 ? elapsed * (total - done) / done : 0.0;
+  const double left = left_s >= 0.0 ? left_s : by_pace;
+  const bool presses = now_doing.force_to_n != now_doing.force_from_n;
   const std::string line =
-      fmt::format("{}: step {}/{}  {:5.1f} psi  {:3.0f} %  {:.0f}:{:02.0f} left", label, done, total, pressure_psi,
-                  100.0 * done / total, std::floor(left / 60.0), std::floor(left - 60.0 * std::floor(left / 60.0)));
+      fmt::format("{}: step {}/{}  {:5.1f} {}  {:3.0f} %  {:.0f}:{:02.0f} left", label, done, total,
+                  presses ? now_doing.force_n : now_doing.setpoint.value(), presses ? "N" : "psi", 100.0 * done / total,
+                  std::floor(left / 60.0), std::floor(left - 60.0 * std::floor(left / 60.0)));
   if (mode_ == Mode::kTerminal) {
     fmt::print(stderr, "\r{}\x1b[K", line);
     std::fflush(stderr);
@@ -35,6 +38,11 @@ void Progress::step(const std::string& label, int done, int total, double pressu
   } else {
     fmt::print(stderr, "{}\n", line);
   }
+}
+
+void Progress::note(const std::string& text) {
+  finish();
+  fmt::print(stderr, "{}\n", text);
 }
 
 void Progress::finish() {

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <string>
 
+#include "sequences/step.h"
+
 namespace tactbench::bench {
 
 class Progress {
@@ -13,8 +15,10 @@ class Progress {
   explicit Progress(Mode mode) : mode_(mode) {}
   // kTerminal or kPlain by what standard error is; kQuiet when asked.
   static Mode mode_for(bool quiet);
-  // `done` of `total` steps; time left follows from the pace so far.
-  void step(const std::string& label, int done, int total, double pressure_psi);
+  // `done` of `total` steps. Below 0, the time left follows from the pace so far.
+  void step(const std::string& label, int done, int total, const sequences::Step& now, double left_s);
+  // A line that stays: what a person has to know now. Shown in every mode.
+  void note(const std::string& text);
   void finish();
 
  private:

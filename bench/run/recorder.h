@@ -1,9 +1,12 @@
-// Typed readings -> rows: opens branches as steps enter them, appends one frame a step, and is the only writer of a
-// run's state while it runs.
+// Typed readings -> rows: one frame a step with the trace since the frame before it, branches with their attempts, and
+// the only writer of a run's state while it runs.
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/run/run_state.h"
 #include "db/run_store.h"
@@ -19,27 +22,50 @@ struct StepReadings {
   devices::ScanSet scans;
   devices::Nanoseconds commanded_at{0}, in_band_since{0};
   int exchanges = 0;
+  std::string flags;
+  std::optional<db::WrenchRecord> wrench;
 };
 
 class Recorder {
  public:
-  Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock)
-      : store_(store), run_(run), clock_(clock) {}
+  // `offset` is added to the clock's time: a run that was opened again goes on in time. Attempts already stored are
+  // counted on.
+  Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
+
+  void open_branch(const sequences::Step& step);                          // the next attempt at the step's branch
+  void void_branch(const std::string& reason);                            // the open one; nothing when none is open
+  void void_repeat(int sequence, int repeat, const std::string& reason);  // all its branches so far
+  void close_branch() { branch_ = 0; }
+  // One look at the pressures, kept until the next frame is stored with all of them.
+  void poll(devices::Psi setpoint, const devices::PressureReading& feedback, const devices::PressureReading& reference);
   void frame(const sequences::Step& step, const StepReadings& readings);
   void event(const std::string& kind, const std::string& id, const std::string& detail);
+  void check(const std::string& kind, const std::string& verdict, const std::string& detail_json,
+             std::vector<double> data);
   // Throws std::logic_error on a change that the table does not allow.
   void state(RunState next, const std::string& reason);
-  [[nodiscard]] int frames() const { return frames_; }
+  [[nodiscard]] RunState state() const { return state_; }
+  [[nodiscard]] int frames() const { return frames_; }  // of this process
   [[nodiscard]] int most_exchanges() const { return most_exchanges_; }
+  [[nodiscard]] std::int64_t run() const { return run_; }
+  [[nodiscard]] double store_seconds() const { return store_seconds_; }  // real, spent in storing frames
 
  private:
+  [[nodiscard]] std::int64_t now_ns() const { return (clock_.now() + offset_).count(); }
+  struct Poll {
+    devices::Nanoseconds time{0};
+    float setpoint_psi = 0.0F, feedback_psi = 0.0F, reference_psi = 0.0F;
+  };
   db::RunStore& store_;
   std::int64_t run_;
   const devices::Clock& clock_;
+  devices::Nanoseconds offset_;
   RunState state_ = RunState::kPrepared;
-  std::int64_t branch_ = 0;
-  int sequence_ = -1, repeat_ = -1, ordinal_ = -1;
+  std::int64_t branch_ = 0;  // 0: none is open
+  std::map<sequences::BranchKey, int> attempts_;
+  std::vector<Poll> polls_;
   int frames_ = 0, most_exchanges_ = 0;
+  double store_seconds_ = 0.0;
 };
 
 }  // namespace tactbench::bench

@@ -1,34 +1,44 @@
 #include "bench/run/run_state.h"
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
 namespace tactbench::bench {
 
 namespace {
 
+using S = RunState;
+
 struct Row {
   RunState state;
   const char* word;
-  std::array<RunState, 2> next;  // repeated where there is only one
+  std::vector<RunState> next;
 };
 
 // A run that fails before its first step still goes through stopping: the safe state is proved on every way out.
-constexpr std::array<Row, 4> kTable = {{
-    {RunState::kPrepared, "prepared", {RunState::kRunning, RunState::kStopping}},
-    {RunState::kRunning, "running", {RunState::kStopping, RunState::kStopping}},
-    {RunState::kStopping, "stopping", {RunState::kEnded, RunState::kEnded}},
-    {RunState::kEnded, "ended", {RunState::kEnded, RunState::kEnded}},
-}};
+const std::array<Row, 7>& table() {
+  static const std::array<Row, 7> rows = {{
+      {S::kPrepared, "prepared", {S::kRunning, S::kStopping}},
+      {S::kRunning, "running", {S::kPausing, S::kSuspended, S::kStopping}},
+      {S::kPausing, "pausing", {S::kPaused, S::kRunning, S::kSuspended, S::kStopping}},
+      {S::kPaused, "paused", {S::kRunning, S::kStopping}},
+      {S::kSuspended, "suspended", {S::kRunning, S::kPaused, S::kStopping}},
+      {S::kStopping, "stopping", {S::kEnded}},
+      {S::kEnded, "ended", {}},
+  }};
+  return rows;
+}
 
-const Row& row_of(RunState state) { return kTable[static_cast<std::size_t>(state)]; }
+const Row& row_of(RunState state) { return table()[static_cast<std::size_t>(state)]; }
 
 }  // namespace
 
 const char* to_string(RunState state) { return row_of(state).word; }
 
 bool may_follow(RunState from, RunState to) {
-  const Row& row = row_of(from);
-  return from != RunState::kEnded && (row.next[0] == to || row.next[1] == to);
+  const std::vector<RunState>& next = row_of(from).next;
+  return std::find(next.begin(), next.end(), to) != next.end();
 }
 
 }  // namespace tactbench::bench

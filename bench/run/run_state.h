@@ -5,7 +5,15 @@
 
 namespace tactbench::bench {
 
-enum class RunState { kPrepared, kRunning, kStopping, kEnded };
+enum class RunState {
+  kPrepared,
+  kRunning,
+  kPausing,    // asked to pause: goes on to the end of the branch
+  kPaused,     // vented, waits for a person
+  kSuspended,  // vented, waits for a condition (supply pressure, temperature)
+  kStopping,   // teardown, safe state
+  kEnded,
+};
 
 const char* to_string(RunState state);
 // The table: which state may follow which.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "bench/process_time.h"
 #include "devices/fault.h"
@@ -13,53 +15,124 @@ namespace tactbench::bench {
 
 using devices::Fault;
 using devices::Nanoseconds;
+using devices::Psi;
 using sequences::Step;
-using sequences::StepKind;
 
 namespace {
+
+constexpr double kRampTick = 0.1;         // s of process time between two set-points of a ramp
+constexpr double kConditionsEvery = 5.0;  // s of process time between two looks at the surroundings
 
 double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
 
 }  // namespace
 
+void Sequencer::follow(const sequences::Recipe& recipe) {
+  recipe_ = &recipe;
+  suspension_.follow(recipe.suspend);
+}
+
 Baseline Sequencer::read_baseline() {
-  StepReadings readings;
-  poll(readings);
-  const double highest = std::max(readings.feedback.pressure.value(), readings.reference.pressure.value());
+  poll();
+  const double highest = std::max(readings_.feedback.pressure.value(), readings_.reference.pressure.value());
   if (highest >= rig_.config().limits.safe_psi) {
     throw Fault("TB-CHAMBER-NOT-VENTED", "chamber",
                 fmt::format("{:.1f} psi stand in the chamber before the first command", highest),
                 "vent the chamber; check the zero of regulator and reference");
   }
-  return baseline_of(rig_.array().read(rig_.config().scans_per_frame));
+  std::string flags;
+  return baseline_of(read_array(flags));
 }
 
-void Sequencer::run(const std::vector<Step>& steps, const std::string& label) {
-  int done = 0;
-  for (const Step& step : steps) {
-    carry_out(step);
-    ++done;
-    progress_.step(label, done, static_cast<int>(steps.size()), step.setpoint.value());
+void Sequencer::begin_branch(const Step& first, bool tolerant) {
+  tolerant_ = tolerant;
+  broken_ = false;
+  guard_.emplace(first.branch_from.value(), first.branch_to.value(), recipe_->guard.tolerance.value());
+}
+
+void Sequencer::begin_step() {
+  step_deadline_ =
+      recipe_->step_timeout_s > 0.0 ? rig_.clock().now() + seconds(recipe_->step_timeout_s) : Nanoseconds::max();
+}
+
+void Sequencer::chamber_step(const Step& step) {
+  const std::uint64_t exchanges_before = rig_.exchanges();
+  readings_.flags.clear();
+  left_band_ = false;
+  if (!rig_.source().armed()) {  // the stage had its turn
+    rig_.source().arm();
+    setpoint_ = Psi(0.0);
+  }
+  if (!step.hold) ramp(step);
+  if (step.settle && !step.hold) settle(step);
+  (void)times_.start(Spent::kDwelling);
+  dwell(step);
+  if (!sequences::takes_frame(step)) return;
+  (void)times_.start(Spent::kReading);
+  std::string retried;
+  readings_.scans = read_array(retried);
+  check_array();
+  last_frame_ = readings_.scans.time;
+  readings_.exchanges = static_cast<int>(rig_.exchanges() - exchanges_before);
+  const double dwelt = in_seconds(readings_.scans.time - readings_.in_band_since);
+  const bool dwells = step.settle && !step.hold;
+  if (dwells && std::abs(dwelt - step.dwell_s) > recipe_->dwell_tolerance_s) add_flag("dwell");
+  if (left_band_) add_flag("left-band");
+  if (broken_) add_flag("broken");
+  if (!retried.empty()) add_flag(retried);
+  recorder_.frame(step, readings_);
+}
+
+void Sequencer::check_array() {
+  constexpr double kFollows = 1.0;  // psi over which a row with a wire has to move
+  const StuckRows stuck = stuck_rows_.see(readings_.scans, readings_.reference.pressure.value(), kFollows);
+  if (stuck.all) {
+    throw Fault("TB-SCANNER-STALE", "tactile scanner",
+                fmt::format("the frame at {:.1f} psi is to the last bit the one before, at another pressure",
+                            readings_.reference.pressure.value()),
+                "the scanner repeats what it read: restart it; check its firmware's buffer");
+  }
+  if (!stuck.rows.empty()) add_flag("row-stuck");
+}
+
+void Sequencer::add_flag(const std::string& flag) {
+  if (!readings_.flags.empty()) readings_.flags += ' ';
+  readings_.flags += flag;
+}
+
+// The set-point goes at a limited rate, in ticks; a small step is one tick. Where frames are read in passing, the
+// pressure follows the ramp and nothing settles.
+void Sequencer::ramp(const Step& step) {
+  (void)times_.start(Spent::kMoving);
+  const SafetyLimits& limits = rig_.config().limits;
+  const double rate =
+      step.ramp_psi_per_s > 0.0 ? std::min(step.ramp_psi_per_s, limits.rate_psi_per_s) : limits.rate_psi_per_s;
+  const double tick_psi = std::min(rate * kRampTick, limits.step_psi);
+  readings_.commanded_at = readings_.in_band_since = rig_.clock().now();
+  bool moved = false;
+  for (;;) {
+    const double left = (step.setpoint - setpoint_).value();
+    const bool last = std::abs(left) <= tick_psi * (1.0 + 1e-9);
+    // The last tick of a long way is taken from rest: its overshoot is then that of a small step.
+    if (last && moved && step.settle) wait_until(rig_.clock().now() + seconds(rig_.config().settling.landing_s));
+    if (rig_.clock().now() - polled_ > seconds(0.5 * limits.stale_s)) poll();  // the guard wants fresh witnesses
+    moved = true;
+    setpoint_ = last ? step.setpoint : setpoint_ + Psi(std::copysign(tick_psi, left));
+    readings_.setpoint_counts = rig_.source().command(setpoint_);
+    if (last && step.settle) return;
+    const double share = last ? std::abs(left) / tick_psi : 1.0;
+    wait_until(rig_.clock().now() + seconds(kRampTick * share));
+    poll();
+    if (last) return;
   }
 }
 
-void Sequencer::carry_out(const Step& step) {
-  const std::uint64_t exchanges_before = rig_.exchanges();
-  StepReadings readings;
-  settle(step, readings);
-  dwell(step, readings);
-  if (step.kind == StepKind::kConditioning) return;
-  readings.scans = rig_.array().read(rig_.config().scans_per_frame);
-  readings.exchanges = static_cast<int>(rig_.exchanges() - exchanges_before);
-  recorder_.frame(step, readings);
-}
-
-void Sequencer::settle(const Step& step, StepReadings& readings) {
+void Sequencer::settle(const Step& step) {
+  (void)times_.start(Spent::kSettling);
   const Settling& settling = rig_.config().settling;
   devices::Clock& clock = rig_.clock();
-  readings.commanded_at = clock.now();
-  readings.setpoint_counts = rig_.source().command(step.setpoint);
-  const Nanoseconds deadline = readings.commanded_at + seconds(settling.timeout_s);
+  const Nanoseconds start = clock.now();
+  const Nanoseconds deadline = start + seconds(settling.timeout_s);
   const Nanoseconds feed = rig_.config().regulator.feed_interval;
   // The first look when the first feeding is due, then a few quick ones while a small step arrives; a long way is
   // watched only as often as the module is fed, to spare exchanges.
@@ -67,54 +140,74 @@ void Sequencer::settle(const Step& step, StepReadings& readings) {
   double last_reference = std::numeric_limits<double>::infinity();
   for (int polls = 0;; ++polls) {
     const bool quick = polls > 0 && polls <= kQuickPolls;
-    const Nanoseconds pause = quick ? seconds(settling.poll_s) : std::max(seconds(settling.poll_s), feed);
+    const Nanoseconds calm = settling.trace_s > 0.0 ? std::min(feed, seconds(settling.trace_s)) : feed;
+    const Nanoseconds pause = quick ? seconds(settling.poll_s) : std::max(seconds(settling.poll_s), calm);
     const Nanoseconds before = clock.now();
     wait_until(before + pause);
-    poll(readings);
-    const double reference = readings.reference.pressure.value();
+    poll();
+    const double reference = readings_.reference.pressure.value();
     const double slope = std::abs(reference - last_reference) / in_seconds(clock.now() - before);
     last_reference = reference;
-    const double miss = std::abs((readings.feedback.pressure - step.setpoint).value());
+    const double miss = std::abs((readings_.feedback.pressure - step.setpoint).value());
     if (miss <= settling.band_psi && slope <= settling.slope_psi_per_s) break;
     if (clock.now() >= deadline) {
       throw Fault("TB-CHAMBER-TIMEOUT", "chamber",
                   fmt::format("chamber did not reach {:.1f} psi ({:.1f} kPa) within {:g} s; last reading {:.2f} psi by "
                               "the regulator, {:.2f} psi by the reference, moving {:.2f} psi/s",
                               step.setpoint.value(), devices::kilopascals(step.setpoint), settling.timeout_s,
-                              readings.feedback.pressure.value(), reference, slope),
+                              readings_.feedback.pressure.value(), reference, slope),
                   "check the compressor supply and for leaks; raise [settling] timeout_s or band_psi");
     }
   }
-  readings.in_band_since = clock.now();
+  readings_.in_band_since = clock.now();
 }
 
-void Sequencer::dwell(const Step& step, StepReadings& readings) {
-  const Nanoseconds end = readings.in_band_since + seconds(step.dwell_s);
+void Sequencer::dwell(const Step& step) {
+  const Settling& settling = rig_.config().settling;
   const Nanoseconds feed = rig_.config().regulator.feed_interval;
+  const Nanoseconds every = settling.trace_s > 0.0 ? std::min(feed, seconds(settling.trace_s)) : feed;
+  const Nanoseconds end = (step.hold ? last_frame_ : readings_.in_band_since) + seconds(step.dwell_s);
+  Nanoseconds looked = rig_.clock().now();
   while (rig_.clock().now() < end) {
-    wait_until(std::min(end, rig_.source().last_fed() + feed));
-    poll(readings);
+    wait_until(std::min({end, rig_.source().last_fed() + feed, looked + every}));
+    poll();
+    looked = rig_.clock().now();
+    const double miss = std::abs((readings_.feedback.pressure - step.setpoint).value());
+    left_band_ = left_band_ || (step.settle && miss > settling.band_psi);
   }
 }
 
-void Sequencer::poll(StepReadings& readings) {
-  rig_.source().keep_alive();
-  readings.feedback = rig_.source().feedback();
-  readings.reference = rig_.reference().read();
-  const double trip = rig_.config().limits.trip_psi;
-  const double highest = std::max(readings.feedback.pressure.value(), readings.reference.pressure.value());
-  if (highest > trip) {
-    throw Fault("TB-CHAMBER-TRIP", "chamber",
-                fmt::format("{:.1f} psi measured, above the trip of {:.1f} psi", highest, trip),
-                "check regulator and reference before the next run; the limit is [limits] trip_psi");
+devices::ScanSet Sequencer::read_array(std::string& flags) {
+  const int attempts = 1 + (recipe_ != nullptr ? recipe_->retry.frame : 0);
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return rig_.array().read(rig_.config().scans_per_frame);
+    } catch (const Fault& fault) {
+      recorder_.event("attempt", fault.id(), fmt::format("frame, {} of {}: {}", attempt, attempts, fault.what()));
+      if (attempt >= attempts) throw;
+      if (!recipe_->retry.any_passes) flags = "retried";
+      wait_until(rig_.clock().now());
+    }
   }
-  check_agreement(readings);
+}
+
+void Sequencer::poll() {
+  rig_.source().keep_alive();
+  polled_ = rig_.clock().now();
+  readings_.feedback = rig_.source().feedback();
+  readings_.reference = rig_.reference().read();
+  recorder_.poll(setpoint_, readings_.feedback, readings_.reference);
+  check_agreement();
+  if (!guard_) return;
+  const std::optional<std::string> broken = guard_->see(readings_.reference.pressure.value());
+  if (broken && !tolerant_) throw PathBroken{*broken + " psi"};
+  broken_ = broken_ || broken.has_value();
 }
 
 // On the way to a level the two may differ by what one lags behind the other; standing apart, one of them lies.
-void Sequencer::check_agreement(const StepReadings& readings) {
+void Sequencer::check_agreement() {
   const SafetyLimits& limits = rig_.config().limits;
-  const double apart = std::abs((readings.feedback.pressure - readings.reference.pressure).value());
+  const double apart = std::abs((readings_.feedback.pressure - readings_.reference.pressure).value());
   if (apart <= limits.disagreement_psi) {
     disagree_since_.reset();
     return;
@@ -124,15 +217,56 @@ void Sequencer::check_agreement(const StepReadings& readings) {
   if (now - *disagree_since_ < seconds(limits.disagreement_s)) return;
   throw Fault("TB-CHAMBER-DISAGREE", "chamber",
               fmt::format("the regulator's feedback reads {:.2f} psi and the reference {:.2f} psi, apart for {:.1f} s",
-                          readings.feedback.pressure.value(), readings.reference.pressure.value(),
+                          readings_.feedback.pressure.value(), readings_.reference.pressure.value(),
                           in_seconds(now - *disagree_since_)),
               "check both against a hand gauge (`tactbench devices calibrate-reference`), the transducer's wiring and "
               "spans; the limits are [limits] disagreement_psi and disagreement_s");
 }
 
+void Sequencer::check_conditions() {
+  if (suspension_.empty() || rig_.clock().now() < conditions_due_) return;
+  conditions_due_ = rig_.clock().now() + seconds(kConditionsEvery);
+  if (const std::optional<Suspended> suspended = suspension_.tripped(rig_.environment())) throw *suspended;
+}
+
+void Sequencer::look() {
+  control_.look(signals_);
+  if (listener_) listener_();
+}
+
 void Sequencer::wait_until(Nanoseconds time) {
-  rig_.clock().wait_until(time);
-  if (stop_.signal() != 0) throw Stopped{stop_.signal()};
+  devices::Clock& clock = rig_.clock();
+  const Nanoseconds slice = seconds(rig_.config().in_process ? 0.5 : 0.1 * rig_.config().rate);
+  do {
+    clock.wait_until(std::min(time, clock.now() + slice));
+    look();
+  } while (clock.now() < time);
+  if (clock.now() > step_deadline_) {
+    throw Fault("TB-STEP-TIMEOUT", "sequencer", fmt::format("a step took longer than {:g} s", recipe_->step_timeout_s),
+                "see the trace of the last frames; the limit is the recipe's [timeout] step_s");
+  }
+  check_conditions();
+}
+
+void Sequencer::hold_vented(double duration_s) {
+  Step rest;
+  rest.dwell_s = duration_s;
+  rest.settle = false;
+  readings_.in_band_since = rig_.clock().now();
+  dwell(rest);
+}
+
+void Sequencer::idle() {
+  constexpr auto kTurn = std::chrono::milliseconds(200);
+  step_deadline_ = Nanoseconds::max();
+  // A turned clock does not wait by itself, and a person takes real time.
+  if (rig_.config().in_process) std::this_thread::sleep_for(kTurn / 10);
+  const Nanoseconds end = rig_.clock().now() + kTurn;
+  while (rig_.clock().now() < end) {
+    rig_.clock().wait_until(std::min(end, rig_.clock().now() + seconds(0.1 * rig_.config().rate)));
+    look();
+  }
+  poll();
 }
 
 }  // namespace tactbench::bench

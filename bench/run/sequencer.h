@@ -1,46 +1,89 @@
-// Carries out compiled steps on a rig: command, settle, dwell, read, record. Decides what a fault means: nobody else
-// does. Reads as a list of steps.
+// Carries out single steps on the chamber: ramp, settle, dwell, read, record. What a fault means is decided one floor
+// up (conductor.h).
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "bench/rig.h"
-#include "bench/run/progress.h"
+#include "bench/run/branch_guard.h"
+#include "bench/run/control.h"
 #include "bench/run/recorder.h"
 #include "bench/run/stop_request.h"
+#include "bench/run/stuck_rows.h"
+#include "bench/run/suspension.h"
+#include "bench/run/time_spent.h"
 #include "bench/safety/safe_state.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {
 
-// Thrown when a signal asked for an end.
-struct Stopped {
-  int signal = 0;
-};
-
 class Sequencer {
  public:
-  Sequencer(Rig& rig, Recorder& recorder, Progress& progress, const StopRequest& stop)
-      : rig_(rig), recorder_(recorder), progress_(progress), stop_(stop) {}
+  Sequencer(Rig& rig, Recorder& recorder, Control& control, const StopRequest& signals)
+      : rig_(rig), recorder_(recorder), control_(control), signals_(signals), times_(rig.clock()) {}
 
+  // Whose rules hold from now on: tolerances, retries, conditions. It has to outlive this.
+  void follow(const sequences::Recipe& recipe);
   // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when pressure stands in the
   // chamber.
   Baseline read_baseline();
-  // Throws Fault (device, TB-CHAMBER-TIMEOUT, TB-CHAMBER-TRIP) or Stopped; the caller makes safe.
-  void run(const std::vector<sequences::Step>& steps, const std::string& label);
+
+  // Between these two the measured reference has to go one way, else a step throws PathBroken.
+  // Tolerant: a broken path is only flagged on its frames.
+  void begin_branch(const sequences::Step& first, bool tolerant);
+  void end_branch() { guard_.reset(); }
+  void begin_step();  // from here the recipe's time for one step runs
+  // A step of kind kConditioning or kMeasure. Throws Fault (devices, TB-CHAMBER-TIMEOUT, TB-CHAMBER-DISAGREE,
+  // TB-STEP-TIMEOUT), Leave, Suspended, PathBroken.
+  void chamber_step(const sequences::Step& step);
+  // All K scans; tries again as the recipe allows, each failure an event. `flags` tells of it.
+  [[nodiscard]] devices::ScanSet read_array(std::string& flags);
+  [[nodiscard]] const StepReadings& last() const { return readings_; }
+
+  // Waits in slices, so that a word or a signal is heard within 0.1 s of real time. Throws Leave, Suspended.
+  void wait_until(devices::Nanoseconds time);
+  // For a vented rig that waits for a person: 0.2 s in which both pressures are watched. Throws Leave.
+  void idle();
+  // `duration_s` at 0 psi with the module fed and the pressures watched.
+  void hold_vented(double duration_s);
+  [[nodiscard]] const SuspensionWatch& conditions() const { return suspension_; }
+
+  // Called after each look at words and signals.
+  void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
+  [[nodiscard]] TimeSpent& times() { return times_; }
+  [[nodiscard]] Rig& rig() { return rig_; }
+  // Where the path began anew: pressure is 0, nothing dwells.
+  void forget() { setpoint_ = devices::Psi(0.0); }
 
  private:
-  void carry_out(const sequences::Step& step);
-  void settle(const sequences::Step& step, StepReadings& readings);
-  void dwell(const sequences::Step& step, StepReadings& readings);
-  void poll(StepReadings& readings);  // feeds when due, reads both witnesses, trips
-  void check_agreement(const StepReadings& readings);
-  void wait_until(devices::Nanoseconds time);
+  void ramp(const sequences::Step& step);
+  void settle(const sequences::Step& step);
+  void dwell(const sequences::Step& step);
+  void poll();  // feeds when due, reads both witnesses, keeps the trace
+  void check_agreement();
+  void check_array();  // against a scanner that tells what it told before
+  void add_flag(const std::string& flag);
+  void check_conditions();
+  void look();
   Rig& rig_;
   Recorder& recorder_;
-  Progress& progress_;
-  const StopRequest& stop_;
+  Control& control_;
+  const StopRequest& signals_;
+  TimeSpent times_;
+  std::function<void()> listener_;
+  const sequences::Recipe* recipe_ = nullptr;
+  StepReadings readings_;  // of the step under way
+  devices::Psi setpoint_{0.0};
+  std::optional<BranchGuard> guard_;
   std::optional<devices::Nanoseconds> disagree_since_;  // feedback and reference
+  StuckRowWatch stuck_rows_;
+  SuspensionWatch suspension_;
+  devices::Nanoseconds polled_{0}, conditions_due_{0};
+  devices::Nanoseconds last_frame_{0}, step_deadline_ = devices::Nanoseconds::max();
+  bool left_band_ = false, tolerant_ = false, broken_ = false;
 };
 
 }  // namespace tactbench::bench

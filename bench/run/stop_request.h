@@ -1,5 +1,5 @@
-// Asked to stop by a signal (Ctrl-C, SIGTERM): the sequencer looks between two waits and ends the run through the
-// safe state. A second signal changes nothing: there is no way out that does not vent.
+// Remembers Ctrl-C and the request to terminate, so that the sequencer can act at its next step. One object at a time;
+// the old handlers come back with its end.
 #pragma once
 
 #include <csignal>
@@ -8,13 +8,13 @@ namespace tactbench::bench {
 
 class StopRequest {
  public:
-  // Takes SIGINT and SIGTERM for as long as this object lives; one at a time.
   StopRequest();
   ~StopRequest();
   StopRequest(const StopRequest&) = delete;
   StopRequest& operator=(const StopRequest&) = delete;
-  // The signal's number, 0 for none.
-  [[nodiscard]] int signal() const;
+  [[nodiscard]] int signal() const;      // the first that came: SIGINT, SIGTERM; 0: none
+  [[nodiscard]] int interrupts() const;  // how often Ctrl-C
+  [[nodiscard]] bool terminate() const;
 
  private:
   struct sigaction old_interrupt_ {};

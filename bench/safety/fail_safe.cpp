@@ -8,6 +8,18 @@ std::vector<std::string> fail_safe_layers(const BenchConfig& config) {
   const devices::ModuleProfile& profile = config.module.profile;
   std::vector<std::string> lines = {fmt::format(
       "tactbench: every way out of a run vents and proves it; trip above {:g} psi", config.limits.trip_psi)};
+  if (!config.in_process && config.dead_man.enabled) {
+    lines.push_back(fmt::format(
+        "dead-man in a process of its own: fires when the program is gone, stands still for {:g} ms or gets no further "
+        "for {:g} ms; vents over its own connection{}",
+        1000.0 * config.dead_man.timeout_s, 1000.0 * config.dead_man.progress_s,
+        config.stage ? fmt::format(", stops the stage and backs z off by {:g} mm", config.dead_man.back_off_mm) : ""));
+  } else if (!config.in_process) {
+    lines.emplace_back("WARNING: [dead_man] enabled = false: nothing makes safe when the program dies but the module");
+  }
+  if (profile.dump_coil >= 0) {
+    lines.push_back(fmt::format("dump valve on coil {}: opens with every vent and without power", profile.dump_coil));
+  }
   for (const std::string& layer : profile.fail_safe.layers) {
     lines.push_back(fmt::format("{}: {}", profile.model, layer));
   }

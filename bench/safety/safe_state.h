@@ -19,7 +19,9 @@ struct SafeProof {
 using Baseline = std::vector<double>;
 Baseline baseline_of(const devices::ScanSet& scans);
 
-// Bounded by SafetyLimits::vent_timeout_s of process time plus a few link timeouts.
+// Vents, then retracts z where the stage was used, then hears the tactile array, which may contradict the pressures and
+// when it is there. Bounded by 10 s, SafetyLimits::vent_timeout_s of process time, the way of
+// z to clear, and a few link timeouts.
 SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept;
 
 }  // namespace tactbench::bench

@@ -8,7 +8,9 @@ namespace {
 
 constexpr double kStepSeconds = 0.0025;  // a 48th of the default time constant
 constexpr double kFullScaleVolts = 10.0;
-constexpr double kLeadPerPsi = 0.25;  // how fast the hysteresis turns over: fully within 4 widths of travel
+constexpr double kOvershootSeconds = 2.0;
+constexpr double kOvershootShare = 0.9;  // turned back here; what the chamber has of speed brings the rest
+constexpr double kLeadPerPsi = 0.25;     // how fast the hysteresis turns over: fully within 4 widths of travel
 
 }  // namespace
 
@@ -16,6 +18,11 @@ void Chamber::command(devices::Volts volts) {
   double seen = std::clamp(volts.value(), 0.0, kFullScaleVolts);
   if (options_.resolution_v > 0.0) seen = std::round(seen / options_.resolution_v) * options_.resolution_v;
   target_psi_ = seen / kFullScaleVolts * options_.span_psi;
+}
+
+void Chamber::overshoot(double psi) {
+  beyond_psi_ = psi;
+  beyond_s_ = kOvershootSeconds;
 }
 
 void Chamber::advance(double seconds) {
@@ -28,12 +35,22 @@ void Chamber::advance(double seconds) {
 void Chamber::step(double seconds) {
   // p'' = w^2 (target - p) - 2 z w p', rate limited; semi-implicit Euler.
   const double omega = 1.0 / options_.time_constant_s;
-  const double pull = omega * omega * (target_psi_ - believed_psi_);
+  const double pull = omega * omega * (target_psi_ + beyond_psi_ - believed_psi_);
   const double drag = 2.0 * options_.damping * omega * rate_psi_per_s_;
   rate_psi_per_s_ =
       std::clamp(rate_psi_per_s_ + (pull - drag) * seconds, -options_.slew_psi_per_s, options_.slew_psi_per_s);
+  if (trouble_.no_supply_fall_psi_per_s > 0.0) {
+    rate_psi_per_s_ = std::min(rate_psi_per_s_, -trouble_.no_supply_fall_psi_per_s);
+  }
+  if (trouble_.valve_shut) rate_psi_per_s_ = 0.0;
+  const double lost = trouble_.leak_psi_per_s + (dump_open_ ? options_.dump_psi_per_s : 0.0);
   const double before = believed_psi_;
-  believed_psi_ += (rate_psi_per_s_ - options_.leak_psi_per_s) * seconds;
+  believed_psi_ += (rate_psi_per_s_ - options_.leak_psi_per_s - lost) * seconds;
+  if (beyond_psi_ != 0.0) {
+    beyond_s_ -= seconds;
+    const double gone = (believed_psi_ - target_psi_) / beyond_psi_;
+    if (gone >= kOvershootShare || beyond_s_ <= 0.0) beyond_psi_ = 0.0;
+  }
   if (believed_psi_ < 0.0) {  // no vacuum
     believed_psi_ = 0.0;
     rate_psi_per_s_ = std::max(0.0, rate_psi_per_s_);

@@ -1,7 +1,6 @@
 #include "bench/simulation/plant.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -13,27 +12,19 @@ namespace {
 
 using devices::Nanoseconds;
 
-constexpr Nanoseconds kCell = std::chrono::milliseconds(10);
-// The specimen moves when the pressure has changed by this much, at each turning point, and in calm pressure at times
-// that grow with the calm, as creep's rate falls with it.
-constexpr double kMovePsi = 0.25;
-constexpr double kTurnPsi = 0.001;
-constexpr double kShortestCalmSeconds = 0.1;
-constexpr double kLongestCalmSeconds = 60.0;
-constexpr double kCalmGrowth = 0.5;
 constexpr double kFullScaleVolts = 10.0;
 constexpr double kNotSettledShare = 0.01;
 
 enum Stream : std::uint64_t { kFeedback = 101, kReference, kScan, kWrench };
-
-double seconds_of(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 }  // namespace
 
 Plant::Plant(const PlantOptions& options, const devices::Clock& clock)
     : options_(options),
       clock_(clock),
+      faults_(options.faults),
       chamber_(options.chamber),
+      contact_(options.contact, options.specimen.rows, options.specimen.columns),
       specimen_(options.specimen),
       time_(clock.now()),
       volts_(static_cast<std::size_t>(options.specimen.rows) * static_cast<std::size_t>(options.specimen.columns)) {}
@@ -44,6 +35,11 @@ void Plant::drive(devices::Volts command, Nanoseconds hold_until, devices::Volts
   advance_to(now);
   // The grid is cut only where the command changes: feeding the watchdog leaves no trace.
   if (command != command_ || (held_ && hold_until_ <= now)) step_to(now);
+  if (command != command_) {
+    if (const auto beyond = faults_.take(FaultKind::kOvershoot, now)) {
+      chamber_.overshoot(command > command_ ? *beyond : -*beyond);
+    }
+  }
   command_ = command;
   chamber_.command(command);
   hold_until_ = hold_until;
@@ -51,11 +47,22 @@ void Plant::drive(devices::Volts command, Nanoseconds hold_until, devices::Volts
   held_ = true;
 }
 
+void Plant::dump(bool open) {
+  const std::lock_guard lock(mutex_);
+  advance_to(clock_.now());
+  if (open == dumping_) return;
+  step_to(clock_.now());
+  dumping_ = open;
+  chamber_.dump(open);
+}
+
 devices::Volts Plant::feedback() {
   const std::lock_guard lock(mutex_);
   advance_to(clock_.now());
   const double noise = bell_of(hash_of(options_.seed, kFeedback, feedback_counter_++));
-  const double psi = chamber_.believed().value() + options_.chamber.feedback_noise_psi * noise;
+  if (faults_.active(FaultKind::kRegulatorUnpowered, clock_.now())) return devices::Volts(0.0);
+  const double offset = faults_.active(FaultKind::kFeedbackOffset, clock_.now()).value_or(0.0);
+  const double psi = chamber_.believed().value() + offset + options_.chamber.feedback_noise_psi * noise;
   return devices::Volts(psi / options_.chamber.span_psi * kFullScaleVolts);
 }
 
@@ -67,16 +74,21 @@ devices::Psi Plant::reference_pressure() {
   const std::lock_guard lock(mutex_);
   advance_to(clock_.now());
   const double noise = bell_of(hash_of(options_.seed, kReference, reference_counter_++));
-  return devices::Psi(chamber_.pressure().value() + options_.chamber.reference_noise_psi * noise);
+  const double offset = faults_.active(FaultKind::kReferenceOffset, clock_.now()).value_or(0.0);
+  return devices::Psi(chamber_.pressure().value() + offset + options_.chamber.reference_noise_psi * noise);
+}
+
+double Plant::supply_bar() {
+  const std::lock_guard lock(mutex_);
+  advance_to(clock_.now());
+  return faults_.active(FaultKind::kSupplyLost, clock_.now()) ? 0.0 : options_.supply_bar;
 }
 
 devices::Wrench Plant::wrench() {
   const ContactOptions& contact = options_.contact;
-  const devices::StageView* stage = stage_;
-  const double z_mm = stage == nullptr ? 0.0 : stage->position(devices::Axis::kZ).value();
-  devices::Wrench wrench;
-  wrench.force_n[2] = -contact.stiffness_n_per_mm * std::max(0.0, z_mm - contact.surface_z_mm);
   const std::lock_guard lock(mutex_);
+  devices::Wrench wrench;
+  wrench.force_n[2] = -contact_now().force_n;
   const std::uint64_t key = hash_of(options_.seed, kWrench, wrench_counter_++);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     wrench.force_n[axis] += contact.force_noise_n * bell_of(mix64(key ^ axis));
@@ -94,7 +106,7 @@ void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status
   const std::lock_guard lock(mutex_);
   advance_to(clock_.now());
   if (!volts_fresh_) {
-    specimen_.output_after(chamber_.pressure().value(), pending_s_, volts_);
+    specimen_.output_after(chamber_.pressure().value(), pending_s_, volts_, contact_psi(contact_state_.force_n));
     volts_fresh_ = true;
   }
   const ScannerFrontEnd& front = options_.scanner;
@@ -114,6 +126,46 @@ void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status
       if (counts[i] == 0 || counts[i] == 65535) status[r] |= devices::kStatusAtLimit;
     }
   }
+  const auto stuck_row = faults_.active(FaultKind::kRowStuck, clock_.now());
+  if (!stuck_row) return stuck_counts_.clear();
+  const auto row = counts.subspan(std::min(static_cast<std::size_t>(*stuck_row), rows - 1) * columns, columns);
+  if (stuck_counts_.empty()) stuck_counts_.assign(row.begin(), row.end());
+  std::copy(stuck_counts_.begin(), stuck_counts_.end(), row.begin());
+}
+
+void Plant::inject(FaultKind kind, std::optional<double> value, long times) {
+  const std::lock_guard lock(mutex_);
+  const Nanoseconds now = clock_.now();
+  advance_to(now);
+  PlannedFault fault;
+  fault.kind = kind;
+  fault.value = value;
+  fault.times = times;
+  faults_.inject(fault, now);
+}
+
+void Plant::clear(FaultKind kind) {
+  const std::lock_guard lock(mutex_);
+  advance_to(clock_.now());
+  faults_.clear(kind, clock_.now());
+}
+
+devices::Trouble Plant::trouble(Instrument instrument) {
+  if (!faults_.any()) return devices::Trouble::kNone;
+  const std::lock_guard lock(mutex_);
+  advance_to(clock_.now());  // faults that wait for a load
+  return faults_.trouble(instrument, clock_.now());
+}
+
+devices::Newtons Plant::true_force() {
+  const std::lock_guard lock(mutex_);
+  return devices::Newtons(contact_now().force_n);
+}
+
+std::vector<double> Plant::true_contact_psi() {
+  const std::lock_guard lock(mutex_);
+  const auto psi = contact_psi(contact_now().force_n);
+  return {psi.begin(), psi.end()};
 }
 
 devices::Psi Plant::true_pressure() {
@@ -128,7 +180,7 @@ std::string Plant::specimen_state() {
   if (!(pending_s_ > 0.0)) return specimen_.state();
   // Lives through the pending time for the text only: asking must not cut the grid.
   const std::string before = specimen_.state();
-  specimen_.advance(chamber_.pressure().value(), pending_s_);
+  specimen_.advance(chamber_.pressure().value(), pending_s_, contact_psi(contact_state_.force_n));
   std::string now = specimen_.state();
   specimen_.set_state(before);
   return now;
@@ -140,59 +192,8 @@ void Plant::set_specimen_state(const std::string& text) {
   specimen_.set_state(text);
   pending_s_ = 0.0;
   calm_s_ = 0.0;
-  moved_psi_ = chamber_.pressure().value();
+  moved_ = load();
   volts_fresh_ = false;
-}
-
-void Plant::advance_to(Nanoseconds time) {
-  while (true) {
-    const Nanoseconds next = (time_ / kCell + 1) * kCell;
-    if (next > time) return;
-    step_to(next);
-  }
-}
-
-void Plant::step_to(Nanoseconds time) {
-  while (time_ < time) {
-    if (held_ && hold_until_ <= time_) {
-      held_ = false;
-      command_ = fallback_;
-      chamber_.command(fallback_);
-    }
-    const Nanoseconds end = held_ ? std::min(time, hold_until_) : time;
-    const double seconds = seconds_of(end - time_);
-    chamber_.advance(seconds);
-    time_ = end;
-    follow(seconds);
-  }
-}
-
-void Plant::follow(double seconds) {
-  const double pressure = chamber_.pressure().value();
-  const double change = pressure - previous_psi_;
-  const int direction = change > 0.0 ? 1 : (change < 0.0 ? -1 : direction_);
-  if (direction != direction_ && pending_s_ > 0.0 && std::abs(previous_psi_ - moved_psi_) > kTurnPsi) {
-    move_specimen(previous_psi_, pending_s_);  // the turning point itself: plays remember it
-    pending_s_ = 0.0;
-  }
-  direction_ = direction;
-  previous_psi_ = pressure;
-  pending_s_ += seconds;
-  calm_s_ += seconds;
-  volts_fresh_ = false;
-  if (std::abs(pressure - moved_psi_) >= kMovePsi) {
-    move_specimen(pressure, pending_s_);
-    pending_s_ = 0.0;
-    calm_s_ = 0.0;
-  } else if (pending_s_ >= std::clamp(kCalmGrowth * calm_s_, kShortestCalmSeconds, kLongestCalmSeconds)) {
-    move_specimen(pressure, pending_s_);
-    pending_s_ = 0.0;
-  }
-}
-
-void Plant::move_specimen(double pressure_psi, double seconds) {
-  specimen_.advance(pressure_psi, seconds);
-  moved_psi_ = pressure_psi;
 }
 
 }  // namespace tactbench::bench

@@ -1,16 +1,18 @@
-// One plant couples the simulated ends: chamber and specimen behind the ports that the simulated module and the
-// simulated scanner ask. Moves lazily to the clock's time at each question, on a fixed grid of process time, under one
-// lock; asking changes nothing but the noise drawn, so the same seeds and questions give the same answers.
+// One plant couples the simulated ends: chamber, stage, contact and specimen behind the ports that they ask. Moves
+// lazily to the clock's time at each question, on a fixed grid of process time, under one lock; asking changes nothing
+// but the noise drawn, so the same seeds and questions give the same answers.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "bench/simulation/chamber.h"
+#include "bench/simulation/contact.h"
+#include "bench/simulation/faults.h"
 #include "bench/simulation/specimen.h"
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
@@ -27,19 +29,13 @@ struct ScannerFrontEnd {
   double relay_time_constant_s = 0.0006;   // what is left of the row before decays with this
 };
 
-struct ContactOptions {        // indenter and specimen, an elastic half of the truth until the contact mechanics come
-  double surface_z_mm = 30.0;  // where the indenter touches
-  double stiffness_n_per_mm = 20.0;  // of specimen and support
-  double force_noise_n = 0.005;      // standard deviation, each axis
-  double torque_noise_nmm = 0.02;
-};
-
 struct PlantOptions {
   std::uint64_t seed = 1;  // noise
   ChamberOptions chamber;
   SpecimenOptions specimen;
   ScannerFrontEnd scanner;
   ContactOptions contact;
+  std::vector<PlannedFault> faults;
   double supply_bar = 8.0;  // compressed air in front of the regulator
 };
 
@@ -49,6 +45,8 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   Plant(const PlantOptions& options, const devices::Clock& clock);
 
   void drive(devices::Volts command, devices::Nanoseconds hold_until, devices::Volts fallback) override;
+  void dump(bool open) override;
+  void set_dump_valve(bool open) { dump(open); }
   // Monitor output: what the regulator believes, 0-10 V over its span. Noise included; not clipped.
   [[nodiscard]] devices::Volts feedback() override;
   // The truth with the transducer's noise, 0-10 V over its span; not clipped.
@@ -56,50 +54,84 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   // What a digital gauge on the chamber tells: the truth with the transducer's noise.
   [[nodiscard]] devices::Psi reference_pressure();
   [[nodiscard]] double temperature_c() const { return options_.specimen.temperature_c; }
-  [[nodiscard]] double supply_bar() const { return options_.supply_bar; }
+  [[nodiscard]] double supply_bar();
   // Throws std::invalid_argument when a span does not fit the array.
   void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override;
 
-  // The indenter's sensor: pressing on the specimen is a negative Fz. Without a stage it hangs free.
+  // The sensor between z stage and object: pressing on the specimen is a negative Fz. Without a stage it hangs free.
   [[nodiscard]] devices::Wrench wrench() override;
-  // `stage` has to outlive what asks wrench(); null takes it away.
-  void set_stage(const devices::StageView* stage) { stage_ = stage; }
+  // `stage` has to live until another, or null, takes its place. The plant asks it while holding its own lock.
+  void set_stage(const devices::StageView* stage);
+
+  // From now on, whatever starts the fault; without a value the usual one. Chamber and contact feel it from the next
+  // 10 ms on. `times`: answers or levels that it spoils, 0 all until clear().
+  void inject(FaultKind kind, std::optional<double> value = std::nullopt, long times = 0);
+  void clear(FaultKind kind);
+  // What the simulated ends ask for each request.
+  [[nodiscard]] devices::Trouble trouble(Instrument instrument);
+  [[nodiscard]] const Faults& faults() const { return faults_; }
 
   // Truth, for tests and reports on the simulation; never seen by drivers.
   [[nodiscard]] devices::Psi true_pressure();
+  [[nodiscard]] devices::Newtons true_force();           // of the object on the specimen, 0 or more
+  [[nodiscard]] std::vector<double> true_contact_psi();  // by taxel, without the chamber's
   [[nodiscard]] std::string specimen_state();
   void set_specimen_state(const std::string& text);
 
  private:
+  struct Load {
+    double chamber_psi = 0.0;
+    double force_n = 0.0;
+  };
   void advance_to(devices::Nanoseconds time);  // whole cells of the grid
   void step_to(devices::Nanoseconds time);     // exactly
-  void follow(double seconds);                 // the specimen follows the chamber
-  void move_specimen(double pressure_psi, double seconds);
+  void follow_stage(double seconds);           // contact up to time_
+  void follow(double seconds);                 // the specimen follows the load
+  void move_specimen(const Load& load, double seconds);
+  void suffer();  // what is broken at time_
+  [[nodiscard]] Load load() const { return {chamber_.pressure().value(), contact_state_.force_n}; }
+  [[nodiscard]] double peak_psi(double force_n) const { return force_n * peak_psi_per_newton_; }
+  // Pressure by taxel of the object; empty without contact. Valid until the next call.
+  [[nodiscard]] std::span<const double> contact_psi(double force_n);
+  [[nodiscard]] ContactState contact_now();
+
   PlantOptions options_;
   const devices::Clock& clock_;
   std::mutex mutex_;
+  Faults faults_;
   Chamber chamber_;
+  Contact contact_;
   Specimen specimen_;
   devices::Nanoseconds time_{0};
   devices::Nanoseconds hold_until_{0};
   devices::Volts command_{0.0};
   devices::Volts fallback_{0.0};
+  bool dumping_ = false;
   bool held_ = false;  // a command with a time limit is in force
 
-  // Time since the specimen last moved, which it has still to live through at the chamber's pressure.
+  const devices::StageView* stage_ = nullptr;
+  bool stage_rests_ = false;  // over the span of time being gone through
+  ContactState contact_state_;
+  std::vector<double> psi_per_newton_;  // where the object now presses; kept while it does not
+  double peak_psi_per_newton_ = 0.0;
+  bool shifted_ = false;  // the object has gone along the array since the specimen last moved
+  std::vector<double> contact_psi_;
+
+  // Time since the specimen last moved, which it has still to live through at the present load.
   double pending_s_ = 0.0;
-  double calm_s_ = 0.0;        // since the pressure last moved the specimen
-  double moved_psi_ = 0.0;     // pressure that the specimen last saw
-  double previous_psi_ = 0.0;  // pressure one cell ago
+  double calm_s_ = 0.0;  // since the load last moved the specimen
+  Load moved_;           // load that the specimen last saw
+  Load previous_;        // load one cell ago
   int direction_ = 0;
+  int contact_direction_ = 0;
 
   std::uint64_t feedback_counter_ = 0;
   std::uint64_t reference_counter_ = 0;
   std::uint64_t scan_counter_ = 0;
   std::uint64_t wrench_counter_ = 0;
-  std::atomic<const devices::StageView*> stage_{nullptr};
   bool volts_fresh_ = false;
   std::vector<double> volts_;
+  std::vector<std::uint16_t> stuck_counts_;  // of the row that is stuck
 };
 
 }  // namespace tactbench::bench

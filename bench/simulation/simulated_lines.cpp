@@ -59,7 +59,9 @@ SimulatedLines::SimulatedLines(BenchConfig& config, Plant& plant, const devices:
                                                                                               : plant.supply_bar();
                                                                          }});
   }
-  serve(std::move(shared.units), shared.endpoints, plant, clock, config.simulation->module_faults);
+  devices::SimulatedModuleFaults faults = config.simulation->module_faults;
+  faults.trouble = [&plant] { return plant.trouble(Instrument::kModule); };
+  serve(std::move(shared.units), shared.endpoints, plant, clock, faults);
   for (Line& line : others) serve(std::move(line.units), line.endpoints, plant, clock, {});
 }
 

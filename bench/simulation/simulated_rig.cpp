@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -75,6 +76,10 @@ SimulatedRig::~SimulatedRig() {
   std::filesystem::remove_all(socket_folder_, ignored);
 }
 
+devices::TroubleSource SimulatedRig::trouble_of(Instrument instrument) {
+  return [this, instrument] { return plant_.trouble(instrument); };
+}
+
 void SimulatedRig::serve_scanner(BenchConfig& config) {
   const SimulationConfig& simulation = *config.simulation;
   const double volts_per_count = simulation.plant.scanner.volts_per_count;
@@ -86,8 +91,9 @@ void SimulatedRig::serve_scanner(BenchConfig& config) {
     identity.serial = simulation.scanner_serial;
     identity.firmware = "sim-1";
     config.scanner_socket = socket_folder_ + "/scanner";
-    scanner_ = std::make_unique<devices::SimulatedScanner>(config.scanner_socket, identity, plant_, clock_,
-                                                           simulation.scanner_faults);
+    devices::SimulatedScannerFaults faults = simulation.scanner_faults;
+    faults.trouble = trouble_of(Instrument::kScanner);
+    scanner_ = std::make_unique<devices::SimulatedScanner>(config.scanner_socket, identity, plant_, clock_, faults);
     served_.push_back({"tactile scanner, HID reports over SOCK_SEQPACKET", config.scanner_socket});
   }
   if (config.scanner_kind == ScannerKind::kFrameSource || free_running_) {
@@ -99,6 +105,7 @@ void SimulatedRig::serve_scanner(BenchConfig& config) {
     options.description.serial = simulation.scanner_serial;
     options.description.firmware = "sim-1";
     options.port = config.simulation->frame_source_port;
+    options.faults.trouble = trouble_of(Instrument::kScanner);
     frame_source_ = std::make_unique<devices::SimulatedFrameSource>(options, plant_, clock_);
     config.frame_source.address = fmt::format("tcp:127.0.0.1:{}", frame_source_->port());
     served_.push_back({"tactile scanner, frame-source protocol over TCP", config.frame_source.address});
@@ -113,7 +120,15 @@ void SimulatedRig::serve_stage(BenchConfig& config) {
     options.devices[axis].device_id = config.stage->options.axes[axis].device_id;
     options.devices[axis].number = config.stage->options.axes[axis].device;
   }
-  chain_ = std::make_unique<devices::SimulatedChain>(options, clock_);
+  devices::SimulatedChainFaults faults;
+  faults.trouble = trouble_of(Instrument::kStage);
+  faults.stall = [this] {  // not through the plant, which may hold its lock and ask the chain
+    const Faults::Window window = plant_.faults().last(FaultKind::kStageStalled, clock_.now());
+    devices::ChainStall stall{window.from, window.until, std::nullopt};
+    if (window.value > 0.0) stall.axis = static_cast<devices::Axis>(std::min(2, static_cast<int>(window.value) - 1));
+    return stall;
+  };
+  chain_ = std::make_unique<devices::SimulatedChain>(options, clock_, faults);
   config.stage->address = {};
   config.stage->address.port = chain_->address();
   plant_.set_stage(chain_.get());
@@ -127,6 +142,7 @@ void SimulatedRig::serve_force(BenchConfig& config) {
     options.rdt_port = force.net.port;
     options.http_port = force.net.http_port;
     options.page = net_page(force.serial);
+    options.faults.trouble = trouble_of(Instrument::kForce);
     net_ft_ = std::make_unique<devices::SimulatedNetFt>(options, plant_);
     force.net.host = "127.0.0.1";
     force.net.port = net_ft_->rdt_port();
@@ -136,7 +152,9 @@ void SimulatedRig::serve_force(BenchConfig& config) {
         {"Nano17, its calibration page", fmt::format("http://127.0.0.1:{}/netftapi2.xml", net_ft_->http_port())});
   }
   if (force.kind == ForceKind::kDigital || free_running_) {
-    digital_ft_ = std::make_unique<devices::SimulatedDigitalFt>(digital_calibration(force.serial), plant_);
+    devices::SimulatedDigitalFtFaults faults;
+    faults.trouble = trouble_of(Instrument::kForce);
+    digital_ft_ = std::make_unique<devices::SimulatedDigitalFt>(digital_calibration(force.serial), plant_, faults);
     force.address.port = digital_ft_->path();
     served_.push_back({"Nano17, Digital F/T (RS-485)", digital_ft_->path()});
   }

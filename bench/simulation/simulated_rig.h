@@ -34,6 +34,7 @@ class SimulatedRig {
   [[nodiscard]] const std::vector<Served>& served() const { return served_; }
 
  private:
+  devices::TroubleSource trouble_of(Instrument instrument);
   void serve_scanner(BenchConfig& config);
   void serve_stage(BenchConfig& config);
   void serve_force(BenchConfig& config);

@@ -9,17 +9,21 @@ namespace tactbench::bench {
 Specimen::Specimen(const SpecimenOptions& options) : film_(std::make_unique<Film>(options)) {}
 Specimen::~Specimen() = default;
 
-void Specimen::advance(double pressure_psi, double seconds) {
+void Specimen::advance(double pressure_psi, double seconds, std::span<const double> contact_psi) {
   if (!(seconds > 0.0)) throw std::invalid_argument("Specimen::advance: seconds must be positive");
-  film_->advance(film_->memory, pressure_psi, seconds);
+  if (!contact_psi.empty() && contact_psi.size() != static_cast<std::size_t>(film_->taxels)) {
+    throw std::invalid_argument("Specimen::advance: contact_psi does not fit the array");
+  }
+  film_->advance(film_->memory, pressure_psi, seconds, contact_psi);
 }
 
 void Specimen::output(std::span<double> volts) const { film_->output(film_->memory, volts); }
 
-void Specimen::output_after(double pressure_psi, double seconds, std::span<double> volts) const {
+void Specimen::output_after(double pressure_psi, double seconds, std::span<double> volts,
+                            std::span<const double> contact_psi) const {
   if (!(seconds > 0.0)) return film_->output(film_->memory, volts);
   FilmMemory memory = film_->memory;
-  film_->advance(memory, pressure_psi, seconds);
+  film_->advance(memory, pressure_psi, seconds, contact_psi);
   film_->output(memory, volts);
 }
 

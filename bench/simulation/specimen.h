@@ -36,9 +36,21 @@ struct TaxelDefect {
   int other_column = 0;
 };
 
+// How the sensor lies under its wiring: what the scanner calls row and column against the film's own. The first four
+// are all that an array can do that is not square.
+enum class MountTurn { kNone, kBy180, kRowsMirrored, kColumnsMirrored, kBy90, kBy270, kTransposed, kAntiTransposed };
+std::vector<std::string> mount_turn_words(bool square);
+
+// Lines at one edge that lie outside the membrane: their share of the pressure falls off line by line.
+enum class MountEdge { kFirstRow, kLastRow, kFirstColumn, kLastColumn };
+std::vector<std::string> mount_edge_words();
+
 struct SpecimenOptions {
   std::uint64_t sensor_seed = 1;  // makes the array
   std::uint64_t mount_seed = 0;   // 0: the mount of the first characterization
+  MountTurn mount_turn = MountTurn::kNone;
+  MountEdge edge_outside = MountEdge::kLastRow;
+  int edge_outside_lines = 0;  // 0: all of the array lies inside
   double temperature_c = 23.0;
   double age_months = 0.0;  // since the first characterization
   int rows = 16;
@@ -49,7 +61,8 @@ struct SpecimenOptions {
 
 class Specimen {
  public:
-  // Throws std::invalid_argument for a defect outside the array or a shape that is not positive.
+  // Throws std::invalid_argument for a defect outside the array, a shape that is not positive, or a turn that a
+  // non-square array cannot make.
   explicit Specimen(const SpecimenOptions& options);
   ~Specimen();
   Specimen(const Specimen&) = delete;
@@ -57,11 +70,14 @@ class Specimen {
 
   // Holds the chamber at `pressure_psi` for `seconds` (> 0): plays, creep and conditioning move. The result of a ramp
   // depends on how finely it is cut into calls; Plant cuts it alike every time.
-  void advance(double pressure_psi, double seconds);
+  // `contact_psi`, a value a taxel or empty, is what an object adds to the chamber's pressure: it does not pass the
+  // membrane, and does not condition the film, which takes a load on the whole array.
+  void advance(double pressure_psi, double seconds, std::span<const double> contact_psi = {});
   // Output voltages now, rows x columns row-major, defects and crosstalk included, noise not.
   void output(std::span<double> volts) const;
-  // What output() would give after advance(pressure_psi, seconds), the memory left as it is. seconds >= 0.
-  void output_after(double pressure_psi, double seconds, std::span<double> volts) const;
+  // What output() would give after advance() with these, the memory left as it is. seconds >= 0.
+  void output_after(double pressure_psi, double seconds, std::span<double> volts,
+                    std::span<const double> contact_psi = {}) const;
   // Extra noise of taxel i (kNoisy), standard deviation in volts.
   [[nodiscard]] double noise_v(int taxel) const;
   // The memory of the film as text (JSON), and back: --specimen-state. Throws std::invalid_argument, also for the

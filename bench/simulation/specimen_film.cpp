@@ -11,7 +11,6 @@ namespace tactbench::bench {
 namespace {
 
 constexpr double kReferenceCelsius = 23.0;
-constexpr std::uint64_t kMountStream = 50;
 constexpr std::uint64_t kStuckStream = 60;
 
 int index_of(const SpecimenOptions& options, int row, int column) {
@@ -30,27 +29,15 @@ int checked_taxels(const SpecimenOptions& options) {
 }  // namespace
 
 Specimen::Film::Film(const SpecimenOptions& given)
-    : options(given), taxels(checked_taxels(given)), make(make_film(given)) {
+    : options(given),
+      taxels(checked_taxels(given)),
+      make(make_film(given)),
+      share_of_chamber(shares_of_chamber(given)),
+      wiring(turned_wiring(given)) {
   const auto size = static_cast<std::size_t>(taxels);
   for (auto& play : memory.plays) play.assign(size, 0.0);
   for (auto& creep : memory.creep) creep.assign(size, 0.0);
   noise_v.assign(size, 0.0);
-  const double half_rows = 0.5 * (options.rows - 1);
-  const double half_columns = 0.5 * (options.columns - 1);
-  const double corner = std::max(half_rows * half_rows + half_columns * half_columns, 1e-12);
-  for (int i = 0; i < taxels; ++i) {
-    const int row = i / options.columns;
-    const int column = i % options.columns;
-    const double y = row - half_rows;
-    const double x = column - half_columns;
-    double share = 1.0 + options.effects.chamber_nonuniformity * (x * x + y * y) / corner;
-    if (options.mount_seed != 0) {
-      const auto key = hash_of(options.sensor_seed, kMountStream, options.mount_seed);
-      const double change = options.effects.remount_variation * bell_of(hash_of(key, 0, static_cast<std::uint64_t>(i)));
-      share *= std::max(0.0, 1.0 + change);
-    }
-    share_of_chamber.push_back(share);
-  }
   for (const TaxelDefect& defect : options.defects) {
     const int at = index_of(options, defect.row, defect.column);
     if (defect.kind == TaxelDefect::Kind::kNoisy) noise_v[static_cast<std::size_t>(at)] = film::kNoisyV;
@@ -60,9 +47,17 @@ Specimen::Film::Film(const SpecimenOptions& given)
     std::swap(noise_v[static_cast<std::size_t>(index_of(options, defect.row, defect.column))],
               noise_v[static_cast<std::size_t>(index_of(options, defect.other_row, defect.other_column))]);
   }
+  turn(noise_v);
 }
 
-void Specimen::Film::advance(FilmMemory& state, double pressure_psi, double seconds) const {
+void Specimen::Film::turn(std::span<double> values) const {
+  if (options.mount_turn == MountTurn::kNone) return;
+  const std::vector<double> film(values.begin(), values.end());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = film[wiring[i]];
+}
+
+void Specimen::Film::advance(FilmMemory& state, double pressure_psi, double seconds,
+                             std::span<const double> contact_psi) const {
   const double rise = std::max(0.0, pressure_psi - state.pressure_psi);
   // The virgin share falls by exp(-rate) over one load to kFullLoadPsi, most of it at high pressure.
   const double work = rise * (pressure_psi + state.pressure_psi) / (film::kFullLoadPsi * film::kFullLoadPsi);
@@ -87,8 +82,16 @@ void Specimen::Film::advance(FilmMemory& state, double pressure_psi, double seco
       const auto at = static_cast<std::size_t>(b);
       const std::size_t i = static_cast<std::size_t>(start) + at;
       const double arrived = pressure_psi + make.lag_share[i] * (state.lag_psi - pressure_psi);
-      const double local = make.sensitivity[i] * (share_of_chamber[i] * arrived - make.lift_off_psi[i]);
-      q[at] = local > 0.0 ? local : 0.0;
+      q[at] = make.sensitivity[i] * (share_of_chamber[i] * arrived - make.lift_off_psi[i]);
+    }
+    for (int b = 0; b < count && !contact_psi.empty(); ++b) {
+      const std::size_t i = static_cast<std::size_t>(start) + static_cast<std::size_t>(b);
+      q[static_cast<std::size_t>(b)] += make.sensitivity[i] * contact_psi[i];
+    }
+    for (int b = 0; b < count; ++b) {
+      const auto at = static_cast<std::size_t>(b);
+      const std::size_t i = static_cast<std::size_t>(start) + at;
+      q[at] = q[at] > 0.0 ? q[at] : 0.0;
       friction[at] = friction_now * make.friction[i] * q[at] / (1.0 + q[at] * (kLinear + q[at] * kSquare));
     }
     for (std::size_t k = 0; k < state.plays.size(); ++k) {
@@ -148,6 +151,7 @@ void Specimen::Film::output(const FilmMemory& state, std::span<double> volts) co
     std::swap(volts[static_cast<std::size_t>(index_of(options, defect.row, defect.column))],
               volts[static_cast<std::size_t>(index_of(options, defect.other_row, defect.other_column))]);
   }
+  turn(volts);
   for (double& v : volts) v = std::clamp(v, 0.0, film::kRailV);
 }
 

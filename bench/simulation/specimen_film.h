@@ -77,6 +77,11 @@ struct FilmMake {
 // (stratified quantiles); which taxel gets which value belongs to the seed.
 FilmMake make_film(const SpecimenOptions& options);
 
+// Local over chamber pressure, a value a taxel: non-uniformity, mount, edge outside the membrane.
+std::vector<double> shares_of_chamber(const SpecimenOptions& options);
+// Which taxel of the film each taxel of the scanner reads; throws std::invalid_argument.
+std::vector<std::size_t> turned_wiring(const SpecimenOptions& options);
+
 struct FilmMemory {
   std::array<std::vector<double>, kFrictionElements> plays;  // psi, per taxel
   std::array<std::vector<double>, kCreepTimes> creep;        // 0..1, per taxel
@@ -88,17 +93,20 @@ struct FilmMemory {
 
 struct Specimen::Film {
   explicit Film(const SpecimenOptions& given);
-  void advance(FilmMemory& state, double pressure_psi, double seconds) const;
+  // contact_psi: empty, or a value a taxel.
+  void advance(FilmMemory& state, double pressure_psi, double seconds, std::span<const double> contact_psi) const;
   void output(const FilmMemory& state, std::span<double> volts) const;
 
   SpecimenOptions options;
   int taxels;
   FilmMake make;
-  std::vector<double> share_of_chamber;  // local over chamber pressure: non-uniformity and mount
+  std::vector<double> share_of_chamber;
+  std::vector<std::size_t> wiring;
   std::vector<double> noise_v;
   FilmMemory memory;
 
  private:
+  void turn(std::span<double> values) const;
   void apply_defects(std::span<double> volts) const;
   void apply_crosstalk(std::span<double> volts) const;
 };

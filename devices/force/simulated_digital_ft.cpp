@@ -31,7 +31,7 @@ constexpr int kStatusRegister = 0x001D;
 class SimulatedDigitalFt::Server {
  public:
   Server(const DigitalCalibration& calibration, ForcePort& port, SimulatedDigitalFtFaults faults)
-      : port_(port), faults_(faults), stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+      : port_(port), faults_(std::move(faults)), stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (stop_ < 0) throw Fault("TB-SIM-LISTEN", "simulated Digital F/T", "no descriptor is left", "Close programs.");
     Matrix6 matrix;
     for (int row = 0; row < 6; ++row) {
@@ -134,13 +134,15 @@ class SimulatedDigitalFt::Server {
     const long number = samples_++;
     if (faults_.silent_after_samples >= 0 && number >= faults_.silent_after_samples) return;
     DigitalSample sample = sample_;
-    sample.error = number == faults_.error_sample;
+    sample.error = number == faults_.error_sample || trouble_ == Trouble::kSaturated;
     const auto bytes = encode(sample);
     send(number == faults_.damaged_sample ? std::span(bytes).subspan(1) : std::span(bytes));
   }
 
   bool measure() {
     until_wrench_ = kSamplesPerWrench - 1;
+    trouble_ = faults_.trouble ? faults_.trouble() : Trouble::kNone;
+    if (trouble_ == Trouble::kSilent) return false;
     try {
       const Wrench wrench = port_.wrench();
       Vector6 loads;
@@ -168,13 +170,14 @@ class SimulatedDigitalFt::Server {
   bool streaming_ = false;
   int until_wrench_ = 0;
   long samples_ = 0;
+  Trouble trouble_ = Trouble::kNone;
   DigitalSample sample_;
   std::thread thread_;
 };
 
 SimulatedDigitalFt::SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port,
                                        SimulatedDigitalFtFaults faults)
-    : server_(std::make_unique<Server>(calibration, port, faults)) {}
+    : server_(std::make_unique<Server>(calibration, port, std::move(faults))) {}
 
 SimulatedDigitalFt::~SimulatedDigitalFt() = default;
 

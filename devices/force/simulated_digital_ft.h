@@ -7,13 +7,15 @@
 
 #include "devices/force/digital_record.h"
 #include "devices/force/force_sensor.h"
+#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
 struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by default; samples count from 0
   long silent_after_samples = -1;
-  long damaged_sample = -1;  // loses a byte
-  long error_sample = -1;    // carries the status error
+  long damaged_sample = -1;    // loses a byte
+  long error_sample = -1;      // carries the status error
+  TroubleSource trouble = {};  // of 100 samples at once: silent, saturated (the status error)
 };
 
 class SimulatedDigitalFt {

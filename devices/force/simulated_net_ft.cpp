@@ -172,15 +172,19 @@ class SimulatedNetFt::Server {
   // Records `sequence + 1` and on of a stream, in one call; false when the client cannot be reached.
   bool send(const sockaddr_in& client, std::uint32_t sequence, std::uint32_t count) {
     const SimulatedNetFtFaults& faults = options_.faults;
+    const Trouble trouble = faults.trouble ? faults.trouble() : Trouble::kNone;
+    if (trouble == Trouble::kSilent) return true;
     packets_.clear();
     std::optional<Packet> held;
     for (std::uint32_t i = 0; i < count; ++i) {
       const long number = records_++;
       const auto loads = measure();
       if (!loads || (faults.silent_after_records >= 0 && number >= faults.silent_after_records)) continue;
-      if (faults.stall_from_record < 0 || number < faults.stall_from_record) ++sample_;
+      const bool stands = faults.stall_from_record >= 0 && number >= faults.stall_from_record;
+      if (!stands && trouble != Trouble::kStale) ++sample_;
       if (number == faults.drop_record) continue;
-      RdtRecord record{sequence + i + 1, sample_, number == faults.status_record ? faults.status_bits : 0, {}};
+      const bool bad = number == faults.status_record || trouble == Trouble::kSaturated;
+      RdtRecord record{sequence + i + 1, sample_, bad ? faults.status_bits : 0, {}};
       for (std::size_t axis = 0; axis < 6; ++axis) record.counts[axis] = counts((*loads)[axis] - bias_[axis]);
       if (number == faults.late_record) {
         held = encode(record);

@@ -7,6 +7,7 @@
 
 #include "devices/force/force_sensor.h"
 #include "devices/force/netft_xml.h"
+#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
@@ -17,6 +18,7 @@ struct SimulatedNetFtFaults {      // test and nightly switches, all off by defa
   long stall_from_record = -1;     // the F/T sequence stands still from that one on
   long status_record = -1;         // that one carries status_bits
   std::uint32_t status_bits = 0x80020000U;
+  TroubleSource trouble = {};  // of up to 64 records at once: silent, stale (the F/T sequence stands still), saturated
 };
 
 struct SimulatedNetFtOptions {

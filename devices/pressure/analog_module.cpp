@@ -218,4 +218,24 @@ bool AnalogModule::zero_outputs() noexcept {
   return false;
 }
 
+void AnalogModule::close_dump() {
+  if (profile_.dump_coil < 0 || dump_closed_) return;
+  link_.write_coil(profile_.dump_coil, true);
+  dump_closed_ = true;
+}
+
+bool AnalogModule::open_dump() noexcept {
+  if (profile_.dump_coil < 0) return true;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    try {
+      link_.write_coil(profile_.dump_coil, false);
+      dump_closed_ = false;
+      return true;
+    } catch (...) {
+      link_.close();
+    }
+  }
+  return false;
+}
+
 }  // namespace tactbench::devices

@@ -52,6 +52,7 @@ struct ModuleProfile {
   ModuleOutputs outputs;
   ModuleInputs inputs;
   ModuleFailSafe fail_safe;
+  int dump_coil = -1;  // digital output that holds the dump valve closed (open without power); -1: no such valve
 };
 
 class AnalogModule {
@@ -99,6 +100,11 @@ class AnalogModule {
   // Writes 0 V to every output and reads it back, connecting anew once if need be: at most two attempts of two
   // exchanges. True: every output read back as 0 V.
   [[nodiscard]] bool zero_outputs() noexcept;
+  // The dump valve on the profile's coil (FC 5, energised = closed). Both do nothing without such a valve. close_dump()
+  // writes only when the valve is not known to be closed and throws Fault; open_dump() tries twice. True: the module
+  // echoed the order (a coil is not read back), or there is no valve. Not verified on hardware.
+  void close_dump();
+  [[nodiscard]] bool open_dump() noexcept;
 
  private:
   void prepare();
@@ -124,6 +130,7 @@ class AnalogModule {
   std::uint16_t fallbacks_at_start_ = 0;
   Nanoseconds image_time_{-1};
   Nanoseconds last_write_time_{-1};
+  bool dump_closed_ = false;  // by our last order
 };
 
 }  // namespace tactbench::devices

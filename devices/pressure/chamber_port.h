@@ -12,6 +12,9 @@ class ChamberPort {
   virtual ~ChamberPort() = default;
   // The output terminal drives `command` from now on until `hold_until`, then `fallback` (the module's watchdog).
   virtual void drive(Volts command, Nanoseconds hold_until, Volts fallback) = 0;
+  // The dump valve beside the regulator, on a digital output: exhausts the chamber whatever the regulator does.
+  // Called when that changes.
+  virtual void dump(bool open) = 0;
   [[nodiscard]] virtual Volts feedback() = 0;   // regulator's monitor output now
   [[nodiscard]] virtual Volts reference() = 0;  // reference transducer's output now
 };

@@ -27,6 +27,8 @@ void AnalogModule::bring_up() {
   if (profile_.fail_safe.safe_mode_address >= 0) clear_safe_mode();
   outputs_.assign(outputs_.size(), counts(Volts(0.0)));
   last_write_time_ = Nanoseconds(-1);
+  dump_closed_ = false;
+  close_dump();
   refresh();
 }
 

@@ -37,7 +37,9 @@ ModuleRegisters::ModuleRegisters(SimulatedUnit unit, ChamberPort& chamber, const
       chamber_(chamber),
       clock_(clock),
       outputs_(static_cast<std::size_t>(out_.channels), zero_counts(out_)),
-      safe_mode_(outputs_.size(), unit_.starts_in_safe_mode ? 1 : 0) {}
+      safe_mode_(outputs_.size(), unit_.starts_in_safe_mode ? 1 : 0) {
+  if (unit_.profile.dump_coil >= 0) chamber_.dump(true);
+}
 
 void ModuleRegisters::turn() {
   if (watchdog_at_ < 0 || !armed_ || settings_[kType] == kOff || clock_.now() < deadline_) return;
@@ -45,7 +47,9 @@ void ModuleRegisters::turn() {
   armed_ = false;
   tripped_ = true;
   ++fallbacks_;
-  if (settings_[kFallback] == kFallToZero) std::fill(outputs_.begin(), outputs_.end(), zero_counts(out_));
+  if (settings_[kFallback] != kFallToZero) return;
+  std::fill(outputs_.begin(), outputs_.end(), zero_counts(out_));
+  if (unit_.profile.dump_coil >= 0) chamber_.dump(true);  // late, at the next request: the port is told no time
 }
 
 bool ModuleRegisters::outputs_hold(int address, std::size_t count) const {
@@ -126,6 +130,11 @@ Refusal ModuleRegisters::read_bits(int address, std::span<std::uint8_t> into) co
 }
 
 Refusal ModuleRegisters::write_bit(int address, bool value) {
+  if (address == unit_.profile.dump_coil) {
+    if (tripped_) return Refusal::kFailure;
+    chamber_.dump(!value);
+    return Refusal::kNone;
+  }
   const int at = unit_.profile.fail_safe.safe_mode_clear_address;
   if (at < 0 || !inside(address, 1, at, out_.channels)) return Refusal::kAddress;
   if (value) safe_mode_[static_cast<std::size_t>(address - at)] = 0;

@@ -78,7 +78,10 @@ std::uint16_t Regulator::command(Psi pressure) {
   }
   const std::uint16_t counts = output_.counts(volts);
   input_.forget_image();
-  or_disarm([&] { output_.write(options_.output_channel, counts); });
+  or_disarm([&] {
+    if (pressure > Psi(0.0)) output_.close_dump();  // a vent has opened it
+    output_.write(options_.output_channel, counts);
+  });
   return counts;
 }
 
@@ -100,7 +103,8 @@ PressureReading Regulator::feedback() {
 
 bool Regulator::vent() noexcept {
   input_.forget_image();  // what it showed is from before
-  return output_.zero_outputs();
+  const bool zeroed = output_.zero_outputs();
+  return output_.open_dump() && zeroed;
 }
 
 Identity Regulator::identity() const { return {"regulator", options_.model, options_.serial, "", options_.origin}; }

@@ -39,7 +39,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
  public:
   TcpServer(std::vector<SimulatedUnit> units, int port, ChamberPort& chamber, const Clock& clock,
             SimulatedModuleFaults faults)
-      : Server(std::move(units), chamber, clock, faults) {
+      : Server(std::move(units), chamber, clock, std::move(faults)) {
     modbus_ = modbus_new_tcp("127.0.0.1", port);
     if (modbus_ != nullptr) listener_ = modbus_tcp_listen(modbus_, static_cast<int>(kMaxClients));
     sockaddr_in address{};
@@ -146,14 +146,14 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
 
 SimulatedModule::SimulatedModule(const ModuleProfile& profile, int port, ChamberPort& chamber, const Clock& clock,
                                  SimulatedModuleFaults faults)
-    : SimulatedModule({{0, profile, {}}}, Wire::kTcp, port, chamber, clock, faults) {}
+    : SimulatedModule({{0, profile, {}}}, Wire::kTcp, port, chamber, clock, std::move(faults)) {}
 
 SimulatedModule::SimulatedModule(std::vector<SimulatedUnit> units, Wire wire, int port, ChamberPort& chamber,
                                  const Clock& clock, SimulatedModuleFaults faults) {
   if (wire == Wire::kTcp) {
-    server_ = std::make_unique<TcpServer>(std::move(units), port, chamber, clock, faults);
+    server_ = std::make_unique<TcpServer>(std::move(units), port, chamber, clock, std::move(faults));
   } else {
-    server_ = std::make_unique<RtuServer>(std::move(units), chamber, clock, faults);
+    server_ = std::make_unique<RtuServer>(std::move(units), chamber, clock, std::move(faults));
   }
 }
 

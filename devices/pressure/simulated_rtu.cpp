@@ -29,7 +29,7 @@ std::size_t request_size(std::span<const std::uint8_t> bytes) {
 
 SimulatedModule::RtuServer::RtuServer(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock,
                                       SimulatedModuleFaults faults)
-    : Server(std::move(units), chamber, clock, faults) {
+    : Server(std::move(units), chamber, clock, std::move(faults)) {
   modbus_ = modbus_new_rtu(terminal_.path().c_str(), 9600, 'N', 8, 1);
   if (modbus_ == nullptr || stop_ < 0) fail_to_listen("serving " + terminal_.path(), errno);
   connected();

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -24,7 +26,7 @@ std::size_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
 SimulatedModule::Server::Server(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock,
                                 SimulatedModuleFaults faults)
     : stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      faults_(faults),
+      faults_(std::move(faults)),
       mapping_(modbus_mapping_new(kRegisters, kRegisters, kRegisters, kRegisters)) {
   for (SimulatedUnit& unit : units)
     units_.push_back(std::make_unique<ModuleRegisters>(std::move(unit), chamber, clock));
@@ -68,18 +70,52 @@ SimulatedModule::Server::Answer SimulatedModule::Server::answer(int client, int 
   const long number = requests_++;
   if (faults_.dead_after_requests >= 0 && number >= faults_.dead_after_requests) return Answer::kDie;
   if (faults_.silent_after_requests >= 0 && number >= faults_.silent_after_requests) return Answer::kNone;
+  trouble_ = faults_.trouble ? faults_.trouble() : Trouble::kNone;
+  if (trouble_ == Trouble::kUnplugged) return Answer::kBroken;
+  if (trouble_ == Trouble::kSilent) return Answer::kNone;
   Refusal refusal = Refusal::kFailure;
   try {
     for (const auto& each : units_) each->turn();
-    refusal = carry_out(**unit, client, frame.subspan(header + 1, frame.size() - header - 1 - trailer));
+    if (trouble_ != Trouble::kRefused) {
+      refusal = carry_out(**unit, client, frame.subspan(header + 1, frame.size() - header - 1 - trailer));
+    }
   } catch (...) {
     // The port failed: to the client that is a failing device.
   }
+  if (late_client_ == client && !late_.empty()) {
+    if (::write(descriptor, late_.data(), late_.size()) < 0) return Answer::kBroken;
+    late_.clear();
+  }
+  if (trouble_ == Trouble::kLate || trouble_ == Trouble::kCorrupt) {
+    std::vector<std::uint8_t> bytes = catch_reply(frame, refusal);
+    if (trouble_ == Trouble::kLate) {
+      late_client_ = client;
+      late_ = std::move(bytes);
+      return Answer::kNone;
+    }
+    if (bytes.size() > header + 1)
+      bytes[header + 1] ^= 0x10U;  // the function code: seen on TCP too, which has no check sum of its own
+    return ::write(descriptor, bytes.data(), bytes.size()) >= 0 ? Answer::kSent : Answer::kBroken;
+  }
   modbus_set_socket(modbus_, descriptor);
-  const int sent = refusal == Refusal::kNone
-                       ? modbus_reply(modbus_, frame.data(), static_cast<int>(frame.size()), mapping_)
-                       : modbus_reply_exception(modbus_, frame.data(), static_cast<unsigned>(refusal));
-  return sent >= 0 ? Answer::kSent : Answer::kBroken;
+  return reply(frame, refusal) >= 0 ? Answer::kSent : Answer::kBroken;
+}
+
+int SimulatedModule::Server::reply(std::span<const std::uint8_t> frame, Refusal refusal) {
+  return refusal == Refusal::kNone ? modbus_reply(modbus_, frame.data(), static_cast<int>(frame.size()), mapping_)
+                                   : modbus_reply_exception(modbus_, frame.data(), static_cast<unsigned>(refusal));
+}
+
+std::vector<std::uint8_t> SimulatedModule::Server::catch_reply(std::span<const std::uint8_t> frame, Refusal refusal) {
+  std::array<int, 2> ends{-1, -1};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) return {};
+  modbus_set_socket(modbus_, ends[0]);
+  reply(frame, refusal);
+  std::vector<std::uint8_t> bytes(MODBUS_MAX_ADU_LENGTH);
+  const ssize_t got = ::read(ends[1], bytes.data(), bytes.size());
+  bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  for (const int end : ends) ::close(end);
+  return bytes;
 }
 
 // Does what the request asks and leaves what is to be answered in the mapping, from which libmodbus answers.
@@ -128,6 +164,7 @@ Refusal SimulatedModule::Server::carry_out(ModuleRegisters& registers, int clien
 
 Refusal SimulatedModule::Server::read(ModuleRegisters& registers, int client, int function, int address,
                                       std::size_t count) {
+  if (trouble_ == Trouble::kStale) return Refusal::kNone;  // the mapping holds what was read before
   std::uint16_t values[MODBUS_MAX_READ_REGISTERS];
   const Refusal refusal = registers.read(client, function, address, std::span(values, count));
   std::uint16_t* table = function == 4 ? mapping_->tab_input_registers : mapping_->tab_registers;
@@ -136,6 +173,7 @@ Refusal SimulatedModule::Server::read(ModuleRegisters& registers, int client, in
 }
 
 Refusal SimulatedModule::Server::read_bits(const ModuleRegisters& registers, int address, std::size_t count) {
+  if (trouble_ == Trouble::kStale) return Refusal::kNone;
   std::vector<std::uint8_t> bits(count);
   const Refusal refusal = registers.read_bits(address, bits);
   if (refusal == Refusal::kNone) std::copy(bits.begin(), bits.end(), mapping_->tab_input_bits + address);

@@ -44,11 +44,17 @@ class SimulatedModule::Server {
   Refusal carry_out(ModuleRegisters& registers, int client, std::span<const std::uint8_t> pdu);
   Refusal read(ModuleRegisters& registers, int client, int function, int address, std::size_t count);
   Refusal write(ModuleRegisters& registers, int client, int address, std::span<const std::uint8_t> bytes);
+  // What modbus_reply would send, to be spoilt.
+  std::vector<std::uint8_t> catch_reply(std::span<const std::uint8_t> frame, Refusal refusal);
+  int reply(std::span<const std::uint8_t> frame, Refusal refusal);
   Refusal read_bits(const ModuleRegisters& registers, int address, std::size_t count);
   std::vector<std::unique_ptr<ModuleRegisters>> units_;
   SimulatedModuleFaults faults_;
   modbus_mapping_t* mapping_ = nullptr;
   long requests_ = 0;
+  Trouble trouble_ = Trouble::kNone;  // of the request being answered
+  int late_client_ = -1;
+  std::vector<std::uint8_t> late_;
   std::thread thread_;
 };
 

@@ -10,6 +10,7 @@ namespace {
 using enum ZaberCommand;
 
 constexpr Nanoseconds kTracking = std::chrono::milliseconds(250);
+constexpr std::size_t kRemembered = 256;
 constexpr double kSpeedUnit = 9.375;
 constexpr double kAccelerationUnit = 11250.0;
 
@@ -43,29 +44,58 @@ ChainDevice::ChainDevice(const ChainDeviceOptions& options) : options_(options),
                {kHomeOffset, 0},
                {kAlias, 0},
                {kLock, 0}};
-  ramp_ = Ramp(std::round(options.stands_at.value() / microstep));
+  motion_ = {Ramp(std::round(options.stands_at.value() / microstep)), Nanoseconds(0), microstep, 0.0, std::nullopt};
   power_up();
 }
 
 // The counter starts at 0 wherever the device stands; home status is lost, settings stay.
 void ChainDevice::power_up() {
   settings_[kMode] &= ~kZaberHomed;
-  zero_ = ramp_.end();
+  zero_ = motion_.ramp.end();
 }
 
 bool ChainDevice::hears(std::uint8_t device) const {
   return device == 0 || device == number_ || (device == setting(kAlias) && setting(kAlias) != 0);
 }
 
-double ChainDevice::physical(Nanoseconds now) const { return ramp_.position(seconds(now - began_)); }
-double ChainDevice::velocity(Nanoseconds now) const { return ramp_.velocity(seconds(now - began_)); }
+double ChainDevice::believed(Nanoseconds now) const { return motion_.ramp.position(seconds(now - motion_.began)); }
+double ChainDevice::velocity(Nanoseconds now) const { return motion_.ramp.velocity(seconds(now - motion_.began)); }
 
-std::int32_t ChainDevice::counter(Nanoseconds now) const {
-  return static_cast<std::int32_t>(std::lround(physical(now) - zero_));
+double ChainDevice::Motion::true_steps(Nanoseconds time) const {
+  return stuck ? *stuck : ramp.position(seconds(time - began)) - slipped;
 }
 
-Millimetres ChainDevice::position(Nanoseconds now) const {
-  return Millimetres(physical(now) * full_step_mm_ / setting(kResolution));
+void ChainDevice::remember(Nanoseconds now) {
+  if (past_.size() == kRemembered) past_.pop_front();
+  past_.emplace_back(now, motion_);
+}
+
+void ChainDevice::stick(Nanoseconds now) {
+  remember(now);
+  motion_.stuck = motion_.true_steps(now);
+}
+
+void ChainDevice::free(Nanoseconds now) {
+  if (!motion_.stuck) return;
+  remember(now);
+  motion_.slipped = believed(now) - *std::exchange(motion_.stuck, std::nullopt);
+  // Its home sensor has not come yet: it goes on until there.
+  if (under_way_ && under_way_->command == kHome) go_home(ZaberFrame(*under_way_), velocity(now), now);
+}
+
+std::int32_t ChainDevice::counter(Nanoseconds now) const {
+  return static_cast<std::int32_t>(std::lround(believed(now) - zero_));
+}
+
+Millimetres ChainDevice::position(Nanoseconds time) const {
+  const auto then = std::find_if(past_.begin(), past_.end(), [&](const auto& each) { return time < each.first; });
+  const Motion& motion = then == past_.end() ? motion_ : then->second;
+  return Millimetres(motion.true_steps(time) * motion.mm_per_step);
+}
+
+bool ChainDevice::at_rest_since(Nanoseconds time) const {
+  const bool before = past_.empty() || time >= past_.back().first;
+  return before && (motion_.stuck || time >= after(motion_.began, motion_.ramp.duration()));
 }
 
 void ChainDevice::say(ZaberCommand command, std::int32_t data, std::uint8_t id,
@@ -76,23 +106,23 @@ void ChainDevice::say(ZaberCommand command, std::int32_t data, std::uint8_t id,
 
 std::optional<Nanoseconds> ChainDevice::due() const {
   if (!under_way_) return std::nullopt;
-  const Nanoseconds end = after(began_, ramp_.duration());
+  const Nanoseconds end = after(motion_.began, motion_.ramp.duration());
   return (setting(kMode) & kZaberMoveTracking) != 0 ? std::min(end, next_tracking_) : end;
 }
 
 void ChainDevice::run(Nanoseconds now, std::vector<ZaberFrame>& replies) {
   if (!under_way_) return;
-  const Nanoseconds end = after(began_, ramp_.duration());
+  const Nanoseconds end = after(motion_.began, motion_.ramp.duration());
   if ((setting(kMode) & kZaberMoveTracking) != 0) {
     for (; next_tracking_ <= std::min(now, end); next_tracking_ += kTracking) {
       say(kMoveTracking, counter(next_tracking_), 0, replies);
     }
   }
   if (now < end) return;
+  if (under_way_->command == kHome && motion_.stuck) return;  // no home sensor to be seen
   const ZaberFrame done = *std::exchange(under_way_, std::nullopt);
-  ramp_ = Ramp(ramp_.end());
   if (done.command == kHome) {
-    zero_ = ramp_.end();
+    zero_ = motion_.ramp.end();
     settings_[kMode] |= kZaberHomed;
   }
   if (done.command == kConstantSpeed) {
@@ -103,8 +133,9 @@ void ChainDevice::run(Nanoseconds now, std::vector<ZaberFrame>& replies) {
 }
 
 void ChainDevice::begin(const ZaberFrame& frame, Ramp ramp, Nanoseconds now) {
-  ramp_ = std::move(ramp);
-  began_ = now;
+  remember(now);
+  motion_.ramp = std::move(ramp);
+  motion_.began = now;
   next_tracking_ = now + kTracking;
   under_way_ = frame;
 }
@@ -131,16 +162,27 @@ std::int32_t ChainDevice::error_of_move(const ZaberFrame& frame, Nanoseconds now
   }
 }
 
+double ChainDevice::acceleration() const {
+  const int data = setting(kAcceleration) == 0 ? 512 * setting(kResolution) - 1 : setting(kAcceleration);
+  return data * kAccelerationUnit;
+}
+
+void ChainDevice::go_home(const ZaberFrame& frame, double pace, Nanoseconds now) {
+  const double speed = kSpeedUnit * std::max(setting(kHomeSpeed), 1);
+  const double home = setting(kHomeOffset) + motion_.slipped;
+  begin(frame, Ramp::to(believed(now), pace, home, speed, acceleration()), now);
+}
+
 void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
-  const double place = physical(now);
+  const double place = believed(now);
   const double pace = velocity(now);
-  const int ramp_data = setting(kAcceleration) == 0 ? 512 * setting(kResolution) - 1 : setting(kAcceleration);
-  const double acceleration = ramp_data * kAccelerationUnit;
   const double speed = kSpeedUnit * std::max(setting(kTargetSpeed), 1);
-  const auto go = [&](double target, double at) { begin(frame, Ramp::to(place, pace, target, at, acceleration), now); };
+  const auto go = [&](double target, double at) {
+    begin(frame, Ramp::to(place, pace, target, at, acceleration()), now);
+  };
   switch (frame.command) {
     case kHome:
-      return go(setting(kHomeOffset), kSpeedUnit * std::max(setting(kHomeSpeed), 1));
+      return go_home(frame, pace, now);
     case kMoveAbsolute:
       return go(zero_ + frame.data, speed);
     case kMoveRelative:
@@ -148,10 +190,10 @@ void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
     case kMoveToStoredPosition:
       return go(zero_ + stored_[static_cast<std::size_t>(frame.data)], speed);
     case kConstantSpeed:
-      if (frame.data == 0) return begin(frame, Ramp::to_rest(place, pace, acceleration), now);
+      if (frame.data == 0) return begin(frame, Ramp::to_rest(place, pace, acceleration()), now);
       return go(frame.data > 0 ? zero_ + setting(kMaximumPosition) : zero_, kSpeedUnit * std::abs(frame.data));
     default:
-      return begin(frame, Ramp::to_rest(place, pace, acceleration), now);
+      return begin(frame, Ramp::to_rest(place, pace, acceleration()), now);
   }
 }
 
@@ -166,7 +208,7 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
   const bool homed = (setting(kMode) & kZaberHomed) != 0;
   switch (frame.command) {
     case kReset:
-      ramp_ = Ramp(physical(now));
+      begin(frame, Ramp(believed(now)), now);
       under_way_.reset();
       return power_up();
     case kHome:

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "devices/clock.h"
@@ -42,12 +44,29 @@ class ChainDevice {
   [[nodiscard]] std::optional<Nanoseconds> due() const;
   // In message-id mode data has 24 bits and the id goes out.
   [[nodiscard]] bool message_ids() const { return (setting(ZaberCommand::kMode) & kZaberMessageIds) != 0; }
-  [[nodiscard]] Millimetres position(Nanoseconds now) const;  // from the home sensor
+  // From the home sensor, now or at an earlier time, back to the last 256 changes of motion.
+  [[nodiscard]] Millimetres position(Nanoseconds time) const;
+  [[nodiscard]] bool at_rest_since(Nanoseconds time) const;
+  // The axis sticks from `now` on while the device, which has no encoder, takes its motor to be turning: moves end as
+  // if done, homing does not. free() lets it go from where it stuck.
+  void stick(Nanoseconds now);
+  void free(Nanoseconds now);
   [[nodiscard]] std::uint8_t number() const { return number_; }
 
  private:
+  struct Motion {
+    Ramp ramp;  // of the motor, microsteps
+    Nanoseconds began{0};
+    double mm_per_step = 0.0;
+    double slipped = 0.0;         // steps that the axis did not follow
+    std::optional<double> stuck;  // where, from the home sensor
+    [[nodiscard]] double true_steps(Nanoseconds time) const;
+  };
   using Reply = std::optional<std::int32_t>;  // the data; none: nothing to answer now
   void power_up();
+  void remember(Nanoseconds now);  // the motion up to now, before it changes
+  void go_home(const ZaberFrame& frame, double pace, Nanoseconds now);
+  [[nodiscard]] double acceleration() const;
   [[nodiscard]] std::int32_t setting(ZaberCommand command) const { return settings_.at(command); }
   [[nodiscard]] std::int32_t error_of_setting(ZaberCommand command, std::int32_t data, Nanoseconds now) const;
   void change_setting(ZaberCommand command, std::int32_t data, Nanoseconds now);
@@ -56,7 +75,7 @@ class ChainDevice {
   void begin(const ZaberFrame& frame, Ramp ramp, Nanoseconds now);
   [[nodiscard]] std::int32_t memory(std::int32_t data);
   [[nodiscard]] std::int32_t counter(Nanoseconds now) const;  // what the device takes for its position
-  [[nodiscard]] double physical(Nanoseconds now) const;       // microsteps from the home sensor
+  [[nodiscard]] double believed(Nanoseconds now) const;       // microsteps that the motor was given
   [[nodiscard]] double velocity(Nanoseconds now) const;
   void say(ZaberCommand command, std::int32_t data, std::uint8_t id, std::vector<ZaberFrame>& replies) const;
 
@@ -66,10 +85,10 @@ class ChainDevice {
   std::map<ZaberCommand, std::int32_t> settings_;
   std::array<std::int32_t, 16> stored_{};
   std::array<std::int32_t, 128> memory_{};
-  Ramp ramp_;
-  Nanoseconds began_{0};
+  Motion motion_;
+  std::deque<std::pair<Nanoseconds, Motion>> past_;  // until when, which
   Nanoseconds next_tracking_{0};
-  double zero_ = 0.0;                    // counter = physical - zero
+  double zero_ = 0.0;                    // counter = believed - zero
   std::optional<ZaberFrame> under_way_;  // the instruction that the motion belongs to
 };
 

@@ -49,13 +49,18 @@ std::int32_t ChainDevice::error_of_setting(ZaberCommand command, std::int32_t da
 void ChainDevice::change_setting(ZaberCommand command, std::int32_t data, Nanoseconds now) {
   using enum ZaberCommand;
   if (command == kSetPosition) {
-    zero_ = std::round(physical(now)) - data;
+    zero_ = std::round(believed(now)) - data;
     settings_[kMode] |= kZaberHomed;
     return;
   }
   if (command == kResolution) {
     const double finer = static_cast<double>(data) / setting(kResolution);
-    ramp_ = Ramp(std::round(ramp_.end() * finer));
+    remember(now);
+    motion_.ramp = Ramp(std::round(motion_.ramp.end() * finer));
+    motion_.began = now;
+    motion_.mm_per_step = full_step_mm_ / data;
+    motion_.slipped *= finer;
+    if (motion_.stuck) *motion_.stuck *= finer;
     zero_ = std::round(zero_ * finer);
   }
   settings_[command] = data;

@@ -36,7 +36,7 @@ class SimulatedChain::Server {
   Server(SimulatedChainOptions options, const Clock& clock, SimulatedChainFaults faults)
       : options_(std::move(options)),
         clock_(clock),
-        faults_(faults),
+        faults_(std::move(faults)),
         end_(options_.listen),
         address_(end_.address()),
         devices_(options_.devices.begin(), options_.devices.end()),
@@ -67,9 +67,20 @@ class SimulatedChain::Server {
     done_.wait(lock, [this] { return order_ == Order::kNone; });
   }
 
-  Millimetres position(Axis axis) const {
+  Nanoseconds now() const { return clock_.now(); }
+
+  std::array<Millimetres, kAxes> places(Nanoseconds time) {
     const std::lock_guard lock(mutex_);
-    return devices_.at(options_.axes.at(static_cast<std::size_t>(axis))).position(clock_.now());
+    follow_stall();
+    std::array<Millimetres, kAxes> places{};
+    for (std::size_t axis = 0; axis < kAxes; ++axis) places[axis] = devices_.at(options_.axes[axis]).position(time);
+    return places;
+  }
+
+  bool at_rest_since(Nanoseconds time) {
+    const std::lock_guard lock(mutex_);
+    follow_stall();
+    return std::all_of(devices_.begin(), devices_.end(), [&](const auto& one) { return one.at_rest_since(time); });
   }
 
   void power_cycle() {
@@ -93,11 +104,36 @@ class SimulatedChain::Server {
     for (;;) {
       pollfd descriptors[] = {{wake_, POLLIN, 0}, {end_.descriptor(), POLLIN, 0}};
       ::poll(descriptors, 2, patience());
+      const bool asked = (descriptors[1].revents & POLLIN) != 0;
+      const Trouble trouble = asked && faults_.trouble ? faults_.trouble() : Trouble::kNone;
       const std::lock_guard lock(mutex_);
+      trouble_ = trouble;
+      follow_stall();
       if (descriptors[0].revents != 0 && !obey()) return;
       if (options_.free_running) say_what_is_due();
       if (descriptors[1].revents != 0) attend();
     }
+  }
+
+  // The motion is changed at the times themselves, as the position back then may be asked for later.
+  void follow_stall() {
+    if (!faults_.stall) return;
+    const ChainStall stall = faults_.stall();
+    const Nanoseconds now = clock_.now();
+    if (stall.from && *stall.from <= now && stall.from != stuck_from_) {
+      free_all(*stall.from);
+      for (std::size_t axis = 0; axis < kAxes; ++axis) {
+        if (stall.axis.value_or(static_cast<Axis>(axis)) == static_cast<Axis>(axis)) {
+          devices_.at(options_.axes[axis]).stick(*stall.from);
+        }
+      }
+      stuck_from_ = stall.from;
+    }
+    if (stall.until && *stall.until <= now) free_all(*stall.until);
+  }
+
+  void free_all(Nanoseconds when) {
+    for (ChainDevice& one : devices_) one.free(when);
   }
 
   int patience() const {
@@ -145,10 +181,12 @@ class SimulatedChain::Server {
   void request(const ZaberBytes& bytes) {
     const auto number = static_cast<long>(log_.size());
     log_.push_back(decode(bytes));
-    if (faults_.unplug_after_requests >= 0 && number >= faults_.unplug_after_requests) return end_.hang_up();
+    const bool unplugged = faults_.unplug_after_requests >= 0 && number >= faults_.unplug_after_requests;
+    if (unplugged || trouble_ == Trouble::kUnplugged) return end_.hang_up();
     const Nanoseconds now = clock_.now();
     if (now < deaf_until_) return;
     silent_ = faults_.silent_after_requests >= 0 && number >= faults_.silent_after_requests;
+    silent_ = silent_ || trouble_ == Trouble::kSilent;
     say_what_is_due();
     for (const ZaberFrame& frame : std::exchange(injected_, {})) reply(encode(frame));
     if (bytes[0] == 0 && log_.back().command == ZaberCommand::kRenumber) deaf_until_ = now + kRenumbering;
@@ -189,9 +227,9 @@ class SimulatedChain::Server {
   void reply(ZaberBytes bytes) {
     const long number = replies_++;
     if (silent_) return;
-    if (number == faults_.corrupt_reply) bytes[0] ^= 0x40U;
-    if (number == faults_.cut_reply) return end_.send(std::span(bytes).first(kCutBytes));
-    if (number == faults_.late_reply) {
+    if (number == faults_.corrupt_reply || trouble_ == Trouble::kCorrupt) bytes[0] ^= 0x40U;
+    if (number == faults_.cut_reply || trouble_ == Trouble::kTorn) return end_.send(std::span(bytes).first(kCutBytes));
+    if (number == faults_.late_reply || (trouble_ == Trouble::kLate && !late_)) {
       late_ = bytes;
       return;
     }
@@ -210,6 +248,8 @@ class SimulatedChain::Server {
   std::optional<ZaberBytes> late_;
   long replies_ = 0;
   bool silent_ = false;
+  Trouble trouble_ = Trouble::kNone;  // of the requests being read
+  std::optional<Nanoseconds> stuck_from_;
   Order order_ = Order::kNone;
   std::condition_variable done_;
   int wake_;
@@ -217,11 +257,16 @@ class SimulatedChain::Server {
 };
 
 SimulatedChain::SimulatedChain(SimulatedChainOptions options, const Clock& clock, SimulatedChainFaults faults)
-    : server_(std::make_unique<Server>(std::move(options), clock, faults)) {}
+    : server_(std::make_unique<Server>(std::move(options), clock, std::move(faults))) {}
 
 SimulatedChain::~SimulatedChain() = default;
 
-Millimetres SimulatedChain::position(Axis axis) const { return server_->position(axis); }
+std::array<Millimetres, kAxes> SimulatedChain::places(Nanoseconds time) const { return server_->places(time); }
+bool SimulatedChain::at_rest_since(Nanoseconds time) const { return server_->at_rest_since(time); }
+
+Millimetres SimulatedChain::position(Axis axis) const {
+  return server_->places(server_->now()).at(static_cast<std::size_t>(axis));
+}
 
 std::string SimulatedChain::address() const {
   const std::lock_guard lock(server_->mutex_);

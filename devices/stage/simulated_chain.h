@@ -4,13 +4,16 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "devices/clock.h"
 #include "devices/stage/chain_device.h"
 #include "devices/stage/stage_view.h"
+#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
@@ -26,12 +29,19 @@ struct SimulatedChainOptions {
   bool free_running = false;
 };
 
+struct ChainStall {  // the last time that axes stuck
+  std::optional<Nanoseconds> from, until;
+  std::optional<Axis> axis;  // none: all
+};
+
 struct SimulatedChainFaults {       // test and nightly switches, all off by default; requests and replies from 0
   long silent_after_requests = -1;  // answers that many requests, then none
   long unplug_after_requests = -1;
-  long corrupt_reply = -1;  // that reply comes with another device's number
-  long cut_reply = -1;      // of that reply only three bytes come
-  long late_reply = -1;     // that reply comes after the one that follows it
+  long corrupt_reply = -1;                 // that reply comes with another device's number
+  long cut_reply = -1;                     // of that reply only three bytes come
+  long late_reply = -1;                    // that reply comes after the one that follows it
+  TroubleSource trouble = {};              // silent, late, corrupt, torn; unplugged hangs up
+  std::function<ChainStall()> stall = {};  // asked at any time, under the chain's lock
 };
 
 class SimulatedChain final : public StageView {
@@ -43,6 +53,8 @@ class SimulatedChain final : public StageView {
   SimulatedChain& operator=(const SimulatedChain&) = delete;
 
   [[nodiscard]] Millimetres position(Axis axis) const override;
+  [[nodiscard]] std::array<Millimetres, kAxes> places(Nanoseconds time) const override;
+  [[nodiscard]] bool at_rest_since(Nanoseconds time) const override;
   [[nodiscard]] std::string address() const;  // what open_serial() takes
   [[nodiscard]] std::uint64_t bytes_received() const;
   [[nodiscard]] std::vector<ZaberFrame> requests() const;  // all that came whole, as sent with message ids

@@ -1,6 +1,8 @@
 // What the plant asks a simulated stage: where its axes really are.
 #pragma once
 
+#include <array>
+
 #include "devices/stage/stage.h"
 #include "devices/units.h"
 
@@ -11,6 +13,10 @@ class StageView {
   virtual ~StageView() = default;
   // Distance from the home sensor at clock.now(), whatever the device believes. Callable from any thread.
   [[nodiscard]] virtual Millimetres position(Axis axis) const = 0;
+  // The same for x, y, z at `time`, which lies not after clock.now() and not before the last 256 changes of motion.
+  [[nodiscard]] virtual std::array<Millimetres, kAxes> places(Nanoseconds time) const = 0;
+  // True only if no axis has moved since `time`.
+  [[nodiscard]] virtual bool at_rest_since(Nanoseconds time) const = 0;
 };
 
 }  // namespace tactbench::devices

@@ -225,6 +225,25 @@ void ZaberStage::home(Axis axis) {
   exclusively([&] { check_homed(axis, true); });
 }
 
+bool ZaberStage::send_home(Axis axis) noexcept {
+  try {
+    const std::lock_guard lock(mutex_);
+    armed_ = false;
+    try {
+      open();
+      // The answer comes at the end of the way. The wait lets the order arrive before a turned clock goes on.
+      (void)line_->ask_plainly(option(axis).device, kHome, 0);
+      clock_.reply_lost(options_.reply_timeout);
+    } catch (...) {
+      drop();  // the line may come back
+      return false;
+    }
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
 Millimetres ZaberStage::stop(Axis axis) {
   exclusively([&] {
     const Record& one = record(axis);

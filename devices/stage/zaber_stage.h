@@ -79,6 +79,9 @@ class ZaberStage final : public Stage {
   // the exchange under way, then twice opening, halt timeout and two reply timeouts an axis. Under a turned clock only
   // the thread that armed can see axes come to rest; from another one the answer is false while they slow down.
   [[nodiscard]] bool halt() noexcept override;
+  // Last resort of a stage whose replies are lost: tells the axis to go home and waits a reply timeout for it
+  // to have heard. Disarms. True: sent.
+  bool send_home(Axis axis) noexcept;
   [[nodiscard]] std::vector<Identity> identities() const override;
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
   // For `devices check`: asks, and changes nothing; works armed or not. Throws only the wire's faults.

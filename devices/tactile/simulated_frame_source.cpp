@@ -163,6 +163,9 @@ class SimulatedFrameSource::Server {
       put(client, {packet.tag, protocol::Error{code, text}});
     };
     const auto request = protocol::decode(packet);
+    trouble_ = options_.faults.trouble ? options_.faults.trouble() : Trouble::kNone;
+    if (trouble_ == Trouble::kUnplugged) client.closing = true;
+    if (trouble_ == Trouble::kUnplugged || trouble_ == Trouble::kSilent) return;
     if (!protocol::known_type(packet.type) || packet.type >= 0x80) {
       error(protocol::ErrorCode::kUnknownType, "not a request of this protocol");
     } else if (!request) {
@@ -199,7 +202,7 @@ class SimulatedFrameSource::Server {
     const auto& faults = options_.faults;
     const long number = scans_++;
     if (faults.silent_after_scans >= 0 && number >= faults.silent_after_scans) return;
-    if (number != faults.repeat_scan && !make_frame()) {
+    if (number != faults.repeat_scan && trouble_ != Trouble::kStale && !make_frame()) {
       put(client, {tag, protocol::Error{protocol::ErrorCode::kDevice, "the array does not answer"}});
       return;
     }
@@ -207,9 +210,9 @@ class SimulatedFrameSource::Server {
     const std::size_t begin = client.unsent.size();
     put(client, {tag, last_});
     const std::size_t middle = begin + (client.unsent.size() - begin) / 2;
-    if (number == faults.corrupt_scan) client.unsent[middle] ^= 0x10U;
+    if (number == faults.corrupt_scan || trouble_ == Trouble::kCorrupt) client.unsent[middle] ^= 0x10U;
     if (number == faults.double_scan) put(client, {tag, last_});
-    if (number == faults.cut_scan) {
+    if (number == faults.cut_scan || trouble_ == Trouble::kTorn) {
       client.unsent.resize(middle);
       client.closing = true;
     }
@@ -236,6 +239,7 @@ class SimulatedFrameSource::Server {
   std::vector<std::uint8_t> status_;
   std::uint32_t counter_ = 0;
   long scans_ = 0;
+  Trouble trouble_ = Trouble::kNone;  // of the request being answered
   int listener_ = -1;
   int stop_ = -1;
   std::vector<Client> clients_;

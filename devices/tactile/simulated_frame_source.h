@@ -17,6 +17,7 @@ struct SimulatedFrameSourceFaults {  // test and nightly switches, all off by de
   long repeat_scan = -1;             // answers with the frame before, under the new tag
   long double_scan = -1;             // sends the answer twice
   long cut_scan = -1;                // sends half the answer, then closes the connection
+  TroubleSource trouble = {};        // silent, stale, corrupt, torn (as cut_scan); unplugged: connections close
 };
 
 struct SimulatedFrameSourceOptions {

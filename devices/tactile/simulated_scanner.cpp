@@ -22,7 +22,7 @@ class SimulatedScanner::Server {
  public:
   Server(std::string path, IdentityReport identity, TactilePort& port, const Clock& clock,
          SimulatedScannerFaults faults)
-      : path_(std::move(path)), identity_(std::move(identity)), port_(port), clock_(clock), faults_(faults) {
+      : path_(std::move(path)), identity_(std::move(identity)), port_(port), clock_(clock), faults_(std::move(faults)) {
     if (identity_.columns > kScanColumns) {
       fail(fmt::format("a report holds {} columns, not {}", kScanColumns, identity_.columns));
     }
@@ -105,6 +105,9 @@ class SimulatedScanner::Server {
       ::close(std::exchange(listener_, -1));
       return false;
     }
+    trouble_ = faults_.trouble ? faults_.trouble() : Trouble::kNone;
+    if (trouble_ == Trouble::kUnplugged) return false;
+    if (trouble_ == Trouble::kSilent) return true;
     const auto command = decode_command(std::span(bytes, static_cast<std::size_t>(got)));
     if (!command) return true;  // a damaged command is no command
     if (command->command == ScanCommand::kIdentify) {
@@ -119,7 +122,7 @@ class SimulatedScanner::Server {
     const long number = scans_++;
     if (faults_.silent_after_scans >= 0 && number >= faults_.silent_after_scans) return true;
     try {
-      port_.scan(counts_, status_);
+      if (trouble_ != Trouble::kStale) port_.scan(counts_, status_);
     } catch (...) {
       return true;  // physics failed: the scanner falls silent
     }
@@ -133,8 +136,9 @@ class SimulatedScanner::Server {
       reports_[row] = encode(report);
     }
     ++frame_;
-    if (number == faults_.corrupt_scan) reports_[middle][20] ^= 0x10U;
-    return send_rows(number == faults_.drop_report_scan ? middle : reports_.size());
+    if (number == faults_.corrupt_scan || trouble_ == Trouble::kCorrupt) reports_[middle][20] ^= 0x10U;
+    const bool torn = number == faults_.drop_report_scan || trouble_ == Trouble::kTorn;
+    return send_rows(torn ? middle : reports_.size());
   }
 
   // All rows in one call, so that the reader wakes once for a scan rather than once a row.
@@ -164,6 +168,7 @@ class SimulatedScanner::Server {
   TactilePort& port_;
   const Clock& clock_;
   SimulatedScannerFaults faults_;
+  Trouble trouble_ = Trouble::kNone;  // of the command being answered
   int client_ = -1;
   int listener_ = -1;
   int stop_ = -1;
@@ -180,7 +185,7 @@ class SimulatedScanner::Server {
 
 SimulatedScanner::SimulatedScanner(std::string path, IdentityReport identity, TactilePort& port, const Clock& clock,
                                    SimulatedScannerFaults faults)
-    : server_(std::make_unique<Server>(std::move(path), std::move(identity), port, clock, faults)) {}
+    : server_(std::make_unique<Server>(std::move(path), std::move(identity), port, clock, std::move(faults))) {}
 
 SimulatedScanner::~SimulatedScanner() = default;
 

@@ -9,6 +9,7 @@
 
 #include "devices/clock.h"
 #include "devices/tactile/scan_report.h"
+#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
@@ -26,6 +27,7 @@ struct SimulatedScannerFaults {  // test and nightly switches, all off by defaul
   long corrupt_scan = -1;        // flips a bit in one report of that scan (0-based)
   long drop_report_scan = -1;    // leaves one report of that scan out
   long unplug_after_scans = -1;  // closes the socket
+  TroubleSource trouble = {};    // silent, stale, corrupt, torn (a report is missing); unplugged: connections close
 };
 
 class SimulatedScanner {

@@ -23,6 +23,7 @@ class ByteStream {
   // Throws away what waits to be read; returns how many bytes.
   virtual std::size_t discard() = 0;
   [[nodiscard]] virtual std::string description() const = 0;
+  [[nodiscard]] virtual int descriptor() const = 0;  // to be passed on, not to be used; the stream keeps it
 };
 
 }  // namespace tactbench::devices

@@ -114,9 +114,9 @@ void ModbusLine::open(const std::string& device, const std::string& peer) {
   const int descriptor = modbus_get_socket(fresh->modbus);
   // libmodbus waits with select(), which cannot hold a descriptor beyond FD_SETSIZE.
   if (descriptor >= FD_SETSIZE) fail(EMFILE, device, peer);
-  if (is_rtu() && flock(descriptor, LOCK_EX | LOCK_NB) != 0) fail(EBUSY, device, peer);
+  if (is_rtu() && endpoint_.lock && flock(descriptor, LOCK_EX | LOCK_NB) != 0) fail(EBUSY, device, peer);
   // On a pseudo-terminal it would outlive a killed client, since the simulated end keeps the terminal open.
-  if (is_rtu() && !is_stream_address(endpoint_.serial_port)) ioctl(descriptor, TIOCEXCL);
+  if (is_rtu() && endpoint_.exclusive && !is_stream_address(endpoint_.serial_port)) ioctl(descriptor, TIOCEXCL);
   context_ = std::move(fresh);
   transaction_ = 0;
 }

@@ -26,6 +26,10 @@ struct ModbusEndpoint {
   char parity = 'N';             // N, E or O
   int stop_bits = 1;
   Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
+  // RTU: whom the port is kept from while open. A dead-man has to get at the line of a program that stands still: the
+  // program then leaves `exclusive` away (its lock keeps its like out all the same), the dead-man both.
+  bool lock = true;       // flock()
+  bool exclusive = true;  // TIOCEXCL
 };
 
 class ModbusLine;  // one connection or one serial port, shared by the units on it

@@ -78,6 +78,7 @@ class SerialLink final : public ByteStream {
   }
 
   std::string description() const override { return name_; }
+  int descriptor() const override { return handle_; }
 
  private:
   [[noreturn]] void lost(const char* doing, const std::string& why) const {

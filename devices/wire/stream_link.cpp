@@ -95,6 +95,7 @@ class StreamLink final : public ByteStream {
   }
 
   std::string description() const override { return address_; }
+  int descriptor() const override { return descriptor_.get(); }
 
  private:
   static constexpr std::size_t kDiscardLimit = 1U << 20U;  // a sender that never rests must not hold us
@@ -206,6 +207,13 @@ std::unique_ptr<ByteStream> open_stream(const std::string& address, Nanoseconds 
     return std::make_unique<StreamLink>(connect_tcp(address, timeout), address, true, timeout);
   }
   fail_open(address, "a stream's address is /dev/pts/N, tcp:HOST:PORT or unix:PATH");
+}
+
+std::unique_ptr<ByteStream> adopt_stream(int descriptor, const std::string& address, Nanoseconds timeout) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  const bool socket = ::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0;
+  return std::make_unique<StreamLink>(Descriptor(descriptor), address, socket, timeout);
 }
 
 }  // namespace tactbench::devices

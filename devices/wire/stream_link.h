@@ -18,4 +18,9 @@ namespace tactbench::devices {
 [[nodiscard]] std::unique_ptr<ByteStream> open_stream(const std::string& address,
                                                       Nanoseconds timeout = std::chrono::seconds(2));
 
+// A stream over a descriptor that somebody else has opened and set up (a serial port, a pseudo-terminal, a socket), not
+// blocking; closes it at its end. `address` names it in faults.
+[[nodiscard]] std::unique_ptr<ByteStream> adopt_stream(int descriptor, const std::string& address,
+                                                       Nanoseconds timeout = std::chrono::seconds(2));
+
 }  // namespace tactbench::devices

@@ -11,13 +11,6 @@ using namespace synthetic;
 
 namespace {
 
-struct Random {
-  std::mt19937 engine;
-  std::uniform_real_distribution<double> unit;
-  explicit Random(unsigned seed) : engine(seed) {}
-  double operator()(double low, double high) { return low + (high - low) * unit(engine); }
-};
-
 ElamParameters any_parameters(Random& random, double margin) {
   const double u = random(margin, 1.0 - margin), v = random(margin, 1.0 - margin);
   return {random(margin, 1.0 - margin), random(margin, 1.0 - margin), (v - u) / 62.0, u, random(margin, 1.0 - margin)};

@@ -49,7 +49,9 @@ TEST_CASE("figures of a small array, recomputed by hand") {
     int count = 0;
     for (const SequenceData& sequence : held.sequences) {
       const Repeat& repeat = sequence.repeats[0];
-      for (const Branch& branch : branches_of(repeat.steps)) {
+      std::vector<double> levels;
+      for (const Sample& step : repeat.steps) levels.push_back(step.setpoint_psi);
+      for (const Branch& branch : branches_along(levels)) {
         if (branch.ascending != ascending || branch.last - branch.first != 30) continue;
         ++count;
         for (int i = branch.first; i <= branch.last; ++i)

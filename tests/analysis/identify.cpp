@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "analysis/statistics/evaluation.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -198,18 +199,76 @@ TEST_CASE("dead, stuck, saturated and senseless taxels are named and left out of
   CHECK(fit.mean_taxel.fit.model.ascending(30.0) == Approx(mean).epsilon(1e-9));
 }
 
-TEST_CASE("a sensor whose output falls is refused in words") {
+TEST_CASE("a sensor whose output falls is fitted with its output negated") {
   Dataset data = run(small_array(), {});
+  const ArrayFit rising = fit_array(data);
+  CHECK_FALSE(rising.falling);
   for (SequenceData& sequence : data.sequences)
     for (Repeat& repeat : sequence.repeats)
       for (double& volts : repeat.volts) volts = 5.0 - volts;
-  try {
-    fit_array(data);
-    FAIL("accepted");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-ANALYSIS-FALLING");
-    CHECK_THAT(error.what(), Catch::Contains("falls"));
+  const ArrayFit fit = fit_array(data);
+  CHECK(fit.falling);
+  CHECK(fit.full_scale_v == Approx(5.0).epsilon(0.1));
+  for (std::size_t i = 0; i < fit.taxels.size(); ++i) {
+    REQUIRE(fit.taxels[i].status == TaxelStatus::kFitted);
+    CHECK(fit.taxels[i].fit.j_v2 == Approx(rising.taxels[i].fit.j_v2).epsilon(1e-6));
+    CHECK(fit.taxels[i].fit.model.ascending(30.0) == Approx(rising.taxels[i].fit.model.ascending(30.0) - 5.0));
   }
+  CHECK(as_modelled(data, fit).sequences[0].repeats[0].volts[5] == -data.sequences[0].repeats[0].volts[5]);
+  CHECK(as_modelled(data, rising).sequences[0].repeats[0].volts[5] == data.sequences[0].repeats[0].volts[5]);
+  const Evaluation a = evaluate(data, fit);
+  CHECK(a.mean_error_psi < 1.0);
+  CHECK(a.full_scale_v == Approx(5.0).epsilon(0.1));
+}
+
+TEST_CASE("a first repeat that differs from the others is told, and can be left out") {
+  Dataset data = run(small_array(), {});
+  for (const RepeatDrift& drift : fit_array(data).repeats) {
+    INFO(drift.sequence << ": " << drift.shift_v << " V of " << drift.uncertainty_v << " V");
+    CHECK_FALSE(drift.differs);
+  }
+  for (double& volts : data.sequences[0].repeats[0].volts) volts -= 0.02;  // never loaded before
+  const ArrayFit fit = fit_array(data);
+  REQUIRE(fit.repeats.size() == 2);
+  CHECK(fit.repeats[0].sequence == "descending");
+  CHECK(fit.repeats[0].differs);
+  CHECK(fit.repeats[0].shift_v == Approx(-0.02).margin(0.002));
+  CHECK(fit.repeats[0].uncertainty_v < 0.003);
+  CHECK_FALSE(fit.repeats[1].differs);
+  ArrayFitOptions options;
+  options.common.first_repeat = 1;
+  CHECK(fit_array(data, options).mean_taxel.fit.model.y0() > fit.mean_taxel.fit.model.y0());
+  RunOptions two;
+  two.repeats = 2;
+  CHECK(fit_array(run(small_array(), two)).repeats.empty());
+}
+
+TEST_CASE("duplicated pressures, missing branches, branches that stop short and another origin are fitted") {
+  // From (12 psi, 0.7 V) on: held levels, turns that only go half way, no branch from 50 psi.
+  Loop loop = paper_loop();
+  for (double& x : loop.x) x += 12.0;
+  for (double& y : loop.up) y += 0.7;
+  for (double& y : loop.down) y += 0.7;
+  ElamParameters p = kPrinted;
+  p.beta_d = 0.97;
+  const ElamModel truth = model_of(loop, p);
+  std::vector<TaxelBranch> branches =
+      both(branches_from(truth, {12, 72, 12, 52, 31, 45, 12}, Outer::kFormula),
+           branches_from(truth, {12, 72, 22, 72, 12, 42, 30, 66, 33, 72, 12}, Outer::kFormula));
+  for (TaxelBranch& branch : branches) {
+    const std::size_t middle = branch.volts.size() / 2;
+    for (int k = 0; k < 3; ++k) {
+      branch.volts.insert(branch.volts.begin() + static_cast<std::ptrdiff_t>(middle), branch.volts[middle]);
+      branch.pressure_psi.insert(branch.pressure_psi.begin() + static_cast<std::ptrdiff_t>(middle),
+                                 branch.pressure_psi[middle]);
+    }
+  }
+  const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
+  CHECK(fit.j_v2 < 1e-9);
+  CHECK(fit.model.parameters.alpha_d == Approx(p.alpha_d).epsilon(1e-3));
+  CHECK(fit.model.parameters.beta_d == Approx(p.beta_d).epsilon(1e-4));
+  CHECK(fit.model.parameters.alpha_a1 == Approx(p.alpha_a1).epsilon(1e-2));
+  CHECK(fit.model.parameters.beta_a == Approx(p.beta_a).epsilon(1e-2));
 }
 
 TEST_CASE("an array without a single working taxel is an error") {

@@ -15,7 +15,7 @@ std::vector<Sample> steps_of(const std::vector<double>& levels) {
 }  // namespace
 
 TEST_CASE("set-points split into branches that share their turning points") {
-  const auto branches = branches_of(steps_of({0, 2, 4, 2, 0, 2}));
+  const auto branches = branches_along(std::vector<double>{0, 2, 4, 2, 0, 2});
   REQUIRE(branches.size() == 3);
   CHECK((branches[0].first == 0 && branches[0].last == 2 && branches[0].ascending));
   CHECK((branches[1].first == 2 && branches[1].last == 4 && !branches[1].ascending));
@@ -23,12 +23,12 @@ TEST_CASE("set-points split into branches that share their turning points") {
 }
 
 TEST_CASE("[A8] held samples keep the last direction") {
-  const auto branches = branches_of(steps_of({0, 0, 2, 4, 4, 4, 2, 2, 0}));
+  const auto branches = branches_along(std::vector<double>{0, 0, 2, 4, 4, 4, 2, 2, 0});
   REQUIRE(branches.size() == 2);
   CHECK((branches[0].first == 0 && branches[0].last == 5));
   CHECK((branches[1].first == 5 && branches[1].last == 8 && !branches[1].ascending));
-  CHECK(branches_of(steps_of({3, 3, 3})).empty());
-  CHECK(branches_of(steps_of({3})).empty());
+  CHECK(branches_along(std::vector<double>{3, 3, 3}).empty());
+  CHECK(branches_along(std::vector<double>{3}).empty());
 }
 
 TEST_CASE("outputs move to the set-point by the slope of their own branch") {
@@ -68,7 +68,7 @@ TEST_CASE("the external loop is the mean of the full sweeps only") {
   const std::vector<double> levels{0, 10, 20, 10, 0, 10, 0, 10, 20, 10, 0};
   CommonSequence common;
   common.pressure_psi = levels;
-  common.branches = branches_of(steps_of(levels));
+  common.branches = branches_along(levels);
   //             up 1        down 1  inner    up 2      down 2
   common.volts = {0, 1, 5, 2, 0, 9, 0, 3, 7, 6, 0};
   const ExternalLoop loop = external_loop(std::vector{common}, 1);
@@ -80,7 +80,7 @@ TEST_CASE("the external loop is the mean of the full sweeps only") {
 TEST_CASE("sweeps at slightly different measured pressures come onto one grid") {
   CommonSequence common;
   common.pressure_psi = {0.0, 10.2, 20.0, 9.8, 0.0};
-  common.branches = branches_of(steps_of({0, 10, 20, 10, 0}));
+  common.branches = branches_along(std::vector<double>{0, 10, 20, 10, 0});
   common.volts = {0.0, 10.2, 20.0, 9.8, 0.0};  // v = p
   const ExternalLoop loop = external_loop(std::vector{common}, 1);
   CHECK(loop.descending_v[1] == Approx(10.2));
@@ -89,7 +89,7 @@ TEST_CASE("sweeps at slightly different measured pressures come onto one grid") 
 TEST_CASE("no full sweep is an error that says which") {
   CommonSequence common;
   common.pressure_psi = {0, 10, 20, 10};
-  common.branches = branches_of(steps_of(common.pressure_psi));
+  common.branches = branches_along(common.pressure_psi);
   common.volts = {0, 1, 2, 1};
   try {
     external_loop(std::vector{common}, 1);

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis/dataset.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -53,8 +54,6 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   const auto [key, id] = GENERATE(table<std::string, std::string>({
       {"scanner_silent_after_scans", "TB-SCANNER-TIMEOUT"},
       {"scanner_unplug_after_scans", "TB-SCANNER-LOST"},
-      {"scanner_corrupt_scan", "TB-SCANNER-CORRUPT"},
-      {"scanner_drop_report_scan", "TB-SCANNER-CORRUPT"},
   }));
   // 2 scans a frame and 2 for the baseline: the fault strikes in frame 6 (counted from 0).
   const bench::RunResult result =
@@ -73,6 +72,30 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   CHECK(row.content_sha256 == store.content_hash(result.run));
   CHECK_THAT(result.error->rig_state(), Catch::Contains("vented, verified"));
   CHECK(!result.error->remedy().empty());
+}
+
+TEST_CASE("one bad frame is read again, and both the attempt and the flag are stored") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const std::string key = GENERATE("scanner_corrupt_scan", "scanner_drop_report_scan");
+  bench::RunRequest request =
+      small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "100"}});
+  const std::string rule = GENERATE("worst", "any");
+  request.recipes = {small_recipe("[retry]\nverdict = \"" + rule + "\"\n")};
+  const bench::RunResult result = run_small(request, store);
+  INFO(key << " " << rule);
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  const std::vector<db::FrameRecord> frames = store.frames(result.run);
+  REQUIRE(frames.size() == 30);
+  CHECK(frames[6].flags == (rule == "worst" ? "retried" : ""));
+  int attempts = 0;
+  for (const db::EventRecord& event : store.events(result.run)) {
+    if (event.kind != "attempt") continue;
+    ++attempts;
+    CHECK(event.id == "TB-SCANNER-CORRUPT");
+    CHECK_THAT(event.detail, Catch::StartsWith("frame, 1 of 2: "));
+  }
+  CHECK(attempts == 1);
 }
 
 TEST_CASE("a silent or dead Modbus server ends the run and what cannot be reached is called unverified") {
@@ -114,6 +137,7 @@ TEST_CASE("pressure above the trip aborts the run and vents") {
       "high.toml"))};
   const bench::RunResult result = run_small(request, store);
   REQUIRE(result.error);
+  INFO(result.error->what());
   CHECK(result.error->id() == "TB-CHAMBER-TRIP");
   CHECK(result.error->code() == ExitCode::kStopped);
   CHECK(result.outcome == db::Outcome::kAborted);
@@ -160,4 +184,68 @@ TEST_CASE("the film's memory can be carried from one run to the next") {
   request.specimen_state_file = folder.path("film.json");
   CHECK(run_small(request, store).content_sha256 == virgin);  // no such file yet: virgin film
   CHECK(run_small(request, store).content_sha256 != virgin);  // the second time the film remembers
+}
+
+TEST_CASE("a run carries out the very steps that plan lists") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  std::vector<sequences::Step> carried_out;
+  request.on_step = [&](const sequences::Step& step) { carried_out.push_back(step); };
+  REQUIRE(run_small(request, store).outcome == db::Outcome::kCompleted);
+  const std::vector<sequences::Step> planned = sequences::compile(request.recipes);
+  CHECK(carried_out == planned);
+  write_file(folder.path("small.toml"), request.recipes.front().text);
+  const std::string listed =
+      run_program(TACTBENCH_PROGRAM, {"plan", "small.toml", "--bench", "simulated.toml", "--steps"}, folder.path()).out;
+  std::string lines;
+  for (const sequences::Step& step : carried_out) lines += sequences::step_line(step) + "\n";
+  CHECK_THAT(listed, Catch::EndsWith(lines));
+}
+
+TEST_CASE("the trace beside the frames tells every look at the pressure, in order and without a gap") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(small_request({{"settling.trace_s", "0.1"}}), store);
+  double last_s = 0.0;
+  for (const db::FrameRecord& frame : store.frames(result.run)) {
+    REQUIRE(!frame.trace.empty());
+    const double frame_s = static_cast<double>(frame.time_ns) * 1e-9;
+    for (const db::TracePoint& point : frame.trace) {
+      const double time_s = frame_s - static_cast<double>(point.before_frame_s);
+      CHECK(time_s > last_s);
+      if (frame.ordinal > 0) CHECK(time_s - last_s < 0.25);
+      last_s = time_s;
+    }
+    const db::TracePoint& at_frame = frame.trace.back();
+    CHECK(at_frame.reference_psi == Approx(frame.reference_psi).margin(1e-4));
+    CHECK(at_frame.setpoint_psi == Approx(frame.setpoint_psi).margin(1e-4));
+    CHECK(frame.flags.empty());
+    CHECK(static_cast<double>(frame.in_band_ns) * 1e-9 == Approx(2.0).margin(0.01));
+  }
+}
+
+TEST_CASE("an overshoot inside a rising branch breaks it, the branch is redone, all attempts are kept") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.recipes = {small_recipe("[guard]\nredo = 2\n")};
+  bench::PlannedFault overshoot;
+  overshoot.kind = bench::FaultKind::kOvershoot;
+  overshoot.at_s = 40.0;  // in a branch of the first repeat, after the conditioning
+  overshoot.value = 1.5;
+  request.bench.simulation->plant.faults.push_back(overshoot);
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE_FALSE(result.error);
+  CHECK(result.branches_redone == 1);
+  int voids = 0;
+  for (const db::BranchRecord& branch : store.branches(result.run)) {
+    if (!branch.is_void) continue;
+    ++voids;
+    CHECK(branch.attempt == 0);
+    CHECK_THAT(branch.void_reason, Catch::StartsWith("TB-BRANCH-BROKEN"));
+  }
+  CHECK(voids == 1);
+  CHECK(store.frames(result.run).size() > 30);                                           // what was measured is kept
+  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);  // and the set is whole
 }

@@ -123,7 +123,7 @@ TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
 TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay") {
   const TemporaryFolder folder;
   prepare(folder);
-  const Finished scanner = call(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=10",
+  const Finished scanner = call(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=12",
                                                    "--set", "scanner.frame_timeout_ms=100"}));
   check_error(scanner, 3, "TB-SCANNER-TIMEOUT");
   CHECK_THAT(scanner.err, Catch::Contains("vented, verified") && Catch::Contains("run 1 kept with 4 frames"));

@@ -102,9 +102,12 @@ TEST_CASE("a run through the frame source gives the frames of the run through HI
 }
 
 TEST_CASE("the indenter's force follows the stage: free above the surface, stiffness times depth below") {
-  bench::Rig rig(
-      small_request({{"simulation.contact.surface_z_mm", "20"}, {"simulation.contact.stiffness_n_per_mm", "10"}})
-          .bench);
+  bench::Rig rig(small_request({{"simulation.contact.surface_z_mm", "20"},
+                                {"simulation.contact.stiffness_n_per_mm", "10"},
+                                {"simulation.contact.stiffening_n_per_mm2", "0"},
+                                {"simulation.contact.friction_share", "0"},
+                                {"simulation.contact.relaxation_share", "0"}})
+                     .bench);
   devices::ZaberStage& stage = *rig.stage();
   devices::ForceSensor& force = rig.open_force();
   stage.arm();

@@ -64,9 +64,9 @@ TEST_CASE("simulate: a killed sequencer leaves a chamber that the module's own w
   write_file(simulator.folder.path("hold.toml"),
              "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [40, 60, 40]\nstep = 20\ndwell_s = 600\n");
   REQUIRE(simulator.run({"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
-  const Finished killed =
-      simulator.run({"run", "hold.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"},
-                    {SIGKILL, simulator.folder.path("runs.db-wal"), 4000});
+  const Finished killed = simulator.run(
+      {"run", "hold.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q", "--no-seating"},
+      {SIGKILL, simulator.folder.path("runs.db-wal"), 4000});
   CHECK(killed.code == -SIGKILL);
   double psi = feedback_psi(simulator);
   CHECK(psi > 20.0);  // the watchdog has up to a second

@@ -79,19 +79,21 @@ TEST_CASE("every canonical column counts, and no other") {
   const std::string hash = store.content_hash(run);
   const std::set<std::string> outside = {"runs.uuid",           "runs.host",    "runs.time_zone", "runs.started_utc",
                                          "runs.ended_utc",      "runs.tags",    "runs.notes",     "runs.state",
-                                         "runs.content_sha256", "frames.dtype", "frames.chain"};
-  const std::set<std::string> keys = {"runs.run",     "sequences.run",    "devices.run",
-                                      "branches.run", "events.run",       "frames.frame",
-                                      "events.event", "devices.position", "branches.branch"};
+                                         "runs.content_sha256", "frames.dtype", "frames.chain",   "runs.seen_utc",
+                                         "runs.rest_s"};
+  const std::set<std::string> keys = {"runs.run",        "sequences.run", "devices.run",      "branches.run",
+                                      "events.run",      "frames.frame",  "events.event",     "devices.position",
+                                      "branches.branch", "checks.run",    "checks.check_row", "series.run"};
   // Where only some words will do, or the blob's size must fit.
   const std::map<std::string, std::string> values = {
-      {"runs.outcome", "'stopped'"},   {"runs.safe_state", "'failed'"},
-      {"branches.void", "1 - void"},   {"runs.git_dirty", "1 - git_dirty"},
-      {"frames.branch", "3 - branch"}, {"frames.counts", "CAST(x'01' || substr(counts, 2) AS BLOB)"}};
+      {"runs.outcome", "'stopped'"},     {"runs.safe_state", "'failed'"},
+      {"branches.void", "1 - void"},     {"runs.git_dirty", "1 - git_dirty"},
+      {"frames.branch", "3 - branch"},   {"series.input", "zeroblob(16)"},
+      {"series.output", "zeroblob(16)"}, {"frames.counts", "CAST(x'01' || substr(counts, 2) AS BLOB)"}};
   Connection raw(path, Access::kReadWrite);
   raw.execute("PRAGMA foreign_keys = OFF; PRAGMA ignore_check_constraints = ON; PRAGMA synchronous = OFF");
   int tried = 0;
-  for (const std::string table : {"runs", "sequences", "devices", "branches", "frames", "events"}) {
+  for (const std::string table : {"runs", "sequences", "devices", "branches", "frames", "events", "checks", "series"}) {
     std::vector<std::pair<std::string, std::string>> columns;
     {
       Statement rows(raw, "SELECT name, type FROM pragma_table_info(?)");

@@ -62,6 +62,9 @@ TEST_CASE("frames, branches and events come back exactly") {
   odd.feedback_psi = kNaN;  // no reading
   odd.reference_psi = std::nextafter(60.0, 61.0);
   odd.in_band_ns = -1;
+  odd.wrench.reset();
+  odd.trace.clear();
+  odd.flags.clear();
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   store.append_frame(begun.run, odd);
   const std::vector<db::FrameRecord> frames = store.frames(begun.run);
@@ -77,15 +80,30 @@ TEST_CASE("frames, branches and events come back exactly") {
          got.in_band_ns == given.in_band_ns && got.device_time_us == given.device_time_us));
   CHECK((got.rows == 3 && got.columns == 2 && got.scans == 2));
   CHECK(got.counts == given.counts);
+  CHECK(got.flags == "dwell");
+  REQUIRE(got.trace.size() == 2);
+  CHECK((got.trace[1].before_frame_s == 0.5F && got.trace[1].setpoint_psi == 2.1F &&
+         got.trace[1].feedback_psi == 2.05F && got.trace[1].reference_psi == 2.06F));
+  REQUIRE(got.wrench.has_value());
+  CHECK((got.wrench->target_n == 6.1 && got.wrench->force_start_n == 6.3 && got.wrench->place_mm[2] == 40.3));
+  CHECK((got.wrench->wrench == given.wrench->wrench && got.wrench->raw == given.wrench->raw));
   CHECK(frames[1].setpoint_psi == 5e-324);
   CHECK(std::isnan(frames[1].feedback_psi));
   CHECK(frames[1].reference_psi == odd.reference_psi);
   CHECK(frames[1].in_band_ns == -1);
+  CHECK((!frames[1].wrench && frames[1].trace.empty() && frames[1].flags.empty()));
 
   store.void_branch(begun.branch, "why");
   const db::BranchRecord branch = store.branches(begun.run).at(0);
   CHECK((branch.branch == begun.branch && branch.sequence == 1 && branch.repeat == 0 && branch.ordinal == 0));
   CHECK((branch.is_void && branch.void_reason == "why" && branch.from_psi == 0.1 && branch.to_psi == 60.0));
+  CHECK((branch.from_n == 2.1 && branch.to_n == 30.3));
+  store.append_check(begun.run, {begun.run, 7, "warm-up", "warning", "{}", {0.1, kNaN}});
+  const db::CheckRecord check = store.checks(begun.run).at(0);
+  CHECK((check.time_ns == 7 && check.kind == "warm-up" && check.verdict == "warning" && check.data.at(0) == 0.1));
+  store.set_rest(begun.run, 12.5);
+  store.set_seen(begun.run, "2026-01-01T00:00:00Z");
+  CHECK((store.run(begun.run).rest_s == 12.5 && store.run(begun.run).seen_utc == "2026-01-01T00:00:00Z"));
   store.append_event(begun.run, {-3, "note", "", "by hand"});
   store.set_state(begun.run, "running", {9, "state", "X", "go"});
   const std::vector<db::EventRecord> events = store.events(begun.run);

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
+
 #include "db/sqlite.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
@@ -12,7 +14,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("a new store is ours, of version 1, in WAL with pages of 4096") {
+TEST_CASE("a new store is ours, of the newest version, in WAL with pages of 4096") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
@@ -31,7 +33,7 @@ TEST_CASE("every table is STRICT, and a text in a column of numbers is refused")
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND NOT strict "
                     "AND name NOT LIKE 'sqlite_%'") == 0);
-  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 10);
+  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 12);
   CHECK(store_error([&] { raw.execute("UPDATE frames SET setpoint_psi = 'two'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'done'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'incomplete'"); }) == "TB-STORE-CONFLICT");
@@ -96,4 +98,65 @@ TEST_CASE("the views show what a person asks for") {
     steps += detail + "\n";
   }
   CHECK_THAT(steps, Catch::Contains("SEARCH f USING INTEGER PRIMARY KEY") && !Catch::Contains("SCAN"));
+}
+
+TEST_CASE("a store of schema 1 is brought up to date, its rows and its hash unchanged") {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_1.db", folder.path("runs.db"));
+  CHECK(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA user_version") == 1);
+  CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }) == "TB-STORE-OPEN");
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const db::RunRecord run = store.run(1);
+  CHECK(run.content_sha256 == "c1d5c53a3d9d4d311d051e3dec523f53e1652af5c10fca4e466850a6c99f3dcf");
+  CHECK(store.content_hash(1) == run.content_sha256);
+  REQUIRE(store.frames(1).size() == 5);
+  CHECK((store.frames(1)[4].trace.empty() && !store.frames(1)[4].wrench));
+}
+
+TEST_CASE("a store of schema 2 is brought up to date, its rows and its hash unchanged") {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_2.db", folder.path("runs.db"));
+  CHECK(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA user_version") == 2);
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const db::RunRecord run = store.run(1);
+  CHECK(run.content_sha256 == "6f62f02b7f82b37ed237543a965bf54209635788a266a8ca9e8b04046790a952");
+  CHECK(store.content_hash(1) == run.content_sha256);
+  CHECK(store.frames(1).size() == 3);
+  CHECK(store.series(1).empty());
+}
+
+TEST_CASE("the series of an imported run come back bit for bit") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::RunRecord imported = example_run();
+  imported.origin = "imported";
+  const Begun begun = begin_example(store, imported);
+  const std::vector<double> input = {0.0, 0.1, 1.0 / 3.0}, output = {-1e-300, 2.0 / 3.0, 1e300};
+  store.append_series(begun.run, {{1, 0, input, output}, {0, 7, output, input}});
+  CHECK(store_error([&] { store.append_series(begun.run, {{0, 7, input, output}}); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.append_series(begun.run, {{0, 8, input, {1.0}}}); }) == "TB-STORE-CONFLICT");
+  store.end_run(begun.run, db::Outcome::kCompleted, "imported", db::SafeState::kUnknown, "");
+  const std::vector<db::SeriesRecord> back = store.series(begun.run);
+  REQUIRE(back.size() == 2);
+  CHECK((back[0].sequence == 0 && back[0].taxel == 7 && back[0].input == output && back[0].output == input));
+  CHECK((back[1].sequence == 1 && back[1].input == input && back[1].output == output));
+  CHECK(store.content_hash(begun.run) == store.run(begun.run).content_sha256);
+  CHECK(store_error([&] { store.append_series(begun.run, {{0, 9, input, output}}); }) == "TB-STORE-CONFLICT");
+}
+
+TEST_CASE("an ended run that was not completed can be opened again, and its chain goes on") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  store.append_frame(begun.run, example_frame(begun.branch, 0));
+  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // it lives
+  REQUIRE(store.mark_interrupted("2026-01-01T00:00:00Z") == 1);
+  store.reopen_run(begun.run, {9, "state", "", "ended -> prepared: resumed"});
+  CHECK((store.run(begun.run).outcome == db::Outcome::kIncomplete && store.run(begun.run).content_sha256.empty()));
+  store.append_frame(begun.run, example_frame(begun.branch, 1));
+  CHECK(store.last_time_ns(begun.run) == example_frame(begun.branch, 1).time_ns);
+  store.end_run(begun.run, db::Outcome::kCompleted, "all steps done", db::SafeState::kVerified, "");
+  CHECK(store.content_hash(begun.run) == store.run(begun.run).content_sha256);
+  CHECK(store.frame_count(begun.run) == 2);
+  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // completed
 }

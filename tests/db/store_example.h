@@ -47,6 +47,8 @@ inline db::BranchRecord example_branch() {
   branch.sequence = 1;
   branch.from_psi = 0.1;
   branch.to_psi = 60.0;
+  branch.from_n = 2.1;
+  branch.to_n = 30.3;
   return branch;
 }
 
@@ -70,6 +72,10 @@ inline db::FrameRecord example_frame(std::int64_t branch, int ordinal) {
   frame.columns = 2;
   frame.scans = 2;
   for (int i = 0; i < 12; ++i) frame.counts.push_back(static_cast<std::uint16_t>(65535 - 257 * i - ordinal));
+  frame.flags = "dwell";
+  frame.trace = {{1.5F, 2.0F, 1.9F, 1.8F}, {0.5F, 2.1F, 2.05F, 2.06F}};
+  frame.wrench = db::WrenchRecord{
+      6.1, 6.3, {0.1, 0.2, -6.2, 1.5, 2.5, 3.5}, {11, 12, 13, 14, 15, 16.5}, {20.1, 30.2, 40.3 + ordinal}};
   return frame;
 }
 
@@ -96,6 +102,8 @@ inline std::int64_t store_example(db::RunStore& store, const db::RunRecord& run 
   const std::int64_t second = store.begin_branch(begun.run, again);
   store.append_frame(begun.run, example_frame(second, 0));
   store.append_frame(begun.run, example_frame(second, 1));
+  store.append_check(begun.run, {begun.run, 4, "seating", "pass", R"({"rows":3})", {1.0 / 3.0, 2.5}});
+  store.append_series(begun.run, {{0, 3, {0.5, 1.5}, {2.5, 3.5}}});
   store.append_event(begun.run, {6, "fault", "TB-SCANNER-SILENT", "no report"});
   store.end_run(begun.run, db::Outcome::kCompleted, "all steps done", db::SafeState::kVerified, "2024-05-01T10:00:00Z");
   return begun.run;

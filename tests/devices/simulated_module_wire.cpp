@@ -126,6 +126,7 @@ TEST_CASE("simulated module: a port that is taken is a fault") {
 TEST_CASE("simulated module: a failing port is a failing device, not a dead program") {
   class Failing final : public ChamberPort {
     void drive(Volts, Nanoseconds, Volts) override { throw std::runtime_error("physics"); }
+    void dump(bool) override { throw std::runtime_error("physics"); }
     Volts feedback() override { throw std::runtime_error("physics"); }
     Volts reference() override { return Volts(0.0); }
   } failing;

@@ -25,11 +25,13 @@ class TestChamber final : public ChamberPort {
     hold_until_ = hold_until;
     fallback_ = fallback;
   }
+  void dump(bool open) override { dumping = open; }
   Volts feedback() override { return output(); }
   Volts reference() override { return reference_volts; }
   [[nodiscard]] Volts output() const { return clock_.now() < hold_until_.load() ? command_ : fallback_; }
   std::atomic<Volts> reference_volts{Volts(0.0)};
   std::atomic<int> drives{0};  // orders given to the output terminal
+  std::atomic<bool> dumping{false};
 
  private:
   const Clock& clock_;

@@ -105,7 +105,10 @@ def force(chain, sensor):
 
 
 no_proxy()
-with Rig(sys.argv[1], "--rate", "10") as rig:
+# 20 N/mm and nothing else, so that a place is a force.
+ELASTIC = [word for key in ("stiffening_n_per_mm2", "friction_share", "relaxation_share")
+           for word in ("--set", f"simulation.contact.{key}=0")]
+with Rig(sys.argv[1], "--rate", "10", *ELASTIC) as rig:
     chain = Chain(rig.where(r"Zaber.*: (/\S+)"))
     sensor = NetFt(rig.where(r"RDT over UDP\): (\S+)"), rig.where(r": (http://\S+netftapi2\.xml)"))
     zaber(chain)

@@ -1,6 +1,10 @@
 #include "sequences/recipe.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+
+#include "sequences/estimate.h"
 
 using namespace tactbench::sequences;
 using tactbench::devices::Psi;
@@ -28,11 +32,14 @@ TEST_CASE("the paper's sequences have 211 and 451 frames a repeat and 3310 in al
     CHECK(measuring(compile(descending, 0), repeat) == 211);
     CHECK(measuring(compile(ascending, 0), repeat) == 451);
   }
-  const Estimate both = estimate(compile({descending, ascending}), 60.0, 0.4, 1024.0);
-  CHECK(both.frames == 3310);
-  CHECK(both.highest == Psi(60.0));
-  CHECK(both.lowest == Psi(0.0));
-  CHECK(both.seconds > 3310 * 2.0);
+  const std::vector<Recipe> both = {descending, ascending};
+  const Estimate all = estimate(both, compile(both), TimeModel(), 1024.0);
+  CHECK(all.frames == 3310);
+  CHECK(all.time.low_s > 3310 * 2.0);
+  CHECK(all.time.low_s < all.time.likely_s);
+  CHECK(all.time.likely_s < all.time.high_s);
+  CHECK(extremes(compile(both)).highest == Psi(60.0));
+  CHECK(extremes(compile(both)).lowest == Psi(0.0));
 }
 
 TEST_CASE("steps visit every level of every branch once, turning points exactly") {
@@ -49,6 +56,114 @@ TEST_CASE("steps visit every level of every branch once, turning points exactly"
   CHECK(branches == std::vector<int>{0, 0, 0, 0, 1, 1, 2, 2, 3, 3, 3});
 }
 
+TEST_CASE("several frames a level are held after the first, each repeat takes the next dwell") {
+  const Recipe recipe =
+      recipe_of("turning_points = [0, 2]\nstep = 2\ndwell_s = [5, 7]\nframes_per_level = 3\nframe_interval_s = 0.5\n");
+  CHECK(recipe.repeats == 2);
+  const auto steps = compile(recipe, 0);
+  REQUIRE(steps.size() == 12);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double dwell = i < 6 ? 5.0 : 7.0;
+    CHECK(steps[i].hold == (i % 3 != 0));
+    CHECK(steps[i].dwell_s == (i % 3 == 0 ? dwell : 0.5));
+    CHECK(steps[i].ordinal == static_cast<int>(i % 6));
+  }
+}
+
+TEST_CASE("a ramp without stops names its rate and settles only at its start") {
+  const auto steps =
+      compile(recipe_of("turning_points = [0, 4, 0]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = [0.5, 8]\n"), 0);
+  REQUIRE(steps.size() == 10);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    CHECK(steps[i].settle == (i % 5 == 0));
+    CHECK(steps[i].dwell_s == 0.0);
+    CHECK(steps[i].ramp_psi_per_s == (i < 5 ? 0.5 : 8.0));
+  }
+  CHECK(extremes(steps).fastest_ramp_psi_per_s == 8.0);
+}
+
+TEST_CASE("the way back conditions and travels to where the branch starts, without a frame") {
+  const Recipe recipe =
+      recipe_of("turning_points = [0, 60, 10, 60, 0]\nstep = 10\ndwell_s = 1\n[conditioning]\ncycles = 2\npeak = 50\n");
+  const auto levels = [](const std::vector<Step>& steps) {
+    std::vector<double> found;
+    for (const Step& step : steps) {
+      CHECK(step.kind == StepKind::kConditioning);
+      CHECK(!takes_frame(step));
+      found.push_back(step.setpoint.value());
+    }
+    return found;
+  };
+  CHECK(levels(way_back(recipe, 0, 0, 0)) == std::vector<double>{50, 0, 50, 0});
+  CHECK(levels(way_back(recipe, 0, 3, 2)) == std::vector<double>{50, 0, 50, 0, 0, 60, 10});
+  const Recipe bare = recipe_of("turning_points = [0, 60, 10, 60, 0]\nstep = 10\n");
+  CHECK(levels(way_back(bare, 0, 0, 1)) == std::vector<double>{60, 0, 0, 60});
+  // Only cycles may be skipped by a criterion: they have branch -1.
+  const auto steps = way_back(recipe, 4, 3, 2);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    CHECK((steps[i].branch < 0) == (i < 4));
+    CHECK(steps[i].sequence == 4);
+  }
+}
+
+TEST_CASE("every branch of every shipped levels recipe starts where its way back ends") {
+  for (const char* name : {"descending", "ascending", "production", "random-reversal", "rate", "creep-hold"}) {
+    const Recipe recipe = read_recipe(kRecipes + name + ".toml");
+    const auto steps = compile(recipe, 0);
+    for (const BranchSpan& span : branches(steps)) {
+      if (span.kind != SpanKind::kBranch || span.key.repeat > 1) continue;
+      const Step& first = steps[span.first];
+      const auto back = way_back(recipe, 0, span.key.repeat, span.key.branch);
+      CHECK(back.back().setpoint == first.branch_from);
+    }
+  }
+}
+
+TEST_CASE("spans cover all steps once and name the branches") {
+  const auto steps =
+      compile(recipe_of("turning_points = [0, 4, 0]\nstep = 2\nrepeats = 2\n[conditioning]\ncycles = 2\npeak = 4\n"
+                        "[prompt]\nbefore = \"ready?\"\n"),
+              0);
+  const auto spans = branches(steps);
+  REQUIRE(spans.size() == 6);
+  CHECK((spans[0].kind == SpanKind::kTravel && spans[0].count == 1));
+  CHECK((spans[1].kind == SpanKind::kConditioning && spans[1].count == 4));
+  const std::vector<BranchKey> keys = {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, 1, 1}};
+  std::size_t next = 5;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const BranchSpan& span = spans[i + 2];
+    CHECK((span.kind == SpanKind::kBranch && span.key == keys[i]));
+    CHECK(span.first == next);
+    CHECK(span.count == (i % 2 == 0 ? 3 : 2));
+    next += span.count;
+  }
+  CHECK(next == steps.size());
+}
+
+TEST_CASE("random reversals lie on the grid, rise and fall in turn and are the same for the same seed") {
+  const auto points = [](int seed, int low) {
+    return recipe_of("step = 2\n[random]\nseed = " + std::to_string(seed) +
+                     "\nreversals = 99\nlow = " + std::to_string(low) + "\nhigh = 60\n")
+        .turning_points;
+  };
+  for (const int low : {0, 10, 56}) {
+    const auto drawn = points(3, low);
+    REQUIRE(drawn.size() == 103);
+    CHECK((drawn[0] == Psi(0) && drawn[1] == Psi(60) && drawn[2] == Psi(0) && drawn.back() == Psi(0)));
+    for (std::size_t i = 3; i + 1 < drawn.size(); ++i) {
+      CHECK((drawn[i].value() >= low && drawn[i].value() <= 60.0));
+      CHECK(std::fmod(drawn[i].value(), 2.0) == 0.0);
+      CHECK((drawn[i] > drawn[i - 1]) == (i % 2 == 1));
+      CHECK(drawn[i] != drawn[i - 1]);
+    }
+  }
+  CHECK(points(3, 0) == points(3, 0));
+  CHECK(points(3, 0) != points(4, 0));
+  // Drawn without the library's distributions: the same on every machine.
+  const auto first = points(1, 0);
+  CHECK((first[3] == Psi(18) && first[4] == Psi(12)));
+}
+
 TEST_CASE("conditioning cycles come first and take no frame") {
   const auto steps =
       compile(recipe_of("turning_points = [0, 2]\nstep = 2\n[conditioning]\ncycles = 2\npeak = 60\n"), 0);
@@ -57,7 +172,7 @@ TEST_CASE("conditioning cycles come first and take no frame") {
     CHECK(steps[i].kind == StepKind::kConditioning);
     CHECK(steps[i].setpoint == Psi(i % 2 == 0 ? 60.0 : 0.0));
   }
-  CHECK(estimate(steps, 60.0, 0.4, 0.0).frames == 2);
+  CHECK(std::count_if(steps.begin(), steps.end(), takes_frame) == 2);
 }
 
 TEST_CASE("a recipe in kPa or bar is brought to psi") {
@@ -95,6 +210,19 @@ TEST_CASE("a bad recipe names file, line, key and remedy") {
   refused("turning_points = [0, nan]\nstep = 2\n", "not a finite number", "turning_points");
   refused(good + "[conditioning]\ncycles = 1\n", "'peak' is missing", "conditioning.peak");
   refused(good + "step = 4\n", "not valid TOML", "test.toml:6:");
+  refused(good + "[guard]\ntolerance = 1\n", "unknown key 'tolerance'", "test.toml:7:13, guard.tolerance");
+  refused(good + "[guard]\non_broken = \"flags\"\n", "not one of fail, flag", "test.toml:7:13");
+  refused(good + "dwell_s = [1, 2]\nrepeats = 1\n", "not all would be used", "test.toml:7:");
+  refused(good + "settle = \"none\"\n", "ramp_psi_per_s", "ramp_psi_per_s");
+  refused(good + "settle = \"none\"\nramp_psi_per_s = 1\ndwell_s = 1\n", "dwell_s", "test.toml:8:");
+  refused(good + "[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 60\n", "both", "random");
+  refused("step = 2\n[random]\nseed = 1\nreversals = 4\nlow = 0\nhigh = 60\n", "lower point", "test.toml:7:13");
+  refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 61\n", "no whole number", "test.toml:9:8");
+  refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 58\nhigh = 60\n", "no room", "random.high");
+  refused(good + "[[suspend]]\nquantity = \"supply_bar\"\n", "either trip_below or trip_above", "test.toml:7:");
+  refused(good + "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 5\n", "wrong side",
+          "test.toml:9:16");
+  refused(good + "[conditioning]\ncycles = 2\nleast = 3\npeak = 60\n", "at least 3", "test.toml:8:9");
 }
 
 TEST_CASE("a wrong unit is an error, not a guess") {
@@ -111,7 +239,7 @@ TEST_CASE("a wrong unit is an error, not a guess") {
 TEST_CASE("overrides replace values and are checked like the file") {
   const Recipe once = read_recipe(kRecipes + "descending.toml", {{"repeats", "1"}, {"conditioning.cycles", "0"}});
   CHECK(once.repeats == 1);
-  CHECK(once.conditioning_cycles == 0);
+  CHECK(once.conditioning.cycles == 0);
   CHECK_THROWS_AS(read_recipe(kRecipes + "descending.toml", {{"repeat", "1"}}), FileError);
   CHECK_THROWS_AS(read_recipe(kRecipes + "descending.toml", {{"name.x", "1"}}), FileError);
   CHECK_THROWS_AS(read_recipe(kRecipes + "no-such.toml"), FileError);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -37,13 +38,36 @@ class ChildProcess {
     if (child_ < 0) throw std::runtime_error("fork failed");
   }
   ~ChildProcess() {
-    kill(child_, SIGKILL);
-    waitpid(child_, nullptr, 0);
+    if (child_ > 0) {
+      kill(child_, SIGKILL);
+      waitpid(child_, nullptr, 0);
+    }
     close(output_);
   }
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
+  void signal(int number) const {
+    if (child_ > 0) kill(child_, number);
+  }
+  // Its exit code, -signal when one ended it; none when it lives on for `timeout`.
+  std::optional<int> ended_within(std::chrono::milliseconds timeout) {
+    const auto end = std::chrono::steady_clock::now() + timeout;
+    for (int status = 0;; usleep(2000)) {
+      if (child_ < 0) return code_;
+      if (waitpid(child_, &status, WNOHANG) == child_) {
+        child_ = -1;
+        code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+        return code_;
+      }
+      if (std::chrono::steady_clock::now() >= end) return std::nullopt;
+    }
+  }
+  // The same; throws when it does not end within `timeout`.
+  int wait(std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
+    if (const std::optional<int> code = ended_within(timeout)) return *code;
+    throw std::runtime_error("the child does not end");
+  }
   // The next line without its end. Throws when it does not come within `timeout`.
   std::string line(std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
     const auto end = std::chrono::steady_clock::now() + timeout;
@@ -62,7 +86,7 @@ class ChildProcess {
 
  private:
   pid_t child_ = -1;
-  int output_ = -1;
+  int output_ = -1, code_ = -1;
 };
 
 }  // namespace tactbench::tests

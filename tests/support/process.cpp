@@ -62,6 +62,21 @@ std::string TemporaryFolder::path(const std::string& name) const {
   return name.empty() ? folder_.string() : (folder_ / name).string();
 }
 
+namespace {
+
+// Trips, records, locks and control sockets of tests, and of the programs that they start, stay out of the user's own
+// folders.
+struct PrivateState {
+  PrivateState() {
+    setenv("XDG_STATE_HOME", folder.path().c_str(), 1);
+    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);  // tests that run beside each other share bench ids
+  }
+  TemporaryFolder folder;
+};
+const PrivateState kPrivateState;
+
+}  // namespace
+
 std::string read_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + path);

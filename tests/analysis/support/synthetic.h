@@ -20,6 +20,14 @@ using namespace tactbench::analysis;
 
 inline const ElamParameters kPrinted{0.7957, 0.9991, -0.0072, 0.6031, 0.3382};  // Tables 2, 3
 
+// Evenly spread numbers from a seed.
+struct Random {
+  std::mt19937 engine;
+  std::uniform_real_distribution<double> unit;
+  explicit Random(unsigned seed) : engine(seed) {}
+  double operator()(double low, double high) { return low + (high - low) * unit(engine); }
+};
+
 struct Loop {
   std::vector<double> x, up, down;
 };

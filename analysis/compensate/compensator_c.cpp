@@ -1,0 +1,212 @@
+#include "analysis/compensate/compensator_c.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+#include "analysis/compensate/frame_compensator.h"
+
+using namespace tactbench::analysis;
+
+static_assert(static_cast<int>(TB_TAXEL_VALID) == kTaxelValid && static_cast<int>(TB_TAXEL_FLAT) == kTaxelFlat &&
+              static_cast<int>(TB_TAXEL_OUT_OF_RANGE) == kTaxelOutOfRange &&
+              static_cast<int>(TB_TAXEL_DEAD) == kTaxelDead && static_cast<int>(TB_TAXEL_OUTSIDE) == kTaxelOutside &&
+              static_cast<int>(TB_TAXEL_UNKNOWN) == kTaxelUnknown && static_cast<int>(TB_TAXEL_LOST) == kTaxelLost);
+
+struct tb_compensator {
+  std::optional<FrameCompensator<float>> single;
+  std::optional<FrameCompensator<double>> whole;
+  // What the caller does not ask for, and what a lost frame gives.
+  std::vector<float> single_spare;
+  std::vector<double> whole_spare;
+  std::vector<std::uint16_t> status_spare;
+
+  template <class Real>
+  std::optional<FrameCompensator<Real>>& own() {
+    if constexpr (std::is_same_v<Real, float>)
+      return single;
+    else
+      return whole;
+  }
+  template <class Real>
+  std::vector<Real>& spare() {
+    if constexpr (std::is_same_v<Real, float>)
+      return single_spare;
+    else
+      return whole_spare;
+  }
+  // Calls `act` with whichever there is.
+  template <class Act>
+  auto with(const Act& act) {
+    return single ? act(*single) : act(*whole);
+  }
+};
+
+namespace {
+
+// Version 1's structs; later ones are longer.
+constexpr std::size_t kSetupSize = sizeof(tb_compensator_setup), kTaxelSize = sizeof(tb_compensator_taxel);
+
+double or_default(double value, double standard) { return value != 0.0 ? value : standard; }
+
+TaxelSetup taxel_of(const tb_compensator_taxel& given, std::size_t knots) {
+  TaxelSetup taxel;
+  taxel.usable = (given.flags & TB_TAXEL_USABLE) != 0;
+  if (!taxel.usable) return taxel;
+  taxel.ascending_v.assign(given.ascending, given.ascending + knots);
+  taxel.descending_v.assign(given.descending, given.descending + knots);
+  taxel.parameters = {given.alpha_d, given.beta_d, given.alpha_a1, given.alpha_a0, given.beta_a};
+  taxel.noise_v = given.noise_volts;
+  taxel.falling = (given.flags & TB_TAXEL_FALLING) != 0;
+  return taxel;
+}
+
+FrameSetup setup_of(const tb_compensator_setup& given, const std::vector<tb_compensator_taxel>& taxels) {
+  FrameSetup setup;
+  setup.pressure_psi.assign(given.pressure, given.pressure + given.knots);
+  for (const tb_compensator_taxel& taxel : taxels) setup.taxels.push_back(taxel_of(taxel, given.knots));
+  setup.volts_per_count = given.volts_per_count;
+  setup.elam.exact_outer = (given.flags & TB_COMPENSATOR_EXACT_OUTER) != 0;
+  setup.options.flat_psi = or_default(given.flat_pressure, setup.options.flat_psi);
+  setup.options.known_psi = or_default(given.known_pressure, setup.options.known_psi);
+  setup.start_unknown = (given.flags & TB_COMPENSATOR_START_AT_REST) == 0;
+  setup.tare_share = or_default(given.tare_share, setup.tare_share);
+  if (given.longest_gap != 0) setup.longest_gap = static_cast<int>(std::min(given.longest_gap, 0x7fffffffU));
+  return setup;
+}
+
+int refuse(int code, const char* why, char* message, std::size_t size) {
+  if (message != nullptr && size > 0) {
+    const std::size_t length = std::min(std::strlen(why), size - 1);
+    std::memcpy(message, why, length);
+    message[length] = 0;
+  }
+  return code;
+}
+
+template <class Real, class Sample>
+int run(tb_compensator* handle, const Sample* samples, std::size_t count, Real* pressure, Real* uncertainty,
+        std::uint16_t* status) {
+  if (handle == nullptr || samples == nullptr || pressure == nullptr) return TB_COMPENSATOR_NULL;
+  auto& own = handle->own<Real>();
+  if (!own) return TB_COMPENSATOR_PRECISION;
+  if (count != own->taxels()) return TB_COMPENSATOR_SIZE;
+  Real* const doubt = uncertainty != nullptr ? uncertainty : handle->spare<Real>().data();
+  std::uint16_t* const bits = status != nullptr ? status : handle->status_spare.data();
+  own->frame(std::span<const Sample>(samples, count), {{pressure, count}, {doubt, count}, {bits, count}});
+  return TB_COMPENSATOR_OK;
+}
+
+}  // namespace
+
+uint32_t tb_compensator_abi_version(void) { return TB_COMPENSATOR_ABI_VERSION; }
+
+int tb_compensator_create(const tb_compensator_setup* setup, const tb_compensator_taxel* taxels,
+                          tb_compensator** handle, char* message, size_t message_size) {
+  (void)refuse(0, "", message, message_size);
+  if (handle == nullptr) return refuse(TB_COMPENSATOR_NULL, "handle is null", message, message_size);
+  *handle = nullptr;
+  if (setup == nullptr || taxels == nullptr)
+    return refuse(TB_COMPENSATOR_NULL, "setup or taxels is null", message, message_size);
+  if (setup->struct_size < kSetupSize)
+    return refuse(TB_COMPENSATOR_SIZE, "setup.struct_size is below version 1's", message, message_size);
+  if (setup->pressure == nullptr) return refuse(TB_COMPENSATOR_NULL, "setup.pressure is null", message, message_size);
+  if (setup->taxels == 0 || setup->knots < 2)
+    return refuse(TB_COMPENSATOR_SIZE, "no taxels, or fewer than two knots", message, message_size);
+  const std::size_t step = taxels->struct_size;
+  if (step < kTaxelSize || step % alignof(tb_compensator_taxel) != 0)
+    return refuse(TB_COMPENSATOR_SIZE, "taxel.struct_size is below version 1's", message, message_size);
+  try {
+    std::vector<tb_compensator_taxel> own(setup->taxels);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      std::memcpy(&own[i], reinterpret_cast<const char*>(taxels) + i * step, kTaxelSize);
+      if (own[i].struct_size != step)
+        return refuse(TB_COMPENSATOR_SIZE, "the taxels' struct_size differ", message, message_size);
+      if ((own[i].flags & TB_TAXEL_USABLE) != 0 && (own[i].ascending == nullptr || own[i].descending == nullptr))
+        return refuse(TB_COMPENSATOR_NULL, "a usable taxel's pattern is null", message, message_size);
+    }
+    const FrameSetup made = setup_of(*setup, own);
+    auto compensator = std::make_unique<tb_compensator>();
+    compensator->status_spare.resize(setup->taxels);
+    if ((setup->flags & TB_COMPENSATOR_DOUBLE) != 0) {
+      compensator->whole.emplace(made);
+      compensator->whole_spare.resize(2 * setup->taxels);
+    } else {
+      compensator->single.emplace(made);
+      compensator->single_spare.resize(2 * setup->taxels);
+    }
+    *handle = compensator.release();
+    return TB_COMPENSATOR_OK;
+  } catch (const std::bad_alloc&) {
+    return refuse(TB_COMPENSATOR_MEMORY, "not enough memory", message, message_size);
+  } catch (const std::exception& fault) {
+    return refuse(TB_COMPENSATOR_VALUE, fault.what(), message, message_size);
+  }
+}
+
+void tb_compensator_destroy(tb_compensator* handle) { delete handle; }
+
+size_t tb_compensator_taxels(const tb_compensator* handle) {
+  return handle == nullptr ? 0 : handle->status_spare.size();
+}
+
+int tb_compensator_counts(tb_compensator* handle, const uint16_t* counts, size_t count, float* pressure,
+                          float* uncertainty, uint16_t* status) {
+  return run(handle, counts, count, pressure, uncertainty, status);
+}
+int tb_compensator_counts_double(tb_compensator* handle, const uint16_t* counts, size_t count, double* pressure,
+                                 double* uncertainty, uint16_t* status) {
+  return run(handle, counts, count, pressure, uncertainty, status);
+}
+int tb_compensator_volts(tb_compensator* handle, const float* volts, size_t count, float* pressure, float* uncertainty,
+                         uint16_t* status) {
+  return run(handle, volts, count, pressure, uncertainty, status);
+}
+int tb_compensator_volts_double(tb_compensator* handle, const double* volts, size_t count, double* pressure,
+                                double* uncertainty, uint16_t* status) {
+  return run(handle, volts, count, pressure, uncertainty, status);
+}
+
+int tb_compensator_lost_frame(tb_compensator* handle) {
+  if (handle == nullptr) return TB_COMPENSATOR_NULL;
+  const std::size_t count = handle->status_spare.size();
+  const auto lose = [&](auto& compensator, auto& spare) {
+    compensator.lost_frame(
+        {{spare.data(), count}, {spare.data() + count, count}, {handle->status_spare.data(), count}});
+  };
+  if (handle->single)
+    lose(*handle->single, handle->single_spare);
+  else
+    lose(*handle->whole, handle->whole_spare);
+  return TB_COMPENSATOR_OK;
+}
+
+int tb_compensator_reset(tb_compensator* handle) {
+  if (handle == nullptr) return TB_COMPENSATOR_NULL;
+  handle->with([](auto& compensator) { compensator.reset(); });
+  return TB_COMPENSATOR_OK;
+}
+
+int tb_compensator_reset_unknown(tb_compensator* handle) {
+  if (handle == nullptr) return TB_COMPENSATOR_NULL;
+  handle->with([](auto& compensator) { compensator.reset_unknown(); });
+  return TB_COMPENSATOR_OK;
+}
+
+int tb_compensator_tare(tb_compensator* handle, const uint16_t* counts, size_t count, size_t* refused) {
+  if (handle == nullptr || counts == nullptr) return TB_COMPENSATOR_NULL;
+  if (count != handle->status_spare.size()) return TB_COMPENSATOR_SIZE;
+  const std::size_t left = handle->with([&](auto& compensator) { return compensator.tare({counts, count}); });
+  if (refused != nullptr) *refused = left;
+  return TB_COMPENSATOR_OK;
+}
+
+int tb_compensator_set_outside_validity(tb_compensator* handle, int outside) {
+  if (handle == nullptr) return TB_COMPENSATOR_NULL;
+  handle->with([&](auto& compensator) { compensator.set_outside_validity(outside != 0); });
+  return TB_COMPENSATOR_OK;
+}

@@ -1,0 +1,126 @@
+/* The frame compensator for C, and for whatever can call C (python/tactbench_compensator.py). Link or load
+ * libtactbench_compensator.so.1; plain C99, no other header of the project.
+ *
+ * Frozen contract of ABI version 1:
+ * - Functions and struct members are added at ends only, never changed or taken away; status bits likewise. The library
+ *   takes any struct_size that it knows: fill structs with zeros, set struct_size = sizeof of your own, then the
+ * members. Zero (and a null array) means "default" wherever a member says so.
+ * - Nothing is thrown, nothing is printed. Every function returns TB_COMPENSATOR_OK (0) or a negative code; what was
+ *   refused in tb_compensator_create stands in `message`. After a refusal the state is as before.
+ * - All memory is taken in tb_compensator_create. No other function allocates, locks or calls the system.
+ * - One handle belongs to one thread at a time; different handles are independent.
+ * - tb_compensator_destroy(NULL) does nothing. A handle that was destroyed must not be used again, and not be destroyed
+ *   again: set the variable to NULL, then a second call is harmless.
+ */
+#ifndef TACTBENCH_COMPENSATOR_C_H
+#define TACTBENCH_COMPENSATOR_C_H
+
+#include <stddef.h> /* NOLINT(modernize-deprecated-headers): C reads this */
+#include <stdint.h> /* NOLINT(modernize-deprecated-headers) */
+
+/* NOLINTBEGIN(readability-identifier-naming,modernize-*): C's names */
+#if defined(__GNUC__)
+#define TB_COMPENSATOR_API __attribute__((visibility("default")))
+#else
+#define TB_COMPENSATOR_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define TB_COMPENSATOR_ABI_VERSION 1U
+
+enum tb_compensator_code {
+  TB_COMPENSATOR_OK = 0,
+  TB_COMPENSATOR_NULL = -1,      /* a pointer that must not be null is */
+  TB_COMPENSATOR_SIZE = -2,      /* a struct_size is smaller than version 1's, or a count is not the taxels' */
+  TB_COMPENSATOR_VALUE = -3,     /* see the message */
+  TB_COMPENSATOR_PRECISION = -4, /* a float32 handle was asked for doubles, or the other way round */
+  TB_COMPENSATOR_MEMORY = -5
+};
+
+/* Status bits of a taxel in a frame. */
+enum tb_compensator_status {
+  TB_TAXEL_VALID = 1,        /* computed from this frame's sample, within the model's range and validity */
+  TB_TAXEL_FLAT = 2,         /* much pressure hides behind little output here: see the uncertainty */
+  TB_TAXEL_OUT_OF_RANGE = 4, /* output outside the external loop: pressure clamped, not valid */
+  TB_TAXEL_DEAD = 8,         /* not usable by set-up: lowest pressure, uncertainty the whole span */
+  TB_TAXEL_OUTSIDE = 16,     /* conditions outside the model's validity, as the caller said: not valid */
+  TB_TAXEL_UNKNOWN = 32,     /* history not known yet: midway between its extremes, see the uncertainty */
+  TB_TAXEL_LOST = 64         /* no sample: the last pressure again, not valid */
+};
+
+enum tb_compensator_flags {
+  TB_COMPENSATOR_DOUBLE = 1,        /* double results (else float32, the fast one) */
+  TB_COMPENSATOR_START_AT_REST = 2, /* all taxels are unloaded at the start (else their history is unknown) */
+  TB_COMPENSATOR_EXACT_OUTER = 4    /* as the model was identified: external branches follow the patterns */
+};
+
+enum tb_compensator_taxel_flags {
+  TB_TAXEL_USABLE = 1, /* else dead, stuck, unfit: the other members are not looked at */
+  TB_TAXEL_FALLING = 2 /* the output falls when the pressure rises; patterns are those of the negated output */
+};
+
+typedef struct tb_compensator tb_compensator;
+
+typedef struct tb_compensator_setup {
+  size_t struct_size;
+  uint32_t flags;       /* tb_compensator_flags */
+  uint32_t longest_gap; /* frames lost in a row after which histories are unknown; 0: 10 */
+  size_t taxels;
+  size_t knots;           /* of each pattern, at least 2 */
+  const double* pressure; /* knots, strictly increasing; any unit, results have the same */
+  double volts_per_count;
+  double flat_pressure;  /* flat when 4 sigma of noise hide more than this; 0: 2 */
+  double known_pressure; /* a history is known when its extremes are so close; 0: 0.5 */
+  double tare_share;     /* of a taxel's span, the most that a tare may move; 0: 0.2 */
+} tb_compensator_setup;
+
+typedef struct tb_compensator_taxel {
+  size_t struct_size;      /* of this struct; also the step from one array element to the next */
+  uint32_t flags;          /* tb_compensator_taxel_flags */
+  uint32_t reserved;       /* 0 */
+  const double* ascending; /* knots volts; made monotone where they are not; ends equal to those of descending */
+  const double* descending;
+  double alpha_d, beta_d, alpha_a1, alpha_a0, beta_a; /* ELAM, alpha_a1 in 1 / pressure */
+  double noise_volts;                                 /* standard deviation of a sample */
+} tb_compensator_taxel;
+
+TB_COMPENSATOR_API uint32_t tb_compensator_abi_version(void);
+
+/* Copies all that it needs. `message` (may be null) gets a text of at most message_size bytes with its final 0, empty
+ * when all is well. */
+TB_COMPENSATOR_API int tb_compensator_create(const tb_compensator_setup* setup, const tb_compensator_taxel* taxels,
+                                             tb_compensator** handle, char* message, size_t message_size);
+TB_COMPENSATOR_API void tb_compensator_destroy(tb_compensator* handle);
+TB_COMPENSATOR_API size_t tb_compensator_taxels(const tb_compensator* handle); /* 0 for null */
+
+/* One frame of `count` taxels; arrays of as many. uncertainty (standard) and status may be null. */
+TB_COMPENSATOR_API int tb_compensator_counts(tb_compensator* handle, const uint16_t* counts, size_t count,
+                                             float* pressure, float* uncertainty, uint16_t* status);
+TB_COMPENSATOR_API int tb_compensator_counts_double(tb_compensator* handle, const uint16_t* counts, size_t count,
+                                                    double* pressure, double* uncertainty, uint16_t* status);
+/* The same from volts; a voltage that is not a finite number marks its taxel TB_TAXEL_LOST and leaves its state alone.
+ */
+TB_COMPENSATOR_API int tb_compensator_volts(tb_compensator* handle, const float* volts, size_t count, float* pressure,
+                                            float* uncertainty, uint16_t* status);
+TB_COMPENSATOR_API int tb_compensator_volts_double(tb_compensator* handle, const double* volts, size_t count,
+                                                   double* pressure, double* uncertainty, uint16_t* status);
+/* A frame was lost: the next one is taken as it comes, and after longest_gap losses in a row histories are unknown. */
+TB_COMPENSATOR_API int tb_compensator_lost_frame(tb_compensator* handle);
+
+TB_COMPENSATOR_API int tb_compensator_reset(tb_compensator* handle);         /* all at rest, unloaded */
+TB_COMPENSATOR_API int tb_compensator_reset_unknown(tb_compensator* handle); /* from anywhere */
+/* `counts` is the unloaded sensor: becomes the zero, all at rest. *refused (may be null): taxels that were too far off;
+ * they keep their zero and start unknown. */
+TB_COMPENSATOR_API int tb_compensator_tare(tb_compensator* handle, const uint16_t* counts, size_t count,
+                                           size_t* refused);
+TB_COMPENSATOR_API int tb_compensator_set_outside_validity(tb_compensator* handle, int outside);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* NOLINTEND(readability-identifier-naming,modernize-*) */
+#endif

@@ -1,0 +1,32 @@
+// What a frame compensator is made of: each taxel's patterns, parameters, noise and status, and the options of all.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "analysis/compensate/options.h"
+#include "analysis/models/elam.h"
+
+namespace tactbench::analysis {
+
+struct TaxelSetup {
+  bool usable = false;              // false (dead, stuck, saturated, unfit): the rest is not looked at
+  std::vector<double> ascending_v;  // pattern at FrameSetup::pressure_psi; of a falling sensor the negated output
+  std::vector<double> descending_v;
+  ElamParameters parameters;
+  double noise_v = 0.0;  // standard deviation of a sample
+  bool falling = false;  // the output falls when the pressure rises: samples are negated [A20]
+};
+
+struct FrameSetup {
+  std::vector<double> pressure_psi;  // common grid of the patterns, strictly increasing, at least two
+  std::vector<TaxelSetup> taxels;
+  double volts_per_count = 0.0;
+  ElamOptions elam;
+  CompensatorOptions options;  // its noise_v is not used
+  bool start_unknown = true;   // else all start at rest at the lowest pressure
+  int longest_gap = 10;        // frames lost in a row after which the history is unknown
+  double tare_share = 0.2;     // a tare that would move a taxel by more than this share of its span is refused
+};
+
+}  // namespace tactbench::analysis

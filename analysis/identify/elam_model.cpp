@@ -1,0 +1,98 @@
+// ELAM for any data behind the interface of all models.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "analysis/identify/elam_samples.h"
+#include "analysis/identify/fit_data.h"
+#include "analysis/identify/genetic.h"
+#include "analysis/models/elam_hysteresis.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr int kFreeRunPasses = 4;  // elam-notes, section 3: two to four
+
+std::vector<TaxelBranch> branches_in(const FitData& data) {
+  std::vector<TaxelBranch> branches;
+  for (const History& history : data.histories) {
+    for (const Branch& branch : history.branches) {
+      TaxelBranch own{branch.ascending, {}, {}};
+      own.pressure_psi.assign(history.x.begin() + branch.first, history.x.begin() + branch.last + 1);
+      own.volts.assign(history.y.begin() + branch.first, history.y.begin() + branch.last + 1);
+      branches.push_back(std::move(own));
+    }
+  }
+  return branches;
+}
+
+struct Walk {
+  double j = 0.0, sum = 0.0, max = 0.0;
+  int samples = 0;
+  std::vector<double> starts;  // ordinate at which each branch starts
+};
+
+Walk walk(const ElamHysteresis& model, const FitData& data, bool free_run) {
+  Walk result;
+  for (const History& history : data.histories) {
+    const auto state = model.state();
+    for (const Branch& branch : history.branches) {
+      const auto first = static_cast<std::size_t>(branch.first), last = static_cast<std::size_t>(branch.last);
+      state->go(history.x[first]);
+      if (!free_run) state->measured(history.y[first]);
+      result.starts.push_back(state->output_at(history.x[first]));
+      // Without a turn inside the branch: measured inputs may waver.
+      for (std::size_t i = first + 1; i <= last; ++i) {
+        const double off = std::abs(state->output_at(history.x[i]) - history.y[i]);
+        result.j += off * off;
+        result.sum += off;
+        result.max = std::max(result.max, off);
+        ++result.samples;
+      }
+      state->go(history.x[last]);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
+  if (options.splits < 1 || options.splits > kMostSplits)
+    throw std::invalid_argument(
+        fmt::format("ELAM: {} split points a branch were asked for; 1 to {} can be had", options.splits, kMostSplits));
+  std::vector<TaxelBranch> branches = branches_in(data);
+  const ElamOptions elam{options.exact_outer};
+  const auto fitted = [&] {
+    ElamModel model = (options.genetic ? identify_elam_ga(data.ascending, data.descending, branches, elam)
+                                       : identify_elam(data.ascending, data.descending, branches, elam))
+                          .model;
+    ElamPieces pieces;
+    if (options.splits > 1) pieces = fit_pieces(model, collect_samples(model, branches), options.splits);
+    return std::make_unique<ElamHysteresis>(std::move(model), options.memory, std::move(pieces));
+  };
+  auto model = fitted();
+  Walk best = walk(*model, data, options.free_run);
+  // The halves of J meet in the starting ordinates: each pass takes them from the model of the one before.
+  Walk last = best;
+  for (int pass = 0; options.free_run && pass < kFreeRunPasses; ++pass) {
+    for (std::size_t i = 0; i < branches.size(); ++i) branches[i].volts.front() = last.starts[i];
+    auto next = fitted();
+    last = walk(*next, data, true);
+    if (last.j >= best.j) continue;
+    best = last;
+    model = std::move(next);
+  }
+  ModelFit fit;
+  fit.j = best.j;
+  fit.mean_error = best.sum / best.samples;
+  fit.max_error = best.max;
+  fit.full_scale = data.ascending.y().back() - data.ascending.y().front();
+  fit.samples = best.samples;
+  fit.model = std::move(model);
+  return fit;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,66 @@
+// What any model is identified from: one taxel's (or one table's) histories, their branches and their external loop.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/loop.h"
+#include "analysis/models/model.h"
+#include "analysis/models/pattern_curve.h"
+
+namespace tactbench::analysis {
+
+// Inputs and outputs in the order in which they came.
+struct History {
+  std::string name;
+  std::vector<double> x, y;
+  std::vector<Branch> branches;  // indices into x and y; the turning sample ends one branch and starts the next
+  // Of each sample, where the source tells: its time, and how long its input had been commanded.
+  std::vector<double> time_s = {}, held_s = {};
+};
+
+struct FitData {
+  std::vector<History> histories;
+  PatternCurve ascending, descending;  // mean full sweeps, ends common to both [A11]
+};
+
+struct IdentifyOptions {
+  bool free_run = false;     // branches start at the model's own ordinate instead of the measured one [A9]
+  bool exact_outer = false;  // ELAM: external branches follow the pattern [A6]
+  bool genetic = false;      // ELAM: the paper's genetic algorithm instead of the exact way (genetic.h)
+  bool memory = false;       // ELAM: return-point memory, inner loops close; ours, not the paper's [A10]
+  int splits = 1;   // ELAM: split points a branch, up to 8; more than 1 is ElamPieces, named in the paper's conclusion
+  int starts = 16;  // GPI: of the search
+};
+
+// Errors over all samples but the first of each branch, its turning point.
+struct ModelFit {
+  std::unique_ptr<HysteresisModel> model;
+  double j = 0.0;           // Eq. (1)
+  double mean_error = 0.0;  // Eq. (49)
+  double max_error = 0.0;
+  double full_scale = 0.0;  // what the external loop spans; the paper's sensors start near 0
+  int samples = 0;
+  int starts = 1;  // searches that were made
+};
+
+// One a model, in the model's own file; deterministic. Throw std::invalid_argument when the data cannot carry the model
+// (what is missing stands in the message).
+ModelFit identify_elam(const FitData& data, const IdentifyOptions& options);
+ModelFit identify_gpi(const FitData& data, const IdentifyOptions& options);
+ModelFit identify_mpi(const FitData& data, const IdentifyOptions& options);
+ModelFit identify_poly(const FitData& data, const IdentifyOptions& options);
+ModelFit identify_preisach(const FitData& data, const IdentifyOptions& options);
+ModelFit identify_monotone(const FitData& data, const IdentifyOptions& options);
+
+// By name: elam, gpi, mpi, poly, preisach, monotone.
+std::span<const char* const> model_names();
+ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options = {});
+
+// Walks `model` along a history. Without free_run each branch starts at its measured ordinate, external ones at the
+// patterns' ends (where the model has such a notion).
+std::vector<double> predict_history(const HysteresisModel& model, const History& history, bool free_run);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,59 @@
+// The samples of all histories in one row, checked once, and what every identification does with them.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/identify/fit_data.h"
+
+namespace tactbench::analysis {
+
+// A history that does not begin at the lowest input was reached from there by one rise. Between two turning points
+// only the way from the branch's first sample counts: a measured input that steps back within a branch is no turn.
+struct FitSamples {
+  struct Part {
+    bool ascending = true;
+    bool opens_history = false;  // the model is virgin before it
+    std::size_t first = 0, last = 0;
+  };
+  // Throws std::invalid_argument when data are missing, not finite, or of one direction only.
+  explicit FitSamples(const FitData& data);
+
+  double x_low = 0.0, x_high = 0.0;  // of the external loop
+  std::vector<double> x;             // clamped to it
+  std::vector<Part> parts;           // branches
+  std::vector<std::size_t> scored;   // all samples of branches but the first of each
+  std::vector<std::size_t> fitted;   // about kFittedSamples of those, evenly chosen, when there are more
+
+  // The outputs in the same order. Throws std::invalid_argument when the inputs or branches of `data` are others.
+  [[nodiscard]] std::vector<double> outputs(const FitData& data) const;
+
+ private:
+  std::vector<std::vector<double>> inputs_;
+  std::vector<std::vector<Branch>> branches_;
+};
+
+// Regressions look at no more samples than this: longer histories are thinned evenly, in step with no period of them.
+// Errors are over all samples.
+inline constexpr std::size_t kFittedSamples = 20000;
+
+// Calls visit(sample, state) for each scored sample with `state` as it was at the start of the sample's branch.
+// State: a value with move(x).
+template <class State, class Visit>
+void walk_branches(const FitSamples& samples, const State& virgin, const Visit& visit) {
+  State state = virgin;
+  for (const FitSamples::Part& part : samples.parts) {
+    if (part.opens_history) state = virgin;
+    state.move(samples.x[part.first]);
+    for (std::size_t i = part.first + 1; i <= part.last; ++i) visit(i, state);
+    state.move(samples.x[part.last]);
+  }
+}
+
+// Fill in the figures of a fit: from the errors of the scored samples, or walking fit.model along the data.
+void score(ModelFit& fit, const FitData& data, std::span<const double> errors);
+void score_walk(ModelFit& fit, const FitData& data, const FitSamples& samples, std::span<const double> measured,
+                bool free_run);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,162 @@
+#include "analysis/models/elam_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace tactbench::analysis {
+namespace {
+
+// A curve that rises less than this share of the span between two points cannot be scaled to others: linear [A12].
+constexpr double kSmallestRise = 1e-6;
+
+bool beyond(bool ascending, double value, double end) { return ascending ? value > end : value < end; }
+
+ElamPoint low_end(const ElamModel& model) { return {model.x0(), model.y0()}; }
+ElamPoint high_end(const ElamModel& model) { return {model.xu(), model.yu()}; }
+
+}  // namespace
+
+ElamSegment::ElamSegment(const ElamModel& model, const ElamPieces& pieces, bool ascending, ElamPoint from, ElamPoint to)
+    : origin(from),
+      curve_(model, pieces, ascending, from.x, from.y),
+      to_(to),
+      smallest_rise_(kSmallestRise * (model.yu() - model.y0())) {
+  go_on_from({curve_.turn_x(), curve_.turn_y()});
+}
+
+void ElamSegment::go_on_from(ElamPoint here) {
+  from_ = here;
+  base_ = curve_.output(from_.x);
+  const double end = curve_.output(to_.x);
+  if (base_ == from_.y && end == to_.y) {
+    kind_ = Kind::kPlain;
+    return;
+  }
+  // A start measured beyond the end: flat, never the wrong way.
+  if (beyond(ascending(), from_.y, to_.y)) from_.y = to_.y;
+  const bool scaled = std::abs(end - base_) > smallest_rise_;
+  kind_ = scaled ? Kind::kScaled : Kind::kStraight;
+  scale_ = scaled ? (to_.y - from_.y) / (end - base_) : 0.0;
+}
+
+double ElamSegment::output(double x) const {
+  if (kind_ == Kind::kPlain) return curve_.output(x);
+  if (x == to_.x || from_.x == to_.x || beyond(ascending(), x, to_.x)) return to_.y;
+  if (kind_ == Kind::kStraight) return from_.y + (to_.y - from_.y) * ((x - from_.x) / (to_.x - from_.x));
+  const auto [low, high] = std::minmax(from_.y, to_.y);
+  return std::clamp(from_.y + (curve_.output(x) - base_) * scale_, low, high);
+}
+
+double ElamSegment::input(double y) const {
+  if (kind_ == Kind::kPlain) return curve_.input(y);
+  if (y == to_.y || beyond(ascending(), y, to_.y)) return to_.x;
+  if (from_.y == to_.y) return from_.x;
+  const auto [low, high] = std::minmax(from_.x, to_.x);
+  if (kind_ == Kind::kStraight)
+    return std::clamp(from_.x + (to_.x - from_.x) * ((y - from_.y) / (to_.y - from_.y)), low, high);
+  return std::clamp(curve_.input(base_ + (y - from_.y) / scale_), low, high);
+}
+
+ElamState::ElamState(const ElamModel& model, const ElamPieces& pieces, bool memory)
+    : model_(&model), pieces_(&pieces), memory_(memory) {
+  reset();
+}
+
+// The branch from here to the end of the range.
+ElamSegment ElamState::outer(bool ascending) const {
+  return {*model_, *pieces_, ascending, here_, ascending ? high_end(*model_) : low_end(*model_)};
+}
+
+void ElamState::reset() {
+  here_ = low_end(*model_);
+  anchored_ = false;
+  segments_.assign(1, outer(true));
+}
+
+// The branch that starts here: to the end of the range, or with memory to where it closes the loop.
+ElamSegment ElamState::turned(bool ascending) const {
+  const ElamSegment& last = segments_.back();
+  if (!memory_) return outer(ascending);
+  if (ascending != last.ascending()) return {*model_, *pieces_, ascending, here_, last.origin};
+  ElamSegment again(*model_, *pieces_, ascending, here_, last.to());
+  again.origin = last.origin;
+  return again;
+}
+
+// `read` of the segment on which `value` lies when we go up or down from here, along closed loops to the outer ones.
+double ElamState::follow(bool up, double value, double ElamPoint::*along,
+                         double (ElamSegment::*read)(double) const) const {
+  std::size_t count = segments_.size();
+  if (!goes_on(up)) {
+    const ElamSegment fresh = turned(up);
+    if (up != segments_.back().ascending() && memory_) ++count;
+    if (count <= 2 || !beyond(up, value, fresh.to().*along)) return (fresh.*read)(value);
+    count -= 2;
+  }
+  while (count > 2 && beyond(up, value, segments_[count - 1].to().*along)) count -= 2;
+  return (segments_[count - 1].*read)(value);
+}
+
+double ElamState::output_at(double x) const {
+  x = std::clamp(x, model_->x0(), model_->xu());
+  if (x == here_.x) return here_.y;
+  const bool up = x > here_.x;
+  const double y = follow(up, x, &ElamPoint::x, &ElamSegment::output);
+  return up ? std::max(y, std::min(here_.y, model_->yu())) : std::min(y, here_.y);
+}
+
+double ElamState::input_at(double y) const {
+  if (y == here_.y) return here_.x;
+  const bool up = y > here_.y;
+  const double x = follow(up, y, &ElamPoint::y, &ElamSegment::input);
+  return up ? std::max(x, here_.x) : std::min(x, here_.x);
+}
+
+void ElamState::go(double x) {
+  if (!std::isfinite(x)) throw std::invalid_argument("ELAM: the input is not a finite number");
+  x = std::clamp(x, model_->x0(), model_->xu());
+  if (x == here_.x) return;
+  const bool up = x > here_.x;
+  const double y = output_at(x);
+  if (!goes_on(up)) {
+    const ElamSegment fresh = turned(up);
+    ElamSegment& last = segments_.back();
+    if (!memory_ || up == last.ascending()) {
+      last = fresh;
+    } else {
+      // Whoever comes back to the branch that is left here goes on from here.
+      if (last.output(here_.x) != here_.y) last.go_on_from(here_);
+      segments_.push_back(fresh);
+    }
+  }
+  anchored_ = false;
+  const auto closed = [&] { return segments_.size() > 2 && !beyond(up, segments_.back().to().x, x); };
+  while (closed()) segments_.erase(segments_.end() - 2, segments_.end());
+  here_ = {x, y};
+  // At an end of the range nothing older is remembered.
+  if (x <= model_->x0()) segments_.assign(1, outer(true));
+  if (x >= model_->xu()) segments_.assign(1, outer(false));
+}
+
+void ElamState::measured(double y) {
+  if (!std::isfinite(y)) throw std::invalid_argument("ELAM: the measured output is not a finite number");
+  const double near = kOuterShare * (model_->xu() - model_->x0());
+  const bool low = here_.x - model_->x0() <= near, high = model_->xu() - here_.x <= near;
+  if (low || high) {
+    const ElamPoint from = low ? low_end(*model_) : high_end(*model_), to = low ? high_end(*model_) : low_end(*model_);
+    segments_.assign(1, ElamSegment(*model_, *pieces_, low, from, to));
+    here_.y = segments_.back().output(here_.x);
+    anchored_ = false;
+    return;
+  }
+  here_.y = std::max(y, model_->y0());
+  if (memory_) {
+    // Inside the loop that is remembered: it could not close otherwise.
+    const double a = segments_.back().origin.y, b = segments_.back().to().y;
+    here_.y = std::clamp(y, std::min(a, b), std::max(a, b));
+  }
+  anchored_ = true;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,60 @@
+// Where an ELAM model stands on its way along a history, with or without return-point memory.
+#pragma once
+
+#include <vector>
+
+#include "analysis/models/elam_pieces.h"
+#include "analysis/models/model.h"
+
+namespace tactbench::analysis {
+
+struct ElamPoint {
+  double x = 0.0, y = 0.0;
+};
+
+// A target curve from a turning point to where it closes a loop or ends. Its ordinates are scaled so that it meets
+// both; where it does so already it is the plain curve.
+class ElamSegment {
+ public:
+  ElamSegment(const ElamModel& model, const ElamPieces& pieces, bool ascending, ElamPoint from, ElamPoint to);
+  [[nodiscard]] bool ascending() const { return curve_.ascending(); }
+  [[nodiscard]] ElamPoint to() const { return to_; }
+  [[nodiscard]] double output(double x) const;
+  [[nodiscard]] double input(double y) const;
+  void go_on_from(ElamPoint here);  // what is left of it now runs from here to the same end
+
+  ElamPoint origin;  // the turning point at which the loop that a branch leaves here closes
+
+ private:
+  enum class Kind { kPlain, kScaled, kStraight };
+  ElamPiecedCurve curve_;
+  ElamPoint from_, to_;
+  Kind kind_ = Kind::kPlain;
+  double base_ = 0.0, scale_ = 1.0;  // kScaled: the curve's ordinate at from_; ordinates per the curve's
+  double smallest_rise_;             // of the curve that can be scaled
+};
+
+class ElamState final : public ModelState {
+ public:
+  ElamState(const ElamModel& model, const ElamPieces& pieces, bool memory);  // keeps pointers to both
+  void reset() override;
+  [[nodiscard]] double output_at(double x) const override;
+  [[nodiscard]] double input_at(double y) const override;
+  void go(double x) override;
+  void measured(double y) override;
+
+ private:
+  [[nodiscard]] ElamSegment outer(bool ascending) const;
+  [[nodiscard]] ElamSegment turned(bool ascending) const;
+  [[nodiscard]] bool goes_on(bool ascending) const { return ascending == segments_.back().ascending() && !anchored_; }
+  [[nodiscard]] double follow(bool up, double value, double ElamPoint::*along,
+                              double (ElamSegment::*read)(double) const) const;
+  const ElamModel* model_;
+  const ElamPieces* pieces_;
+  bool memory_;
+  std::vector<ElamSegment> segments_;  // directions alternate; the last is the one we are on
+  ElamPoint here_;
+  bool anchored_ = false;  // measured here: any way on is a new branch
+};
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,31 @@
+// A single-valued monotone curve: no hysteresis at all. What users do today, and the floor that every model has to
+// beat.
+#pragma once
+
+#include "analysis/models/model.h"
+#include "analysis/models/pattern_curve.h"
+
+namespace tactbench::analysis {
+
+class MonotoneModel final : public HysteresisModel {
+ public:
+  // Throws std::invalid_argument when the curve is empty.
+  explicit MonotoneModel(PatternCurve curve);
+  static std::unique_ptr<MonotoneModel> from_json(const nlohmann::ordered_json& json);
+
+  [[nodiscard]] std::string name() const override { return "monotone"; }
+  [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // y0, y1, ...: the knots' outputs
+  [[nodiscard]] double x_low() const override { return curve_.x().front(); }
+  [[nodiscard]] double x_high() const override { return curve_.x().back(); }
+  [[nodiscard]] int operations_per_sample() const override { return 3; }  // a look-up and a multiply-add
+  [[nodiscard]] std::unique_ptr<ModelState> state() const override;
+  // {"model": "monotone", "x": [...], "y": [...]}
+  [[nodiscard]] nlohmann::ordered_json to_json() const override;
+
+  [[nodiscard]] const PatternCurve& curve() const { return curve_; }
+
+ private:
+  PatternCurve curve_;
+};
+
+}  // namespace tactbench::analysis

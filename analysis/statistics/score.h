@@ -1,0 +1,44 @@
+// How good a model is on histories, best on such as it was not fitted to: the direct model's error, and the error of
+// the input that the inverse model gives back.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "analysis/identify/fit_data.h"
+
+namespace tactbench::analysis {
+
+// Mean and maximum of absolute errors.
+struct ErrorSum {
+  double sum = 0.0, max = 0.0;
+  int samples = 0;
+  void add(double error);
+  void add(const ErrorSum& other);
+  [[nodiscard]] double mean() const { return samples > 0 ? sum / samples : 0.0; }
+};
+
+// Compensation errors of samples between two bounds of hold time or rate; both ends of a decade in thirds.
+struct Bin {
+  double low = 0.0, high = 0.0;
+  ErrorSum error;
+};
+
+struct Score {
+  ErrorSum direct;       // |model - measured output| [Eq. 49], output's unit
+  ErrorSum compensated;  // |inverse model - measured input|, input's unit
+  ErrorSum raw;          // the same for one straight line through the ends of the external loop: no compensation
+  std::vector<Bin> by_hold, by_rate;  // seconds; input units a second; where the histories have times
+  void add(const Score& other);
+};
+
+struct ScoreOptions {
+  bool free_run = true;  // the direct model starts branches at its own ordinates
+  double dead_band = 0.0;
+  double x_low = 0.0, y_low = 0.0, x_high = 1.0, y_high = 1.0;  // ends of the external loop
+};
+
+// A branch's first sample, its turning point, does not count.
+Score score(const HysteresisModel& model, std::span<const History> histories, const ScoreOptions& options);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,97 @@
+#include "bench/benchmarks/array.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include "bench/config.h"
+#include "bench/rig.h"
+#include "bench/simulation/plant.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+constexpr std::size_t kTaxels = 256, kRows = 16;
+constexpr int kFrames = 1000, kOperators = 12, kScans = 501;
+constexpr double kVoltsPerCount = 5.0 / 65535.0;
+
+double pressure_at(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame / 200.0); }
+
+// Twelve play operators a taxel, normal noise, 16 bit: as anybody would write it.
+class PlainArray {
+ public:
+  PlainArray() : plays_(kTaxels) {}
+  void frame(double pressure) {
+    for (std::size_t t = 0; t < kTaxels; ++t) {
+      double sum = 0.0;
+      for (int k = 0; k < kOperators; ++k) {
+        double& play = plays_[t][static_cast<std::size_t>(k)];
+        play = std::clamp(play, pressure - k, pressure);
+        sum += play;
+      }
+      const double volts = 5e-3 * sum + 0.0015 * normal_(random_);
+      counts_[t] = static_cast<std::uint16_t>(std::clamp(std::lround(volts / kVoltsPerCount), 0L, 65535L));
+    }
+    keep(counts_);
+  }
+
+ private:
+  std::vector<std::array<double, kOperators>> plays_;
+  std::array<std::uint16_t, kTaxels> counts_{};
+  std::mt19937 random_{1};
+  std::normal_distribution<double> normal_;
+};
+
+double median_scan_us() {
+  Rig rig(read_bench(find_config("simulated.toml"), {}));
+  rig.open();
+  std::vector<double> taken;
+  for (int i = 0; i < kScans; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    (void)rig.array().read(1);
+    taken.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::ranges::sort(taken);
+  return taken[taken.size() / 2];
+}
+
+}  // namespace
+
+std::vector<Figure> benchmark_array(int rounds) {
+  Specimen specimen({});
+  PlainArray plain;
+  std::vector<double> volts(kTaxels);
+  // The same plant behind the scanner: it asks while time stands still, and counts with noise come out.
+  const devices::TurnedClock clock;
+  Plant plant({}, clock);
+  std::vector<std::uint16_t> counts(kTaxels);
+  std::vector<std::uint8_t> status(kRows);
+  const std::vector<double> taken = best_seconds(rounds, {[&] {
+                                                            for (int i = 0; i < kFrames; ++i)
+                                                              plain.frame(pressure_at(i));
+                                                          },
+                                                          [&] {
+                                                            for (int i = 0; i < kFrames; ++i) {
+                                                              specimen.advance(pressure_at(i), 0.01);
+                                                              specimen.output(volts);
+                                                            }
+                                                          },
+                                                          [&] {
+                                                            for (int i = 0; i < kFrames; ++i)
+                                                              plant.scan(counts, status);
+                                                          }});
+  const double per_frame = 1e6 / kFrames, scan = per_frame * taken[2], wire = median_scan_us();
+  FigureList figures("array");
+  figures.add("plain_plays", per_frame * taken[0], "us/frame");
+  figures.add("specimen_moved_and_read", per_frame * taken[1], "us/frame");
+  figures.add("specimen_over_plain_plays", taken[1] / taken[0], "x");
+  figures.add("counts_with_noise", scan, "us/frame");
+  figures.add("frame_on_the_wire", wire, "us");
+  figures.add("share_of_the_wire", scan / wire, "1");
+  return figures.take();
+}
+
+}  // namespace tactbench::bench

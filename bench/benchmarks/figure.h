@@ -1,0 +1,47 @@
+// What every benchmark hands back, and how times are taken.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+struct Figure {
+  std::string name;
+  double value = 0.0;
+  std::string unit;
+};
+
+// Figures of one benchmark: their names begin with its own.
+class FigureList {
+ public:
+  explicit FigureList(std::string benchmark) : benchmark_(std::move(benchmark)) {}
+  void add(const std::string& name, double value, const std::string& unit);
+  // The figure, and its goal after it as <name>_goal_at_most or <name>_goal_at_least.
+  void add_at_most(const std::string& name, double value, double goal, const std::string& unit = "x");
+  void add_at_least(const std::string& name, double value, double goal, const std::string& unit = "x");
+  [[nodiscard]] std::vector<Figure> take() { return std::move(figures_); }
+
+ private:
+  std::string benchmark_;
+  std::vector<Figure> figures_;
+};
+
+// By the wall clock where disks and threads are waited for; by the processor's where one thread computes, so that other
+// work on the machine does not count.
+enum class By { kWall, kProcessor };
+
+// The best of the rounds: what other work does hides in a mean.
+double best_seconds(int rounds, const std::function<void()>& act, By by = By::kWall);
+
+// Several in turn, round by round, so that a slow spell of the machine does not fall on one of them alone.
+std::vector<double> best_seconds(int rounds, const std::vector<std::function<void()>>& acts, By by = By::kWall);
+
+// Keeps the compiler from dropping work whose result nobody reads.
+template <class T>
+void keep(const T& value) {
+  asm volatile("" : : "r"(&value) : "memory");
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,14 @@
+// What the calibration report costs beside writing its bytes (performance.md F1).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/benchmarks/figure.h"
+
+namespace tactbench::bench {
+
+// A run of both sequences, five repeats, 256 taxels, evaluated with its own fit. Best of `rounds`. Writes to `folder`.
+std::vector<Figure> benchmark_report(int rounds, const std::string& folder);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,16 @@
+// What the sequencer costs beside what it cannot do without: the same round trips bare, and the same rows stored bare.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/benchmarks/figure.h"
+
+namespace tactbench::bench {
+
+// One repeat of the descending sequence on the simulated rig in this process (turned clock), then its exchanges again
+// without a sequencer, at the times that its trace tells, then its frames again into an empty store. The ratio is
+// run / (exchanges + store). Best of `rounds`, each of the three on its own. Writes to `folder`.
+std::vector<Figure> benchmark_sequence(int rounds, const std::string& folder);
+
+}  // namespace tactbench::bench

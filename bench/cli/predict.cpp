@@ -1,0 +1,155 @@
+// predict and compensate: a stored model applied to a table, line by line, so that they stand in a pipe.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/compensate/inverse_stream.h"
+#include "analysis/models/elam_hysteresis.h"
+#include "analysis/table.h"
+#include "bench/cli/source.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct Options {
+  std::string model, file = "-", output, map, taxel;
+};
+
+// The one taxel of a model that the rows speak of when they name none.
+int only_taxel(const analysis::ModelDocument& model, const std::string& wanted) {
+  if (wanted == "mean") return analysis::kMeanTaxel;
+  if (!wanted.empty()) return std::stoi(wanted);
+  if (model.taxels.size() == 1) return model.taxels.front().taxel;
+  throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL",
+              fmt::format("the model has {} taxels and the table does not say which", model.taxels.size()), "--taxel",
+              "add --taxel N or --taxel mean, or a column taxel");
+}
+
+const analysis::ModelTaxel& fitted(const analysis::ModelDocument& model, int number) {
+  const analysis::ModelTaxel& taxel = model.taxel(number);
+  if (taxel.fit.model != nullptr) return taxel;
+  throw Error(ExitCode::kInconclusive, "TB-MODEL-TAXEL", fmt::format("taxel {} has no model: {}", number, taxel.status),
+              "--taxel", "choose another taxel");
+}
+
+// One history: a taxel in a sequence. What is added to a row of the table, after its separator.
+class Predictor {
+ public:
+  static constexpr std::array kColumns{"predicted"};
+  Predictor(const analysis::ModelDocument& model, const analysis::ModelTaxel& taxel)
+      : model_(&model), taxel_(&taxel), state_(taxel.fit.model->state()) {}
+  std::string step(const analysis::TableReader::Row& row, char /*separator*/) {
+    state_->go(row.input);
+    return fmt::format("{}", model_->from_model(*taxel_, state_->output_at(row.input)));
+  }
+
+ private:
+  const analysis::ModelDocument* model_;
+  const analysis::ModelTaxel* taxel_;
+  std::unique_ptr<analysis::ModelState> state_;
+};
+
+// ELAM as in the paper by the product's own compensator, which knows its uncertainty; every other model by the rule
+// that all models are compared with.
+class Compensator {
+ public:
+  static constexpr std::array kColumns{"compensated", "uncertainty", "flags"};
+  Compensator(const analysis::ModelDocument& model, const analysis::ModelTaxel& taxel)
+      : model_(&model), taxel_(&taxel) {
+    const auto* elam = dynamic_cast<const analysis::ElamHysteresis*>(taxel.fit.model.get());
+    if (elam != nullptr && elam->is_paper()) {
+      analysis::CompensatorOptions options;
+      options.noise_v = taxel.noise / taxel.gain;
+      elam_.emplace(elam->elam(), options);
+    } else {
+      stream_.emplace(*taxel.fit.model, band());
+    }
+  }
+  std::string step(const analysis::TableReader::Row& row, char separator) {
+    const double output = model_->to_model(*taxel_, row.output);
+    if (!elam_) {
+      const double low = taxel_->loop_low - band(), high = taxel_->loop_low + taxel_->fit.full_scale + band();
+      return fmt::format("{}{}{}{}", stream_->step(output), separator, separator,
+                         output < low || output > high ? "range" : "");
+    }
+    const analysis::Compensated now = elam_->step(output);
+    return fmt::format("{}{}{:.4g}{}{}{}", now.pressure_psi, separator, now.uncertainty_psi, separator,
+                       now.out_of_range ? "range" : "", now.flat ? (now.out_of_range ? " flat" : "flat") : "");
+  }
+
+ private:
+  [[nodiscard]] double band() const { return analysis::kBandInNoises * taxel_->noise / taxel_->gain; }
+  const analysis::ModelDocument* model_;
+  const analysis::ModelTaxel* taxel_;
+  std::optional<analysis::TaxelCompensator> elam_;
+  std::optional<analysis::InverseStream> stream_;
+};
+
+template <class Applied>
+void apply(const Options& options, const Session& session, analysis::TableNeeds needs) {
+  const analysis::ModelDocument model = load_model(options.model, session);
+  std::ifstream file;
+  if (options.file != "-") {
+    file.open(options.file);
+    if (!file)
+      throw Error(ExitCode::kUsage, "TB-TABLE-OPEN", "the table cannot be read", options.file,
+                  "check its name and rights; - is standard input");
+  }
+  std::istream& in = options.file == "-" ? std::cin : file;
+  analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
+                               analysis::column_map_from(options.map), needs);
+  const int only = reader.has_taxel() ? 0 : only_taxel(model, options.taxel);
+  std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
+  const std::string separator(1, reader.separator());
+  std::string text = fmt::format("{}{}{}\n", reader.header(), separator, fmt::join(Applied::kColumns, separator));
+  const auto flush = [&] {
+    fmt::print("{}", text);
+    std::fflush(stdout);
+    text.clear();
+  };
+  for (analysis::TableReader::Row row; reader.next(row);) {
+    const analysis::ModelTaxel& taxel = fitted(model, reader.has_taxel() ? row.taxel : only);
+    auto& history = histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel).first->second;
+    text += fmt::format("{}{}{}\n", row.text, separator, history.step(row, reader.separator()));
+    if (options.output.empty()) flush();
+  }
+  if (options.output.empty())
+    flush();
+  else
+    write_whole(options.output, text);
+}
+
+CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Options>& options, const char* name,
+                   const char* what) {
+  CLI::App* verb = app.add_subcommand(name, what);
+  verb->add_option("model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
+  verb->add_option("file", options->file, "table; - for standard input, line by line")->capture_default_str();
+  verb->add_option("-o,--output", options->output, "file to write (default: standard output)");
+  verb->add_option("--map", options->map, "which column is what: input=COL,output=COL,sequence=COL,taxel=COL");
+  verb->add_option("--taxel", options->taxel, "of a model of many, where the table has no column taxel: N, or mean")
+      ->check(CLI::NonNegativeNumber | CLI::IsMember({"mean"}));
+  add_common(*verb, session);
+  return verb;
+}
+
+}  // namespace
+
+void add_predict(CLI::App& app, Session& session) {
+  auto predict = std::make_shared<Options>(), compensate = std::make_shared<Options>();
+  add_verb(app, session, predict, "predict", "outputs of a model along the inputs of a table: adds a column predicted")
+      ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
+  add_verb(app, session, compensate, "compensate",
+           "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty (of "
+           "ELAM) and flags (flat, range)")
+      ->callback([compensate, &session] { apply<Compensator>(*compensate, session, analysis::TableNeeds::kOutput); });
+}
+
+}  // namespace tactbench::bench

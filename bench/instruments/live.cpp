@@ -1,0 +1,111 @@
+#include "bench/instruments/live.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "analysis/compensate/frame_compensator.h"
+#include "bench/error.h"
+#include "bench/process_time.h"
+#include "bench/rig.h"
+#include "bench/run/stop_request.h"
+#include "devices/fault.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using RealClock = std::chrono::steady_clock;
+
+constexpr int kMostLostInARow = 10;
+constexpr std::size_t kMostLatencies = 1'000'000;  // kept for the percentiles; later ones count for the worst alone
+
+double microseconds_since(RealClock::time_point start) {
+  return std::chrono::duration<double, std::micro>(RealClock::now() - start).count();
+}
+
+analysis::FrameSetup setup_of(const analysis::ModelDocument& model, const LiveOptions& options,
+                              double volts_per_count) {
+  analysis::FrameSetup setup = analysis::frame_setup_of(model, volts_per_count);
+  setup.longest_gap = kMostLostInARow;
+  const double noisier = std::sqrt(static_cast<double>(model.scans) / options.scans);
+  for (analysis::TaxelSetup& taxel : setup.taxels) taxel.noise_v *= noisier;
+  return setup;
+}
+
+double percentile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+// The mean of the scans in volts.
+void average(const devices::ScanSet& scan, double volts_per_count, std::vector<float>& volts) {
+  const double scale = volts_per_count / scan.scans;
+  for (std::size_t t = 0; t < volts.size(); ++t) {
+    double sum = 0.0;
+    for (std::size_t k = t; k < scan.counts.size(); k += volts.size()) sum += scan.counts[k];
+    volts[t] = static_cast<float>(scale * sum);
+  }
+}
+
+}  // namespace
+
+LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument& model, const LiveOptions& options,
+                        const std::function<void(const LiveFrame&)>& show) {
+  Rig rig(config);
+  rig.open_array();
+  devices::TactileArray& array = rig.array();
+  if (array.rows() != model.rows || array.columns() != model.columns)
+    throw Error(ExitCode::kUsage, "TB-LIVE-SHAPE",
+                fmt::format("the array has {} x {} taxels, the model {} x {}", array.rows(), array.columns(),
+                            model.rows, model.columns),
+                config.file, "give the model of this sensor");
+  const double volts_per_count = array.volts_per_count().value();
+  analysis::FrameCompensator<float> compensator(setup_of(model, options, volts_per_count));
+  LiveSummary summary;
+  summary.other_scanner = !model.scanner_serial.empty() && array.identity().serial != model.scanner_serial;
+  compensator.set_outside_validity(summary.other_scanner);
+
+  const std::size_t taxels = compensator.taxels();
+  std::vector<float> volts(taxels), pressure(taxels), uncertainty(taxels);
+  std::vector<std::uint16_t> status(taxels);
+  const analysis::FrameCompensator<float>::Output output{pressure, uncertainty, status};
+  std::vector<double> latencies, compensations;
+  const StopRequest stop;
+  const auto begun = RealClock::now();
+  for (int lost = 0; stop.signal() == 0 && (options.frames == 0 || summary.frames < options.frames);) {
+    const auto asked = RealClock::now();
+    try {
+      const devices::ScanSet scan = array.read(options.scans);
+      const auto came = RealClock::now();
+      average(scan, volts_per_count, volts);
+      compensator.frame(std::span<const float>(volts), output);
+      compensations.push_back(microseconds_since(came));
+      lost = 0;
+    } catch (const devices::Fault& fault) {
+      if (fault.id() == "TB-SCANNER-LOST" || ++lost >= kMostLostInARow) throw;
+      ++summary.lost;
+      compensator.lost_frame(output);
+    }
+    const double latency = microseconds_since(asked);
+    summary.worst_us = std::max(summary.worst_us, latency);
+    if (latencies.size() < kMostLatencies) latencies.push_back(latency);
+    show(
+        {summary.frames, std::chrono::duration<double>(asked - begun).count(), pressure, uncertainty, status, latency});
+    ++summary.frames;
+    rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
+    // A turned clock does not wait, but who looks does.
+    if (config.in_process && options.interval_s > 0.0) std::this_thread::sleep_for(seconds(options.interval_s));
+  }
+  summary.median_us = percentile(latencies, 0.5);
+  summary.p99_us = percentile(latencies, 0.99);
+  summary.compensation_median_us = percentile(compensations, 0.5);
+  return summary;
+}
+
+}  // namespace tactbench::bench

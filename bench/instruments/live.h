@@ -1,0 +1,41 @@
+// Compensated frames from a bench's tactile array as they come: `live`. Read-only; touches no actuator.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "analysis/identify/model_document.h"
+#include "bench/config.h"
+
+namespace tactbench::bench {
+
+struct LiveOptions {
+  long frames = 0;           // 0: until Ctrl-C or a request to terminate
+  double interval_s = 0.01;  // between two requests
+  int scans = 1;             // averaged into a frame
+};
+
+struct LiveFrame {
+  long number = 0;  // from 0
+  double time_s = 0.0;
+  std::span<const float> pressure_psi, uncertainty_psi;
+  std::span<const std::uint16_t> status;
+  double latency_us = 0.0;  // from the request to the compensated values, real time
+};
+
+struct LiveSummary {
+  long frames = 0, lost = 0;
+  bool other_scanner = false;  // than the one the model is of: all values outside validity
+  double median_us = 0.0, p99_us = 0.0, worst_us = 0.0, compensation_median_us = 0.0;
+};
+
+// Calls `show` with every frame. A frame that times out or comes corrupt is lost; ten in a row, or a lost scanner,
+// throw the scanner's Fault. Throws Error TB-LIVE-SHAPE when array and model differ in rows or columns,
+// AnalysisError TB-MODEL-COMPENSATOR when the model cannot be streamed.
+LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument& model, const LiveOptions& options,
+                        const std::function<void(const LiveFrame&)>& show);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,31 @@
+// Conditioning and warm-up end by criterion, not by count: when one loop no longer differs from the one before it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+class ConditioningWatch {
+ public:
+  explicit ConditioningWatch(const sequences::Conditioning& rule) : rule_(rule) {}
+  // True where the cycle about to begin is not needed.
+  [[nodiscard]] bool enough(int cycle) const;
+  [[nodiscard]] bool wants_output() const { return rule_.change_percent > 0.0; }
+  // The array's counts after a step of a cycle (at its peak, back at 0).
+  void see(const sequences::Step& step, const std::vector<std::uint16_t>& counts);
+  // Change from loop to loop, % of the response to the peak, from the second cycle on.
+  [[nodiscard]] const std::vector<double>& changes() const { return changes_; }
+  [[nodiscard]] std::string verdict() const;  // warning: at most `cycles` were not enough
+  [[nodiscard]] std::string detail_json() const;
+
+ private:
+  sequences::Conditioning rule_;
+  std::vector<std::vector<double>> loops_;  // a cycle: mean output at each of its steps, counts
+  std::vector<double> changes_;
+};
+
+}  // namespace tactbench::bench

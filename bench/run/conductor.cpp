@@ -1,0 +1,249 @@
+#include "bench/run/conductor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "bench/error.h"
+#include "bench/process_time.h"
+#include "bench/run/conditioning.h"
+#include "devices/fault.h"
+
+namespace tactbench::bench {
+
+using devices::Fault;
+using sequences::BranchKey;
+using sequences::BranchSpan;
+using sequences::Recipe;
+using sequences::SpanKind;
+using sequences::Step;
+using sequences::StepKind;
+
+Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, Progress& progress,
+                     const Notify& notify, Work work, Baseline baseline, RunStatus status)
+    : sequencer_(sequencer),
+      recorder_(recorder),
+      control_(control),
+      progress_(progress),
+      notify_(notify),
+      work_(std::move(work)),
+      baseline_(std::move(baseline)),
+      status_(std::move(status)),
+      stage_(sequencer, recorder),
+      spans_(sequences::branches(work_.steps)) {
+  sequencer_.set_listener([this] { listen(); });
+  status_.label = work_.label;
+  status_.steps = static_cast<int>(work_.steps.size());
+  publish();
+}
+
+void Conductor::run() {
+  std::size_t i = first_span();
+  while (i < spans_.size()) {
+    const BranchSpan& span = spans_[i];
+    sequencer_.follow(work_.recipes[static_cast<std::size_t>(span.key.sequence)]);
+    status_.step = static_cast<int>(span.first);
+    try {
+      if (span.kind == SpanKind::kBranch) {
+        if (!work_.done.contains(span.key)) branch(span);
+      } else if (span.kind == SpanKind::kConditioning) {
+        conditioning(span);
+      } else {
+        travel(span);
+      }
+    } catch (const Suspended& suspended) {  // the branch or the stretch is done again
+      suspend(suspended);
+      i = after_rest(i);
+      continue;
+    }
+    ++i;
+    if (control_.pause_wanted()) {
+      pause("asked by " + control_.who());
+      i = after_rest(i);
+    }
+  }
+}
+
+// Work goes on at the first branch that is not done: from the stretches before it where its sequence has not begun,
+// else by its way back.
+std::size_t Conductor::first_span() {
+  if (work_.done.empty()) return 0;
+  std::size_t after_done = 0;
+  for (std::size_t i = 0; i < spans_.size(); ++i) {
+    if (spans_[i].kind != SpanKind::kBranch) continue;
+    if (work_.done.contains(spans_[i].key)) {
+      after_done = i + 1;
+      continue;
+    }
+    const int sequence = spans_[i].key.sequence;
+    const bool begun = std::any_of(work_.done.begin(), work_.done.end(),
+                                   [&](const BranchKey& key) { return key.sequence == sequence; });
+    if (!begun) return after_done;
+    displaced_ = true;
+    return i;
+  }
+  return spans_.size();
+}
+
+void Conductor::branch(const BranchSpan& span) {
+  const Recipe& recipe = work_.recipes[static_cast<std::size_t>(span.key.sequence)];
+  int broken = 0, failed = 0;
+  for (;;) {
+    const bool tolerant = broken == recipe.guard.redo && !recipe.guard.fail_when_broken;
+    try {
+      attempt(span, tolerant);
+      return;
+    } catch (const PathBroken& path) {
+      const std::string what = fmt::format("branch {} of repeat {}: {}", span.key.branch, span.key.repeat, path.what);
+      recorder_.event("branch-broken", "TB-BRANCH-BROKEN", what);
+      give_up("TB-BRANCH-BROKEN: " + path.what);
+      if (broken++ >= recipe.guard.redo) {
+        throw Fault("TB-BRANCH-BROKEN", "sequencer", fmt::format("{}, {} times", what, broken),
+                    "see the traces of the void branches: a leak, an overshooting valve or a tolerance below the "
+                    "noise; the recipe's [guard] table has tolerance_psi, redo and on_broken");
+      }
+    } catch (const Suspended& suspended) {
+      give_up("suspended: " + suspended.what);
+      ++redone_;
+      throw;
+    } catch (const Fault& fault) {
+      if (as_error(std::current_exception()).code() != ExitCode::kDevice || failed++ >= recipe.retry.branch) throw;
+      recorder_.event("attempt", fault.id(),
+                      fmt::format("branch {} of repeat {}, {} of {}: {}", span.key.branch, span.key.repeat, failed,
+                                  recipe.retry.branch + 1, fault.what()));
+      give_up(fault.id() + ": " + fault.what());
+      // The first fault is the reason; the way out tries again to make safe.
+      if (!vented("after a fault") || !recovered()) throw;
+    }
+    ++redone_;
+  }
+}
+
+void Conductor::attempt(const BranchSpan& span, bool tolerant) {
+  const Step& first = work_.steps[span.first];
+  if (displaced_) go_back(span.key);
+  displaced_ = false;
+  recorder_.open_branch(first);
+  sequencer_.begin_branch(first, tolerant);
+  for (std::size_t i = span.first; i < span.first + span.count; ++i) {
+    status_.step = static_cast<int>(i) + 1;
+    carry_out(work_.steps[i]);
+    fail_fast(work_.steps[i]);
+  }
+  sequencer_.end_branch();
+  recorder_.close_branch();
+}
+
+void Conductor::go_back(const BranchKey& key) {
+  const Recipe& recipe = work_.recipes[static_cast<std::size_t>(key.sequence)];
+  recorder_.event(
+      "way-back", "",
+      fmt::format("conditioned again, then the turning points before branch {} of repeat {}", key.branch, key.repeat));
+  const TimeSpent::Stretch stretch(sequencer_.times(), Spent::kRedoing);
+  for (const Step& step : sequences::way_back(recipe, key.sequence, key.repeat, key.branch)) carry_out(step);
+}
+
+void Conductor::conditioning(const BranchSpan& span) {
+  displaced_ = false;  // this is a way back itself
+  while (!condition(span)) pause("asked by " + control_.who());
+}
+
+// All cycles from the first; false when a pause was asked for on the way.
+bool Conductor::condition(const BranchSpan& span) {
+  const Recipe& recipe = work_.recipes[static_cast<std::size_t>(span.key.sequence)];
+  ConditioningWatch watch(recipe.conditioning);
+  const TimeSpent::Stretch stretch(sequencer_.times(), Spent::kConditioning);
+  for (std::size_t i = span.first; i < span.first + span.count; ++i) {
+    status_.step = static_cast<int>(i) + 1;
+    if (watch.enough(work_.steps[i].repeat)) break;
+    carry_out(work_.steps[i]);
+    std::string flags;
+    if (watch.wants_output()) watch.see(work_.steps[i], sequencer_.read_array(flags).counts);
+    if (control_.pause_wanted()) return false;
+  }
+  recorder_.check("conditioning", watch.verdict(), watch.detail_json(), watch.changes());
+  return true;
+}
+
+void Conductor::travel(const BranchSpan& span) {
+  for (std::size_t i = span.first; i < span.first + span.count; ++i) carry_out(work_.steps[i]);
+}
+
+void Conductor::carry_out(const Step& step) {
+  publish();
+  if (work_.on_step) work_.on_step(step);
+  sequencer_.begin_step();
+  if (step.kind == StepKind::kPrompt) {
+    prompt(step);
+  } else if (step.kind == StepKind::kConditioning || step.kind == StepKind::kMeasure) {
+    sequencer_.chamber_step(step);
+  } else {
+    stage_.carry_out(step, work_.recipes[static_cast<std::size_t>(step.sequence)]);
+  }
+  // A turned clock does not tell how long a person waits: there the pace so far does.
+  const BenchConfig& bench = sequencer_.rig().config();
+  const bool known = work_.estimate != nullptr && !bench.in_process;
+  progress_.step(status_.label, status_.step, status_.steps, step, known ? status_.left_s / bench.rate : -1.0);
+}
+
+// Judged once, at the first frame at the recipe's highest level.
+void Conductor::fail_fast(const Step& step) {
+  const Recipe& recipe = work_.recipes[static_cast<std::size_t>(step.sequence)];
+  const sequences::FailFast& limits = recipe.limits;
+  if (peak_seen_ || step.kind != StepKind::kMeasure || baseline_.empty()) return;
+  if (limits.least_response_v <= 0.0 && limits.most_dead_taxels < 0) return;
+  if (step.setpoint < *std::max_element(recipe.turning_points.begin(), recipe.turning_points.end())) return;
+  peak_seen_ = true;
+  const double volts = sequencer_.rig().array().volts_per_count().value();
+  constexpr double kDeadVolts = 0.05;
+  const Baseline now = baseline_of(sequencer_.last().scans);
+  double sum = 0.0;
+  int dead = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const double rise = (now[i] - baseline_[i]) * volts;
+    sum += rise;
+    dead += rise < kDeadVolts ? 1 : 0;
+  }
+  const double mean = sum / static_cast<double>(now.size());
+  const bool weak = mean < limits.least_response_v;
+  if (!weak && (limits.most_dead_taxels < 0 || dead <= limits.most_dead_taxels)) return;
+  throw Error(ExitCode::kCriterionFailed, "TB-RUN-HOPELESS",
+              fmt::format("at the first {:.0f} psi the array answers with {:.3f} V on average and {} taxels not at all",
+                          step.setpoint.value(), mean, dead),
+              fmt::format("recipe '{}' [limits]", recipe.name),
+              "check seating, connector and membrane; the limits are least_response_v and most_dead_taxels");
+}
+
+void Conductor::give_up(const std::string& reason) {
+  sequencer_.end_branch();
+  recorder_.void_branch(reason);
+  displaced_ = true;
+}
+
+void Conductor::set_state(RunState state, const std::string& reason) {
+  recorder_.state(state, reason);
+  status_.state = state;
+  status_.reason = reason;
+  publish();
+}
+
+// A pause that was asked for shows at once, and so does its being taken back.
+void Conductor::listen() {
+  if (control_.pause_wanted() && recorder_.state() == RunState::kRunning) {
+    set_state(RunState::kPausing, "asked by " + control_.who());
+    progress_.note("pausing at the end of this branch; Ctrl-C (or `tactbench stop`) ends the run now");
+  } else if (!control_.pause_wanted() && recorder_.state() == RunState::kPausing) {
+    (void)control_.take_resume();
+    set_state(RunState::kRunning, "taken back by " + control_.who());
+  }
+}
+
+void Conductor::publish() {
+  if (work_.estimate != nullptr) {
+    status_.left_s = work_.estimate->remaining(static_cast<std::size_t>(status_.step)).p50_s;
+  }
+  control_.publish(status_);
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,81 @@
+// Leads a run through its branches: what is done when a branch breaks, a device fails, a condition trips or a person
+// asks. A branch is done whole or done again, from a path that begins at a conditioned state: a hysteretic sensor's
+// output depends on where it has been.
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bench/run/notify.h"
+#include "bench/run/progress.h"
+#include "bench/run/sequencer.h"
+#include "bench/run/stage_steps.h"
+#include "bench/run/time_estimate.h"
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+struct Work {
+  std::vector<sequences::Recipe> recipes;
+  std::vector<sequences::Step> steps;                   // compile(recipes)
+  std::set<sequences::BranchKey> done;                  // by an earlier process
+  std::function<void(const sequences::Step&)> on_step;  // told of each step before it is carried out; may be empty
+  const TimeEstimate* estimate = nullptr;               // of time left; null: none
+  bool assume_yes = false;                              // operator prompts answer themselves
+  std::string label = "run";                            // of the progress line
+};
+
+class Conductor {
+ public:
+  // `status` has run and store filled in. All have to outlive this.
+  Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, Progress& progress, const Notify& notify,
+            Work work, Baseline baseline, RunStatus status);
+  // Until all branches are done. Throws what ends the run: Fault, Error, Leave, StoreError.
+  void run();
+  void set_state(RunState state, const std::string& reason);
+  // Waits, vented, until the conditions hold again. Throws Fault TB-RUN-SUSPENDED, Leave.
+  void suspend(const Suspended& suspended);
+  [[nodiscard]] StageSteps& press_steps() { return stage_; }
+  [[nodiscard]] int redone() const { return redone_; }  // branches voided and done again
+
+ private:
+  [[nodiscard]] std::size_t first_span();
+  void branch(const sequences::BranchSpan& span);
+  void attempt(const sequences::BranchSpan& span, bool tolerant);
+  void conditioning(const sequences::BranchSpan& span);
+  bool condition(const sequences::BranchSpan& span);
+  void travel(const sequences::BranchSpan& span);
+  void carry_out(const sequences::Step& step);
+  void go_back(const sequences::BranchKey& key);
+  void fail_fast(const sequences::Step& step);
+  void give_up(const std::string& reason);  // voids the open branch; the path is lost
+  void pause(const std::string& why);
+  void prompt(const sequences::Step& step);
+  bool vented(const std::string& why);  // and proved so
+  void vent(const std::string& why);    // throws when that cannot be proved
+  void wait_for_resume();
+  // Where work goes on after a rest: `next`, or after a long one the first branch of its repeat.
+  [[nodiscard]] std::size_t after_rest(std::size_t next);
+  void recover();    // arms the source and opens the array anew
+  bool recovered();  // the same; false when a device does not come back
+  void publish();
+  void listen();
+  Sequencer& sequencer_;
+  Recorder& recorder_;
+  Control& control_;
+  Progress& progress_;
+  const Notify& notify_;
+  Work work_;
+  Baseline baseline_;
+  RunStatus status_;
+  StageSteps stage_;
+  std::vector<sequences::BranchSpan> spans_;
+  bool displaced_ = false;  // the next branch needs its way back
+  double rested_s_ = 0.0;   // in the last wait, unloaded
+  bool peak_seen_ = false;  // fail-fast limits were judged
+  int redone_ = 0;
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,136 @@
+// Where the conductor waits: for a person, for a condition. The rig is vented and proved safe meanwhile.
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "bench/error.h"
+#include "bench/process_time.h"
+#include "bench/run/conductor.h"
+#include "devices/fault.h"
+
+namespace tactbench::bench {
+
+using devices::Fault;
+using devices::Nanoseconds;
+
+void Conductor::pause(const std::string& why) {
+  if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, why);
+  vent("to pause");
+  set_state(RunState::kPaused, why);
+  progress_.note(fmt::format("run {} is paused, vented: `tactbench resume {}` goes on, `tactbench stop {}` ends it",
+                             status_.run, status_.run, status_.run));
+  notify_.tell("waiting", status_.run, "paused: " + why);
+  wait_for_resume();
+}
+
+void Conductor::wait_for_resume() {
+  (void)sequencer_.times().start(Spent::kWaiting);
+  const Nanoseconds start = sequencer_.rig().clock().now();
+  do sequencer_.idle();  // at least once: the clock goes on while a person decides
+  while (!control_.take_resume());
+  rested_s_ = static_cast<double>((sequencer_.rig().clock().now() - start).count()) * 1e-9;
+  recover();
+  set_state(RunState::kRunning, fmt::format("resumed by {} after {:.0f} s", control_.who(), rested_s_));
+  displaced_ = true;
+}
+
+// As for a run that is opened again (resume.h): the branches of one repeat are to have one past.
+std::size_t Conductor::after_rest(std::size_t next) {
+  if (next == spans_.size() || spans_[next].kind != sequences::SpanKind::kBranch) return next;
+  const sequences::BranchKey key = spans_[next].key;
+  if (rested_s_ <= work_.recipes[static_cast<std::size_t>(key.sequence)].rest_restart_s) return next;
+  const auto same = [&](const sequences::BranchKey& other) {
+    return other.sequence == key.sequence && other.repeat == key.repeat;
+  };
+  recorder_.void_repeat(key.sequence, key.repeat,
+                        fmt::format("the sensor rested for {:.0f} s: the repeat is done again", rested_s_));
+  std::erase_if(work_.done, same);
+  const auto first = std::find_if(spans_.begin(), spans_.end(), [&](const sequences::BranchSpan& span) {
+    return span.kind == sequences::SpanKind::kBranch && same(span.key);
+  });
+  return static_cast<std::size_t>(first - spans_.begin());
+}
+
+void Conductor::suspend(const Suspended& suspended) {
+  set_state(RunState::kSuspended, suspended.what);
+  vent("to wait: " + suspended.what);
+  progress_.note(fmt::format("run {} waits, vented: {}", status_.run, suspended.what));
+  notify_.tell("waiting", status_.run, suspended.what);
+  (void)sequencer_.times().start(Spent::kWaiting);
+  Rig& rig = sequencer_.rig();
+  const Nanoseconds start = rig.clock().now();
+  const Nanoseconds deadline = start + seconds(suspended.timeout_s);
+  SuspensionWatch watch = sequencer_.conditions();
+  while (!watch.may_resume(rig.environment(), rig.clock().now())) {
+    if (rig.clock().now() > deadline) {
+      throw Fault("TB-RUN-SUSPENDED", "surroundings",
+                  fmt::format("{}, and it did not come back within {:g} s", suspended.what, suspended.timeout_s),
+                  "mend the supply or the room, then `tactbench resume`; the recipe's [[suspend]] has timeout_s");
+    }
+    sequencer_.idle();
+  }
+  rested_s_ = static_cast<double>((rig.clock().now() - start).count()) * 1e-9;
+  recover();
+  set_state(RunState::kRunning, "conditions hold again");
+  displaced_ = true;
+}
+
+void Conductor::prompt(const sequences::Step& step) {
+  if (work_.assume_yes) {
+    recorder_.event("prompt", "", step.text + " (answered by --yes)");
+    return;
+  }
+  vent("for the operator");
+  if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, "for the operator");
+  set_state(RunState::kPaused, "operator: " + step.text);
+  const bool terminal = isatty(STDIN_FILENO) == 1;
+  progress_.note(fmt::format("{}\n  when done: {}`tactbench resume {}`", step.text, terminal ? "press Enter, or " : "",
+                             status_.run));
+  notify_.tell("waiting", status_.run, step.text);
+  (void)sequencer_.times().start(Spent::kWaiting);
+  for (bool answered = false; !answered;) {
+    sequencer_.idle();
+    answered = control_.take_resume();
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (!answered && terminal && ::poll(&input, 1, 0) == 1) {
+      char byte = 0;
+      while (!answered && ::read(STDIN_FILENO, &byte, 1) == 1) answered = byte == '\n';
+    }
+  }
+  recover();
+  set_state(RunState::kRunning, "the operator has answered: " + step.text);
+}
+
+bool Conductor::vented(const std::string& why) {
+  const SafeProof proof = make_safe(sequencer_.rig(), baseline_);
+  recorder_.event("safe", to_string(proof.state), why + ": " + proof.text);
+  sequencer_.forget();
+  stage_.forget();
+  return proof.state == db::SafeState::kVerified;
+}
+
+void Conductor::vent(const std::string& why) {
+  if (vented(why)) return;
+  throw Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved " + why,
+              fmt::format("run {}", status_.run), "look at the chamber's own gauge before touching the rig");
+}
+
+void Conductor::recover() {
+  Rig& rig = sequencer_.rig();
+  rig.source().arm();
+  rig.close_array();
+  rig.open_array();
+}
+
+bool Conductor::recovered() try {
+  recover();
+  return true;
+} catch (const Fault& fault) {
+  recorder_.event("attempt", fault.id(), fmt::format("the devices do not come back: {}", fault.what()));
+  return false;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,122 @@
+#include "bench/run/recipe_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "bench/error.h"
+#include "bench/run/stage_steps.h"
+
+namespace tactbench::bench {
+
+using sequences::Recipe;
+using sequences::RecipeKind;
+
+namespace {
+
+// Levels in kPa and bar are brought to psi: 60 psi said in kPa may come back a rounding above.
+constexpr double kRounding = 1e-9;
+
+Margin axis_margin(const char* name, double lowest, double highest, const devices::ZaberAxisOptions& axis) {
+  return {name, "mm", lowest, highest, axis.low.value(), axis.high.value()};
+}
+
+std::string remedy_of(const Margin& margin) {
+  if (margin.unit == "psi")
+    return "lower turning_points or conditioning.peak; the limit is [limits] command_psi in the bench file";
+  if (margin.unit == "N") return "lower forces_n; the limit is [limits] force_n in the bench file";
+  return "move positions_mm or [press.grid]; the limits are [stage] low_mm and high_mm";
+}
+
+void check_limits_of(const Recipe& recipe, const BenchConfig& bench) {
+  for (const Margin& margin : margins(sequences::compile(recipe, 0), bench)) {
+    if (margin.within()) continue;
+    const bool high = margin.highest > margin.high_limit;
+    throw Error(ExitCode::kUsage, "TB-RECIPE-LIMIT",
+                fmt::format("recipe '{}' goes to {:.2f} {} of {}, beyond the bench's limit of {:.2f} {}", recipe.name,
+                            high ? margin.highest : margin.lowest, margin.unit, margin.axis,
+                            high ? margin.high_limit : margin.low_limit, margin.unit),
+                fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id), remedy_of(margin));
+  }
+}
+
+void check_devices_of(const Recipe& recipe, const BenchConfig& bench) {
+  const auto lacking = [&](const std::string& what, const std::string& remedy) {
+    throw Error(ExitCode::kUsage, "TB-RECIPE-DEVICES",
+                fmt::format("recipe '{}' needs {}, which bench '{}' does not have", recipe.name, what, bench.id),
+                bench.file, remedy);
+  };
+  if (recipe.kind == RecipeKind::kPress && !bench.stage) lacking("a stage", "describe it under [stage]");
+  if (recipe.kind == RecipeKind::kPress && !bench.force) lacking("a force sensor", "describe it under [force]");
+  for (const sequences::Suspension& item : recipe.suspend) {
+    const bool has = std::any_of(bench.environment.begin(), bench.environment.end(),
+                                 [&](const EnvironmentSensor& sensor) { return sensor.quantity == item.quantity; });
+    if (!has) lacking("a sensor of " + item.quantity, "describe it under [[environment.sensor]]");
+  }
+}
+
+// What the force sensor was calibrated to is not known before it is open: StageSteps asks again then.
+void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
+  if (recipe.kind != RecipeKind::kPress) return;
+  std::array<double, 6> any;
+  any.fill(std::numeric_limits<double>::infinity());
+  const std::vector<std::string> complaints = press_complaints(recipe, bench, any);
+  if (complaints.empty()) return;
+  throw Error(
+      ExitCode::kUsage, "TB-RECIPE-LIMIT", complaints.front(),
+      fmt::format("recipe '{}', bench '{}'", recipe.name, bench.id),
+      "lower forces_n, or slow approach or servo down; the limits are [limits] force_n and clear_z_mm and those "
+      "of [stage]");
+}
+
+}  // namespace
+
+double Margin::margin() const { return std::min(high_limit - highest, lowest - low_limit); }
+bool Margin::within() const { return margin() >= -kRounding * std::max(1.0, high_limit); }
+
+std::vector<Margin> margins(const std::vector<sequences::Step>& steps, const BenchConfig& bench) {
+  std::vector<Margin> list;
+  const sequences::Extremes all = sequences::extremes(steps);
+  if (all.pressurizes) {
+    // Gauge pressure has no limit below: the way down to 0 is no approach to a danger.
+    list.push_back({"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, bench.limits.command_psi});
+  }
+  if (all.moves && bench.stage) {
+    const auto& axes = bench.stage->options.axes;
+    list.push_back(axis_margin("x", all.lowest_x_mm, all.highest_x_mm, axes[0]));
+    list.push_back(axis_margin("y", all.lowest_y_mm, all.highest_y_mm, axes[1]));
+  }
+  if (all.presses) list.push_back({"force", "N", 0.0, all.largest_force_n, -1e9, bench.limits.force_n[2]});
+  return list;
+}
+
+std::vector<std::string> devices_needed(const std::vector<Recipe>& recipes) {
+  std::vector<std::string> names;
+  const auto need = [&](const char* name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  };
+  for (const Recipe& recipe : recipes) {
+    if (recipe.kind == RecipeKind::kPress) {
+      need("stage");
+      need("force sensor");
+    } else {
+      need("pressure source");
+      need("pressure reference");
+    }
+    need("tactile array");
+    for (const sequences::Suspension& item : recipe.suspend) need(item.quantity.c_str());
+  }
+  return names;
+}
+
+void check_recipes(const std::vector<Recipe>& recipes, const BenchConfig& bench) {
+  for (const Recipe& recipe : recipes) {
+    check_devices_of(recipe, bench);
+    check_limits_of(recipe, bench);
+    check_press_of(recipe, bench);
+  }
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,50 @@
+// Where the taxels lie on the stage: touches of a point indenter at known x, y, the centroid of each frame, and the
+// transform between the two by least squares. Pure: stored with the mount by whoever pressed.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+// Taxel coordinates: x along the columns, y along the rows, mm from the centre of taxel (0, 0), by the nominal pitch.
+struct Touch {
+  double x_mm = 0.0, y_mm = 0.0;  // of the stage
+  std::array<double, 2> taxel_mm{};
+};
+
+// Centre of what the frame shows over its baseline, above `threshold` of its peak: each taxel weighs what it has beyond
+// that. Row-major rows x columns, any unit. Throws Fault TB-MOUNT-NO-TOUCH when no taxel stands out by `least`, and
+// TB-MOUNT-EDGE when the centre's neighbours are cut off by the array's edge: it would be drawn inward.
+[[nodiscard]] std::array<double, 2> touch_centre_mm(std::span<const double> frame, std::span<const double> baseline,
+                                                    int rows, int columns, double pitch_mm, double least,
+                                                    double threshold = 0.1);
+
+struct RegistrationOptions {
+  double most_rms_mm = 0.5;
+  double least_spread_mm = 2.0;  // of the touches across their longest line
+};
+
+// stage = scale x R(angle) x F x taxel + offset, F the identity, or the mirror (x, -y) when the sensor lies flipped.
+struct MountRegistration {
+  double angle_deg = 0.0;
+  std::array<double, 2> offset_mm{};
+  bool flipped = false;
+  double scale = 1.0;         // beside the nominal pitch: 1 when pitch and stage agree
+  double pitch_mm = 0.0;      // nominal
+  double rms_mm = 0.0;        // of the residuals
+  double other_rms_mm = 0.0;  // of the transform with the other flip, which was rejected
+  std::vector<Touch> touches;
+  std::vector<double> residual_mm;  // one a touch
+  [[nodiscard]] std::array<double, 2> stage_mm(const std::array<double, 2>& taxel_mm) const;
+  [[nodiscard]] std::string json() const;
+};
+
+// At least 3 touches. Umeyama's closed form (IEEE PAMI 13, 1991, 376), with either sign of the determinant; the better
+// is taken. Throws Fault TB-MOUNT-TOUCHES (fewer than 3), TB-MOUNT-COLLINEAR, TB-MOUNT-RESIDUAL.
+[[nodiscard]] MountRegistration register_mount(const std::vector<Touch>& touches, double pitch_mm,
+                                               const RegistrationOptions& options = {});
+
+}  // namespace tactbench::bench

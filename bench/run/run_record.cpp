@@ -1,0 +1,114 @@
+#include "bench/run/run_record.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "bench/run/recorder.h"
+#include "bench/run/resume.h"
+#include "bench/utc.h"
+#include "build_info.h"
+#include "devices/fault.h"
+
+namespace tactbench::bench {
+
+using sequences::Recipe;
+
+namespace {
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+std::string time_zone() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  return local.tm_zone != nullptr ? local.tm_zone : "UTC";
+}
+
+}  // namespace
+
+db::RunRecord program_record() {
+  db::RunRecord record;
+  record.uuid = db::new_uuid();
+  record.state = to_string(RunState::kPrepared);
+  record.program_version = TACTBENCH_VERSION;
+  record.git_commit = TACTBENCH_COMMIT;
+  record.git_dirty = TACTBENCH_DIRTY;
+  record.build_id = TACTBENCH_BUILD;
+  record.host = host_name();
+  record.time_zone = time_zone();
+  record.started_utc = utc_now();
+  return record;
+}
+
+db::RunRecord record_of(const RunRequest& request) {
+  db::RunRecord record = program_record();
+  record.origin = request.bench.origin == devices::Origin::kSimulated ? "simulated" : "hardware";
+  record.operator_name = request.operator_name;
+  record.purpose = request.purpose;
+  record.sensor_serial = request.sensor.serial;
+  record.scanner_serial = request.sensor.scanner_serial;
+  record.bench_id = request.bench.id;
+  record.bench_toml = request.bench.text;
+  record.bench_sha256 = db::sha256_hex(request.bench.text);
+  record.sensor_toml = request.sensor_type.text;
+  record.sensor_sha256 = db::sha256_hex(request.sensor_type.text);
+  nlohmann::ordered_json overrides = nlohmann::ordered_json::array();
+  for (const auto& item : request.overrides) overrides.push_back({{"key", item.key}, {"value", item.value}});
+  record.overrides_json = overrides.dump();
+  if (request.bench.simulation) {
+    record.seed = static_cast<std::int64_t>(request.bench.simulation->plant.seed);
+    record.sensor_seed = static_cast<std::int64_t>(request.bench.simulation->plant.specimen.sensor_seed);
+  }
+  for (std::size_t i = 0; i < request.recipes.size(); ++i) {
+    const Recipe& recipe = request.recipes[i];
+    int frames = 0;
+    for (const auto& step : sequences::compile(recipe, static_cast<int>(i))) {
+      frames += sequences::takes_frame(step) && step.repeat == 0 ? 1 : 0;
+    }
+    record.sequences.push_back(
+        {static_cast<int>(i), recipe.name, recipe.text, db::sha256_hex(recipe.text), recipe.repeats, frames});
+  }
+  return record;
+}
+
+void check_geometry(const RunRequest& request) {
+  const devices::HidScannerOptions& scanner = request.bench.scanner;
+  if (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns) return;
+  throw Error(ExitCode::kUsage, "TB-SENSOR-GEOMETRY",
+              fmt::format("sensor type '{}' has {} x {} taxels, the bench's scanner {} x {}", request.sensor_type.name,
+                          request.sensor_type.rows, request.sensor_type.columns, scanner.rows, scanner.columns),
+              request.bench.file + " [scanner], sensor " + request.sensor.serial,
+              "use the bench file of this sensor's scanner, or mend rows and columns");
+}
+
+void check_same_devices(const db::RunRecord& begun, const std::vector<db::DeviceRecord>& now) {
+  for (const db::DeviceRecord& before : begun.devices) {
+    const auto same = std::find_if(now.begin(), now.end(), [&](const db::DeviceRecord& device) {
+      return device.role == before.role && device.model == before.model && device.serial == before.serial;
+    });
+    if (same != now.end()) continue;
+    throw devices::Fault(
+        "TB-RESUME-DEVICES", before.role,
+        fmt::format("run {} began with {} '{}', which is not there now", begun.run, before.model, before.serial),
+        "connect the device that the run began with, or start a new run");
+  }
+}
+
+std::optional<double> rest_of_sensor(const db::RunStore& store, const std::string& sensor_serial, std::int64_t run) {
+  std::optional<double> rest;
+  for (const db::RunRecord& before : store.runs()) {
+    if (before.run >= run || before.sensor_serial != sensor_serial) continue;
+    rest = seconds_between(std::max({before.started_utc, before.seen_utc, before.ended_utc}), utc_now());
+  }
+  return rest;
+}
+
+}  // namespace tactbench::bench

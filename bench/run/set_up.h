@@ -1,0 +1,18 @@
+// What is looked at before the first step: the surroundings, the scanner, how the sensor sits, whether the electronics
+// are warm.
+#pragma once
+
+#include "bench/run/characterize.h"
+#include "bench/run/sequencer.h"
+
+namespace tactbench::bench {
+
+void record_environment(Rig& rig, Recorder& recorder);  // one event a sensor
+// Throws Fault TB-SCANNER-SERIAL when another scanner answers than the sensor is registered with.
+void check_scanner(const RunRequest& request, const std::string& serial);
+// Warm-up by the first recipe's criterion, then seating; each a stored check. Throws Error TB-SEATING and what the
+// sequencer throws; after Suspended it may be called again.
+void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
+                    const Baseline& baseline, Progress& progress);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,49 @@
+// The stage's steps of a run on the second platform: home, move, approach, press, retract. Recipe steps -> Press, its
+// results -> the recorder. The chamber stands disarmed and vented meanwhile.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bench/run/press.h"
+#include "bench/run/press_preflight.h"
+#include "bench/run/recorder.h"
+#include "bench/run/registration.h"
+#include "bench/run/sequencer.h"
+
+namespace tactbench::bench {
+
+// Of the bench, its limits and the recipe.
+PressOptions press_options(const BenchConfig& config, const sequences::Recipe& recipe);
+// What of the recipe does not fit bench and force sensor, overshoot included (press_preflight.h); none: all does. The
+// bench has stage and force sensor.
+std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const BenchConfig& config,
+                                          const std::array<double, 6>& force_range);
+
+class StageSteps {
+ public:
+  StageSteps(Sequencer& sequencer, Recorder& recorder) : sequencer_(sequencer), recorder_(recorder) {}
+  // Opens stage and force sensor at the first step. Throws Fault, Leave, PathBroken (a level was overshot), and Error
+  // TB-BENCH-NO-STAGE when the bench has none.
+  void carry_out(const sequences::Step& step, const sequences::Recipe& recipe);
+  // The rig was made safe: what stood in contact no longer does.
+  void forget();
+  // Of the touches so far (a recipe that registers); stored as a check of kind "mount". Throws Fault TB-MOUNT-*.
+  void register_mount(double pitch_mm, const std::vector<double>& baseline);
+
+ private:
+  void open(const sequences::Recipe& recipe);
+  void press(const sequences::Step& step, const sequences::Recipe& recipe);
+  struct TouchFrame {
+    double x_mm = 0.0, y_mm = 0.0;
+    std::vector<double> counts;
+  };
+  Sequencer& sequencer_;
+  Recorder& recorder_;
+  std::unique_ptr<Press> press_;
+  double x_mm_ = 0.0, y_mm_ = 0.0;
+  std::vector<TouchFrame> touches_;
+};
+
+}  // namespace tactbench::bench

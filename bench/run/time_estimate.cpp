@@ -1,0 +1,209 @@
+#include "bench/run/time_estimate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+namespace tactbench::bench {
+
+using sequences::Override;
+using sequences::Recipe;
+using sequences::Step;
+
+namespace {
+
+constexpr int kRunsLookedAt = 200, kRunsLearnedFrom = 10, kSamples = 32;
+
+double in_seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+
+double at(const std::vector<std::pair<double, double>>& line, double x) {
+  const auto above = std::lower_bound(line.begin(), line.end(), x, [](const auto& p, double v) { return p.first < v; });
+  if (above == line.end()) return line.back().second;
+  if (above == line.begin()) return above->second;
+  const auto below = above - 1;
+  return below->second + (above->second - below->second) * (x - below->first) / (above->first - below->first);
+}
+
+// Few values: a prediction interval by Student's t, with a floor, since runs on one day are more alike than runs are.
+// Ten and more: their own quantiles.
+TimeBand band_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  const auto quantile = [&](double share) {
+    const double place = share * static_cast<double>(n - 1);
+    const auto low = static_cast<std::size_t>(place);
+    const double next = values[std::min(low + 1, n - 1)];
+    return values[low] + (next - values[low]) * (place - static_cast<double>(low));
+  };
+  const double middle = quantile(0.5);
+  double down = middle - quantile(0.1), up = quantile(0.9) - middle;
+  if (n < 10) {
+    constexpr std::array<double, 8> kStudent90 = {3.078, 1.886, 1.638, 1.533, 1.476, 1.440, 1.415, 1.397};
+    constexpr double kNormal90 = 1.2816, kOneRunSpread = 0.05;
+    const double count = static_cast<double>(n);
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+    double squares = 0.0;
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    const double half = n == 1 ? kNormal90 * std::sqrt(2.0) * kOneRunSpread * middle
+                               : kStudent90[n - 2] * std::sqrt(squares / (count - 1.0) * (1.0 + 1.0 / count));
+    down = up = half;
+  }
+  constexpr double kLeastSpread = 0.005;
+  down = std::min(std::max(down, kLeastSpread * middle), middle);
+  return {middle - down, middle, middle + std::max(up, kLeastSpread * middle), static_cast<int>(n)};
+}
+
+std::vector<std::pair<std::string, std::string>> recipe_overrides(const std::vector<Override>& overrides) {
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const Override& item : overrides) {
+    if (item.key.starts_with("recipe.")) found.emplace_back(item.key, item.value);
+  }
+  return found;
+}
+
+std::vector<Override> stored_overrides(const std::string& text) {
+  std::vector<Override> found;
+  const nlohmann::json list = nlohmann::json::parse(text, nullptr, false);
+  if (!list.is_array()) return found;
+  for (const auto& item : list) {
+    if (item.contains("key") && item.contains("value")) found.push_back({item["key"], item["value"]});
+  }
+  return found;
+}
+
+// The last frame whose sequence is at most `sequence`; frames are stored sequence after sequence.
+std::int64_t end_of(const db::RunStore& store, std::int64_t run, int sequence, std::int64_t last) {
+  std::int64_t low = 0, high = last;
+  while (low < high) {
+    const std::int64_t middle = low + (high - low + 1) / 2;
+    const std::optional<db::FrameTime> frame = store.frame_time(run, middle);
+    if (frame && frame->sequence <= sequence) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return low;
+}
+
+}  // namespace
+
+sequences::TimeModel time_model(const BenchConfig& bench) {
+  sequences::TimeModel model;
+  // A small step is in band at the second look: one feeding and one poll after the command.
+  model.rise_psi_per_s = model.fall_psi_per_s = bench.limits.rate_psi_per_s;
+  model.settle_s = in_seconds(bench.regulator.feed_interval.count()) + bench.settling.poll_s;
+  return model;
+}
+
+TimeEstimate::TimeEstimate(const std::vector<Recipe>& recipes, const std::vector<Step>& steps,
+                           const sequences::TimeModel& model)
+    : frames_done_(steps.size() + 1), left_(sequences::step_times(recipes, steps, model)) {
+  for (const Recipe& recipe : recipes) {
+    Part& part = parts_.emplace_back();
+    part.sha256 = db::sha256_hex(recipe.text);
+    part.repeats = recipe.repeats;
+  }
+  std::size_t since_frame = 0;
+  int frames = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    Part& part = parts_[static_cast<std::size_t>(steps[i].sequence)];
+    if (part.steps++ == 0) {
+      part.first_step = since_frame = i;
+      frames = 0;
+    }
+    frames_done_[i] = frames;
+    if (!takes_frame(steps[i])) continue;
+    // What comes before a frame counts as parts of it.
+    for (std::size_t j = since_frame; j <= i; ++j) {
+      frames_done_[j] = frames + static_cast<double>(j - since_frame) / static_cast<double>(i + 1 - since_frame);
+    }
+    since_frame = i + 1;
+    ++frames;
+    part.frames_per_repeat += steps[i].repeat == 0 ? 1 : 0;
+  }
+  for (std::size_t i = steps.size(); i-- > 1;) {
+    if (steps[i - 1].sequence != steps[i].sequence) continue;
+    left_[i - 1].low_s += left_[i].low_s;
+    left_[i - 1].likely_s += left_[i].likely_s;
+    left_[i - 1].high_s += left_[i].high_s;
+  }
+}
+
+void TimeEstimate::learn(const db::RunStore& store, const std::string& bench_id, const std::vector<Override>& overrides,
+                         bool remaining_too) {
+  const auto ours = recipe_overrides(overrides);
+  for (const db::TimedSequence& stored : store.timed_sequences(bench_id, kRunsLookedAt)) {
+    const auto same = [&](const Part& part) {
+      return part.sha256 == stored.recipe_sha256 && part.repeats == stored.repeats &&
+             part.frames_per_repeat == stored.frames_per_repeat && part.past.size() < kRunsLearnedFrom;
+    };
+    if (std::none_of(parts_.begin(), parts_.end(), same)) continue;
+    if (recipe_overrides(stored_overrides(stored.overrides_json)) != ours) continue;
+    const std::int64_t last = store.last_position(stored.run);
+    const std::int64_t before = stored.sequence == 0 ? 0 : end_of(store, stored.run, stored.sequence - 1, last);
+    const std::optional<db::FrameTime> tail = store.frame_time(stored.run, last);
+    const std::int64_t end =
+        tail && tail->sequence == stored.sequence ? last : end_of(store, stored.run, stored.sequence, last);
+    const std::optional<db::FrameTime> first = before == 0 ? std::nullopt : store.frame_time(stored.run, before);
+    const std::int64_t began = first ? first->time_ns : 0;
+    Past past;
+    past.elapsed.emplace_back(0.0, 0.0);
+    const int samples = remaining_too ? kSamples : 1;
+    for (int i = 1; i <= samples; ++i) {
+      const std::optional<db::FrameTime> frame = store.frame_time(stored.run, before + (end - before) * i / samples);
+      if (!frame || frame->is_void || frame->sequence != stored.sequence) continue;
+      const double done = static_cast<double>(frame->repeat) * stored.frames_per_repeat + frame->ordinal + 1;
+      if (done <= past.elapsed.back().first) continue;
+      past.elapsed.emplace_back(done, in_seconds(frame->time_ns - began));
+    }
+    if (past.elapsed.size() < 2) continue;
+    for (Part& part : parts_) {
+      if (same(part)) part.past.push_back(past);
+    }
+  }
+}
+
+TimeBand TimeEstimate::of_part(const Part& part, std::size_t steps_done) const {
+  if (steps_done >= part.steps) return {0.0, 0.0, 0.0, static_cast<int>(part.past.size())};
+  const sequences::StepTime& model = left_[part.first_step + steps_done];
+  if (part.past.empty()) return {model.low_s, model.likely_s, model.high_s, 0};
+  const double whole = left_[part.first_step].likely_s;
+  std::vector<double> left;
+  for (const Past& past : part.past) {
+    const double total = past.elapsed.back().second;
+    const bool shaped = past.elapsed.size() > 2 || steps_done == 0;
+    left.push_back(shaped ? total - at(past.elapsed, frames_done_[part.first_step + steps_done])
+                          : total * model.likely_s / std::max(whole, 1e-9));
+  }
+  return band_of(std::move(left));
+}
+
+// Recipes vary one without the other: their spreads add as squares.
+TimeBand TimeEstimate::sum(std::size_t first_part, std::size_t last_part, std::size_t steps_done) const {
+  TimeBand all;
+  double down = 0.0, up = 0.0;
+  for (std::size_t i = first_part; i < last_part; ++i) {
+    const TimeBand band = of_part(parts_[i], i == first_part ? steps_done : 0);
+    all.p50_s += band.p50_s;
+    down += (band.p50_s - band.p10_s) * (band.p50_s - band.p10_s);
+    up += (band.p90_s - band.p50_s) * (band.p90_s - band.p50_s);
+    all.runs = i == first_part ? band.runs : std::min(all.runs, band.runs);
+  }
+  all.p10_s = all.p50_s - std::sqrt(down);
+  all.p90_s = all.p50_s + std::sqrt(up);
+  return all;
+}
+
+TimeBand TimeEstimate::remaining(std::size_t steps_done) const {
+  std::size_t part = 0;
+  while (part + 1 < parts_.size() && steps_done >= parts_[part].first_step + parts_[part].steps) ++part;
+  return sum(part, parts_.size(), parts_.empty() ? 0 : steps_done - parts_[part].first_step);
+}
+
+TimeBand TimeEstimate::total_of(std::size_t recipe) const { return sum(recipe, recipe + 1, 0); }
+
+}  // namespace tactbench::bench

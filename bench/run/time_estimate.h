@@ -1,0 +1,57 @@
+// How long a run will take and how much of it is left: learned from completed runs of the same recipes on the same
+// bench, by the model of sequences/estimate.h where there are none. Always a band.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/config.h"
+#include "db/run_store.h"
+#include "sequences/estimate.h"
+
+namespace tactbench::bench {
+
+// The bench's part of the model.
+sequences::TimeModel time_model(const BenchConfig& bench);
+
+struct TimeBand {  // a tenth of the runs is expected to be shorter than p10, a tenth longer than p90
+  double p10_s = 0.0, p50_s = 0.0, p90_s = 0.0;
+  int runs = 0;  // fewest that any of the recipes learned from; 0: at least one is by the model
+};
+
+class TimeEstimate {
+ public:
+  TimeEstimate(const std::vector<sequences::Recipe>& recipes, const std::vector<sequences::Step>& steps,
+               const sequences::TimeModel& model);
+
+  // Replaces the model by what `store` holds: completed runs of bench `bench_id` with the same recipe text and the same
+  // recipe overrides. `remaining_too`: also how the time passed inside the runs, which costs some milliseconds more;
+  // without it remaining() follows the model's shape. Throws StoreError.
+  void learn(const db::RunStore& store, const std::string& bench_id, const std::vector<sequences::Override>& overrides,
+             bool remaining_too);
+
+  [[nodiscard]] TimeBand total() const { return remaining(0); }
+  // After `steps_done` of the steps.
+  [[nodiscard]] TimeBand remaining(std::size_t steps_done) const;
+  [[nodiscard]] TimeBand total_of(std::size_t recipe) const;
+
+ private:
+  struct Past {  // one stored sequence: frames done -> seconds since the sequence began; first (0, 0), last the total
+    std::vector<std::pair<double, double>> elapsed;
+  };
+  struct Part {  // one recipe
+    std::string sha256;
+    int repeats = 0, frames_per_repeat = 0;
+    std::size_t first_step = 0, steps = 0;
+    std::vector<Past> past;
+  };
+  [[nodiscard]] TimeBand of_part(const Part& part, std::size_t steps_done) const;
+  [[nodiscard]] TimeBand sum(std::size_t first_part, std::size_t last_part, std::size_t steps_done) const;
+  std::vector<Part> parts_;
+  std::vector<double> frames_done_;        // before each step, within its recipe; fractions between two frames
+  std::vector<sequences::StepTime> left_;  // by the model, from each step to its recipe's end
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,44 @@
+// Where a run's process time went: the dead-time breakdown printed and stored at its end.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "devices/clock.h"
+
+namespace tactbench::bench {
+
+enum class Spent { kSetup, kConditioning, kMoving, kSettling, kDwelling, kReading, kRedoing, kWaiting, kTeardown };
+inline constexpr std::size_t kSpentKinds = 9;
+const char* to_string(Spent spent);
+
+class TimeSpent {
+ public:
+  explicit TimeSpent(const devices::Clock& clock) : clock_(clock), since_(clock.now()) {}
+  // From now on time is spent on `spent`; returns on what before.
+  Spent start(Spent spent);
+  // As long as it lives all parts count as this one (conditioning, redoing), however it is left.
+  class Stretch {
+   public:
+    Stretch(TimeSpent& times, Spent spent);
+    ~Stretch();
+    Stretch(const Stretch&) = delete;
+    Stretch& operator=(const Stretch&) = delete;
+
+   private:
+    TimeSpent& times_;
+  };
+  [[nodiscard]] double seconds(Spent spent) const;  // up to the last start()
+  [[nodiscard]] double total() const;
+  // "dwelling 71 %, settling 18 %, ...": only what took a share that shows.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  const devices::Clock& clock_;
+  devices::Nanoseconds since_;
+  Spent current_ = Spent::kSetup;
+  bool stretch_ = false;
+  std::array<double, kSpentKinds> seconds_{};
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,210 @@
+#include "bench/safety/dead_man_server.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "bench/error.h"
+#include "bench/process_time.h"
+#include "bench/rig.h"
+#include "bench/run/characterize.h"
+#include "bench/run/locks.h"
+#include "bench/safety/dead_man.h"
+#include "bench/safety/dead_man_process.h"
+#include "bench/safety/safe_state.h"
+#include "bench/safety/trip.h"
+#include "bench/utc.h"
+#include "devices/fault.h"
+#include "devices/stage/zaber_retreat.h"
+#include "devices/wire/descriptor_channel.h"
+#include "devices/wire/serial_link.h"
+#include "devices/wire/stream_link.h"
+
+namespace tactbench::bench {
+
+using devices::Nanoseconds;
+
+namespace {
+
+constexpr Nanoseconds kFirstPacket = std::chrono::seconds(10);
+constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);       // below what its starter waits
+constexpr Nanoseconds kProbe = std::chrono::seconds(5);             // an idle connection is shown to live this often
+constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to whatever was asked last
+constexpr Nanoseconds kBackOff = std::chrono::seconds(10);
+constexpr int kTries = 2;
+
+Nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); }
+double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
+
+BenchConfig read_description(devices::DescriptorChannel& channel) {
+  const auto packet = channel.receive(kFirstPacket);
+  if (!packet) throw std::runtime_error("no bench was described to it");
+  const auto json = nlohmann::json::parse(packet->text);
+  BenchConfig config = parse_bench(json.at("bench"), json.at("name"), {});
+  share_lines(config, true);
+  config.dead_man.enabled = false;  // this is the one
+  return config;
+}
+
+class Server {
+ public:
+  Server(devices::DescriptorChannel& channel, const BenchConfig& config)
+      : channel_(channel), config_(config), rig_(config) {
+    if (!is_rtu()) probe();  // an RTU line has one user at a time: it is opened when needed
+  }
+
+  int serve() {
+    const DeadMan fresh(seconds(config_.dead_man.timeout_s));
+    DeadMan dead_man = fresh;
+    dead_man.feed(now());
+    Nanoseconds next_probe = now() + kProbe;
+    for (;;) {
+      bool fed = false;
+      auto packet = channel_.receive(std::clamp(dead_man.left(now()), Nanoseconds(0), kProbe));
+      // What waits counts as said now: a dead-man that was itself held up must not blame the sequencer, which judges
+      // itself whether it stood still.
+      for (; packet; packet = channel_.receive(Nanoseconds(0))) {
+        if (packet->text == "goodbye") return 0;
+        if (packet->text == "fire") return fire("told to", false);
+        if (packet->text == "line") hand_line_over();
+        if (packet->text.starts_with("run ")) run_ = std::stoll(packet->text.substr(4));
+        fed = true;
+      }
+      if (channel_.closed()) return fire("the sequencer ended without a goodbye", true);
+      if (fed) {
+        dead_man = fresh;
+        dead_man.feed(now());
+      } else if (dead_man.late(now())) {
+        return fire(fmt::format("the sequencer gave no sign of life for {:g} ms", 1000.0 * config_.dead_man.timeout_s),
+                    false);
+      }
+      if (is_rtu() || now() < next_probe) continue;
+      try {
+        probe();
+      } catch (const devices::Fault&) {  // firing connects anew
+      }
+      dead_man = fresh;
+      dead_man.feed(now());
+      next_probe = now() + kProbe;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool is_rtu() const { return !config_.module.endpoint.serial_port.empty(); }
+
+  void probe() {
+    (void)rig_.module().look();
+    (void)rig_.source().feedback();
+  }
+
+  void hand_line_over() {
+    stage_used_ = true;
+    line_.reset();
+    try {
+      line_ = devices::open_serial(config_.stage.value().address);
+      (void)channel_.send("line", line_->descriptor());
+    } catch (const std::exception& error) {
+      (void)channel_.send(fmt::format("no line: {}", error.what()));
+    }
+  }
+
+  // `gone`: the sequencer is no more, which alone asks for no person once everything is proved safe.
+  int fire(const std::string& why, bool gone) {
+    const Nanoseconds start = now();
+    (void)channel_.send("fired");
+    devices::ZaberRetreat stage;
+    double stage_s = 0.0;
+    std::thread retreating([&] {
+      if (stage_used_) stage = retreat_stage();
+      stage_s = in_seconds(now() - start);
+    });
+    SafeProof proof;
+    if (is_rtu()) std::this_thread::sleep_for(kRtuSilence);
+    for (int i = 0; i < kTries && proof.state != db::SafeState::kVerified; ++i) proof = make_safe(rig_, {});
+    const double pressure_s = in_seconds(now() - start);
+    retreating.join();
+    const bool stage_safe = !stage_used_ || (stage.stands && stage.backed_off);
+    const bool safe = proof.state == db::SafeState::kVerified && stage_safe;
+    const std::string stage_text = stage_used_ ? stage.text : "stage not in use";
+    const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why, proof.text,
+                                         pressure_s, stage_text, stage_s);
+    fmt::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
+    const TripFile trip(config_.id);
+    const bool latched = !(gone && safe);
+    if (latched) (void)trip.store({kDeadManFired, what, run_, {}});
+    record(trip, {{"utc", utc_now()},
+                  {"why", why},
+                  {"run", run_},
+                  {"ended", safe ? "safe, verified" : "NOT verified"},
+                  {"pressure", proof.text},
+                  {"pressure_s", pressure_s},
+                  {"stage", stage_text},
+                  {"stage_s", stage_s},
+                  {"tripped", latched}});
+    return safe ? 0 : static_cast<int>(ExitCode::kUnsafe);
+  }
+
+  void record(const TripFile& trip, const nlohmann::ordered_json& json) {
+    try {
+      write_durably(trip.dead_man_path(),
+                    json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "tactbench: dead-man's record: {}\n", error.what());
+    }
+  }
+
+  devices::ZaberRetreat retreat_stage() {
+    devices::ZaberRetreat result;
+    for (int i = 0; i < kTries && !(result.stands && result.backed_off); ++i) {
+      try {
+        if (!line_) line_ = devices::open_serial(config_.stage.value().address);
+        // A copy: the line cannot be opened anew while a sequencer that stands still holds its own.
+        const int copy = ::fcntl(line_->descriptor(), F_DUPFD_CLOEXEC, 0);
+        result = devices::retreat(devices::adopt_stream(copy, line_->description()), config_.stage->options,
+                                  devices::Millimetres(config_.dead_man.back_off_mm), kBackOff);
+      } catch (const std::exception& error) {
+        line_.reset();
+        result.text = error.what();
+      }
+    }
+    return result;
+  }
+
+  devices::DescriptorChannel& channel_;
+  const BenchConfig config_;
+  Rig rig_;
+  std::unique_ptr<devices::ByteStream> line_;  // as opened for the sequencer
+  bool stage_used_ = false;
+  std::int64_t run_ = 0;
+};
+
+}  // namespace
+
+int serve_dead_man(int socket) {
+  // Ahead of the sequencer where that is allowed, so that a busy computer does not look like a dead one.
+  (void)::setpriority(PRIO_PROCESS, 0, -10);
+  devices::DescriptorChannel channel(socket);
+  std::unique_ptr<FileLock> lock;
+  std::unique_ptr<Server> server;
+  try {
+    const BenchConfig config = read_description(channel);
+    lock = std::make_unique<FileLock>(dead_man_lock(config.id, kEarlierEnds));
+    if (!lock->held()) throw std::runtime_error("an earlier one (" + lock->owner() + ") still makes the bench safe");
+    lock->write_owner(fmt::format("pid {}", getpid()));
+    server = std::make_unique<Server>(channel, config);
+  } catch (const std::exception& error) {
+    (void)channel.send(error.what());
+    return static_cast<int>(ExitCode::kDevice);
+  }
+  (void)channel.send("ready");
+  return server->serve();
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,102 @@
+// What breaks in the simulated rig, and when: a schedule of faults by process time, by pressure, by force, or by a
+// test's call. Plant and simulated ends ask it. No wall clock: the same schedule and questions give the same run.
+#pragma once
+
+#include <atomic>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/trouble.h"
+
+namespace tactbench::bench {
+
+enum class FaultKind {  // with the unit of the value, where there is one
+  kValveStuck,          // holds the pressure, takes no command
+  kLeak,                // psi/s
+  kOvershoot,           // psi beyond the next level; a level is one time
+  kSupplyLost,          // psi/s by which the pressure falls; it cannot rise
+  kRegulatorUnpowered,  // the chamber keeps its pressure, the monitor reads 0 V
+  kFeedbackOffset,      // psi, of the monitor
+  kReferenceOffset,     // psi, of the reference
+  kModuleSilent,
+  kModuleLate,
+  kModuleCorrupt,
+  kModuleStale,      // reads tell what was read before
+  kModuleException,  // server device failure
+  kModuleUnplugged,  // TCP: connections close at once; serial: silence
+  kStageStalled,     // 1 x, 2 y, 3 z, 0 all: stands still while the device takes it to be moving
+  kStageSilent,
+  kStageLate,
+  kStageCorrupt,
+  kStageTorn,
+  kStageUnplugged,  // the line hangs up for good
+  kForceSaturated,
+  kForceStale,
+  kForceSilent,
+  kRowStuck,  // row: its counts stay as they are
+  kScannerSilent,
+  kScannerStale,
+  kScannerCorrupt,
+  kScannerTorn,  // a report is missing
+  kScannerUnplugged,
+};
+inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kScannerUnplugged) + 1;
+[[nodiscard]] const std::vector<std::string>& fault_words();  // "valve_stuck", in the order of FaultKind
+[[nodiscard]] double usual_value(FaultKind kind);
+
+struct PlannedFault {
+  FaultKind kind = FaultKind::kLeak;
+  // What starts it, whichever is first; none: at once.
+  std::optional<double> at_s;    // process time
+  std::optional<double> at_psi;  // the chamber's pressure first comes to this from below
+  std::optional<double> at_n;    // the force on the specimen first comes to this
+  double lasts_s = std::numeric_limits<double>::infinity();
+  std::optional<double> value;  // none: the usual one
+  long times = 0;               // answers that it spoils before it is over; 0: as long as it lasts; kOvershoot: 1
+};
+
+enum class Instrument { kModule, kStage, kForce, kScanner };
+
+// Thread-safe; calls nobody.
+class Faults {
+ public:
+  explicit Faults(const std::vector<PlannedFault>& planned);
+  // Begins now, whatever starts it.
+  void inject(const PlannedFault& fault, devices::Nanoseconds now);
+  void clear(FaultKind kind, devices::Nanoseconds now);  // ends it; what is planned for later stays planned
+  // Load at `time`: starts what waits for it. Times never go backward.
+  void load(double psi, double newtons, devices::Nanoseconds time);
+  [[nodiscard]] bool any() const { return any_.load(std::memory_order_relaxed); }  // none ever so far, when false
+  // Its value while it is in force.
+  [[nodiscard]] std::optional<double> active(FaultKind kind, devices::Nanoseconds time) const;
+  // The same, and counts as one of its times.
+  std::optional<double> take(FaultKind kind, devices::Nanoseconds time);
+  // How the instrument's answer to a request at `time` is spoilt; counts.
+  devices::Trouble trouble(Instrument instrument, devices::Nanoseconds time);
+  struct Window {
+    std::optional<devices::Nanoseconds> from, until;
+    double value = 0.0;
+  };
+  [[nodiscard]] Window last(FaultKind kind, devices::Nanoseconds time) const;  // that began by then
+
+ private:
+  struct Entry {
+    PlannedFault plan;
+    std::optional<devices::Nanoseconds> from;
+    std::optional<devices::Nanoseconds> until;
+    long taken = 0;
+  };
+  void add(const PlannedFault& fault, std::optional<devices::Nanoseconds> from);
+  [[nodiscard]] const Entry* find(FaultKind kind, devices::Nanoseconds time) const;
+  mutable std::mutex mutex_;
+  std::vector<Entry> entries_;
+  std::atomic<bool> any_{false};
+  std::atomic<bool> waits_for_load_{false};
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,40 @@
+// One end of a local socket pair on which two processes exchange short packets, a descriptor riding along if need be
+// (SCM_RIGHTS). Every descriptor is closed on exec. Any thread may send; one thread receives.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "devices/clock.h"
+
+namespace tactbench::devices {
+
+struct Packet {
+  std::string text;
+  int descriptor = -1;  // owned by who received it; -1: none came
+};
+
+class DescriptorChannel {
+ public:
+  explicit DescriptorChannel(int socket) : socket_(socket) {}  // owns it from now on
+  ~DescriptorChannel();
+  DescriptorChannel(const DescriptorChannel&) = delete;
+  DescriptorChannel& operator=(const DescriptorChannel&) = delete;
+  // Two sockets, SOCK_SEQPACKET: packets stay whole, and the end of one side is seen by the other. Throws Fault
+  // TB-CHANNEL.
+  static std::pair<int, int> make_pair();
+
+  // False when the other side is gone or takes nothing. Never blocks, raises no signal.
+  bool send(const std::string& text, int descriptor = -1) const noexcept;
+  // The next packet, none when none came within `timeout` or the other side is gone (closed() then says so).
+  [[nodiscard]] std::optional<Packet> receive(Nanoseconds timeout);
+  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] int socket() const { return socket_; }
+
+ private:
+  int socket_;
+  bool closed_ = false;
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,39 @@
+// How long compiled steps will take, as far as a model can say before anything was measured, and how much they store.
+#pragma once
+
+#include <vector>
+
+#include "sequences/recipe.h"
+
+namespace tactbench::sequences {
+
+struct TimeModel {
+  double rise_psi_per_s = 60.0, fall_psi_per_s = 60.0;  // of the chamber
+  double settle_s = 0.65;                               // from the end of the ramp to pressure in band
+  double frame_s = 0.0;                                 // to read one frame
+  double prompt_s = 30.0, home_s = 20.0, tare_s = 2.0, move_s = 5.0;
+  double stiffness_n_per_mm = 20.0;  // of the contact: what the servo's speed means in newtons
+};
+
+// A tenth of the runs should be shorter than `low`, a tenth longer than `high`. For a model these are bounds by
+// judgement: settling takes 0.7 to 2 times its time, cycles and warm-up that a criterion may end are left out of `low`.
+struct StepTime {
+  double low_s = 0.0, likely_s = 0.0, high_s = 0.0;
+};
+
+// One for each step, process time.
+std::vector<StepTime> step_times(const std::vector<Recipe>& recipes, const std::vector<Step>& steps,
+                                 const TimeModel& model);
+
+struct Estimate {
+  int steps = 0;
+  int frames = 0;
+  StepTime time;
+  double bytes = 0.0;  // in the store
+};
+
+// `frame_bytes` is one stored frame's blob.
+Estimate estimate(const std::vector<Recipe>& recipes, const std::vector<Step>& steps, const TimeModel& model,
+                  double frame_bytes);
+
+}  // namespace tactbench::sequences

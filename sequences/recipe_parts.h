@@ -1,0 +1,19 @@
+// The parts of a recipe file, one reader each. Used by recipe_*.cpp alone; all throw FileError.
+#pragma once
+
+#include <vector>
+
+#include "sequences/recipe.h"
+
+namespace tactbench::sequences {
+
+// [parameters.NAME]: declares them to the document, `overrides` of that name applied, and returns the other overrides.
+std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, const std::vector<Override>& overrides);
+
+// kind = "levels": unit, turning points or [random], step, ramp, frames of a level, [conditioning], [limits].
+void read_levels(const TomlTable& root, Recipe& recipe);
+
+// kind = "press": [press], [press.grid], [conditioning] in newtons.
+void read_press(const TomlTable& root, Recipe& recipe);
+
+}  // namespace tactbench::sequences

@@ -1,0 +1,150 @@
+// Words to a run on a bench that is simulated in its own process: from a step's own callback, so that each word comes
+// at a known place of the recipe, through the real socket.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <thread>
+
+#include "bench/run/control_socket.h"
+#include "tests/bench/kill_record.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::ExitCode;
+using bench::Word;
+
+namespace {
+
+bench::LiveRun the_live_run() {
+  const std::vector<bench::LiveRun> live = bench::live_runs();
+  REQUIRE(live.size() == 1);
+  return live.front();
+}
+
+bench::LiveRun say(Word word) {
+  const auto answer = bench::send_word(the_live_run().socket, word);
+  REQUIRE(answer);
+  return *answer;
+}
+
+// Until the run ends or is resumed.
+void resume_when_paused(const std::string& socket) {
+  for (auto live = bench::send_word(socket, Word::kStatus); live; live = bench::send_word(socket, Word::kStatus)) {
+    if (live->status.state != bench::RunState::kPaused) continue;
+    (void)bench::send_word(socket, Word::kResume);
+    return;
+  }
+}
+
+struct Words {
+  Words() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {}
+  // `act` is told of the `at`-th step.
+  bench::RunResult run(int at, const std::function<void()>& act) {
+    bench::RunRequest request = small_request();
+    int seen = 0;
+    request.on_step = [&](const sequences::Step&) {
+      if (seen++ == at) act();
+    };
+    return run_small(request, store);
+  }
+  [[nodiscard]] std::vector<std::string> states() const {
+    std::vector<std::string> states;
+    for (const db::EventRecord& event : store.events(1)) {
+      if (event.kind == "state") states.push_back(event.detail.substr(0, event.detail.find(':')));
+    }
+    return states;
+  }
+  TemporaryFolder folder;
+  db::RunStore store;
+};
+
+}  // namespace
+
+TEST_CASE("control: a simulated run pauses at the end of its branch, waits vented, and goes on") {
+  Words words;
+  bench::LiveRun answer, again;
+  std::thread person;
+  const bench::RunResult result = words.run(12, [&] {
+    answer = say(Word::kPause);
+    again = say(Word::kResume);  // taken back
+    answer = say(Word::kPause);
+    person = std::thread(resume_when_paused, the_live_run().socket);
+  });
+  person.join();
+  REQUIRE_FALSE(result.error);
+  CHECK(answer.taken);
+  CHECK(again.taken);
+  CHECK(answer.status.run == 1);
+  CHECK(answer.status.store == words.store.path());
+  CHECK(words.states() == std::vector<std::string>{"prepared -> running", "running -> pausing", "pausing -> paused",
+                                                   "paused -> running", "running -> stopping"});
+  const FinalSet set = judge_final_set(words.store, 1, 15, 2);
+  CHECK(set.faults == std::vector<std::string>());
+  CHECK(set.voids == 0);  // a pause comes between branches
+  const auto events = words.store.events(1);
+  const auto vented = std::find_if(events.begin(), events.end(), [](const auto& event) {
+    return event.kind == "safe" && event.detail.starts_with("to pause: vented, verified");
+  });
+  REQUIRE(vented != events.end());
+  CHECK(std::any_of(vented, events.end(), [](const auto& event) { return event.kind == "way-back"; }));
+  CHECK(bench::live_runs().empty());
+}
+
+TEST_CASE("control: stop, abort and panic end a simulated run, vented, and it can be resumed") {
+  struct Row {
+    Word word;
+    db::Outcome outcome;
+    const char* id;
+  };
+  const Row row = GENERATE(values<Row>({{Word::kStop, db::Outcome::kStopped, "TB-RUN-STOPPED"},
+                                        {Word::kAbort, db::Outcome::kAborted, "TB-RUN-ABORTED"},
+                                        {Word::kPanic, db::Outcome::kAborted, "TB-RUN-PANIC"}}));
+  Words words;
+  const bench::RunResult result = words.run(15, [&] { CHECK(say(row.word).taken); });
+  REQUIRE(result.error);
+  CHECK(result.error->id() == row.id);
+  CHECK(result.error->code() == ExitCode::kStopped);
+  CHECK(result.outcome == row.outcome);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(words.store.run(1).content_sha256 == words.store.content_hash(1));
+  bench::RunRequest request = small_request();
+  request.resume = 1;
+  REQUIRE_FALSE(run_small(request, words.store).error);
+  CHECK(judge_final_set(words.store, 1, 15, 2).faults == std::vector<std::string>());
+}
+
+TEST_CASE("control: after a long pause the whole repeat is done again") {
+  Words words;
+  bench::RunRequest request = small_request();
+  request.recipes = {small_recipe("rest_restart_s = 0.1\n")};
+  int seen = 0;
+  std::thread person;
+  request.on_step = [&](const sequences::Step& step) {
+    if (step.repeat != 1 || step.branch != 2 || seen++ != 0) return;
+    CHECK(say(Word::kPause).taken);
+    person = std::thread(resume_when_paused, the_live_run().socket);
+  };
+  const bench::RunResult result = run_small(request, words.store);
+  person.join();
+  REQUIRE_FALSE(result.error);
+  const FinalSet set = judge_final_set(words.store, 1, 15, 2);
+  CHECK(set.faults == std::vector<std::string>());
+  CHECK(set.voids == 3);  // branches 0, 1 and the one at whose end it paused
+  for (const db::BranchRecord& branch : words.store.branches(1)) {
+    if (!branch.is_void) continue;
+    CHECK(branch.repeat == 1);
+    CHECK_THAT(branch.void_reason, Catch::Contains("the repeat is done again"));
+  }
+}
+
+TEST_CASE("control: a word that does not fit the state is refused and says so") {
+  Words words;
+  const bench::RunResult result = words.run(12, [&] {
+    const bench::LiveRun answer = say(Word::kResume);
+    CHECK_FALSE(answer.taken);
+    CHECK(answer.text == "run 1 is running, not paused");
+  });
+  CHECK_FALSE(result.error);
+  CHECK(words.states().size() == 2);
+}

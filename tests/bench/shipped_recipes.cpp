@@ -1,0 +1,109 @@
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <set>
+
+#include "bench/error.h"
+#include "bench/run/recipe_check.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using sequences::Recipe;
+using sequences::Step;
+
+namespace {
+
+std::vector<std::string> shipped() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(TACTBENCH_SOURCE_DIR "/sequences")) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  return names;
+}
+
+BenchConfig simulated(const std::vector<sequences::Override>& overrides = {}) {
+  return read_bench(find_config("simulated.toml"), overrides);
+}
+
+}  // namespace
+
+TEST_CASE("every shipped recipe compiles and passes the limits of both shipped benches") {
+  const std::vector<std::string> names = shipped();
+  CHECK(names.size() == 13);
+  const BenchConfig rig = read_bench(find_config("paper-rig.example.toml"), {});
+  for (const std::string& name : names) {
+    INFO(name);
+    const Recipe recipe = sequences::read_recipe(find_recipe(name));
+    CHECK(recipe.name == name);
+    CHECK(recipe.text.starts_with("# "));
+    check_recipes({recipe}, simulated());
+    check_recipes({recipe}, rig);
+    const std::vector<Step> steps = sequences::compile(recipe, 0);
+    CHECK(!steps.empty());
+    CHECK(!devices_needed({recipe}).empty());
+    for (const Margin& margin : margins(steps, rig)) CHECK(margin.within());
+  }
+}
+
+TEST_CASE("every parameter of a shipped recipe can be set to both its ends") {
+  for (const std::string& name : shipped()) {
+    for (const sequences::Parameter& p : sequences::read_recipe(find_recipe(name)).parameters) {
+      INFO(name << " " << p.name);
+      CHECK((p.low <= p.standard && p.standard <= p.high));
+      CHECK(!p.help.empty());
+      for (const double end : {p.low, p.high}) {
+        const Recipe set = sequences::read_recipe(find_recipe(name), {{p.name, std::to_string(end)}});
+        check_recipes({set}, simulated());
+      }
+    }
+  }
+}
+
+TEST_CASE("frames of a shipped recipe have one place each") {
+  for (const std::string& name : shipped()) {
+    INFO(name);
+    std::set<std::pair<int, int>> places;
+    int frames = 0;
+    for (const Step& step : sequences::compile(sequences::read_recipe(find_recipe(name)), 0)) {
+      if (!takes_frame(step)) continue;
+      ++frames;
+      places.emplace(step.repeat, step.ordinal);
+    }
+    CHECK(frames == static_cast<int>(places.size()));
+  }
+}
+
+TEST_CASE("a recipe beyond an axis or without its devices is refused before anything is touched") {
+  const auto refused = [](const std::string& name, const BenchConfig& bench, const std::string& id,
+                          const std::string& message) {
+    try {
+      check_recipes({sequences::read_recipe(find_recipe(name))}, bench);
+      FAIL("accepted " << name);
+    } catch (const Error& error) {
+      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(error.id() == id);
+      CHECK_THAT(error.what(), Catch::Contains(message));
+      CHECK(!error.remedy().empty());
+    }
+  };
+  refused("descending", simulated({{"limits.command_psi", "59"}}), "TB-RECIPE-LIMIT", "60.00 psi of pressure");
+  BenchConfig small = simulated();
+  small.stage->options.axes[1].high = devices::Millimetres(30.0);
+  refused("register", small, "TB-RECIPE-LIMIT", "40.00 mm of y, beyond the bench's limit of 30.00 mm");
+  small.stage->options.axes[1].high = devices::Millimetres(60.0);
+  small.stage->options.axes[0].low = devices::Millimetres(25.0);
+  refused("register", small, "TB-RECIPE-LIMIT", "20.00 mm of x, beyond the bench's limit of 25.00 mm");
+  small.stage.reset();
+  refused("ring", small, "TB-RECIPE-DEVICES", "a stage");
+  BenchConfig blind = simulated();
+  blind.force.reset();
+  refused("ring", blind, "TB-RECIPE-DEVICES", "a force sensor");
+  check_recipes({sequences::read_recipe(find_recipe("descending"))}, small);
+  Recipe supplied = sequences::read_recipe(find_recipe("zero-check"));
+  supplied.suspend.push_back({"supply_bar", true, 6.0, 6.5});
+  try {
+    check_recipes({supplied}, simulated());
+    FAIL("accepted");
+  } catch (const Error& error) {
+    CHECK_THAT(error.what(), Catch::Contains("supply_bar"));
+  }
+}

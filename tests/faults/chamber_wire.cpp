@@ -1,0 +1,26 @@
+// The chamber's half of the matrix: each fault at each point of a run between 0 and 60 psi.
+#include <catch2/catch.hpp>
+
+#include "tests/faults/faulty_run.h"
+
+using namespace tactbench::tests;
+using tactbench::bench::FaultKind;
+
+namespace {
+
+Breakage holding(Breakage made) {
+  made.beyond_reach = true;
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("chamber: valve stuck") { check_row(Bench::kChamber, holding(breakage(FaultKind::kValveStuck))); }
+TEST_CASE("chamber: leak") { check_row(Bench::kChamber, breakage(FaultKind::kLeak, 40.0)); }
+TEST_CASE("chamber: overshoot") { check_row(Bench::kChamber, breakage(FaultKind::kOvershoot)); }
+TEST_CASE("chamber: supply lost") { check_row(Bench::kChamber, breakage(FaultKind::kSupplyLost)); }
+TEST_CASE("chamber: regulator without power") {
+  check_row(Bench::kChamber, holding(breakage(FaultKind::kRegulatorUnpowered)));
+}
+TEST_CASE("chamber: feedback offset") { check_row(Bench::kChamber, breakage(FaultKind::kFeedbackOffset)); }
+TEST_CASE("chamber: reference offset") { check_row(Bench::kChamber, breakage(FaultKind::kReferenceOffset)); }

@@ -1,0 +1,67 @@
+// The matrix's rows and columns, and what is written of them.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "tests/faults/faulty_run.h"
+
+namespace tactbench::tests {
+
+using bench::FaultKind;
+using bench::Rig;
+
+const std::vector<Point>& points_of(Bench bench) {
+  static const std::vector<Point> chamber = {Point::kOpening, Point::kBaseline, Point::kConditioning, Point::kRising,
+                                             Point::kTurning, Point::kFalling,  Point::kLastBranch,   Point::kVent};
+  static const std::vector<Point> press = {Point::kHoming,    Point::kApproach, Point::kPressing,
+                                           Point::kReleasing, Point::kRetract,  Point::kRetreat};
+  return bench == Bench::kChamber ? chamber : press;
+}
+
+const char* word_of(Point point) {
+  static const char* const kWords[] = {"opening",         "baseline",        "conditioning",   "rising, 20 psi",
+                                       "turning, 60 psi", "falling, 40 psi", "last branch",    "way out at 60 psi",
+                                       "homing",          "approach",        "pressing, 15 N", "releasing, 30 N",
+                                       "retract",         "way out at 30 N"};
+  return kWords[static_cast<std::size_t>(point)];
+}
+
+Breakage breakage(FaultKind kind, std::optional<double> value, long times) {
+  Breakage made;
+  made.name = bench::fault_words()[static_cast<std::size_t>(kind)];
+  for (char& c : made.name) c = c == '_' ? ' ' : c;
+  if (times == 1) made.name += ", once";
+  made.plan.emplace();
+  made.plan->kind = kind;
+  made.plan->value = value;
+  made.plan->times = times;
+  made.strike = [=](Rig& rig, const std::string&) { rig.plant()->inject(kind, value, times); };
+  return made;
+}
+
+void check_row(Bench bench, const Breakage& breakage, const std::vector<Point>& only) {
+  std::vector<std::string> cells;
+  for (const Point point : points_of(bench)) {
+    const bool wanted = only.empty() || std::find(only.begin(), only.end(), point) != only.end();
+    cells.push_back(wanted ? cell_of(bench, point, breakage) : "");
+  }
+  check_row(bench == Bench::kChamber ? "chamber" : "press", breakage.name, cells);
+}
+
+void check_row(const std::string& table, const std::string& name, const std::vector<std::string>& cells) {
+  const std::string row = fmt::format("| {} | {} |", name, fmt::join(cells, " | "));
+  std::string file = name;
+  for (char& c : file) c = c == ' ' || c == ',' ? '-' : c;
+  std::filesystem::create_directories(TACTBENCH_FAULT_ROWS);
+  write_file(fmt::format("{}/{}.{}", TACTBENCH_FAULT_ROWS, table, file), row + "\n");
+  const std::string kept = std::string(TACTBENCH_SOURCE_DIR) + "/tests/faults/README.md";
+  // A row that meets real time-outs may differ from machine to machine; what must hold in a cell is checked there.
+  if (read_file(kept).find(row) == std::string::npos) {
+    WARN("tests/faults/README.md, which says how it is written anew, has another row than\n" << row);
+  }
+}
+
+}  // namespace tactbench::tests

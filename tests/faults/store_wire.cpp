@@ -1,0 +1,73 @@
+// What happens to the store and to the process: disk full, read-only, locked, a request to end. Same points.
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <csignal>
+#include <memory>
+
+#include "db/sqlite.h"
+#include "tests/faults/failing_disk.h"
+#include "tests/faults/faulty_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+Breakage disk(const std::string& name, int error) {
+  Breakage made;
+  made.name = name;
+  made.strike = [=](bench::Rig&, const std::string&) { disk_fails_with(error); };
+  made.mend = [] { disk_fails_with(0); };
+  made.store_gone = true;
+  return made;
+}
+
+// Another process' connection, as far as SQLite can tell.
+Breakage other_connection(const std::string& name, const std::string& begin) {
+  const auto other = std::make_shared<std::unique_ptr<db::sqlite::Connection>>();
+  Breakage made;
+  made.name = name;
+  made.strike = [=](bench::Rig&, const std::string& store) {
+    *other = std::make_unique<db::sqlite::Connection>(store, db::sqlite::Access::kReadWrite);
+    (*other)->execute(begin);
+  };
+  made.mend = [=] { other->reset(); };
+  return made;
+}
+
+Breakage request_to_end(const std::string& name, int signal, int times) {
+  Breakage made;
+  made.name = name;
+  made.strike = [=](bench::Rig&, const std::string&) {
+    for (int i = 0; i < times; ++i) (void)raise(signal);
+  };
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("chamber: disk full") { check_row(Bench::kChamber, disk("disk full", ENOSPC)); }
+TEST_CASE("press: disk full") { check_row(Bench::kPress, disk("disk full", ENOSPC)); }
+TEST_CASE("chamber: disk read-only") { check_row(Bench::kChamber, disk("disk read-only", EROFS)); }
+TEST_CASE("press: disk read-only") { check_row(Bench::kPress, disk("disk read-only", EROFS)); }
+TEST_CASE("chamber: store read by another") {
+  check_row(Bench::kChamber, other_connection("store read by another", "BEGIN; SELECT count(*) FROM frames"));
+}
+TEST_CASE("press: store read by another") {
+  check_row(Bench::kPress, other_connection("store read by another", "BEGIN; SELECT count(*) FROM frames"));
+}
+// Each wait for the lock costs 5 s, so at two points alone.
+TEST_CASE("chamber: store locked by a writer") {
+  Breakage locked = other_connection("store locked by a writer", "BEGIN IMMEDIATE");
+  locked.store_gone = true;
+  check_row(Bench::kChamber, locked, {Point::kRising, Point::kVent});
+}
+TEST_CASE("press: store locked by a writer") {
+  Breakage locked = other_connection("store locked by a writer", "BEGIN IMMEDIATE");
+  locked.store_gone = true;
+  check_row(Bench::kPress, locked, {Point::kReleasing});
+}
+TEST_CASE("chamber: SIGTERM") { check_row(Bench::kChamber, request_to_end("SIGTERM", SIGTERM, 1)); }
+TEST_CASE("press: SIGTERM") { check_row(Bench::kPress, request_to_end("SIGTERM", SIGTERM, 1)); }
+TEST_CASE("chamber: Ctrl-C twice") { check_row(Bench::kChamber, request_to_end("Ctrl-C twice", SIGINT, 2)); }
+TEST_CASE("press: Ctrl-C twice") { check_row(Bench::kPress, request_to_end("Ctrl-C twice", SIGINT, 2)); }

@@ -1,0 +1,90 @@
+// A simulated rig in the test's own process, in real time, and the bench file with which another process (or a Rig of
+// this one) is its client; the test can look at the plant's truth.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/safety/trip.h"
+#include "bench/simulation/simulated_rig.h"
+#include "tests/support/process.h"
+
+namespace tactbench::tests {
+
+class HostedRig {
+ public:
+  // The shipped simulated bench, without the lines that begin with one of `left_out`.
+  explicit HostedRig(const std::vector<sequences::Override>& overrides = {},
+                     const std::vector<std::string>& left_out = {})
+      : text_(text_without(left_out)),
+        config_(bench::parse_bench(text_, "simulated.toml", overrides)),
+        rig_(config_, clock_, true) {
+    const bench::TripFile trip(config_.id);  // of the test before
+    std::filesystem::remove(trip.path());
+    std::filesystem::remove(trip.dead_man_path());
+    auto document = sequences::TomlDocument::from_text(text_, "simulated.toml");
+    for (const sequences::Override& one : overrides) {
+      if (!one.key.starts_with("simulation.")) document.set(one);
+    }
+    const auto quoted = [](const std::string& text) { return fmt::format("\"{}\"", text); };
+    document.remove("simulation");
+    document.set({"bench.simulator", quoted("external")});
+    if (const auto& endpoint = config_.module.endpoint; endpoint.serial_port.empty()) {
+      document.set({"module.port", fmt::format("{}", endpoint.port)});
+    } else {
+      document.set({"module.serial_port", quoted(endpoint.serial_port)});
+    }
+    document.set({"scanner.socket", quoted(config_.scanner_socket)});
+    document.set({"stage.port", quoted(config_.stage->address.port)});
+    document.set({"force.host", quoted(config_.force->net.host)});
+    document.set({"force.port", fmt::format("{}", config_.force->net.port)});
+    document.set({"force.http_port", fmt::format("{}", config_.force->net.http_port)});
+    write_file(folder.path("bench.toml"), document.to_text());
+  }
+  HostedRig(const HostedRig&) = delete;
+  HostedRig& operator=(const HostedRig&) = delete;
+
+  [[nodiscard]] bench::BenchConfig client() const {
+    bench::BenchConfig config = bench::read_bench(folder.path("bench.toml"), {});
+    config.dead_man.program = TACTBENCH_PROGRAM;
+    return config;
+  }
+  [[nodiscard]] double psi() { return rig_.plant().true_pressure().value(); }
+  [[nodiscard]] double force_n() { return -rig_.plant().wrench().force_n[2]; }
+
+  // Seconds until `done`; gives up after `longest`.
+  static double seconds_until(const std::function<bool()>& done, double longest) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+    while (!done() && passed() < longest) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return passed();
+  }
+
+  TemporaryFolder folder;
+
+ private:
+  static std::string text_without(const std::vector<std::string>& left_out) {
+    std::istringstream lines(read_file(bench::find_config("simulated.toml")));
+    std::string text;
+    for (std::string line; std::getline(lines, line);) {
+      const bool out =
+          std::any_of(left_out.begin(), left_out.end(), [&](const auto& one) { return line.starts_with(one); });
+      if (!out) text += line + "\n";
+    }
+    return text;
+  }
+  const devices::SteadyClock clock_{1.0};
+  const std::string text_;
+  bench::BenchConfig config_;
+  bench::SimulatedRig rig_;
+};
+
+}  // namespace tactbench::tests
