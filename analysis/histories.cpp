@@ -65,7 +65,8 @@ void negate(std::vector<History>& histories) {
 }
 
 // The mean of the taxels that can be fitted, sample by sample; empty when their histories are not of one shape.
-std::vector<History> mean_of(const std::vector<TaxelHistories>& taxels, std::vector<History> TaxelHistories::*which) {
+std::vector<History> mean_histories(const std::vector<TaxelHistories>& taxels,
+                                    std::vector<History> TaxelHistories::*which) {
   std::vector<History> mean;
   double count = 0.0;
   for (const TaxelHistories& taxel : taxels) {
@@ -101,8 +102,8 @@ void finish(Histories& histories) {
   if (histories.taxels.size() == 1) return;
   TaxelHistories mean;
   mean.taxel = kMeanTaxel;
-  mean.fit = mean_of(histories.taxels, &TaxelHistories::fit);
-  mean.score = mean_of(histories.taxels, &TaxelHistories::score);
+  mean.fit = mean_histories(histories.taxels, &TaxelHistories::fit);
+  mean.score = mean_histories(histories.taxels, &TaxelHistories::score);
   for (const TaxelHistories& taxel : histories.taxels)
     if (taxel.status.empty()) mean.noise += taxel.noise * taxel.noise;
   mean.noise = std::sqrt(mean.noise) / static_cast<double>(usable);

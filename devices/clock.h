@@ -10,6 +10,9 @@ namespace tactbench::devices {
 
 using Nanoseconds = std::chrono::nanoseconds;
 
+inline double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
+inline double in_milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+
 class Clock {
  public:
   virtual ~Clock() = default;

@@ -73,7 +73,7 @@ TaxelFit fit_taxel(const TaxelData& data, const std::vector<double>& grid, doubl
   return result;
 }
 
-double mean_of(const std::vector<double>& values, std::size_t first, std::size_t count) {
+double mean_of_levels(const std::vector<double>& values, std::size_t first, std::size_t count) {
   double sum = 0.0;
   for (std::size_t i = 0; i < count; ++i) sum += values[first + i];
   return sum / static_cast<double>(count);
@@ -82,8 +82,9 @@ double mean_of(const std::vector<double>& values, std::size_t first, std::size_t
 // The mean of all outputs falls from the lowest pressure to the highest.
 bool falls(const ExternalLoop& loop, std::size_t width, double dead_v) {
   const std::size_t last = (loop.pressure_psi.size() - 1) * width;
-  const double start = 0.5 * (mean_of(loop.ascending_v, 0, width) + mean_of(loop.descending_v, 0, width));
-  const double end = 0.5 * (mean_of(loop.ascending_v, last, width) + mean_of(loop.descending_v, last, width));
+  const double start = 0.5 * (mean_of_levels(loop.ascending_v, 0, width) + mean_of_levels(loop.descending_v, 0, width));
+  const double end =
+      0.5 * (mean_of_levels(loop.ascending_v, last, width) + mean_of_levels(loop.descending_v, last, width));
   return start - end >= dead_v;
 }
 

@@ -4,12 +4,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "analysis/histories.h"
 #include "analysis/identify/identify.h"
 
 namespace tactbench::analysis {
 namespace {
-
-constexpr int kMeanTaxel = -1;
 
 db::FitTaxelRecord to_record(const TaxelFit& taxel, int number) {
   db::FitTaxelRecord record;

@@ -11,7 +11,7 @@ namespace tactbench::analysis {
 namespace {
 
 // Of kTried times as many points as there are starts the best after a few steps are followed to their minimum.
-constexpr int kTried = 8, kFirstSteps = 12, kSteps = 80;
+constexpr int kTried = 8, kFirstSteps = 12, kGpiSteps = 80;
 
 // Halton's sequence: the digits of n mirrored at the point.
 double halton(int n, int base) {
@@ -67,7 +67,7 @@ class GpiIdentifier final : public Identifier {
     for (int n = 1; n <= kTried * starts_; ++n) found.push_back(search_.search(start_of(n), share, kFirstSteps));
     std::ranges::stable_sort(found, {}, &GpiSearch::Found::j);
     found.resize(static_cast<std::size_t>(starts_));
-    for (GpiSearch::Found& one : found) one = search_.search(one.unknowns, share, kSteps);
+    for (GpiSearch::Found& one : found) one = search_.search(one.unknowns, share, kGpiSteps);
     const GpiSearch::Found& best = *std::ranges::min_element(found, {}, &GpiSearch::Found::j);
     const double x_span = samples_.x_high - samples_.x_low;
     ModelFit fit;

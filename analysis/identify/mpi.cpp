@@ -14,7 +14,7 @@ namespace {
 
 // The first operator has r = 0 and is the input itself: a1 takes it in.
 constexpr int kPlays = kMpiOperators - 1;
-constexpr int kGrid = 65;
+constexpr int kThresholdGrid = 65;
 constexpr int kNarrowings = 30;  // golden sections: tau to 2e-7, J to its square
 using Plays = Eigen::Matrix<double, kPlays, 1>;
 
@@ -38,7 +38,7 @@ Plays shape_of(double tau) {
   return shape / std::max(shape[0], shape[kPlays - 1]);
 }
 
-double tau_at(int k) { return -kMpiTau + 2.0 * kMpiTau * k / (kGrid - 1); }
+double tau_at(int k) { return -kMpiTau + 2.0 * kMpiTau * k / (kThresholdGrid - 1); }
 
 class MpiIdentifier final : public Identifier {
  public:
@@ -57,8 +57,8 @@ class MpiIdentifier final : public Identifier {
     gram_.compute(cubic_.transpose() * cubic_);
     cross_ = cubic_.transpose() * plays_;
     rest_ = plays_.transpose() * plays_ - cross_.transpose() * gram_.solve(cross_);
-    for (int k = 0; k < kGrid; ++k) grid_.col(k) = shape_of(tau_at(k));
-    for (int k = 0; k < kGrid; ++k) grid_norm_[k] = grid_.col(k).dot(rest_ * grid_.col(k));
+    for (int k = 0; k < kThresholdGrid; ++k) grid_.col(k) = shape_of(tau_at(k));
+    for (int k = 0; k < kThresholdGrid; ++k) grid_norm_[k] = grid_.col(k).dot(rest_ * grid_.col(k));
   }
 
   [[nodiscard]] ModelFit fit(const FitData& data) const override {
@@ -97,9 +97,9 @@ class MpiIdentifier final : public Identifier {
   static double gain(double along, double norm) { return along > 0.0 && norm > 0.0 ? along * along / norm : 0.0; }
 
   [[nodiscard]] double best_tau(const Plays& on_plays) const {
-    const Eigen::Matrix<double, kGrid, 1> along = grid_.transpose() * on_plays;
-    std::array<double, kGrid> gains{};
-    for (int k = 0; k < kGrid; ++k) gains[static_cast<std::size_t>(k)] = gain(along[k], grid_norm_[k]);
+    const Eigen::Matrix<double, kThresholdGrid, 1> along = grid_.transpose() * on_plays;
+    std::array<double, kThresholdGrid> gains{};
+    for (int k = 0; k < kThresholdGrid; ++k) gains[static_cast<std::size_t>(k)] = gain(along[k], grid_norm_[k]);
     const auto best = static_cast<int>(std::ranges::max_element(gains) - gains.begin());
     if (gains[static_cast<std::size_t>(best)] == 0.0) return 0.0;
     const auto at = [&](double tau) {
@@ -107,7 +107,7 @@ class MpiIdentifier final : public Identifier {
       return gain(shape.dot(on_plays), shape.dot(rest_ * shape));
     };
     constexpr double kGolden = 0.6180339887498949;
-    double low = tau_at(std::max(best - 1, 0)), high = tau_at(std::min(best + 1, kGrid - 1));
+    double low = tau_at(std::max(best - 1, 0)), high = tau_at(std::min(best + 1, kThresholdGrid - 1));
     double a = high - kGolden * (high - low), b = low + kGolden * (high - low), at_a = at(a), at_b = at(b);
     for (int n = 0; n < kNarrowings; ++n) {
       if (at_a > at_b) {
@@ -133,8 +133,8 @@ class MpiIdentifier final : public Identifier {
   Eigen::LDLT<Eigen::Matrix3d> gram_;
   Eigen::Matrix<double, 3, kPlays> cross_;
   Eigen::Matrix<double, kPlays, kPlays> rest_;  // the plays' Gram matrix without what a cubic explains
-  Eigen::Matrix<double, kPlays, kGrid> grid_;
-  Eigen::Matrix<double, kGrid, 1> grid_norm_;
+  Eigen::Matrix<double, kPlays, kThresholdGrid> grid_;
+  Eigen::Matrix<double, kThresholdGrid, 1> grid_norm_;
 };
 
 }  // namespace

@@ -16,14 +16,14 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr int kFree = 5;
-constexpr int kFreeRunPasses = 4;
-using Free = Eigen::Matrix<double, kFree, 1>;
+constexpr int kPolyPasses = 4;
+using FreeValues = Eigen::Matrix<double, kFree, 1>;
 // P_k(2 t - 1) in powers of t.
 constexpr double kLegendre[kFree][kFree] = {
     {1, 0, 0, 0, 0}, {-1, 2, 0, 0, 0}, {1, -6, 6, 0, 0}, {-1, 12, -30, 20, 0}, {1, -20, 90, -140, 70}};
 
-Free bubbles(double t) {
-  Free values;
+FreeValues bubbles(double t) {
+  FreeValues values;
   for (int k = 0; k < kFree; ++k) {
     double sum = 0.0;
     for (int power = k; power >= 0; --power) sum = sum * t + kLegendre[k][power];
@@ -33,7 +33,7 @@ Free bubbles(double t) {
 }
 
 // a or b of the paper: of (x - x_low)^(6 - i), f(x_low) = y_low, f(x_high) = y_high.
-std::array<double, kPolyOrder + 1> polynomial(const Free& e, double span, double y_low, double y_high) {
+std::array<double, kPolyOrder + 1> polynomial(const FreeValues& e, double span, double y_low, double y_high) {
   std::array<double, kPolyOrder + 1> c{};  // of t^k
   c[1] = 1.0;
   for (int k = 0; k < kFree; ++k)
@@ -93,9 +93,9 @@ class PolyIdentifier final : public Identifier {
   [[nodiscard]] ModelFit fit(const FitData& data) const override {
     const std::vector<double> y = samples_.outputs(data);
     ModelFit best = fit_from(data, y, y);
-    // Free run: the branches' starts are the model's own. Each pass takes them from the model of the one before.
+    // FreeValues run: the branches' starts are the model's own. Each pass takes them from the model of the one before.
     ModelFit last;
-    for (int pass = 0; free_run_ && pass < kFreeRunPasses; ++pass) {
+    for (int pass = 0; free_run_ && pass < kPolyPasses; ++pass) {
       std::vector<double> own;
       for (const History& history : data.histories) {
         const std::vector<double> walked = predict_history(last.model ? *last.model : *best.model, history, true);
@@ -111,7 +111,7 @@ class PolyIdentifier final : public Identifier {
   [[nodiscard]] bool is_whole(const FitSamples::Part& part) {
     const double near = kPolyOuterShare * (samples_.x_high - samples_.x_low), x1 = samples_.x[part.first];
     const bool low = x1 - samples_.x_low <= near, high = samples_.x_high - x1 <= near;
-    // Free run knows no external branches, but a rise that goes on from the virgin one.
+    // FreeValues run knows no external branches, but a rise that goes on from the virgin one.
     if (free_run_) return part.ascending && part.opens_history;
     const bool whole = part.ascending ? low : high;
     plain_ = plain_ && (whole || !(low || high));
@@ -152,8 +152,8 @@ class PolyIdentifier final : public Identifier {
     }
     const Eigen::VectorXd along = height.cwiseProduct(sum - count_.cwiseProduct(straight));
     const Eigen::Index fall = falling_, falls = share_.size() - falling_;
-    const Free e_up = up.ldlt().solve(bubbles_.topRows(fall).transpose() * along.head(fall));
-    const Free e_down = down.ldlt().solve(bubbles_.bottomRows(falls).transpose() * along.tail(falls));
+    const FreeValues e_up = up.ldlt().solve(bubbles_.topRows(fall).transpose() * along.head(fall));
+    const FreeValues e_down = down.ldlt().solve(bubbles_.bottomRows(falls).transpose() * along.tail(falls));
     const double span = samples_.x_high - samples_.x_low;
     ModelFit fit;
     fit.model = std::make_unique<PolyModel>(

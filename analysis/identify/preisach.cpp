@@ -11,18 +11,18 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::size_t kIntervals = 30;  // 465 cells; the paper's grid of 2 psi
-constexpr std::size_t kCells = kIntervals * (kIntervals + 1) / 2;
+constexpr std::size_t kCellRows = 30;  // 465 cells; the paper's grid of 2 psi
+constexpr std::size_t kCells = kCellRows * (kCellRows + 1) / 2;
 
 struct CellState {
   double x_low, span;
   std::vector<double> on = std::vector<double>(kCells, 0.0);  // share of each cell that is switched on
   // The shares after going to x without a turn.
   void moved(double x, double* now) const {
-    const double at = (x - x_low) / span * static_cast<double>(kIntervals);
-    std::array<double, kIntervals> share;
-    for (std::size_t i = 0; i < kIntervals; ++i) share[i] = std::clamp(at - static_cast<double>(i), 0.0, 1.0);
-    for (std::size_t i = 0, cell = 0; i < kIntervals; ++i)
+    const double at = (x - x_low) / span * static_cast<double>(kCellRows);
+    std::array<double, kCellRows> share;
+    for (std::size_t i = 0; i < kCellRows; ++i) share[i] = std::clamp(at - static_cast<double>(i), 0.0, 1.0);
+    for (std::size_t i = 0, cell = 0; i < kCellRows; ++i)
       for (std::size_t j = 0; j <= i; ++j, ++cell) now[cell] = generalized_play(share[i], share[j], 0.0, on[cell]);
   }
   void move(double x) { moved(x, on.data()); }

@@ -11,7 +11,7 @@ struct Off {
 };
 
 // The mean of some taxels as a sequence of one taxel: moving outputs to the set-points is linear in them.
-SequenceData mean_of(const SequenceData& sequence, std::size_t width, std::span<const std::size_t> taxels) {
+SequenceData mean_sequence(const SequenceData& sequence, std::size_t width, std::span<const std::size_t> taxels) {
   SequenceData mean{sequence.name, {}};
   for (const Repeat& repeat : sequence.repeats) {
     Repeat own{repeat.steps, {}};
@@ -54,7 +54,7 @@ std::vector<RepeatDrift> repeat_drifts(const Dataset& dataset, std::span<const s
   for (const SequenceData& sequence : dataset.sequences) {
     const std::size_t count = sequence.repeats.size();
     if (count < 3 || taxels.empty()) continue;
-    const SequenceData mean = mean_of(sequence, width, taxels);
+    const SequenceData mean = mean_sequence(sequence, width, taxels);
     std::vector<std::vector<double>> means(count);
     for (std::size_t r = 0; r < count; ++r) {
       CommonOptions one = options;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/identify/elam_samples.h"
 #include "analysis/statistics/levels.h"
@@ -12,8 +11,6 @@
 
 namespace tactbench::analysis {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void check_same_sensor(const Dataset& dataset, const ArrayFit& fit) {
   if (dataset.rows != fit.rows || dataset.columns != fit.columns ||

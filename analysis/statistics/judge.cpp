@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -34,7 +34,6 @@ std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFi
     record.limits_sha256 = limits.sha256;
     verdicts.push_back(std::move(record));
   };
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const bool any = evaluation.frames > 0 && evaluation.worst_taxel >= 0;
   add("mean_compensation_error", "array", any ? evaluation.mean_error_psi : kNan, limits.mean_compensation_error_psi,
       "psi");

@@ -14,8 +14,6 @@ double mean_of(std::span<const double> values) {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 double sample_deviation(std::span<const double> values) {
   const double mean = mean_of(values);
   double sum = 0.0;

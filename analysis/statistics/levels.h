@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "analysis/statistics/streams.h"
 
 namespace tactbench::analysis {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();  // a figure that nothing was measured for
 
 double mean_of(std::span<const double> values);  // NaN when empty
 

@@ -8,7 +8,7 @@ namespace tactbench::analysis {
 namespace {
 
 // Sums of Pearson's coefficient.
-struct Pairs {
+struct PairSums {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
   void add(double a, double b) {
     n += 1.0;
@@ -48,7 +48,7 @@ std::vector<SeatingPosition> compare_positions(int rows, int columns, std::span<
   std::vector<SeatingPosition> fits;
   for (const Position& position : kPositions) {
     if (position.transposed && rows != columns) continue;
-    Pairs pairs;
+    PairSums pairs;
     for (int r = 0; r < rows; ++r) {
       for (int c = 0; c < columns; ++c) {  // a taxel of the last seating, and where it would lie now
         int row = position.transposed ? c : r;

@@ -15,8 +15,8 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::size_t kTaxels = 256, kRows = 16;
-constexpr int kFrames = 1000, kOperators = 12, kScans = 501;
-constexpr double kVoltsPerCount = 5.0 / 65535.0;
+constexpr int kScored = 1000, kOperators = 12, kScans = 501;
+constexpr double kArrayVoltsPerCount = 5.0 / 65535.0;
 
 double pressure_at(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame / 200.0); }
 
@@ -33,7 +33,7 @@ class PlainArray {
         sum += play;
       }
       const double volts = 5e-3 * sum + 0.0015 * normal_(random_);
-      counts_[t] = static_cast<std::uint16_t>(std::clamp(std::lround(volts / kVoltsPerCount), 0L, 65535L));
+      counts_[t] = static_cast<std::uint16_t>(std::clamp(std::lround(volts / kArrayVoltsPerCount), 0L, 65535L));
     }
     keep(counts_);
   }
@@ -70,20 +70,20 @@ std::vector<Figure> benchmark_array(int rounds) {
   std::vector<std::uint16_t> counts(kTaxels);
   std::vector<std::uint8_t> status(kRows);
   const std::vector<double> taken = best_seconds(rounds, {[&] {
-                                                            for (int i = 0; i < kFrames; ++i)
+                                                            for (int i = 0; i < kScored; ++i)
                                                               plain.frame(pressure_at(i));
                                                           },
                                                           [&] {
-                                                            for (int i = 0; i < kFrames; ++i) {
+                                                            for (int i = 0; i < kScored; ++i) {
                                                               specimen.advance(pressure_at(i), 0.01);
                                                               specimen.output(volts);
                                                             }
                                                           },
                                                           [&] {
-                                                            for (int i = 0; i < kFrames; ++i)
+                                                            for (int i = 0; i < kScored; ++i)
                                                               plant.scan(counts, status);
                                                           }});
-  const double per_frame = 1e6 / kFrames, scan = per_frame * taken[2], wire = median_scan_us();
+  const double per_frame = 1e6 / kScored, scan = per_frame * taken[2], wire = median_scan_us();
   FigureList figures("array");
   figures.add("plain_plays", per_frame * taken[0], "us/frame");
   figures.add("specimen_moved_and_read", per_frame * taken[1], "us/frame");

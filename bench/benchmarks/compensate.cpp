@@ -20,26 +20,26 @@ namespace {
 using RealClock = std::chrono::steady_clock;
 using namespace analysis;
 
-constexpr double kVoltsPerCount = 5.0 / 65536.0, kNoise = 0.004;
+constexpr double kStreamedVoltsPerCount = 5.0 / 65536.0, kStreamedNoise = 0.004;
 
 CompensationCase case_of(std::size_t taxels) {
   CompensationCase result;
   std::mt19937 random(5);
-  result.setup.volts_per_count = kVoltsPerCount;
+  result.setup.volts_per_count = kStreamedVoltsPerCount;
   result.setup.start_unknown = false;
   for (std::size_t i = 0; i < taxels; ++i) {
     const ElamModel model = taxel_like_the_paper(random);
     const auto x = model.ascending.x(), up = model.ascending.y(), down = model.descending.y();
     result.setup.pressure_psi.assign(x.begin(), x.end());
     result.setup.taxels.push_back(
-        {true, {up.begin(), up.end()}, {down.begin(), down.end()}, model.parameters, kNoise, false});
+        {true, {up.begin(), up.end()}, {down.begin(), down.end()}, model.parameters, kStreamedNoise, false});
     result.models.push_back(model);
   }
   return result;
 }
 
 std::uint16_t counts_of(double volts) {
-  return static_cast<std::uint16_t>(std::clamp(std::lround(volts / kVoltsPerCount), 0L, 65535L));
+  return static_cast<std::uint16_t>(std::clamp(std::lround(volts / kStreamedVoltsPerCount), 0L, 65535L));
 }
 
 // The other work on the machine comes and goes: the stream is cut into stretches, and each counts with the best of the
@@ -75,12 +75,12 @@ double fast_seconds(int rounds, const CompensationCase& c, FrameCompensator<floa
 double plain_seconds(int rounds, const CompensationCase& c, Results& results) {
   std::vector<TaxelCompensator> plain;
   CompensatorOptions options;
-  options.noise_v = kNoise;
+  options.noise_v = kStreamedNoise;
   for (const ElamModel& model : c.models) plain.emplace_back(model, options);
   const std::size_t width = c.models.size();
   return best_seconds(rounds, c.frames, [&](std::size_t f) {
     for (std::size_t t = 0; t < width; ++t) {
-      const Compensated now = plain[t].step(c.counts[f * width + t] * kVoltsPerCount);
+      const Compensated now = plain[t].step(c.counts[f * width + t] * kStreamedVoltsPerCount);
       results.pressure[t] = static_cast<float>(now.pressure_psi);
       results.uncertainty[t] = static_cast<float>(now.uncertainty_psi);
       results.status[t] = now.flat ? 3 : 1;
@@ -100,11 +100,11 @@ double bare_seconds(int rounds, const CompensationCase& c, Results& results) {
   return best_seconds(rounds, c.frames, [&](std::size_t f) {
     for (std::size_t t = 0; t < width; ++t) {
       Bare& b = bare[t];
-      const double volts = c.counts[f * width + t] * kVoltsPerCount;
+      const double volts = c.counts[f * width + t] * kStreamedVoltsPerCount;
       const double ahead = b.curve.ascending() ? volts - b.extreme : b.extreme - volts;
       if (ahead >= 0.0) {
         b.extreme = volts;
-      } else if (ahead < -6.0 * kNoise) {
+      } else if (ahead < -6.0 * kStreamedNoise) {
         b.curve = ElamCurve(c.models[t], !b.curve.ascending(), b.curve.input(b.extreme), b.extreme);
         b.extreme = volts;
       }
@@ -163,7 +163,7 @@ CompensationCase slow_cycles(std::size_t taxels, std::size_t frames) {
     }
     const double x = turns[leg] + (turns[leg + 1] - turns[leg]) * (phase - static_cast<double>(leg));
     for (std::size_t t = 0; t < taxels; ++t)
-      c.counts[f * taxels + t] = counts_of(curves[t].output(x) + kNoise * normal(random));
+      c.counts[f * taxels + t] = counts_of(curves[t].output(x) + kStreamedNoise * normal(random));
   }
   return c;
 }

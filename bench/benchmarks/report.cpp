@@ -13,7 +13,7 @@ namespace {
 // on the machine.
 constexpr double kGoalMs = 2960.0 / 60.0;
 
-void write(const std::string& path, const std::string& bytes) {
+void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
@@ -31,8 +31,8 @@ std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
   const std::string bytes = analysis::render_report(input).html;
   const std::vector<double> taken =
       best_seconds(rounds,
-                   {[&] { write(folder + "/floor.html", bytes); },
-                    [&] { write(folder + "/report.html", analysis::render_report(input).html); }},
+                   {[&] { write_bytes(folder + "/floor.html", bytes); },
+                    [&] { write_bytes(folder + "/report.html", analysis::render_report(input).html); }},
                    By::kProcessor);
   FigureList figures("report");
   figures.add("size", 1e-6 * static_cast<double>(bytes.size()), "MB");

@@ -20,7 +20,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct BenchmarkOptions {
   std::string name;
   int exchanges = 500, rounds = 5;
 };
@@ -43,17 +43,17 @@ class Folder {
   std::filesystem::path path_;
 };
 
-using Measure = std::vector<Figure> (*)(const Options&);
+using Measure = std::vector<Figure> (*)(const BenchmarkOptions&);
 const std::map<std::string, Measure> measures = {
-    {"wires", [](const Options& o) { return benchmark_wires(o.exchanges); }},
-    {"compensate", [](const Options& o) { return benchmark_compensate(o.rounds); }},
-    {"array", [](const Options& o) { return benchmark_array(o.rounds); }},
-    {"sequence", [](const Options& o) { return benchmark_sequence(o.rounds, Folder().path()); }},
-    {"identify", [](const Options& o) { return benchmark_identify(o.rounds, Folder().path()); }},
-    {"store", [](const Options& o) { return benchmark_store(o.rounds, Folder().path()); }},
-    {"report", [](const Options& o) { return benchmark_report(o.rounds, Folder().path()); }}};
+    {"wires", [](const BenchmarkOptions& o) { return benchmark_wires(o.exchanges); }},
+    {"compensate", [](const BenchmarkOptions& o) { return benchmark_compensate(o.rounds); }},
+    {"array", [](const BenchmarkOptions& o) { return benchmark_array(o.rounds); }},
+    {"sequence", [](const BenchmarkOptions& o) { return benchmark_sequence(o.rounds, Folder().path()); }},
+    {"identify", [](const BenchmarkOptions& o) { return benchmark_identify(o.rounds, Folder().path()); }},
+    {"store", [](const BenchmarkOptions& o) { return benchmark_store(o.rounds, Folder().path()); }},
+    {"report", [](const BenchmarkOptions& o) { return benchmark_report(o.rounds, Folder().path()); }}};
 
-void benchmark(const Options& options, const Session& session) {
+void benchmark(const BenchmarkOptions& options, const Session& session) {
   const std::vector<Figure> figures = measures.at(options.name)(options);
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -69,7 +69,7 @@ void benchmark(const Options& options, const Session& session) {
 }  // namespace
 
 void add_benchmark(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchmarkOptions>();
   CLI::App* verb = app.add_subcommand("benchmark", "measure on this machine; prints lines FIGURE name value unit");
   verb->add_option(
           "name", options->name,

@@ -25,7 +25,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct CalibrationOptions {
   std::string bench, gauge, output;
   std::vector<std::string> set;
   std::vector<double> levels{0, 10, 20, 30, 40, 50, 60};
@@ -109,7 +109,7 @@ void settle(Rig& rig, double level, const StopRequest& stop) {
   }
 }
 
-std::vector<GaugePoint> measure(Rig& rig, const Options& options, const StopRequest& stop) {
+std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, const StopRequest& stop) {
   std::vector<std::pair<double, bool>> course;
   for (const double level : options.levels) course.emplace_back(level, true);
   for (std::size_t i = options.levels.size(); i-- > 0;) course.emplace_back(options.levels[i], false);
@@ -135,7 +135,7 @@ void write_file(const std::string& path, const std::string& text) {
   }
 }
 
-void calibrate(const Options& options, const Session& session) {
+void calibrate(const CalibrationOptions& options, const Session& session) {
   BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (!config.reference_independent) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "this bench has no reference of its own to calibrate", options.bench,
@@ -205,7 +205,7 @@ void calibrate(const Options& options, const Session& session) {
 }  // namespace
 
 void add_calibrate_reference(CLI::App& devices, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrationOptions>();
   CLI::App* verb = devices.add_subcommand(
       "calibrate-reference",
       "go up and down through levels, ask for a hand gauge's readings, write the reference's correction");

@@ -11,13 +11,13 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct ConfigOptions {
   std::string bench = "simulated.toml";
   std::vector<std::string> set;
   bool origin = false;
 };
 
-void show(const Options& options, const Session& session) {
+void show(const ConfigOptions& options, const Session& session) {
   const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -42,7 +42,7 @@ void show(const Options& options, const Session& session) {
 }  // namespace
 
 void add_config(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConfigOptions>();
   CLI::App* verb = app.add_subcommand("config", "show every value of a bench file, defaults included");
   verb->require_subcommand(1);
   CLI::App* show_verb = verb->add_subcommand("show", "all keys with the values in force");

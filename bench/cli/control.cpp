@@ -18,7 +18,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct ControlOptions {
   std::int64_t run = 0;
   bool db_given = false;
   std::string bench, on_event;
@@ -30,7 +30,7 @@ bool same_store(const std::string& one, const std::string& other) {
   return std::filesystem::weakly_canonical(one, ignored) == std::filesystem::weakly_canonical(other, ignored);
 }
 
-std::vector<LiveRun> matching(const Options& options, const Session& session) {
+std::vector<LiveRun> matching(const ControlOptions& options, const Session& session) {
   std::vector<LiveRun> found;
   for (const LiveRun& live : live_runs()) {
     if (options.run != 0 && live.status.run != options.run) continue;
@@ -49,7 +49,7 @@ std::string listed(const std::vector<LiveRun>& runs) {
   return fmt::format("{}", fmt::join(lines, "; "));
 }
 
-LiveRun only(const std::vector<LiveRun>& found, const Options& options, Word word) {
+LiveRun only(const std::vector<LiveRun>& found, const ControlOptions& options, Word word) {
   if (found.size() == 1) return found.front();
   const std::vector<LiveRun> all = live_runs();
   if (found.empty()) {
@@ -65,7 +65,7 @@ LiveRun only(const std::vector<LiveRun>& found, const Options& options, Word wor
               fmt::format("say which: tactbench {} RUN --db STORE; live: {}", to_string(word), listed(found)));
 }
 
-void say(const Options& options, const Session& session, Word word) {
+void say(const ControlOptions& options, const Session& session, Word word) {
   const LiveRun chosen = only(matching(options, session), options, word);
   const std::optional<LiveRun> answer = send_word(chosen.socket, word);
   if (!answer) {
@@ -87,7 +87,7 @@ void say(const Options& options, const Session& session, Word word) {
   }
 }
 
-void resume(const Options& options, Session& session) {
+void resume(const ControlOptions& options, Session& session) {
   const std::vector<LiveRun> live = matching(options, session);
   if (live.empty() && options.run != 0) {
     return resume_run(options.run, {options.bench, options.on_event, options.assume_yes}, session);
@@ -104,7 +104,7 @@ void resume(const Options& options, Session& session) {
   say(options, session, Word::kResume);
 }
 
-CLI::App* add_word(CLI::App& app, Session& session, const std::shared_ptr<Options>& options, Word word,
+CLI::App* add_word(CLI::App& app, Session& session, const std::shared_ptr<ControlOptions>& options, Word word,
                    const char* what) {
   CLI::App* verb = app.add_subcommand(to_string(word), what);
   verb->add_option("run", options->run, "its number; may be left out where one run is live");
@@ -120,13 +120,13 @@ CLI::App* add_word(CLI::App& app, Session& session, const std::shared_ptr<Option
 
 void add_control(CLI::App& app, Session& session) {
   const auto plain = [&](Word word, const char* what) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<ControlOptions>();
     CLI::App* verb = add_word(app, session, options, word, what);
     verb->callback([options, &session, word] { say(*options, session, word); });
   };
   plain(Word::kPause,
         "a live run goes on to the end of its branch, vents, retracts and waits (as Ctrl-C once); state paused");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ControlOptions>();
   CLI::App* verb = add_word(app, session, options, Word::kResume,
                             "a paused run goes on; a run that died or was ended is opened again: conditioned, the "
                             "interrupted branch done again from its turning point, the half one kept as void");

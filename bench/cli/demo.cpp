@@ -14,7 +14,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct DemoOptions {
   std::uint64_t seed = 1, sensor_seed = 1;
   std::string output;
   bool timing = false;
@@ -54,8 +54,8 @@ const std::vector<DemoRun>& demo_runs() {
   return runs;
 }
 
-std::int64_t carry_out(const DemoRun& demo, const Options& options, const db::SensorRecord& sensor, db::RunStore& store,
-                       const Session& session) {
+std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db::SensorRecord& sensor,
+                       db::RunStore& store, const Session& session) {
   const SplitOverrides overrides = split_overrides(demo.set);
   RunRequest request;
   request.bench = read_bench(find_config("simulated.toml"), overrides.bench,
@@ -78,7 +78,7 @@ std::int64_t carry_out(const DemoRun& demo, const Options& options, const db::Se
   return result.run;
 }
 
-void demo(const Options& options, Session& session) {
+void demo(const DemoOptions& options, Session& session) {
   Stopwatch watch;
   const BenchConfig bench = read_bench(find_config("simulated.toml"), {});
   db::RunStore store = open_for_running(session.db, bench);
@@ -154,7 +154,7 @@ void demo(const Options& options, Session& session) {
 }  // namespace
 
 void add_demo(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoOptions>();
   CLI::App* verb = app.add_subcommand(
       "demo", "the paper's whole characterization on the simulated rig, models, held-out runs, verdicts and report");
   verb->add_option("--seed", options->seed, "noise")->capture_default_str();

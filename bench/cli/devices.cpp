@@ -18,18 +18,18 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct DevicesOptions {
   std::vector<std::string> modbus, set;
   std::string bench, operator_name;
   double interval_s = 0.5;
   long count = 0;
 };
 
-BenchConfig bench_of(const Options& options) {
+BenchConfig bench_of(const DevicesOptions& options) {
   return read_bench(find_config(options.bench), split_overrides(options.set).bench);
 }
 
-void scan(const Options& options, const Session& session) {
+void scan(const DevicesOptions& options, const Session& session) {
   const std::vector<ScanEntry> entries = scan_devices(options.modbus);
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -44,7 +44,7 @@ void scan(const Options& options, const Session& session) {
   if (options.modbus.empty()) fmt::print("Modbus hosts are asked only when given: --modbus HOST[:PORT]\n");
 }
 
-void check(const Options& options, Session& session) {
+void check(const DevicesOptions& options, Session& session) {
   const BenchConfig config = bench_of(options);
   Rig rig(config);
   const std::vector<DeviceCheck> checks = check_devices(rig, utc_now().substr(0, 10));
@@ -67,13 +67,13 @@ void check(const Options& options, Session& session) {
   if (session.json) print_json("devices.check", {{"bench", config.id}, {"devices", list}});
 }
 
-void watch(const Options& options) {
+void watch(const DevicesOptions& options) {
   const BenchConfig config = bench_of(options);
   watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0});
 }
 
 // Talks to no instrument: a person has looked at the rig.
-void reset(const Options& options, const Session& session) {
+void reset(const DevicesOptions& options, const Session& session) {
   const BenchConfig config = bench_of(options);
   const TripFile file(config.id);
   const std::optional<Trip> trip = file.read();
@@ -93,7 +93,7 @@ void reset(const Options& options, const Session& session) {
 }  // namespace
 
 void add_devices(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DevicesOptions>();
   CLI::App* verb =
       app.add_subcommand("devices", "the bench's instruments: scan, check, watch, reset, calibrate-reference");
   verb->require_subcommand(1);

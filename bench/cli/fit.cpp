@@ -14,7 +14,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct FitOptions {
   std::int64_t run = 0;
   std::vector<std::int64_t> held_out;
   std::string limits;
@@ -51,7 +51,7 @@ nlohmann::ordered_json repeats_json(const std::vector<analysis::RepeatDrift>& re
   return json;
 }
 
-void fit(const Options& options, Session& session) {
+void fit(const FitOptions& options, Session& session) {
   if (!options.limits.empty()) (void)read_limits(find_config(options.limits));  // before an hour of anything
   db::RunStore store = db::RunStore::open(session.db);
   const analysis::ArrayFit fitted = fit_run(store, options.run);
@@ -108,7 +108,7 @@ std::vector<std::string> models_of(const std::string& list) {
 }
 
 // ELAM in the paper's mode on all sequences of a run: every taxel, its figures, verdicts. All else is a comparison.
-void fit_any(Options options, Session& session) {
+void fit_any(FitOptions options, Session& session) {
   options.models.models = models_of(options.model_list);
   options.models.fit = split_list(options.fit_list);
   options.models.score = split_list(options.score_list);
@@ -170,7 +170,7 @@ void report(const ReportOptions& options, Session& session) {
 }  // namespace
 
 void add_fit(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitOptions>();
   CLI::App* verb = app.add_subcommand(
       "fit", "identify models for every taxel of a run or table, score them on what was not fitted, store");
   verb->add_option("source", options->models.source, "run number, or a table (see import)")->required();

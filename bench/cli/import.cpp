@@ -26,12 +26,12 @@ TableFile read_table_file(const std::string& path, const TableOptions& options) 
 
 namespace {
 
-struct Options {
+struct ImportOptions {
   std::string file, operator_name, purpose;
   TableOptions table;
 };
 
-void import(const Options& options, const Session& session) {
+void import(const ImportOptions& options, const Session& session) {
   const TableFile file = read_table_file(options.file, options.table);
   (void)analysis::histories_of(file.series, options.file);  // refuses what no model could be fitted on
   db::RunRecord run = program_record();
@@ -69,7 +69,7 @@ void import(const Options& options, const Session& session) {
 }  // namespace
 
 void add_import(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportOptions>();
   CLI::App* verb = app.add_subcommand(
       "import", "make a run of a table with columns sequence,step,input,output[,taxel] (history in row order)");
   verb->add_option("file", options->file, "comma, semicolon or tab separated text; the first line names the columns")

@@ -11,13 +11,13 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct InitOptions {
   std::string folder = ".";
   bool force = false;
   bool rig = false;
 };
 
-void init(const Options& options, const Session& session) {
+void init(const InitOptions& options, const Session& session) {
   namespace fs = std::filesystem;
   const std::vector<std::pair<std::string, std::string>> files = {
       {options.rig ? "paper-rig.example.toml" : "simulated.toml", "bench.toml"},
@@ -63,7 +63,7 @@ void init(const Options& options, const Session& session) {
 }  // namespace
 
 void add_init(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InitOptions>();
   CLI::App* verb =
       app.add_subcommand("init", "write a commented bench.toml, sensor.toml and limits.toml to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kBetweenLines = 0.25;  // seconds
 
-struct Options {
+struct LiveVerbOptions {
   std::string bench, model, csv;
   std::vector<std::string> set;
   LiveOptions live;
@@ -85,7 +85,7 @@ class CsvFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-void live(const Options& options, const Session& session) {
+void live(const LiveVerbOptions& options, const Session& session) {
   const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   const analysis::ModelDocument model = load_model(options.model, session);
   CsvFile csv(options.csv);
@@ -141,7 +141,7 @@ void live(const Options& options, const Session& session) {
 }  // namespace
 
 void add_live(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveVerbOptions>();
   CLI::App* verb = app.add_subcommand("live", "read the tactile array and print compensated frames until Ctrl-C");
   verb->add_option("--bench", options->bench, "bench file")->required();
   verb->add_option("--model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();

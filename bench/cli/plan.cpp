@@ -20,7 +20,7 @@ using sequences::Step;
 
 namespace {
 
-struct Options {
+struct PlanOptions {
   std::vector<std::string> recipes, set;
   std::string bench = "simulated.toml";
   bool steps = false, parameters = false;
@@ -169,7 +169,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps) {
   for (const Step& step : plan.steps) fmt::print("{}\n", step_line(step));
 }
 
-void plan(const Options& options, const Session& session) {
+void plan(const PlanOptions& options, const Session& session) {
   const SplitOverrides overrides = split_overrides(options.set);
   Plan plan;
   plan.recipes.reserve(options.recipes.size());
@@ -197,7 +197,7 @@ void plan(const Options& options, const Session& session) {
 }  // namespace
 
 void add_plan(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanOptions>();
   CLI::App* verb =
       app.add_subcommand("plan", "compile recipes without touching a device: steps, extremes, margins, time, bytes");
   verb->add_option("recipe", options->recipes, "recipe files or names of shipped ones (descending, ring, ...)")

@@ -19,7 +19,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct PredictOptions {
   std::string model, file = "-", output, map, taxel;
 };
 
@@ -94,7 +94,7 @@ class Compensator {
 };
 
 template <class Applied>
-void apply(const Options& options, const Session& session, analysis::TableNeeds needs) {
+void apply(const PredictOptions& options, const Session& session, analysis::TableNeeds needs) {
   const analysis::ModelDocument model = load_model(options.model, session);
   std::ifstream file;
   if (options.file != "-") {
@@ -127,7 +127,7 @@ void apply(const Options& options, const Session& session, analysis::TableNeeds 
     write_whole(options.output, text);
 }
 
-CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Options>& options, const char* name,
+CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<PredictOptions>& options, const char* name,
                    const char* what) {
   CLI::App* verb = app.add_subcommand(name, what);
   verb->add_option("model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
@@ -143,7 +143,7 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Option
 }  // namespace
 
 void add_predict(CLI::App& app, Session& session) {
-  auto predict = std::make_shared<Options>(), compensate = std::make_shared<Options>();
+  auto predict = std::make_shared<PredictOptions>(), compensate = std::make_shared<PredictOptions>();
   add_verb(app, session, predict, "predict", "outputs of a model along the inputs of a table: adds a column predicted")
       ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
   add_verb(app, session, compensate, "compensate",

@@ -16,7 +16,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct RunOptions {
   std::vector<std::string> recipes, set;
   std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
   bool assume_yes = false, no_seating = false;
@@ -68,7 +68,7 @@ void carry_out(RunRequest& request, db::RunStore& store, const std::string& sens
              result.time_spent);
 }
 
-void run(const Options& options, Session& session) {
+void run(const RunOptions& options, Session& session) {
   const SplitOverrides overrides = split_overrides(options.set);
   RunRequest request;
   request.bench = read_bench(find_config(options.bench), overrides.bench, options.seeds);
@@ -132,7 +132,7 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
 }
 
 void add_run(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunOptions>();
   CLI::App* verb =
       app.add_subcommand("run", "carry out recipes on a bench and store every frame; prints the run's number");
   verb->add_option("recipe", options->recipes, "recipe files or names of shipped ones (descending, ascending)")

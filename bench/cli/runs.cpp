@@ -43,7 +43,7 @@ std::string check_line(const db::CheckRecord& check) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void list(const Session& session) {
+void list_runs(const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   if (!session.json) {
@@ -66,7 +66,7 @@ void list(const Session& session) {
   if (session.json) print_json("runs.list", {{"runs", json}});
 }
 
-void show(std::int64_t number, const Session& session) {
+void show_run(std::int64_t number, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
   const std::vector<db::VerdictRecord> verdicts = store.verdicts(number);
@@ -138,12 +138,12 @@ void add_runs(CLI::App& app, Session& session) {
   runs->require_subcommand(1);
   CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
   add_common(*list_verb, session);
-  list_verb->callback([&session] { list(session); });
+  list_verb->callback([&session] { list_runs(session); });
   auto number = std::make_shared<std::int64_t>(0);
   CLI::App* show_verb = runs->add_subcommand("show", "all that is known of a run");
   show_verb->add_option("run", *number, "run number")->required();
   add_common(*show_verb, session);
-  show_verb->callback([number, &session] { show(*number, session); });
+  show_verb->callback([number, &session] { show_run(*number, session); });
 }
 
 }  // namespace tactbench::bench

@@ -11,7 +11,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct SensorsOptions {
   std::string serial, type = "sensor.toml", scanner, note;
 };
 
@@ -20,7 +20,7 @@ nlohmann::ordered_json sensor_json(const db::SensorRecord& sensor) {
           {"scanner", sensor.scanner_serial}, {"note", sensor.note}, {"added_utc", sensor.added_utc}};
 }
 
-void add(const Options& options, const Session& session) {
+void add(const SensorsOptions& options, const Session& session) {
   const SensorType type = read_sensor_type(find_config(options.type));
   db::RunStore store = db::RunStore::open(session.db);
   db::SensorRecord sensor{options.serial,  type.name,    type.text, db::sha256_hex(type.text),
@@ -33,7 +33,7 @@ void add(const Options& options, const Session& session) {
   }
 }
 
-void list(const Session& session) {
+void list_sensors(const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   if (!session.json) fmt::print("{:<16}{:<32}{:<18}{}\n", "serial", "type", "scanner", "note");
@@ -48,7 +48,7 @@ void list(const Session& session) {
   if (session.json) print_json("sensors.list", {{"sensors", json}});
 }
 
-void show(const std::string& serial, const Session& session) {
+void show_sensor(const std::string& serial, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const std::optional<db::SensorRecord> sensor = store.sensor(serial);
   if (!sensor) {
@@ -76,7 +76,7 @@ void show(const std::string& serial, const Session& session) {
 void add_sensors(CLI::App& app, Session& session) {
   CLI::App* sensors = app.add_subcommand("sensors", "register, list or show sensors");
   sensors->require_subcommand(1);
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SensorsOptions>();
   CLI::App* add_verb = sensors->add_subcommand("add", "register a sensor: its serial, its type file, its scanner");
   add_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
   add_verb->add_option("--type", options->type, "sensor type file")->capture_default_str();
@@ -86,11 +86,11 @@ void add_sensors(CLI::App& app, Session& session) {
   add_verb->callback([options, &session] { add(*options, session); });
   CLI::App* list_verb = sensors->add_subcommand("list", "one line a sensor");
   add_common(*list_verb, session);
-  list_verb->callback([&session] { list(session); });
+  list_verb->callback([&session] { list_sensors(session); });
   CLI::App* show_verb = sensors->add_subcommand("show", "one sensor, its type file and its runs");
   show_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
   add_common(*show_verb, session);
-  show_verb->callback([options, &session] { show(options->serial, session); });
+  show_verb->callback([options, &session] { show_sensor(options->serial, session); });
 }
 
 }  // namespace tactbench::bench

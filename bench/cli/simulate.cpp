@@ -16,7 +16,7 @@ namespace tactbench::bench {
 
 namespace {
 
-struct Options {
+struct SimulateOptions {
   std::string bench = "simulated.toml", write_bench;
   std::vector<std::string> set;
   double rate = 1.0;
@@ -26,7 +26,7 @@ struct Options {
 std::string quoted(const std::string& text) { return fmt::format("\"{}\"", text); }
 
 // A bench file for clients of this rig: the one it was made from, with the addresses that the wires got.
-std::string client_bench(const Options& options, const BenchConfig& config) {
+std::string client_bench(const SimulateOptions& options, const BenchConfig& config) {
   sequences::TomlDocument document = sequences::TomlDocument::from_file(find_config(options.bench));
   for (const sequences::Override& override_value : split_overrides(options.set).bench) document.set(override_value);
   document.remove("simulation");
@@ -59,7 +59,7 @@ std::string client_bench(const Options& options, const BenchConfig& config) {
                      document.to_text());
 }
 
-void print_served(const SimulatedRig& rig, const Session& session, const Options& options) {
+void print_served(const SimulatedRig& rig, const Session& session, const SimulateOptions& options) {
   if (session.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Served& served : rig.served()) list.push_back({{"what", served.what}, {"where", served.where}});
@@ -79,7 +79,7 @@ void print_served(const SimulatedRig& rig, const Session& session, const Options
   fmt::print("Ctrl-C ends\n");
 }
 
-void simulate(const Options& options, const Session& session) {
+void simulate(const SimulateOptions& options, const Session& session) {
   BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (!config.in_process) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "only a simulated bench can be simulated", options.bench,
@@ -106,7 +106,7 @@ void simulate(const Options& options, const Session& session) {
 }  // namespace
 
 void add_simulate(CLI::App& app, Session& session) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   CLI::App* verb = app.add_subcommand("simulate", "serve the whole simulated rig on real wires, for any client");
   verb->add_option("--bench", options->bench, "simulated bench file")->capture_default_str();
   verb->add_option("--set", options->set, "override table.key=value, such as module.port=1502")->take_all();

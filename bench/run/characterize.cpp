@@ -206,7 +206,7 @@ class Life {
       (void)sequencer_->times().start(Spent::kTeardown);
       result_.time_spent = sequencer_->times().text();
     }
-    result_.process_seconds = static_cast<double>(rig_->clock().now().count()) * 1e-9;
+    result_.process_seconds = devices::in_seconds(rig_->clock().now());
     if (ended_by_) return;
     try {
       save_specimen(*rig_, request_.specimen_state_file);

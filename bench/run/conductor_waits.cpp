@@ -31,7 +31,7 @@ void Conductor::wait_for_resume() {
   const Nanoseconds start = sequencer_.rig().clock().now();
   do sequencer_.idle();  // at least once: the clock goes on while a person decides
   while (!control_.take_resume());
-  rested_s_ = static_cast<double>((sequencer_.rig().clock().now() - start).count()) * 1e-9;
+  rested_s_ = devices::in_seconds(sequencer_.rig().clock().now() - start);
   recover();
   set_state(RunState::kRunning, fmt::format("resumed by {} after {:.0f} s", control_.who(), rested_s_));
   displaced_ = true;
@@ -72,7 +72,7 @@ void Conductor::suspend(const Suspended& suspended) {
     }
     sequencer_.idle();
   }
-  rested_s_ = static_cast<double>((rig.clock().now() - start).count()) * 1e-9;
+  rested_s_ = devices::in_seconds(rig.clock().now() - start);
   recover();
   set_state(RunState::kRunning, "conditions hold again");
   displaced_ = true;

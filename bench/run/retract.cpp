@@ -15,10 +15,10 @@ using devices::Nanoseconds;
 
 namespace {
 
-constexpr int kTries = 2;
+constexpr int kRetreatTries = 2;
 constexpr Nanoseconds kSlice = std::chrono::milliseconds(100);
 constexpr Nanoseconds kSettle = std::chrono::milliseconds(100);
-constexpr double kStandsMm = 0.001;  // as the stage rounds to microsteps
+constexpr double kArrivedMm = 0.001;  // as the stage rounds to microsteps
 
 class Retraction {
  public:
@@ -29,9 +29,9 @@ class Retraction {
   RetractProof prove() {
     RetractProof proof;
     std::string trouble;
-    for (int i = 0; i < kTries && !proof.z_mm; ++i) proof.z_mm = back_off(proof.halted, trouble);
+    for (int i = 0; i < kRetreatTries && !proof.z_mm; ++i) proof.z_mm = back_off(proof.halted, trouble);
     proof.force_n = force_now(trouble);
-    const bool clear = proof.z_mm && *proof.z_mm <= options_.clear_z_mm + kStandsMm;
+    const bool clear = proof.z_mm && *proof.z_mm <= options_.clear_z_mm + kArrivedMm;
     const bool free = proof.force_n && *proof.force_n < options_.safe_force_n;  // NaN is not
     proof.verified = clear && free;
     const char* head = proof.verified               ? "retracted, verified"
@@ -55,7 +55,7 @@ class Retraction {
       const devices::AxisState state = stage_.state(Axis::kZ);
       if (!state.homed) {
         stage_.home(Axis::kZ);
-      } else if (state.position.value() > options_.clear_z_mm + kStandsMm) {
+      } else if (state.position.value() > options_.clear_z_mm + kArrivedMm) {
         stage_.start_move_to(Axis::kZ, devices::Millimetres(options_.clear_z_mm),
                              devices::MillimetresPerSecond(options_.speed_mm_per_s));
         const double way_mm = state.position.value() - options_.clear_z_mm;
@@ -71,7 +71,7 @@ class Retraction {
   }
 
   std::optional<double> force_now(std::string& trouble) {
-    for (int i = 0; i < kTries && force_ != nullptr; ++i) {
+    for (int i = 0; i < kRetreatTries && force_ != nullptr; ++i) {
       try {
         return std::abs(force_->read(options_.records).wrench.force_n[2]);
       } catch (const std::exception& error) {

@@ -23,8 +23,6 @@ namespace {
 constexpr double kRampTick = 0.1;         // s of process time between two set-points of a ramp
 constexpr double kConditionsEvery = 5.0;  // s of process time between two looks at the surroundings
 
-double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
-
 }  // namespace
 
 void Sequencer::follow(const sequences::Recipe& recipe) {
@@ -74,7 +72,7 @@ void Sequencer::chamber_step(const Step& step) {
   check_array();
   last_frame_ = readings_.scans.time;
   readings_.exchanges = static_cast<int>(rig_.exchanges() - exchanges_before);
-  const double dwelt = in_seconds(readings_.scans.time - readings_.in_band_since);
+  const double dwelt = devices::in_seconds(readings_.scans.time - readings_.in_band_since);
   const bool dwells = step.settle && !step.hold;
   if (dwells && std::abs(dwelt - step.dwell_s) > recipe_->dwell_tolerance_s) add_flag("dwell");
   if (left_band_) add_flag("left-band");
@@ -146,7 +144,7 @@ void Sequencer::settle(const Step& step) {
     wait_until(before + pause);
     poll();
     const double reference = readings_.reference.pressure.value();
-    const double slope = std::abs(reference - last_reference) / in_seconds(clock.now() - before);
+    const double slope = std::abs(reference - last_reference) / devices::in_seconds(clock.now() - before);
     last_reference = reference;
     const double miss = std::abs((readings_.feedback.pressure - step.setpoint).value());
     if (miss <= settling.band_psi && slope <= settling.slope_psi_per_s) break;
@@ -218,7 +216,7 @@ void Sequencer::check_agreement() {
   throw Fault("TB-CHAMBER-DISAGREE", "chamber",
               fmt::format("the regulator's feedback reads {:.2f} psi and the reference {:.2f} psi, apart for {:.1f} s",
                           readings_.feedback.pressure.value(), readings_.reference.pressure.value(),
-                          in_seconds(now - *disagree_since_)),
+                          devices::in_seconds(now - *disagree_since_)),
               "check both against a hand gauge (`tactbench devices calibrate-reference`), the transducer's wiring and "
               "spans; the limits are [limits] disagreement_psi and disagreement_s");
 }

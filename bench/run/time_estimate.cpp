@@ -17,8 +17,6 @@ namespace {
 
 constexpr int kRunsLookedAt = 200, kRunsLearnedFrom = 10, kSamples = 32;
 
-double in_seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
-
 double at(const std::vector<std::pair<double, double>>& line, double x) {
   const auto above = std::lower_bound(line.begin(), line.end(), x, [](const auto& p, double v) { return p.first < v; });
   if (above == line.end()) return line.back().second;
@@ -95,7 +93,7 @@ sequences::TimeModel time_model(const BenchConfig& bench) {
   sequences::TimeModel model;
   // A small step is in band at the second look: one feeding and one poll after the command.
   model.rise_psi_per_s = model.fall_psi_per_s = bench.limits.rate_psi_per_s;
-  model.settle_s = in_seconds(bench.regulator.feed_interval.count()) + bench.settling.poll_s;
+  model.settle_s = devices::in_seconds(bench.regulator.feed_interval) + bench.settling.poll_s;
   return model;
 }
 
@@ -158,7 +156,7 @@ void TimeEstimate::learn(const db::RunStore& store, const std::string& bench_id,
       if (!frame || frame->is_void || frame->sequence != stored.sequence) continue;
       const double done = static_cast<double>(frame->repeat) * stored.frames_per_repeat + frame->ordinal + 1;
       if (done <= past.elapsed.back().first) continue;
-      past.elapsed.emplace_back(done, in_seconds(frame->time_ns - began));
+      past.elapsed.emplace_back(done, devices::in_seconds(devices::Nanoseconds(frame->time_ns - began)));
     }
     if (past.elapsed.size() < 2) continue;
     for (Part& part : parts_) {

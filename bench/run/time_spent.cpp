@@ -17,7 +17,7 @@ const char* to_string(Spent spent) {
 
 Spent TimeSpent::start(Spent spent) {
   const devices::Nanoseconds now = clock_.now();
-  seconds_[static_cast<std::size_t>(current_)] += static_cast<double>((now - since_).count()) * 1e-9;
+  seconds_[static_cast<std::size_t>(current_)] += devices::in_seconds(now - since_);
   since_ = now;
   return stretch_ ? current_ : std::exchange(current_, spent);
 }

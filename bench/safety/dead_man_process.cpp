@@ -72,7 +72,7 @@ DeadManProcess::DeadManProcess(const BenchConfig& config)
   start(config.dead_man.program);
   const nlohmann::json bench = {{"name", config.file}, {"bench", config.resolved}};
   if (!channel_->send(bench.dump())) fail("it does not take the bench's description");
-  const std::optional<devices::Packet> answer = channel_->receive(kStart);
+  const std::optional<devices::ChannelPacket> answer = channel_->receive(kStart);
   if (!answer || answer->text != "ready") {
     fail(answer ? answer->text : channel_->closed() ? "it ended at once" : "it did not answer");
   }
@@ -123,7 +123,7 @@ void DeadManProcess::feed() { due_ = (now() + progress_).count(); }
 
 void DeadManProcess::allow(Nanoseconds span) { due_ = (now() + std::max(span, progress_)).count(); }
 
-void DeadManProcess::listen(const devices::Packet& packet) {
+void DeadManProcess::listen(const devices::ChannelPacket& packet) {
   if (packet.text == "fired") fired_ = true;
   if (packet.descriptor >= 0) ::close(packet.descriptor);  // of a request that was given up
 }

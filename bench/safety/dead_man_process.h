@@ -49,7 +49,7 @@ class DeadManProcess final : public Watcher {
  private:
   void start(const std::string& program);
   void relay();
-  void listen(const devices::Packet& packet);
+  void listen(const devices::ChannelPacket& packet);
   static devices::Nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
   devices::SerialAddress stage_address_;

@@ -38,11 +38,9 @@ constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);       // below wha
 constexpr Nanoseconds kProbe = std::chrono::seconds(5);             // an idle connection is shown to live this often
 constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to whatever was asked last
 constexpr Nanoseconds kBackOff = std::chrono::seconds(10);
-constexpr int kTries = 2;
+constexpr int kDeadManTries = 2;
 
 Nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); }
-double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
-
 BenchConfig read_description(devices::DescriptorChannel& channel) {
   const auto packet = channel.receive(kFirstPacket);
   if (!packet) throw std::runtime_error("no bench was described to it");
@@ -123,12 +121,12 @@ class Server {
     double stage_s = 0.0;
     std::thread retreating([&] {
       if (stage_used_) stage = retreat_stage();
-      stage_s = in_seconds(now() - start);
+      stage_s = devices::in_seconds(now() - start);
     });
     SafeProof proof;
     if (is_rtu()) std::this_thread::sleep_for(kRtuSilence);
-    for (int i = 0; i < kTries && proof.state != db::SafeState::kVerified; ++i) proof = make_safe(rig_, {});
-    const double pressure_s = in_seconds(now() - start);
+    for (int i = 0; i < kDeadManTries && proof.state != db::SafeState::kVerified; ++i) proof = make_safe(rig_, {});
+    const double pressure_s = devices::in_seconds(now() - start);
     retreating.join();
     const bool stage_safe = !stage_used_ || (stage.stands && stage.backed_off);
     const bool safe = proof.state == db::SafeState::kVerified && stage_safe;
@@ -162,7 +160,7 @@ class Server {
 
   devices::ZaberRetreat retreat_stage() {
     devices::ZaberRetreat result;
-    for (int i = 0; i < kTries && !(result.stands && result.backed_off); ++i) {
+    for (int i = 0; i < kDeadManTries && !(result.stands && result.backed_off); ++i) {
       try {
         if (!line_) line_ = devices::open_serial(config_.stage.value().address);
         // A copy: the line cannot be opened anew while a sequencer that stands still holds its own.

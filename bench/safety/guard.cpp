@@ -18,10 +18,8 @@ namespace {
 
 constexpr const char* kPressure = "pressure";
 constexpr double kLoggedStepPsi = 1.0;
-constexpr double kRounding = 1e-9;  // of a ramp's steps, relative
+constexpr double kStepRounding = 1e-9;  // of a ramp's steps, relative
 constexpr Nanoseconds kLongestDeadMan = std::chrono::seconds(15);
-
-double in_seconds(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }
 
 }  // namespace
 
@@ -100,7 +98,7 @@ void Guard::check_fresh(const char* id, const char* actuator, const std::string&
   refuse(id, actuator, asked,
          witness.time < Nanoseconds(0) ? fmt::format("the {} has not been read", name)
                                        : fmt::format("the last reading of the {} is {:.2f} s old, {:g} s are allowed",
-                                                     name, in_seconds(age), limits_.safety.stale_s),
+                                                     name, devices::in_seconds(age), limits_.safety.stale_s),
          "Read the instrument before loading; [limits] stale_s.");
 }
 
@@ -155,11 +153,11 @@ void Guard::check_pressure(Psi pressure) {
     check_fresh("TB-CHAMBER-STALE", kPressure, asked, "regulator's feedback", feedback_);
     check_fresh("TB-CHAMBER-STALE", kPressure, asked, "reference", reference_);
     const Nanoseconds now = clock_.now();
-    budget_psi_ =
-        std::min(limits_.safety.step_psi, budget_psi_ + limits_.safety.rate_psi_per_s * in_seconds(now - budget_time_));
+    budget_psi_ = std::min(limits_.safety.step_psi,
+                           budget_psi_ + limits_.safety.rate_psi_per_s * devices::in_seconds(now - budget_time_));
     budget_time_ = now;
     const double rise = psi - setpoint_psi_;
-    if (rise > budget_psi_ + kRounding * limits_.safety.step_psi) {
+    if (rise > budget_psi_ + kStepRounding * limits_.safety.step_psi) {
       refuse(
           "TB-CHAMBER-RATE", kPressure, asked,
           fmt::format("the set-point stands at {:g} psi and may rise by {:.3g} psi now ({:g} psi at once, {:g} psi/s "

@@ -7,7 +7,7 @@ namespace tactbench::bench {
 namespace {
 
 constexpr double kStepSeconds = 0.0025;  // a 48th of the default time constant
-constexpr double kFullScaleVolts = 10.0;
+constexpr double kModuleVolts = 10.0;
 constexpr double kOvershootSeconds = 2.0;
 constexpr double kOvershootShare = 0.9;  // turned back here; what the chamber has of speed brings the rest
 constexpr double kLeadPerPsi = 0.25;     // how fast the hysteresis turns over: fully within 4 widths of travel
@@ -15,9 +15,9 @@ constexpr double kLeadPerPsi = 0.25;     // how fast the hysteresis turns over: 
 }  // namespace
 
 void Chamber::command(devices::Volts volts) {
-  double seen = std::clamp(volts.value(), 0.0, kFullScaleVolts);
+  double seen = std::clamp(volts.value(), 0.0, kModuleVolts);
   if (options_.resolution_v > 0.0) seen = std::round(seen / options_.resolution_v) * options_.resolution_v;
-  target_psi_ = seen / kFullScaleVolts * options_.span_psi;
+  target_psi_ = seen / kModuleVolts * options_.span_psi;
 }
 
 void Chamber::overshoot(double psi) {

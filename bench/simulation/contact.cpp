@@ -13,7 +13,7 @@ constexpr double kPsiPerNewtonPerMm2 = 145.038;
 constexpr double kFrictionTravelMm = 0.05;  // of the tip, from full friction one way to none
 constexpr double kSlower = 10.0;
 constexpr double kRelaxedN = 1e-6;  // less is nothing
-constexpr int kSamples = 6;         // a taxel's side: the blurred edge is wide against pitch / kSamples
+constexpr int kEdgeSamples = 6;     // a taxel's side: the blurred edge is wide against pitch / kEdgeSamples
 constexpr int kRings = 4000;
 constexpr double kReach = 8.0;  // standard deviations beyond the edge: nothing is left there
 
@@ -90,15 +90,15 @@ const std::vector<double>& Contact::psi_per_newton(double x_mm, double y_mm) {
   const double dy = y_mm - options_.centre_y_mm - options_.misplaced_y_mm;
   const double axis_x = std::cos(turn) * dx - std::sin(turn) * dy;
   const double axis_y = std::sin(turn) * dx + std::cos(turn) * dy;
-  const double scale = kPsiPerNewtonPerMm2 / (whole_mm2_ * kSamples * kSamples);
+  const double scale = kPsiPerNewtonPerMm2 / (whole_mm2_ * kEdgeSamples * kEdgeSamples);
   std::size_t taxel = 0;
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column, ++taxel) {
       double sum = 0.0;
-      for (int down = 0; down < kSamples; ++down) {
-        const double in_y = (down + 0.5) / kSamples - 0.5;
-        for (int along = 0; along < kSamples; ++along) {
-          const double in_x = (along + 0.5) / kSamples - 0.5;
+      for (int down = 0; down < kEdgeSamples; ++down) {
+        const double in_y = (down + 0.5) / kEdgeSamples - 0.5;
+        for (int along = 0; along < kEdgeSamples; ++along) {
+          const double in_x = (along + 0.5) / kEdgeSamples - 0.5;
           sum += density(std::hypot((column - 0.5 * (columns_ - 1) + in_x) * pitch - axis_x,
                                     (row - 0.5 * (rows_ - 1) + in_y) * pitch - axis_y));
         }

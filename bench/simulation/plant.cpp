@@ -15,7 +15,7 @@ using devices::Nanoseconds;
 constexpr double kFullScaleVolts = 10.0;
 constexpr double kNotSettledShare = 0.01;
 
-enum Stream : std::uint64_t { kFeedback = 101, kReference, kScan, kWrench };
+enum PlantStream : std::uint64_t { kFeedback = 101, kReference, kScan, kWrench };
 
 }  // namespace
 

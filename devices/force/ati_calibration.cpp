@@ -15,12 +15,12 @@ namespace tactbench::devices {
 namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 20U;
-constexpr double kLargestRange = 1e9;
+constexpr double kLargestRatedLoad = 1e9;
 
 // Reads one file; every complaint names it and the element.
-class Reader {
+class CalibrationReader {
  public:
-  explicit Reader(const std::string& where) : where_(where) {}
+  explicit CalibrationReader(const std::string& where) : where_(where) {}
 
   [[noreturn]] void fail(const std::string& what) const {
     throw Fault("TB-FORCE-CALIBRATION", "force sensor", fmt::format("reading the calibration {}: {}", where_, what),
@@ -67,7 +67,7 @@ class Reader {
       seen[row] = true;
       axes[row] = {six(node), number(node, "scale", "1"), number(node, "max")};
       if (axes[row].scale == 0.0) fail(fmt::format("{} scale is 0", title(node)));
-      if (!(axes[row].max > 0.0 && axes[row].max < kLargestRange)) {
+      if (!(axes[row].max > 0.0 && axes[row].max < kLargestRatedLoad)) {
         fail(fmt::format("{} max is {:g}, no sensible range", title(node), axes[row].max));
       }
     }
@@ -85,7 +85,7 @@ class Reader {
   const std::string& where_;
 };
 
-AtiTransform basic_transform(const Reader& reader, const pugi::xml_node& calibration) {
+AtiTransform basic_transform(const CalibrationReader& reader, const pugi::xml_node& calibration) {
   AtiTransform transform;
   const auto node = reader.only(calibration, "BasicTransform", false);
   if (!node) return transform;
@@ -103,7 +103,7 @@ AtiTransform basic_transform(const Reader& reader, const pugi::xml_node& calibra
   return transform;
 }
 
-std::optional<AtiTemperature> temperature(const Reader& reader, const pugi::xml_node& calibration) {
+std::optional<AtiTemperature> temperature(const CalibrationReader& reader, const pugi::xml_node& calibration) {
   if (!calibration.child("BiasSlope") && !calibration.child("GainSlope") && !calibration.child("Thermistor")) {
     return std::nullopt;
   }
@@ -121,7 +121,7 @@ Vector6 file_units(const AtiCalibration& calibration) {
 }  // namespace
 
 AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& where) {
-  const Reader reader(where);
+  const CalibrationReader reader(where);
   if (xml.size() > kLargestFile) reader.fail(fmt::format("it has {} bytes, at most {}", xml.size(), kLargestFile));
   pugi::xml_document document;
   const auto parsed = document.load_buffer(xml.data(), xml.size());
@@ -159,10 +159,10 @@ AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& wh
 
 AtiCalibration read_ati_calibration(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) Reader(path).fail("it cannot be opened");
+  if (!file) CalibrationReader(path).fail("it cannot be opened");
   std::string text(kLargestFile + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) Reader(path).fail("it cannot be read");
+  if (file.bad()) CalibrationReader(path).fail("it cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
   return parse_ati_calibration(text, path);
 }

@@ -18,8 +18,6 @@ constexpr std::size_t kJamBytes = 14;
 constexpr auto kLongestStop = std::chrono::seconds(2);
 constexpr double kNewtonMetre = 1000.0;  // in N*mm
 
-double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
-
 Nanoseconds left(std::chrono::steady_clock::time_point end) {
   return std::max(Nanoseconds(0), Nanoseconds(end - std::chrono::steady_clock::now()));
 }
@@ -65,7 +63,7 @@ void DigitalFt::timed_out(const std::string& asked, const std::string& came, Nan
   clock_.reply_lost(nominal);
   throw Fault("TB-FORCE-TIMEOUT", kForceDevice,
               fmt::format("{} of the sensor on {}: {} within {:g} ms", asked, stream_->description(), came,
-                          milliseconds(nominal)),
+                          in_milliseconds(nominal)),
               "Check the sensor's power, the RS-485 wires, and the port's rate and parity in the bench file.");
 }
 

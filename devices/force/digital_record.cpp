@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::size_t, 6> kGaugeOrder{0, 2, 4, 1, 3, 5};
 constexpr std::uint8_t kNewtons = 2;
 constexpr std::uint8_t kNewtonMetres = 3;
-constexpr float kLargestRange = 1e6F;
+constexpr float kLargestFactor = 1e6F;
 
 std::uint8_t low(unsigned value) { return static_cast<std::uint8_t>(value & 0xFFU); }
 std::uint8_t high(unsigned value) { return low(value >> 8U); }
@@ -154,7 +154,7 @@ DigitalCalibration decode_digital_calibration(std::span<const std::uint8_t> byte
   bool ranged = true;
   for (float& value : calibration.range) {
     value = walk.real();
-    ranged = value > 0.0F && value < kLargestRange && ranged;
+    ranged = value > 0.0F && value < kLargestFactor && ranged;
   }
   calibration.counts_per_force = static_cast<std::int32_t>(walk.number(4));
   calibration.counts_per_torque = static_cast<std::int32_t>(walk.number(4));

@@ -16,9 +16,7 @@ namespace {
 
 // A burst of that many datagrams fits the receive buffer that Linux gives by default (about 270 of this size).
 constexpr int kRequestRecords = 100;
-constexpr int kAttempts = 3;
-
-double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+constexpr int kSettingAttempts = 3;
 
 NetFtPage configuration(const NetFtOptions& options, Clock& clock) {
   if (options.page_file.empty()) {
@@ -92,7 +90,7 @@ void NetFt::request(int records, Sum& sum) {
   const Nanoseconds limit =
       options_.reply_timeout + Nanoseconds(static_cast<Nanoseconds::rep>(1e9 * records / page_.records_per_second));
   int missing = records;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kSettingAttempts; ++attempt) {
     const int came = gather(missing, sum, limit);
     missing -= came;
     if (missing == 0) return;
@@ -101,7 +99,7 @@ void NetFt::request(int records, Sum& sum) {
   }
   throw Fault("TB-FORCE-TIMEOUT", kForceDevice,
               fmt::format("asking {} records of the sensor at {}: {} came, waiting up to {:g} ms", records,
-                          link_.peer(), records - missing, milliseconds(limit)),
+                          link_.peer(), records - missing, in_milliseconds(limit)),
               "Check the sensor's power and network cable, and that RDT is enabled in its configuration.");
 }
 

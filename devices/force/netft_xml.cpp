@@ -38,10 +38,10 @@ std::string only(const pugi::xml_document& document, const std::string& where, c
   pugi::xml_node root = document.document_element();
   root.traverse(finder);
   if (finder.count > 1) fail(where, fmt::format("{} stands there more than once", name));
-  constexpr const char* kBlanks = " \t\r\n";
-  const auto begin = finder.text.find_first_not_of(kBlanks);
+  constexpr const char* kSpaces = " \t\r\n";
+  const auto begin = finder.text.find_first_not_of(kSpaces);
   if (begin != std::string::npos) {
-    return finder.text.substr(begin, finder.text.find_last_not_of(kBlanks) - begin + 1);
+    return finder.text.substr(begin, finder.text.find_last_not_of(kSpaces) - begin + 1);
   }
   if (required) fail(where, fmt::format("{} is {}", name, finder.count == 0 ? "missing" : "empty"));
   return "";

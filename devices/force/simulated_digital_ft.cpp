@@ -20,11 +20,11 @@ namespace tactbench::devices {
 namespace {
 
 constexpr std::uint8_t kUnit = 10;
-constexpr std::size_t kJamBytes = 14;
+constexpr std::size_t kSentJamBytes = 14;
 constexpr std::size_t kReadBytes = 8;
 constexpr int kSamplesPerMillisecond = 7;
 constexpr int kSamplesPerWrench = 100;
-constexpr int kStatusRegister = 0x001D;
+constexpr int kServedRegister = 0x001D;
 
 }  // namespace
 
@@ -43,7 +43,7 @@ class SimulatedDigitalFt::Server {
     }
     gauges_per_load_ = matrix.inverse();
     for (int i = 0; i < 12; ++i) registers_[i] = calibration.gains_and_offsets[static_cast<std::size_t>(i)];
-    registers_[kStatusRegister] = 0;
+    registers_[kServedRegister] = 0;
     const auto bytes = encode(calibration);
     for (std::size_t i = 0; i < bytes.size(); i += 2) {
       registers_[kDigitalCalibrationRegister + static_cast<int>(i / 2)] =
@@ -78,7 +78,7 @@ class SimulatedDigitalFt::Server {
     if (got <= 0) return;
     received_.insert(received_.end(), bytes.begin(), bytes.begin() + got);
     if (streaming_) {
-      if (received_.size() < kJamBytes) return;  // only a jam is heard
+      if (received_.size() < kSentJamBytes) return;  // only a jam is heard
       streaming_ = false;
       received_.clear();
     }

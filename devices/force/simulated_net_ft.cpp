@@ -25,8 +25,8 @@ namespace tactbench::devices {
 namespace {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
-using Packet = std::array<std::uint8_t, kRdtRecordBytes>;
-constexpr std::size_t kBatch = 64;
+using RdtBytes = std::array<std::uint8_t, kRdtRecordBytes>;
+constexpr std::size_t kSendBatch = 64;
 
 std::int32_t counts(double value) {
   constexpr double kLow = std::numeric_limits<std::int32_t>::min();
@@ -131,7 +131,7 @@ class SimulatedNetFt::Server {
   void answer(const sockaddr_in& client, std::uint32_t count) {
     std::uint32_t sequence = 0;
     while (sequence < count) {
-      const auto batch = std::min<std::uint32_t>(count - sequence, kBatch);
+      const auto batch = std::min<std::uint32_t>(count - sequence, kSendBatch);
       if (!send(client, sequence, batch)) return;
       sequence += batch;
     }
@@ -175,7 +175,7 @@ class SimulatedNetFt::Server {
     const Trouble trouble = faults.trouble ? faults.trouble() : Trouble::kNone;
     if (trouble == Trouble::kSilent) return true;
     packets_.clear();
-    std::optional<Packet> held;
+    std::optional<RdtBytes> held;
     for (std::uint32_t i = 0; i < count; ++i) {
       const long number = records_++;
       const auto loads = measure();
@@ -198,8 +198,8 @@ class SimulatedNetFt::Server {
   }
 
   bool send_packets(sockaddr_in client) {
-    std::array<iovec, kBatch> parts{};
-    std::array<mmsghdr, kBatch> messages{};
+    std::array<iovec, kSendBatch> parts{};
+    std::array<mmsghdr, kSendBatch> messages{};
     for (std::size_t i = 0; i < packets_.size(); ++i) {
       parts[i] = {packets_[i].data(), packets_[i].size()};
       messages[i].msg_hdr.msg_name = &client;
@@ -225,7 +225,7 @@ class SimulatedNetFt::Server {
   std::array<double, 6> bias_{};
   std::uint32_t sample_ = 0;
   long records_ = 0;
-  std::vector<Packet> packets_;
+  std::vector<RdtBytes> packets_;
   std::thread thread_;
 };
 

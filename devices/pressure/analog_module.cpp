@@ -16,7 +16,7 @@ namespace {
 // Between two readings of an output that has not yet followed.
 constexpr Nanoseconds kReadbackPoll = std::chrono::milliseconds(20);
 
-constexpr const char* kDevice = "analog module";
+constexpr const char* kModuleDevice = "analog module";
 
 std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
@@ -28,12 +28,16 @@ AnalogModule::AnalogModule(ModuleProfile profile, ModbusEndpoint endpoint, Nanos
       watchdog_(watchdog),
       clock_(clock),
       origin_(origin),
-      link_(std::move(endpoint), kDevice, clock) {
+      link_(std::move(endpoint), kModuleDevice, clock) {
   prepare();
 }
 
 AnalogModule::AnalogModule(ModuleProfile profile, const AnalogModule& line_of, int unit, Clock& clock, Origin origin)
-    : profile_(std::move(profile)), watchdog_(0), clock_(clock), origin_(origin), link_(line_of.link_, unit, kDevice) {
+    : profile_(std::move(profile)),
+      watchdog_(0),
+      clock_(clock),
+      origin_(origin),
+      link_(line_of.link_, unit, kModuleDevice) {
   prepare();
 }
 
@@ -135,7 +139,7 @@ void AnalogModule::verify_outputs() {
   if (profile_.outputs.readback == 0) return;
   const std::vector<std::uint16_t> stands = read_outputs();
   if (same(stands, outputs_)) return;
-  throw Fault("TB-MODULE-READBACK", kDevice,
+  throw Fault("TB-MODULE-READBACK", kModuleDevice,
               fmt::format("reading the outputs of {} back: counts {} were written, {} stand there", link_.peer(),
                           fmt::join(outputs_, " "), fmt::join(stands, " ")),
               "Another program may be writing to the module: stop it. Otherwise check the profile in the bench file.");
@@ -164,7 +168,7 @@ void AnalogModule::take_image(Nanoseconds time) {
   for (int channel = 0; channel < in.channels; ++channel) {
     const unsigned status = inputs_[size(in.status_offset + channel)];
     if ((status & 7U) == 0) continue;
-    throw Fault("TB-MODULE-INPUT", kDevice,
+    throw Fault("TB-MODULE-INPUT", kModuleDevice,
                 fmt::format("input {} of {} reports status 0x{:04X}:{}{}{}", channel, link_.peer(), status,
                             (status & 1U) != 0 ? " above its range" : "", (status & 2U) != 0 ? " below its range" : "",
                             (status & 4U) != 0 ? " calibration not valid" : ""),

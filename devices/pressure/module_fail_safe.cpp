@@ -10,15 +10,13 @@ namespace tactbench::devices {
 namespace {
 
 // Offsets from the EK9000's watchdog time register (0x1120).
-constexpr int kReset = 1;
-constexpr int kType = 2;
-constexpr int kWriteLock = 4;
+constexpr int kResetRegister = 1;
+constexpr int kTypeRegister = 2;
+constexpr int kWriteLockRegister = 4;
 constexpr std::uint16_t kFedByWrites = 0;
 constexpr std::array<std::uint16_t, 2> kResetWords{0xBECF, 0xAFFE};
 
-constexpr const char* kDevice = "analog module";
-
-double in_milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+constexpr const char* kFailSafeDevice = "analog module";
 
 }  // namespace
 
@@ -36,16 +34,16 @@ void AnalogModule::set_watchdog() {
   const ModuleFailSafe& safe = profile_.fail_safe;
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(watchdog_).count();
   if (safe.watchdog_address < 0 || milliseconds < 1 || milliseconds > 60'000) {
-    throw Fault("TB-MODULE-WATCHDOG", kDevice,
+    throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
                 fmt::format("a watchdog of {} ms was asked of {}, which {}", milliseconds, link_.peer(),
                             safe.watchdog_address < 0 ? "has none" : "takes 1 to 60000 ms"),
                 "Correct the watchdog time in the bench file, or choose a module with a watchdog.");
   }
   for (const std::uint16_t word : kResetWords) {
-    link_.write_registers(safe.watchdog_address + kReset, std::span(&word, 1));
+    link_.write_registers(safe.watchdog_address + kResetRegister, std::span(&word, 1));
   }
-  set_register(safe.watchdog_address + kWriteLock, 0);
-  set_register(safe.watchdog_address + kType, kFedByWrites);
+  set_register(safe.watchdog_address + kWriteLockRegister, 0);
+  set_register(safe.watchdog_address + kTypeRegister, kFedByWrites);
   set_register(safe.watchdog_address, static_cast<std::uint16_t>(milliseconds));
   fallbacks_at_start_ = fallbacks();
 }
@@ -55,7 +53,7 @@ void AnalogModule::set_register(int address, std::uint16_t value) {
   std::uint16_t stands = 0;
   link_.read_holding_registers(address, std::span(&stands, 1));
   if (stands == value) return;
-  throw Fault("TB-MODULE-WATCHDOG", kDevice,
+  throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
               fmt::format("setting watchdog register 0x{:04X} of {} to {}: it reads back {}", address, link_.peer(),
                           value, stands),
               "Check that the profile in the bench file fits the module and that no other master sets it.");
@@ -70,7 +68,7 @@ void AnalogModule::clear_safe_mode() {
   if (!in_safe_mode()) return;
   for (int i = 0; i < profile_.outputs.channels; ++i) link_.write_coil(safe.safe_mode_clear_address + i, true);
   if (!in_safe_mode()) return;
-  throw Fault("TB-MODULE-WATCHDOG", kDevice,
+  throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
               fmt::format("{} stays in its safe mode when told to leave it", link_.peer()),
               "Look at the module's own page for what holds it there (host connection watchdog), then start anew.");
 }
@@ -86,7 +84,7 @@ std::uint16_t AnalogModule::fallbacks() {
 void AnalogModule::blame_watchdog(const Fault& fault, Nanoseconds time) {
   const bool possible = fault.id() == "TB-MODBUS-EXCEPTION" || fault.id() == "TB-MODULE-READBACK";
   if (!possible || fallbacks() == fallbacks_at_start_) return;
-  throw Fault("TB-MODULE-WATCHDOG", kDevice,
+  throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
               fmt::format("{}; its watchdog ({:g} ms) has fallen back since the start, the last write is {:g} ms old",
                           fault.what(), in_milliseconds(watchdog_), in_milliseconds(time - last_write_time_)),
               "The outputs stand at zero. Find out why the set-point was not rewritten in time, then start anew.");

@@ -8,10 +8,10 @@ namespace tactbench::devices {
 namespace {
 
 constexpr std::size_t kTime = 0;
-constexpr std::size_t kReset = 1;
-constexpr std::size_t kType = 2;
+constexpr std::size_t kWatchdogReset = 1;
+constexpr std::size_t kWatchdogType = 2;
 constexpr std::size_t kFallback = 3;
-constexpr std::size_t kWriteLock = 4;
+constexpr std::size_t kWatchdogWriteLock = 4;
 constexpr std::uint16_t kFedByAny = 1;
 constexpr std::uint16_t kOff = 2;
 constexpr std::uint16_t kFallToZero = 0;
@@ -42,7 +42,7 @@ ModuleRegisters::ModuleRegisters(SimulatedUnit unit, ChamberPort& chamber, const
 }
 
 void ModuleRegisters::turn() {
-  if (watchdog_at_ < 0 || !armed_ || settings_[kType] == kOff || clock_.now() < deadline_) return;
+  if (watchdog_at_ < 0 || !armed_ || settings_[kWatchdogType] == kOff || clock_.now() < deadline_) return;
   // The port was told at the last write when and to what it falls; here only the registers follow.
   armed_ = false;
   tripped_ = true;
@@ -100,7 +100,7 @@ std::uint16_t ModuleRegisters::read_one(int function, int address) {
   if (address >= watchdog_at_) return settings_[static_cast<std::size_t>(address - watchdog_at_)];
   switch (address - watchdog_at_ - kStatusOffset) {
     case 0: {
-      if (!armed_ || settings_[kType] == kOff) return 0;
+      if (!armed_ || settings_[kWatchdogType] == kOff) return 0;
       return static_cast<std::uint16_t>(
           std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - clock_.now()).count());
     }
@@ -143,7 +143,7 @@ Refusal ModuleRegisters::write_bit(int address, bool value) {
 
 Refusal ModuleRegisters::write(int client, int address, std::span<const std::uint16_t> values) {
   if (outputs_hold(address, values.size())) {
-    const bool locked = settings_[kWriteLock] == 1 && master_ != kNobody && master_ != client;
+    const bool locked = settings_[kWatchdogWriteLock] == 1 && master_ != kNobody && master_ != client;
     if (tripped_ || locked) return Refusal::kFailure;
     if (master_ == kNobody) master_ = client;
     const auto first_channel = static_cast<std::size_t>(address - out_.address);
@@ -169,15 +169,15 @@ Refusal ModuleRegisters::write(int client, int address, std::span<const std::uin
 
 Refusal ModuleRegisters::write_setting(int offset, std::uint16_t value) {
   const auto which = static_cast<std::size_t>(offset);
-  if (which == kReset) {
+  if (which == kWatchdogReset) {
     if (reset_begun_ && value == 0xAFFE) tripped_ = false;
     reset_begun_ = value == 0xBECF;
     return Refusal::kNone;
   }
-  const std::uint16_t most = which == kTime ? 60'000 : which == kType ? kOff : which == kFallback ? kFreeze : 1;
+  const std::uint16_t most = which == kTime ? 60'000 : which == kWatchdogType ? kOff : which == kFallback ? kFreeze : 1;
   if (value > most || (which == kTime && value == 0)) return Refusal::kValue;
   settings_[which] = value;
-  if (armed_ && which != kWriteLock) {  // a changed watchdog starts its time anew
+  if (armed_ && which != kWatchdogWriteLock) {  // a changed watchdog starts its time anew
     deadline_ = clock_.now() + std::chrono::milliseconds(settings_[kTime]);
     drive();
   }
@@ -185,7 +185,7 @@ Refusal ModuleRegisters::write_setting(int offset, std::uint16_t value) {
 }
 
 void ModuleRegisters::feed(bool by_write) {
-  if (!armed_ || (!by_write && settings_[kType] != kFedByAny)) return;
+  if (!armed_ || (!by_write && settings_[kWatchdogType] != kFedByAny)) return;
   deadline_ = clock_.now() + std::chrono::milliseconds(settings_[kTime]);
   drive();
 }
@@ -196,7 +196,7 @@ void ModuleRegisters::drive() {
   // Where 15 bits are the full scale (a unipolar output terminal), a negative word is clipped to 0 V.
   const bool negative = out_.volts.raw_low >= 0.0 && out_.volts.raw_high <= 0x7FFF && (counts & 0x8000U) != 0;
   const Volts volts(negative ? 0.0 : out_.volts.physical(counts));
-  const bool off = watchdog_at_ < 0 || settings_[kType] == kOff;
+  const bool off = watchdog_at_ < 0 || settings_[kWatchdogType] == kOff;
   chamber_.drive(volts, off ? Nanoseconds::max() : deadline_, settings_[kFallback] == kFreeze ? volts : Volts(0.0));
 }
 

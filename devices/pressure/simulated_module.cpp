@@ -21,16 +21,6 @@ namespace {
 constexpr std::size_t kMaxClients = 32;
 constexpr std::size_t kHeaderBytes = 7;  // MBAP: transaction, protocol, length of what follows, unit
 
-std::size_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<std::size_t>(bytes[at]) << 8U | bytes[at + 1];
-}
-
-struct Client {
-  int socket = -1;
-  int number = 0;
-  std::vector<std::uint8_t> received;
-};
-
 }  // namespace
 
 // libmodbus listens and answers. Requests are gathered here, a socket read each, since modbus_receive() would let a
@@ -65,6 +55,12 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
   [[nodiscard]] int port() const override { return port_; }
 
  private:
+  struct Client {
+    int socket = -1;
+    int number = 0;
+    std::vector<std::uint8_t> received;
+  };
+
   void serve() override {
     std::vector<pollfd> descriptors;
     for (;;) {

@@ -17,10 +17,6 @@ namespace {
 
 constexpr int kRegisters = 65536;  // the whole map: profiles put theirs anywhere
 
-std::size_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<std::size_t>(bytes[at]) << 8U | bytes[at + 1];
-}
-
 }  // namespace
 
 SimulatedModule::Server::Server(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock,

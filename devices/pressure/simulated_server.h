@@ -14,6 +14,11 @@
 
 namespace tactbench::devices {
 
+// A big-endian word of a Modbus frame.
+inline std::size_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return static_cast<std::size_t>(bytes[at]) << 8U | bytes[at + 1];
+}
+
 class SimulatedModule::Server {
  public:
   Server(std::vector<SimulatedUnit> units, ChamberPort& chamber, const Clock& clock, SimulatedModuleFaults faults);

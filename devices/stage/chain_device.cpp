@@ -11,8 +11,8 @@ using enum ZaberCommand;
 
 constexpr Nanoseconds kTracking = std::chrono::milliseconds(250);
 constexpr std::size_t kRemembered = 256;
-constexpr double kSpeedUnit = 9.375;
-constexpr double kAccelerationUnit = 11250.0;
+constexpr double kDeviceSpeedUnit = 9.375;
+constexpr double kDeviceAccelerationUnit = 11250.0;
 
 double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
@@ -164,11 +164,11 @@ std::int32_t ChainDevice::error_of_move(const ZaberFrame& frame, Nanoseconds now
 
 double ChainDevice::acceleration() const {
   const int data = setting(kAcceleration) == 0 ? 512 * setting(kResolution) - 1 : setting(kAcceleration);
-  return data * kAccelerationUnit;
+  return data * kDeviceAccelerationUnit;
 }
 
 void ChainDevice::go_home(const ZaberFrame& frame, double pace, Nanoseconds now) {
-  const double speed = kSpeedUnit * std::max(setting(kHomeSpeed), 1);
+  const double speed = kDeviceSpeedUnit * std::max(setting(kHomeSpeed), 1);
   const double home = setting(kHomeOffset) + motion_.slipped;
   begin(frame, Ramp::to(believed(now), pace, home, speed, acceleration()), now);
 }
@@ -176,7 +176,7 @@ void ChainDevice::go_home(const ZaberFrame& frame, double pace, Nanoseconds now)
 void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
   const double place = believed(now);
   const double pace = velocity(now);
-  const double speed = kSpeedUnit * std::max(setting(kTargetSpeed), 1);
+  const double speed = kDeviceSpeedUnit * std::max(setting(kTargetSpeed), 1);
   const auto go = [&](double target, double at) {
     begin(frame, Ramp::to(place, pace, target, at, acceleration()), now);
   };
@@ -191,7 +191,7 @@ void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
       return go(zero_ + stored_[static_cast<std::size_t>(frame.data)], speed);
     case kConstantSpeed:
       if (frame.data == 0) return begin(frame, Ramp::to_rest(place, pace, acceleration()), now);
-      return go(frame.data > 0 ? zero_ + setting(kMaximumPosition) : zero_, kSpeedUnit * std::abs(frame.data));
+      return go(frame.data > 0 ? zero_ + setting(kMaximumPosition) : zero_, kDeviceSpeedUnit * std::abs(frame.data));
     default:
       return begin(frame, Ramp::to_rest(place, pace, acceleration()), now);
   }

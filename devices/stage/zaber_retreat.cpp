@@ -10,10 +10,10 @@ namespace tactbench::devices {
 namespace {
 
 using enum ZaberCommand;
-using SteadyTime = std::chrono::steady_clock;
+using RetreatClock = std::chrono::steady_clock;
 
 constexpr Nanoseconds kPoll = std::chrono::milliseconds(20);
-constexpr std::int32_t kFullResolution = 64;
+constexpr std::int32_t kRetreatResolution = 64;
 
 class Retreat {
  public:
@@ -43,8 +43,8 @@ class Retreat {
     line_.settle();
     line_.send_plainly(0, kStop, 0);
     std::array<bool, kAxes> stands{};
-    const auto end = SteadyTime::now() + options_.halt_timeout;
-    while (SteadyTime::now() < end) {
+    const auto end = RetreatClock::now() + options_.halt_timeout;
+    while (RetreatClock::now() < end) {
       for (std::size_t i = 0; i < stands.size(); ++i) {
         if (stands[i]) continue;
         const std::uint8_t device = options_.axes[i].device;
@@ -73,14 +73,14 @@ class Retreat {
     }
     const auto resolution = ask(z(), kReturnSetting, static_cast<std::int32_t>(kResolution));
     ZaberUnits units;
-    units.microstep_mm = model->full_step_mm / (resolution && *resolution > 0 ? *resolution : kFullResolution);
+    units.microstep_mm = model->full_step_mm / (resolution && *resolution > 0 ? *resolution : kRetreatResolution);
     const std::int32_t target = std::max(0, *position - units.microsteps(back_off).value_or(*position));
     // Contact was perhaps approached at a crawl; a target that is not negative reads the same with and without ids.
     if (const auto speed = units.speed_data(options_.axes.back().maximum_speed)) (void)ask(z(), kTargetSpeed, *speed);
     line_.send_plainly(z(), kMoveAbsolute, target);
-    const auto end = SteadyTime::now() + move_timeout;
+    const auto end = RetreatClock::now() + move_timeout;
     std::optional<std::int32_t> now = position;
-    while (now != target && SteadyTime::now() < end) {
+    while (now != target && RetreatClock::now() < end) {
       std::this_thread::sleep_for(kPoll);
       now = ask(z(), kPosition);
     }

@@ -12,7 +12,7 @@ namespace {
 
 using enum ZaberCommand;
 
-constexpr Nanoseconds kRenumbering = std::chrono::seconds(1);  // the host must send nothing meanwhile
+constexpr Nanoseconds kRenumberingSilence = std::chrono::seconds(1);  // the host must send nothing meanwhile
 constexpr Nanoseconds kHaltPoll = std::chrono::milliseconds(20);
 constexpr int kAttempts = 2;
 constexpr std::int32_t kFullResolution = 64;
@@ -102,8 +102,8 @@ std::int32_t ZaberStage::setting(Axis axis, ZaberCommand command) {
 }
 
 void ZaberStage::renumber() {
-  line_->renumber(kAxes, kRenumbering + options_.reply_timeout);
-  clock_.wait_until(clock_.now() + kRenumbering);
+  line_->renumber(kAxes, kRenumberingSilence + options_.reply_timeout);
+  clock_.wait_until(clock_.now() + kRenumberingSilence);
   line_->settle();
 }
 

@@ -12,13 +12,14 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr const char* kDevice = "tactile scanner";
+constexpr const char* kDaqmxDevice = "tactile scanner";
 constexpr double kFullCount = 65535.0;
 constexpr double kBelowZero = -0.01;  // of the range
 
 void require_geometry(bool holds, const std::string& what) {
   if (holds) return;
-  throw Fault("TB-SCANNER-GEOMETRY", kDevice, what, "Correct channels, lines, rows and columns in the bench file.");
+  throw Fault("TB-SCANNER-GEOMETRY", kDaqmxDevice, what,
+              "Correct channels, lines, rows and columns in the bench file.");
 }
 
 // The driver's refusal in this interface's words; what is of no concern here stays as it is.
@@ -30,7 +31,7 @@ void require_geometry(bool holds, const std::string& what) {
                    : error->device_gone()         ? "TB-SCANNER-LOST"
                    : error->samples_lost()        ? "TB-SCANNER-CORRUPT"
                                                   : fault.id().c_str();
-  throw Fault(id, kDevice, fault.what(), fault.remedy());
+  throw Fault(id, kDaqmxDevice, fault.what(), fault.remedy());
 }
 
 }  // namespace

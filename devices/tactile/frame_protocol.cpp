@@ -43,7 +43,7 @@ void put_text(Bytes& bytes, const std::string& text) {
 }
 
 // Takes values off the front; `failed` once something was missing or wrong.
-struct Reader {
+struct PayloadReader {
   std::span<const std::uint8_t> rest;
   bool failed = false;
 
@@ -134,9 +134,9 @@ void write(Bytes& bytes, const Error& e) {
 }
 
 template <class Empty>
-void read(Reader&, Empty&) {}
-void read(Reader& in, Identify& i) { i.version = in.get<std::uint16_t>(); }
-void read(Reader& in, Description& d) {
+void read(PayloadReader&, Empty&) {}
+void read(PayloadReader& in, Identify& i) { i.version = in.get<std::uint16_t>(); }
+void read(PayloadReader& in, Description& d) {
   d.version = in.get<std::uint16_t>();
   d.rows = in.get<std::uint16_t>();
   d.columns = in.get<std::uint16_t>();
@@ -144,7 +144,7 @@ void read(Reader& in, Description& d) {
   d.volts_per_count = std::bit_cast<double>(in.get<std::uint64_t>());
   for (std::string* text : {&d.model, &d.serial, &d.firmware}) *text = in.text();
 }
-void read(Reader& in, Frame& f) {
+void read(PayloadReader& in, Frame& f) {
   f.device_time_us = in.get<std::uint64_t>();
   f.counter = in.get<std::uint32_t>();
   f.rows = in.get<std::uint16_t>();
@@ -155,7 +155,7 @@ void read(Reader& in, Frame& f) {
   f.counts.resize(in.rest.size() / 2);
   for (std::uint16_t& count : f.counts) count = in.get<std::uint16_t>();
 }
-void read(Reader& in, Error& e) {
+void read(PayloadReader& in, Error& e) {
   e.code = static_cast<ErrorCode>(in.get<std::uint16_t>());
   e.text = in.text();
 }
@@ -205,7 +205,7 @@ std::optional<Message> decode(const Packet& packet) {
   if (type == kTypes.end()) return std::nullopt;
   Message message{packet.tag, empty_body(static_cast<std::size_t>(type - kTypes.begin()),
                                          std::make_index_sequence<std::variant_size_v<Body>>{})};
-  Reader in{packet.payload};
+  PayloadReader in{packet.payload};
   const bool sound = std::visit(
       [&](auto& body) {
         read(in, body);

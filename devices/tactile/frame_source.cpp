@@ -14,10 +14,8 @@ namespace tactbench::devices {
 namespace {
 
 namespace protocol = frame_protocol;
-constexpr const char* kDevice = "tactile scanner";
+constexpr const char* kSourceDevice = "tactile scanner";
 constexpr int kMostStale = 10'000;  // a source that never rests must not hold us
-
-double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
 // Runs `talk`; a stream that is gone becomes this room's word for it.
 template <class Talk>
@@ -27,7 +25,7 @@ auto with_source(Talk&& talk) {
   } catch (const Fault& fault) {
     if (!fault.id().starts_with("TB-SERIAL-")) throw;
     const bool slow = fault.id() == "TB-SERIAL-TIMEOUT";
-    throw Fault(slow ? "TB-SCANNER-TIMEOUT" : "TB-SCANNER-LOST", kDevice,
+    throw Fault(slow ? "TB-SCANNER-TIMEOUT" : "TB-SCANNER-LOST", kSourceDevice,
                 fmt::format("the frame source {}: {}", slow ? "does not listen" : "is gone", fault.what()),
                 fault.remedy());
   }
@@ -49,13 +47,13 @@ void FrameSource::identify() {
     corrupt(fmt::format("it speaks version {} of the protocol, not {}", described_.version, protocol::kVersion));
   }
   if (described_.rows != options_.rows || described_.columns != options_.columns) {
-    throw Fault("TB-SCANNER-GEOMETRY", kDevice,
+    throw Fault("TB-SCANNER-GEOMETRY", kSourceDevice,
                 fmt::format("a scanner of {} x {} taxels was asked for, {} says {} x {}", options_.rows,
                             options_.columns, stream_->description(), described_.rows, described_.columns),
                 "Correct rows and columns in the sensor file, or connect the scanner meant.");
   }
   if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
-    throw Fault("TB-SCANNER-SERIAL", kDevice,
+    throw Fault("TB-SCANNER-SERIAL", kSourceDevice,
                 fmt::format("scanner '{}' was asked for, '{}' answers on {}", options_.expected_serial,
                             described_.serial, stream_->description()),
                 "Connect the scanner meant, or correct its serial in the bench file.");
@@ -63,7 +61,7 @@ void FrameSource::identify() {
 }
 
 void FrameSource::corrupt(const std::string& what) const {
-  throw Fault("TB-SCANNER-CORRUPT", kDevice, fmt::format("frame source {}: {}", stream_->description(), what),
+  throw Fault("TB-SCANNER-CORRUPT", kSourceDevice, fmt::format("frame source {}: {}", stream_->description(), what),
               "Connect anew; when it comes back, hold the source against frame_protocol.md.");
 }
 
@@ -101,7 +99,7 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
     // An error with tag 0 speaks of a request that the source could not read.
     const auto* error = std::get_if<protocol::Error>(&answer->body);
     if (error != nullptr && (answer->tag == tag || answer->tag == 0)) {
-      throw Fault("TB-SCANNER-REFUSED", kDevice,
+      throw Fault("TB-SCANNER-REFUSED", kSourceDevice,
                   fmt::format("asking {} {}: error {} '{}'", stream_->description(), asked,
                               static_cast<int>(error->code), error->text),
                   "See what the source's own program says.");
@@ -110,9 +108,9 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
     if (std::chrono::steady_clock::now() >= end) break;
   }
   clock_.reply_lost(options_.frame_timeout);
-  throw Fault("TB-SCANNER-TIMEOUT", kDevice,
+  throw Fault("TB-SCANNER-TIMEOUT", kSourceDevice,
               fmt::format("asking {} {}: no answer within {:g} ms", stream_->description(), asked,
-                          milliseconds(options_.frame_timeout)),
+                          in_milliseconds(options_.frame_timeout)),
               "Check the source's program and the network, then start anew.");
 }
 

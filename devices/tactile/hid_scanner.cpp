@@ -13,13 +13,11 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr const char* kDevice = "tactile scanner";
+constexpr const char* kHidDevice = "tactile scanner";
 using Buffer = std::array<std::uint8_t, kScanReportBytes + 1>;  // one more shows a report that is too long
 
-double milliseconds(Nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
-
 [[noreturn]] void corrupt(const ReportLink& link, const std::string& what) {
-  throw Fault("TB-SCANNER-CORRUPT", kDevice, fmt::format("{}, on {}", what, link.description()),
+  throw Fault("TB-SCANNER-CORRUPT", kHidDevice, fmt::format("{}, on {}", what, link.description()),
               "Read again; when it comes back, check the scanner's cable and its firmware.");
 }
 
@@ -42,7 +40,7 @@ void with_scanner(Talk&& talk) {
     talk();
   } catch (const Fault& fault) {
     if (fault.id() != "TB-HID-LOST" && fault.id() != "TB-HID-WRITE") throw;
-    throw Fault("TB-SCANNER-LOST", kDevice, fmt::format("the scanner is gone: {}", fault.what()), fault.remedy());
+    throw Fault("TB-SCANNER-LOST", kHidDevice, fmt::format("the scanner is gone: {}", fault.what()), fault.remedy());
   }
 }
 
@@ -62,7 +60,7 @@ HidScanner::HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions optio
   const bool sane = std::isfinite(described_.volts_per_count) && described_.volts_per_count > 0.0F;
   if (described_.rows != options_.rows || described_.columns != options_.columns || options_.rows < 1 ||
       options_.columns < 1 || options_.columns > kScanColumns || !sane) {
-    throw Fault("TB-SCANNER-GEOMETRY", kDevice,
+    throw Fault("TB-SCANNER-GEOMETRY", kHidDevice,
                 fmt::format("a scanner of {} x {} taxels was asked for (columns up to {}), {} says {} x {} with {:g} V "
                             "per count",
                             options_.rows, options_.columns, kScanColumns, link_->description(), described_.rows,
@@ -70,7 +68,7 @@ HidScanner::HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions optio
                 "Correct rows and columns in the sensor file, or connect the scanner meant.");
   }
   if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
-    throw Fault("TB-SCANNER-SERIAL", kDevice,
+    throw Fault("TB-SCANNER-SERIAL", kHidDevice,
                 fmt::format("scanner '{}' was asked for, '{}' answers on {}", options_.expected_serial,
                             described_.serial, link_->description()),
                 "Connect the scanner meant, or correct its serial in the bench file.");
@@ -87,9 +85,9 @@ std::uint16_t HidScanner::send(ScanCommand command) {
 
 void HidScanner::timed_out(const std::string& asked, const std::string& came) {
   clock_.reply_lost(options_.frame_timeout);
-  throw Fault("TB-SCANNER-TIMEOUT", kDevice,
+  throw Fault("TB-SCANNER-TIMEOUT", kHidDevice,
               fmt::format("{} of {}: {} within {:g} ms", asked, link_->description(), came,
-                          milliseconds(options_.frame_timeout)),
+                          in_milliseconds(options_.frame_timeout)),
               "Check the scanner's power and cable, then start anew.");
 }
 
@@ -138,7 +136,7 @@ void HidScanner::read_scan(ScanSet& set, int index) {
       if (complete == 0) timed_out(fmt::format("asking scan {} (tag {})", index, tag), "no report");
       clock_.reply_lost(options_.frame_timeout);
       corrupt(*link_, fmt::format("scan with tag {}: row {} did not come within {:g} ms", tag, missing_rows(seen),
-                                  milliseconds(options_.frame_timeout)));
+                                  in_milliseconds(options_.frame_timeout)));
     }
     const auto report = decode_row(std::span(buffer).first(size));
     if (!report) {

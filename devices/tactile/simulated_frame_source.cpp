@@ -25,15 +25,7 @@ namespace {
 
 namespace protocol = frame_protocol;
 using Real = std::chrono::steady_clock;
-constexpr std::size_t kMaxClients = 16;
-
-struct Client {
-  int socket = -1;
-  protocol::Parser parser;
-  std::vector<std::uint8_t> unsent;           // while any, no request of this client is read
-  bool closing = false;                       // once all is sent
-  std::optional<std::uint16_t> subscription;  // its tag
-};
+constexpr std::size_t kMaxSubscribers = 16;
 
 }  // namespace
 
@@ -74,6 +66,14 @@ class SimulatedFrameSource::Server {
   [[nodiscard]] int port() const { return options_.port; }
 
  private:
+  struct Subscriber {
+    int socket = -1;
+    protocol::Parser parser;
+    std::vector<std::uint8_t> unsent;           // while any, no request of this client is read
+    bool closing = false;                       // once all is sent
+    std::optional<std::uint16_t> subscription;  // its tag
+  };
+
   [[noreturn]] void fail(const std::string& why) {
     release();
     throw Fault("TB-SIM-LISTEN", "simulated frame source",
@@ -82,7 +82,7 @@ class SimulatedFrameSource::Server {
   }
 
   void release() {
-    for (const Client& client : clients_) ::close(client.socket);
+    for (const Subscriber& client : clients_) ::close(client.socket);
     for (int* descriptor : {&listener_, &stop_}) {
       if (*descriptor >= 0) ::close(std::exchange(*descriptor, -1));
     }
@@ -91,27 +91,28 @@ class SimulatedFrameSource::Server {
   void serve() {
     std::vector<pollfd> watched;
     for (;;) {
-      const int listener = clients_.size() < kMaxClients ? listener_ : -1;  // poll() passes over negative ones
+      const int listener = clients_.size() < kMaxSubscribers ? listener_ : -1;  // poll() passes over negative ones
       watched.assign({{stop_, POLLIN, 0}, {listener, POLLIN, 0}});
-      for (const Client& client : clients_) {
+      for (const Subscriber& client : clients_) {
         watched.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
       }
       const timespec left = time_to_frame();
       if (::ppoll(watched.data(), watched.size(), subscribed() ? &left : nullptr, nullptr) < 0) continue;
       if (watched[0].revents != 0) return;
       for (std::size_t i = 2; i < watched.size(); ++i) {
-        Client& client = clients_[i - 2];
+        Subscriber& client = clients_[i - 2];
         const bool open = watched[i].revents == 0 || (client.unsent.empty() ? attend(client) : flush(client));
         if (!open) ::close(std::exchange(client.socket, -1));
       }
-      std::erase_if(clients_, [](const Client& client) { return client.socket < 0; });
+      std::erase_if(clients_, [](const Subscriber& client) { return client.socket < 0; });
       if (watched[1].revents != 0) accept();
       if (subscribed() && Real::now() >= next_frame_) publish();
     }
   }
 
   [[nodiscard]] bool subscribed() const {
-    return std::any_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.subscription.has_value(); });
+    return std::any_of(clients_.begin(), clients_.end(),
+                       [](const Subscriber& c) { return c.subscription.has_value(); });
   }
 
   [[nodiscard]] timespec time_to_frame() const {
@@ -129,7 +130,7 @@ class SimulatedFrameSource::Server {
   }
 
   // False: the connection is to be closed.
-  bool attend(Client& client) {
+  bool attend(Subscriber& client) {
     std::uint8_t bytes[512];
     const ssize_t got = ::recv(client.socket, bytes, sizeof bytes, 0);
     if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
@@ -143,7 +144,7 @@ class SimulatedFrameSource::Server {
     return flush(client);
   }
 
-  bool flush(Client& client) {
+  bool flush(Subscriber& client) {
     while (!client.unsent.empty()) {
       const ssize_t sent = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
       if (sent < 0 && errno == EINTR) continue;
@@ -153,12 +154,12 @@ class SimulatedFrameSource::Server {
     return !client.closing;
   }
 
-  static void put(Client& client, const protocol::Message& message) {
+  static void put(Subscriber& client, const protocol::Message& message) {
     const auto bytes = protocol::encode(message);
     client.unsent.insert(client.unsent.end(), bytes.begin(), bytes.end());
   }
 
-  void answer(Client& client, const protocol::Packet& packet) {
+  void answer(Subscriber& client, const protocol::Packet& packet) {
     const auto error = [&](protocol::ErrorCode code, const char* text) {
       put(client, {packet.tag, protocol::Error{code, text}});
     };
@@ -198,7 +199,7 @@ class SimulatedFrameSource::Server {
     return true;
   }
 
-  void scan(Client& client, std::uint16_t tag) {
+  void scan(Subscriber& client, std::uint16_t tag) {
     const auto& faults = options_.faults;
     const long number = scans_++;
     if (faults.silent_after_scans >= 0 && number >= faults.silent_after_scans) return;
@@ -222,12 +223,12 @@ class SimulatedFrameSource::Server {
   void publish() {
     next_frame_ = std::max(next_frame_ + period_, Real::now());
     if (!make_frame()) return;
-    for (Client& client : clients_) {
+    for (Subscriber& client : clients_) {
       if (!client.subscription || !client.unsent.empty()) continue;
       put(client, {*client.subscription, last_});
       if (!flush(client)) ::close(std::exchange(client.socket, -1));
     }
-    std::erase_if(clients_, [](const Client& client) { return client.socket < 0; });
+    std::erase_if(clients_, [](const Subscriber& client) { return client.socket < 0; });
   }
 
   SimulatedFrameSourceOptions options_;
@@ -242,7 +243,7 @@ class SimulatedFrameSource::Server {
   Trouble trouble_ = Trouble::kNone;  // of the request being answered
   int listener_ = -1;
   int stop_ = -1;
-  std::vector<Client> clients_;
+  std::vector<Subscriber> clients_;
   std::thread thread_;
 };
 

@@ -23,7 +23,7 @@ struct NamedError {
   const char* name;
   const char* remedy;
 };
-constexpr std::array kErrors = {
+constexpr std::array kDaqmxErrors = {
     NamedError{-200284, "samples not yet available", "Allow a longer timeout, or check the sample clock."},
     NamedError{-200279, "samples overwritten before they were read", "Lower the sample rate."},
     NamedError{-200221, "timeout", "Allow a longer timeout; check the device's cable."},
@@ -112,8 +112,9 @@ void DaqmxApi::check(int code, const std::string& asked) {
     if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
     return;
   }
-  const auto known = std::find_if(kErrors.begin(), kErrors.end(), [&](const auto& e) { return e.code == code; });
-  const bool named = known != kErrors.end();
+  const auto known =
+      std::find_if(kDaqmxErrors.begin(), kDaqmxErrors.end(), [&](const auto& e) { return e.code == code; });
+  const bool named = known != kDaqmxErrors.end();
   throw DaqmxError(code,
                    fmt::format("{}: NI-DAQmx error {}{}{}: {}", asked, code, named ? ", " : "",
                                named ? known->name : "", words.data()),

@@ -55,7 +55,7 @@ bool DescriptorChannel::send(const std::string& text, int descriptor) const noex
   return sent == static_cast<ssize_t>(text.size());
 }
 
-std::optional<Packet> DescriptorChannel::receive(Nanoseconds timeout) {
+std::optional<ChannelPacket> DescriptorChannel::receive(Nanoseconds timeout) {
   if (closed_ || wait_for(socket_, POLLIN, timeout) == 0) return std::nullopt;
   std::vector<char> bytes(kMostBytes);
   iovec part{bytes.data(), bytes.size()};
@@ -71,7 +71,7 @@ std::optional<Packet> DescriptorChannel::receive(Nanoseconds timeout) {
     closed_ = true;
     return std::nullopt;
   }
-  Packet packet{std::string(bytes.data(), static_cast<std::size_t>(got)), -1};
+  ChannelPacket packet{std::string(bytes.data(), static_cast<std::size_t>(got)), -1};
   const cmsghdr* header = CMSG_FIRSTHDR(&message);
   if (header != nullptr && header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_RIGHTS) {
     std::memcpy(&packet.descriptor, CMSG_DATA(header), sizeof(int));

@@ -10,7 +10,7 @@
 
 namespace tactbench::devices {
 
-struct Packet {
+struct ChannelPacket {
   std::string text;
   int descriptor = -1;  // owned by who received it; -1: none came
 };
@@ -28,7 +28,7 @@ class DescriptorChannel {
   // False when the other side is gone or takes nothing. Never blocks, raises no signal.
   bool send(const std::string& text, int descriptor = -1) const noexcept;
   // The next packet, none when none came within `timeout` or the other side is gone (closed() then says so).
-  [[nodiscard]] std::optional<Packet> receive(Nanoseconds timeout);
+  [[nodiscard]] std::optional<ChannelPacket> receive(Nanoseconds timeout);
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] int socket() const { return socket_; }
 

@@ -118,7 +118,7 @@ class PacketLink final : public ReportLink {
   std::array<mmsghdr, kBatch> messages_{};
 };
 
-[[noreturn]] void fail_open(const std::string& path, const char* why) {
+[[noreturn]] void fail_open_packets(const std::string& path, const char* why) {
   throw Fault("TB-HID-OPEN", "packet socket " + path, fmt::format("opening the packet socket {}: {}", path, why),
               "Check that the simulated scanner runs and that the path in the bench file is its own.");
 }
@@ -128,15 +128,15 @@ class PacketLink final : public ReportLink {
 std::unique_ptr<ReportLink> open_packet_link(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path) fail_open(path, "the path is empty or too long");
+  if (path.empty() || path.size() >= sizeof address.sun_path) fail_open_packets(path, "the path is empty or too long");
   std::copy(path.begin(), path.end(), address.sun_path);
   const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (socket < 0) fail_open(path, std::strerror(errno));
+  if (socket < 0) fail_open_packets(path, std::strerror(errno));
   // Non-blocking: a listener whose queue is full refuses at once (EAGAIN) instead of holding us.
   if (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error = errno;
     ::close(socket);
-    fail_open(path, std::strerror(error));
+    fail_open_packets(path, std::strerror(error));
   }
   return std::make_unique<PacketLink>(socket, path);
 }

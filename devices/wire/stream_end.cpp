@@ -19,10 +19,10 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr const char* kTcp = "tcp:";
-constexpr const char* kUnix = "unix:";
+constexpr const char* kTcpForm = "tcp:";
+constexpr const char* kUnixForm = "unix:";
 
-[[noreturn]] void fail(const std::string& listen, const std::string& why) {
+[[noreturn]] void fail_listen(const std::string& listen, const std::string& why) {
   throw Fault("TB-SIM-LISTEN", "simulated serial line", fmt::format("listening on {}: {}", listen, why),
               "Choose another port or path; the forms are tcp:PORT and unix:PATH.");
 }
@@ -42,16 +42,16 @@ void StreamEnd::plug_in() {
   if (listen_.empty()) {
     terminal_ = std::make_unique<PseudoTerminal>();
     address_ = terminal_->path();
-  } else if (listen_.starts_with(kTcp)) {
+  } else if (listen_.starts_with(kTcpForm)) {
     int port = -1;
-    const char* text = listen_.c_str() + std::strlen(kTcp);
+    const char* text = listen_.c_str() + std::strlen(kTcpForm);
     const char* end = listen_.c_str() + listen_.size();
-    if (std::from_chars(text, end, port).ptr != end || port < 0 || port > 65535) fail(listen_, "no such port");
+    if (std::from_chars(text, end, port).ptr != end || port < 0 || port > 65535) fail_listen(listen_, "no such port");
     listen_tcp(port);
-  } else if (listen_.starts_with(kUnix)) {
-    listen_unix(listen_.substr(std::strlen(kUnix)));
+  } else if (listen_.starts_with(kUnixForm)) {
+    listen_unix(listen_.substr(std::strlen(kUnixForm)));
   } else {
-    fail(listen_, "the address is not understood");
+    fail_listen(listen_, "the address is not understood");
   }
 }
 
@@ -63,7 +63,7 @@ void StreamEnd::listen_at(const void* address, std::size_t size) {
   if (listener_ < 0 || ::bind(listener_, generic, static_cast<socklen_t>(size)) != 0 || ::listen(listener_, 4) != 0) {
     const int error = errno;
     close_all({&listener_});
-    fail(listen_, std::strerror(error));
+    fail_listen(listen_, std::strerror(error));
   }
 }
 
@@ -75,14 +75,14 @@ void StreamEnd::listen_tcp(int port) {
   listen_at(&address, sizeof address);
   socklen_t size = sizeof address;
   ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
-  listen_ = fmt::format("{}{}", kTcp, ntohs(address.sin_port));
-  address_ = fmt::format("{}127.0.0.1:{}", kTcp, ntohs(address.sin_port));
+  listen_ = fmt::format("{}{}", kTcpForm, ntohs(address.sin_port));
+  address_ = fmt::format("{}127.0.0.1:{}", kTcpForm, ntohs(address.sin_port));
 }
 
 void StreamEnd::listen_unix(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path) fail(listen_, "the path is empty or too long");
+  if (path.empty() || path.size() >= sizeof address.sun_path) fail_listen(listen_, "the path is empty or too long");
   std::copy(path.begin(), path.end(), address.sun_path);
   // A socket file that nobody listens on was left by a program that was killed.
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -122,7 +122,7 @@ void StreamEnd::send(std::span<const std::uint8_t> bytes) {
 
 void StreamEnd::hang_up() {
   terminal_.reset();
-  if (listener_ >= 0 && listen_.starts_with(kUnix)) ::unlink(listen_.c_str() + std::strlen(kUnix));
+  if (listener_ >= 0 && listen_.starts_with(kUnixForm)) ::unlink(listen_.c_str() + std::strlen(kUnixForm));
   // The listener first: whoever sees the connection break must not get a new one.
   close_all({&listener_, &client_});
 }

@@ -111,7 +111,7 @@ class StreamLink final : public ByteStream {
   Nanoseconds write_timeout_;
 };
 
-[[noreturn]] void fail_open(const std::string& address, const std::string& why) {
+[[noreturn]] void fail_open_stream(const std::string& address, const std::string& why) {
   throw Fault("TB-SERIAL-OPEN", address, fmt::format("opening {}: {}", address, why),
               "Check that the instrument or its simulator runs and that the address in the bench file is its own.");
 }
@@ -120,19 +120,19 @@ class StreamLink final : public ByteStream {
 // stay set after a killed client, since the simulated end keeps the terminal open.
 Descriptor open_pty(const std::string& path) {
   Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (opened.get() < 0) fail_open(path, std::strerror(errno));
+  if (opened.get() < 0) fail_open_stream(path, std::strerror(errno));
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) fail_open(path, std::strerror(errno));
+    if (errno != EWOULDBLOCK) fail_open_stream(path, std::strerror(errno));
     throw Fault("TB-SERIAL-BUSY", path, fmt::format("opening {}: another program or device holds it", path),
                 "Close the other program, or correct the address in the bench file.");
   }
   termios settings{};
-  if (::tcgetattr(opened.get(), &settings) != 0) fail_open(path, std::strerror(errno));
+  if (::tcgetattr(opened.get(), &settings) != 0) fail_open_stream(path, std::strerror(errno));
   ::cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cc[VMIN] = 1;
   settings.c_cc[VTIME] = 0;
-  if (::tcsetattr(opened.get(), TCSANOW, &settings) != 0) fail_open(path, std::strerror(errno));
+  if (::tcsetattr(opened.get(), TCSANOW, &settings) != 0) fail_open_stream(path, std::strerror(errno));
   ::tcflush(opened.get(), TCIFLUSH);  // replies that the client before us left
   return opened;
 }
@@ -159,11 +159,11 @@ Descriptor connect_unix(const std::string& address, Nanoseconds timeout) {
   const std::string path = address.substr(std::strlen(kUnix));
   sockaddr_un local{};
   local.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof local.sun_path) fail_open(address, "the path is empty or too long");
+  if (path.empty() || path.size() >= sizeof local.sun_path) fail_open_stream(address, "the path is empty or too long");
   std::copy(path.begin(), path.end(), local.sun_path);
   std::string why;
   Descriptor opened(connect_within(AF_UNIX, reinterpret_cast<const sockaddr*>(&local), sizeof local, timeout, why));
-  if (opened.get() < 0) fail_open(address, why);
+  if (opened.get() < 0) fail_open_stream(address, why);
   return opened;
 }
 
@@ -171,7 +171,7 @@ Descriptor connect_tcp(const std::string& address, Nanoseconds timeout) {
   const std::string rest = address.substr(std::strlen(kTcp));
   const std::size_t colon = rest.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == rest.size()) {
-    fail_open(address, "the address is not of the form tcp:HOST:PORT");
+    fail_open_stream(address, "the address is not of the form tcp:HOST:PORT");
   }
   std::string host = rest.substr(0, colon);
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
@@ -179,14 +179,14 @@ Descriptor connect_tcp(const std::string& address, Nanoseconds timeout) {
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const int result = ::getaddrinfo(host.c_str(), rest.substr(colon + 1).c_str(), &hints, &found);
-  if (result != 0) fail_open(address, ::gai_strerror(result));
+  if (result != 0) fail_open_stream(address, ::gai_strerror(result));
   std::string why = "no address";
   int socket = -1;
   for (const addrinfo* one = found; one != nullptr && socket < 0; one = one->ai_next) {
     socket = connect_within(one->ai_family, one->ai_addr, one->ai_addrlen, timeout, why);
   }
   ::freeaddrinfo(found);
-  if (socket < 0) fail_open(address, why);
+  if (socket < 0) fail_open_stream(address, why);
   const int one = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
   return Descriptor(socket);
@@ -206,7 +206,7 @@ std::unique_ptr<ByteStream> open_stream(const std::string& address, Nanoseconds 
   if (address.starts_with(kTcp)) {
     return std::make_unique<StreamLink>(connect_tcp(address, timeout), address, true, timeout);
   }
-  fail_open(address, "a stream's address is /dev/pts/N, tcp:HOST:PORT or unix:PATH");
+  fail_open_stream(address, "a stream's address is /dev/pts/N, tcp:HOST:PORT or unix:PATH");
 }
 
 std::unique_ptr<ByteStream> adopt_stream(int descriptor, const std::string& address, Nanoseconds timeout) {
