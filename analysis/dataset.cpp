@@ -106,6 +106,9 @@ Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
     dataset.columns = frames.front().columns;
     dataset.scans = std::max(1, frames.front().scans);
   }
+  for (const db::EventRecord& event : store.events(run))
+    if (event.kind == "environment" && event.id == "temperature_c")
+      dataset.temperatures_c.push_back(std::stod(event.detail));
   const auto taxels = static_cast<std::size_t>(dataset.taxels());
   dataset.noise_v.assign(taxels, 0.0);
   dataset.at_limit.assign(taxels, false);

@@ -36,6 +36,7 @@ struct Dataset {
   std::vector<SequenceData> sequences;
   std::vector<double> noise_v;  // per taxel, standard deviation of one K-scan mean, from the K scans (0 if K = 1)
   std::vector<bool> at_limit;   // per taxel: a sample stood at the converter's limit
+  std::vector<double> temperatures_c;  // of the surroundings: the run's readings, none where the bench has no sensor
   [[nodiscard]] int taxels() const { return rows * columns; }
 };
 

@@ -121,6 +121,7 @@ Histories histories_of(const Dataset& dataset, const HistoriesOptions& options) 
   histories.rows = dataset.rows;
   histories.columns = dataset.columns;
   histories.scans = dataset.scans;
+  histories.temperatures_c = dataset.temperatures_c;
   const auto width = static_cast<std::size_t>(dataset.taxels());
   std::vector<CommonSequence> common;
   for (const SequenceData& sequence : dataset.sequences) {

@@ -29,6 +29,7 @@ struct Histories {
   int rows = 1, columns = 1, scans = 1;  // scans: averaged into a sample
   bool falling = false;                  // the output falls when the input rises: all outputs here are negated [A20]
   std::vector<std::string> sequences;
+  std::vector<double> temperatures_c;  // of the surroundings, where a run measured it
   std::vector<TaxelHistories> taxels;  // mean included, at the end, when there are several
 };
 

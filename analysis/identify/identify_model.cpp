@@ -25,18 +25,18 @@ std::unique_ptr<Identifier> prepare_elam(const FitData& /*like*/, const Identify
   return std::make_unique<ElamIdentifier>(options);
 }
 
-constexpr std::array<const char*, 6> kNames = {"elam", "gpi", "mpi", "poly", "preisach", "monotone"};
+constexpr std::array<const char*, 6> kModelNames = {"elam", "gpi", "mpi", "poly", "preisach", "monotone"};
 constexpr std::array<Prepare, 6> kPrepare = {prepare_elam, prepare_gpi,      prepare_mpi,
                                              prepare_poly, prepare_preisach, prepare_monotone};
 
 }  // namespace
 
-std::span<const char* const> model_names() { return kNames; }
+std::span<const char* const> model_names() { return kModelNames; }
 
 std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like, const IdentifyOptions& options) {
-  const auto found = std::ranges::find(kNames, name);
-  if (found == kNames.end()) throw std::invalid_argument("there is no model named \"" + name + "\"");
-  return kPrepare[static_cast<std::size_t>(found - kNames.begin())](like, options);
+  const auto found = std::ranges::find(kModelNames, name);
+  if (found == kModelNames.end()) throw std::invalid_argument("there is no model named \"" + name + "\"");
+  return kPrepare[static_cast<std::size_t>(found - kModelNames.begin())](like, options);
 }
 
 ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options) {

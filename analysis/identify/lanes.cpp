@@ -87,8 +87,8 @@ std::atomic<int> forced{-1};
 #pragma GCC diagnostic pop
 
 const char* to_string(LaneLevel level) {
-  constexpr std::array kNames{"base", "avx2", "avx512"};
-  return kNames[static_cast<std::size_t>(level)];
+  constexpr std::array kLevelNames{"base", "avx2", "avx512"};
+  return kLevelNames[static_cast<std::size_t>(level)];
 }
 
 std::span<const LaneLevel> lane_levels() {

@@ -10,13 +10,6 @@
 
 namespace tactbench::analysis {
 
-bool Range::contains(double value, double slack) const { return value >= low - slack && value <= high + slack; }
-
-void Range::widen(double value) {
-  low = std::min(low, value);
-  high = std::max(high, value);
-}
-
 const ModelTaxel& ModelDocument::taxel(int number) const {
   const auto found = std::ranges::find(taxels, number, &ModelTaxel::taxel);
   if (found != taxels.end()) return *found;
@@ -35,24 +28,6 @@ double ModelDocument::from_model(const ModelTaxel& own, double output) const {
 }
 
 namespace {
-
-void widen(std::optional<Range>& range, double value) {
-  if (!range) range = Range{value, value};
-  range->widen(value);
-}
-
-Validity validity_of(const std::vector<History>& histories) {
-  Validity validity;
-  for (const History& history : histories) {
-    for (const double x : history.x) widen(validity.input, x);
-    for (std::size_t i = 1; i < history.time_s.size(); ++i) {
-      widen(validity.hold_s, history.held_s[i]);
-      const double passed = history.time_s[i] - history.time_s[i - 1];
-      if (passed > 0.0) widen(validity.rate, std::abs(history.x[i] - history.x[i - 1]) / passed);
-    }
-  }
-  return validity;
-}
 
 // Taxels of a run share their inputs; those of a table need not.
 bool alike(const FitData& a, const FitData& b) {
@@ -81,7 +56,7 @@ ModelDocument fit_models(const std::string& model, const Histories& histories,
   document.falling = histories.falling;
   const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.status.empty(); });
   const FitData like = fit_data_of(*first, sequences);
-  document.validity = validity_of(named(first->score, sequences));
+  document.validity = validity_of(named(first->score, sequences), histories.temperatures_c);
   document.taxels.resize(histories.taxels.size());
   std::unique_ptr<Identifier> shared;
   try {

@@ -22,10 +22,15 @@ struct Range {
   [[nodiscard]] bool contains(double value, double slack = 0.0) const;
   void widen(double value);
 };
+// How far beyond a range an input is still inside it, of its length: what a rig does not repeat any better.
+inline constexpr double kInputSlack = 0.02;
+inline constexpr double kTemperatureSlack = 1.0;  // degC
 struct Validity {
   std::optional<Range> input, hold_s, rate, temperature_c;  // rate: input units a second
   std::string mount, interface_material;
 };
+
+Validity validity_of(const std::vector<History>& histories, const std::vector<double>& temperatures_c);
 
 struct ModelTaxel {
   int taxel = 0;
@@ -64,6 +69,11 @@ std::string to_text(const ModelDocument& document);
 std::string sha256_of(const ModelDocument& document);  // of that text
 // Throws AnalysisError TB-MODEL-DOCUMENT that says which member of `file` is missing, wrong or of a newer version.
 ModelDocument document_from_text(const std::string& text, const std::string& file);
+
+// In what the named sequences (empty: all) of `used` lie outside the model's validity, a line each: serials, inputs
+// beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is passed.
+std::vector<std::string> outside_validity(const ModelDocument& model, const Histories& used,
+                                          const std::vector<std::string>& sequences = {});
 
 // What the frame compensator of an array needs. Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not ELAM
 // with one split point a branch and without memory, or not of an array.

@@ -14,7 +14,7 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr std::size_t kTaxels = 256, kRows = 16;
+constexpr std::size_t kArrayTaxels = 256, kRows = 16;
 constexpr int kScored = 1000, kOperators = 12, kScans = 501;
 constexpr double kArrayVoltsPerCount = 5.0 / 65535.0;
 
@@ -23,9 +23,9 @@ double pressure_at(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame 
 // Twelve play operators a taxel, normal noise, 16 bit: as anybody would write it.
 class PlainArray {
  public:
-  PlainArray() : plays_(kTaxels) {}
+  PlainArray() : plays_(kArrayTaxels) {}
   void frame(double pressure) {
-    for (std::size_t t = 0; t < kTaxels; ++t) {
+    for (std::size_t t = 0; t < kArrayTaxels; ++t) {
       double sum = 0.0;
       for (int k = 0; k < kOperators; ++k) {
         double& play = plays_[t][static_cast<std::size_t>(k)];
@@ -40,7 +40,7 @@ class PlainArray {
 
  private:
   std::vector<std::array<double, kOperators>> plays_;
-  std::array<std::uint16_t, kTaxels> counts_{};
+  std::array<std::uint16_t, kArrayTaxels> counts_{};
   std::mt19937 random_{1};
   std::normal_distribution<double> normal_;
 };
@@ -63,11 +63,11 @@ double median_scan_us() {
 std::vector<Figure> benchmark_array(int rounds) {
   Specimen specimen({});
   PlainArray plain;
-  std::vector<double> volts(kTaxels);
+  std::vector<double> volts(kArrayTaxels);
   // The same plant behind the scanner: it asks while time stands still, and counts with noise come out.
   const devices::TurnedClock clock;
   Plant plant({}, clock);
-  std::vector<std::uint16_t> counts(kTaxels);
+  std::vector<std::uint16_t> counts(kArrayTaxels);
   std::vector<std::uint8_t> status(kRows);
   const std::vector<double> taken = best_seconds(rounds, {[&] {
                                                             for (int i = 0; i < kScored; ++i)

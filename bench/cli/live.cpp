@@ -111,6 +111,7 @@ void live(const LiveVerbOptions& options, const Session& session) {
                         {"origin", config.origin == devices::Origin::kSimulated ? "simulated" : "hardware"},
                         {"model", model.source},
                         {"other_scanner", summary.other_scanner},
+                        {"outside_validity", summary.outside},
                         {"frames", summary.frames},
                         {"lost_frames", summary.lost},
                         {"latency_us",
@@ -129,8 +130,8 @@ void live(const LiveVerbOptions& options, const Session& session) {
                           {"lost", flags.lost}}}});
     return;
   }
-  if (summary.other_scanner)
-    fmt::print(stderr, "the scanner is not the model's: all values are outside its validity\n");
+  for (const std::string& line : summary.outside)
+    fmt::print(stderr, "outside the model's validity, all values are flagged: {}\n", line);
   fmt::print(
       "{} frames, {} lost; request to compensated values: median {:.0f} us, p99 {:.0f} us, worst {:.0f} us (of it "
       "the compensation, median {:.1f} us)\n",

@@ -176,11 +176,15 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
   const analysis::Drift drift = analysis::drift_of(model, histories);
   if (drift.verdict == analysis::DriftVerdict::kRecalibrate) session.code = ExitCode::kCriterionFailed;
   if (session.json) {
-    print_json("fit.check", drift_json(drift));
+    nlohmann::ordered_json json = drift_json(drift);
+    json["outside_validity"] = analysis::outside_validity(model, histories);
+    print_json("fit.check", json);
     return;
   }
   fmt::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source,
              analysis::to_string(drift.verdict));
+  for (const std::string& line : analysis::outside_validity(model, histories))
+    fmt::print("  outside the model's validity: {}\n", line);
   fmt::print(
       "  mean residual of {} taxels, % FS: as it is {:.3f}, re-zeroed {:.3f}, with gain {:.3f} (tolerance {:.3f})\n",
       drift.taxels.size(), 100.0 * drift.as_is, 100.0 * drift.zeroed, 100.0 * drift.adjusted, 100.0 * drift.tolerance);

@@ -122,6 +122,9 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
           array ? fmt::format("{:>10.3f}{:>10.3f}", score.mean.compensated.mean(), score.mean.compensated.max)
                 : std::string());
     }
+    for (const std::string& line :
+         analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences))
+      text += fmt::format("outside the models' validity: {}\n", line);
     text += bins_table("by hold time", "s", rows, t, &analysis::Score::by_hold);
     text += bins_table("by rate", unit + "/s", rows, t, &analysis::Score::by_rate);
   }
@@ -146,11 +149,13 @@ nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<Sco
                          {"parameters", parameters}};
   json["scores"] = nlohmann::ordered_json::array();
   for (std::size_t t = 0; t < targets.size(); ++t)
-    json["scores"].push_back({{"on", targets[t].title},
-                              {"taxels", row.scores[t].count},
-                              {"all", score_json(row.scores[t].taxels)},
-                              {"mean_taxel", score_json(row.scores[t].mean)},
-                              {"full_scale", row.scores[t].full_scale}});
+    json["scores"].push_back(
+        {{"on", targets[t].title},
+         {"taxels", row.scores[t].count},
+         {"outside_validity", analysis::outside_validity(row.document, *targets[t].histories, targets[t].sequences)},
+         {"all", score_json(row.scores[t].taxels)},
+         {"mean_taxel", score_json(row.scores[t].mean)},
+         {"full_scale", row.scores[t].full_scale}});
   return json;
 }
 

@@ -115,8 +115,13 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     std::fflush(stdout);
     text.clear();
   };
+  const std::optional<analysis::Range>& range = model.validity.input;
+  const double slack = range ? analysis::kInputSlack * (range->high - range->low) : 0.0;
+  std::size_t rows = 0, outside = 0;
   for (analysis::TableReader::Row row; reader.next(row);) {
     const analysis::ModelTaxel& taxel = fitted(model, reader.has_taxel() ? row.taxel : only);
+    ++rows;
+    if (needs == analysis::TableNeeds::kInput && range && !range->contains(row.input, slack)) ++outside;
     auto& history = histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel).first->second;
     text += fmt::format("{}{}{}\n", row.text, separator, history.step(row, reader.separator()));
     if (options.output.empty()) flush();
@@ -125,6 +130,9 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     flush();
   else
     write_whole(options.output, text);
+  if (outside > 0)
+    fmt::print(stderr, "{} of {} inputs lie outside the model's validity, {} to {} {}\n", outside, rows, range->low,
+               range->high, model.input_unit);
 }
 
 CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<PredictOptions>& options, const char* name,

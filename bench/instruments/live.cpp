@@ -69,7 +69,14 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
   analysis::FrameCompensator<float> compensator(setup_of(model, options, volts_per_count));
   LiveSummary summary;
   summary.other_scanner = !model.scanner_serial.empty() && array.identity().serial != model.scanner_serial;
-  compensator.set_outside_validity(summary.other_scanner);
+  if (summary.other_scanner)
+    summary.outside.push_back(fmt::format("scanner {} (fitted on {})", array.identity().serial, model.scanner_serial));
+  const std::optional<analysis::Range>& box = model.validity.temperature_c;
+  for (const EnvironmentReading& reading : rig.environment())
+    if (box && reading.quantity == "temperature_c" && !box->contains(reading.value, analysis::kTemperatureSlack))
+      summary.outside.push_back(
+          fmt::format("temperature {:.1f} degC (fitted at {:.1f} to {:.1f})", reading.value, box->low, box->high));
+  compensator.set_outside_validity(!summary.outside.empty());
 
   const std::size_t taxels = compensator.taxels();
   std::vector<float> volts(taxels), pressure(taxels), uncertainty(taxels);

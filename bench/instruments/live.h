@@ -28,7 +28,8 @@ struct LiveFrame {
 
 struct LiveSummary {
   long frames = 0, lost = 0;
-  bool other_scanner = false;  // than the one the model is of: all values outside validity
+  bool other_scanner = false;        // than the one the model is of
+  std::vector<std::string> outside;  // the model's validity, a line each; any: all values are flagged
   double median_us = 0.0, p99_us = 0.0, worst_us = 0.0, compensation_median_us = 0.0;
 };
 

@@ -62,6 +62,7 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   [[nodiscard]] devices::Wrench wrench() override;
   // `stage` has to live until another, or null, takes its place. The plant asks it while holding its own lock.
   void set_stage(const devices::StageView* stage);
+  void forget_stage();  // at once, with nothing brought up to date: when the rig is taken down
 
   // From now on, whatever starts the fault; without a value the usual one. Chamber and contact feel it from the next
   // 10 ms on. `times`: answers or levels that it spoils, 0 all until clear().

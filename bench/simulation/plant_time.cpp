@@ -38,6 +38,11 @@ void Plant::set_stage(const devices::StageView* stage) {
   contact_state_ = {};
 }
 
+void Plant::forget_stage() {
+  const std::lock_guard lock(mutex_);
+  stage_ = nullptr;
+}
+
 void Plant::advance_to(Nanoseconds time) {
   const Nanoseconds last = time / kCell * kCell;
   if (last <= time_) return;

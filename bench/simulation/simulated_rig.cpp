@@ -68,7 +68,7 @@ SimulatedRig::SimulatedRig(BenchConfig& config, const devices::Clock& clock, boo
 SimulatedRig::~SimulatedRig() {
   net_ft_.reset();
   digital_ft_.reset();
-  plant_.set_stage(nullptr);
+  plant_.forget_stage();
   chain_.reset();
   scanner_.reset();
   frame_source_.reset();
