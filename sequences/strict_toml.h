@@ -76,6 +76,7 @@ class TomlTable {
   [[nodiscard]] bool boolean(const std::string& key, bool fallback) const;
   [[nodiscard]] std::string text(const std::string& key) const;
   [[nodiscard]] std::string text(const std::string& key, const std::string& fallback) const;
+  [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;  // an absent list is an empty one
   // One of `words`.
   [[nodiscard]] std::string word(const std::string& key, const std::vector<std::string>& words) const;
   [[nodiscard]] std::string word(const std::string& key, const std::string& fallback,

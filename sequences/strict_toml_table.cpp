@@ -71,6 +71,23 @@ std::string TomlTable::text(const std::string& key, const std::string& fallback)
   return fallback;
 }
 
+std::vector<std::string> TomlTable::texts(const std::string& key) const {
+  const toml::node* node = view_->find(key);
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  std::vector<std::string> values;
+  if (node != nullptr && array == nullptr)
+    fail(key, fmt::format("'{}' must be a list of texts, it is {}", key, kind_of(*node)), "write [\"...\", \"...\"]");
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    const auto* text = array->get(i)->as_string();
+    if (text == nullptr)
+      fail(key, fmt::format("element {} of '{}' is {}, not a text", i + 1, key, kind_of(*array->get(i))),
+           "put it in double quotes");
+    values.push_back(text->get());
+  }
+  view_->note(node, key, fmt::format("[{}]", fmt::join(values, ", ")));
+  return values;
+}
+
 std::string TomlTable::word(const std::string& key, const std::vector<std::string>& words) const {
   std::string value = text(key);
   if (std::find(words.begin(), words.end(), value) != words.end()) return value;

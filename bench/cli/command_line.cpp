@@ -65,6 +65,7 @@ int run_command_line(int argc, char** argv) {
   add_devices(app, session);
   add_live(app, session);
   add_simulate(app, session);
+  add_nightly(app, session);
   add_config(app, session);
   add_benchmark(app, session);
   add_dead_man(app, session);

@@ -68,6 +68,7 @@ void add_devices(CLI::App& app, Session& session);
 void add_calibrate_reference(CLI::App& devices, Session& session);
 void add_simulate(CLI::App& app, Session& session);
 void add_live(CLI::App& app, Session& session);
+void add_nightly(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_benchmark(CLI::App& app, Session& session);
 void add_dead_man(CLI::App& app, Session& session);

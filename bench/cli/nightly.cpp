@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "bench/cli/session.h"
+#include "bench/nightly/night.h"
+
+namespace tactbench::bench {
+namespace {
+
+struct NightlyOptions {
+  std::string suite, only, junit, metrics, stores, result;
+  std::optional<std::uint64_t> seed;
+  int jobs = 2;
+  double limit_s = 300.0;
+  bool list = false, stop_on_red = false;
+};
+
+// A name without a folder is a shipped suite unless such a file lies here.
+Suite suite_of(const NightlyOptions& options) {
+  Suite suite = read_suite(find_recipe(options.suite));
+  if (options.only.empty()) return suite;
+  std::erase_if(suite.scenarios, [&](const Scenario& scenario) { return scenario.name != options.only; });
+  if (suite.scenarios.empty())
+    throw Error(ExitCode::kUsage, "TB-NIGHTLY-SCENARIO", fmt::format("there is no scenario '{}'", options.only),
+                suite.file, "tactbench nightly SUITE --list shows those there are");
+  return suite;
+}
+
+void list_scenarios(const Suite& suite, const Session& session) {
+  auto json = nlohmann::ordered_json::array();
+  for (const Scenario& scenario : suite.scenarios) {
+    json.push_back({{"name", scenario.name}, {"about", scenario.about}, {"seed", scenario.seed}});
+    if (!session.json) fmt::print("{:<28} {}\n", scenario.name, scenario.about);
+  }
+  if (session.json) print_json("nightly.list", {{"suite", suite.name}, {"scenarios", json}});
+}
+
+void show_result(const ScenarioResult& result) {
+  fmt::print("{:<6}{:<28}{:>7.1f} s  {}\n", result.wrong.empty() ? "green" : "RED", result.name, result.seconds,
+             result.about);
+  for (const std::string& line : result.wrong) fmt::print("        {}\n", line);
+}
+
+void nightly(const NightlyOptions& options, Session& session) {
+  Suite suite = suite_of(options);
+  if (options.list) return list_scenarios(suite, session);
+  if (options.seed)
+    for (Scenario& scenario : suite.scenarios) scenario.seed = *options.seed;
+  if (!options.result.empty()) {  // one scenario, in a process that a night started
+    write_whole(options.result, to_json(carry_out(suite.scenarios.front(), session.db)) + "\n");
+    return;
+  }
+  NightOptions night{options.jobs, options.limit_s, options.stop_on_red, options.stores, ""};
+  const bool keep = !night.stores.empty();
+  if (!keep)
+    night.stores = (std::filesystem::temp_directory_path() / fmt::format("tactbench-nightly-{}", ::getpid())).string();
+  const auto write_files = [&](const std::vector<ScenarioResult>& results) {
+    if (!options.junit.empty()) write_whole(options.junit, junit_xml(suite, results));
+    if (!options.metrics.empty()) write_whole(options.metrics, metrics_text(suite, results));
+  };
+  write_files({});
+  if (!session.json) fmt::print("SIMULATED DATA. {}: {} scenarios\n", suite.name, suite.scenarios.size());
+  const std::vector<ScenarioResult> results =
+      carry_out_night(suite, night, [&](const std::vector<ScenarioResult>& so_far) {
+        write_files(so_far);
+        if (session.quiet || session.json) return;
+        fmt::print(stderr, "{} of {}\n", so_far.size(), suite.scenarios.size());
+      });
+  if (!keep) std::filesystem::remove_all(night.stores);
+  const auto red = std::ranges::count_if(results, [](const ScenarioResult& r) { return !r.wrong.empty(); });
+  const std::size_t missing = suite.scenarios.size() - results.size();
+  if (red > 0 || missing > 0) session.code = ExitCode::kCriterionFailed;
+  if (session.json) {
+    auto json = nlohmann::ordered_json::array();
+    for (const ScenarioResult& result : results) json.push_back(nlohmann::ordered_json::parse(to_json(result)));
+    print_json(
+        "nightly",
+        {{"suite", suite.name}, {"origin", "simulated"}, {"red", red}, {"not_run", missing}, {"scenarios", json}});
+    return;
+  }
+  for (const ScenarioResult& result : results) show_result(result);
+  fmt::print("{} green, {} red, {} not run\n", results.size() - static_cast<std::size_t>(red), red, missing);
+}
+
+}  // namespace
+
+void add_nightly(CLI::App& app, Session& session) {
+  auto options = std::make_shared<NightlyOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "nightly", "carry out a suite of scenarios on simulated rigs and hold what comes out against what must");
+  verb->add_option("suite", options->suite, "suite file; nightly is the shipped one")->required();
+  verb->add_option("--jobs", options->jobs, "scenarios at once")->check(CLI::Range(1, 64))->capture_default_str();
+  verb->add_option("--junit", options->junit, "write JUnit XML, renewed after each scenario");
+  verb->add_option("--metrics", options->metrics, "write metrics in Prometheus's text format");
+  verb->add_option("--stores", options->stores,
+                   "folder that keeps each scenario's store (NAME.db) and talk (NAME.log)");
+  verb->add_flag("--list", options->list, "name the scenarios and end");
+  verb->add_option("--only", options->only, "this scenario alone");
+  verb->add_option("--seed", options->seed, "of noise and faults, instead of the scenarios' own");
+  verb->add_option("--limit", options->limit_s, "seconds of real time a scenario may take")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_flag("--stop-on-red", options->stop_on_red, "start no scenario after the first red one");
+  verb->add_option("--result", options->result)->group("");
+  add_common(*verb, session);
+  verb->callback([options, &session] { nightly(*options, session); });
+}
+
+}  // namespace tactbench::bench

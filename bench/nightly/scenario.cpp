@@ -1,0 +1,185 @@
+#include "bench/nightly/scenario.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/evaluation.h"
+#include "bench/run/recipe_check.h"
+#include "bench/utc.h"
+
+namespace tactbench::bench {
+namespace {
+
+db::SensorRecord add_specimen(const Scenario& scenario, db::RunStore& store) {
+  const SensorType type = read_sensor_type(find_config("sensor.toml"));
+  const db::SensorRecord sensor{
+      fmt::format("SIM-{:04}", scenario.sensor_seed), type.name, type.text, db::sha256_hex(type.text), "",
+      "simulated array of the nightly suite",         utc_now()};
+  store.add_sensor(sensor);
+  return sensor;
+}
+
+// False when the run did not complete.
+bool run_once(const Scenario& scenario, const std::vector<std::string>& set, std::uint64_t seed,
+              const db::SensorRecord& sensor, db::RunStore& store, ScenarioResult& result) {
+  const SplitOverrides overrides = split_overrides(set);
+  RunRequest request;
+  request.bench = read_bench(find_config(scenario.bench), overrides.bench, {seed, scenario.sensor_seed});
+  if (!request.bench.simulation)
+    throw Error(ExitCode::kUsage, "TB-NIGHTLY-BENCH", "the nightly suite runs on simulated rigs only",
+                fmt::format("scenario {}, bench {}", scenario.name, scenario.bench), "name a simulated bench");
+  for (const std::string& name : scenario.recipes)
+    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
+  check_recipes(request.recipes, request.bench);
+  request.overrides = overrides.all;
+  request.sensor = sensor;
+  request.sensor_type = parse_sensor_type(sensor.type_toml, "sensor type");
+  request.operator_name = "nightly";
+  request.purpose = "nightly: " + scenario.name;
+  request.assume_yes = true;
+  Progress progress(Progress::Mode::kQuiet);
+  const RunResult run = characterize(request, store, progress);
+  result.runs.push_back({run.run, db::to_string(run.outcome), run.error ? run.error->id() : "", db::to_string(run.safe),
+                         run.content_sha256});
+  result.figures["frames"] += run.frames;
+  result.figures["branches_redone"] += run.branches_redone;
+  return run.outcome == db::Outcome::kCompleted;
+}
+
+void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result) {
+  const analysis::ArrayFit fit = fit_run(store, result.runs.front().run);
+  std::vector<std::int64_t> held_out;
+  if (scenario.has_held_out) held_out.push_back(result.runs.back().run);
+  const std::vector<NamedEvaluation> evaluations = evaluate_runs(store, fit, held_out);
+  const analysis::Evaluation& e = judged(evaluations);
+  for (const db::VerdictRecord& verdict : judge_and_store(store, fit, e, "limits.toml"))
+    result.verdicts[verdict.scope == "array" ? verdict.criterion : verdict.criterion + " " + verdict.scope] =
+        verdict.verdict;
+  for (std::size_t taxel = 0; taxel < fit.taxels.size(); ++taxel)
+    if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted)
+      result.taxels[to_string(fit.taxels[taxel].status)].push_back(static_cast<int>(taxel));
+  result.figures["hysteresis_max_percent_fs"] = 100.0 * e.hysteresis_max_fs;
+  result.figures["hysteresis_mean_percent_fs"] = 100.0 * e.hysteresis_mean_fs;
+  result.figures["mean_error_psi"] = e.mean_error_psi;
+  result.figures["max_error_psi"] = e.max_error_psi;
+  result.figures["worst_taxel_error_psi"] = e.worst_taxel_mean_error_psi;
+  result.figures["distance_of_mean_percent_fs"] = 100.0 * e.comp_distance_of_mean;
+  result.figures["flat_percent"] = 100.0 * e.flat_share;
+  result.figures["full_scale_v"] = e.full_scale_v;
+  double noise_v = 0.0;
+  for (const analysis::TaxelFit& taxel : fit.taxels) noise_v = std::max(noise_v, taxel.noise_v);
+  result.figures["noisiest_taxel_mv"] = 1000.0 * noise_v;
+}
+
+void compare(const std::string& what, const std::string& wanted, const std::string& came,
+             std::vector<std::string>& lines) {
+  if (wanted != came)
+    lines.push_back(
+        fmt::format("{} is {}, must be {}", what, came.empty() ? "none" : came, wanted.empty() ? "none" : wanted));
+}
+
+}  // namespace
+
+ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
+  const auto begun = std::chrono::steady_clock::now();
+  ScenarioResult result;
+  result.name = scenario.name;
+  result.about = scenario.about;
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  const db::SensorRecord sensor = add_specimen(scenario, store);
+  bool completed = run_once(scenario, scenario.set, scenario.seed, sensor, store, result);
+  if (completed && scenario.has_held_out) {
+    std::vector<std::string> set = scenario.set;
+    set.insert(set.end(), scenario.held_out.begin(), scenario.held_out.end());
+    completed = run_once(scenario, set, scenario.seed + 1, sensor, store, result);
+  }
+  if (completed && scenario.fits) {
+    try {
+      judge(scenario, store, result);
+    } catch (const std::exception&) {
+      const Error error = as_error(std::current_exception());
+      result.wrong.push_back(fmt::format("the analysis ended with {}: {}", error.id(), error.what()));
+    }
+  }
+  for (std::string& line : differences(scenario, result)) result.wrong.push_back(std::move(line));
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return result;
+}
+
+std::vector<std::string> differences(const Scenario& scenario, const ScenarioResult& result) {
+  std::vector<std::string> lines;
+  const ScenarioRun& last = result.runs.back();
+  compare("the outcome", scenario.outcome, last.outcome, lines);
+  compare("the error", scenario.error, last.error, lines);
+  compare("the safe state", scenario.safe, last.safe, lines);
+  if (scenario.fits && last.outcome == "completed") {
+    for (const char* status : {"dead", "stuck", "saturated", "unfit"}) {
+      const auto wanted = scenario.taxels.find(status), came = result.taxels.find(status);
+      const auto text = [](const auto& found, const auto& map) {
+        return found == map.end() ? std::string() : fmt::format("{}", fmt::join(found->second, ", "));
+      };
+      compare(fmt::format("the list of {} taxels", status), text(wanted, scenario.taxels), text(came, result.taxels),
+              lines);
+    }
+  }
+  for (const auto& [criterion, wanted] : scenario.verdicts) {
+    const auto own = [&](const auto& verdict) {
+      return verdict.first == criterion || verdict.first.starts_with(criterion + " ");
+    };
+    if (std::ranges::none_of(result.verdicts, own))
+      lines.push_back(fmt::format("nothing was judged by {}, must be {}", criterion, wanted));
+    for (const auto& [name, word] : result.verdicts)
+      if (own(std::pair(name, word))) compare("the verdict on " + name, wanted, word, lines);
+  }
+  for (const auto& [figure, limits] : scenario.figures) {
+    const auto came = result.figures.find(figure);
+    if (came == result.figures.end())
+      lines.push_back(fmt::format("there is no figure {}", figure));
+    else if (!(came->second >= limits.first && came->second <= limits.second))
+      lines.push_back(
+          fmt::format("{} is {:.6g}, must lie in {:g} to {:g}", figure, came->second, limits.first, limits.second));
+  }
+  return lines;
+}
+
+std::string to_json(const ScenarioResult& result) {
+  nlohmann::ordered_json json = {{"name", result.name},       {"about", result.about},       {"wrong", result.wrong},
+                                 {"figures", result.figures}, {"verdicts", result.verdicts}, {"taxels", result.taxels},
+                                 {"seconds", result.seconds}};
+  json["runs"] = nlohmann::ordered_json::array();
+  for (const ScenarioRun& run : result.runs)
+    json["runs"].push_back({{"run", run.run},
+                            {"outcome", run.outcome},
+                            {"error", run.error},
+                            {"safe", run.safe},
+                            {"content_sha256", run.content_sha256}});
+  return json.dump();
+}
+
+ScenarioResult result_from_json(const std::string& text) {
+  try {
+    const auto json = nlohmann::json::parse(text);
+    ScenarioResult result;
+    result.name = json.at("name");
+    result.about = json.at("about");
+    result.wrong = json.at("wrong").get<std::vector<std::string>>();
+    for (const auto& [name, value] : json.at("figures").items())
+      result.figures[name] = value.is_null() ? std::nan("") : value.get<double>();
+    result.verdicts = json.at("verdicts").get<std::map<std::string, std::string>>();
+    result.taxels = json.at("taxels").get<std::map<std::string, std::vector<int>>>();
+    result.seconds = json.at("seconds");
+    for (const auto& run : json.at("runs"))
+      result.runs.push_back(
+          {run.at("run"), run.at("outcome"), run.at("error"), run.at("safe"), run.at("content_sha256")});
+    return result;
+  } catch (const nlohmann::json::exception& error) {
+    throw std::invalid_argument(fmt::format("a scenario's result is not understood: {}", error.what()));
+  }
+}
+
+}  // namespace tactbench::bench

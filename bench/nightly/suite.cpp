@@ -1,0 +1,92 @@
+#include "bench/nightly/suite.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "sequences/strict_toml.h"
+
+namespace tactbench::bench {
+namespace {
+
+using sequences::TomlDocument;
+using sequences::TomlTable;
+
+constexpr long kLargestSeed = 1L << 53;
+
+std::vector<int> read_taxels(const TomlTable& table, const std::string& status) {
+  std::vector<int> taxels;
+  for (const double number : table.numbers(status)) {
+    if (number < 0.0 || number > 1e6 || number != static_cast<double>(static_cast<int>(number)))
+      table.fail(status, fmt::format("taxel {} is no whole number from 0", number), "taxel = row x columns + column");
+    taxels.push_back(static_cast<int>(number));
+  }
+  std::ranges::sort(taxels);
+  return taxels;
+}
+
+Scenario read_scenario(const TomlTable& table, const std::set<std::string>& taken) {
+  Scenario scenario;
+  scenario.name = table.text("name");
+  const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
+  if (scenario.name.empty() || !std::ranges::all_of(scenario.name, plain))
+    table.fail("name", fmt::format("'{}' names a file too", scenario.name), "use small letters, digits and hyphens");
+  if (taken.count(scenario.name) != 0)
+    table.fail("name", fmt::format("two scenarios are named '{}'", scenario.name), "name one of them otherwise");
+  scenario.about = table.text("about");
+  scenario.bench = table.text("bench", scenario.bench);
+  scenario.recipes = table.texts("recipes");
+  if (scenario.recipes.empty()) scenario.recipes = {"descending", "ascending"};
+  scenario.set = table.texts("set");
+  scenario.has_held_out = table.has("held_out");
+  scenario.held_out = table.texts("held_out");
+  scenario.fits = table.boolean("fits", true);
+  scenario.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, kLargestSeed));
+  scenario.sensor_seed = static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kLargestSeed));
+  scenario.outcome = table.word("outcome", scenario.outcome, {"completed", "stopped", "aborted", "failed"});
+  scenario.error = table.text("error", "");
+  scenario.safe = table.word("safe", scenario.safe, {"verified", "unverified", "failed"});
+  const TomlTable taxels = table.table("taxels");
+  for (const std::string& status : taxels.keys()) {
+    if (const std::vector<std::string> known = {"dead", "stuck", "saturated", "unfit"};
+        std::ranges::find(known, status) == known.end())
+      taxels.fail(status, fmt::format("no taxel is ever '{}'", status), "use dead, stuck, saturated or unfit");
+    scenario.taxels[status] = read_taxels(taxels, status);
+  }
+  const TomlTable verdicts = table.table("verdicts");
+  for (const std::string& criterion : verdicts.keys())
+    scenario.verdicts[criterion] = verdicts.word(criterion, {"pass", "fail", "inconclusive"});
+  const TomlTable figures = table.table("figures");
+  for (const std::string& figure : figures.keys()) scenario.figures[figure] = figures.span(figure, {});
+  if (!scenario.fits && !(scenario.taxels.empty() && scenario.verdicts.empty()))
+    table.fail("fits", "verdicts and taxels come from a fit, and fits = false", "leave them out, or let it fit");
+  for (const TomlTable* part : {&taxels, &verdicts, &figures}) part->finish();
+  table.finish();
+  return scenario;
+}
+
+Suite read(const TomlDocument& document) {
+  Suite suite;
+  suite.file = document.name();
+  const TomlTable root = document.root();
+  (void)root.integer("schema", 1, 1);
+  suite.name = root.text("name");
+  std::set<std::string> names;
+  for (const TomlTable& table : root.tables("scenario")) {
+    suite.scenarios.push_back(read_scenario(table, names));
+    names.insert(suite.scenarios.back().name);
+  }
+  if (suite.scenarios.empty()) root.fail("scenario", "the suite has no scenario", "add [[scenario]]");
+  root.finish();
+  return suite;
+}
+
+}  // namespace
+
+Suite read_suite(const std::string& path) { return read(TomlDocument::from_file(path)); }
+Suite parse_suite(const std::string& text, const std::string& file) {
+  return read(TomlDocument::from_text(text, file));
+}
+
+}  // namespace tactbench::bench

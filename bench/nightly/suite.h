@@ -1,0 +1,41 @@
+// The nightly suite: scenarios on the simulated rig, each with what must come out of it. A TOML file; unknown keys are
+// errors; sequences/nightly.toml is the shipped one and explains the keys.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactbench::bench {
+
+struct Scenario {
+  std::string name, about;  // name: letters, digits and hyphens; unique in its suite
+  std::string bench = "simulated.toml";
+  std::vector<std::string> recipes;   // names of shipped ones or files
+  std::vector<std::string> set;       // as --set of the verb run
+  std::vector<std::string> held_out;  // a second run that the models never see, with these beside `set`
+  bool has_held_out = false;
+  bool fits = true;  // the runs are fitted and judged
+  std::uint64_t seed = 1, sensor_seed = 1;
+
+  // What must come out.
+  std::string outcome = "completed";  // of the last run
+  std::string error;                  // its stable identifier; empty: none
+  std::string safe = "verified";
+  std::map<std::string, std::vector<int>> taxels;            // status -> exactly these, row-major from 0; absent: none
+  std::map<std::string, std::string> verdicts;               // criterion -> word; "mismatch" is each of its scopes
+  std::map<std::string, std::pair<double, double>> figures;  // name -> [low, high]
+};
+
+struct Suite {
+  std::string name, file;
+  std::vector<Scenario> scenarios;  // at least one
+};
+
+// Throws FileError, with file, line and key.
+Suite read_suite(const std::string& path);
+Suite parse_suite(const std::string& text, const std::string& file);
+
+}  // namespace tactbench::bench
