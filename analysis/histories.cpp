@@ -139,10 +139,10 @@ Histories histories_of(const Dataset& dataset, const HistoriesOptions& options) 
         own.score.push_back(history_of(sequence.name, repeat, common[s].branches, width, taxel));
     }
     const Span span = span_of(own.fit, &History::y);
-    if (span.length() < options.dead_v)
-      own.status = std::max(std::abs(span.low), std::abs(span.high)) < options.dead_v ? "dead" : "stuck";
-    else if (dataset.at_limit[taxel])
+    if (dataset.at_limit[taxel])
       own.status = "saturated";
+    else if (span.length() < options.dead_v)
+      own.status = std::max(std::abs(span.low), std::abs(span.high)) < options.dead_v ? "dead" : "stuck";
     histories.taxels.push_back(std::move(own));
   }
   finish(histories);

@@ -55,12 +55,12 @@ TaxelFit fit_taxel(const TaxelData& data, const std::vector<double>& grid, doubl
   TaxelFit result;
   result.noise_v = noise;
   const auto [low, high] = range_of(data);
-  if (high - low < options.dead_v) {
-    result.status = std::abs(high) < options.dead_v ? TaxelStatus::kDead : TaxelStatus::kStuck;
+  if (at_limit) {  // also one that stands there for ever
+    result.status = TaxelStatus::kSaturated;
     return result;
   }
-  if (at_limit) {
-    result.status = TaxelStatus::kSaturated;
+  if (high - low < options.dead_v) {
+    result.status = std::abs(high) < options.dead_v ? TaxelStatus::kDead : TaxelStatus::kStuck;
     return result;
   }
   // Both patterns start and end in the mean of the two measured ends [A11].

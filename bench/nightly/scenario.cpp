@@ -48,6 +48,8 @@ bool run_once(const Scenario& scenario, const std::vector<std::string>& set, std
                          run.content_sha256});
   result.figures["frames"] += run.frames;
   result.figures["branches_redone"] += run.branches_redone;
+  for (const db::FrameRecord& frame : store.frames(run.run))
+    result.figures["flagged_frames"] += frame.flags.empty() ? 0.0 : 1.0;
   return run.outcome == db::Outcome::kCompleted;
 }
 

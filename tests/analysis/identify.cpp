@@ -183,19 +183,22 @@ TEST_CASE("dead, stuck, saturated and senseless taxels are named and left out of
         volts[1] = 2.0 + 0.001 * normal(random);
         volts[3] = 3.0 - 0.04 * repeat.steps[i].reference_psi;  // falls
         volts[4] = volts[4] + 1.5 * normal(random);             // noise beyond any model
+        volts[5] = 5.0;                                         // at the converter's limit for ever
       }
     }
   }
   data.at_limit[2] = true;
+  data.at_limit[5] = true;
   const ArrayFit fit = fit_array(data);
   CHECK(fit.taxels[0].status == TaxelStatus::kDead);
   CHECK(fit.taxels[1].status == TaxelStatus::kStuck);
   CHECK(fit.taxels[2].status == TaxelStatus::kSaturated);
   CHECK(fit.taxels[3].status == TaxelStatus::kUnfit);
   CHECK(fit.taxels[4].status == TaxelStatus::kUnfit);
-  for (std::size_t i = 5; i < width; ++i) CHECK(fit.taxels[i].status == TaxelStatus::kFitted);
+  CHECK(fit.taxels[5].status == TaxelStatus::kSaturated);
+  for (std::size_t i = 6; i < width; ++i) CHECK(fit.taxels[i].status == TaxelStatus::kFitted);
   double mean = 0.0;
-  for (std::size_t i = 5; i < width; ++i) mean += fit.taxels[i].fit.model.ascending(30.0) / 11.0;
+  for (std::size_t i = 6; i < width; ++i) mean += fit.taxels[i].fit.model.ascending(30.0) / 10.0;
   CHECK(fit.mean_taxel.fit.model.ascending(30.0) == Approx(mean).epsilon(1e-9));
 }
 

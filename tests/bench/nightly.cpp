@@ -1,0 +1,108 @@
+#include <catch2/catch.hpp>
+#include <pugixml.hpp>
+
+#include "bench/nightly/night.h"
+#include "sequences/strict_toml.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+
+namespace {
+
+const std::string kHead = "schema = 1\nname = \"s\"\n";
+const std::string kOne = kHead + "[[scenario]]\nname = \"one\"\nabout = \"first\"\n";
+
+std::string refusal(const std::string& text) {
+  try {
+    (void)parse_suite(text, "s.toml");
+  } catch (const sequences::FileError& error) {
+    return error.where() + ": " + error.what();
+  }
+  return "accepted";
+}
+
+ScenarioResult came_out(const std::string& outcome = "completed", const std::string& error = "") {
+  ScenarioResult result;
+  result.name = "one";
+  result.runs = {{1, outcome, error, "verified", "ab"}};
+  result.figures = {{"frames", 211.0}};
+  result.verdicts = {{"unfit_taxels", "fail"}, {"mismatch 40 psi up", "pass"}, {"mismatch 40 psi down", "fail"}};
+  result.taxels = {{"dead", {3, 4}}};
+  result.seconds = 1.5;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the shipped suite has at least thirty scenarios, all readable") {
+  const Suite suite = read_suite(std::string(TACTBENCH_SOURCE_DIR) + "/sequences/nightly.toml");
+  CHECK(suite.scenarios.size() >= 30);
+}
+
+TEST_CASE("a suite with a fault says where it is") {
+  CHECK(refusal(kHead).find("no scenario") != std::string::npos);
+  CHECK(refusal(kOne + "recipe = \"x\"\n").find("s.toml:6") != std::string::npos);
+  CHECK(refusal(kOne + "recipes = \"ring\"\n").find("must be a list of texts") != std::string::npos);
+  CHECK(refusal(kOne + "recipes = [\"ring\", 3]\n").find("element 2 of 'recipes'") != std::string::npos);
+  CHECK(refusal(kOne + "[scenario.taxels]\nbroken = [1]\n").find("no taxel is ever 'broken'") != std::string::npos);
+  CHECK(refusal(kOne + "[scenario.taxels]\ndead = [1.5]\n").find("1.5") != std::string::npos);
+  CHECK(refusal(kOne + "[scenario.figures]\nframes = [2, 1]\n") != "accepted");
+  CHECK(refusal(kOne + "[scenario.verdicts]\nmismatch = \"good\"\n") != "accepted");
+  CHECK(refusal(kOne + "fits = false\n[scenario.taxels]\ndead = [1]\n").find("come from a fit") != std::string::npos);
+  CHECK(refusal(kOne + "[[scenario]]\nname = \"one\"\nabout = \"again\"\n").find("two scenarios") != std::string::npos);
+  CHECK(refusal(kHead + "[[scenario]]\nname = \"../x\"\nabout = \"\"\n").find("names a file") != std::string::npos);
+}
+
+TEST_CASE("what differs from what must come out is named, each in a line") {
+  Scenario scenario = parse_suite(kOne +
+                                      "[scenario.taxels]\ndead = [4, 3]\n[scenario.verdicts]\nunfit_taxels = "
+                                      "\"fail\"\n[scenario.figures]\nframes = [211, 212]\n",
+                                  "s.toml")
+                          .scenarios.front();
+  CHECK(differences(scenario, came_out()).empty());
+  CHECK(differences(scenario, came_out("failed", "TB-X")) ==
+        std::vector<std::string>{"the outcome is failed, must be completed", "the error is TB-X, must be none"});
+  scenario.taxels = {{"stuck", {9}}};
+  scenario.verdicts = {{"mismatch", "pass"}, {"worst_taxel_error", "pass"}};
+  scenario.figures = {{"frames", {1.0, 2.0}}, {"mean_error_psi", {0.0, 1.0}}};
+  CHECK(differences(scenario, came_out()) ==
+        std::vector<std::string>{"the list of dead taxels is 3, 4, must be none",
+                                 "the list of stuck taxels is none, must be 9",
+                                 "the verdict on mismatch 40 psi down is fail, must be pass",
+                                 "nothing was judged by worst_taxel_error, must be pass",
+                                 "frames is 211, must lie in 1 to 2", "there is no figure mean_error_psi"});
+  ScenarioResult nan = came_out();
+  nan.figures["frames"] = std::nan("");
+  CHECK(differences(scenario, nan).at(4).find("frames is nan") == 0);
+}
+
+TEST_CASE("a result goes to text and back") {
+  ScenarioResult result = came_out();
+  result.wrong = {"a \"line\"\n<b>"};
+  CHECK(to_json(result_from_json(to_json(result))) == to_json(result));
+  CHECK_THROWS_AS(result_from_json("{"), std::invalid_argument);
+  CHECK_THROWS_AS(result_from_json("{\"name\": 3}"), std::invalid_argument);
+}
+
+TEST_CASE("JUnit XML is well-formed whatever a scenario said, and names those that did not run") {
+  Suite suite = parse_suite(kOne +
+                                "[[scenario]]\nname = \"two\"\nabout = \"<&>\"\n[[scenario]]\nname = "
+                                "\"three\"\nabout = \"never reached\"\n",
+                            "s.toml");
+  ScenarioResult red = came_out();
+  red.name = "two";
+  red.about = "<&>";
+  red.wrong = {"said \"<b>\" & \x01", "more"};
+  pugi::xml_document xml;
+  REQUIRE(xml.load_string(junit_xml(suite, {came_out(), red}).c_str()));
+  const pugi::xml_node root = xml.child("testsuite");
+  CHECK(root.attribute("tests").as_int() == 3);
+  CHECK(root.attribute("failures").as_int() == 1);
+  CHECK(root.attribute("errors").as_int() == 1);
+  const pugi::xml_node two = root.find_child_by_attribute("testcase", "name", "two");
+  CHECK(std::string(two.child("failure").attribute("message").value()) == "said \"<b>\" & ?");
+  CHECK(std::string(two.child("failure").text().get()).find("more") != std::string::npos);
+  CHECK(root.find_child_by_attribute("testcase", "name", "three").child("error"));
+  CHECK(metrics_text(suite, {came_out(), red}).find("tactbench_nightly_green{scenario=\"two\"} 0\n") !=
+        std::string::npos);
+}
