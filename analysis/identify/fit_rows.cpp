@@ -39,7 +39,7 @@ std::string compare_json(const std::string& what, const nlohmann::json& stored, 
   }
   if (stored.is_array() && recomputed.is_array() && stored.size() == recomputed.size()) {
     for (std::size_t i = 0; i < stored.size(); ++i) {
-      const std::string found = compare_json(fmt::format("{}[{}]", what, i), stored[i], recomputed[i], tolerance);
+      std::string found = compare_json(fmt::format("{}[{}]", what, i), stored[i], recomputed[i], tolerance);
       if (!found.empty()) return found;
     }
     return {};
@@ -48,7 +48,7 @@ std::string compare_json(const std::string& what, const nlohmann::json& stored, 
     for (const auto& [key, value] : stored.items()) {
       const std::string name = fmt::format("{}.{}", what, key);
       if (!recomputed.contains(key)) return differing_words(name, value.dump(), "nothing");
-      const std::string found = compare_json(name, value, recomputed[key], tolerance);
+      std::string found = compare_json(name, value, recomputed[key], tolerance);
       if (!found.empty()) return found;
     }
     for (const auto& [key, value] : recomputed.items()) {
@@ -88,7 +88,7 @@ std::string compare_taxel(const db::FitTaxelRecord& a, const db::FitTaxelRecord&
         Column{"j_v2", {a.j_v2}, {b.j_v2}}, Column{"mean_error_v", {a.mean_error_v}, {b.mean_error_v}},
         Column{"max_error_v", {a.max_error_v}, {b.max_error_v}},
         Column{"full_scale_v", {a.full_scale_v}, {b.full_scale_v}}}) {
-    const std::string found = compare_numbers(fmt::format("{}, {}", name, column.name), column.a, column.b, tolerance);
+    std::string found = compare_numbers(fmt::format("{}, {}", name, column.name), column.a, column.b, tolerance);
     if (!found.empty()) return found;
   }
   if (a.at_bound != b.at_bound) return differing(fmt::format("{}, at_bound", name), a.at_bound, b.at_bound);
