@@ -165,6 +165,7 @@ BenchConfig parse_bench(const std::string& text, const std::string& name,
 SensorType read_sensor_type(const std::string& path, const std::vector<sequences::Override>& overrides = {});
 SensorType parse_sensor_type(const std::string& text, const std::string& name);
 analysis::Limits read_limits(const std::string& path);
+analysis::Limits parse_limits(const std::string& text, const std::string& name);
 
 // Folder of the shipped recipes and configuration: $TACTBENCH_SHARE, else the source tree that this was built from.
 std::string share_folder();

@@ -40,8 +40,9 @@ SensorType parse_sensor_type(const std::string& text, const std::string& name) {
   return sensor_type_of(TomlDocument::from_text(text, name));
 }
 
-analysis::Limits read_limits(const std::string& path) {
-  const TomlDocument document = TomlDocument::from_file(path);
+namespace {
+
+analysis::Limits limits_of(const TomlDocument& document) {
   const TomlTable root = document.root();
   analysis::Limits limits;
   limits.toml = document.text();
@@ -62,6 +63,13 @@ analysis::Limits read_limits(const std::string& path) {
   }
   root.finish();
   return limits;
+}
+
+}  // namespace
+
+analysis::Limits read_limits(const std::string& path) { return limits_of(TomlDocument::from_file(path)); }
+analysis::Limits parse_limits(const std::string& text, const std::string& name) {
+  return limits_of(TomlDocument::from_text(text, name));
 }
 
 }  // namespace tactbench::bench

@@ -40,7 +40,9 @@ Error as_error(const std::exception_ptr& exception, const std::string& where) {
   } catch (const sequences::FileError& error) {
     return {ExitCode::kUsage, error.id(), error.what(), error.where(), error.remedy()};
   } catch (const db::StoreError& error) {
-    const ExitCode code = error.id() == "TB-STORE-NOT-FOUND" ? ExitCode::kUsage : ExitCode::kStore;
+    constexpr std::array kByWords{"TB-STORE-NOT-FOUND", "TB-STORE-EXISTS", "TB-STORE-TAG"};
+    const bool by_words = std::find(kByWords.begin(), kByWords.end(), error.id()) != kByWords.end();
+    const ExitCode code = by_words ? ExitCode::kUsage : ExitCode::kStore;
     return {code, error.id(), error.what(), where, error.remedy()};
   } catch (const analysis::AnalysisError& error) {
     return {code_of_analysis(error.id()), error.id(), error.what(), where, error.remedy()};

@@ -159,10 +159,10 @@ Digest HashChain::close(const Digest& before, std::int64_t frames, const RunEnd&
     add(branch.void_reason);
     add(branch.from_psi);
     add(branch.to_psi);
-    if (branch.from_n && branch.to_n) {
+    if (branch.from_n || branch.to_n) {
       add("force");
-      add(*branch.from_n);
-      add(*branch.to_n);
+      add(branch.from_n.value_or(std::numeric_limits<double>::quiet_NaN()));
+      add(branch.to_n.value_or(std::numeric_limits<double>::quiet_NaN()));
     }
   }
   if (!run_end.checks.empty()) {

@@ -60,6 +60,11 @@ struct RunRecord {
   std::string started_utc, ended_utc, seen_utc;
   std::optional<double> rest_s;  // between the sensor's last load and this run, by the wall clock
   std::string content_sha256;    // end of the hash chain over the canonical content; empty until the run ends
+  // What people said of it afterwards.
+  std::vector<std::string> tags;               // sorted
+  std::string notes;                           // lines
+  std::string void_reason, void_by, void_utc;  // empty: the run counts
+  [[nodiscard]] bool is_void() const { return !void_utc.empty(); }
   std::vector<SequenceRecord> sequences;
   std::vector<DeviceRecord> devices;
 };

@@ -12,6 +12,7 @@
 
 #include "db/run_store_database.h"
 #include "db/store_file.h"
+#include "db/store_snapshot.h"
 
 namespace tactbench::db {
 
@@ -52,6 +53,7 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
                      "check owner and permissions of the file, or name another with --db");
   }
   check_version(connection);
+  keep_before_migration(connection, database->path);
   // The first migration goes before WAL, so that our application id is in the file itself and never in the log alone.
   connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
   migrate(connection);

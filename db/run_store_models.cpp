@@ -71,6 +71,15 @@ FitRecord RunStore::fit(std::int64_t fit) const {
                    "make one: tactbench fit RUN");
 }
 
+std::vector<FitRecord> RunStore::fits(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement rows(database_->connection, std::string(kFitColumns) + " WHERE run = ? ORDER BY fit");
+  rows.bind(run);
+  std::vector<FitRecord> fits;
+  while (rows.step()) fits.push_back(fit_of(rows));
+  return fits;
+}
+
 std::vector<FitTaxelRecord> RunStore::fit_taxels(std::int64_t fit) const {
   static_cast<void>(this->fit(fit));  // a fit that is not there is no empty list
   sqlite::Statement rows(database_->connection,

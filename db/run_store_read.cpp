@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "db/run_store_database.h"
 
@@ -12,17 +13,21 @@ namespace {
 constexpr const char* kRunColumns =
     "SELECT run, uuid, origin, state, outcome, reason, safe_state, operator, purpose, sensor_serial, scanner_serial, "
     "bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256, overrides_json, program_version, git_commit, "
-    "git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, content_sha256, seen_utc, rest_s "
-    "FROM runs";
+    "git_dirty, build_id, host, time_zone, seed, sensor_seed, started_utc, ended_utc, content_sha256, seen_utc, "
+    "rest_s, "
+    "tags, notes, void_reason, void_by, void_utc FROM runs";
 
 RunRecord run_of(const sqlite::Statement& row) {
   RunRecord r;
-  std::string outcome, safe_state;
+  std::string outcome, safe_state, tags;
   double rest_s = 0.0;
   row.read(r.run, r.uuid, r.origin, r.state, outcome, r.reason, safe_state, r.operator_name, r.purpose, r.sensor_serial,
            r.scanner_serial, r.bench_id, r.bench_toml, r.bench_sha256, r.sensor_toml, r.sensor_sha256, r.overrides_json,
            r.program_version, r.git_commit, r.git_dirty, r.build_id, r.host, r.time_zone, r.seed, r.sensor_seed,
-           r.started_utc, r.ended_utc, r.content_sha256, r.seen_utc, rest_s);
+           r.started_utc, r.ended_utc, r.content_sha256, r.seen_utc, rest_s, tags, r.notes, r.void_reason, r.void_by,
+           r.void_utc);
+  std::istringstream words(tags);
+  for (std::string tag; words >> tag;) r.tags.push_back(tag);
   if (!std::isnan(rest_s)) r.rest_s = rest_s;
   const auto known_outcome = outcome_from(outcome);
   const auto known_state = safe_state_from(safe_state);
@@ -161,7 +166,7 @@ std::optional<CheckRecord> RunStore::last_check(const std::string& sensor_serial
   sqlite::Statement rows(database_->connection,
                          std::string(kCheckColumns) +
                              " JOIN runs r ON r.run = c.run WHERE r.sensor_serial = ? AND c.kind = ? AND "
-                             "c.verdict = ? AND c.run < ? ORDER BY c.check_row DESC LIMIT 1");
+                             "c.verdict = ? AND c.run < ? AND r.void_utc = '' ORDER BY c.check_row DESC LIMIT 1");
   rows.bind(sensor_serial, kind, verdict, before_run);
   return rows.step() ? std::optional(check_of(rows)) : std::nullopt;
 }

@@ -201,8 +201,41 @@ CREATE TABLE series (
 ) STRICT;
 )sql";
 
+// What people say of a run afterwards (tags and notes were there from the first), and views for who reads with SQL.
+constexpr const char* kVersion4 = R"sql(
+ALTER TABLE runs ADD COLUMN void_reason TEXT NOT NULL DEFAULT '';  -- a void run counts no more and is kept
+ALTER TABLE runs ADD COLUMN void_by TEXT NOT NULL DEFAULT '';
+ALTER TABLE runs ADD COLUMN void_utc TEXT NOT NULL DEFAULT ''      -- '': the run counts
+  CHECK ((void_utc = '') = (void_reason = '') AND (void_utc = '') = (void_by = ''));
+
+DROP VIEW v_runs;
+CREATE VIEW v_runs AS
+SELECT r.run, r.uuid, r.origin, r.state, r.outcome, r.reason, r.safe_state, r.operator, r.purpose, r.sensor_serial,
+  r.scanner_serial, r.bench_id,
+  (SELECT group_concat(name, ', ') FROM (SELECT name FROM sequences s WHERE s.run = r.run ORDER BY sequence)) AS recipes,
+  (SELECT count(*) FROM frames f
+    WHERE f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999) AS frames,
+  r.program_version, r.git_commit, r.git_dirty, r.seed, r.sensor_seed, r.started_utc, r.ended_utc, r.rest_s,
+  r.content_sha256, r.tags, r.notes, r.void_utc <> '' AS void, r.void_reason, r.void_by, r.void_utc
+FROM runs r;
+
+CREATE VIEW v_events AS
+SELECT run, time_ns * 1e-9 AS time_s, kind, id, detail FROM events ORDER BY event;
+
+CREATE VIEW v_checks AS
+SELECT run, time_ns * 1e-9 AS time_s, kind, verdict, detail_json FROM checks ORDER BY check_row;
+
+CREATE VIEW v_devices AS
+SELECT run, role, model, serial, firmware, origin, calibration_json FROM devices ORDER BY run, position;
+
+CREATE VIEW v_fit_taxels AS
+SELECT f.run, f.fit, f.model, t.taxel, t.status, t.noise_v, t.j_v2, t.mean_error_v, t.max_error_v, t.full_scale_v,
+  t.at_bound
+FROM fits f JOIN fit_taxels t ON t.fit = f.fit;
+)sql";
+
 // [i] leads from i to i + 1
-constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3};
+constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4};
 
 }  // namespace
 

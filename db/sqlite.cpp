@@ -135,6 +135,14 @@ std::string Connection::text(const std::string& sql) {
   return value;
 }
 
+void Connection::copy_to(Connection& target) const {
+  sqlite3_backup* backup = sqlite3_backup_init(target.handle(), "main", handle_, "main");
+  if (backup == nullptr) target.fail(sqlite3_extended_errcode(target.handle()), "begin a copy");
+  const int code = sqlite3_backup_step(backup, -1);  // all pages under one read transaction
+  sqlite3_backup_finish(backup);
+  if (code != SQLITE_DONE) target.fail(code, fmt::format("copy of {}", path_));
+}
+
 std::int64_t Connection::last_row() const { return sqlite3_last_insert_rowid(handle_); }
 bool Connection::in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_, "main") == 1; }

@@ -40,6 +40,8 @@ class Connection {
   void execute(const std::string& sql);                        // one or more statements; rows are dropped
   [[nodiscard]] std::int64_t integer(const std::string& sql);  // first column of the one row
   [[nodiscard]] std::string text(const std::string& sql);
+  // The whole database as it stands now into the one of `target`, pages as they are; others may write meanwhile.
+  void copy_to(Connection& target) const;
   [[nodiscard]] std::int64_t last_row() const;
   [[nodiscard]] bool in_transaction() const;
   [[nodiscard]] bool is_read_only() const;  // also true when a file asked for writing could only be read

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/histories.h"
+#include "analysis/identify/fit_rows.h"
 #include "analysis/identify/identify.h"
 
 namespace tactbench::analysis {
@@ -85,15 +86,13 @@ nlohmann::json summary_of(const ArrayFit& fit) {
 
 }  // namespace
 
-std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::string& program_version,
-                       const std::string& utc) {
-  db::FitRecord record;
+FitRows rows_of(const ArrayFit& fit) {
+  FitRows rows;
+  db::FitRecord& record = rows.fit;
   record.run = fit.run;
   record.model = kElamFit;
   record.options_json = nlohmann::json{{"exact_outer", fit.mean_taxel.fit.model.options.exact_outer}}.dump();
   record.summary_json = summary_of(fit).dump();
-  record.program_version = program_version;
-  record.created_utc = utc;
   record.patterns_json = nlohmann::json{
       {"rows", fit.rows},
       {"columns", fit.columns},
@@ -104,9 +103,24 @@ std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::stri
       {"sensor_serial", fit.sensor_serial},
       {"scanner_serial",
        fit.scanner_serial}}.dump();
-  std::vector<db::FitTaxelRecord> taxels{to_record(fit.mean_taxel, kMeanTaxel)};
-  for (std::size_t i = 0; i < fit.taxels.size(); ++i) taxels.push_back(to_record(fit.taxels[i], static_cast<int>(i)));
-  return store.add_fit(record, taxels);
+  rows.taxels.push_back(to_record(fit.mean_taxel, kMeanTaxel));
+  for (std::size_t i = 0; i < fit.taxels.size(); ++i) {
+    rows.taxels.push_back(to_record(fit.taxels[i], static_cast<int>(i)));
+  }
+  return rows;
+}
+
+std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::string& program_version,
+                       const std::string& utc, const std::string& made_by) {
+  FitRows rows = rows_of(fit);
+  rows.fit.program_version = program_version;
+  rows.fit.created_utc = utc;
+  if (!made_by.empty()) {
+    auto options = nlohmann::json::parse(rows.fit.options_json);
+    options["made_by"] = made_by;
+    rows.fit.options_json = options.dump();
+  }
+  return store.add_fit(rows.fit, rows.taxels);
 }
 
 ArrayFit load_fit(const db::RunStore& store, std::int64_t run) {

@@ -72,9 +72,10 @@ Dataset as_modelled(Dataset dataset, const ArrayFit& fit);
 // All taxels; threads by taxel, the result does not depend on their number. Throws AnalysisError.
 ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options = {});
 
-// To and from the store. load_fit: TB-ANALYSIS-NO-FIT when the run has none.
+// To and from the store. load_fit: TB-ANALYSIS-NO-FIT when the run has none. made_by: build and class of processor,
+// kept for who recomputes the fit (fit_rows.h).
 std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::string& program_version,
-                       const std::string& utc);
+                       const std::string& utc, const std::string& made_by = {});
 ArrayFit load_fit(const db::RunStore& store, std::int64_t run);
 ArrayFit load_fit(const db::RunStore& store, const db::FitRecord& record);  // of the model kElamFit
 inline constexpr const char* kElamFit = "elam";

@@ -61,6 +61,8 @@ int run_command_line(int argc, char** argv) {
   add_model(app, session);
   add_report(app, session);
   add_runs(app, session);
+  add_verify(app, session);
+  add_db(app, session);
   add_sensors(app, session);
   add_devices(app, session);
   add_live(app, session);

@@ -4,14 +4,20 @@
 
 #include <filesystem>
 
+#include "analysis/identify/lanes.h"
 #include "bench/utc.h"
 #include "build_info.h"
 
 namespace tactbench::bench {
 
+std::string this_build() {
+  return fmt::format("commit {}{}; {}; {}", TACTBENCH_COMMIT, TACTBENCH_DIRTY ? ", modified" : "", TACTBENCH_BUILD,
+                     analysis::to_string(analysis::lane_levels().back()));
+}
+
 analysis::ArrayFit fit_run(db::RunStore& store, std::int64_t run) {
   analysis::ArrayFit fit = analysis::fit_array(analysis::load_dataset(store, run));
-  analysis::store_fit(store, fit, TACTBENCH_VERSION, utc_now());
+  analysis::store_fit(store, fit, TACTBENCH_VERSION, utc_now(), this_build());
   return fit;
 }
 

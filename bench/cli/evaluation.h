@@ -10,6 +10,10 @@
 
 namespace tactbench::bench {
 
+// Build and class of processor of this program, kept with each fit: where both are the same, recomputed results have
+// the same bits. A modified build says so: two of them need not be the same.
+std::string this_build();
+
 // Fits all taxels of `run` and stores the models.
 analysis::ArrayFit fit_run(db::RunStore& store, std::int64_t run);
 

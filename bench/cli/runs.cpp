@@ -2,8 +2,10 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "bench/cli/session.h"
 
@@ -11,18 +13,33 @@ namespace tactbench::bench {
 
 namespace {
 
-// The worst word among a run's verdicts; "-" when it was not judged.
-std::string worst_verdict(const db::RunStore& store, const db::RunRecord& run) {
-  const std::vector<db::VerdictRecord> verdicts = store.verdicts(run.run);
-  if (verdicts.empty()) return "-";
+// The worst word among a run's verdicts; "none" when it was not judged.
+std::string worst_verdict(const std::vector<db::VerdictRecord>& verdicts) {
+  if (verdicts.empty()) return "none";
   switch (exit_code_of(verdicts)) {
     case ExitCode::kPass:
-      return shown_verdict("pass", run.origin);
+      return "pass";
     case ExitCode::kCriterionFailed:
-      return shown_verdict("fail", run.origin);
+      return "fail";
     default:
-      return shown_verdict("inconclusive", run.origin);
+      return "inconclusive";
   }
+}
+
+struct RunsListOptions {
+  std::string sensor, since, tag, verdict;  // empty: any
+  bool all = false;                         // void runs, too
+};
+
+void check_since(const std::string& since) {
+  const std::string pattern = "dddd-dd-dd";
+  bool fits = since.size() >= pattern.size();
+  for (std::size_t i = 0; fits && i < pattern.size(); ++i) {
+    fits = pattern[i] == 'd' ? since[i] >= '0' && since[i] <= '9' : since[i] == '-';
+  }
+  if (fits) return;
+  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no date", since), "--since",
+              "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
 }
 
 // What was found; where nothing was, the figures.
@@ -43,27 +60,44 @@ std::string check_line(const db::CheckRecord& check) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void list_runs(const Session& session) {
+void list_runs(const RunsListOptions& options, const Session& session) {
+  if (!options.since.empty()) check_since(options.since);
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   if (!session.json) {
     fmt::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {:<14}{:<11}{}\n", "run", "started (UTC)", "sensor", "outcome",
                "frames", "verdict", "origin", "purpose");
   }
+  int left_out = 0;
   for (const db::RunRecord& run : store.runs()) {
+    if (!options.sensor.empty() && run.sensor_serial != options.sensor) continue;
+    if (run.started_utc < options.since) continue;
+    if (!options.tag.empty() && std::ranges::find(run.tags, options.tag) == run.tags.end()) continue;
+    const std::string worst = worst_verdict(store.verdicts(run.run));
+    if (!options.verdict.empty() && worst != options.verdict) continue;
+    if (run.is_void() && !options.all) {
+      ++left_out;
+      continue;
+    }
     const std::int64_t frames = store.frame_count(run.run);
-    const std::string verdict = worst_verdict(store, run);
+    const std::string verdict = worst == "none" ? "-" : shown_verdict(worst, run.origin);
     if (session.json) {
       nlohmann::ordered_json row = run_json(run);
       row["frames"] = frames;
       row["verdict"] = verdict;
       json.push_back(row);
     } else {
-      fmt::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {:<14}{:<11}{}\n", run.run, run.started_utc, run.sensor_serial,
-                 db::to_string(run.outcome), frames, verdict, run.origin, run.purpose);
+      fmt::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {:<14}{:<11}{}{}{}\n", run.run, run.started_utc, run.sensor_serial,
+                 db::to_string(run.outcome), frames, verdict, run.origin, run.purpose,
+                 run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
+                 run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
     }
   }
-  if (session.json) print_json("runs.list", {{"runs", json}});
+  if (session.json) {
+    print_json("runs.list", {{"runs", json}, {"void_left_out", left_out}});
+  } else if (left_out > 0) {
+    fmt::print("{} void {} left out (--all)\n", left_out, left_out == 1 ? "run" : "runs");
+  }
 }
 
 void show_run(std::int64_t number, const Session& session) {
@@ -100,6 +134,7 @@ void show_run(std::int64_t number, const Session& session) {
   const auto line = [](const char* name, const std::string& value) {
     fmt::print("  {:<14}{}\n", name, value.empty() ? "not stated" : value);
   };
+  if (run.is_void()) line("VOID", fmt::format("{} ({}, {})", run.void_reason, run.void_by, run.void_utc));
   line("origin", run.origin);
   line("outcome", fmt::format("{}: {}", db::to_string(run.outcome), run.reason));
   line("safe state", db::to_string(run.safe_state));
@@ -111,6 +146,9 @@ void show_run(std::int64_t number, const Session& session) {
   line("ended", run.ended_utc);
   line("program", fmt::format("{} ({}{})", run.program_version, run.git_commit, run.git_dirty ? ", modified" : ""));
   line("content", run.content_sha256);
+  if (!run.tags.empty()) line("tags", fmt::format("{}", fmt::join(run.tags, " ")));
+  std::istringstream notes(run.notes);
+  for (std::string note; std::getline(notes, note);) line("note", note);
   for (const db::SequenceRecord& sequence : run.sequences) {
     line("recipe", fmt::format("{}: {} x {} frames (sha256 {})", sequence.name, sequence.repeats,
                                sequence.frames_per_repeat, sequence.recipe_sha256.substr(0, 12)));
@@ -134,16 +172,27 @@ void show_run(std::int64_t number, const Session& session) {
 }  // namespace
 
 void add_runs(CLI::App& app, Session& session) {
-  CLI::App* runs = app.add_subcommand("runs", "list or show stored runs");
+  CLI::App* runs = app.add_subcommand("runs", "list, show, compare, export, copy, tag, note or void stored runs");
   runs->require_subcommand(1);
+  auto options = std::make_shared<RunsListOptions>();
   CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
+  list_verb->add_option("--sensor", options->sensor, "of this sensor alone");
+  list_verb->add_option("--since", options->since, "started on this day (UTC, 2026-01-31) or later");
+  list_verb->add_option("--tag", options->tag, "with this tag alone");
+  list_verb->add_option("--verdict", options->verdict, "whose worst verdict is this; none: not judged")
+      ->check(CLI::IsMember({"pass", "fail", "inconclusive", "none"}));
+  list_verb->add_flag("--all", options->all, "void runs, too");
   add_common(*list_verb, session);
-  list_verb->callback([&session] { list_runs(session); });
+  list_verb->callback([options, &session] { list_runs(*options, session); });
   auto number = std::make_shared<std::int64_t>(0);
   CLI::App* show_verb = runs->add_subcommand("show", "all that is known of a run");
   show_verb->add_option("run", *number, "run number")->required();
   add_common(*show_verb, session);
   show_verb->callback([number, &session] { show_run(*number, session); });
+  add_run_remarks(*runs, session);
+  add_run_export(*runs, session);
+  add_run_copy(*runs, session);
+  add_run_diff(*runs, session);
 }
 
 }  // namespace tactbench::bench

@@ -150,7 +150,15 @@ ordered_json run_json(const db::RunRecord& run) {
                        {"ended_utc", run.ended_utc},
                        {"program_version", run.program_version},
                        {"git_commit", run.git_commit},
-                       {"content_sha256", run.content_sha256}};
+                       {"content_sha256", run.content_sha256},
+                       {"tags", run.tags},
+                       {"notes", run.notes},
+                       {"void", run.is_void()}};
+  if (run.is_void()) {
+    json["void_reason"] = run.void_reason;
+    json["void_by"] = run.void_by;
+    json["void_utc"] = run.void_utc;
+  }
   ordered_json recipes = ordered_json::array();
   for (const db::SequenceRecord& sequence : run.sequences) {
     recipes.push_back({{"name", sequence.name},

@@ -77,10 +77,10 @@ TEST_CASE("every canonical column counts, and no other") {
   RunStore store = RunStore::open(path);
   const std::int64_t run = store_example(store);
   const std::string hash = store.content_hash(run);
-  const std::set<std::string> outside = {"runs.uuid",           "runs.host",    "runs.time_zone", "runs.started_utc",
-                                         "runs.ended_utc",      "runs.tags",    "runs.notes",     "runs.state",
-                                         "runs.content_sha256", "frames.dtype", "frames.chain",   "runs.seen_utc",
-                                         "runs.rest_s"};
+  const std::set<std::string> outside = {
+      "runs.uuid",   "runs.host",        "runs.time_zone",      "runs.started_utc", "runs.ended_utc", "runs.tags",
+      "runs.notes",  "runs.state",       "runs.content_sha256", "frames.dtype",     "frames.chain",   "runs.seen_utc",
+      "runs.rest_s", "runs.void_reason", "runs.void_by",        "runs.void_utc"};
   const std::set<std::string> keys = {"runs.run",        "sequences.run", "devices.run",      "branches.run",
                                       "events.run",      "frames.frame",  "events.event",     "devices.position",
                                       "branches.branch", "checks.run",    "checks.check_row", "series.run"};

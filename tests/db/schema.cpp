@@ -125,6 +125,39 @@ TEST_CASE("a store of schema 2 is brought up to date, its rows and its hash unch
   CHECK(store.series(1).empty());
 }
 
+TEST_CASE("a store of schema 3 is brought up to date, its rows and its hash unchanged") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db"), kept = path + ".schema-3.backup";
+  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_3.db", path);
+  CHECK(db::schema_version_of(path) == 3);
+  RunStore store = RunStore::open(path);
+  const db::RunRecord run = store.run(1);
+  CHECK(run.content_sha256 == "e67589a8fdfa599ff5cf5b6145471804a2d0e07a99287af055796f3936cd0b23");
+  CHECK(store.check_content(1).holds());
+  CHECK(store.frames(1).size() == 11);
+  CHECK(store.fit_taxels(1).size() == 257);
+  CHECK(store.verdicts(1).size() == 8);
+  CHECK((run.tags.empty() && run.notes.empty() && !run.is_void()));
+  CHECK(store.check_structure().empty());
+  CHECK(db::schema_version_of(path) == db::kSchemaVersion);
+  CHECK(db::schema_version_of(kept) == 3);
+  CHECK(Connection(kept, Access::kReadOnly).integer("SELECT count(*) FROM frames") == 11);
+}
+
+TEST_CASE("a backup is made before each migration and never over another file") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_2.db", path);
+  write_file(path + ".schema-2.backup", "mine");
+  RunStore::open(path);
+  CHECK(read_file(path + ".schema-2.backup") == "mine");
+  CHECK(db::schema_version_of(path + ".schema-2.backup.2") == 2);
+  RunStore::open(path);  // nothing to migrate
+  RunStore::open(folder.path("new.db"));
+  CHECK_FALSE(std::filesystem::exists(path + ".schema-2.backup.3"));
+  CHECK_FALSE(std::filesystem::exists(folder.path("new.db.schema-0.backup")));
+}
+
 TEST_CASE("the series of an imported run come back bit for bit") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));

@@ -1,0 +1,125 @@
+// Is the store what it was: the chain of a run recomputed link by link, and SQLite's own look at its file.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+namespace {
+
+// A text that has its own hash beside it tells by itself.
+std::string text_that_changed(const RunRecord& run) {
+  const auto changed = [](const std::string& text, const std::string& sha256) {
+    return sha256.size() == 64 && sha256_hex(text) != sha256;
+  };
+  if (changed(run.bench_toml, run.bench_sha256)) return "the bench file kept with the run, or its hash";
+  if (changed(run.sensor_toml, run.sensor_sha256)) return "the sensor file kept with the run, or its hash";
+  for (const SequenceRecord& sequence : run.sequences) {
+    if (!changed(sequence.recipe_toml, sequence.recipe_sha256)) continue;
+    return fmt::format("the recipe of sequence {} ('{}') kept with the run, or its hash", sequence.sequence,
+                       sequence.name);
+  }
+  return {};
+}
+
+// A frame's place in the run, as a person would look for it.
+std::string place_of(std::int64_t position, const RunRecord& run, const BranchRecord* branch, const FrameRecord& f) {
+  if (branch == nullptr) return fmt::format("frame {} (of no branch of this run)", position);
+  const auto sequence = std::ranges::find(run.sequences, branch->sequence, &SequenceRecord::sequence);
+  return fmt::format("frame {} (sequence {} '{}', repeat {}, branch {}, attempt {}, step {})", position,
+                     branch->sequence, sequence == run.sequences.end() ? "" : sequence->name, branch->repeat,
+                     branch->ordinal, branch->attempt, f.ordinal);
+}
+
+}  // namespace
+
+ContentCheck RunStore::check_content(std::int64_t number) const {
+  Database& database = *database_;
+  const RunRecord run = database.run(number);
+  RunEnd end = database.end_of(number);
+  end.outcome = run.outcome;
+  end.reason = run.reason;
+  end.safe = run.safe_state;
+
+  ContentCheck check;
+  check.stored_sha256 = run.content_sha256;
+  Digest chain = database.hasher.header(run);
+  std::int64_t broken = 0;  // position of the first frame whose link is not the stored one
+  std::int64_t mended = 0;  // of a later one whose link is: then only links were changed, not what they cover
+  std::string broken_place, gap;
+  sqlite::Statement links(database.connection,
+                          "SELECT frame, chain FROM frames WHERE frame > ? AND frame < ? ORDER BY frame");
+  links.bind(frames_above(number), frames_below(number));
+  database.each_frame(number, [&](const FrameRecord& frame) {
+    std::int64_t key = 0;
+    Digest stored{};
+    if (links.step()) links.read(key, stored);
+    const auto branch = std::lower_bound(end.branches.begin(), end.branches.end(), frame.branch,
+                                         [](const BranchRecord& b, std::int64_t id) { return b.branch < id; });
+    const bool known = branch != end.branches.end() && branch->branch == frame.branch;
+    chain = database.hasher.frame(chain, known ? *branch : BranchRecord{}, frame);
+    const std::int64_t position = key - frames_above(number);
+    ++check.frames;
+    if (gap.empty() && broken == 0 && position != check.frames) {
+      gap = fmt::format("frame {} is missing", check.frames);
+    }
+    if (chain == stored) {
+      if (broken != 0 && mended == 0) mended = position;
+    } else if (broken == 0) {
+      broken = position;
+      broken_place = place_of(position, run, known ? &*branch : nullptr, frame);
+    }
+  });
+  check.computed_sha256 = hex(database.hasher.close(chain, check.frames, end));
+
+  const bool ended = run.outcome != Outcome::kIncomplete;
+  const bool same = ended ? check.computed_sha256 == check.stored_sha256 : check.stored_sha256.empty();
+  if (!gap.empty()) {
+    check.difference = gap;
+  } else if (broken != 0 && (mended != 0 || (ended && same))) {
+    check.difference = fmt::format("the link kept with {}; the frame itself is as it was stored", broken_place);
+  } else if (broken == 1) {
+    const std::string text = text_that_changed(run);
+    check.difference =
+        text.empty() ? fmt::format("the run's row, a sequence, a device, or {} with its branch", broken_place) : text;
+  } else if (broken != 0) {
+    check.difference = fmt::format("{}: its row or its branch's place", broken_place);
+  } else if (!same) {
+    const std::string text = check.frames == 0 ? text_that_changed(run) : std::string();
+    check.difference = !text.empty()
+                           ? text
+                           : fmt::format(
+                                 "{}an event, a branch, a check, a series, the number of frames (now {}), the "
+                                 "outcome, its reason, the safe state, or the stored hash itself",
+                                 check.frames == 0 ? "the run's row, a sequence, a device, "
+                                                   : "all up to the last "
+                                                     "frame is as it was stored; what follows is not: ",
+                                 check.frames);
+  }
+  return check;
+}
+
+std::vector<std::string> RunStore::check_structure() const {
+  std::vector<std::string> wrong;
+  {
+    sqlite::Statement rows(database_->connection, "PRAGMA integrity_check");
+    while (rows.step()) {
+      std::string line;
+      rows.read(line);
+      if (line != "ok") wrong.push_back(line);
+    }
+  }
+  sqlite::Statement rows(database_->connection,
+                         "SELECT \"table\", rowid, parent FROM pragma_foreign_key_check ORDER BY 1, 2 LIMIT 100");
+  while (rows.step()) {
+    std::string table, parent;
+    std::int64_t row = 0;
+    rows.read(table, row, parent);
+    wrong.push_back(fmt::format("row {} of {} names a row of {} that is not there", row, table, parent));
+  }
+  return wrong;
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,144 @@
+// Runs from another store, with all that hangs on them. Rows are taken as they are, by columns that the file itself
+// names; only the keys become those of this store.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+namespace {
+
+class AttachedStore {
+ public:
+  AttachedStore(sqlite::Connection& connection, const std::string& path) : connection_(connection) {
+    sqlite::Statement(connection, "ATTACH ? AS source").bind(path).run();
+  }
+  ~AttachedStore() {
+    try {
+      connection_.execute("DROP TABLE IF EXISTS temp.copied_fits; DETACH source");
+    } catch (const StoreError&) {  // the connection is broken: closing it detaches
+    }
+  }
+  AttachedStore(const AttachedStore&) = delete;
+  AttachedStore& operator=(const AttachedStore&) = delete;
+
+ private:
+  sqlite::Connection& connection_;
+};
+
+using Replaced = std::map<std::string, std::string>;  // column -> expression; empty: left to the store
+
+void take_rows(sqlite::Connection& connection, const std::string& table, const Replaced& replaced,
+               const std::string& condition) {
+  std::string columns, values;
+  sqlite::Statement names(connection, "SELECT name FROM pragma_table_info(?, 'main')");
+  names.bind(table);
+  while (names.step()) {
+    std::string name;
+    names.read(name);
+    const auto own = replaced.find(name);
+    if (own != replaced.end() && own->second.empty()) continue;
+    const char* comma = columns.empty() ? "" : ", ";
+    columns += fmt::format("{}\"{}\"", comma, name);
+    values += fmt::format("{}{}", comma, own == replaced.end() ? fmt::format("t.\"{}\"", name) : own->second);
+  }
+  connection.execute(fmt::format("INSERT INTO main.{0} ({1}) SELECT {2} FROM source.{0} t WHERE {3} ORDER BY t.rowid",
+                                 table, columns, values, condition));
+}
+
+// What is added to a key of the source so that it follows the keys here.
+std::int64_t offset_of(sqlite::Connection& connection, const std::string& table, const std::string& key,
+                       const std::string& condition) {
+  return connection.integer(
+      fmt::format("SELECT coalesce((SELECT max({1}) FROM main.{0}), 0) + 1 - "
+                  "coalesce((SELECT min(t.{1}) FROM source.{0} t WHERE {2}), 1)",
+                  table, key, condition));
+}
+
+void take_sensor(sqlite::Connection& connection, std::int64_t run) {
+  const std::string serial = fmt::format("serial = (SELECT sensor_serial FROM source.runs WHERE run = {})", run);
+  if (connection.integer(fmt::format("SELECT count(*) FROM main.sensors WHERE {}", serial)) == 0) {
+    take_rows(connection, "sensors", {}, fmt::format("t.{}", serial));
+    return;
+  }
+  const std::int64_t same = connection.integer(
+      fmt::format("SELECT count(*) FROM main.sensors m JOIN source.sensors s USING (serial, type_sha256, "
+                  "scanner_serial) WHERE m.{}",
+                  serial));
+  if (same == 1) return;
+  throw StoreError(
+      "TB-STORE-CONFLICT",
+      fmt::format("the sensor of run {} is registered in {} with another type file or scanner", run, connection.path()),
+      "copy into another store");
+}
+
+std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
+  const std::string of_run = fmt::format("t.run = {}", run);
+  const std::int64_t there = connection.integer(
+      fmt::format("SELECT coalesce((SELECT run FROM main.runs WHERE uuid = (SELECT uuid FROM source.runs "
+                  "WHERE run = {})), 0)",
+                  run));
+  if (there != 0) {
+    throw StoreError("TB-STORE-EXISTS",
+                     fmt::format("run {} is in {} already, as run {}", run, connection.path(), there), "leave it out");
+  }
+  take_sensor(connection, run);
+  const std::int64_t branches = offset_of(connection, "branches", "branch", of_run);
+  const std::int64_t fits = offset_of(connection, "fits", "fit", of_run);
+  take_rows(connection, "runs", {{"run", ""}}, of_run);
+  const std::int64_t number = connection.last_row();
+  const std::string own = std::to_string(number);
+  for (const char* table : {"sequences", "devices", "series"}) take_rows(connection, table, {{"run", own}}, of_run);
+  const std::string branch = fmt::format("t.branch + {}", branches);
+  take_rows(connection, "branches", {{"run", own}, {"branch", branch}}, of_run);
+  take_rows(connection, "frames",
+            {{"frame", fmt::format("t.frame + {}", frames_above(number) - frames_above(run))}, {"branch", branch}},
+            fmt::format("t.frame > {} AND t.frame < {}", frames_above(run), frames_below(run)));
+  take_rows(connection, "events", {{"run", own}, {"event", ""}}, of_run);
+  take_rows(connection, "checks", {{"run", own}, {"check_row", ""}}, of_run);
+  const std::string fit = fmt::format("t.fit + {}", fits);
+  take_rows(connection, "fits", {{"run", own}, {"fit", fit}}, of_run);
+  take_rows(connection, "fit_taxels", {{"fit", fit}},
+            fmt::format("t.fit IN (SELECT fit FROM source.fits WHERE run = {})", run));
+  connection.execute(
+      fmt::format("INSERT INTO temp.copied_fits SELECT t.fit, {} FROM source.fits t WHERE {}", fit, of_run));
+  return number;
+}
+
+}  // namespace
+
+std::vector<std::int64_t> RunStore::copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs) {
+  sqlite::Connection& connection = database_->connection;
+  for (const std::int64_t run : runs) {
+    if (other.run(run).outcome != Outcome::kIncomplete) continue;
+    throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} has not ended", other.path(), run),
+                     "wait for its end, or stop it");
+  }
+  const AttachedStore attached(connection, std::filesystem::absolute(other.path()).string());
+  connection.execute("CREATE TEMP TABLE copied_fits (old INTEGER PRIMARY KEY, new INTEGER NOT NULL)");
+  sqlite::Transaction transaction(connection);
+  std::vector<std::int64_t> numbers;
+  for (const std::int64_t run : runs) numbers.push_back(take_run(connection, run));
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    // Verdicts rest on a fit of another run, often; it is named where that run came along.
+    take_rows(connection, "verdicts",
+              {{"verdict_row", ""},
+               {"run", std::to_string(numbers[i])},
+               {"fit", "(SELECT new FROM temp.copied_fits WHERE old = t.fit)"}},
+              fmt::format("t.run = {}", runs[i]));
+    const ContentCheck check = check_content(numbers[i]);
+    if (check.holds()) continue;
+    throw StoreError(
+        "TB-STORE-CONFLICT",
+        fmt::format("store {}: run {} is not what was stored: {}", other.path(), runs[i], check.difference),
+        "nothing was copied; tactbench verify RUN, and take the last snapshot");
+  }
+  transaction.commit();
+  return numbers;
+}
+
+}  // namespace tactbench::db

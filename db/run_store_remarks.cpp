@@ -1,0 +1,71 @@
+// What people say of a run afterwards: tags, notes, and that it counts no more.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+namespace {
+
+void check_tag(const std::string& tag) {
+  const auto fits = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("._:/+-").find(c) != std::string_view::npos;
+  };
+  if (!tag.empty() && tag.size() <= 64 && std::ranges::all_of(tag, fits)) return;
+  throw StoreError("TB-STORE-TAG", fmt::format("'{}' is no tag", tag),
+                   "a tag is one word of up to 64 letters, digits and . _ : / + -; longer words go into a note");
+}
+
+}  // namespace
+
+void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove) {
+  for (const std::string& tag : add) check_tag(tag);
+  for (const std::string& tag : remove) check_tag(tag);
+  sqlite::Transaction transaction(database_->connection);
+  const std::vector<std::string> before = database_->run(run).tags;
+  std::set<std::string> tags(before.begin(), before.end());
+  tags.insert(add.begin(), add.end());
+  for (const std::string& tag : remove) tags.erase(tag);
+  sqlite::Statement(database_->connection, "UPDATE runs SET tags = ? WHERE run = ?")
+      .bind(fmt::format("{}", fmt::join(tags, " ")), run)
+      .run();
+  transaction.commit();
+}
+
+void RunStore::add_note(std::int64_t run, const std::string& text) {
+  if (text.empty()) throw StoreError("TB-STORE-CONFLICT", "the note is empty", "say what is to be known of the run");
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_run(run);
+  sqlite::Statement(database_->connection,
+                    "UPDATE runs SET notes = CASE notes WHEN '' THEN '' ELSE notes || char(10) END || ? WHERE run = ?")
+      .bind(text, run)
+      .run();
+  transaction.commit();
+}
+
+void RunStore::void_run(std::int64_t run, const std::string& reason, const std::string& by, const std::string& utc) {
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} {}", path(), run, what), remedy);
+  };
+  sqlite::Transaction transaction(database_->connection);
+  const RunRecord record = database_->run(run);
+  if (record.outcome == Outcome::kIncomplete) refuse("has not ended", "wait for its end, or stop it");
+  if (record.is_void()) {
+    refuse(fmt::format("is void already, by {} ({})", record.void_by, record.void_reason),
+           "what is to be added goes into a note");
+  }
+  if (reason.empty() || by.empty() || utc.empty()) {
+    refuse("is not made void without a reason and a name", "give both");
+  }
+  sqlite::Statement(database_->connection, "UPDATE runs SET void_reason = ?, void_by = ?, void_utc = ? WHERE run = ?")
+      .bind(reason, by, utc, run)
+      .run();
+  transaction.commit();
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,77 @@
+"""Reads a store with Python's sqlite3 through the views, decodes a frame, and compares with `runs export`."""
+
+import array
+import csv
+import json
+import os
+import shutil
+import sqlite3
+import subprocess
+import sys
+import tempfile
+
+program, old_store = sys.argv[1:]
+folder = tempfile.mkdtemp()
+
+
+def call(*words):
+    subprocess.run([program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+
+def rows(sql, *values):
+    cursor = store.execute(sql, values)
+    names = [column[0] for column in cursor.description]
+    return [dict(zip(names, row)) for row in cursor]
+
+
+try:
+    shutil.copy(old_store, os.path.join(folder, "runs.db"))
+    call("db", "migrate")
+    call("runs", "tag", "1", "from-python")
+    call("runs", "export", "1", "-o", "run.csv")
+    call("runs", "export", "1", "--format", "json", "-o", "run.json")
+    store = sqlite3.connect(f"file:{folder}/runs.db?mode=ro", uri=True)
+
+    (run,) = rows("SELECT * FROM v_runs")
+    assert (run["frames"], run["tags"], run["void"]) == (11, "from-python", 0), run
+    frames = rows("SELECT * FROM v_frames WHERE run = 1 ORDER BY position")
+    assert [frame["setpoint_psi"] for frame in frames] == [0, 20, 40, 60, 40, 20, 40, 60, 40, 20, 0], frames
+    assert all(abs(frame["reference_psi"] - frame["setpoint_psi"]) < 0.5 for frame in frames)
+    assert all(frame["time_s"] == frame["time_ns"] * 1e-9 for frame in frames)
+    assert {"run", "time_s", "kind", "id", "detail"} == set(rows("SELECT * FROM v_events")[0])
+    assert len(rows("SELECT * FROM v_fit_taxels WHERE status = 'fitted'")) == 257
+    assert "psi" in {row["unit"] for row in rows("SELECT * FROM v_verdicts")}
+    assert len(rows("SELECT * FROM v_devices WHERE role = 'tactile scanner'")) == 1
+    for view in ("v_runs", "v_frames", "v_verdicts", "v_events", "v_checks", "v_devices", "v_fit_taxels"):
+        try:
+            store.execute(f"DELETE FROM {view}")
+        except sqlite3.Error:
+            continue
+        raise AssertionError(f"{view} takes a DELETE")
+
+    # A frame in one line.
+    blobs = store.execute('SELECT counts, scans, "rows", columns FROM frames ORDER BY frame').fetchall()
+    decoded = [list(array.array("H", counts)) for counts, *_ in blobs]
+    assert all(len(counts) == s * r * c for counts, (_, s, r, c) in zip(decoded, blobs))
+
+    with open(os.path.join(folder, "run.csv"), newline="") as file:
+        lines = list(csv.DictReader(file))
+    scans = blobs[0][1]
+    assert len(lines) == 11 * scans, len(lines)
+    for number, line in enumerate(lines):
+        frame, scan = number // scans, number % scans
+        assert (int(line["frame"]), int(line["scan"])) == (frame + 1, scan)
+        assert float(line["reference_psi"]) == frames[frame]["reference_psi"]
+        assert line["recipe"] == "small"
+        for r in range(16):
+            for c in range(16):
+                assert int(line[f"counts_r{r}_c{c}"]) == decoded[frame][(scan * 16 + r) * 16 + c]
+
+    with open(os.path.join(folder, "run.json")) as file:
+        document = json.load(file)
+    assert document["content_sha256"] == run["content_sha256"]
+    assert [frame["counts"] for frame in document["frames"]] == decoded
+    assert [frame["reference_psi"] for frame in document["frames"]] == [f["reference_psi"] for f in frames]
+    assert len(document["verdicts"]) == 8 and document["events"] and document["recipes"][0]["toml"].startswith("schema")
+finally:
+    shutil.rmtree(folder)
