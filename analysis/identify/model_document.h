@@ -71,7 +71,8 @@ std::string sha256_of(const ModelDocument& document);  // of that text
 ModelDocument document_from_text(const std::string& text, const std::string& file);
 
 // In what the named sequences (empty: all) of `used` lie outside the model's validity, a line each: serials, inputs
-// beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is passed.
+// beyond 2 % of the range, holds and rates beyond 10 %, temperatures beyond 1 degC. What either does not know is
+// passed.
 std::vector<std::string> outside_validity(const ModelDocument& model, const Histories& used,
                                           const std::vector<std::string>& sequences = {});
 
