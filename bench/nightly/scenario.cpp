@@ -17,7 +17,7 @@ namespace {
 
 db::SensorRecord add_specimen(const Scenario& scenario, db::RunStore& store) {
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
-  const db::SensorRecord sensor{
+  db::SensorRecord sensor{
       fmt::format("SIM-{:04}", scenario.sensor_seed), type.name, type.text, db::sha256_hex(type.text), "",
       "simulated array of the nightly suite",         utc_now()};
   store.add_sensor(sensor);
