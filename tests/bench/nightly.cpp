@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <pugixml.hpp>
 
 #include "bench/nightly/night.h"
@@ -9,14 +12,16 @@ using namespace tactbench::bench;
 
 namespace {
 
-const std::string kHead = "schema = 1\nname = \"s\"\n";
-const std::string kOne = kHead + "[[scenario]]\nname = \"one\"\nabout = \"first\"\n";
+const char* const kHead = "schema = 1\nname = \"s\"\n";
+const char* const kOne = "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"one\"\nabout = \"first\"\n";
+
+std::string with(const char* head, const char* rest) { return fmt::format("{}{}", head, rest); }
 
 std::string refusal(const std::string& text) {
   try {
     (void)parse_suite(text, "s.toml");
   } catch (const sequences::FileError& error) {
-    return error.where() + ": " + error.what();
+    return fmt::format("{}: {}", error.where(), error.what());
   }
   return "accepted";
 }
@@ -35,28 +40,32 @@ ScenarioResult came_out(const std::string& outcome = "completed", const std::str
 }  // namespace
 
 TEST_CASE("the shipped suite has at least thirty scenarios, all readable") {
-  const Suite suite = read_suite(std::string(TACTBENCH_SOURCE_DIR) + "/sequences/nightly.toml");
+  const Suite suite = read_suite(TACTBENCH_SOURCE_DIR "/sequences/nightly.toml");
   CHECK(suite.scenarios.size() >= 30);
 }
 
 TEST_CASE("a suite with a fault says where it is") {
   CHECK(refusal(kHead).find("no scenario") != std::string::npos);
-  CHECK(refusal(kOne + "recipe = \"x\"\n").find("s.toml:6") != std::string::npos);
-  CHECK(refusal(kOne + "recipes = \"ring\"\n").find("must be a list of texts") != std::string::npos);
-  CHECK(refusal(kOne + "recipes = [\"ring\", 3]\n").find("element 2 of 'recipes'") != std::string::npos);
-  CHECK(refusal(kOne + "[scenario.taxels]\nbroken = [1]\n").find("no taxel is ever 'broken'") != std::string::npos);
-  CHECK(refusal(kOne + "[scenario.taxels]\ndead = [1.5]\n").find("1.5") != std::string::npos);
-  CHECK(refusal(kOne + "[scenario.figures]\nframes = [2, 1]\n") != "accepted");
-  CHECK(refusal(kOne + "[scenario.verdicts]\nmismatch = \"good\"\n") != "accepted");
-  CHECK(refusal(kOne + "fits = false\n[scenario.taxels]\ndead = [1]\n").find("come from a fit") != std::string::npos);
-  CHECK(refusal(kOne + "[[scenario]]\nname = \"one\"\nabout = \"again\"\n").find("two scenarios") != std::string::npos);
-  CHECK(refusal(kHead + "[[scenario]]\nname = \"../x\"\nabout = \"\"\n").find("names a file") != std::string::npos);
+  CHECK(refusal(with(kOne, "recipe = \"x\"\n")).find("s.toml:6") != std::string::npos);
+  CHECK(refusal(with(kOne, "recipes = \"ring\"\n")).find("must be a list of texts") != std::string::npos);
+  CHECK(refusal(with(kOne, "recipes = [\"ring\", 3]\n")).find("element 2 of 'recipes'") != std::string::npos);
+  CHECK(refusal(with(kOne, "[scenario.taxels]\nbroken = [1]\n")).find("no taxel is ever 'broken'") !=
+        std::string::npos);
+  CHECK(refusal(with(kOne, "[scenario.taxels]\ndead = [1.5]\n")).find("1.5") != std::string::npos);
+  CHECK(refusal(with(kOne, "[scenario.figures]\nframes = [2, 1]\n")) != "accepted");
+  CHECK(refusal(with(kOne, "[scenario.verdicts]\nmismatch = \"good\"\n")) != "accepted");
+  CHECK(refusal(with(kOne, "fits = false\n[scenario.taxels]\ndead = [1]\n")).find("come from a fit") !=
+        std::string::npos);
+  CHECK(refusal(with(kOne, "[[scenario]]\nname = \"one\"\nabout = \"again\"\n")).find("two scenarios") !=
+        std::string::npos);
+  CHECK(refusal(with(kHead, "[[scenario]]\nname = \"../x\"\nabout = \"\"\n")).find("names a file") !=
+        std::string::npos);
 }
 
 TEST_CASE("what differs from what must come out is named, each in a line") {
-  Scenario scenario = parse_suite(kOne +
-                                      "[scenario.taxels]\ndead = [4, 3]\n[scenario.verdicts]\nunfit_taxels = "
-                                      "\"fail\"\n[scenario.figures]\nframes = [211, 212]\n",
+  Scenario scenario = parse_suite(with(kOne,
+                                       "[scenario.taxels]\ndead = [4, 3]\n[scenario.verdicts]\nunfit_taxels = "
+                                       "\"fail\"\n[scenario.figures]\nframes = [211, 212]\n"),
                                   "s.toml")
                           .scenarios.front();
   CHECK(differences(scenario, came_out()).empty());
@@ -85,9 +94,9 @@ TEST_CASE("a result goes to text and back") {
 }
 
 TEST_CASE("JUnit XML is well-formed whatever a scenario said, and names those that did not run") {
-  Suite suite = parse_suite(kOne +
-                                "[[scenario]]\nname = \"two\"\nabout = \"<&>\"\n[[scenario]]\nname = "
-                                "\"three\"\nabout = \"never reached\"\n",
+  Suite suite = parse_suite(with(kOne,
+                                 "[[scenario]]\nname = \"two\"\nabout = \"<&>\"\n[[scenario]]\nname = "
+                                 "\"three\"\nabout = \"never reached\"\n"),
                             "s.toml");
   ScenarioResult red = came_out();
   red.name = "two";
