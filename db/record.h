@@ -187,4 +187,26 @@ struct VerdictRecord {
   std::string limits_toml, limits_sha256;
 };
 
+// What a run's analysis found of a subject that is followed over time.
+struct FigureRecord {
+  std::int64_t run = 0;
+  std::string subject;  // what the figure is of: "nightly/paper", "sensor", "rig"
+  std::string name;     // with the unit in it
+  double value = 0.0;
+};
+
+// Runs that someone declared to be as they should: later ones are held against their spread.
+struct BaselineRecord {
+  std::int64_t baseline = 0;  // given by the store
+  std::string subject, reason, accepted_by, accepted_utc;
+  std::vector<std::int64_t> runs;
+};
+
+// A report that someone signed for. content_sha256: of the report's data.
+struct ReportRecord {
+  std::int64_t run = 0;
+  std::string number, content_sha256, approved_by, approved_utc;
+  std::string replaces;  // number of the one approved before it; empty: none
+};
+
 }  // namespace tactbench::db

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -31,7 +32,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 4;
+inline constexpr int kSchemaVersion = 5;
 
 struct ContentCheck {
   std::string stored_sha256, computed_sha256;  // in hex; stored is empty until the run ends
@@ -139,6 +140,18 @@ class RunStore {
   // All verdicts of the run, by whatever fit, give way to these; fit 0: judged without a stored fit.
   void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;  // fit 0: without a stored fit
+
+  // What is followed over time. All figures of that subject in that run give way to these.
+  void replace_figures(std::int64_t run, const std::string& subject, const std::map<std::string, double>& figures);
+  // Of runs that are not void, by run, then name. An empty subject: of all.
+  [[nodiscard]] std::vector<FigureRecord> figures(const std::string& subject) const;
+  // TB-STORE-CONFLICT without reason, name or runs, for a void run, one without figures of
+  // the subject, and when runs of several origins are mixed.
+  std::int64_t add_baseline(const BaselineRecord& baseline);
+  [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
+  // Approved reports. TB-STORE-CONFLICT when that number is approved already, or without a name.
+  void add_report(const ReportRecord& report);
+  [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first
 
   [[nodiscard]] const std::string& path() const;
 

@@ -100,6 +100,8 @@ std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
             fmt::format("t.frame > {} AND t.frame < {}", frames_above(run), frames_below(run)));
   take_rows(connection, "events", {{"run", own}, {"event", ""}}, of_run);
   take_rows(connection, "checks", {{"run", own}, {"check_row", ""}}, of_run);
+  take_rows(connection, "figures", {{"run", own}}, of_run);
+  take_rows(connection, "reports", {{"run", own}, {"report_row", ""}}, of_run);
   const std::string fit = fmt::format("t.fit + {}", fits);
   take_rows(connection, "fits", {{"run", own}, {"fit", fit}}, of_run);
   take_rows(connection, "fit_taxels", {{"fit", fit}},

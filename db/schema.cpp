@@ -234,8 +234,45 @@ SELECT f.run, f.fit, f.model, t.taxel, t.status, t.noise_v, t.j_v2, t.mean_error
 FROM fits f JOIN fit_taxels t ON t.fit = f.fit;
 )sql";
 
+// What is followed over time: figures of runs, baselines that people accepted, reports that people signed.
+constexpr const char* kVersion5 = R"sql(
+CREATE TABLE figures (
+  run INTEGER NOT NULL REFERENCES runs (run),
+  subject TEXT NOT NULL CHECK (subject <> ''),  -- what the figures are of: 'nightly/paper', 'sensor', 'rig'
+  name TEXT NOT NULL CHECK (name <> ''),        -- with the unit in it
+  value REAL,
+  PRIMARY KEY (run, subject, name)
+) STRICT;
+CREATE INDEX figures_of_subject ON figures (subject, name, run);
+
+CREATE TABLE baselines (
+  baseline INTEGER PRIMARY KEY AUTOINCREMENT,  -- of one subject; the newest is the one that counts
+  subject TEXT NOT NULL CHECK (subject <> ''),
+  reason TEXT NOT NULL CHECK (reason <> ''), accepted_by TEXT NOT NULL CHECK (accepted_by <> ''),
+  accepted_utc TEXT NOT NULL
+) STRICT;
+CREATE TABLE baseline_runs (
+  baseline INTEGER NOT NULL REFERENCES baselines (baseline),
+  run INTEGER NOT NULL REFERENCES runs (run),
+  PRIMARY KEY (baseline, run)
+) STRICT;
+
+CREATE TABLE reports (
+  report_row INTEGER PRIMARY KEY,
+  run INTEGER NOT NULL REFERENCES runs (run),
+  number TEXT NOT NULL, content_sha256 TEXT NOT NULL,
+  approved_by TEXT NOT NULL CHECK (approved_by <> ''), approved_utc TEXT NOT NULL,
+  replaces TEXT NOT NULL,  -- number of the report approved before it; '': none
+  UNIQUE (run, number)
+) STRICT;
+
+CREATE VIEW v_figures AS
+SELECT f.run, r.origin, r.sensor_serial, r.started_utc, f.subject, f.name, f.value, r.void_utc <> '' AS void
+FROM figures f JOIN runs r ON r.run = f.run;
+)sql";
+
 // [i] leads from i to i + 1
-constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4};
+constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
 
 }  // namespace
 

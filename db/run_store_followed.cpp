@@ -1,0 +1,116 @@
+// What is followed over time: figures, baselines, approved reports.
+#include <fmt/format.h>
+
+#include <set>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+void RunStore::replace_figures(std::int64_t run, const std::string& subject,
+                               const std::map<std::string, double>& figures) {
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_run(run);
+  sqlite::Statement(database_->connection, "DELETE FROM figures WHERE run = ? AND subject = ?")
+      .bind(run, subject)
+      .run();
+  sqlite::Statement row(database_->connection, "INSERT INTO figures (run, subject, name, value) VALUES (?, ?, ?, ?)");
+  for (const auto& [name, value] : figures) row.bind(run, subject, name, value).run();
+  transaction.commit();
+}
+
+std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
+  sqlite::Statement rows(database_->connection,
+                         "SELECT f.run, f.subject, f.name, f.value FROM figures f JOIN runs r ON r.run = f.run "
+                         "WHERE r.void_utc = '' AND (?1 = '' OR f.subject = ?1) ORDER BY f.run, f.subject, f.name");
+  rows.bind(subject);
+  std::vector<FigureRecord> figures;
+  while (rows.step()) {
+    FigureRecord& figure = figures.emplace_back();
+    rows.read(figure.run, figure.subject, figure.name, figure.value);
+  }
+  return figures;
+}
+
+std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    throw StoreError("TB-STORE-CONFLICT",
+                     fmt::format("store {}: the baseline of {} {}", path(), baseline.subject, what), remedy);
+  };
+  if (baseline.reason.empty() || baseline.accepted_by.empty() || baseline.accepted_utc.empty())
+    refuse("is not accepted without a reason and a name", "give both");
+  if (baseline.runs.empty()) refuse("names no run", "name those that are as they should be");
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  std::set<std::string> origins;
+  for (const std::int64_t number : baseline.runs) {
+    const RunRecord run = database_->run(number);
+    origins.insert(run.origin);
+    if (run.is_void()) refuse(fmt::format("names run {}, which is void", number), "leave it out");
+    sqlite::Statement own(connection, "SELECT 1 FROM figures WHERE run = ? AND subject = ? LIMIT 1");
+    if (own.bind(number, baseline.subject).step()) continue;
+    refuse(fmt::format("names run {}, which has no figures of it", number), "tactbench trend shows the runs that have");
+  }
+  if (origins.size() > 1) refuse("mixes simulated and real runs", "one origin a baseline");
+  sqlite::Statement(connection,
+                    "INSERT INTO baselines (subject, reason, accepted_by, accepted_utc) VALUES (?, ?, ?, ?)")
+      .bind(baseline.subject, baseline.reason, baseline.accepted_by, baseline.accepted_utc)
+      .run();
+  const std::int64_t number = connection.last_row();
+  sqlite::Statement row(connection, "INSERT INTO baseline_runs (baseline, run) VALUES (?, ?)");
+  for (const std::int64_t run : std::set(baseline.runs.begin(), baseline.runs.end())) row.bind(number, run).run();
+  transaction.commit();
+  return number;
+}
+
+std::vector<BaselineRecord> RunStore::baselines() const {
+  sqlite::Statement rows(database_->connection,
+                         "SELECT b.baseline, subject, reason, accepted_by, accepted_utc, r.run FROM baselines b "
+                         "JOIN baseline_runs r ON r.baseline = b.baseline ORDER BY b.baseline, r.run");
+  std::vector<BaselineRecord> baselines;
+  while (rows.step()) {
+    BaselineRecord row;
+    std::int64_t run = 0;
+    rows.read(row.baseline, row.subject, row.reason, row.accepted_by, row.accepted_utc, run);
+    if (baselines.empty() || baselines.back().baseline != row.baseline) baselines.push_back(row);
+    baselines.back().runs.push_back(run);
+  }
+  return baselines;
+}
+
+void RunStore::add_report(const ReportRecord& report) {
+  if (report.approved_by.empty())
+    throw StoreError("TB-STORE-CONFLICT", fmt::format("report {} is not approved without a name", report.number),
+                     "give the name of who answers for it");
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_run(report.run);
+  for (const ReportRecord& there : reports(report.run)) {
+    if (there.number != report.number) continue;
+    throw StoreError(
+        "TB-STORE-CONFLICT",
+        fmt::format("report {} is approved already, by {} on {}", there.number, there.approved_by, there.approved_utc),
+        "a report is approved once; it is the same document");
+  }
+  sqlite::Statement(database_->connection,
+                    "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces) "
+                    "VALUES (?, ?, ?, ?, ?, ?)")
+      .bind(report.run, report.number, report.content_sha256, report.approved_by, report.approved_utc, report.replaces)
+      .run();
+  transaction.commit();
+}
+
+std::vector<ReportRecord> RunStore::reports(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement rows(database_->connection,
+                         "SELECT run, number, content_sha256, approved_by, approved_utc, replaces FROM reports "
+                         "WHERE run = ? ORDER BY report_row");
+  rows.bind(run);
+  std::vector<ReportRecord> reports;
+  while (rows.step()) {
+    ReportRecord& r = reports.emplace_back();
+    rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces);
+  }
+  return reports;
+}
+
+}  // namespace tactbench::db

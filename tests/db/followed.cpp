@@ -1,0 +1,77 @@
+// Figures, baselines and approved reports: kept beside runs, no part of their content.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+
+TEST_CASE("figures are replaced as a whole, by run and subject, and those of void runs are not listed") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = store_example(store), second = store_example(store);
+  store.replace_figures(first, "nightly/a", {{"x_psi", 1.0}, {"y_mv", std::nan("")}});
+  store.replace_figures(first, "nightly/a", {{"x_psi", 2.0}, {"z", 0.1}});
+  store.replace_figures(second, "nightly/a", {{"x_psi", 3.0}});
+  store.replace_figures(second, "nightly/b", {{"x_psi", 4.0}});
+  const std::vector<db::FigureRecord> figures = store.figures("nightly/a");
+  REQUIRE(figures.size() == 3);
+  CHECK((figures[0].run == first && figures[0].name == "x_psi" && figures[0].value == 2.0));
+  CHECK((figures[1].name == "z" && figures[1].value == 0.1));
+  CHECK((figures[2].run == second && figures[2].value == 3.0));
+  CHECK(store.figures("").size() == 4);
+  store.void_run(second, "valve leaked", "K. Lee", "2026-01-01T00:00:00Z");
+  CHECK(store.figures("").size() == 2);
+  CHECK(store.check_content(first).holds());
+  CHECK(store_error([&] { store.replace_figures(99, "nightly/a", {}); }) == "TB-STORE-NOT-FOUND");
+}
+
+TEST_CASE("a baseline needs runs with figures of its subject, a reason and a name") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = store_example(store), second = store_example(store), third = store_example(store);
+  for (const std::int64_t run : {first, second}) store.replace_figures(run, "nightly/a", {{"x_psi", 1.0}});
+  const db::BaselineRecord good{0, "nightly/a", "as delivered", "K. Lee", "2026-01-01T00:00:00Z", {second, first}};
+  const auto refused = [&](auto change) {
+    db::BaselineRecord wrong = good;
+    change(wrong);
+    return store_error([&] { store.add_baseline(wrong); });
+  };
+  CHECK(refused([](db::BaselineRecord& b) { b.reason.clear(); }) == "TB-STORE-CONFLICT");
+  CHECK(refused([](db::BaselineRecord& b) { b.accepted_by.clear(); }) == "TB-STORE-CONFLICT");
+  CHECK(refused([](db::BaselineRecord& b) { b.runs.clear(); }) == "TB-STORE-CONFLICT");
+  CHECK(refused([&](db::BaselineRecord& b) { b.runs.push_back(third); }) == "TB-STORE-CONFLICT");
+  CHECK(refused([](db::BaselineRecord& b) { b.runs.push_back(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store.baselines().empty());
+  store.add_baseline(good);
+  store.add_baseline({0, "nightly/a", "new film", "K. Lee", "2026-01-02T00:00:00Z", {second}});
+  const std::vector<db::BaselineRecord> baselines = store.baselines();
+  REQUIRE(baselines.size() == 2);
+  CHECK(baselines[0].runs == std::vector<std::int64_t>{first, second});
+  CHECK((baselines[1].reason == "new film" && baselines[1].runs == std::vector<std::int64_t>{second}));
+  store.void_run(second, "valve leaked", "K. Lee", "2026-01-03T00:00:00Z");
+  CHECK(refused([&](db::BaselineRecord&) {}) == "TB-STORE-CONFLICT");
+}
+
+TEST_CASE("a report is approved once, by name, and goes along with a copied run") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  const db::ReportRecord report{run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", ""};
+  store.add_report(report);
+  CHECK(store_error([&] { store.add_report(report); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.add_report({run, "1-ffffffff", "ff", "", "2026", ""}); }) == "TB-STORE-CONFLICT");
+  store.add_report({run, "1-ffffffff", "ff", "M. Ito", "2026-01-02T00:00:00Z", "1-0a1b2c3d"});
+  store.replace_figures(run, "sensor", {{"x_psi", 1.0}});
+  RunStore other = RunStore::open(folder.path("other.db"));
+  store_example(other);
+  const std::int64_t copied = other.copy_runs_from(store, {run}).front();
+  const std::vector<db::ReportRecord> reports = other.reports(copied);
+  REQUIRE(reports.size() == 2);
+  CHECK((reports[0].number == "1-0a1b2c3d" && reports[1].replaces == "1-0a1b2c3d" && reports[1].run == copied));
+  REQUIRE(other.figures("sensor").size() == 1);
+  CHECK(other.figures("sensor")[0].run == copied);
+}
