@@ -193,6 +193,7 @@ struct FigureRecord {
   std::string subject;  // what the figure is of: "nightly/paper", "sensor", "rig"
   std::string name;     // with the unit in it
   double value = 0.0;
+  std::string origin;  // of the run; not written
 };
 
 // Runs that someone declared to be as they should: later ones are held against their spread.

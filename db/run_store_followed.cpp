@@ -21,13 +21,13 @@ void RunStore::replace_figures(std::int64_t run, const std::string& subject,
 
 std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
   sqlite::Statement rows(database_->connection,
-                         "SELECT f.run, f.subject, f.name, f.value FROM figures f JOIN runs r ON r.run = f.run "
+                         "SELECT f.run, f.subject, f.name, f.value, r.origin FROM figures f JOIN runs r ON r.run = f.run "
                          "WHERE r.void_utc = '' AND (?1 = '' OR f.subject = ?1) ORDER BY f.run, f.subject, f.name");
   rows.bind(subject);
   std::vector<FigureRecord> figures;
   while (rows.step()) {
     FigureRecord& figure = figures.emplace_back();
-    rows.read(figure.run, figure.subject, figure.name, figure.value);
+    rows.read(figure.run, figure.subject, figure.name, figure.value, figure.origin);
   }
   return figures;
 }

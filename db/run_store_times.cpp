@@ -7,7 +7,7 @@ std::vector<TimedSequence> RunStore::timed_sequences(const std::string& bench_id
   sqlite::Statement rows(
       database_->connection,
       "SELECT r.run, r.overrides_json, s.sequence, s.recipe_sha256, s.repeats, s.frames_per_repeat "
-      "FROM (SELECT run, overrides_json FROM runs WHERE outcome = 'completed' AND bench_id = ? "
+      "FROM (SELECT run, overrides_json FROM runs WHERE outcome = 'completed' AND bench_id = ? AND void_utc = '' "
       "ORDER BY run DESC LIMIT ?) r JOIN sequences s ON s.run = r.run ORDER BY r.run DESC, s.sequence");
   rows.bind(bench_id, newest);
   std::vector<TimedSequence> found;

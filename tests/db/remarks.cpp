@@ -64,3 +64,14 @@ TEST_CASE("a void run is kept, says why and by whom, and is no reference for lat
   CHECK(raw.integer("SELECT void FROM v_runs WHERE run = 2") == 0);
   CHECK(store_error([&] { raw.execute("UPDATE runs SET void_by = ''"); }) == "TB-STORE-CONFLICT");
 }
+
+TEST_CASE("time estimates do not learn from void runs") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = store_example(store), second = store_example(store);
+  CHECK(store.timed_sequences("bench-a", 5).size() == 4);
+  store.void_run(second, "gauge closed", "K. Lee", "2026-01-01T00:00:00Z");
+  const std::vector<db::TimedSequence> left = store.timed_sequences("bench-a", 5);
+  REQUIRE(left.size() == 2);
+  CHECK(left.front().run == first);
+}

@@ -193,3 +193,19 @@ TEST_CASE("an ended run that was not completed can be opened again, and its chai
   CHECK(store.frame_count(begun.run) == 2);
   CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // completed
 }
+
+TEST_CASE("a store of schema 4 is brought up to date, its rows and its hash unchanged") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_4.db", path);
+  CHECK(db::schema_version_of(path) == 4);
+  RunStore store = RunStore::open(path);
+  const db::RunRecord run = store.run(1);
+  CHECK(run.content_sha256 == "e35e54aacf36944bd3f63520ae74e6e2e4b99fe94a4a464525a638801bcbe68f");
+  CHECK(store.check_content(1).holds());
+  CHECK(store.frames(1).size() == 11);
+  CHECK(store.fit_taxels(1).size() == 257);
+  CHECK((run.tags == std::vector<std::string>{"kept"} && !run.notes.empty()));
+  CHECK((store.figures("").empty() && store.baselines().empty() && store.reports(1).empty()));
+  CHECK(store.check_structure().empty());
+}
