@@ -95,4 +95,6 @@ html::Markup style_sheet(const std::string& number, bool simulated) {
   return out;
 }
 
+html::Markup plain_style_sheet() { return html::Markup::literal(kRules); }
+
 }  // namespace tactbench::analysis

@@ -11,4 +11,7 @@ namespace tactbench::analysis {
 // anything but digits, a-f and hyphens.
 html::Markup style_sheet(const std::string& number, bool simulated);
 
+// The same without page margins, for pages that are no report.
+html::Markup plain_style_sheet();
+
 }  // namespace tactbench::analysis

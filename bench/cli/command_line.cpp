@@ -68,6 +68,9 @@ int run_command_line(int argc, char** argv) {
   add_live(app, session);
   add_simulate(app, session);
   add_nightly(app, session);
+  add_baseline(app, session);
+  add_trend(app, session);
+  add_rig(app, session);
   add_config(app, session);
   add_benchmark(app, session);
   add_dead_man(app, session);

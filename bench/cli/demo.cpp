@@ -117,6 +117,7 @@ void demo(const DemoOptions& options, Session& session) {
   const auto names = analysis::model_names();
   const std::vector<ModelRow> models = model_rows({names.begin(), names.end()}, fitted, {}, {}, targets);
   watch.lap("other models, mean taxel");
+  (void)follow_sensor(store, fit, evaluations.front().evaluation);
   const std::vector<db::VerdictRecord> verdicts = judge_and_store(store, fit, judged(evaluations), "limits.toml");
   std::string number;
   const std::string path = write_report(store, fit, evaluations, verdicts, options.output, &number);

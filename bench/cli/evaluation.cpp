@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "analysis/identify/lanes.h"
+#include "analysis/statistics/figures.h"
 #include "bench/utc.h"
 #include "build_info.h"
 
@@ -44,6 +45,17 @@ std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analys
   const std::optional<db::FitRecord> record = store.latest_fit(fit.run, analysis::kElamFit);
   store.replace_verdicts(evaluation.run, record ? record->fit : 0, verdicts);
   return verdicts;
+}
+
+std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, const analysis::Evaluation& own) {
+  const db::RunRecord run = store.run(fit.run);
+  if (run.sensor_serial.empty()) return {};
+  std::string recipes;
+  for (const db::SequenceRecord& sequence : run.sequences)
+    recipes += fmt::format("{}{}", recipes.empty() ? "" : "+", sequence.name);
+  const std::string subject = fmt::format("sensor/{}/{}", run.sensor_serial, recipes);
+  store.replace_figures(fit.run, subject, analysis::figures_of(fit, own));
+  return subject;
 }
 
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,

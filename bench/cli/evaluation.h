@@ -29,6 +29,10 @@ const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluatio
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file);
 
+// Keeps the figures of the fit on its own run under "sensor/SERIAL/RECIPES", for trend and baselines; returns that
+// subject, empty for an imported run, which has no sensor.
+std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, const analysis::Evaluation& own);
+
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
 // store. Returns the path.
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,

@@ -56,6 +56,7 @@ void fit(const FitOptions& options, Session& session) {
   db::RunStore store = db::RunStore::open(session.db);
   const analysis::ArrayFit fitted = fit_run(store, options.run);
   const std::vector<NamedEvaluation> evaluations = evaluate_runs(store, fitted, options.held_out);
+  (void)follow_sensor(store, fitted, evaluations.front().evaluation);
   std::vector<db::VerdictRecord> verdicts;
   if (!options.limits.empty()) {
     verdicts = judge_and_store(store, fitted, judged(evaluations), options.limits);

@@ -8,18 +8,21 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "bench/cli/session.h"
+#include "bench/cli/evaluation.h"
+#include "bench/nightly/followed_page.h"
 #include "bench/nightly/night.h"
+#include "bench/nightly/night_store.h"
+#include "bench/utc.h"
 
 namespace tactbench::bench {
 namespace {
 
 struct NightlyOptions {
-  std::string suite, only, junit, metrics, stores, result;
+  std::string suite, only, junit, metrics, html, stores, result;
   std::optional<std::uint64_t> seed;
-  int jobs = 2;
+  int jobs = 2, seeds = 1;
   double limit_s = 300.0;
-  bool list = false, stop_on_red = false;
+  bool list = false, stop_on_red = false, keeps = false;  // keeps: --db was given
 };
 
 // A name without a folder is a shipped suite unless such a file lies here.
@@ -43,9 +46,27 @@ void list_scenarios(const Suite& suite, const Session& session) {
 }
 
 void show_result(const ScenarioResult& result) {
-  fmt::print("{:<6}{:<28}{:>7.1f} s  {}\n", result.wrong.empty() ? "green" : "RED", result.name, result.seconds,
-             result.about);
+  const char* state = !result.wrong.empty() ? "RED" : result.remarks.empty() ? "green" : "drift";
+  fmt::print("{:<6}{:<28}{:>7.1f} s  {}{}{}\n", state, result.name, result.seconds, result.about,
+             result.compared.empty() ? "" : "; ", result.compared);
   for (const std::string& line : result.wrong) fmt::print("        {}\n", line);
+  for (const std::string& line : result.remarks) fmt::print("        {}\n", line);
+}
+
+// Takes the night into the store that keeps nights. What is known of the suite's subjects, for the page.
+std::vector<Followed> keep(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
+                           const std::string& db) {
+  db::RunStore store = db::RunStore::open(db, db::Durability::kNormal);
+  keep_night(suite, results, stores, store);
+  double figures = 1.0;
+  for (const ScenarioResult& result : results) figures += static_cast<double>(result.figures.size());
+  std::vector<Followed> followed;
+  for (const Scenario& scenario : suite.scenarios) {
+    const std::string subject = subject_of(scenario);
+    if (!followed.empty() && followed.back().subject == subject) continue;  // another seed of it
+    followed.push_back(follow(store, subject, kNightAlarm / figures));
+  }
+  return followed;
 }
 
 void nightly(const NightlyOptions& options, Session& session) {
@@ -57,26 +78,42 @@ void nightly(const NightlyOptions& options, Session& session) {
     write_whole(options.result, to_json(carry_out(suite.scenarios.front(), session.db)) + "\n");
     return;
   }
+  suite = with_seeds(suite, options.seeds);
   NightOptions night{options.jobs, options.limit_s, options.stop_on_red, options.stores, ""};
-  const bool keep = !night.stores.empty();
-  if (!keep)
+  const bool keep_stores = !night.stores.empty();
+  if (!keep_stores)
     night.stores = (std::filesystem::temp_directory_path() / fmt::format("tactbench-nightly-{}", ::getpid())).string();
   const auto write_files = [&](const std::vector<ScenarioResult>& results) {
     if (!options.junit.empty()) write_whole(options.junit, junit_xml(suite, results));
     if (!options.metrics.empty()) write_whole(options.metrics, metrics_text(suite, results));
   };
+  const std::string begun = utc_now();
+  const auto write_page = [&](const std::vector<ScenarioResult>& results, std::vector<Followed> followed) {
+    if (options.html.empty()) return;
+    write_whole(options.html, night_page(suite, {begun, this_build(), results, std::move(followed)}));
+  };
   write_files({});
+  write_page({}, {});
   if (!session.json) fmt::print("SIMULATED DATA. {}: {} scenarios\n", suite.name, suite.scenarios.size());
-  const std::vector<ScenarioResult> results =
-      carry_out_night(suite, night, [&](const std::vector<ScenarioResult>& so_far) {
-        write_files(so_far);
-        if (session.quiet || session.json) return;
-        fmt::print(stderr, "{} of {}\n", so_far.size(), suite.scenarios.size());
-      });
-  if (!keep) std::filesystem::remove_all(night.stores);
+  std::vector<ScenarioResult> results = carry_out_night(suite, night, [&](const std::vector<ScenarioResult>& so_far) {
+    write_files(so_far);
+    if (session.quiet || session.json) return;
+    fmt::print(stderr, "{} of {}\n", so_far.size(), suite.scenarios.size());
+  });
+  std::vector<Followed> followed;
+  if (options.keeps) {
+    followed = keep(suite, results, night.stores, session.db);
+    write_files(results);
+  }
+  write_page(results, std::move(followed));
+  if (!keep_stores) std::filesystem::remove_all(night.stores);
   const auto red = std::ranges::count_if(results, [](const ScenarioResult& r) { return !r.wrong.empty(); });
   const std::size_t missing = suite.scenarios.size() - results.size();
-  if (red > 0 || missing > 0) session.code = ExitCode::kCriterionFailed;
+  const bool drifts = std::ranges::any_of(results, [](const ScenarioResult& r) { return !r.remarks.empty(); });
+  if (red > 0 || missing > 0)
+    session.code = ExitCode::kCriterionFailed;
+  else if (drifts)
+    session.code = ExitCode::kInconclusive;
   if (session.json) {
     auto json = nlohmann::ordered_json::array();
     for (const ScenarioResult& result : results) json.push_back(nlohmann::ordered_json::parse(to_json(result)));
@@ -99,18 +136,26 @@ void add_nightly(CLI::App& app, Session& session) {
   verb->add_option("--jobs", options->jobs, "scenarios at once")->check(CLI::Range(1, 64))->capture_default_str();
   verb->add_option("--junit", options->junit, "write JUnit XML, renewed after each scenario");
   verb->add_option("--metrics", options->metrics, "write metrics in Prometheus's text format");
+  verb->add_option("--html", options->html, "write a page: what changed and when, figures over the nights");
   verb->add_option("--stores", options->stores,
                    "folder that keeps each scenario's store (NAME.db) and talk (NAME.log)");
   verb->add_flag("--list", options->list, "name the scenarios and end");
   verb->add_option("--only", options->only, "this scenario alone");
   verb->add_option("--seed", options->seed, "of noise and faults, instead of the scenarios' own");
+  verb->add_option("--seeds", options->seeds, "carry out each scenario so often, with seeds that follow its own")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   verb->add_option("--limit", options->limit_s, "seconds of real time a scenario may take")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_flag("--stop-on-red", options->stop_on_red, "start no scenario after the first red one");
   verb->add_option("--result", options->result)->group("");
   add_common(*verb, session);
-  verb->callback([options, &session] { nightly(*options, session); });
+  verb->get_option("--db")->description("keep the night in this store, and hold it against its baselines");
+  verb->callback([options, verb, &session] {
+    options->keeps = verb->count("--db") > 0;
+    nightly(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -34,11 +34,6 @@ struct Plan {
   sequences::Estimate estimate;
 };
 
-std::string clock_time(double seconds) {
-  const long whole = std::lround(seconds);
-  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
-}
-
 std::string basis(const TimeBand& time) {
   if (time.runs == 0) return "by the model: no completed run of this recipe on this bench in the store";
   return fmt::format("learned from {} completed run{}", time.runs, time.runs == 1 ? "" : "s");
@@ -145,8 +140,8 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps) {
     const sequences::Extremes e = sequences::extremes(of);
     const std::string highest =
         e.pressurizes ? fmt::format("{:.1f} psi", e.highest.value()) : fmt::format("{:.1f} N", e.largest_force_n);
-    fmt::print("{:<18}{:>8}{:>8}{:>12}{:>10}{:>21}\n", name, of.size(), frames, highest, clock_time(band.p50_s),
-               clock_time(band.p10_s) + " - " + clock_time(band.p90_s));
+    fmt::print("{:<18}{:>8}{:>8}{:>12}{:>10}{:>21}\n", name, of.size(), frames, highest, clock_text(band.p50_s),
+               clock_text(band.p10_s) + " - " + clock_text(band.p90_s));
   };
   for (std::size_t i = 0; i < plan.recipes.size(); ++i) {
     row(plan.recipes[i].name, sequences::compile(plan.recipes[i], static_cast<int>(i)), time.total_of(i));

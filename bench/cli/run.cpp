@@ -16,13 +16,6 @@ namespace tactbench::bench {
 
 namespace {
 
-struct RunOptions {
-  std::vector<std::string> recipes, set;
-  std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
-  bool assume_yes = false, no_seating = false;
-  SeedOptions seeds;
-};
-
 db::SensorRecord registered(const db::RunStore& store, const std::string& serial, const std::string& db_path) {
   if (const std::optional<db::SensorRecord> sensor = store.sensor(serial)) return *sensor;
   std::vector<std::string> known;
@@ -33,7 +26,12 @@ db::SensorRecord registered(const db::RunStore& store, const std::string& serial
                             : fmt::format("registered: {}; or tactbench sensors add", fmt::join(known, ", ")));
 }
 
-void carry_out(RunRequest& request, db::RunStore& store, const std::string& sensor, Session& session) {
+struct CarriedOut {
+  RunResult result;
+  std::string estimated;
+};
+
+CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string& sensor, const Session& session) {
   request.sensor = registered(store, sensor, session.db);
   request.sensor_type = parse_sensor_type(request.sensor.type_toml, "sensor type of " + sensor);
   const RunLock run_lock(session.db);
@@ -42,18 +40,19 @@ void carry_out(RunRequest& request, db::RunStore& store, const std::string& sens
   estimate.learn(store, request.bench.id, request.overrides, true);
   request.estimate = &estimate;
   const TimeBand band = estimate.total();
-  const auto clock = [](double time_s) {
-    const long whole = std::lround(time_s);
-    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
-  };
   const std::string basis = band.runs > 0 ? fmt::format("learned from {} runs", band.runs) : "by the model";
   const std::string estimated =
-      fmt::format("{} ({} to {}, {})", clock(band.p50_s), clock(band.p10_s), clock(band.p90_s), basis);
+      fmt::format("{} ({} to {}, {})", clock_text(band.p50_s), clock_text(band.p10_s), clock_text(band.p90_s), basis);
   if (!session.quiet) progress.note(fmt::format("estimated, h:mm:ss of process time: {}", estimated));
-  const RunResult result = characterize(request, store, progress);
+  RunResult result = characterize(request, store, progress);
   if (result.error) throw *result.error;
+  return {std::move(result), estimated};
+}
+
+void show_run_result(const CarriedOut& done, const Session& session) {
+  const RunResult& result = done.result;
   if (session.json) {
-    nlohmann::ordered_json json = run_json(store.run(result.run));
+    nlohmann::ordered_json json = run_json(db::RunStore::open_read_only(session.db).run(result.run));
     json["frames"] = result.frames;
     json["most_exchanges_a_step"] = result.most_exchanges_a_step;
     json["branches_redone"] = result.branches_redone;
@@ -64,11 +63,11 @@ void carry_out(RunRequest& request, db::RunStore& store, const std::string& sens
   }
   fmt::print("run {}: {}, {} frames in {:.0f} min of process time; {}\n", result.run, db::to_string(result.outcome),
              result.frames, result.process_seconds / 60.0, result.safe_text);
-  fmt::print("took {} of process time, estimated {}\n{}\n", clock(result.process_seconds), estimated,
+  fmt::print("took {} of process time, estimated {}\n{}\n", clock_text(result.process_seconds), done.estimated,
              result.time_spent);
 }
 
-void run(const RunOptions& options, Session& session) {
+CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session) {
   const SplitOverrides overrides = split_overrides(options.set);
   RunRequest request;
   request.bench = read_bench(find_config(options.bench), overrides.bench, options.seeds);
@@ -91,10 +90,14 @@ void run(const RunOptions& options, Session& session) {
   const BenchLock bench_lock(request.bench);
   request.on_begun = [&](std::int64_t number) { bench_lock.name_run(number, session.db); };
   db::RunStore store = open_for_running(session.db, request.bench);
-  carry_out(request, store, options.sensor, session);
+  return carry_out(request, store, options.sensor, session);
 }
 
 }  // namespace
+
+RunResult carry_out_run(const RunOptions& options, const Session& session) {
+  return begin_and_carry_out(options, session).result;
+}
 
 void resume_run(std::int64_t number, const ResumeOptions& options, Session& session) {
   const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
@@ -128,7 +131,7 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
   const BenchLock bench_lock(request.bench);
   request.on_begun = [&](std::int64_t begun) { bench_lock.name_run(begun, session.db); };
   db::RunStore store = open_for_running(session.db, request.bench);
-  carry_out(request, store, record.sensor_serial, session);
+  show_run_result(carry_out(request, store, record.sensor_serial, session), session);
 }
 
 void add_run(CLI::App& app, Session& session) {
@@ -155,7 +158,7 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_flag("--yes", options->assume_yes, "operator prompts answer themselves");
   verb->add_flag("--no-seating", options->no_seating, "leave out the check of how the sensor sits");
   add_common(*verb, session);
-  verb->callback([options, &session] { run(*options, session); });
+  verb->callback([options, &session] { show_run_result(begin_and_carry_out(*options, session), session); });
 }
 
 }  // namespace tactbench::bench

@@ -1,12 +1,26 @@
-// What `run` and `resume` share: a run of the store opened again.
+// What `run`, `resume` and `rig check` share: a run carried out, or one of the store opened again.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <vector>
+
+#include "bench/config.h"
+#include "bench/run/characterize.h"
 
 namespace tactbench::bench {
 
 struct Session;
+
+struct RunOptions {
+  std::vector<std::string> recipes, set;
+  std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
+  bool assume_yes = false, no_seating = false;
+  SeedOptions seeds;
+};
+
+// A new run, to its end. Throws Error when it did not complete, and what is refused before it begins.
+RunResult carry_out_run(const RunOptions& options, const Session& session);
 
 struct ResumeOptions {
   std::string bench;     // bench file; empty: as stored with the run

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -177,6 +178,11 @@ ordered_json run_json(const db::RunRecord& run) {
   }
   if (!devices.empty()) json["devices"] = devices;
   return json;
+}
+
+std::string clock_text(double seconds) {
+  const long whole = std::lround(seconds);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
 void write_whole(const std::string& path, const std::string& text) {

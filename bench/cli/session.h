@@ -75,9 +75,15 @@ void add_calibrate_reference(CLI::App& devices, Session& session);
 void add_simulate(CLI::App& app, Session& session);
 void add_live(CLI::App& app, Session& session);
 void add_nightly(CLI::App& app, Session& session);
+void add_baseline(CLI::App& app, Session& session);
+void add_trend(CLI::App& app, Session& session);
+void add_rig(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_benchmark(CLI::App& app, Session& session);
 void add_dead_man(CLI::App& app, Session& session);
+
+// "h:mm:ss".
+std::string clock_text(double seconds);
 
 // Writes `text` to a file whole: a reader never sees half of it. Makes the folder. Throws Error TB-FILE-WRITE.
 void write_whole(const std::string& path, const std::string& text);

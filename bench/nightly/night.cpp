@@ -61,7 +61,7 @@ class Night {
 
  private:
   [[nodiscard]] fs::path file(std::size_t scenario, const char* ending) const {
-    return fs::path(options_.stores) / (suite_.scenarios[scenario].name + ending);
+    return fs::path(options_.stores) / (suite_.scenarios[scenario].label + ending);
   }
 
   void start(std::size_t scenario) {
@@ -92,7 +92,7 @@ class Night {
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0)
       throw Error(ExitCode::kInternal, "TB-NIGHTLY-SPAWN",
-                  fmt::format("scenario {} could not be started: {}", own.name, std::strerror(failed)), words.front(),
+                  fmt::format("scenario {} could not be started: {}", own.label, std::strerror(failed)), words.front(),
                   "look at the limits of processes and memory");
     children_.push_back(child);
   }
@@ -122,8 +122,9 @@ class Night {
     ScenarioResult result;
     try {
       result = result_from_json(whole_text(json));
+      result.name = own.label;
     } catch (const std::invalid_argument&) {
-      result.name = own.name;
+      result.name = own.label;
       result.about = own.about;
       result.seconds = std::chrono::duration<double>(NightClock::now() - child.begun).count();
       const std::string how = WIFSIGNALED(status) ? fmt::format("signal {}", WTERMSIG(status))

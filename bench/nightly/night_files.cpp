@@ -29,7 +29,7 @@ std::string xml_text(const std::string& text) {
 }
 
 const ScenarioResult* result_of(const std::vector<ScenarioResult>& results, const Scenario& scenario) {
-  const auto found = std::ranges::find(results, scenario.name, &ScenarioResult::name);
+  const auto found = std::ranges::find(results, scenario.label, &ScenarioResult::name);
   return found == results.end() ? nullptr : &*found;
 }
 
@@ -43,11 +43,14 @@ std::string junit_xml(const Suite& suite, const std::vector<ScenarioResult>& res
   for (const Scenario& scenario : suite.scenarios) {
     const ScenarioResult* result = result_of(results, scenario);
     cases += fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", xml_text(suite.name),
-                         scenario.name, result == nullptr ? 0.0 : result->seconds);
+                         scenario.label, result == nullptr ? 0.0 : result->seconds);
     if (result == nullptr) {
       cases += "><error message=\"it did not run\"/></testcase>\n";
-    } else if (result->wrong.empty()) {
+    } else if (result->wrong.empty() && result->remarks.empty()) {
       cases += "/>\n";
+    } else if (result->wrong.empty()) {
+      cases += fmt::format("><system-out>{}</system-out></testcase>\n",
+                           xml_text(fmt::format("{}", fmt::join(result->remarks, "\n"))));
     } else {
       cases += fmt::format(">\n    <failure message=\"{}\">{}\n{}</failure>\n  </testcase>\n",
                            xml_text(result->wrong.front()), xml_text(scenario.about),
@@ -69,12 +72,12 @@ std::string metrics_text(const Suite& suite, const std::vector<ScenarioResult>& 
       "# TYPE tactbench_nightly_figure gauge\n";
   for (const Scenario& scenario : suite.scenarios) {
     const ScenarioResult* result = result_of(results, scenario);
-    green += fmt::format("tactbench_nightly_green{{scenario=\"{}\"}} {}\n", scenario.name,
+    green += fmt::format("tactbench_nightly_green{{scenario=\"{}\"}} {}\n", scenario.label,
                          result != nullptr && result->wrong.empty() ? 1 : 0);
     if (result == nullptr) continue;
     for (const auto& [figure, value] : result->figures)
       figures +=
-          fmt::format("tactbench_nightly_figure{{scenario=\"{}\",figure=\"{}\"}} {}\n", scenario.name, figure, value);
+          fmt::format("tactbench_nightly_figure{{scenario=\"{}\",figure=\"{}\"}} {}\n", scenario.label, figure, value);
   }
   return green + figures;
 }

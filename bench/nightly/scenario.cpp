@@ -8,12 +8,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/statistics/figures.h"
 #include "bench/cli/evaluation.h"
 #include "bench/run/recipe_check.h"
 #include "bench/utc.h"
 
 namespace tactbench::bench {
 namespace {
+
+constexpr std::uint64_t kHeldOutSeeds = 1'000'000;  // apart from those of a suite with many seeds
 
 db::SensorRecord add_specimen(const Scenario& scenario, db::RunStore& store) {
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
@@ -65,17 +68,7 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   for (std::size_t taxel = 0; taxel < fit.taxels.size(); ++taxel)
     if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted)
       result.taxels[to_string(fit.taxels[taxel].status)].push_back(static_cast<int>(taxel));
-  result.figures["hysteresis_max_percent_fs"] = 100.0 * e.hysteresis_max_fs;
-  result.figures["hysteresis_mean_percent_fs"] = 100.0 * e.hysteresis_mean_fs;
-  result.figures["mean_error_psi"] = e.mean_error_psi;
-  result.figures["max_error_psi"] = e.max_error_psi;
-  result.figures["worst_taxel_error_psi"] = e.worst_taxel_mean_error_psi;
-  result.figures["distance_of_mean_percent_fs"] = 100.0 * e.comp_distance_of_mean;
-  result.figures["flat_percent"] = 100.0 * e.flat_share;
-  result.figures["full_scale_v"] = e.full_scale_v;
-  double noise_v = 0.0;
-  for (const analysis::TaxelFit& taxel : fit.taxels) noise_v = std::max(noise_v, taxel.noise_v);
-  result.figures["noisiest_taxel_mv"] = 1000.0 * noise_v;
+  result.figures.merge(analysis::figures_of(fit, e));
 }
 
 void compare(const std::string& what, const std::string& wanted, const std::string& came,
@@ -90,7 +83,7 @@ void compare(const std::string& what, const std::string& wanted, const std::stri
 ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
   const auto begun = std::chrono::steady_clock::now();
   ScenarioResult result;
-  result.name = scenario.name;
+  result.name = scenario.label;
   result.about = scenario.about;
   db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
   const db::SensorRecord sensor = add_specimen(scenario, store);
@@ -98,7 +91,7 @@ ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
   if (completed && scenario.has_held_out) {
     std::vector<std::string> set = scenario.set;
     set.insert(set.end(), scenario.held_out.begin(), scenario.held_out.end());
-    completed = run_once(scenario, set, scenario.seed + 1, sensor, store, result);
+    completed = run_once(scenario, set, scenario.seed + kHeldOutSeeds, sensor, store, result);
   }
   if (completed && scenario.fits) {
     try {
@@ -150,9 +143,10 @@ std::vector<std::string> differences(const Scenario& scenario, const ScenarioRes
 }
 
 std::string to_json(const ScenarioResult& result) {
-  nlohmann::ordered_json json = {{"name", result.name},       {"about", result.about},       {"wrong", result.wrong},
-                                 {"figures", result.figures}, {"verdicts", result.verdicts}, {"taxels", result.taxels},
-                                 {"seconds", result.seconds}};
+  nlohmann::ordered_json json = {
+      {"name", result.name},         {"about", result.about},       {"wrong", result.wrong},
+      {"remarks", result.remarks},   {"compared", result.compared}, {"figures", result.figures},
+      {"verdicts", result.verdicts}, {"taxels", result.taxels},     {"seconds", result.seconds}};
   json["runs"] = nlohmann::ordered_json::array();
   for (const ScenarioRun& run : result.runs)
     json["runs"].push_back({{"run", run.run},
@@ -170,6 +164,8 @@ ScenarioResult result_from_json(const std::string& text) {
     result.name = json.at("name");
     result.about = json.at("about");
     result.wrong = json.at("wrong").get<std::vector<std::string>>();
+    result.remarks = json.at("remarks").get<std::vector<std::string>>();
+    result.compared = json.at("compared");
     for (const auto& [name, value] : json.at("figures").items())
       result.figures[name] = value.is_null() ? std::nan("") : value.get<double>();
     result.verdicts = json.at("verdicts").get<std::map<std::string, std::string>>();

@@ -16,8 +16,10 @@ struct ScenarioRun {
 };
 
 struct ScenarioResult {
-  std::string name, about;
-  std::vector<std::string> wrong;  // what did not come out as it had to, a line each; empty: green
+  std::string name, about;           // name: the scenario's label
+  std::vector<std::string> wrong;    // what did not come out as it had to, a line each; empty: green
+  std::vector<std::string> remarks;  // what is to be known though nothing is wrong: drifts
+  std::string compared;              // with the last night with the same seed; empty: not asked
   std::vector<ScenarioRun> runs;
   std::map<std::string, double> figures;           // of what was judged; unit in the name
   std::map<std::string, std::string> verdicts;     // criterion, or "mismatch 40 psi up" -> word

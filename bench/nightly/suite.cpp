@@ -34,6 +34,7 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
     table.fail("name", fmt::format("'{}' names a file too", scenario.name), "use small letters, digits and hyphens");
   if (taken.count(scenario.name) != 0)
     table.fail("name", fmt::format("two scenarios are named '{}'", scenario.name), "name one of them otherwise");
+  scenario.label = scenario.name;
   scenario.about = table.text("about");
   scenario.bench = table.text("bench", scenario.bench);
   scenario.recipes = table.texts("recipes");
@@ -87,6 +88,19 @@ Suite read(const TomlDocument& document) {
 Suite read_suite(const std::string& path) { return read(TomlDocument::from_file(path)); }
 Suite parse_suite(const std::string& text, const std::string& file) {
   return read(TomlDocument::from_text(text, file));
+}
+
+Suite with_seeds(const Suite& suite, int seeds) {
+  Suite many = suite;
+  many.scenarios.clear();
+  for (const Scenario& scenario : suite.scenarios) {
+    for (int i = 0; i < seeds; ++i) {
+      Scenario& own = many.scenarios.emplace_back(scenario);
+      own.seed += static_cast<std::uint64_t>(i);
+      if (seeds > 1) own.label = fmt::format("{}-seed-{}", own.name, own.seed);
+    }
+  }
+  return many;
 }
 
 }  // namespace tactbench::bench

@@ -12,6 +12,7 @@ namespace tactbench::bench {
 
 struct Scenario {
   std::string name, about;  // name: letters, digits and hyphens; unique in its suite
+  std::string label;        // the name; with several seeds the seed, too
   std::string bench = "simulated.toml";
   std::vector<std::string> recipes;   // names of shipped ones or files
   std::vector<std::string> set;       // as --set of the verb run
@@ -37,5 +38,8 @@ struct Suite {
 // Throws FileError, with file, line and key.
 Suite read_suite(const std::string& path);
 Suite parse_suite(const std::string& text, const std::string& file);
+
+// Each scenario as often, with its own seed and those that follow; labels "NAME-seed-S".
+Suite with_seeds(const Suite& suite, int seeds);
 
 }  // namespace tactbench::bench

@@ -74,3 +74,40 @@ TEST_CASE("a scenario that does not end in time is killed and red, and none is s
   CHECK(json.at("not_run") == 2);
   CHECK(json.at("scenarios").at(0).at("wrong").at(0).get<std::string>().find("was killed") != std::string::npos);
 }
+
+TEST_CASE("nights are kept in one store, held against a baseline, and what changed is named") {
+  const TemporaryFolder folder;
+  const std::string head =
+      "schema = 1\nname = \"kept\"\n[[scenario]]\nname = \"short\"\nabout = \"one repeat\"\nset = "
+      "[\"recipe.repeats=1\"";
+  write_file(folder.path("suite.toml"), head + "]\n");
+  write_file(folder.path("noisy.toml"), head + ", \"simulation.front_end.noise_v=0.02\"]\n");
+  const auto call = [&](std::vector<std::string> words) {
+    return run_program(TACTBENCH_PROGRAM, std::move(words), folder.path());
+  };
+  const Finished seeds = call({"nightly", "./suite.toml", "--db", "nights.db", "--seeds", "4", "--json"});
+  INFO(seeds.err << seeds.out);
+  REQUIRE(seeds.code == 0);
+  CHECK(json_of(seeds).at("scenarios").at(3).at("name") == "short-seed-4");
+  CHECK(json_of(seeds).at("scenarios").at(3).at("runs").at(0).at("run") == 4);
+  CHECK(json_of(seeds).at("scenarios").at(3).at("compared") == "first run with this seed");
+  CHECK(call({"baseline", "accept", "1-4", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
+  REQUIRE(call({"baseline", "accept", "1-4", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
+  const Finished same = call({"nightly", "./suite.toml", "--db", "nights.db", "--json", "--html", "night.html"});
+  INFO(same.err << same.out);
+  CHECK(same.code == 0);
+  CHECK(json_of(same).at("scenarios").at(0).at("compared") == "same content as run 1");
+  CHECK(run_program("/usr/bin/xmllint", {"--noout", "night.html"}, folder.path()).code == 0);
+  const Finished noisy = call({"nightly", "./noisy.toml", "--db", "nights.db", "--junit", "night.xml", "--json"});
+  CHECK(noisy.code == 1);
+  const nlohmann::json result = json_of(noisy).at("scenarios").at(0);
+  CHECK(result.at("compared").get<std::string>().starts_with("content changed since run 5"));
+  const std::string junit = read_file(folder.path("night.xml"));
+  CHECK_THAT(junit, Catch::Contains("noisiest_taxel_mv is") && Catch::Contains("of the baseline (mean"));
+  const Finished trend = call({"trend", "--subject", "nightly/short", "--figure", "noisiest_taxel_mv", "--db",
+                               "nights.db", "--check", "--json"});
+  CHECK(trend.code == 1);
+  CHECK(json_of(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 6);
+  CHECK(call({"trend", "--subject", "nightly/none", "--db", "nights.db"}).code == 2);
+  CHECK(call({"db", "check", "--db", "nights.db"}).code == 0);
+}

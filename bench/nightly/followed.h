@@ -1,0 +1,50 @@
+// What is followed over time: the figures of a subject (a scenario of the nightly suite, a sensor, a rig) run by run,
+// held against the spread of the runs that someone accepted as its baseline.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/control_band.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+struct FollowedFigure {
+  std::string name;                // with the unit in it
+  std::vector<std::int64_t> runs;  // that are not void, in order, with
+  std::vector<double> values;      // what each found
+  std::vector<bool> accepted;      // is it one of the baseline's
+  // Of the baseline's values; none without a baseline of at least three runs.
+  std::optional<analysis::ControlBand> band;
+  // Of the newest runs after the baseline's: at least kDriftRuns, at most twice as many.
+  std::optional<analysis::MonotoneTrend> trend;
+  bool outside = false;  // the newest value lies outside the band
+  bool drifts = false;   // one way, clearer than chance, and by more than the baseline's own spread
+};
+
+inline constexpr int kDriftRuns = 7;
+inline constexpr double kDriftChance = 1e-3;  // so clear an order comes about by chance
+inline constexpr double kNightAlarm = 0.01;   // that any of a night's figures falls outside its band by chance
+
+struct Followed {
+  std::string subject;
+  std::string origin;  // of its newest run; runs of another origin are left out
+  std::optional<db::BaselineRecord> baseline;  // the newest of the subject
+  std::vector<FollowedFigure> figures;         // by name
+};
+
+// `false_alarm`: that one figure falls outside by chance (kNightAlarm over the number of figures that are judged
+// together). Empty where nothing is known of the subject.
+Followed follow(const db::RunStore& store, const std::string& subject, double false_alarm);
+
+// A line about each figure that lies outside, and one about each that drifts.
+std::vector<std::string> outside_lines(const Followed& followed);
+std::vector<std::string> drift_lines(const Followed& followed);
+
+// The values as a row of blocks, lowest to highest, at most `width` of the newest. "" where there is none.
+std::string sparkline(const std::vector<double>& values, std::size_t width);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,166 @@
+#include "bench/nightly/followed_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/report/html.h"
+#include "analysis/report/style.h"
+#include "bench/nightly/night_store.h"
+
+namespace tactbench::bench {
+namespace {
+
+using analysis::html::Attribute;
+using analysis::html::CssNumber;
+using analysis::html::markup;
+using analysis::html::Markup;
+using analysis::html::significant;
+using analysis::html::Text;
+
+constexpr double kPlotWidth = 170.0, kPlotHeight = 30.0;
+constexpr std::size_t kPlotRuns = 60;  // the newest
+
+constexpr char kOwnRules[] = R"(
+header, main, footer { max-width: 1000px; }
+td.state { white-space: nowrap; }
+table.figures td, table.figures th { font-size: 11px; vertical-align: middle; }
+.band { fill: #dfe9ef; } .line { stroke: #00507d; stroke-width: 1.2; fill: none; }
+.dot { fill: #00507d; } .out { fill: #aa1111; }
+)";
+
+// The newest values, the baseline's band behind them, the last one as a dot.
+Markup small_plot(const FollowedFigure& figure) {
+  const std::size_t count = std::min(kPlotRuns, figure.values.size());
+  const std::vector<double> shown(figure.values.end() - static_cast<std::ptrdiff_t>(count), figure.values.end());
+  double low = *std::ranges::min_element(shown), high = *std::ranges::max_element(shown);
+  if (figure.band) {
+    low = std::min(low, figure.band->low);
+    high = std::max(high, figure.band->high);
+  }
+  const double margin = high > low ? 0.08 * (high - low) : std::max(1e-12, std::abs(high));
+  const auto y = [&](double value) {
+    return CssNumber(kPlotHeight * (1.0 - (value - low + margin) / (high - low + 2.0 * margin)));
+  };
+  const auto x = [&](std::size_t i) {
+    return CssNumber(count > 1 ? 4.0 + (kPlotWidth - 8.0) * static_cast<double>(i) / static_cast<double>(count - 1)
+                               : 0.5 * kPlotWidth);
+  };
+  Markup plot =
+      markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {} runs, {} to {}</title>",
+             CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(figure.name), count,
+             significant(*std::ranges::min_element(shown), 4), significant(*std::ranges::max_element(shown), 4));
+  if (figure.band)
+    plot += markup("<path class=\"band\" d=\"M0 {0}H{2}V{1}H0Z\"/>", y(figure.band->high), y(figure.band->low),
+                   CssNumber(kPlotWidth));
+  plot += markup("<path class=\"line\" d=\"");
+  for (std::size_t i = 0; i < count; ++i) plot += markup("{}{} {}", Text(i == 0 ? "M" : "L"), x(i), y(shown[i]));
+  plot += markup("\"/><circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"2.5\"/></svg>",
+                 Attribute(figure.outside ? "out" : "dot"), x(count - 1), y(shown.back()));
+  return plot;
+}
+
+Markup figure_state(const FollowedFigure& figure) {
+  if (figure.outside) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> outside</span>");
+  if (figure.drifts) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> drifts</span>");
+  if (!figure.band) return markup("no baseline");
+  return markup("<span class=\"pass\"><span class=\"sign\">✓</span> within</span>");
+}
+
+Markup figures_of_subject(const Followed& followed) {
+  Markup out = markup(
+      "<div class=\"wide\"><table class=\"figures\"><caption>{}{}</caption><thead><tr><th>figure</th><th "
+      "class=\"n\">newest</th><th class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
+      Text(followed.subject),
+      followed.baseline ? Text(fmt::format(": baseline of {} runs, {}, accepted by {} on {}",
+                                           followed.baseline->runs.size(), followed.baseline->reason,
+                                           followed.baseline->accepted_by, followed.baseline->accepted_utc))
+                        : Text(""));
+  for (const FollowedFigure& figure : followed.figures) {
+    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">", Text(figure.name),
+                  significant(figure.values.back(), 5));
+    if (figure.band)
+      out +=
+          markup("{} ± {}", significant(figure.band->mean, 5), significant(figure.band->high - figure.band->mean, 2));
+    else
+      out += markup("–");
+    out += markup("</td><td>{}</td><td class=\"state\">{}</td></tr>\n", small_plot(figure), figure_state(figure));
+  }
+  out += markup("</tbody></table></div>\n");
+  return out;
+}
+
+Markup page_start(const std::string& title, bool simulated) {
+  Markup page = markup(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta "
+      "http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\"/>\n<meta "
+      "name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n<style>",
+      Text(title));
+  page += analysis::plain_style_sheet();
+  page += Markup::literal(kOwnRules);
+  page += markup("</style>\n</head>\n<body>\n");
+  if (simulated) page += markup("<div class=\"banner\" role=\"note\">SIMULATED – made on simulated devices</div>\n");
+  page += markup("<header>\n<h1>{}</h1>\n", Text(title));
+  return page;
+}
+
+constexpr const char* kBandNote =
+    "Band: where one more run lies if it is of the baseline's kind (prediction interval from the spread of the "
+    "accepted "
+    "runs; the chance that any figure of a night falls outside is 1 %). Drifts: the runs since the baseline go one way "
+    "(Mann-Kendall, p below 0.001) by more than the baseline's own spread.";
+
+Markup result_row(const ScenarioResult& result) {
+  Markup row = markup("<tr><th scope=\"row\">{}</th><td class=\"state\">", Text(result.name));
+  if (!result.wrong.empty())
+    row += markup("<span class=\"fail\"><span class=\"sign\">✗</span> red</span>");
+  else if (!result.remarks.empty())
+    row += markup("<span class=\"doubt\"><span class=\"sign\">▲</span> drifts</span>");
+  else
+    row += markup("<span class=\"pass\"><span class=\"sign\">✓</span> green</span>");
+  row += markup("</td><td class=\"n\">{}</td><td>{}</td><td>{}", analysis::html::fixed(result.seconds, 1),
+                Text(result.compared), Text(result.about));
+  for (const std::string& line : result.wrong) row += markup("<br/><span class=\"fail\">{}</span>", Text(line));
+  for (const std::string& line : result.remarks) row += markup("<br/><span class=\"doubt\">{}</span>", Text(line));
+  row += markup("</td></tr>\n");
+  return row;
+}
+
+}  // namespace
+
+std::string night_page(const Suite& suite, const NightPage& night) {
+  const auto red = std::ranges::count_if(night.results, [](const ScenarioResult& r) { return !r.wrong.empty(); });
+  Markup page = page_start(fmt::format("Night of {}: suite {}", night.begun_utc, suite.name), true);
+  page += markup("<p>{} scenarios, {} red, {} not run. {}</p>\n</header>\n<main>\n", suite.scenarios.size(), red,
+                 suite.scenarios.size() - night.results.size(), Text(night.program));
+  page += markup(
+      "<h2>Scenarios</h2>\n<div class=\"wide\"><table><thead><tr><th>scenario</th><th></th><th class=\"n\">s</th><th>"
+      "the run</th><th>what it is about, and what was wrong</th></tr></thead><tbody>\n");
+  for (const bool wrong : {true, false})  // red ones first
+    for (const ScenarioResult& result : night.results)
+      if (result.wrong.empty() != wrong) page += result_row(result);
+  for (const Scenario& scenario : suite.scenarios)
+    if (std::ranges::find(night.results, scenario.label, &ScenarioResult::name) == night.results.end())
+      page += markup(
+          "<tr><th scope=\"row\">{}</th><td class=\"state fail\">✗ not run</td><td></td><td></td><td>{}</td>"
+          "</tr>\n",
+          Text(scenario.label), Text(scenario.about));
+  page += markup("</tbody></table></div>\n");
+  if (!night.followed.empty()) {
+    page += markup("<h2>Figures over the nights</h2>\n<p class=\"note\">{}</p>\n", Text(kBandNote));
+    for (const Followed& followed : night.followed) page += figures_of_subject(followed);
+  }
+  page += markup("</main>\n</body>\n</html>\n");
+  return page.value;
+}
+
+std::string trend_page(const std::string& title, const std::string& origin, const std::vector<Followed>& followed) {
+  Markup page = page_start(title, origin == "simulated");
+  page += markup("<p class=\"note\">{}</p>\n</header>\n<main>\n", Text(kBandNote));
+  for (const Followed& subject : followed) page += figures_of_subject(subject);
+  page += markup("</main>\n</body>\n</html>\n");
+  return page.value;
+}
+
+}  // namespace tactbench::bench
