@@ -20,9 +20,10 @@ void RunStore::replace_figures(std::int64_t run, const std::string& subject,
 }
 
 std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
-  sqlite::Statement rows(database_->connection,
-                         "SELECT f.run, f.subject, f.name, f.value, r.origin FROM figures f JOIN runs r ON r.run = f.run "
-                         "WHERE r.void_utc = '' AND (?1 = '' OR f.subject = ?1) ORDER BY f.run, f.subject, f.name");
+  sqlite::Statement rows(
+      database_->connection,
+      "SELECT f.run, f.subject, f.name, f.value, r.origin FROM figures f JOIN runs r ON r.run = f.run "
+      "WHERE r.void_utc = '' AND (?1 = '' OR f.subject = ?1) ORDER BY f.run, f.subject, f.name");
   rows.bind(subject);
   std::vector<FigureRecord> figures;
   while (rows.step()) {

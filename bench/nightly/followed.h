@@ -31,7 +31,7 @@ inline constexpr double kNightAlarm = 0.01;   // that any of a night's figures f
 
 struct Followed {
   std::string subject;
-  std::string origin;  // of its newest run; runs of another origin are left out
+  std::string origin;                          // of its newest run; runs of another origin are left out
   std::optional<db::BaselineRecord> baseline;  // the newest of the subject
   std::vector<FollowedFigure> figures;         // by name
 };
