@@ -25,7 +25,7 @@ enum TaxelBits : std::uint16_t {
 };
 
 // Which machine code the frame's loop uses; results are bit for bit the same on each.
-enum class Dispatch { kBase, kAvx2 };
+enum class Dispatch { kBase, kAvx2, kAvx512 };
 const char* to_string(Dispatch dispatch);
 
 template <class Real>

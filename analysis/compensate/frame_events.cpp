@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 
 #include "analysis/compensate/frame_state.h"
 
@@ -9,221 +11,250 @@ namespace {
 
 constexpr double kUniform = 0.28867513459481288;  // 1 / sqrt(12): standard uncertainty of what lies anywhere within 1
 
+// The smallest number above.
+template <class Real>
+Real next_above(Real value) {
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
+  if (value == Real(0)) return std::numeric_limits<Real>::denorm_min();
+  const auto bits = std::bit_cast<Bits>(value);
+  return std::bit_cast<Real>(value > Real(0) ? bits + 1 : bits - 1);
+}
+
+// NaN when one of them is.
+template <class Real>
+Real larger(Real a, Real b) {
+  return a > b || std::isnan(a) ? a : b;
+}
+
 }  // namespace
 
 template <class Real>
-void FrameLanes<Real>::locate(std::size_t taxel) {
-  LaneBlock<Real>& b = block(taxel);
-  const std::size_t i = taxel % kLanes;
-  const LanePiece<Real> now{b.from[i],    b.to[i], b.at[i], b.slope[i], b.sensitivity[i], b.reverse_sensitivity[i],
-                            pieces[taxel]};
-  const LanePiece<Real> then = former[taxel];
-  former[taxel] = now;
-  if (b.mean[i] > then.from && b.mean[i] <= then.to) {
-    b.from[i] = then.from;
-    b.to[i] = then.to;
-    b.at[i] = then.at;
-    b.slope[i] = then.slope;
-    b.sensitivity[i] = then.sensitivity;
-    b.reverse_sensitivity[i] = then.reverse_sensitivity;
-    pieces[taxel] = then.index;
-    return;
-  }
-  const CurvePiece piece = piece_at(patterns[taxel], curves[taxel], static_cast<double>(b.mean[i]));
-  b.from[i] = static_cast<Real>(piece.from);
-  b.to[i] = static_cast<Real>(piece.to);
-  b.at[i] = static_cast<Real>(piece.at);
-  b.slope[i] = static_cast<Real>(piece.slope);
-  pieces[taxel] = static_cast<std::uint32_t>(piece.index);
-  look_up(taxel);
+typename FrameCompensator<Real>::State::LanePiece FrameCompensator<Real>::State::lane_piece(
+    const Place& at, const CurvePiece& piece) const {
+  const auto from = static_cast<Real>(piece.from), to = static_cast<Real>(piece.to), above = next_above(from);
+  const auto x = static_cast<Real>(piece.at), slope = static_cast<Real>(piece.slope);
+  if (at.t.rises) return {above, to, from, x, slope, Real(0), Real(0), piece};
+  return {-to, -above, -from, x, -slope, Real(0), Real(0), piece};
 }
 
 // A piece's sensitivities are the larger ones of its two ends: what lies between is not observed better than that.
 template <class Real>
-void FrameLanes<Real>::look_up(std::size_t taxel) {
-  LaneBlock<Real>& b = block(taxel);
-  const std::size_t i = taxel % kLanes, piece = pieces[taxel];
-  const KnotSensitivity<Real>* const low = sensitivities_of(taxel) + piece;
-  const KnotSensitivity<Real>* const high = piece < knots ? low + 1 : low;
-  b.sensitivity[i] = std::isnan(low->own) ? low->own : low->own > high->own ? low->own : high->own;
-  b.reverse_sensitivity[i] = std::isnan(low->reverse)       ? low->reverse
-                             : low->reverse > high->reverse ? low->reverse
-                                                            : high->reverse;
+void FrameCompensator<Real>::State::look_up(const Place& at) {
+  LanePiece& here = at.t.pieces[at.t.here];
+  const Sensitivity* const low = sensitivities_of(at.taxel) + here.piece.index;
+  const Sensitivity* const high = here.piece.index < knots ? low + 1 : low;
+  here.own = larger(low->own, high->own);
+  here.worst = larger(here.own, larger(low->reverse, high->reverse));
+}
+
+template <class Real>
+void FrameCompensator<Real>::State::show(const Place& at) {
+  const LanePiece& here = at.t.pieces[at.t.here];
+  LaneBlock<Real>& b = at.b;
+  const std::size_t i = at.i;
+  b.low[i] = here.low;
+  b.high[i] = here.high;
+  b.origin[i] = here.origin;
+  b.at[i] = here.at;
+  b.slope[i] = here.slope;
+  b.own[i] = here.own;
+  b.worst[i] = here.worst;
+}
+
+// The piece before the last is not kept.
+template <class Real>
+void FrameCompensator<Real>::State::locate(const Place& at) {
+  const std::size_t near = at.t.pieces[at.t.here ^ 1].piece.near;
+  at.t.pieces[at.t.here] = lane_piece(at, piece_at(at.pattern, at.t.curve, at.mean(), near));
+  look_up(at);
 }
 
 // As TaxelCompensator::read, without tables. `back`: the output is behind the extreme; then or when held, it may have
 // turned.
 template <class Real>
-typename FrameCompensator<Real>::State::Reading FrameCompensator<Real>::State::read(std::size_t taxel,
+typename FrameCompensator<Real>::State::Reading FrameCompensator<Real>::State::read(const Place& at,
                                                                                     const ComposedCurve& curve,
                                                                                     bool back, bool held) const {
-  const LaneBlock<Real>& b = lanes.block(taxel);
-  const std::size_t i = taxel % kLanes;
-  const TaxelPattern& pattern = lanes.patterns[taxel];
-  const double mean = static_cast<double>(b.mean[i]);
+  const double mean = at.mean();
   Reading result;
-  result.pressure = input_at(pattern, curve, mean);
-  double slope = sensitivity(pattern, curve, mean, result.pressure), doubt = 0.0;
+  result.pressure = input_at(at.pattern, curve, mean);
+  double slope = sensitivity(at.pattern, curve, mean, result.pressure, curve.turn_near), doubt = 0.0;
   if (back || held) {
-    const ComposedCurve tentative = reversed(pattern, curve, static_cast<double>(b.turn[i]));
-    const double there = input_at(pattern, tentative, mean);
-    slope = std::max(slope, sensitivity(pattern, tentative, mean, there));
+    const ComposedCurve tentative = reversed(at.pattern, curve, at.turn());
+    const double there = input_at(at.pattern, tentative, mean);
+    slope = std::max(slope, sensitivity(at.pattern, tentative, mean, there, tentative.turn_near));
     if (back) {
       doubt = std::abs(there - result.pressure) * kUniform;
       result.pressure = there;
     }
   }
-  const double noise = static_cast<double>(b.root_weight[i]) * slope;
+  const double noise = static_cast<double>(std::sqrt(at.b.weight[at.i])) * slope;
   result.uncertainty = std::sqrt(noise * noise + doubt * doubt);
-  result.flat = lanes.options.flat_in_noises * noise > lanes.options.flat_psi;
+  result.flat = options.flat_in_noises * noise > options.flat_psi;
   return result;
 }
 
 template <class Real>
-void FrameCompensator<Real>::State::put(std::size_t taxel, const Reading& reading, std::uint16_t more_bits) {
-  LaneBlock<Real>& b = lanes.block(taxel);
-  const std::size_t i = taxel % kLanes;
-  b.pressure[i] = static_cast<Real>(reading.pressure);
-  b.uncertainty[i] = static_cast<Real>(reading.uncertainty);
-  b.bits[i] = (b.bits[i] & ~Whole<Real>{kTaxelFlat}) | (reading.flat ? kTaxelFlat : 0) | more_bits;
-}
-
-template <class Real>
-void FrameCompensator<Real>::State::fill_knot(std::size_t taxel, std::size_t knot, double y, bool held) {
-  KnotSensitivity<Real>& known = lanes.sensitivities_of(taxel)[knot];
+void FrameCompensator<Real>::State::fill_knot(const Place& at, std::size_t knot, double y, bool held) {
+  Sensitivity& known = sensitivities_of(at.taxel)[knot];
   const bool own = std::isnan(known.own), reverse = held && std::isnan(known.reverse);
-  if (!own && !reverse) return;
-  const TaxelPattern& pattern = lanes.patterns[taxel];
-  const ComposedCurve& curve = lanes.curves[taxel];
-  const double x = input_at(pattern, curve, y);
-  if (own) known.own = static_cast<Real>(sensitivity(pattern, curve, y, x));
-  if (reverse) known.reverse = static_cast<Real>(reverse_sensitivity(pattern, curve, y, x));
+  const CurvePiece& piece = at.t.pieces[at.t.here].piece;
+  const double x = piece.along(y);
+  if (own) known.own = static_cast<Real>(sensitivity(at.pattern, at.t.curve, y, x, piece.near));
+  if (reverse) known.reverse = static_cast<Real>(reverse_sensitivity(at.pattern, at.t.curve, y, x, at.t.way_back));
 }
 
 template <class Real>
-void FrameCompensator<Real>::State::fill_piece(std::size_t taxel, bool held) {
-  LaneBlock<Real>& b = lanes.block(taxel);
-  const std::size_t i = taxel % kLanes, piece = lanes.pieces[taxel];
-  const auto from = static_cast<double>(b.from[i]), to = static_cast<double>(b.to[i]);
-  fill_knot(taxel, piece, piece == index_below(lanes.patterns[taxel]) ? to : from, held);
-  if (piece < lanes.knots) fill_knot(taxel, piece + 1, to, held);
-  lanes.look_up(taxel);
+void FrameCompensator<Real>::State::fill_piece(const Place& at, bool held) {
+  const CurvePiece& piece = at.t.pieces[at.t.here].piece;
+  fill_knot(at, piece.index, piece.index == index_below(at.pattern) ? piece.to : piece.from, held);
+  if (piece.index < knots) fill_knot(at, piece.index + 1, piece.to, held);
+  look_up(at);
+  show(at);
+}
+
+// The curve back from the extreme, and its piece behind it.
+template <class Real>
+void FrameCompensator<Real>::State::find_way_back(const Place& at) {
+  Taxel& t = at.t;
+  const Real turn_in_lane = at.b.turn[at.i];
+  if (t.back_turn != turn_in_lane) {
+    t.back_turn = turn_in_lane;
+    const double turn = at.turn();
+    const CurvePiece &here = t.pieces[t.here].piece, &before = t.pieces[t.here ^ 1].piece;
+    const double x = here.holds(turn)     ? here.along(turn)
+                     : before.holds(turn) ? before.along(turn)
+                                          : input_at(at.pattern, t.curve, turn, here.near);
+    t.way_back = reversed(at.pattern, t.curve, turn, x, t.way_back);
+  }
+  t.back = lane_piece(at, piece_at(at.pattern, t.way_back, at.mean(), t.way_back.turn_near));
 }
 
 template <class Real>
-void FrameCompensator<Real>::State::find_way_back(std::size_t taxel) {
-  LaneBlock<Real>& b = lanes.block(taxel);
-  const std::size_t i = taxel % kLanes;
-  const TaxelPattern& pattern = lanes.patterns[taxel];
-  if (b.back_turn[i] != b.turn[i]) {
-    b.back_turn[i] = b.turn[i];
-    ways_back[taxel] = reversed(pattern, lanes.curves[taxel], static_cast<double>(b.turn[i]));
-  }
-  const CurvePiece piece = piece_at(pattern, ways_back[taxel], static_cast<double>(b.mean[i]));
-  b.back_from[i] = static_cast<Real>(piece.from);
-  b.back_to[i] = static_cast<Real>(piece.to);
-  b.back_at[i] = static_cast<Real>(piece.at);
-  b.back_slope[i] = static_cast<Real>(piece.slope);
-}
-
-template <class Real>
-void FrameCompensator<Real>::State::attend_known(std::size_t taxel, std::uint32_t what) {
-  LaneBlock<Real>& b = lanes.block(taxel);
-  const std::size_t i = taxel % kLanes;
-  if ((what & kLaneTurned) != 0) {
-    set_curve(taxel, reversed(lanes.patterns[taxel], lanes.curves[taxel], static_cast<double>(b.turn[i])));
-    b.sign[i] = -b.sign[i];
-    take_extreme(taxel);
-    put(taxel, read(taxel, lanes.curves[taxel], false, false), 0);
-    return;
-  }
-  const bool held = (what & kLaneHeld) != 0;
-  if ((what & kLaneUnfilled) != 0) fill_piece(taxel, held);
-  const Real worst = held && b.reverse_sensitivity[i] > b.sensitivity[i] ? b.reverse_sensitivity[i] : b.sensitivity[i];
-  const auto noise = static_cast<double>(b.root_weight[i] * worst);
-  const double here = static_cast<double>(b.at[i] + b.slope[i] * (b.mean[i] - b.from[i]));
-  Reading result{here, noise, noise * lanes.options.flat_in_noises > lanes.options.flat_psi};
-  if ((what & kLaneBack) != 0) {
-    find_way_back(taxel);
-    result.pressure = static_cast<double>(b.back_at[i] + b.back_slope[i] * (b.mean[i] - b.back_from[i]));
-    const double doubt = (result.pressure - here) * kUniform;
-    result.uncertainty = std::sqrt(noise * noise + doubt * doubt);
-  }
-  put(taxel, result, 0);
+typename FrameCompensator<Real>::State::Reading FrameCompensator<Real>::State::attend_turned(const Place& at) {
+  set_curve(at, reversed(at.pattern, at.t.curve, at.turn()));
+  take_extreme(at);
+  return read(at, at.t.curve, false, false);
 }
 
 // TaxelCompensator::decide_when_beyond.
 template <class Real>
-void FrameCompensator<Real>::State::decide(std::size_t taxel) {
-  LaneBlock<Real>& b = lanes.block(taxel);
-  const std::size_t i = taxel % kLanes;
-  History& history = histories[taxel];
+void FrameCompensator<Real>::State::decide(const Place& at) {
+  LaneBlock<Real>& b = at.b;
+  const std::size_t i = at.i;
+  History& history = histories[at.taxel];
   const Real off = history.started ? b.mean[i] - history.extreme : Real(0);
-  const auto band = static_cast<Real>(lanes.options.band_in_noises);
-  if (off * off > band * band * std::max(b.weight[i], history.weight)) {
+  const Real band = static_cast<Real>(options.band_in_noises), weight = b.weight[i];
+  if (off * off > band * band * std::max(weight, history.weight)) {
     const bool rises = off > Real(0);
-    ComposedCurve& turned = rises ? history.other : lanes.curves[taxel];
-    turned = reversed(lanes.patterns[taxel], turned, static_cast<double>(history.extreme));
+    ComposedCurve& turned = rises ? history.other : at.t.curve;
+    turned = reversed(at.pattern, turned, static_cast<double>(history.extreme));
     history.decided = true;
-    b.sign[i] = rises ? Real(1) : Real(-1);
-    take_extreme(taxel);
-  } else if (!history.started || b.weight[i] < history.weight) {
+    face(at, rises);
+    take_extreme(at);
+  } else if (!history.started || weight < history.weight) {
     history.started = true;
     history.extreme = b.mean[i];
-    history.weight = b.weight[i];
+    history.weight = weight;
   }
 }
 
 template <class Real>
-void FrameCompensator<Real>::State::attend_unknown(std::size_t taxel, std::uint32_t what) {
-  LaneBlock<Real>& b = lanes.block(taxel);
-  const TaxelPattern& pattern = lanes.patterns[taxel];
-  History& history = histories[taxel];
-  bool back = history.decided && (what & kLaneBack) != 0, held = history.decided && (what & kLaneHeld) != 0;
+typename FrameCompensator<Real>::State::Reading FrameCompensator<Real>::State::attend_unknown(const Place& at,
+                                                                                              bool turned, bool back,
+                                                                                              bool held) {
+  History& history = histories[at.taxel];
+  back = history.decided && back;
+  held = history.decided && held;
   if (!history.decided) {
-    decide(taxel);
-  } else if ((what & kLaneTurned) != 0) {
-    const auto turn = static_cast<double>(b.turn[taxel % kLanes]);
-    lanes.curves[taxel] = reversed(pattern, lanes.curves[taxel], turn);
-    history.other = reversed(pattern, history.other, turn);
-    b.sign[taxel % kLanes] = -b.sign[taxel % kLanes];
-    take_extreme(taxel);
+    decide(at);
+  } else if (turned) {
+    const double turn = at.turn();
+    at.t.curve = reversed(at.pattern, at.t.curve, turn);
+    history.other = reversed(at.pattern, history.other, turn);
+    face(at, !at.t.rises);
+    take_extreme(at);
     back = held = false;
   }
-  Reading result = read(taxel, lanes.curves[taxel], back, held);
-  const Reading low = read(taxel, history.other, back, held);
+  Reading result = read(at, at.t.curve, back, held);
+  const Reading low = read(at, history.other, back, held);
   const double apart = std::abs(result.pressure - low.pressure);
-  if (apart <= lanes.options.known_psi) {
-    history.unknown = false;
-    if (!history.decided) {
-      b.sign[taxel % kLanes] = Real(1);
-      take_extreme(taxel);
-    }
-    set_curve(taxel, lanes.curves[taxel]);
-    put(taxel, result, 0);
-    return;
+  if (apart <= options.known_psi) {
+    at.t.unknown = false;
+    if (!history.decided) take_extreme(at);
+    set_curve(at, ComposedCurve(at.t.curve));
+    return result;
   }
   result.pressure = 0.5 * (result.pressure + low.pressure);
   const double noise = std::max(result.uncertainty, low.uncertainty);
   result.uncertainty = std::sqrt(noise * noise + 0.25 * apart * apart);
   result.flat = result.flat || low.flat;
-  put(taxel, result, kTaxelUnknown);
+  return result;
+}
+
+// The new piece, in the rows as well.
+template <class Real>
+void FrameCompensator<Real>::State::change_piece(const Place& at) {
+  at.t.here ^= 1;
+  if (!at.t.pieces[at.t.here].holds(at.b.mean[at.i])) locate(at);
+  show(at);
+}
+
+// The rare ones of the events.
+template <class Real>
+void FrameCompensator<Real>::State::attend_rare(const Place& at, bool turned, bool back, bool held,
+                                                const FrameResults<Real>& results) {
+  const Reading reading = at.t.unknown ? attend_unknown(at, turned, back, held) : attend_turned(at);
+  results.pressure[at.taxel] = at.b.pressure[at.i] = static_cast<Real>(reading.pressure);
+  results.uncertainty[at.taxel] = at.b.uncertainty[at.i] = static_cast<Real>(reading.uncertainty);
+  const int range = results.status[at.taxel] & ~kTaxelFlat;
+  results.status[at.taxel] =
+      static_cast<std::uint16_t>(range | (reading.flat ? kTaxelFlat : 0) | (at.t.unknown ? kTaxelUnknown : 0));
 }
 
 template <class Real>
-void FrameCompensator<Real>::State::attend() {
-  for (std::size_t k = 0; k < lanes.event_count; ++k) {
-    const auto [taxel, what] = lanes.events[k];
-    if (taxel >= lanes.taxels || (!saved.empty() && lost[taxel])) continue;
-    if (histories[taxel].unknown)
-      attend_unknown(taxel, what);
-    else
-      attend_known(taxel, what);
+void FrameCompensator<Real>::State::attend(const FrameResults<Real>& results) {
+  // Copies, for the compiler cannot know that no result lies where they come from.
+  const FrameResults<Real> to = results;
+  const Real band2 = lanes.limits.band2, hold2 = lanes.limits.hold2, flat = lanes.limits.flat;
+  const std::uint16_t *const events = lanes.bits.events.data(), *const helds = lanes.bits.held.data();
+  LaneBlock<Real>* const blocks = lanes.blocks.data();
+  Taxel* const all_taxels = taxels.data();
+  const TaxelPattern* const all_patterns = patterns.data();
+  for (std::size_t k = 0, end = lanes.bits.events.size(); k < end; k += 4) {
+    std::uint64_t word = 0;
+    for (std::size_t j = 0; j < 4; ++j) word |= std::uint64_t{events[k + j]} << (kLanes * j);
+    for (; word != 0; word &= word - 1) {
+      const std::size_t taxel = k * kLanes + static_cast<std::size_t>(std::countr_zero(word)), i = taxel % kLanes;
+      const Place at{taxel, i, blocks[taxel / kLanes], all_taxels[taxel], all_patterns[taxel]};
+      LaneBlock<Real>& b = at.b;
+      const Taxel& t = at.t;
+      const Real mean = b.mean[i], turn = b.turn[i], weight = b.weight[i], other = b.extreme_weight[i];
+      const Real behind = turn > mean ? turn - mean : Real(0), wider = weight > other ? weight : other;
+      const bool turned = behind * behind > band2 * wider, back = behind * behind > hold2 * wider;
+      const bool held = (helds[taxel / kLanes] >> i & 1) != 0;
+      if (turned || t.unknown) [[unlikely]] {
+        attend_rare(at, turned, back, held, to);
+        continue;
+      }
+      if (!t.pieces[t.here].holds(mean)) change_piece(at);
+      const LanePiece& here = t.pieces[t.here];
+      if (std::isnan(held ? here.worst : here.own)) fill_piece(at, held);
+      Real pressure = here.along(mean), uncertainty = std::sqrt(weight) * (held ? here.worst : here.own);
+      const int flat_bit = uncertainty > flat ? kTaxelFlat : 0;
+      if (back) {
+        if (t.back_turn != turn || !t.back.holds(mean)) find_way_back(at);
+        const Real there = t.back.along(mean), doubt = (there - pressure) * Real(kUniform);
+        pressure = there;
+        uncertainty = std::sqrt(uncertainty * uncertainty + doubt * doubt);
+      }
+      to.pressure[taxel] = b.pressure[i] = pressure;
+      to.uncertainty[taxel] = b.uncertainty[i] = uncertainty;
+      to.status[taxel] = static_cast<std::uint16_t>((to.status[taxel] & ~kTaxelFlat) | flat_bit);
+    }
   }
 }
 
-template struct FrameLanes<float>;
-template struct FrameLanes<double>;
 template struct FrameCompensator<float>::State;
 template struct FrameCompensator<double>::State;
 

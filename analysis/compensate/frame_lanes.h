@@ -1,4 +1,4 @@
-// The memory of a frame compensator, laid out for vectors: blocks of 16 taxels, one row of 16 for each quantity.
+// The memory of a frame compensator's vector pass: blocks of 16 taxels, one row of 16 for each quantity.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "analysis/compensate/composed_curve.h"
 #include "analysis/compensate/options.h"
 
 namespace tactbench::analysis {
@@ -27,87 +26,73 @@ struct CacheLineAllocator {
 template <class T>
 using AlignedVector = std::vector<T, CacheLineAllocator<T>>;
 
-// As wide as Real: what a comparison of vectors gives.
-template <class Real>
-using Whole = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
-
-// Outputs count from y0 in units of the taxel's noise.
+// Outputs count from y0 in units of the taxel's noise, and from the last turn on in the direction that the output has
+// since then: a lane always rises, on a falling curve its rows hold the negated outputs. Then no decision needs the
+// noise or the direction.
 template <class Real>
 struct alignas(64) LaneBlock {
-  // Constant after a tare.
-  Real gain[kLanes], zero[kLanes];  // output = gain * (count - zero): a tare moves whole counts
-  Real highest[kLanes];             // of an output within range
+  // Constant between turns.
+  Real gain[kLanes], zero[kLanes];       // output = gain * (count - zero): a tare moves whole counts
+  Real lowest[kLanes], highest[kLanes];  // of an output within range
   // State, as TaxelCompensator's.
-  Real steps[kLanes], mean[kLanes], weight[kLanes], root_weight[kLanes];
+  Real steps[kLanes], mean[kLanes], weight[kLanes];  // weight: 1 / the samples in the mean
   Real extreme[kLanes], extreme_weight[kLanes];
   Real turn[kLanes];  // the extreme less its lead
-  Real sign[kLanes];  // 1 rising, -1 falling, 0 not decided
-  // The piece of the current curve in which the last means lay; it holds as long as from < mean <= to. Sensitivities
-  // are NaN until somebody asked for them.
-  Real from[kLanes], to[kLanes], at[kLanes], slope[kLanes], sensitivity[kLanes], reverse_sensitivity[kLanes];
-  // The same of the curve back from a turn at back_turn, for outputs behind the extreme.
-  Real back_turn[kLanes], back_from[kLanes], back_to[kLanes], back_at[kLanes], back_slope[kLanes];
-  // Results.
+  // The piece of the current curve in which the last means lay; it holds as long as low <= mean <= high. `worst` is the
+  // larger one of the piece's own sensitivity and the reverse one. NaN until somebody asked for them.
+  Real low[kLanes], high[kLanes], origin[kLanes], at[kLanes], slope[kLanes], own[kLanes], worst[kLanes];
+  // The last results, for frames that are lost.
   Real pressure[kLanes], uncertainty[kLanes];
-  Whole<Real> bits[kLanes];
 };
 
-// What a frame found out about a taxel beyond plain reading: the first three make an event.
-enum LaneEvent : std::uint32_t {
-  kLaneTurned = 1,
-  kLaneUnfilled = 2,  // a sensitivity is not known yet, or the history
-  kLaneStrayed = 4,   // behind the extreme, where the way back is not known yet
-  kLaneBack = 8,      // behind the extreme
-  kLaneHeld = 16
-};
-
-struct LaneEvents {
-  std::uint32_t taxel, what;
-};
-
-// Of a curve's knots (piece_at's index), and of the two places below and above them all.
+// CompensatorOptions as the loop wants them.
 template <class Real>
-struct KnotSensitivity {
-  Real own, reverse;
+struct FrameLimits {
+  Real moving, jump2, least, band2, rest2, hold2, lead, flat, counts_per_volt;
+  // What the loop computes from a mean's weight, to be read by the number of its samples where the longest mean has 8:
+  // its lowest three or four bits are the index. The same bits as computed.
+  bool has_tables = false;
+  alignas(64) Real jumps2[16] = {}, step_weights[16] = {};  // of that mean: 1 + and 1 - half its weight
+  alignas(64) Real next_weights[16] = {}, next_roots[16] = {}, next_leads[16] = {};  // of one with a sample more
+
+  FrameLimits() = default;
+  FrameLimits(const CompensatorOptions& o, double volts_per_count);
+  // The highest of means lies too high by this; root: of the weight.
+  [[nodiscard]] Real lead_of(Real weight, Real root) const { return lead * root * (Real(1) - weight); }
 };
 
-// A piece of the current curve as a lane's rows hold it.
+// One bit a taxel.
+template <class Bits>
+struct LaneBits {
+  Bits events;  // has left its piece, lies behind the extreme or has turned, or a sensitivity is not known
+  Bits held;    // so near to the extreme that it may have turned
+  Bits lost;    // the sample was not a number: state and results are as before
+};
+
+// Where results go: whole blocks.
 template <class Real>
-struct LanePiece {
-  Real from, to, at, slope, sensitivity, reverse_sensitivity;
-  std::uint32_t index;
+struct FrameResults {
+  Real* pressure;
+  Real* uncertainty;
+  std::uint16_t* status;
 };
 
 template <class Real>
 struct FrameLanes {
-  std::size_t taxels = 0, knots = 0;  // knots: of a pattern
   AlignedVector<LaneBlock<Real>> blocks;
-  std::vector<TaxelPattern> patterns;
-  std::vector<ComposedCurve> curves;                 // since the last remembered turn
-  std::vector<std::uint32_t> pieces;                 // index of the piece in the block's rows
-  std::vector<LanePiece<Real>> former;               // the piece before it: noise goes to and fro between two
-  std::vector<KnotSensitivity<Real>> sensitivities;  // taxel, knot
-  std::vector<LaneEvents> events;                    // room for every taxel
-  std::size_t event_count = 0;
-  CompensatorOptions options;
-  double counts_per_volt = 1.0;
-  [[nodiscard]] KnotSensitivity<Real>* sensitivities_of(std::size_t taxel) {
-    return sensitivities.data() + taxel * (knots + 3);
-  }
-  [[nodiscard]] LaneBlock<Real>& block(std::size_t taxel) { return blocks[taxel / kLanes]; }
-  [[nodiscard]] const LaneBlock<Real>& block(std::size_t taxel) const { return blocks[taxel / kLanes]; }
-  void locate(std::size_t taxel);   // the piece that the mean lies in now
-  void look_up(std::size_t taxel);  // the piece's sensitivities: NaN when one of its ends was not asked for yet
+  LaneBits<std::vector<std::uint16_t>> bits;  // one a block, and up to three at the end that stay 0
+  FrameLimits<Real> limits;
 };
 
-// One pass over all blocks: follows the outputs, reads the current curves, fills `events`. `samples` are padded to
-// whole blocks. Branches only where a group of taxels has one that leaves its piece, starts a mean or lies behind.
+// One pass over all blocks, without a branch that depends on a sample: follows the outputs, reads the current pieces,
+// and says whose results somebody has to look at. `samples` are whole blocks.
 template <class Real, class Sample>
-using FramePass = void (*)(FrameLanes<Real>& lanes, const Sample* samples);
+using FramePass = void (*)(FrameLanes<Real>& lanes, const Sample* samples, const FrameResults<Real>& results);
 template <class Real, class Sample>
 struct FramePasses {
-  static void base(FrameLanes<Real>& lanes, const Sample* samples);
-  static void avx2(FrameLanes<Real>& lanes, const Sample* samples);
+  static void base(FrameLanes<Real>& lanes, const Sample* samples, const FrameResults<Real>& results);
+  static void avx2(FrameLanes<Real>& lanes, const Sample* samples, const FrameResults<Real>& results);
+  static void avx512(FrameLanes<Real>& lanes, const Sample* samples, const FrameResults<Real>& results);
 };
 
 }  // namespace tactbench::analysis

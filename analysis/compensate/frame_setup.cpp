@@ -50,13 +50,44 @@ TaxelPattern pattern_of(const FrameSetup& setup, const TaxelSetup& taxel, double
 
 }  // namespace
 
-const char* to_string(Dispatch dispatch) { return dispatch == Dispatch::kAvx2 ? "avx2" : "base"; }
+const char* to_string(Dispatch dispatch) {
+  return dispatch == Dispatch::kAvx512 ? "avx512" : dispatch == Dispatch::kAvx2 ? "avx2" : "base";
+}
 
 Dispatch best_dispatch() {
 #if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512vl"))
+    return Dispatch::kAvx512;
   if (__builtin_cpu_supports("avx2")) return Dispatch::kAvx2;
 #endif
   return Dispatch::kBase;
+}
+
+template <class Real>
+FrameLimits<Real>::FrameLimits(const CompensatorOptions& o, double volts_per_count)
+    : moving(static_cast<Real>(o.moving)),
+      jump2(static_cast<Real>(o.jump_in_noises * o.jump_in_noises)),
+      least(static_cast<Real>(1.0 / o.longest_mean)),
+      band2(static_cast<Real>(o.band_in_noises * o.band_in_noises)),
+      rest2(static_cast<Real>(o.rest_in_noises * o.rest_in_noises)),
+      hold2(static_cast<Real>(o.hold_in_noises * o.hold_in_noises)),
+      lead(static_cast<Real>(o.lead_in_noises)),
+      flat(static_cast<Real>(o.flat_psi / o.flat_in_noises)),
+      counts_per_volt(static_cast<Real>(1.0 / volts_per_count)) {
+  Real weight = 1;
+  for (std::size_t samples = 1; samples <= 8; ++samples) {
+    const Real next = std::max(weight / (Real(1) + weight), least), root = std::sqrt(next);
+    for (const std::size_t i : {samples, samples % 8}) {
+      jumps2[i] = jump2 * (Real(1) + weight);
+      step_weights[i] = Real(1) - Real(0.5) * weight;
+      next_weights[i] = next;
+      next_roots[i] = root;
+      next_leads[i] = lead_of(next, root);
+    }
+    has_tables = weight <= least;  // else some means have more than 8
+    weight = next;
+  }
 }
 
 template <class Real>
@@ -69,37 +100,36 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
   for (std::size_t i = 0; i < setup.pressure_psi.size(); ++i)
     demand(std::isfinite(setup.pressure_psi[i]) && (i == 0 || setup.pressure_psi[i] > setup.pressure_psi[i - 1]),
            "pressures do not increase");
-  const std::size_t count = setup.taxels.size(), padded = (count + kLanes - 1) / kLanes * kLanes;
-  lanes.options = setup.options;
-  lanes.options.hold_in_noises = std::min(setup.options.hold_in_noises, setup.options.band_in_noises);
-  lanes.counts_per_volt = 1.0 / setup.volts_per_count;
-  lanes.taxels = count;
-  lanes.knots = setup.pressure_psi.size();
-  lanes.blocks.assign(padded / kLanes, LaneBlock<Real>{});
+  count = setup.taxels.size();
+  knots = setup.pressure_psi.size();
+  options = setup.options;
+  options.hold_in_noises = std::min(setup.options.hold_in_noises, setup.options.band_in_noises);
   lowest_psi = setup.pressure_psi.front();
   span_psi = setup.pressure_psi.back() - lowest_psi;
-  lanes.pieces.assign(padded, 0);
-  lanes.former.resize(count);
-  lanes.sensitivities.resize(count * (lanes.knots + 3));
-  lanes.events.resize(padded);
-  lanes.patterns.resize(count);
-  lanes.curves.resize(count);
-  ways_back.resize(count);
-  histories.resize(count);
-  counts.resize(padded);
-  volts.resize(padded);
-  saved.reserve(count);
-  lost.assign(count, false);
   tare_share = setup.tare_share;
   longest_gap = setup.longest_gap;
   dispatch = best_dispatch();
+  const std::size_t blocks = (count + kLanes - 1) / kLanes, padded = blocks * kLanes;
+  lanes.limits = FrameLimits<Real>(options, setup.volts_per_count);
+  lanes.blocks.assign(blocks, LaneBlock<Real>{});
+  for (std::vector<std::uint16_t>* const bits : {&lanes.bits.events, &lanes.bits.held, &lanes.bits.lost})
+    bits->assign((blocks + 3) / 4 * 4, 0);
+  patterns.resize(count);
+  taxels.resize(count);
+  sensitivities.resize(count * (knots + 3));
+  histories.resize(count);
+  counts.resize(padded);
+  volts.resize(padded);
+  pressures.resize(padded);
+  uncertainties.resize(padded);
+  status.resize(padded);
   for (std::size_t t = 0; t < padded; ++t) {
-    LaneBlock<Real>& b = lanes.block(t);
+    LaneBlock<Real>& b = lanes.blocks[t / kLanes];
     const std::size_t i = t % kLanes;
     // A lane without a taxel: nothing that it reads is an event.
-    b.weight[i] = b.root_weight[i] = b.extreme_weight[i] = Real(1);
-    b.from[i] = static_cast<Real>(-kFar);
-    b.to[i] = static_cast<Real>(kFar);
+    b.weight[i] = b.extreme_weight[i] = Real(1);
+    b.low[i] = static_cast<Real>(-kFar);
+    b.high[i] = static_cast<Real>(kFar);
     b.at[i] = static_cast<Real>(lowest_psi);
     if (t >= count) continue;
     const TaxelSetup& taxel = setup.taxels[t];
@@ -110,14 +140,15 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
     // Half a count of rounding is noise, too, and the least there is.
     const double noise = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
     try {
-      lanes.patterns[t] = pattern_of(setup, taxel, noise);
+      patterns[t] = pattern_of(setup, taxel, noise);
     } catch (const std::invalid_argument& fault) {
       throw std::invalid_argument("taxel " + std::to_string(t) + ": " + fault.what());
     }
     const double sign = taxel.falling ? -1.0 : 1.0;
     b.gain[i] = static_cast<Real>(sign * setup.volts_per_count / noise);
     b.zero[i] = static_cast<Real>(sign * taxel.ascending_v.front() / setup.volts_per_count);
-    b.highest[i] = static_cast<Real>(lanes.patterns[t].span + setup.options.band_in_noises);
+    b.lowest[i] = static_cast<Real>(-options.band_in_noises);
+    b.highest[i] = static_cast<Real>(patterns[t].span + options.band_in_noises);
     start_lane(t, setup.start_unknown);
   }
 }

@@ -1,6 +1,7 @@
 // A frame compensator from inside: vectors' memory, the curves behind it, and what the vector pass leaves to do.
 #pragma once
 
+#include "analysis/compensate/composed_curve.h"
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/compensate/frame_lanes.h"
 
@@ -10,49 +11,89 @@ template <class Real>
 struct FrameCompensator<Real>::State {
   explicit State(const FrameSetup& setup);
 
+  // A piece of a curve as a lane's rows hold it, and where it came from, in the sensor's outputs.
+  struct LanePiece {
+    Real low, high, origin, at, slope, own, worst;
+    CurvePiece piece;
+    [[nodiscard]] bool holds(Real mean) const { return mean >= low && mean <= high; }
+    [[nodiscard]] Real along(Real mean) const { return at + slope * (mean - origin); }
+  };
+  // What lies behind a taxel's lane.
+  struct Taxel {
+    bool rises = true;      // the lane's outputs are the sensor's, else their negatives
+    bool unknown = false;   // its history is
+    std::uint8_t here = 0;  // the piece in the lane's rows; the other one is that before it: noise goes to and fro
+    LanePiece pieces[2];
+    Real back_turn = 0;      // NaN: none yet
+    LanePiece back;          // of the curve back from there
+    ComposedCurve curve;     // since the last remembered turn
+    ComposedCurve way_back;  // from the extreme
+  };
   // Of a start from anywhere.
   struct History {
     ComposedCurve other;  // of the history that fell from the top
     Real extreme = 0, weight = 1;
-    bool unknown = false, started = false, decided = false;
+    bool started = false, decided = false;
   };
-  struct SavedLane {
-    std::size_t taxel;
-    Real steps, mean, weight, root_weight, extreme, extreme_weight, turn, pressure, uncertainty;
+  // Of a curve's knots (CurvePiece::index), and of the two places below and above them all. NaN: not asked for yet.
+  struct Sensitivity {
+    Real own, reverse;
   };
   struct Reading {
     double pressure = 0.0, uncertainty = 0.0;
     bool flat = false;
   };
+  struct Place {  // a taxel with its lane
+    std::size_t taxel, i;
+    LaneBlock<Real>& b;
+    Taxel& t;
+    const TaxelPattern& pattern;
+    // In the sensor's direction.
+    [[nodiscard]] double output(Real in_lane) const { return static_cast<double>(t.rises ? in_lane : -in_lane); }
+    [[nodiscard]] double mean() const { return output(b.mean[i]); }
+    [[nodiscard]] double turn() const { return output(b.turn[i]); }
+  };
 
-  // Streaming (frame_stream.cpp).
+  // Streaming (frame_compensator.cpp).
+  template <class Sample>
+  void frame(std::span<const Sample> samples, AlignedVector<Sample>& whole_blocks, const Output& output);
   void start_lane(std::size_t taxel, bool unknown);
-  void set_curve(std::size_t taxel, const ComposedCurve& curve);  // and forgets the old one's pieces
-  void take_extreme(std::size_t taxel);
-  void write(const Output& output, bool all_lost) const;
-  void save_lane(std::size_t taxel);
-  void restore_lanes();
+  void set_curve(const Place& at, const ComposedCurve& curve);  // and forgets the old one's pieces
+  void face(const Place& at, bool rising);
+  void take_extreme(const Place& at);
+  void mark(const Output& output) const;       // outside, dead
+  void mark_lost(const Output& output) const;  // after mark
   void check(std::size_t samples, const Output& output) const;
+  Place place(std::size_t taxel);
 
   // After the pass (frame_events.cpp).
-  void attend();
-  void attend_known(std::size_t taxel, std::uint32_t what);
-  void attend_unknown(std::size_t taxel, std::uint32_t what);
-  void decide(std::size_t taxel);
-  void fill_knot(std::size_t taxel, std::size_t knot, double y, bool held);
-  void fill_piece(std::size_t taxel, bool held);
-  void find_way_back(std::size_t taxel);
-  [[nodiscard]] Reading read(std::size_t taxel, const ComposedCurve& curve, bool back, bool held) const;
-  void put(std::size_t taxel, const Reading& reading, std::uint16_t more_bits);
+  void attend(const FrameResults<Real>& results);
+  void attend_rare(const Place& at, bool turned, bool back, bool held, const FrameResults<Real>& results);
+  Reading attend_turned(const Place& at);
+  Reading attend_unknown(const Place& at, bool turned, bool back, bool held);
+  void decide(const Place& at);
+  void change_piece(const Place& at);
+  void locate(const Place& at);
+  void show(const Place& at);
+  void fill_knot(const Place& at, std::size_t knot, double y, bool held);
+  void fill_piece(const Place& at, bool held);
+  void find_way_back(const Place& at);
+  [[nodiscard]] LanePiece lane_piece(const Place& at, const CurvePiece& piece) const;
+  void look_up(const Place& at);
+  [[nodiscard]] Reading read(const Place& at, const ComposedCurve& curve, bool back, bool held) const;
+  [[nodiscard]] Sensitivity* sensitivities_of(std::size_t taxel) { return sensitivities.data() + taxel * (knots + 3); }
 
   FrameLanes<Real> lanes;
-  std::vector<ComposedCurve> ways_back;  // from the block's back_turn
+  CompensatorOptions options;
+  std::size_t count = 0, knots = 0;  // knots: of a pattern
+  std::vector<TaxelPattern> patterns;
+  std::vector<Taxel> taxels;
+  std::vector<Sensitivity> sensitivities;  // taxel, knot
   std::vector<History> histories;
   std::vector<std::size_t> dead;
-  AlignedVector<std::uint16_t> counts;  // whole blocks
-  AlignedVector<Real> volts;
-  std::vector<SavedLane> saved;  // of the samples that are not numbers; room for all
-  std::vector<bool> lost;
+  // Whole blocks, where the caller's arrays are none.
+  AlignedVector<std::uint16_t> counts, status;
+  AlignedVector<Real> volts, pressures, uncertainties;
   double lowest_psi = 0.0, span_psi = 0.0, tare_share = 0.0;
   int gap = 0, longest_gap = 0;
   bool outside = false;

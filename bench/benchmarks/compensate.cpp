@@ -208,7 +208,7 @@ std::vector<Figure> benchmark_compensate(int rounds) {
   figures.add("straightforward", plain, "us/frame");
   figures.add("bare_scalar", bare, "us/frame");
   double fast = 0.0;
-  for (const Dispatch dispatch : {Dispatch::kBase, Dispatch::kAvx2}) {
+  for (const Dispatch dispatch : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {
     if (dispatch > best_dispatch()) continue;
     FrameCompensator<float> compensator(slow.setup);
     compensator.set_dispatch(dispatch);
