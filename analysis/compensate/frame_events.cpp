@@ -221,9 +221,20 @@ void FrameCompensator<Real>::State::attend(const FrameResults<Real>& results) {
   LaneBlock<Real>* const blocks = lanes.blocks.data();
   Taxel* const all_taxels = taxels.data();
   const TaxelPattern* const all_patterns = patterns.data();
+  const bool far = count > 1024;
   for (std::size_t k = 0, end = lanes.bits.events.size(); k < end; k += 4) {
     std::uint64_t word = 0;
     for (std::size_t j = 0; j < 4; ++j) word |= std::uint64_t{events[k + j]} << (kLanes * j);
+    // What a large array's events need lies far away; all of it is asked for at once.
+    if (far)
+      for (std::uint64_t left = word; left != 0; left &= left - 1) {
+        const std::size_t taxel = k * kLanes + static_cast<std::size_t>(std::countr_zero(left));
+        const auto* const bytes = reinterpret_cast<const char*>(all_taxels + taxel);
+        for (std::size_t line = 0; line < sizeof(Taxel); line += 64) __builtin_prefetch(bytes + line);
+        __builtin_prefetch(all_patterns + taxel);
+        __builtin_prefetch(reinterpret_cast<const char*>(all_patterns + taxel) + 64);
+        __builtin_prefetch(reinterpret_cast<const char*>(all_patterns + taxel) + 128);
+      }
     for (; word != 0; word &= word - 1) {
       const std::size_t taxel = k * kLanes + static_cast<std::size_t>(std::countr_zero(word)), i = taxel % kLanes;
       const Place at{taxel, i, blocks[taxel / kLanes], all_taxels[taxel], all_patterns[taxel]};
