@@ -131,6 +131,7 @@ struct BenchConfig {
   std::string scanner_socket;  // HID reports over a local socket instead: a simulated scanner in another process
   devices::DaqmxScannerOptions daqmx_scanner;
   devices::FrameSourceOptions frame_source;
+  std::string scanner_cable;  // which one; part of the measuring chain as much as the scanner
   int scans_per_frame = 2;
   std::optional<StageConfig> stage;
   std::optional<ForceConfig> force;

@@ -54,6 +54,7 @@ void read_scanner(const TomlTable& table, BenchConfig& config) {
                                          : static_cast<int>(table.integer("columns", 16, 1, 64));
   config.scanner.frame_timeout = milliseconds(table.number_in("frame_timeout_ms", 500, 10, 10000));
   config.scanner.origin = config.origin;
+  config.scanner_cable = table.text("cable", "");
   config.scans_per_frame = static_cast<int>(table.integer("scans_per_frame", 2, 1, 8));
   if (kind == "hid") {
     config.scanner.model = table.text("model", config.scanner.model);

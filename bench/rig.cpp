@@ -213,7 +213,9 @@ std::vector<db::DeviceRecord> Rig::devices() const {
                                 scale_json(sensor.place.scale)));
   }
   if (array_) {
-    records.push_back(record_of(array_->identity(), {{"volts_per_count", array_->volts_per_count().value()}}));
+    nlohmann::ordered_json scale = {{"volts_per_count", array_->volts_per_count().value()}};
+    if (!config_.scanner_cable.empty()) scale["cable"] = config_.scanner_cable;
+    records.push_back(record_of(array_->identity(), scale));
   }
   return records;
 }

@@ -12,7 +12,9 @@ using bench::ExitCode;
 TEST_CASE("a run goes through every room and leaves a closed, verified row") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  const bench::RunResult result = run_small(small_request(), store);
+  bench::RunRequest request = small_request();
+  request.bench.scanner_cable = "W-17";
+  const bench::RunResult result = run_small(request, store);
   REQUIRE(!result.error);
   CHECK(result.outcome == db::Outcome::kCompleted);
   CHECK(result.safe == db::SafeState::kVerified);
@@ -21,7 +23,8 @@ TEST_CASE("a run goes through every room and leaves a closed, verified row") {
   const db::RunRecord row = store.run(result.run);
   CHECK(row.origin == "simulated");
   CHECK(row.state == "ended");
-  CHECK(row.devices.size() == 4);
+  REQUIRE(row.devices.size() == 4);
+  CHECK_THAT(row.devices.back().calibration_json, Catch::Contains("\"cable\":\"W-17\""));
   CHECK(row.content_sha256 == store.content_hash(result.run));
   CHECK(row.content_sha256.size() == 64);
   const std::vector<db::FrameRecord> frames = store.frames(result.run);
