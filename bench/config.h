@@ -121,6 +121,9 @@ struct BenchConfig {
   devices::RegulatorOptions regulator;
   devices::TransducerOptions reference;
   std::string reference_certificate, reference_due;
+  double reference_expanded_psi = 0.0;    // U with k = 2 over the whole range; a correction's own U wins; 0: not stated
+  double reference_drift_psi = 0.0;       // limit of the reference's change until it is due; 0: not stated
+  double reference_resolution_psi = 0.0;  // 0: that of the converter which reads it
   bool reference_independent = true;
   std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`
   devices::PressureCorrection reference_correction;

@@ -153,6 +153,9 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
   config.reference_independent = table.boolean("independent", true);
   config.reference_certificate = table.text("certificate", "");
   config.reference_due = table.text("due", "");
+  config.reference_expanded_psi = table.number_in("expanded_uncertainty_psi", 0.0, 0.0, 10.0);
+  config.reference_drift_psi = table.number_in("drift_psi", 0.0, 0.0, 10.0);
+  config.reference_resolution_psi = table.number_in("resolution_psi", 0.0, 0.0, 10.0);
   devices::TransducerOptions& reference = config.reference;
   reference.origin = config.origin;
   if (config.reference_independent) {

@@ -1,6 +1,7 @@
 // Sensor type file and limits file.
 #include <fmt/format.h>
 
+#include "analysis/statistics/verdict.h"
 #include "bench/config.h"
 #include "db/run_store.h"
 
@@ -49,7 +50,8 @@ analysis::Limits limits_of(const TomlDocument& document) {
   limits.sha256 = db::sha256_hex(limits.toml);
   (void)root.integer("schema", 1, 1);
   limits.name = root.text("name");
-  (void)root.word("rule", {"simple"});
+  limits.rule = *analysis::decision_rule_from(
+      root.word("rule", "default", {"default", "simple", "guarded", "four-way", "report-only"}));
   limits.mean_compensation_error_psi = root.number("mean_compensation_error_psi");
   limits.worst_taxel_error_psi = root.number("worst_taxel_error_psi");
   limits.distance_of_mean_fs = root.number("distance_of_mean_percent_fs") / 100.0;

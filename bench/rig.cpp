@@ -202,6 +202,9 @@ std::vector<db::DeviceRecord> Rig::devices() const {
   reference["independent"] = config_.reference_independent;
   reference["certificate"] = config_.reference_certificate;
   reference["due"] = config_.reference_due;
+  if (config_.reference_expanded_psi > 0.0) reference["expanded_uncertainty_psi"] = config_.reference_expanded_psi;
+  if (config_.reference_drift_psi > 0.0) reference["drift_psi"] = config_.reference_drift_psi;
+  if (config_.reference_resolution_psi > 0.0) reference["resolution_psi"] = config_.reference_resolution_psi;
   std::vector<db::DeviceRecord> records = {
       record_of(module_->identity(), module_json(module_->profile())),
       record_of(source_->identity(), span_json(config_.regulator.command_span)),

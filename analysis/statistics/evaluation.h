@@ -58,19 +58,25 @@ struct Evaluation {
   int excluded_taxels = 0;  // not fitted: left out of every figure above, raw ones too
 };
 
+// A model is bound to sensor, scanner and geometry, and origins never mix. Throws AnalysisError
+// TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
+void check_same_sensor(const Dataset& dataset, const ArrayFit& fit);
+
 // Compensates every stored frame of every repeat of `dataset` in time order with `fit` (made on the same or another
 // run) and gathers the figures. Level figures average the full sweeps of all repeats; std is of the sample (n - 1).
 // Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor, scanner or geometry differ, TB-ANALYSIS-ORIGIN when
 // origins mix.
 Evaluation evaluate(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
 
-// Limits on an evaluation, judged by the simple rule (ILAC-G8: value <= limit).
+// Limits on an evaluation; verdict.h says how each rule judges.
+enum class DecisionRule { kDefault, kSimple, kGuarded, kFourWay, kReportOnly };
 struct Limits {
   std::string name;
-  double mean_compensation_error_psi = 0.0;  // all fitted taxels and frames
-  double worst_taxel_error_psi = 0.0;        // the worst taxel's mean error
-  double distance_of_mean_fs = 0.0;          // comp_distance_of_mean
-  double unfit_taxels = 0.0;                 // dead, stuck, saturated or unfit taxels allowed
+  DecisionRule rule = DecisionRule::kDefault;  // default: four-way where U is known, simple where it is not
+  double mean_compensation_error_psi = 0.0;    // all fitted taxels and frames
+  double worst_taxel_error_psi = 0.0;          // the worst taxel's mean error
+  double distance_of_mean_fs = 0.0;            // comp_distance_of_mean
+  double unfit_taxels = 0.0;                   // dead, stuck, saturated or unfit taxels allowed
   struct Mismatch {
     double pressure_psi = 0.0;
     double std_fs = 0.0;  // compensated std/FS up and down
@@ -78,10 +84,5 @@ struct Limits {
   std::vector<Mismatch> mismatch;
   std::string toml, sha256;  // the file, stored with the verdicts
 };
-
-// Criteria mean_compensation_error, worst_taxel_error, distance_of_mean, unfit_taxels (scope "array") and mismatch
-// (scopes "40 psi up", "40 psi down"). A value that is not a number, or a level that was not measured, is inconclusive.
-// `fit` in the records is 0: the caller knows the fit's number.
-std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFit& fit, const Limits& limits);
 
 }  // namespace tactbench::analysis

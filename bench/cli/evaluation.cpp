@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "analysis/identify/lanes.h"
@@ -39,11 +40,38 @@ const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluatio
   return evaluations[evaluations.size() > 1 ? 1 : 0].evaluation;
 }
 
+std::vector<analysis::JudgedUncertainty> uncertainties_of(const db::RunStore& store, const analysis::ArrayFit& fit,
+                                                          const analysis::Evaluation& evaluation) {
+  const analysis::Dataset judged = analysis::load_dataset(store, evaluation.run);
+  const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(store.run(evaluation.run));
+  if (evaluation.run == fit.run) return analysis::judged_uncertainties(judged, judged, fit, evaluation, reference);
+  return analysis::judged_uncertainties(judged, analysis::load_dataset(store, fit.run), fit, evaluation, reference);
+}
+
+std::vector<db::VerdictRecord> judge_anew(const db::RunStore& store, const analysis::ArrayFit& fit,
+                                          const analysis::Evaluation& evaluation, const analysis::Limits& limits) {
+  if (!analysis::needs_uncertainty(limits.rule)) return analysis::judge(evaluation, fit, limits);
+  return analysis::judge(evaluation, fit, limits, uncertainties_of(store, fit, evaluation));
+}
+
+void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts) {
+  const auto count = [&](const char* word) { return std::ranges::count(verdicts, word, &db::VerdictRecord::verdict); };
+  if (const auto passes = count("conditional pass"); passes > 0)
+    fmt::print(stderr, "warning: {} of {} criteria pass conditionally: within U below the limit\n", passes,
+               verdicts.size());
+  if (const auto fails = count("conditional fail"); fails > 0)
+    fmt::print(stderr, "warning: {} of {} criteria fail conditionally: within U above the limit\n", fails,
+               verdicts.size());
+}
+
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file) {
-  std::vector<db::VerdictRecord> verdicts = analysis::judge(evaluation, fit, read_limits(find_config(limits_file)));
+  const analysis::Limits limits = read_limits(find_config(limits_file));
+  std::vector<db::VerdictRecord> verdicts = judge_anew(store, fit, evaluation, limits);
   const std::optional<db::FitRecord> record = store.latest_fit(fit.run, analysis::kElamFit);
-  store.replace_verdicts(evaluation.run, record ? record->fit : 0, verdicts);
+  const bool stated = limits.rule != analysis::DecisionRule::kReportOnly;
+  store.replace_verdicts(evaluation.run, record ? record->fit : 0,
+                         stated ? verdicts : std::vector<db::VerdictRecord>());
   return verdicts;
 }
 

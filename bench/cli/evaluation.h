@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/report/report.h"
+#include "analysis/statistics/verdict.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -25,7 +26,18 @@ std::vector<NamedEvaluation> evaluate_runs(const db::RunStore& store, const anal
 // What limits are judged on: the first held-out run, whose frames no model has seen, else the fit's own run.
 const analysis::Evaluation& judged(const std::vector<NamedEvaluation>& evaluations);
 
-// Judges by the limits and stores the verdicts.
+// U of what limits are held against; the datasets are read from the store.
+std::vector<analysis::JudgedUncertainty> uncertainties_of(const db::RunStore& store, const analysis::ArrayFit& fit,
+                                                          const analysis::Evaluation& evaluation);
+
+// Judges by the limits, stores nothing. With U where the rule asks for it.
+std::vector<db::VerdictRecord> judge_anew(const db::RunStore& store, const analysis::ArrayFit& fit,
+                                          const analysis::Evaluation& evaluation, const analysis::Limits& limits);
+
+// On standard error: how many criteria pass or fail only conditionally.
+void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts);
+
+// Judges by the limits and stores the verdicts; of a report-only file none are stored.
 std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analysis::ArrayFit& fit,
                                                const analysis::Evaluation& evaluation, const std::string& limits_file);
 

@@ -61,6 +61,7 @@ void fit(const FitOptions& options, Session& session) {
   if (!options.limits.empty()) {
     verdicts = judge_and_store(store, fitted, judged(evaluations), options.limits);
     session.code = exit_code_of(verdicts);
+    warn_of_conditional(verdicts);
   }
   const std::string origin = store.run(options.run).origin;
   const auto count = std::count_if(fitted.taxels.begin(), fitted.taxels.end(),

@@ -25,10 +25,11 @@ void report_run(const ReportOptions& options, Session& session) {
   const analysis::Evaluation& evaluation = judged(evaluations);
   const std::vector<db::VerdictRecord> verdicts =
       options.limits.empty() ? store.verdicts(evaluation.run)
-                             : analysis::judge(evaluation, fitted, read_limits(find_config(options.limits)));
+                             : judge_anew(store, fitted, evaluation, read_limits(find_config(options.limits)));
   std::string number;
   const std::string path = write_report(store, fitted, evaluations, verdicts, options.output, &number);
   session.code = exit_code_of(verdicts);
+  warn_of_conditional(verdicts);
   if (session.json) {
     print_json("report", {{"run", options.run},
                           {"number", number},

@@ -1,8 +1,10 @@
 #include "bench/cli/session.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -68,7 +70,10 @@ std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const 
     text += fmt::format("{:<26}{:<14}{:>14}{:>14}  {}\n", row.criterion, row.scope, with_unit(row.value, row.unit),
                         with_unit(row.limit, row.unit), shown_verdict(row.verdict, origin));
   }
-  return text;
+  std::vector<std::string> rules;
+  for (const db::VerdictRecord& row : verdicts)
+    if (std::ranges::find(rules, row.rule) == rules.end()) rules.push_back(row.rule);
+  return text + fmt::format("decision rule (ILAC-G8): {}\n", fmt::join(rules, ", "));
 }
 
 ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {

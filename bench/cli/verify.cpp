@@ -69,7 +69,7 @@ class Verification {
       const analysis::Limits limits = parse_limits(toml, "the limits kept with the verdicts");
       const analysis::ArrayFit& models = recomputed(fit);
       const analysis::Evaluation evaluation = analysis::evaluate(analysis::load_dataset(store_, run_), models);
-      return analysis::first_difference(verdicts, analysis::judge(evaluation, models, limits), tolerance);
+      return analysis::first_difference(verdicts, judge_anew(store_, models, evaluation, limits), tolerance);
     });
   }
 

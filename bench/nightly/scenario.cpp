@@ -62,7 +62,7 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   if (scenario.has_held_out) held_out.push_back(result.runs.back().run);
   const std::vector<NamedEvaluation> evaluations = evaluate_runs(store, fit, held_out);
   const analysis::Evaluation& e = judged(evaluations);
-  for (const db::VerdictRecord& verdict : judge_and_store(store, fit, e, "limits.toml"))
+  for (const db::VerdictRecord& verdict : judge_and_store(store, fit, e, "nightly-limits.toml"))
     result.verdicts[verdict.scope == "array" ? verdict.criterion : verdict.criterion + " " + verdict.scope] =
         verdict.verdict;
   for (std::size_t taxel = 0; taxel < fit.taxels.size(); ++taxel)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/statistics/verdict.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

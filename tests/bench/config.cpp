@@ -1,5 +1,7 @@
 #include "bench/config.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 
 #include "bench/error.h"
@@ -42,6 +44,28 @@ TEST_CASE("the shipped bench, sensor and limits files read without complaint") {
   CHECK(limits.sha256 == db::sha256_hex(limits.toml));
 }
 
+TEST_CASE("limits are read strictly, and their rule by its word") {
+  const std::string whole =
+      "schema = 1\nname = \"l\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = 3\n"
+      "distance_of_mean_percent_fs = 1.5\nunfit_taxels = 0\n";
+  const auto complaint = [&](const std::string& more) {
+    try {
+      (void)parse_limits(whole + more, "l.toml");
+    } catch (const sequences::FileError& error) {
+      return error.id() + " " + error.where();
+    }
+    return std::string("none");
+  };
+  CHECK(parse_limits(whole, "l.toml").rule == analysis::DecisionRule::kDefault);
+  CHECK(parse_limits(fmt::format("{}rule = \"four-way\"\n", whole), "l.toml").rule == analysis::DecisionRule::kFourWay);
+  CHECK(parse_limits(fmt::format("{}rule = \"report-only\"\n", whole), "l.toml").rule ==
+        analysis::DecisionRule::kReportOnly);
+  CHECK_THAT(complaint("rule = \"4-way\"\n"), Catch::Contains("TB-FILE-VALUE") && Catch::Contains("l.toml:7"));
+  CHECK_THAT(complaint("guard_band = 0.5\n"), Catch::Contains("TB-FILE-KEY") && Catch::Contains("l.toml:7"));
+  CHECK_THAT(complaint("[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\nrule = \"simple\"\n"),
+             Catch::Contains("TB-FILE-KEY"));
+}
+
 TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"regulator.feed_intervall_ms", "400"}, "unknown key");
   refused({"scaner.serial", "1"}, "unknown key");
@@ -50,6 +74,7 @@ TEST_CASE("bad bench values are refused with place and remedy") {
   refused({"limits.trip_psi", "50"}, "outside");
   refused({"regulator.feed_interval_ms", "600"}, "outside");
   refused({"module.watchdog_ms", "600"}, "too slow for a watchdog");
+  refused({"reference.drift_psi", "-1"}, "outside");
   refused({"reference.channel", "0"}, "shares the regulator's feedback channel");
   refused({"bench.origin", "real"}, "not one of simulated, hardware");
   refused({"bench.origin", "hardware"}, "has a [simulation] table");

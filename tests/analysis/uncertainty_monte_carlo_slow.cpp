@@ -1,0 +1,83 @@
+// The budget of a reading against a Monte Carlo propagation of distributions (JCGM 101) through the true compensation.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "analysis/compensate/compensator.h"
+#include "tests/analysis/support/uncertainty_example.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+using namespace uncertainty_example;
+
+namespace {
+
+// JCGM 101, 5: draws of all inputs, pushed through the taxel's compensation along a whole loop. Half of the interval
+// between the quantiles that leave 2.275 % out on either side, at each level: up, then down.
+std::vector<double> monte_carlo(const Example& example, const Uncertainty& uncertainty, std::size_t taxel, int trials) {
+  const TaxelFit& fit = example.fit.taxels[taxel];
+  const ElamModel& model = fit.fit.model;
+  const ElamCurve up(model, true, model.x0(), model.y0()), down(model, false, model.xu(), model.yu());
+  const std::size_t levels = uncertainty.levels.size();
+  std::vector<std::vector<double>> errors(levels);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> even(-1.0, 1.0);
+  const auto rising = static_cast<std::size_t>(std::ranges::count_if(uncertainty.levels, &LevelUncertainty::up));
+  std::vector<const Budget*> budgets(levels);
+  for (std::size_t i = 0; i < levels; ++i) budgets[i] = &uncertainty.levels[i].median;
+  const auto width_of = [&](std::size_t i, UncertaintySource source) { return row_of(*budgets[i], source)->width; };
+  // 6.4.9: a quantity of type A is distributed as s t(n - 1).
+  const auto student = [&](double dof) { return std::student_t_distribution<double>(dof)(random); };
+  const double step = 2.0 * width_of(0, UncertaintySource::kConverterStep);
+  for (int trial = 0; trial < trials; ++trial) {
+    TaxelCompensator compensator(model, {.noise_v = fit.noise_v});
+    const double certificate = normal(random), drift = even(random), digit = even(random), zero = even(random);
+    for (std::size_t k = 0; k < levels; ++k) {
+      const std::size_t i = k < rising ? k : rising + levels - 1 - k;  // up, then from the top down
+      const double level = budgets[i]->pressure_psi;
+      const double clean = (budgets[i]->up ? up : down).output(level);
+      const double volts = clean + zero * width_of(i, UncertaintySource::kZeroReturn) + fit.noise_v * normal(random);
+      const double estimate = compensator.step(step * std::round(volts / step)).pressure_psi;
+      const Contribution& repeat = *row_of(*budgets[i], UncertaintySource::kRepeatability);
+      const Contribution& residual = *row_of(*budgets[i], UncertaintySource::kModel);
+      const double reference = certificate * row_of(*budgets[i], UncertaintySource::kCertificate)->u_psi +
+                               drift * width_of(i, UncertaintySource::kDrift) +
+                               digit * width_of(i, UncertaintySource::kReferenceDigit);
+      errors[i].push_back(estimate - level + repeat.width * student(repeat.dof) +
+                          residual.width * student(residual.dof) - reference);
+    }
+  }
+  std::vector<double> half;
+  for (std::vector<double>& values : errors) {
+    std::ranges::sort(values);
+    const auto at = [&](double share) { return values[static_cast<std::size_t>(share * (trials - 1))]; };
+    half.push_back(0.5 * (at(0.5 + 0.5 * kCoverageProbability) - at(0.5 - 0.5 * kCoverageProbability)));
+  }
+  return half;
+}
+
+}  // namespace
+
+TEST_CASE("U holds against Monte Carlo where the inverse is linear, and is marked where it is not") {
+  // The falling curve of this taxel is nearly flat at the top, as the paper's is.
+  Example example(0.006, 1);
+  const Uncertainty uncertainty =
+      assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));
+  const std::vector<double> half = monte_carlo(example, uncertainty, 0, 12000);
+  int linear = 0, off = 0;
+  for (std::size_t i = 0; i < half.size(); ++i) {
+    const Budget& budget = uncertainty.levels[i].median;
+    const double ratio = budget.expanded_psi / half[i];
+    CAPTURE(budget.pressure_psi, budget.up, budget.expanded_psi, half[i], ratio);
+    if (budget.linear) {
+      ++linear;
+      CHECK(ratio == Approx(1.0).margin(0.10));
+    } else if (std::abs(ratio - 1.0) > 0.10) {
+      ++off;
+    }
+  }
+  CHECK(linear >= 40);
+  CHECK(off >= 2);
+}

@@ -1,0 +1,191 @@
+// Decision rules at the edges, and the uncertainty of judged figures against the same by hand.
+#include "analysis/statistics/verdict.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "analysis/statistics/coverage.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+const double not_known = std::numeric_limits<double>::quiet_NaN();
+
+std::string word(DecisionRule rule, double value, double expanded = 0.25) {
+  return verdict_of(rule, value, 2.0, expanded);
+}
+
+const db::VerdictRecord& verdict_on(const std::vector<db::VerdictRecord>& verdicts, const std::string& criterion) {
+  const auto found = std::ranges::find(verdicts, criterion, &db::VerdictRecord::criterion);
+  REQUIRE(found != verdicts.end());
+  return *found;
+}
+
+ReferenceUncertainty certified(double expanded_psi) {
+  ReferenceUncertainty reference;
+  reference.reading_psi = {0.0, 60.0};
+  reference.expanded_psi = {0.5 * expanded_psi, expanded_psi};
+  reference.drift_missing = reference.resolution_missing = "not stated";
+  return reference;
+}
+
+struct Judged {
+  Dataset dataset;
+  ArrayFit fit;
+  Evaluation evaluation;
+  explicit Judged(int repeats = 3) {
+    const synthetic::Array array({.rows = 1, .columns = 3, .sensor_seed = 4});
+    dataset = synthetic::run(array, {.seed = 9, .repeats = repeats});
+    fit = fit_array(dataset);
+    evaluation = evaluate(dataset, fit);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("four-way at the limit and U to either side of it") {
+  // Limit 2, U 0.25: both are exact in binary.
+  const DecisionRule rule = DecisionRule::kFourWay;
+  CHECK(word(rule, -1.0) == "pass");
+  CHECK(word(rule, 1.75) == "pass");
+  CHECK(word(rule, std::nextafter(1.75, 9.0)) == "conditional pass");
+  CHECK(word(rule, 2.0) == "conditional pass");
+  CHECK(word(rule, std::nextafter(2.0, 9.0)) == "conditional fail");
+  CHECK(word(rule, 2.25) == "conditional fail");
+  CHECK(word(rule, std::nextafter(2.25, 9.0)) == "fail");
+  CHECK(word(rule, 1e9) == "fail");
+  CHECK(word(rule, 2.0, 0.0) == "pass");
+  CHECK(word(rule, std::nextafter(2.0, 9.0), 0.0) == "fail");
+  CHECK(word(rule, 1.0, not_known) == "inconclusive");
+  CHECK(word(rule, not_known) == "inconclusive");
+}
+
+TEST_CASE("simple, guarded, default and report-only at their edges") {
+  CHECK(word(DecisionRule::kSimple, 2.0) == "pass");
+  CHECK(word(DecisionRule::kSimple, std::nextafter(2.0, 9.0)) == "fail");
+  CHECK(word(DecisionRule::kSimple, 2.0, not_known) == "pass");
+  CHECK(word(DecisionRule::kGuarded, 1.75) == "pass");
+  CHECK(word(DecisionRule::kGuarded, std::nextafter(1.75, 9.0)) == "fail");
+  CHECK(word(DecisionRule::kGuarded, 1.0, not_known) == "inconclusive");
+  CHECK(word(DecisionRule::kDefault, 2.0) == "conditional pass");
+  CHECK(word(DecisionRule::kDefault, 2.0, not_known) == "pass");
+  CHECK(word(DecisionRule::kReportOnly, 9.0) == "report only");
+  CHECK(std::string(verdict_of(DecisionRule::kDefault, 1.0, not_known, 0.1)) == "inconclusive");
+  for (const char* name : {"default", "simple", "guarded", "four-way", "report-only"}) {
+    const auto rule = decision_rule_from(name);
+    REQUIRE(rule);
+    CHECK(std::string(to_string(*rule)) == name);
+    CHECK_THAT(rule_in_words(name), Catch::Contains("ILAC-G8:09/2019"));
+  }
+  CHECK_FALSE(decision_rule_from("strict"));
+  CHECK(rule_in_words("strict") == "strict");
+  CHECK_THAT(rule_in_words("simple"), Catch::Contains("50 %"));
+  CHECK_THAT(rule_in_words("guarded"), Catch::Contains("2.5 %"));
+  CHECK_THAT(rule_in_words("four-way"), Catch::Contains("2.5 %") && Catch::Contains("50 %"));
+  CHECK(needs_uncertainty(DecisionRule::kDefault));
+  CHECK_FALSE(needs_uncertainty(DecisionRule::kSimple));
+  CHECK_FALSE(needs_uncertainty(DecisionRule::kReportOnly));
+}
+
+TEST_CASE("U of judged figures: the reference where it counts, the repeats where it cancels, none for a count") {
+  const Judged judged;
+  const ReferenceUncertainty reference = certified(0.2);
+  const auto all = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, judged.evaluation, reference);
+  REQUIRE(all.size() == 4 + 2 * judged.evaluation.levels.size());
+
+  // Each repeat by itself.
+  std::vector<double> errors, worst, distances, mismatches;
+  for (std::size_t repeat = 0; repeat < 3; ++repeat) {
+    Dataset one = judged.dataset;
+    for (SequenceData& data : one.sequences) data.repeats = {data.repeats[repeat]};
+    const Evaluation e = evaluate(one, judged.fit);
+    errors.push_back(e.mean_error_psi);
+    worst.push_back(e.taxel_mean_error_psi[static_cast<std::size_t>(judged.evaluation.worst_taxel)]);
+    distances.push_back(e.comp_distance_of_mean);
+    mismatches.push_back(e.levels[20].comp_std_down);
+  }
+  const auto u_of = [](const std::vector<double>& v) {  // standard deviation of the mean of three
+    const double mean = (v[0] + v[1] + v[2]) / 3.0;
+    double sum = 0.0;
+    for (const double value : v) sum += (value - mean) * (value - mean);
+    return std::sqrt(sum / 2.0 / 3.0);
+  };
+  const auto known = [&](const char* criterion, const char* scope) {
+    const JudgedUncertainty* found = find_uncertainty(all, criterion, scope);
+    REQUIRE(found != nullptr);
+    return *found;
+  };
+  const JudgedUncertainty mean = known("mean_compensation_error", "array");
+  CHECK(mean.combined == Approx(std::hypot(0.1, u_of(errors))));
+  CHECK(mean.dof == Approx(2.0 * std::pow(mean.combined / u_of(errors), 4)));
+  CHECK(mean.expanded == Approx(coverage_factor(mean.dof) * mean.combined));
+  CHECK(known("worst_taxel_error", "array").combined == Approx(std::hypot(0.1, u_of(worst))));
+  const JudgedUncertainty distance = known("distance_of_mean", "array");
+  CHECK(distance.combined == Approx(u_of(distances)));
+  CHECK(distance.dof == Approx(2.0));
+  CHECK(distance.expanded == Approx(4.527 * u_of(distances)).epsilon(1e-3));  // Table G.2, two degrees of freedom
+  CHECK(known("mismatch", "40 psi down").combined == Approx(u_of(mismatches)));
+  CHECK(known("unfit_taxels", "array").expanded == 0.0);
+  CHECK_THAT(mean.basis, Catch::Contains("certificate") && Catch::Contains("3 repeats of the run judged"));
+  CHECK_THAT(distance.basis, Catch::Contains("cancels"));
+  CHECK(find_uncertainty(all, "mismatch", "41 psi up") == nullptr);
+}
+
+TEST_CASE("without a certificate or repeats U is not known, and only the default rule falls back to simple") {
+  const Judged judged;
+  ReferenceUncertainty none;
+  none.certificate_missing = "no certificate";
+  const auto all = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, judged.evaluation, none);
+  CHECK(std::isnan(find_uncertainty(all, "mean_compensation_error", "array")->expanded));
+  CHECK(find_uncertainty(all, "mean_compensation_error", "array")->missing == "no certificate");
+  CHECK(find_uncertainty(all, "distance_of_mean", "array")->expanded > 0.0);
+
+  Limits limits;
+  limits.mean_compensation_error_psi = limits.worst_taxel_error_psi = 60.0;
+  limits.distance_of_mean_fs = 1.0;
+  limits.rule = DecisionRule::kDefault;
+  const auto by_default = judge(judged.evaluation, judged.fit, limits, all);
+  CHECK(verdict_on(by_default, "mean_compensation_error").rule == "simple");
+  CHECK(verdict_on(by_default, "mean_compensation_error").verdict == "pass");
+  CHECK(verdict_on(by_default, "distance_of_mean").rule == "four-way");
+  CHECK(verdict_on(by_default, "unfit_taxels").rule == "four-way");
+  limits.rule = DecisionRule::kFourWay;
+  CHECK(verdict_on(judge(judged.evaluation, judged.fit, limits, all), "mean_compensation_error").verdict ==
+        "inconclusive");
+  limits.rule = DecisionRule::kReportOnly;
+  for (const db::VerdictRecord& verdict : judge(judged.evaluation, judged.fit, limits, all))
+    CHECK(verdict.verdict == "report only");
+
+  // One repeat judged: the scatter is that of the models' run, of a single repeat.
+  Dataset one = judged.dataset;
+  for (SequenceData& data : one.sequences) data.repeats.resize(1);
+  const Evaluation e = evaluate(one, judged.fit);
+  const auto single = judged_uncertainties(one, judged.dataset, judged.fit, e, certified(0.2));
+  const auto whole = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, e, certified(0.2));
+  CHECK(find_uncertainty(single, "distance_of_mean", "array")->combined ==
+        Approx(std::sqrt(3.0) * find_uncertainty(whole, "distance_of_mean", "array")->combined));
+  CHECK_THAT(find_uncertainty(single, "distance_of_mean", "array")->basis, Catch::Contains("run of the models"));
+  const auto unknown = judged_uncertainties(one, one, judged.fit, e, certified(0.2));
+  CHECK_THAT(find_uncertainty(unknown, "mismatch", "40 psi up")->missing, Catch::Contains("two repeats"));
+}
+
+TEST_CASE("a verdict moves from pass to conditional to fail as the limit closes in on the value") {
+  const Judged judged;
+  const auto all = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, judged.evaluation, certified(0.2));
+  const double value = judged.evaluation.mean_error_psi;
+  const double expanded = find_uncertainty(all, "mean_compensation_error", "array")->expanded;
+  Limits limits;
+  const auto judged_at = [&](double limit) {
+    limits.mean_compensation_error_psi = limit;
+    return verdict_on(judge(judged.evaluation, judged.fit, limits, all), "mean_compensation_error").verdict;
+  };
+  CHECK(judged_at(value + 1.001 * expanded) == "pass");
+  CHECK(judged_at(value + 0.999 * expanded) == "conditional pass");
+  CHECK(judged_at(value) == "conditional pass");
+  CHECK(judged_at(value - 0.999 * expanded) == "conditional fail");
+  CHECK(judged_at(value - 1.001 * expanded) == "fail");
+}
