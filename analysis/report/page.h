@@ -21,12 +21,14 @@ html::Markup frames_section(const ReportInput& input);
 html::Markup levels_section(const ReportInput& input);
 html::Markup model_section(const ReportInput& input);
 html::Markup held_out_section(const ReportInput& input);
+html::Markup uncertainty_section(const ReportInput& input);
 html::Markup meaning_section(const ReportInput& input);
 
 // The data behind the figures. What names the run (number, UUID, times, host) is apart from the results, so that the
 // content hash can leave it out. JSON in ASCII; null where a figure is not available.
 std::string identification_json(const ReportInput& input);
 std::string results_json(const ReportInput& input);
+std::string uncertainty_json(const ReportInput& input);
 
 // Shared by the sections.
 struct Pair {

@@ -52,6 +52,7 @@ constexpr ReportPart kReportParts[] = {
     {"levels", "Levels", levels_section, false},
     {"model", "ELAM", model_section, false},
     {"held-out", "Other runs", held_out_section, true},
+    {"uncertainty", "Uncertainty", uncertainty_section, false, uncertainty_json},
     {"meaning", "What it means", meaning_section, false},
 };
 

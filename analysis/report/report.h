@@ -8,6 +8,8 @@
 
 #include "analysis/identify/identify.h"
 #include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/uncertainty.h"
+#include "analysis/statistics/verdict.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
@@ -26,6 +28,8 @@ struct ReportInput {
   Evaluation evaluation;  // the fit's own run
   std::vector<HeldOut> held_out;
   std::vector<db::VerdictRecord> verdicts;
+  std::optional<Uncertainty> uncertainty;  // of a reading of this run's taxels
+  std::vector<JudgedUncertainty> judged;   // of the figures in `verdicts`
   std::string program_version;
   std::int64_t frame_count = 0;
 };

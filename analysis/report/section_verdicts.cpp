@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 
+#include "analysis/report/gum_numbers.h"
 #include "analysis/report/page.h"
 
 namespace tactbench::analysis {
@@ -12,9 +14,12 @@ using html::Text;
 namespace {
 
 // A share of full scale reads better in per cent; a pressure carries kilopascals.
-Markup with_unit(double value, const std::string& unit) {
-  if (unit == "psi") return markup("{}", html::psi(value, 3));
-  if (unit == "FS" || unit == "fs" || unit == "share of FS") return markup("{} % FS", html::percent(value, 2));
+// Beside a known U the value has its decimal place (gum_numbers.h).
+Markup with_unit(double value, const std::string& unit, double expanded = 0.0) {
+  const bool known = std::isfinite(expanded) && expanded > 0.0;
+  if (unit == "psi") return markup("{}", html::psi(value, known ? gum_decimals(expanded) : 3));
+  if (unit == "FS" || unit == "fs" || unit == "share of FS")
+    return markup("{} % FS", html::percent(value, known ? gum_decimals(100.0 * expanded) : 2));
   return markup("{} {}", html::significant(value, 5), Text(unit));
 }
 
@@ -31,13 +36,6 @@ std::string judged_runs(const ReportInput& input) {
   return fmt::format("{}", fmt::join(names, "; "));
 }
 
-Markup rule_in_words(const std::string& rule) {
-  if (rule != "simple") return markup("Decision rule: {}.", stated(rule));
-  return markup(
-      "Decision rule “simple” (ILAC-G8): pass when the value is at most the limit. The uncertainty is not taken into "
-      "account; for a value at the limit the risk of a false acceptance is up to 50 %.");
-}
-
 // Each rule used, once.
 Markup rules_in_words(const std::vector<db::VerdictRecord>& verdicts) {
   std::vector<std::string> rules;
@@ -45,10 +43,59 @@ Markup rules_in_words(const std::vector<db::VerdictRecord>& verdicts) {
   for (const db::VerdictRecord& verdict : verdicts) {
     if (std::find(rules.begin(), rules.end(), verdict.rule) != rules.end()) continue;
     rules.push_back(verdict.rule);
-    out += rule_in_words(verdict.rule);
-    out += markup(" ");
+    out += markup("<p>Decision rule {}.</p>\n", stated(rule_in_words(verdict.rule)));
   }
   return out;
+}
+
+const JudgedUncertainty* uncertainty_of(const ReportInput& input, const db::VerdictRecord& verdict) {
+  return find_uncertainty(input.judged, verdict.criterion, verdict.scope);
+}
+
+Markup uncertainty_cell(const JudgedUncertainty* known, const std::string& unit) {
+  if (known == nullptr || std::isnan(known->expanded)) return number_cell(Text("not known"));
+  if (known->expanded == 0.0) return number_cell(Text("0"));
+  // As the value beside it: shares in per cent.
+  if (unit == "FS") return number_cell(markup("{} % FS", gum_uncertainty(100.0 * known->expanded)));
+  return number_cell(markup("{} {}", gum_uncertainty(known->expanded), Text(unit)));
+}
+
+std::string words_of(std::string criterion) {
+  std::replace(criterion.begin(), criterion.end(), '_', ' ');
+  return criterion;
+}
+
+// How U of each criterion is formed, or why it is not known; once a criterion.
+Markup uncertainties_in_words(const ReportInput& input) {
+  Markup rows;
+  std::vector<std::string> told;
+  for (const db::VerdictRecord& verdict : input.verdicts) {
+    const JudgedUncertainty* const known = uncertainty_of(input, verdict);
+    if (known == nullptr || std::find(told.begin(), told.end(), verdict.criterion) != told.end()) continue;
+    told.push_back(verdict.criterion);
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}{}</td></tr>\n", Text(words_of(verdict.criterion)),
+                   Text(known->missing.empty() ? "" : "not known: "),
+                   Text(known->missing.empty() ? known->basis : known->missing));
+  }
+  if (rows.value.empty()) return rows;
+  return markup(
+      "<table class=\"pairs\"><caption>How U of each judged figure is formed</caption><tbody>\n{}</tbody></table>\n"
+      "<p class=\"note\">U is that of the figure, a mean or a scatter over taxels, frames and levels, with k for 95.45 "
+      "% "
+      "(JCGM 100, G.3, G.4); it is not that of one taxel’s reading. A guard band of U tests one limit on one side: the "
+      "risk beyond it is half of 4.55 %. What is not assessed for a reading (section Uncertainty) is not in it "
+      "either.</p>\n",
+      rows);
+}
+
+Markup shown_mark(const std::string& verdict, bool simulated) {
+  if (verdict == "report only") return markup("– no verdict");
+  return verdict_mark(verdict, simulated);
+}
+
+bool all_report_only(const std::vector<db::VerdictRecord>& verdicts) {
+  return std::all_of(verdicts.begin(), verdicts.end(),
+                     [](const db::VerdictRecord& verdict) { return verdict.verdict == "report only"; });
 }
 
 }  // namespace
@@ -60,22 +107,28 @@ Markup verdict_section(const ReportInput& input) {
     out += markup("<p>No limits were given: the figures are reported without a verdict.</p>\n");
     return out;
   }
-  const std::string overall = overall_verdict(input.verdicts);
-  out += markup("<p>All criteria together: {}</p>\n", verdict_mark(overall, simulated));
+  if (all_report_only(input.verdicts)) {
+    out += markup("<p>Conformity is not stated: the limits file asks for a report only.</p>\n");
+  } else {
+    out += markup("<p>All criteria together: {}</p>\n", verdict_mark(overall_verdict(input.verdicts), simulated));
+  }
   out += markup(
       "<table class=\"verdicts\"><caption>Criteria</caption><thead><tr><th scope=\"col\">criterion</th><th "
       "scope=\"col\">scope</th>"
-      "<th scope=\"col\" class=\"n\">value</th><th scope=\"col\" class=\"n\">limit</th><th "
-      "scope=\"col\">verdict</th></tr></thead><tbody>\n");
+      "<th scope=\"col\" class=\"n\">value</th><th scope=\"col\" class=\"n\">U</th><th scope=\"col\" "
+      "class=\"n\">limit</th><th scope=\"col\">rule</th><th scope=\"col\">verdict</th></tr></thead><tbody>\n");
   for (const db::VerdictRecord& verdict : input.verdicts) {
-    std::string criterion = verdict.criterion;
-    for (char& c : criterion) c = c == '_' ? ' ' : c;
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n", stated(criterion),
-                  stated(verdict.scope), number_cell(with_unit(verdict.value, verdict.unit)),
-                  number_cell(with_unit(verdict.limit, verdict.unit)), verdict_mark(verdict.verdict, simulated));
+    const JudgedUncertainty* const known = uncertainty_of(input, verdict);
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}<td>{}</td><td>{}</td></tr>\n",
+                  stated(words_of(verdict.criterion)), stated(verdict.scope),
+                  number_cell(with_unit(verdict.value, verdict.unit, known == nullptr ? 0.0 : known->expanded)),
+                  uncertainty_cell(known, verdict.unit), number_cell(with_unit(verdict.limit, verdict.unit)),
+                  stated(verdict.rule), shown_mark(verdict.verdict, simulated));
   }
-  out += markup("</tbody></table>\n<p class=\"note\">Judged on: {}. {}The limits file has the SHA-256 {}.</p>\n",
-                Text(judged_runs(input)), rules_in_words(input.verdicts), code(input.verdicts.front().limits_sha256));
+  out += markup("</tbody></table>\n<p class=\"note\">Judged on: {}. The limits file has the SHA-256 {}.</p>\n",
+                Text(judged_runs(input)), code(input.verdicts.front().limits_sha256));
+  out += rules_in_words(input.verdicts);
+  out += uncertainties_in_words(input);
   return out;
 }
 

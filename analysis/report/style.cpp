@@ -39,6 +39,7 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; overflow-wra
 table.levels { font-size: 11px; }
 table.levels th[scope=row] { min-width: 0; }
 table.levels td:last-child { min-width: 11em; padding-left: 6px; }
+table.levels.even td:last-child { min-width: 0; padding-left: 0; }
 table.levels th, table.levels td { padding: 2px 5px 2px 0; }
 table.strip { table-layout: fixed; font-size: 11px; break-inside: avoid; }
 table.strip th, table.strip td { padding: 3px 2px; text-align: center; border: 0; overflow-wrap: normal; }
@@ -57,8 +58,9 @@ figcaption { font-size: 12px; color: #444444; }
 .beside figure { flex: 0 1 416px; }
 svg { max-width: 100%; vertical-align: middle; }
 svg.chart, svg.map { height: auto; }
-svg text { font: 11px "DejaVu Sans", "Liberation Sans", Arial, sans-serif; fill: #1a1a1a; }
-svg text.cell { font-size: 9px; text-anchor: middle; fill: inherit; }
+svg text { font: 11px "DejaVu Sans", "Liberation Sans", Arial, sans-serif; }
+svg text:not(.cell) { fill: #1a1a1a; }
+svg text.cell { font-size: 9px; text-anchor: middle; }
 .grid { stroke: #dddddd; stroke-width: 1; fill: none; }
 .axis { stroke: #1a1a1a; stroke-width: 1; fill: none; }
 .cross { stroke: #aa1111; stroke-width: .14; fill: none; }

@@ -27,6 +27,7 @@ std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
   input.sensor = store.sensor(dataset.sensor_serial);
   input.fit = analysis::fit_array(dataset);
   input.evaluation = analysis::evaluate(dataset, input.fit);
+  input.uncertainty = analysis::assess_uncertainty(dataset, input.fit, input.run);
   input.frame_count = store.frame_count(input.run.run);
   const std::string bytes = analysis::render_report(input).html;
   const std::vector<double> taken =

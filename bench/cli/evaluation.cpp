@@ -86,6 +86,19 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
   return subject;
 }
 
+void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
+                     const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
+                     const analysis::UncertaintyInputs& inputs) {
+  input.uncertainty =
+      analysis::assess_uncertainty(analysis::load_dataset(store, fit.run), fit, store.run(fit.run), inputs);
+  if (input.verdicts.empty()) return;
+  for (const NamedEvaluation& named : evaluations) {
+    if (named.evaluation.run != input.verdicts.front().run) continue;
+    input.judged = uncertainties_of(store, fit, named.evaluation);
+    return;
+  }
+}
+
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
                          const std::vector<NamedEvaluation>& evaluations,
                          const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number) {
@@ -99,6 +112,7 @@ std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fi
         {evaluations[i].title, store.run(evaluations[i].evaluation.run), evaluations[i].evaluation});
   }
   input.verdicts = verdicts;
+  add_uncertainty(store, fit, evaluations, input);
   input.program_version = TACTBENCH_VERSION;
   input.frame_count = store.frame_count(fit.run);
   const analysis::Report report = analysis::render_report(input);

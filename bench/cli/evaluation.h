@@ -45,6 +45,11 @@ std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analys
 // subject, empty for an imported run, which has no sensor.
 std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, const analysis::Evaluation& own);
 
+// Fills in `uncertainty` of a reading, and `judged`: U of the figures in `input.verdicts`, which must stand there.
+void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
+                     const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
+                     const analysis::UncertaintyInputs& inputs = {});
+
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
 // store. Returns the path.
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,

@@ -1,0 +1,108 @@
+// The figures of the section "Uncertainty", and of conformity, as JSON.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/page.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using UncertaintyJson = nlohmann::ordered_json;
+
+// Three digits of U are one more than the page prints.
+double three_digits(double value) {
+  if (!std::isfinite(value) || value == 0.0) return value;
+  const double power = std::pow(10.0, 2.0 - std::floor(std::log10(std::abs(value))));
+  return std::nearbyint(value * power) / power;
+}
+
+// JSON has no infinity.
+UncertaintyJson degrees(double dof) { return std::isinf(dof) ? UncertaintyJson("infinite") : UncertaintyJson(dof); }
+
+UncertaintyJson budget_json(const Budget& budget, bool whole) {
+  UncertaintyJson u = UncertaintyJson::array(), rows = UncertaintyJson::array();
+  for (std::size_t i = 0; i < kUncertaintySources; ++i) u.push_back(nullptr);
+  for (const Contribution& row : budget.contributions) {
+    u[static_cast<std::size_t>(row.source)] = row.u_psi;
+    const SourceText& text = text_of(row.source);
+    if (whole)
+      rows.push_back({{"source", text.name},
+                      {"type", std::string(1, text.type)},
+                      {"width", row.width},
+                      {"unit", text.unit},
+                      {"distribution", text.distribution},
+                      {"divisor", row.divisor},
+                      {"sensitivity", row.sensitivity},
+                      {"u_psi", row.u_psi},
+                      {"dof", degrees(row.dof)}});
+  }
+  UncertaintyJson out = {{"taxel", budget.taxel},
+                         {"error_psi", budget.error_psi},
+                         {"u_psi", u},
+                         {"combined_psi", budget.combined_psi},
+                         {"dof", degrees(budget.dof)},
+                         {"factor", budget.factor},
+                         {"expanded_psi", budget.expanded_psi},
+                         {"linear", budget.linear}};
+  if (whole) out["contributions"] = rows;
+  return out;
+}
+
+UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole) {
+  UncertaintyJson map = UncertaintyJson::array();
+  for (const double value : level.expanded_psi) map.push_back(three_digits(value));
+  return {{"pressure_psi", level.pressure_psi},
+          {"branch", level.up ? "up" : "down"},
+          {"readings", level.median.readings},
+          {"median", budget_json(level.median, whole)},
+          {"worst", budget_json(level.worst, whole)},
+          {"not_linear", level.not_linear},
+          {"taxel_expanded_psi", map}};
+}
+
+UncertaintyJson reading_json(const Uncertainty& uncertainty) {
+  UncertaintyJson sources = UncertaintyJson::array(), missing = UncertaintyJson::object(),
+                  levels = UncertaintyJson::array();
+  for (std::size_t i = 0; i < kUncertaintySources; ++i) {
+    const char* name = text_of(static_cast<UncertaintySource>(i)).name;
+    sources.push_back(name);
+    if (!uncertainty.missing[i].empty()) missing[name] = uncertainty.missing[i];
+  }
+  for (std::size_t i = 0; i < uncertainty.levels.size(); ++i)
+    levels.push_back(level_uncertainty_json(uncertainty.levels[i], i == uncertainty.chosen));
+  const ReferenceUncertainty& reference = uncertainty.reference;
+  return {{"coverage_probability", kCoverageProbability},
+          {"reference",
+           {{"certificate", reference.certificate},
+            {"due", reference.due},
+            {"overdue", reference.overdue},
+            {"independent", reference.independent},
+            {"largest_u_psi", reference.largest_certificate_u()},
+            {"resolution_psi", reference.resolution_psi},
+            {"drift_psi", reference.drift_psi}}},
+          {"sources", sources},
+          {"not_assessed", missing},
+          {"chosen", uncertainty.chosen},
+          {"levels", levels}};
+}
+
+}  // namespace
+
+std::string uncertainty_json(const ReportInput& input) {
+  UncertaintyJson judged = UncertaintyJson::array();
+  for (const JudgedUncertainty& figure : input.judged)
+    judged.push_back({{"criterion", figure.criterion},
+                      {"scope", figure.scope},
+                      {"unit", figure.unit},
+                      {"expanded", figure.expanded},
+                      {"combined", figure.combined},
+                      {"dof", degrees(figure.dof)},
+                      {"factor", figure.factor},
+                      {"basis", figure.basis},
+                      {"not_known", figure.missing}});
+  const UncertaintyJson json = {{"reading", input.uncertainty ? reading_json(*input.uncertainty) : UncertaintyJson()},
+                                {"judged_figures", judged}};
+  return json.dump(-1, ' ', true, UncertaintyJson::error_handler_t::replace);
+}
+
+}  // namespace tactbench::analysis
