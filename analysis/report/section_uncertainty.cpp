@@ -174,6 +174,43 @@ Markup levels_table(const Uncertainty& uncertainty) {
   return out;
 }
 
+// The longest row of levels where the median taxel's U is within a share of the full pressure.
+Markup range_within(const Uncertainty& uncertainty, bool up, double most_psi) {
+  double low = 0.0, high = 0.0, begin = 0.0, end = 0.0;
+  bool inside = false, any = false;
+  for (const LevelUncertainty& level : uncertainty.levels) {
+    if (level.up != up) continue;
+    const bool within = level.median.expanded_psi <= most_psi;
+    if (within) {
+      if (!inside) begin = level.pressure_psi;
+      end = level.pressure_psi;
+      if (!any || end - begin > high - low) {
+        low = begin;
+        high = end;
+      }
+      any = true;
+    }
+    inside = within;
+  }
+  if (!any) return markup("{}: at no level", Text(branch_word(up)));
+  return markup("{}: {} to {} psi", Text(branch_word(up)), html::fixed(low, 1), html::fixed(high, 1));
+}
+
+Markup ranges(const Uncertainty& uncertainty) {
+  double full = 0.0;
+  for (const LevelUncertainty& level : uncertainty.levels) full = std::max(full, level.pressure_psi);
+  Markup out = markup(
+      "<table class=\"pairs\"><caption>Where U of the median taxel is within a share of the full pressure</caption>"
+      "<tbody>\n");
+  for (const double share : {0.005, 0.01, 0.02}) {
+    out += markup("<tr><th scope=\"row\">{} %: {}</th><td>{}; {}</td></tr>\n", html::percent(share, 1),
+                  html::psi(share * full, 2), range_within(uncertainty, true, share * full),
+                  range_within(uncertainty, false, share * full));
+  }
+  out += markup("</tbody></table>\n");
+  return out;
+}
+
 Markup map_of(const ReportInput& input, const LevelUncertainty& level) {
   const double high = spread_of(level.expanded_psi).high;
   const ColourScale scale{0.0, high > 0.0 ? high : 1.0};
@@ -206,6 +243,7 @@ Markup uncertainty_section(const ReportInput& input) {
   out += budget_table(uncertainty, chosen.worst, "worst", input.fit.columns);
   out += basis_table(uncertainty);
   out += chart(uncertainty);
+  out += ranges(uncertainty);
   out += levels_table(uncertainty);
   out += map_of(input, chosen);
   return out;

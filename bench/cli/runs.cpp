@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "analysis/report/page.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -16,14 +17,7 @@ namespace {
 // The worst word among a run's verdicts; "none" when it was not judged.
 std::string worst_verdict(const std::vector<db::VerdictRecord>& verdicts) {
   if (verdicts.empty()) return "none";
-  switch (exit_code_of(verdicts)) {
-    case ExitCode::kPass:
-      return "pass";
-    case ExitCode::kCriterionFailed:
-      return "fail";
-    default:
-      return "inconclusive";
-  }
+  return analysis::overall_verdict(verdicts);
 }
 
 struct RunsListOptions {

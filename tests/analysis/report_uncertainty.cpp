@@ -1,7 +1,10 @@
 // The sections on uncertainty and conformity: what they print is what the assessment says, and the page stays whole.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
 #include "analysis/report/gum_numbers.h"
 #include "analysis/report/report.h"
@@ -116,6 +119,19 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   const std::string section = text_between(page, "id=\"uncertainty\"", "id=\"meaning\"");
   CHECK_THAT(section, Catch::Contains("0, 90, 180 and 270 degrees") && Catch::Contains("runs 3 to 6") &&
                           Catch::Contains("overdue when the run began") && Catch::Contains("creep-hold"));
+  // The longest row of levels with at most 1 % of 60 psi.
+  double low = 0.0, high = -1.0, begin = -1.0;
+  for (const LevelUncertainty& level : uncertainty.levels) {
+    if (!level.up) continue;
+    if (level.median.expanded_psi > 0.6) {
+      begin = -1.0;
+      continue;
+    }
+    if (begin < 0.0) begin = level.pressure_psi;
+    if (level.pressure_psi - begin > high - low) std::tie(low, high) = std::pair(begin, level.pressure_psi);
+  }
+  CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::psi(0.6, 2).value)));
+  CHECK_THAT(section, Catch::Contains(fmt::format("loading: {:.1f} to {:.1f} psi", low, high)));
   CHECK(data["not_assessed"].contains("chamber uniformity"));
   CHECK_FALSE(data["not_assessed"].contains("re-mounting"));
 }
