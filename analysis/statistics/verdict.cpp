@@ -11,13 +11,13 @@
 namespace tactbench::analysis {
 namespace {
 
-struct RuleText {
+struct DecisionRuleText {
   DecisionRule rule;
   const char* word;
   const char* text;
 };
 
-constexpr std::array<RuleText, 5> kRules = {{
+constexpr std::array<DecisionRuleText, 5> kDecisionRules = {{
     {DecisionRule::kDefault, "default", "four-way where the uncertainty is known, simple where it is not"},
     {DecisionRule::kSimple, "simple",
      "pass when the value is at most the limit. The uncertainty is not taken into account (w = 0): for a value at the "
@@ -34,16 +34,16 @@ constexpr std::array<RuleText, 5> kRules = {{
 
 }  // namespace
 
-const char* to_string(DecisionRule rule) { return kRules[static_cast<std::size_t>(rule)].word; }
+const char* to_string(DecisionRule rule) { return kDecisionRules[static_cast<std::size_t>(rule)].word; }
 
 std::optional<DecisionRule> decision_rule_from(std::string_view word) {
-  const auto* const found = std::ranges::find(kRules, word, &RuleText::word);
-  return found == kRules.end() ? std::nullopt : std::optional(found->rule);
+  const auto* const found = std::ranges::find(kDecisionRules, word, &DecisionRuleText::word);
+  return found == kDecisionRules.end() ? std::nullopt : std::optional(found->rule);
 }
 
 std::string rule_in_words(const std::string& rule) {
-  const auto* const found = std::ranges::find(kRules, std::string_view(rule), &RuleText::word);
-  return found == kRules.end() ? rule : fmt::format("“{}” (ILAC-G8:09/2019): {}", rule, found->text);
+  const auto* const found = std::ranges::find(kDecisionRules, std::string_view(rule), &DecisionRuleText::word);
+  return found == kDecisionRules.end() ? rule : fmt::format("“{}” (ILAC-G8:09/2019): {}", rule, found->text);
 }
 
 const char* verdict_of(DecisionRule rule, double value, double limit, double expanded) {
