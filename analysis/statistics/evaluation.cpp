@@ -10,7 +10,6 @@
 #include "analysis/statistics/streams.h"
 
 namespace tactbench::analysis {
-namespace {
 
 void check_same_sensor(const Dataset& dataset, const ArrayFit& fit) {
   if (dataset.rows != fit.rows || dataset.columns != fit.columns ||
@@ -31,6 +30,8 @@ void check_same_sensor(const Dataset& dataset, const ArrayFit& fit) {
         fmt::format("run {} is {}, the models of run {} are {}", dataset.run, dataset.origin, fit.run, fit.origin),
         "origins never mix: use models of the same origin");
 }
+
+namespace {
 
 void gather_errors(Evaluation& e, const std::vector<TaxelErrors>& errors) {
   double sum = 0.0, observable = 0.0;
