@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/scanner_scale.h"
+
 namespace tactbench::analysis {
 namespace {
 

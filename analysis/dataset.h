@@ -40,9 +40,6 @@ struct Dataset {
   [[nodiscard]] int taxels() const { return rows * columns; }
 };
 
-// From the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-NO-CALIBRATION.
-double volts_per_count(const db::RunRecord& run);
-
 // Reads a run's frames. `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError
 // TB-ANALYSIS-EMPTY when no repeat is complete (says how many frames are missing); incomplete repeats are left out.
 Dataset load_dataset(const db::RunStore& store, std::int64_t run);

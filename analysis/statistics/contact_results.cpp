@@ -10,6 +10,7 @@
 
 #include "analysis/compensate/compensator.h"
 #include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -19,13 +19,15 @@ struct ArrayGeometry {
 };
 inline constexpr double kNewtonPerPsiMm2 = 0.006894757293168;
 
-// Of one frame of pressures. Places in mm from the array's centre: x along the columns, y along the rows.
+// Of one frame of pressures. Places in mm from the array's centre: x along the columns, y along the rows. A taxel is in
+// contact at or above the threshold; the total force is that of all taxels, everything else of those in contact: what
+// many unloaded taxels show by their zeros would pull the centre.
 struct ContactFigures {
   double force_n = 0.0;           // sum of pressure x taxel area
-  double x_mm = 0.0, y_mm = 0.0;  // centre of pressure; NaN without pressure
+  double x_mm = 0.0, y_mm = 0.0;  // centre of pressure; NaN without contact
   double moment_x_nmm = 0.0;      // sum of pressure x area x y, about the array's centre
   double moment_y_nmm = 0.0;      // sum of pressure x area x -x
-  double area_mm2 = 0.0;          // taxels at or above the threshold x taxel area
+  double area_mm2 = 0.0;          // taxels in contact x taxel area
   double threshold_psi = 0.0;     // 10 % of the frame's highest pressure, at least 0.5 psi
 };
 // Values that are not finite count as no pressure. Throws std::invalid_argument when there are not rows x columns.

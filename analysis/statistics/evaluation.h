@@ -58,10 +58,6 @@ struct Evaluation {
   int excluded_taxels = 0;  // not fitted: left out of every figure above, raw ones too
 };
 
-// A model is bound to sensor, scanner and geometry, and origins never mix. Throws AnalysisError
-// TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
-void check_same_sensor(const Dataset& dataset, const ArrayFit& fit);
-
 // Compensates every stored frame of every repeat of `dataset` in time order with `fit` (made on the same or another
 // run) and gathers the figures. Level figures average the full sweeps of all repeats; std is of the sample (n - 1).
 // Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor, scanner or geometry differ, TB-ANALYSIS-ORIGIN when

@@ -8,6 +8,7 @@
 #include "analysis/identify/identifier.h"
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {

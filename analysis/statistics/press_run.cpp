@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "analysis/scanner_scale.h"
+
 namespace tactbench::analysis {
 namespace {
 

@@ -4,6 +4,7 @@
 #include "analysis/compensate/compensator.h"
 #include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
 #include "analysis/statistics/studies.h"
 #include "analysis/workers.h"
 

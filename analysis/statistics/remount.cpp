@@ -8,7 +8,8 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr double kMountLevelPsi = 0.05;  // levels this near are the same
-constexpr double kLowestMountPsi = 0.5;  // shares of less say nothing
+constexpr double kLowestMountPsi = 0.5;
+constexpr double kShareFrom = 0.1;  // of the highest level: shares of less say more of the zero than of the mount
 
 std::size_t level_of(const SweepEstimates& estimates, double pressure) {
   const auto found = std::ranges::find_if(estimates.pressure_psi,
@@ -97,6 +98,7 @@ Remount remount_of(std::span<const MountedRun> mounts) {
   const auto taxels = static_cast<std::size_t>(mounts.front().estimates.taxels);
   const auto levels = static_cast<double>(remount.pressure_psi.size());
   remount.taxel_between_psi.assign(taxels, 0.0);
+  int counted = 0;
   for (const double pressure : remount.pressure_psi) {
     const LevelOfMounts level = level_of_mounts(mounts, pressure);
     remount.within_psi.push_back(level.within_psi);
@@ -104,12 +106,14 @@ Remount remount_of(std::span<const MountedRun> mounts) {
     remount.mean_between_psi.push_back(level.mean_between_psi);
     for (std::size_t taxel = 0; taxel < taxels; ++taxel)
       remount.taxel_between_psi[taxel] += level.taxel_between[taxel] / levels;
-    remount.within_share += std::pow(level.within_psi / pressure, 2) / levels;
-    remount.s_share += std::pow(level.between_psi / pressure, 2) / levels;
+    if (pressure < kShareFrom * remount.pressure_psi.back()) continue;
+    ++counted;
+    remount.within_share += std::pow(level.within_psi / pressure, 2);
+    remount.s_share += std::pow(level.between_psi / pressure, 2);
   }
   for (double& value : remount.taxel_between_psi) value = std::sqrt(value);
-  remount.within_share = std::sqrt(remount.within_share);
-  remount.s_share = std::sqrt(remount.s_share);
+  remount.within_share = std::sqrt(remount.within_share / counted);
+  remount.s_share = std::sqrt(remount.s_share / counted);
   remount.degrees = static_cast<int>(mounts.size()) - 1;
   remount.not_assessed.clear();
   return remount;

@@ -38,7 +38,8 @@ struct Uniformity {
 };
 
 // Mounts of one sensor. within: between the sweeps of one mount; between: of the mounts, what `within` explains taken
-// off (one-way analysis of variance, not below 0). Standard deviations, root mean square over the taxels.
+// off (one-way analysis of variance, not below 0). Standard deviations, root mean square over the taxels; shares:
+// root mean square over the levels from a tenth of the highest on.
 struct Remount {
   std::string not_assessed = "no runs of this sensor mounted anew were given";  // empty: assessed
   std::vector<std::int64_t> runs;                                               // one a mount, this report's first
@@ -46,7 +47,7 @@ struct Remount {
   std::vector<double> within_psi, between_psi;
   std::vector<double> mean_between_psi;      // the same of the array's mean alone: what all taxels have in common
   std::vector<double> taxel_between_psi;     // taxels: root mean square over the levels; NaN where not fitted
-  double within_share = 0.0, s_share = 0.0;  // root mean square over the levels of within / p and between / p
+  double within_share = 0.0, s_share = 0.0;  // of within / p and between / p, see above
   int degrees = 0;                           // of freedom: mounts - 1
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
 };
@@ -123,6 +124,7 @@ std::vector<int> turned_places(int rows, int columns, int angle_deg);
 struct TurnedMaps {
   std::vector<double> sensor, chamber;
   double residual = 0.0;  // standard deviation, degrees of freedom taken off; NaN where there are none
+  double degrees = 0.0;   // of freedom
   int undetermined = 0;
 };
 TurnedMaps separate_maps(std::span<const std::vector<double>> y, std::span<const std::vector<int>> places);

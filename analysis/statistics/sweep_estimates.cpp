@@ -9,6 +9,7 @@
 #include "analysis/loop.h"
 #include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {

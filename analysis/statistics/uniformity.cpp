@@ -137,6 +137,7 @@ TurnedMaps separate_maps(std::span<const std::vector<double>> y, std::span<const
     }
   }
   const auto degrees = static_cast<double>(all.size()) - static_cast<double>(unknowns) + maps.undetermined;
+  maps.degrees = degrees;
   maps.residual = degrees > 0.0 ? std::sqrt(squares / degrees) : kNan;
   return maps;
 }
@@ -159,6 +160,37 @@ std::vector<double> off_level(const SweepEstimates& estimates, double pressure) 
   }
   for (double& value : out) value -= sum / n;
   return out;
+}
+
+// Each run also has a constant of its own, m(angle). Where all taxels are there a run's mean is it; where some are not,
+// the residuals' means are taken off until nothing is left of them (a few rounds: what is missing is a small share).
+TurnedMaps separate_level(std::span<const TurnedRun> runs, double level, std::span<const std::vector<int>> places) {
+  constexpr int kRounds = 20;
+  std::vector<std::vector<double>> y;
+  for (const TurnedRun& run : runs) y.push_back(off_level(run.estimates, level));
+  TurnedMaps maps;
+  for (int round = 0; round < kRounds; ++round) {
+    maps = separate_maps(y, places);
+    double moved = 0.0;
+    for (std::size_t run = 0; run < y.size(); ++run) {
+      double sum = 0.0, n = 0.0;
+      for (std::size_t taxel = 0; taxel < y[run].size(); ++taxel) {
+        const double chamber = maps.chamber[static_cast<std::size_t>(places[run][taxel])];
+        const double off = y[run][taxel] - maps.sensor[taxel] - (std::isfinite(chamber) ? chamber : 0.0);
+        if (!std::isfinite(off)) continue;
+        sum += off;
+        n += 1.0;
+      }
+      const double mean = n > 0.0 ? sum / n : 0.0;
+      moved = std::max(moved, std::abs(mean));
+      for (double& value : y[run]) value -= mean;
+    }
+    if (moved < 1e-13) break;
+  }
+  const double constants = static_cast<double>(runs.size()) - 1.0;
+  maps.residual =
+      maps.degrees > constants ? maps.residual * std::sqrt(maps.degrees / (maps.degrees - constants)) : kNan;
+  return maps;
 }
 
 // Straight line of y over x: offset and slope; NaN values are left out.
@@ -185,9 +217,7 @@ double residual_over_levels(std::span<const TurnedRun> runs, const std::vector<d
                             std::span<const std::vector<int>> places) {
   double squares = 0.0;
   for (const double level : levels) {
-    std::vector<std::vector<double>> y;
-    for (const TurnedRun& run : runs) y.push_back(off_level(run.estimates, level));
-    const double residual = separate_maps(y, places).residual;
+    const double residual = separate_level(runs, level, places).residual;
     squares += residual * residual;
   }
   return std::sqrt(squares / static_cast<double>(levels.size()));
@@ -220,9 +250,7 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
   std::vector<std::vector<double>> chamber(taxels), sensor(taxels);  // by cell, over the levels
   double squares = 0.0;
   for (const double level : u.pressure_psi) {
-    std::vector<std::vector<double>> y;
-    for (const TurnedRun& run : runs) y.push_back(off_level(run.estimates, level));
-    const TurnedMaps maps = separate_maps(y, places);
+    const TurnedMaps maps = separate_level(runs, level, places);
     u.u_psi.push_back(deviation_of(maps.chamber));
     u.residual_psi.push_back(maps.residual);
     squares += maps.residual * maps.residual;
