@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/identify/identify.h"
+#include "analysis/report/results.h"
 #include "analysis/statistics/evaluation.h"
 #include "db/record.h"
 
@@ -28,6 +29,7 @@ struct ReportInput {
   std::vector<db::VerdictRecord> verdicts;
   std::string program_version;
   std::int64_t frame_count = 0;
+  ReportResults more;
 };
 
 struct Report {

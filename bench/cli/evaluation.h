@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/report/report.h"
+#include "bench/cli/report_results.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -37,6 +38,7 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
 // store. Returns the path.
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
                          const std::vector<NamedEvaluation>& evaluations,
-                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number);
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number,
+                         const ReportExtras& extras = {});
 
 }  // namespace tactbench::bench
