@@ -14,7 +14,7 @@ namespace {
 constexpr double kSameLevelPsi = 0.05;
 constexpr double kLowestLevelPsi = 0.5;  // shares of less say nothing
 
-double deviation_of(const std::vector<double>& values) {
+double array_deviation(const std::vector<double>& values) {
   double sum = 0.0, squares = 0.0, n = 0.0;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
@@ -251,7 +251,7 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
   double squares = 0.0;
   for (const double level : u.pressure_psi) {
     const TurnedMaps maps = separate_level(runs, level, places);
-    u.u_psi.push_back(deviation_of(maps.chamber));
+    u.u_psi.push_back(array_deviation(maps.chamber));
     u.residual_psi.push_back(maps.residual);
     squares += maps.residual * maps.residual;
     u.undetermined = maps.undetermined;
@@ -266,8 +266,8 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
     u.chamber_psi.push_back(line.offset);
     u.sensor_share.push_back(line_over(u.pressure_psi, sensor[i]).slope);
   }
-  u.u_share = deviation_of(u.chamber_share);
-  u.u_offset_psi = deviation_of(u.chamber_psi);
+  u.u_share = array_deviation(u.chamber_share);
+  u.u_offset_psi = array_deviation(u.chamber_psi);
   u.residual_rms_psi = std::sqrt(squares / static_cast<double>(u.pressure_psi.size()));
   u.residual_other_sense_psi = residual_over_levels(runs, u.pressure_psi, other_sense);
   u.not_assessed.clear();
