@@ -87,7 +87,9 @@ class StudyGatherer {
       if (press.object == "point") {
         analysis::Crosstalk crosstalk =
             analysis::crosstalk_of(press.run, analysis::point_frames(press), press.rows, press.columns);
-        if (!more.studies.crosstalk.assessed()) more.studies.crosstalk = std::move(crosstalk);
+        // The touches of a registration are a poor grid: of several runs the one with most positions.
+        const analysis::Crosstalk& before = more.studies.crosstalk;
+        if (!before.assessed() || crosstalk.positions > before.positions) more.studies.crosstalk = std::move(crosstalk);
       }
       more.contacts.push_back(analysis::contact_result(press, input_.fit, geometry_));
     }

@@ -22,8 +22,8 @@ Finished call(const TemporaryFolder& folder, const std::vector<std::string>& wor
 }
 
 void carry_out(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words{"run", recipe,       "--bench", "bench.toml", "--sensor",
-                                 "S-1", "--operator", "tester",  "-q",         "--no-seating"};
+  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
+                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
   words.insert(words.end(), more.begin(), more.end());
   const Finished run = call(folder, words);
   INFO(run.err);
@@ -82,8 +82,8 @@ void check_models(const Reported& report, const analysis::Dataset& dataset, cons
         INFO(taxel["title"] << " " << model["model"]);
         REQUIRE_FALSE(model.contains("failed"));
         const auto [mean, most] = branch_errors(sequence["pressure_psi"], sequence["measured_v"], model["model_v"]);
-        CHECK(model["mean_error_v"].get<double>() == Approx(mean).epsilon(1e-3));
-        CHECK(model["max_error_v"].get<double>() == Approx(most).epsilon(1e-3));
+        CHECK(model["mean_error_v"].get<double>() == Approx(mean).margin(1.5e-4));
+        CHECK(model["max_error_v"].get<double>() == Approx(most).margin(1.5e-4));
         CHECK(model["operations_per_sample"].get<int>() > 0);
         CHECK(model["parameters"].size() >= 5);
         const double share = model["mean_error_v"].get<double>() / own.fit.full_scale_v;
@@ -95,7 +95,7 @@ void check_models(const Reported& report, const analysis::Dataset& dataset, cons
       const analysis::CommonSequence common = analysis::bring_to_common(dataset.sequences.front(), dataset.taxels());
       for (std::size_t i = 0; i < common.pressure_psi.size(); ++i)
         CHECK(sequence["measured_v"][i].get<double>() ==
-              Approx(common.volts[i * fit.taxels.size() + static_cast<std::size_t>(number)]).margin(1e-5));
+              Approx(common.volts[i * fit.taxels.size() + static_cast<std::size_t>(number)]).margin(1e-4));
     }
     // One set of parameters for all sequences: what the stored fit was left with.
     CHECK(elam_j == Approx(own.fit.j_v2).epsilon(1e-9));
