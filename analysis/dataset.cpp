@@ -8,11 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/scanner_scale.h"
+
 namespace tactbench::analysis {
 namespace {
 
 constexpr const char* kScannerRole = "tactile scanner";
 constexpr std::uint16_t kConverterLimit = 65535;
+
+}  // namespace
 
 double volts_per_count(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
@@ -31,6 +35,8 @@ double volts_per_count(const db::RunRecord& run) {
                       fmt::format("run {} stores no device of role \"{}\"", run.run, kScannerRole),
                       "counts cannot be scaled without it: choose another run");
 }
+
+namespace {
 
 // The frames of one repeat by ordinal; null where missing.
 using Slots = std::vector<const db::FrameRecord*>;

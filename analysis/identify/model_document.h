@@ -10,6 +10,7 @@
 #include "analysis/compensate/frame_setup.h"
 #include "analysis/histories.h"
 #include "analysis/identify/fit_data.h"
+#include "analysis/identify/identify.h"
 
 namespace tactbench::analysis {
 
@@ -79,6 +80,10 @@ std::vector<std::string> outside_validity(const ModelDocument& model, const Hist
 // What the frame compensator of an array needs. Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not ELAM
 // with one split point a branch and without memory, or not of an array.
 FrameSetup frame_setup_of(const ModelDocument& document, double volts_per_count);
+
+// The same models as a fit of the whole array, adjustments made since included: what evaluate() takes. Throws
+// AnalysisError TB-MODEL-COMPENSATOR as frame_setup_of() does.
+ArrayFit array_fit_of(const ModelDocument& document);
 
 // MODEL of the command line: the path of a .json, or RUN[:FIT] in `store` (nullptr: paths only).
 ModelDocument load_model(const std::string& model, const db::RunStore* store);

@@ -72,21 +72,35 @@ struct Frame {
   [[nodiscard]] double py(double value) const { return bottom - (value - y.low) / (y.high - y.low) * (bottom - top); }
 };
 
+// Tenths of a pixel as short as SVG takes them: "12.5", "-.5", "3".
+void add_tenths(std::string& d, long tenths, bool separated) {
+  if (separated && tenths >= 0) d += ' ';
+  if (tenths < 0) d += '-';
+  const long size = std::abs(tenths);
+  if (size >= 10 || size == 0) fmt::format_to(std::back_inserter(d), "{}", size / 10);
+  if (size % 10 != 0) fmt::format_to(std::back_inserter(d), ".{}", size % 10);
+}
+
+// Steps from one rounded place to the next: half as long as places, and nothing adds up.
 std::string path_of(const Series& series, const Frame& frame) {
   std::string d;
   bool pen_down = false;
+  long last_x = 0, last_y = 0;
   const std::size_t n = std::min(series.x.size(), series.y.size());
+  d.reserve(8 * n);
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
       pen_down = false;
       continue;
     }
-    const CssNumber x(frame.px(series.x[i]), 1), y(frame.py(series.y[i]), 1);
-    if (series.points) {
-      d += fmt::format("M{} {}h0", x, y);  // a round cap on a line of no length is a dot
-    } else {
-      d += fmt::format("{}{} {}", pen_down ? 'L' : 'M', x, y);
-    }
+    const long x = std::lround(10.0 * frame.px(series.x[i])), y = std::lround(10.0 * frame.py(series.y[i]));
+    const bool first = d.empty();
+    d += first ? 'M' : pen_down && !series.points ? 'l' : 'm';
+    add_tenths(d, first ? x : x - last_x, false);
+    add_tenths(d, first ? y : y - last_y, true);
+    if (series.points) d += "h0";  // a round cap on a line of no length is a dot
+    last_x = x;
+    last_y = y;
     pen_down = true;
   }
   return d;

@@ -1,5 +1,6 @@
 #include "analysis/report/report.h"
 
+#include "analysis/report/more_sections.h"
 #include "analysis/report/page.h"
 #include "analysis/report/style.h"
 #include "db/run_store.h"
@@ -24,6 +25,7 @@ void keep_content_only(db::RunRecord& run) {
 ReportInput content_of(const ReportInput& input) {
   ReportInput content = input;
   keep_content_only(content.run);
+  forget_run_numbers(content.more);
   for (HeldOut& held_out : content.held_out) keep_content_only(held_out.run);
   if (content.sensor) {
     content.sensor->note.clear();
@@ -51,6 +53,11 @@ constexpr ReportPart kReportParts[] = {
     {"frames", "Frames", frames_section, false},
     {"levels", "Levels", levels_section, false},
     {"model", "ELAM", model_section, false},
+    {"models", "Models compared", models_section, false, models_json},
+    {"as-found", "As found, as left", as_found_section, true},
+    {"compensation", "Single taxels", compensation_section, false, compensation_json},
+    {"studies", "Further studies", studies_section, true, studies_json},
+    {"objects", "Under objects", objects_section, true, objects_json},
     {"held-out", "Other runs", held_out_section, true},
     {"uncertainty", "Uncertainty", uncertainty_section, false, uncertainty_json},
     {"meaning", "What it means", meaning_section, false},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/identify/identify.h"
+#include "analysis/report/results.h"
 #include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/uncertainty.h"
 #include "analysis/statistics/verdict.h"
@@ -32,6 +33,7 @@ struct ReportInput {
   std::vector<JudgedUncertainty> judged;   // of the figures in `verdicts`
   std::string program_version;
   std::int64_t frame_count = 0;
+  ReportResults more;
 };
 
 struct Report {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "analysis/report/figure.h"
+#include "analysis/report/more_sections.h"
 #include "analysis/report/page.h"
 
 namespace tactbench::analysis {
@@ -188,6 +189,7 @@ Markup model_section(const ReportInput& input) {
   out += unfitted_table(input.fit);
   out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input),
                 error_table(input.evaluation, input.fit.columns));
+  out += elam_parameters_part(input);
   return out;
 }
 

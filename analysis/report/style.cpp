@@ -13,6 +13,7 @@ header, main, footer { max-width: 720px; margin: 0 auto; padding: 0 16px; }
 h1 { font-size: 26px; margin: 24px 0 4px; }
 h2 { font-size: 18px; margin: 32px 0 8px; padding-top: 6px; border-top: 2px solid #1a1a1a; break-after: avoid; }
 h3 { font-size: 14px; margin: 20px 0 6px; break-after: avoid; }
+h4 { font-size: 12px; margin: 12px 0 2px; break-after: avoid; }
 p { margin: 6px 0; }
 a { color: #00507d; }
 .banner { position: sticky; top: 0; z-index: 1; background: #aa1111; color: #ffffff; text-align: center;
@@ -53,9 +54,12 @@ figure { margin: 10px 0 16px; break-inside: avoid; }
 figcaption { font-size: 12px; color: #444444; }
 .pair { display: flex; flex-wrap: wrap; gap: 0 12px; }
 .pair figure { flex: 1 1 300px; min-width: 0; }
+.triple { display: flex; flex-wrap: wrap; gap: 0 4px; }
+.triple figure { flex: 1 1 200px; min-width: 0; max-width: 232px; }
 .beside { display: flex; flex-wrap: wrap; gap: 0 20px; break-inside: avoid; }
 .beside > div { flex: 1 1 220px; min-width: 0; }
 .beside figure { flex: 0 1 416px; }
+.beside figure.narrow { flex: 0 1 auto; }
 svg { max-width: 100%; vertical-align: middle; }
 svg.chart, svg.map { height: auto; }
 svg text { font: 11px "DejaVu Sans", "Liberation Sans", Arial, sans-serif; }

@@ -7,6 +7,7 @@
 
 #include "analysis/identify/elam_samples.h"
 #include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
 #include "analysis/statistics/streams.h"
 
 namespace tactbench::analysis {

@@ -54,6 +54,12 @@ void Score::add(const Score& other) {
   for (const Bin& bin : other.by_rate) add_to(by_rate, bin);
 }
 
+void Score::add_sample(double error, double hold_s, double rate) {
+  compensated.add(error);
+  add_error(by_hold, hold_s, error);
+  add_error(by_rate, rate, error);
+}
+
 Score score(const HysteresisModel& model, std::span<const History> histories, const ScoreOptions& options) {
   Score score;
   const double per_output = (options.x_high - options.x_low) / (options.y_high - options.y_low);

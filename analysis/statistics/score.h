@@ -30,6 +30,8 @@ struct Score {
   ErrorSum raw;          // the same for one straight line through the ends of the external loop: no compensation
   std::vector<Bin> by_hold, by_rate;  // seconds; input units a second; where the histories have times
   void add(const Score& other);
+  // One sample's compensation error, with its bins; a hold or rate of 0 is in none.
+  void add_sample(double error, double hold_s, double rate);
 };
 
 struct ScoreOptions {

@@ -101,7 +101,8 @@ void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
 
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
                          const std::vector<NamedEvaluation>& evaluations,
-                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number) {
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number,
+                         const ReportExtras& extras) {
   analysis::ReportInput input;
   input.run = store.run(fit.run);
   input.sensor = store.sensor(input.run.sensor_serial);
@@ -115,6 +116,7 @@ std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fi
   add_uncertainty(store, fit, evaluations, input);
   input.program_version = TACTBENCH_VERSION;
   input.frame_count = store.frame_count(fit.run);
+  add_results(input, store, extras);
   const analysis::Report report = analysis::render_report(input);
   namespace fs = std::filesystem;
   if (path.empty()) {

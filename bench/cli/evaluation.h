@@ -7,6 +7,7 @@
 
 #include "analysis/report/report.h"
 #include "analysis/statistics/verdict.h"
+#include "bench/cli/report_results.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -54,6 +55,7 @@ void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
 // store. Returns the path.
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
                          const std::vector<NamedEvaluation>& evaluations,
-                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number);
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number,
+                         const ReportExtras& extras = {});
 
 }  // namespace tactbench::bench

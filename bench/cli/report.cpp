@@ -14,6 +14,7 @@ struct ReportOptions {
   std::int64_t run = 0;
   std::vector<std::int64_t> held_out;
   std::string limits, output;
+  ReportExtras extras;
 };
 
 void report_run(const ReportOptions& options, Session& session) {
@@ -27,7 +28,7 @@ void report_run(const ReportOptions& options, Session& session) {
       options.limits.empty() ? store.verdicts(evaluation.run)
                              : judge_anew(store, fitted, evaluation, read_limits(find_config(options.limits)));
   std::string number;
-  const std::string path = write_report(store, fitted, evaluations, verdicts, options.output, &number);
+  const std::string path = write_report(store, fitted, evaluations, verdicts, options.output, &number, options.extras);
   session.code = exit_code_of(verdicts);
   warn_of_conditional(verdicts);
   if (session.json) {
@@ -49,6 +50,13 @@ void add_report(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("report", "write the calibration report of a fitted run as one HTML file");
   verb->add_option("run", options->run, "run number")->required();
   verb->add_option("--held-out", options->held_out, "runs of the same sensor to show compensated with the models")
+      ->take_all();
+  verb->add_option("--previous", options->extras.previous,
+                   "models used before: the report says how this run is found with them (a .json file, or RUN[:FIT])");
+  verb->add_option(
+          "--studies", options->extras.studies,
+          "further runs of the sensor: under objects, at several rates, held (their recipes tell), mounted anew "
+          "(RUN:mount), turned in the chamber (RUN:90, RUN:180, RUN:270)")
       ->take_all();
   verb->add_option("--limits", options->limits, "judge anew by this limits file, without storing");
   verb->add_option("-o,--output", options->output, "file to write (default: reports/run-N.html beside the store)");

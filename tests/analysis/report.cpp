@@ -196,5 +196,5 @@ TEST_CASE("markup in any text field stays text") {
   CHECK_FALSE(contains(report.html, "<img"));
   CHECK_FALSE(contains(report.html, "]]>"));
   CHECK_FALSE(contains(report.html, "\xe2\x80\xae"));
-  CHECK(count(report.html, "<h2 ") == 10);
+  CHECK(count(report.html, "<h2 ") == 15);
 }

@@ -1,0 +1,110 @@
+#include "analysis/report/results.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/histories.h"
+#include "analysis/models/elam_hysteresis.h"
+#include "analysis/statistics/levels.h"
+
+namespace tactbench::analysis {
+namespace {
+
+TaxelTrace trace_of_mean(const NamedTaxel& taxel, const Trace& trace) {
+  return {taxel, trace.sequence, trace.pressure_psi, trace.measured_v, trace.model_v, trace.compensated_psi};
+}
+
+// All sequences of one taxel: the compensator's state carries over from repeat to repeat and sequence to sequence.
+std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const TaxelFit& fit, const NamedTaxel& named) {
+  const auto width = static_cast<std::size_t>(dataset.taxels()), taxel = static_cast<std::size_t>(named.taxel);
+  CompensatorOptions options;
+  options.noise_v = fit.noise_v;
+  TaxelCompensator compensator(fit.fit.model, options);
+  const ElamHysteresis model(fit.fit.model);
+  std::vector<TaxelTrace> out;
+  for (const SequenceData& sequence : dataset.sequences) {
+    const std::size_t steps = sequence.repeats.front().steps.size();
+    const std::vector<double> zeros(steps, 0.0);
+    TaxelTrace trace{named, sequence.name, zeros, zeros, {}, zeros};
+    const double weight = 1.0 / static_cast<double>(sequence.repeats.size());
+    for (const Repeat& repeat : sequence.repeats) {
+      for (std::size_t i = 0; i < steps; ++i) {
+        const double volts = repeat.volts[i * width + taxel];
+        trace.pressure_psi[i] += weight * repeat.steps[i].reference_psi;
+        trace.measured_v[i] += weight * volts;
+        trace.estimate_psi[i] += weight * compensator.step(volts).pressure_psi;
+      }
+    }
+    std::vector<double> commanded;
+    for (const Sample& step : sequence.repeats.front().steps) commanded.push_back(step.setpoint_psi);
+    const History history{sequence.name, trace.pressure_psi, trace.measured_v, branches_along(commanded), {}, {}};
+    trace.model_v = predict_history(model, history, false);
+    out.push_back(std::move(trace));
+  }
+  return out;
+}
+
+StraightLine straight_line(const Dataset& dataset, const ArrayFit& fit) {
+  const Fitted fitted(fit);
+  const ElamModel& mean = fit.mean_taxel.fit.model;
+  const double per_volt = (mean.xu() - mean.x0()) / (mean.yu() - mean.y0());
+  StraightLine out;
+  double sum = 0.0, samples = 0.0;
+  std::vector<double> by_taxel(fitted.width(), 0.0);
+  for (const SequenceData& sequence : dataset.sequences) {
+    for (const Repeat& repeat : sequence.repeats) {
+      for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+        samples += 1.0;
+        for (const std::size_t taxel : fitted.taxels()) {
+          const double volts = repeat.volts[i * fitted.width() + taxel];
+          const double off = std::abs(mean.x0() + (volts - mean.y0()) * per_volt - repeat.steps[i].reference_psi);
+          by_taxel[taxel] += off;
+          sum += off;
+          out.max_error_psi = std::max(out.max_error_psi, off);
+        }
+      }
+    }
+  }
+  out.mean_error_psi = sum / samples / static_cast<double>(fitted.taxels().size());
+  out.worst_taxel_mean_error_psi = *std::ranges::max_element(by_taxel) / samples;
+  return out;
+}
+
+}  // namespace
+
+ReportResults results_of(const Dataset& measured, const ArrayFit& fit, const Evaluation& evaluation,
+                         const ArrayFit* previous, const std::string& previous_name, int threads) {
+  const Dataset dataset = as_modelled(measured, fit);
+  const ChosenTaxels chosen = choose_taxels(evaluation);
+  ReportResults out;
+  out.models = compare_models(measured, fit, chosen, threads);
+  for (const NamedTaxel& named : named_taxels(chosen, fit.columns)) {
+    if (named.taxel == kMeanTaxel) {
+      for (const Trace& trace : evaluation.traces) out.traces.push_back(trace_of_mean(named, trace));
+      continue;
+    }
+    for (TaxelTrace& trace : traces_of_taxel(dataset, fit.taxels[static_cast<std::size_t>(named.taxel)], named))
+      out.traces.push_back(std::move(trace));
+  }
+  out.straight = straight_line(dataset, fit);
+  out.usable = usable_range(fit);
+  if (previous != nullptr) {
+    const Fitted fitted(*previous);
+    out.previous =
+        AsFound{previous_name, evaluate(measured, *previous, threads), static_cast<int>(fitted.taxels().size())};
+  }
+  return out;
+}
+
+void forget_run_numbers(ReportResults& results) {
+  Studies& studies = results.studies;
+  std::ranges::fill(studies.uniformity.runs, 0);
+  std::ranges::fill(studies.remount.runs, 0);
+  studies.crosstalk.run = 0;
+  for (RateHoldRun& run : studies.rate_hold.runs) run.run = 0;
+  for (ContactResult& contact : results.contacts) contact.run = contact.mount_run = 0;
+  if (results.previous) results.previous->model.clear();
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,11 @@
+// What one count of a run's scanner is worth.
+#pragma once
+
+#include "db/record.h"
+
+namespace tactbench::analysis {
+
+// From the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-NO-CALIBRATION.
+double volts_per_count(const db::RunRecord& run);
+
+}  // namespace tactbench::analysis

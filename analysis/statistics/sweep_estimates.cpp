@@ -1,0 +1,107 @@
+#include "analysis/statistics/sweep_estimates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/loop.h"
+#include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
+#include "analysis/workers.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr double kSweepEndShare = 0.01;  // a sweep is full when its ends are this near to the models' range
+
+// A full loading sweep: where its steps stand in the dataset.
+struct FullSweep {
+  std::size_t sequence, repeat, first, last;
+};
+
+std::vector<double> setpoints_of(const Dataset& dataset, const FullSweep& sweep) {
+  const auto& steps = dataset.sequences[sweep.sequence].repeats[sweep.repeat].steps;
+  std::vector<double> out;
+  for (std::size_t i = sweep.first; i <= sweep.last; ++i) out.push_back(steps[i].setpoint_psi);
+  return out;
+}
+
+std::vector<FullSweep> full_sweeps(const Dataset& dataset, double low, double high) {
+  const double end = kSweepEndShare * (high - low);
+  std::vector<FullSweep> sweeps;
+  for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+    const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
+    for (std::size_t r = 0; r < repeats.size(); ++r) {
+      std::vector<double> x;
+      for (const Sample& step : repeats[r].steps) x.push_back(step.setpoint_psi);
+      for (const Branch& branch : branches_along(x)) {
+        const auto first = static_cast<std::size_t>(branch.first), last = static_cast<std::size_t>(branch.last);
+        if (!branch.ascending || x[first] > low + end || x[last] < high - end) continue;
+        const FullSweep sweep{s, r, first, last};
+        if (sweeps.empty() || setpoints_of(dataset, sweep) == setpoints_of(dataset, sweeps.front()))
+          sweeps.push_back(sweep);
+      }
+    }
+  }
+  return sweeps;
+}
+
+}  // namespace
+
+double SweepEstimates::mean(std::size_t level, int taxel) const {
+  double sum = 0.0;
+  for (int sweep = 0; sweep < sweeps; ++sweep) sum += at(level, sweep, taxel);
+  return sum / sweeps;
+}
+
+SweepEstimates sweep_estimates(const Dataset& dataset, const ArrayFit& fit, int threads) {
+  check_same_sensor(dataset, fit);
+  if (fit.falling) {
+    ArrayFit rising = fit;
+    rising.falling = false;
+    return sweep_estimates(as_modelled(dataset, fit), rising, threads);
+  }
+  const std::vector<FullSweep> sweeps = full_sweeps(dataset, fit.pressure_psi.front(), fit.pressure_psi.back());
+  if (sweeps.empty())
+    throw AnalysisError("TB-ANALYSIS-NO-LOOP",
+                        fmt::format("run {} has no full sweep from {:g} to {:g} psi", dataset.run,
+                                    fit.pressure_psi.front(), fit.pressure_psi.back()),
+                        "compare runs of recipes with full loops: descending, ascending, production");
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  SweepEstimates out;
+  out.pressure_psi = setpoints_of(dataset, sweeps.front());
+  out.sweeps = static_cast<int>(sweeps.size());
+  out.taxels = dataset.taxels();
+  out.psi.assign(out.pressure_psi.size() * sweeps.size() * width, kNan);
+  for_each_index(width, threads, [&](std::size_t taxel) {
+    const TaxelFit& own = fit.taxels[taxel];
+    if (own.status != TaxelStatus::kFitted) return;
+    CompensatorOptions options;
+    options.noise_v = own.noise_v;
+    TaxelCompensator compensator(own.fit.model, options);
+    std::size_t next = 0;  // sweep
+    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+      const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
+      for (std::size_t r = 0; r < repeats.size(); ++r) {
+        for (std::size_t i = 0; i < repeats[r].steps.size(); ++i) {
+          const double estimate = compensator.step(repeats[r].volts[i * width + taxel]).pressure_psi;
+          const auto is_here = [&] {
+            return next < sweeps.size() && sweeps[next].sequence == s && sweeps[next].repeat == r;
+          };
+          if (is_here() && i > sweeps[next].last) ++next;
+          if (!is_here() || i < sweeps[next].first) continue;
+          const Sample& sample = repeats[r].steps[i];
+          out.psi[((i - sweeps[next].first) * sweeps.size() + next) * width + taxel] =
+              estimate + sample.setpoint_psi - sample.reference_psi;
+        }
+        if (next < sweeps.size() && sweeps[next].sequence == s && sweeps[next].repeat == r) ++next;
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace tactbench::analysis
