@@ -32,16 +32,35 @@ ReportInput content_of(const ReportInput& input) {
   return content;
 }
 
-// The sections that name runs, and those that do not: only the first are rendered a second time for the hash.
-struct Body {
-  Markup verdicts, identification, results, held_out, meaning;
-  std::string results_data;
+// The order of the page and of its list of contents: a section more is a line more.
+struct ReportPart {
+  const char* id;     // of its heading
+  const char* title;  // in the list of contents
+  Markup (*write)(const ReportInput&);
+  bool names_runs;  // numbers, times, hosts: written once more without them for the content hash
+  // The data behind the section as JSON in ASCII, member `id` of "sections"; null: they stand in "results". Names no
+  // run.
+  std::string (*data)(const ReportInput&) = nullptr;
 };
 
-std::string content_hash(const ReportInput& input, const Body& body) {
+constexpr ReportPart kReportParts[] = {
+    {"verdicts", "Verdicts", verdict_section, false},
+    {"identification", "Identification", identification_section, true},
+    {"raw", "Before compensation", raw_section, false},
+    {"loops", "Loops", loops_section, false},
+    {"frames", "Frames", frames_section, false},
+    {"levels", "Levels", levels_section, false},
+    {"model", "ELAM", model_section, false},
+    {"held-out", "Other runs", held_out_section, true},
+    {"meaning", "What it means", meaning_section, false},
+};
+
+std::string content_hash(const ReportInput& input, const std::vector<Markup>& parts, const std::string& results) {
   const ReportInput content = content_of(input);
-  std::string text = body.verdicts.value + body.results.value + body.meaning.value + body.results_data;
-  text += identification_section(content).value + held_out_section(content).value + identification_json(content);
+  std::string text = results + identification_json(content);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    text += kReportParts[i].names_runs ? kReportParts[i].write(content).value : parts[i].value;
+  }
   return db::sha256_hex(text);
 }
 
@@ -53,17 +72,8 @@ Markup header(const ReportInput& input, const std::string& number) {
                 html::stated(input.run.sensor_serial), input.run.run,
                 input.run.started_utc.empty() ? Text("date not stated") : moment(input.run.started_utc));
   out += markup("<nav aria-label=\"Contents\"><ul>\n");
-  static constexpr const char* kContents[][2] = {{"verdicts", "Verdicts"},
-                                                 {"identification", "Identification"},
-                                                 {"raw", "Before compensation"},
-                                                 {"loops", "Loops"},
-                                                 {"frames", "Frames"},
-                                                 {"levels", "Levels"},
-                                                 {"model", "ELAM"},
-                                                 {"held-out", "Other runs"},
-                                                 {"meaning", "What it means"}};
-  for (const auto& [id, title] : kContents) {
-    out += markup("<li><a href=\"#{}\">{}</a></li>\n", html::Attribute(id), Text(title));
+  for (const ReportPart& part : kReportParts) {
+    out += markup("<li><a href=\"#{}\">{}</a></li>\n", html::Attribute(part.id), Text(part.title));
   }
   out += markup("</ul></nav>\n</header>\n");
   return out;
@@ -79,16 +89,23 @@ Markup footer(const std::string& number) {
 }  // namespace
 
 Report render_report(const ReportInput& input) {
-  Body body;
-  body.verdicts = verdict_section(input);
-  body.identification = identification_section(input);
-  for (const auto& section : {raw_section, loops_section, frames_section, levels_section, model_section}) {
-    body.results += section(input);
+  std::vector<Markup> parts;
+  for (const ReportPart& part : kReportParts) parts.push_back(part.write(input));
+  std::string results = fmt::format("\"results\":{},\n\"sections\":{{", results_json(input));
+  bool first = true;
+  for (const ReportPart& part : kReportParts) {
+    if (part.data == nullptr) continue;
+    results += fmt::format("{}\"{}\":{}", first ? "" : ",\n", part.id, part.data(input));
+    first = false;
   }
-  body.held_out = held_out_section(input);
-  body.meaning = meaning_section(input);
-  body.results_data = results_json(input);
-  const std::string number = fmt::format("{}-{}", input.run.run, content_hash(input, body).substr(0, 8));
+  results += '}';
+  Report report;
+  report.content_sha256 = content_hash(input, parts, results);
+  report.number = fmt::format("{}-{}", input.run.run, report.content_sha256.substr(0, 8));
+  const std::string& number = report.number;
+  report.json =
+      fmt::format("{{\"schema\":\"tactbench.report\",\"version\":1,\"number\":\"{}\",\"identification\":{},\n{}}}",
+                  number, identification_json(input), results);
 
   Markup page = markup(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
@@ -98,16 +115,13 @@ Report render_report(const ReportInput& input) {
       html::Attribute(kPolicy), Text(number), style_sheet(number, is_simulated(input)));
   page += header(input, number);
   page += markup("<main>\n");
-  for (const Markup* part : {&body.verdicts, &body.identification, &body.results, &body.held_out, &body.meaning})
-    page += *part;
+  for (const Markup& part : parts) page += part;
   page += markup("</main>\n");
   page += footer(number);
-  page += markup(
-      "<script type=\"application/json\" "
-      "id=\"report-data\">{{\"schema\":\"tactbench.report\",\"version\":1,\"number\":\"{}\","
-      "\"identification\":{},\n\"results\":{}}}</script>\n</body>\n</html>\n",
-      Text(number), html::JsonInHtml(identification_json(input)), html::JsonInHtml(body.results_data));
-  return {number, std::move(page.value)};
+  page += markup("<script type=\"application/json\" id=\"report-data\">{}</script>\n</body>\n</html>\n",
+                 html::JsonInHtml(report.json));
+  report.html = std::move(page.value);
+  return report;
 }
 
 }  // namespace tactbench::analysis

@@ -32,7 +32,9 @@ struct ReportInput {
 
 struct Report {
   std::string number;  // run number + first 8 hex digits of the content hash (contract.md)
+  std::string content_sha256;
   std::string html;
+  std::string json;  // the data alone, as inside the page: schema tactbench.report, version, number, data
 };
 
 Report render_report(const ReportInput& input);
