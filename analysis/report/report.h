@@ -7,7 +7,12 @@
 #include <vector>
 
 #include "analysis/identify/identify.h"
+#include "analysis/report/history.h"
+#include "analysis/report/laboratory.h"
+#include "analysis/report/style.h"
+#include "analysis/statistics/behaviour.h"
 #include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/health.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
@@ -22,12 +27,20 @@ struct HeldOut {
 struct ReportInput {
   db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
-  ArrayFit fit;
-  Evaluation evaluation;  // the fit's own run
+  ArrayFit fit;           // without taxels: no models, and the sections that need some say so
+  Evaluation evaluation;  // the fit's own run; without levels: not evaluated
   std::vector<HeldOut> held_out;
+  std::vector<db::RunRecord> further;  // of the same sensor, for what one run does not tell: creep, mounts, objects
   std::vector<db::VerdictRecord> verdicts;
   std::string program_version;
   std::int64_t frame_count = 0;
+  RunHistory history;
+  Health health;
+  Behaviour behaviour;
+  Laboratory laboratory;
+  std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
+  std::string issued;                       // date of issue as typed; empty: that of the approval
+  PaperSize paper = PaperSize::kA4;         // no part of the content
 };
 
 struct Report {
