@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "analysis/identify/lanes.h"
+#include "analysis/report/gather.h"
 #include "analysis/statistics/figures.h"
 #include "bench/utc.h"
 #include "build_info.h"
@@ -58,26 +59,32 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
   return subject;
 }
 
-std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
-                         const std::vector<NamedEvaluation>& evaluations,
-                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number) {
+analysis::ReportInput report_input(const db::RunStore& store, std::int64_t run, const analysis::ArrayFit& fit,
+                                   const std::vector<NamedEvaluation>& evaluations,
+                                   const std::vector<db::VerdictRecord>& verdicts,
+                                   const std::vector<std::int64_t>& further) {
   analysis::ReportInput input;
-  input.run = store.run(fit.run);
-  input.sensor = store.sensor(input.run.sensor_serial);
   input.fit = fit;
-  input.evaluation = evaluations.front().evaluation;
+  if (!evaluations.empty()) input.evaluation = evaluations.front().evaluation;
   for (std::size_t i = 1; i < evaluations.size(); ++i) {
     input.held_out.push_back(
         {evaluations[i].title, store.run(evaluations[i].evaluation.run), evaluations[i].evaluation});
   }
   input.verdicts = verdicts;
   input.program_version = TACTBENCH_VERSION;
-  input.frame_count = store.frame_count(fit.run);
-  const analysis::Report report = analysis::render_report(input);
-  namespace fs = std::filesystem;
-  if (path.empty()) {
-    path = (fs::path(store.path()).parent_path() / "reports" / fmt::format("run-{}.html", fit.run)).string();
-  }
+  analysis::gather_run(input, store, run, further);
+  return input;
+}
+
+std::string report_path(const db::RunStore& store, const std::string& name) {
+  return (std::filesystem::path(store.path()).parent_path() / "reports" / name).string();
+}
+
+std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
+                         const std::vector<NamedEvaluation>& evaluations,
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number) {
+  const analysis::Report report = analysis::render_report(report_input(store, fit.run, fit, evaluations, verdicts));
+  if (path.empty()) path = report_path(store, fmt::format("run-{}.html", fit.run));
   write_whole(path, report.html);
   if (number != nullptr) *number = report.number;
   return path;

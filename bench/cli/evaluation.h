@@ -33,10 +33,20 @@ std::vector<db::VerdictRecord> judge_and_store(db::RunStore& store, const analys
 // subject, empty for an imported run, which has no sensor.
 std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, const analysis::Evaluation& own);
 
+// What a report says of `run`: models and figures where there are any, verdicts, everything else from the store.
+// `evaluations` is empty, or its first is the run's own and the others are held out.
+analysis::ReportInput report_input(const db::RunStore& store, std::int64_t run, const analysis::ArrayFit& fit,
+                                   const std::vector<NamedEvaluation>& evaluations,
+                                   const std::vector<db::VerdictRecord>& verdicts,
+                                   const std::vector<std::int64_t>& further = {});
+
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
 // store. Returns the path.
 std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
                          const std::vector<NamedEvaluation>& evaluations,
                          const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number);
+
+// reports/NAME beside the store.
+std::string report_path(const db::RunStore& store, const std::string& name);
 
 }  // namespace tactbench::bench
