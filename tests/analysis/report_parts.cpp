@@ -70,7 +70,8 @@ TEST_CASE("numbers for the reader") {
   CHECK(CssNumber(100.0).value == "100");
   CHECK(CssNumber(1.50).value == "1.5");
   CHECK_THROWS_AS(CssNumber(std::nan("")), std::invalid_argument);
-  CHECK_THROWS_AS(style_sheet({"Report", "12-ab\"; } body { display: none", true, PaperSize::kA4}), std::invalid_argument);
+  CHECK_THROWS_AS(style_sheet({"Report", "12-ab\"; } body { display: none", true, PaperSize::kA4}),
+                  std::invalid_argument);
 }
 
 TEST_CASE("ticks are round and inside the range") {
