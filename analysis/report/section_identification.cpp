@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "analysis/report/page.h"
 
 namespace tactbench::analysis {
@@ -15,6 +17,14 @@ const db::DeviceRecord* scanner_of(const db::RunRecord& run) {
     if (device.role.find("scanner") != std::string::npos) return &device;
   }
   return nullptr;
+}
+
+// As typed, else as the run stored it with the scanner.
+std::string cable_of(const Laboratory& laboratory, const db::DeviceRecord* scanner) {
+  if (!laboratory.cable.empty() || scanner == nullptr) return laboratory.cable;
+  const auto json = nlohmann::json::parse(scanner->calibration_json, nullptr, false);
+  const bool there = json.is_object() && json.contains("cable") && json["cable"].is_string();
+  return there ? json["cable"].get<std::string>() : std::string();
 }
 
 Markup further_runs(const ReportInput& input) {
@@ -47,7 +57,7 @@ Markup identification_section(const ReportInput& input) {
                                       {"array", markup("{} rows × {} columns", rows, columns)},
                                       {"scanner electronics, serial number", line(stated(scanner_serial))},
                                       {"scanner firmware", line(stated(scanner != nullptr ? scanner->firmware : ""))},
-                                      {"cable", line(stated(laboratory.cable))},
+                                      {"cable", line(stated(cable_of(laboratory, scanner)))},
                                       {"received", line(stated(laboratory.received))},
                                       {"condition when received", line(stated(laboratory.condition))},
                                       {"note on the sensor", line(stated(input.sensor ? input.sensor->note : ""))}});
