@@ -1,14 +1,12 @@
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "analysis/report/data.h"
 #include "analysis/report/page.h"
 
 namespace tactbench::analysis {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string dump(const Json& json) { return json.dump(-1, ' ', true, Json::error_handler_t::replace); }
 
 // Frames to six significant digits, finer than a converter step; everything else keeps all its digits.
 Json frame(const std::vector<double>& values) {
@@ -88,6 +86,50 @@ Json taxel_json(const TaxelFit& taxel, int index) {
   return out;
 }
 
+Json laboratory_json(const Laboratory& l) {
+  Json instruments = Json::array();
+  for (const InstrumentNote& note : l.instruments)
+    instruments.push_back({{"serial", note.serial},
+                           {"certificate", note.certificate},
+                           {"calibrated_by", note.calibrated_by},
+                           {"calibrated_on", note.calibrated_on},
+                           {"due", note.due},
+                           {"note", note.note}});
+  return {{"laboratory", l.laboratory}, {"address", l.address},
+          {"place", l.place},           {"accreditation", l.accreditation},
+          {"customer", l.customer},     {"customer_address", l.customer_address},
+          {"order", l.order},           {"received", l.received},
+          {"condition", l.condition},   {"cable", l.cable},
+          {"mounting", l.mounting},     {"environment", l.environment},
+          {"deviations", l.deviations}, {"remarks", l.remarks},
+          {"instruments", instruments}, {"sha256", l.sha256}};
+}
+
+Json history_json(const RunHistory& history) {
+  Json events = Json::array(), voids = Json::array(), surroundings = Json::array(), checks = Json::array();
+  for (const HistoryEvent& event : history.events)
+    events.push_back({{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}});
+  for (const VoidBranch& branch : history.voids)
+    voids.push_back({{"sequence", branch.sequence},
+                     {"repeat", branch.repeat},
+                     {"branch", branch.branch},
+                     {"attempt", branch.attempt},
+                     {"reason", branch.reason}});
+  for (const SurroundingsRange& range : history.surroundings)
+    surroundings.push_back(
+        {{"quantity", range.quantity}, {"low", range.low}, {"high", range.high}, {"readings", range.readings}});
+  for (const db::CheckRecord& check : history.checks)
+    checks.push_back({{"kind", check.kind}, {"verdict", check.verdict}, {"detail", check.detail_json}});
+  return {{"frames", history.frames},
+          {"flagged", history.flagged},
+          {"flags", history.flags},
+          {"void_frames", history.void_frames},
+          {"voids", voids},
+          {"events", events},
+          {"surroundings", surroundings},
+          {"checks", checks}};
+}
+
 Json run_json(const db::RunRecord& run) {
   Json devices = Json::array(), sequences = Json::array();
   for (const db::DeviceRecord& device : run.devices) {
@@ -135,7 +177,13 @@ Json run_json(const db::RunRecord& run) {
 }  // namespace
 
 std::string identification_json(const ReportInput& input) {
-  Json held_out = Json::array();
+  Json held_out = Json::array(), further = Json::array(), approvals = Json::array();
+  for (const db::RunRecord& run : input.further) further.push_back(run_json(run));
+  for (const db::ReportRecord& approval : input.approvals)
+    approvals.push_back({{"number", approval.number},
+                         {"approved_by", approval.approved_by},
+                         {"approved_utc", approval.approved_utc},
+                         {"replaces", approval.replaces}});
   for (const HeldOut& run : input.held_out) {
     held_out.push_back(run_json(run.run));
     held_out.back()["title"] = run.title;
@@ -148,13 +196,18 @@ std::string identification_json(const ReportInput& input) {
               {"scanner_serial", input.sensor->scanner_serial},
               {"note", input.sensor->note}};
   }
-  return dump({{"simulated", is_simulated(input)},
-               {"independent_pressure_reference", has_reference(input.run)},
-               {"report_program_version", input.program_version},
-               {"frame_count", input.frame_count},
-               {"run", run_json(input.run)},
-               {"sensor", sensor},
-               {"held_out", held_out}});
+  return json_text({{"simulated", is_simulated(input)},
+                    {"independent_pressure_reference", has_reference(input.run)},
+                    {"report_program_version", input.program_version},
+                    {"frame_count", input.frame_count},
+                    {"run", run_json(input.run)},
+                    {"sensor", sensor},
+                    {"held_out", held_out},
+                    {"further", further},
+                    {"history", history_json(input.history)},
+                    {"laboratory", laboratory_json(input.laboratory)},
+                    {"models_sha256", input.fit.taxels.empty() ? "" : model_sha256(input.fit)},
+                    {"approvals", approvals}});
 }
 
 std::string results_json(const ReportInput& input) {
@@ -192,21 +245,21 @@ std::string results_json(const ReportInput& input) {
     held_out.push_back(
         {{"title", run.title}, {"evaluation", evaluation_json(run.evaluation, fitted_taxels(input.fit))}});
   }
-  return dump({{"verdicts", verdicts},
-               {"evaluation", evaluation_json(e, fitted_taxels(input.fit))},
-               {"taxel_mean_error_psi", e.taxel_mean_error_psi},
-               {"held_out", held_out},
-               {"traces", traces},
-               {"model",
-                {{"name", "elam"},
-                 {"rows", input.fit.rows},
-                 {"columns", input.fit.columns},
-                 {"parameter_names", kElamParameterNames},
-                 {"full_scale_v", input.fit.full_scale_v},
-                 {"pressure_psi", input.fit.pressure_psi},
-                 {"mean_taxel", taxel_json(input.fit.mean_taxel, -1)},
-                 {"taxels", taxels}}},
-               {"frames", frames}});
+  return json_text({{"verdicts", verdicts},
+                    {"evaluation", evaluation_json(e, fitted_taxels(input.fit))},
+                    {"taxel_mean_error_psi", e.taxel_mean_error_psi},
+                    {"held_out", held_out},
+                    {"traces", traces},
+                    {"model",
+                     {{"name", "elam"},
+                      {"rows", input.fit.rows},
+                      {"columns", input.fit.columns},
+                      {"parameter_names", kElamParameterNames},
+                      {"full_scale_v", input.fit.full_scale_v},
+                      {"pressure_psi", input.fit.pressure_psi},
+                      {"mean_taxel", taxel_json(input.fit.mean_taxel, -1)},
+                      {"taxels", taxels}}},
+                    {"frames", frames}});
 }
 
 }  // namespace tactbench::analysis

@@ -183,7 +183,13 @@ Markup line_chart(const LineChart& chart) {
   };
   std::vector<Entry> entries;
   double x = frame.left, row = 0.0;
+  std::size_t named = 0;
   for (const Series& series : chart.series) {
+    if (series.name.empty()) {
+      entries.push_back({x, row});
+      continue;
+    }
+    ++named;
     const double width = 34.0 + kLetter * letters(series.name) + 14.0;
     if (x + width > chart.width && x > frame.left) {
       x = frame.left;
@@ -192,7 +198,7 @@ Markup line_chart(const LineChart& chart) {
     entries.push_back({x, row});
     x += width;
   }
-  const double legend = chart.series.size() < 2 ? 0.0 : (row + 1.0) * kLine;
+  const double legend = named < 2 ? 0.0 : (row + 1.0) * kLine;
   frame.bottom = chart.height - 39.0 - legend;
 
   Markup out =
@@ -203,8 +209,12 @@ Markup line_chart(const LineChart& chart) {
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const Series& series = chart.series[i];
     const Markup line = stroke(style_of(series), series.points);
-    out += markup("<path fill=\"none\" {} d=\"{}\"/>", line, Attribute(path_of(series, frame)));
-    if (legend == 0.0) continue;
+    const std::string path = path_of(series, frame);
+    if (series.filled && !path.empty())
+      out += markup("<path fill=\"#d5dde3\" d=\"{}V{}H{}z\"/>", Attribute(path), CssNumber(frame.bottom, 1),
+                    CssNumber(frame.px(series.x.front()), 1));
+    out += markup("<path fill=\"none\" {} d=\"{}\"/>", line, Attribute(path));
+    if (legend == 0.0 || series.name.empty()) continue;
     const double y = chart.height - legend + kLine * entries[i].row + 8.0;
     out +=
         markup("<path fill=\"none\" {} d=\"M{} {}h{}\"/>", line, CssNumber(entries[i].x + (series.points ? 14 : 0), 1),

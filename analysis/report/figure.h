@@ -11,10 +11,11 @@
 namespace tactbench::analysis {
 
 struct Series {
-  std::string name;
+  std::string name;          // in the legend; empty: not there
   std::vector<double> x, y;  // of equal length; a value that is not finite breaks the line
   int style = 0;             // colour and dash pattern, 0..kLineStyles-1
   bool points = false;       // dots without a line
+  bool filled = false;       // the area below the line, down to the axis
 };
 
 struct LineChart {
@@ -34,6 +35,17 @@ inline constexpr LineStyle kLineStyles[] = {
 
 // Legend below the axes, never over the curves.
 html::Markup line_chart(const LineChart& chart);
+
+// How many values lie where. Values that are not finite are left out.
+struct Histogram {
+  std::string title, x_label, y_label;
+  std::vector<double> values;
+  std::optional<double> limit;  // a dashed line across
+  std::string limit_name;
+  double width = 335.0, height = 220.0;
+  int bins = 24;
+};
+html::Markup histogram_chart(const Histogram& histogram);
 
 // About `wanted` round numbers (1, 2, 5 x 10^n) within [low, high].
 std::vector<double> nice_ticks(double low, double high, int wanted);

@@ -102,16 +102,13 @@ CssNumber::CssNumber(double number, int digits) {
 
 JsonInHtml::JsonInHtml(std::string_view json) {
   value.reserve(json.size() + json.size() / 16);
-  for (const char c : json) {
-    if (c == '<') {
-      value += "\\u003c";
-    } else if (c == '>') {
-      value += "\\u003e";
-    } else if (c == '&') {
-      value += "\\u0026";
-    } else {
-      value += c;
-    }
+  for (std::size_t from = 0; from < json.size();) {
+    std::size_t at = from;
+    while (at < json.size() && json[at] != '<' && json[at] != '>' && json[at] != '&') ++at;
+    value.append(json, from, at - from);
+    if (at == json.size()) break;
+    value += json[at] == '<' ? "\\u003c" : json[at] == '>' ? "\\u003e" : "\\u0026";
+    from = at + 1;
   }
 }
 

@@ -51,6 +51,10 @@ bool is_simulated(const ReportInput& input) {
                                              [&](const HeldOut& held_out) { return simulated(held_out.run); });
 }
 
+bool is_certificate(const ReportInput& input) {
+  return !input.laboratory.accreditation.empty() && !is_simulated(input) && has_reference(input.run);
+}
+
 bool has_reference(const db::RunRecord& run) {
   const auto lower = [](std::string text) {
     for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

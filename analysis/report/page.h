@@ -15,6 +15,7 @@ namespace tactbench::analysis {
 // report.cpp puts these one after the other.
 html::Markup verdict_section(const ReportInput& input);
 html::Markup identification_section(const ReportInput& input);
+html::Markup health_section(const ReportInput& input);
 html::Markup raw_section(const ReportInput& input);
 html::Markup loops_section(const ReportInput& input);
 html::Markup frames_section(const ReportInput& input);
@@ -24,11 +25,18 @@ html::Markup held_out_section(const ReportInput& input);
 html::Markup uncertainty_section(const ReportInput& input);
 html::Markup meaning_section(const ReportInput& input);
 
+// Parts of the identification.
+html::Markup instruments_part(const ReportInput& input);
+html::Markup method_part(const ReportInput& input);
+
 // The data behind the figures. What names the run (number, UUID, times, host) is apart from the results, so that the
 // content hash can leave it out. JSON in ASCII; null where a figure is not available.
 std::string identification_json(const ReportInput& input);
 std::string results_json(const ReportInput& input);
 std::string uncertainty_json(const ReportInput& input);
+std::string number_list_json(const std::vector<double>& values);  // null where not finite
+std::string health_json(const ReportInput& input);
+std::string behaviour_json(const ReportInput& input);
 
 // Shared by the sections.
 struct Pair {
@@ -44,6 +52,11 @@ html::Text moment(const std::string& utc);     // "2024-05-06 07:08:09Z"
 std::string place_of(int taxel, int columns);  // "row 1, column 5"
 
 bool is_simulated(const ReportInput& input);
+// The word "certificate" is allowed: an accreditation number is stated, the data are real, the pressure is traceable.
+bool is_certificate(const ReportInput& input);
+// A due date lies before the day of `utc`; false where one of them is no date.
+bool is_overdue(const std::string& due, const std::string& utc);
+std::string model_sha256(const ArrayFit& fit);  // of all parameters and patterns, bit for bit
 // A pressure reference that is a device of its own, not the regulator's feedback.
 bool has_reference(const db::RunRecord& run);
 // "✓ pass", "▲ inconclusive", "✗ fail"; with "simulated" before the word for a simulated run.

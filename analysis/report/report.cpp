@@ -1,8 +1,10 @@
 #include "analysis/report/report.h"
 
+#include <algorithm>
+
 #include "analysis/report/more_sections.h"
 #include "analysis/report/page.h"
-#include "analysis/report/style.h"
+#include "analysis/report/shell.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {
@@ -11,9 +13,6 @@ namespace {
 using html::markup;
 using html::Markup;
 using html::Text;
-
-constexpr const char* kPolicy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-constexpr const char* kBanner = "SIMULATED – made on simulated devices, not a measurement of a real sensor";
 
 // contract.md, "Runs": content is everything but UUID, wall-clock times, host, tags, notes. The run's own number is
 // left out too: it stands before the hash, and the same run in another store has another one.
@@ -27,6 +26,9 @@ ReportInput content_of(const ReportInput& input) {
   keep_content_only(content.run);
   forget_run_numbers(content.more);
   for (HeldOut& held_out : content.held_out) keep_content_only(held_out.run);
+  for (db::RunRecord& run : content.further) keep_content_only(run);
+  content.history.earlier_seating_run = 0;
+  content.approvals.clear();
   if (content.sensor) {
     content.sensor->note.clear();
     content.sensor->added_utc.clear();
@@ -43,62 +45,97 @@ struct ReportPart {
   // The data behind the section as JSON in ASCII, member `id` of "sections"; null: they stand in "results". Names no
   // run.
   std::string (*data)(const ReportInput&) = nullptr;
+  bool needs_evaluation = false;  // without one the part only says so
 };
 
 constexpr ReportPart kReportParts[] = {
     {"verdicts", "Verdicts", verdict_section, false},
     {"identification", "Identification", identification_section, true},
-    {"raw", "Before compensation", raw_section, false},
+    {"health", "Sensor health", health_section, false, health_json},
+    {"raw", "Before compensation", raw_section, false, behaviour_json},
     {"loops", "Loops", loops_section, false},
     {"frames", "Frames", frames_section, false},
     {"levels", "Levels", levels_section, false},
-    {"model", "ELAM", model_section, false},
-    {"models", "Models compared", models_section, false, models_json},
-    {"as-found", "As found, as left", as_found_section, true},
-    {"compensation", "Single taxels", compensation_section, false, compensation_json},
+    {"model", "ELAM", model_section, false, nullptr, true},
+    {"models", "Models compared", models_section, false, models_json, true},
+    {"as-found", "As found, as left", as_found_section, true, nullptr, true},
+    {"compensation", "Single taxels", compensation_section, false, compensation_json, true},
     {"studies", "Further studies", studies_section, true, studies_json},
     {"objects", "Under objects", objects_section, true, objects_json},
-    {"held-out", "Other runs", held_out_section, true},
-    {"uncertainty", "Uncertainty", uncertainty_section, false, uncertainty_json},
+    {"held-out", "Other runs", held_out_section, true, nullptr, true},
+    {"uncertainty", "Uncertainty", uncertainty_section, false, uncertainty_json, true},
     {"meaning", "What it means", meaning_section, false},
 };
+
+Markup write_part(const ReportPart& part, const ReportInput& input) {
+  if (!part.needs_evaluation || !input.evaluation.levels.empty()) return part.write(input);
+  Markup out = section_start(part.id, part.title);
+  out += markup("<p>not available: no models were made from this run.</p>\n");
+  return out;
+}
 
 std::string content_hash(const ReportInput& input, const std::vector<Markup>& parts, const std::string& results) {
   const ReportInput content = content_of(input);
   std::string text = results + identification_json(content);
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    text += kReportParts[i].names_runs ? kReportParts[i].write(content).value : parts[i].value;
+    text += kReportParts[i].names_runs ? write_part(kReportParts[i], content).value : parts[i].value;
   }
   return db::sha256_hex(text);
 }
 
-Markup header(const ReportInput& input, const std::string& number) {
-  Markup out;
-  if (is_simulated(input)) out += markup("<div class=\"banner\" role=\"note\">{}</div>\n", Text(kBanner));
-  out += markup("<header>\n<h1>Calibration report</h1>\n<p class=\"number\">No. {}</p>\n", Text(number));
-  out += markup("<p>Tactile sensor array {}, run {}, {}. Not issued by an accredited laboratory.</p>\n",
-                html::stated(input.run.sensor_serial), input.run.run,
-                input.run.started_utc.empty() ? Text("date not stated") : moment(input.run.started_utc));
-  out += markup("<nav aria-label=\"Contents\"><ul>\n");
-  for (const ReportPart& part : kReportParts) {
-    out += markup("<li><a href=\"#{}\">{}</a></li>\n", html::Attribute(part.id), Text(part.title));
+// What the store says of signatures under this report and under those of the same run before it.
+struct Issue {
+  std::string authorised_by, authorised_utc, issued, replaces;
+};
+
+Issue issue_of(const ReportInput& input, const std::string& number) {
+  Issue issue;
+  const auto own = std::ranges::find(input.approvals, number, &db::ReportRecord::number);
+  if (own != input.approvals.end()) {
+    issue.authorised_by = own->approved_by;
+    issue.authorised_utc = own->approved_utc;
+    issue.replaces = own->replaces;
+  } else if (!input.approvals.empty()) {
+    issue.replaces = input.approvals.back().number;
   }
-  out += markup("</ul></nav>\n</header>\n");
-  return out;
+  issue.issued = !input.issued.empty() ? input.issued : issue.authorised_utc.substr(0, 10);
+  return issue;
 }
 
-Markup footer(const std::string& number) {
-  return markup(
-      "<footer>\n<p>End of calibration report {}. The data behind each figure stand in this file as JSON (element "
-      "“report-data”); shares of full scale are not in per cent there, and null means not available.</p>\n</footer>\n",
-      Text(number));
+const char* document_name(const ReportInput& input) {
+  return is_certificate(input) ? "Calibration certificate" : "Calibration report";
+}
+
+Markup issue_table(const ReportInput& input, const std::string& number) {
+  const Issue issue = issue_of(input, number);
+  const auto field = [](const html::Safe& content) { return markup("{}", content); };
+  return pairs_table(
+      "Issue", {{"number", field(Text(number))},
+                {"date of issue", field(html::stated(issue.issued))},
+                {"authorised by", issue.authorised_by.empty()
+                                      ? markup("not stated: nobody has signed for this report")
+                                      : markup("{}, {}", Text(issue.authorised_by), moment(issue.authorised_utc))},
+                {"replaces", field(Text(issue.replaces.empty() ? "no earlier report of this run" : issue.replaces))}});
+}
+
+Markup opening(const ReportInput& input, const std::string& number) {
+  Markup out =
+      markup("<p>Tactile sensor array {}, run {}, {}. {}</p>\n", html::stated(input.run.sensor_serial), input.run.run,
+             input.run.started_utc.empty() ? Text("date not stated") : moment(input.run.started_utc),
+             is_certificate(input) ? Text(fmt::format("Issued under accreditation {}.", input.laboratory.accreditation))
+                                   : Text("Not issued by an accredited laboratory."));
+  if (input.run.is_void())
+    out += markup("<p class=\"fail\"><span class=\"sign\">✗</span> The run was declared void by {}: {}</p>\n",
+                  Text(input.run.void_by), Text(input.run.void_reason));
+  out += issue_table(input, number);
+  return out;
 }
 
 }  // namespace
 
 Report render_report(const ReportInput& input) {
   std::vector<Markup> parts;
-  for (const ReportPart& part : kReportParts) parts.push_back(part.write(input));
+  for (const ReportPart& part : kReportParts) parts.push_back(write_part(part, input));
   std::string results = fmt::format("\"results\":{},\n\"sections\":{{", results_json(input));
   bool first = true;
   for (const ReportPart& part : kReportParts) {
@@ -115,20 +152,16 @@ Report render_report(const ReportInput& input) {
       fmt::format("{{\"schema\":\"tactbench.report\",\"version\":1,\"number\":\"{}\",\"identification\":{},\n{}}}",
                   number, identification_json(input), results);
 
-  Markup page = markup(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\"/>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "<title>Calibration report {}</title>\n<style>{}</style>\n</head>\n<body>\n",
-      html::Attribute(kPolicy), Text(number), style_sheet(number, is_simulated(input)));
-  page += header(input, number);
-  page += markup("<main>\n");
-  for (const Markup& part : parts) page += part;
-  page += markup("</main>\n");
-  page += footer(number);
-  page += markup("<script type=\"application/json\" id=\"report-data\">{}</script>\n</body>\n</html>\n",
-                 html::JsonInHtml(report.json));
-  report.html = std::move(page.value);
+  Shell shell;
+  shell.document = document_name(input);
+  shell.number = number;
+  shell.simulated = is_simulated(input);
+  shell.paper = input.paper;
+  shell.opening = opening(input, number);
+  for (const ReportPart& part : kReportParts) shell.contents.emplace_back(part.id, part.title);
+  for (const Markup& part : parts) shell.main += part;
+  shell.json = report.json;
+  report.html = page_of(shell);
   return report;
 }
 

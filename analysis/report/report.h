@@ -7,8 +7,13 @@
 #include <vector>
 
 #include "analysis/identify/identify.h"
+#include "analysis/report/history.h"
+#include "analysis/report/laboratory.h"
 #include "analysis/report/results.h"
+#include "analysis/report/style.h"
+#include "analysis/statistics/behaviour.h"
 #include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/health.h"
 #include "analysis/statistics/uncertainty.h"
 #include "analysis/statistics/verdict.h"
 #include "db/record.h"
@@ -25,15 +30,23 @@ struct HeldOut {
 struct ReportInput {
   db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
-  ArrayFit fit;
-  Evaluation evaluation;  // the fit's own run
+  ArrayFit fit;           // without taxels: no models, and the sections that need some say so
+  Evaluation evaluation;  // the fit's own run; without levels: not evaluated
   std::vector<HeldOut> held_out;
+  std::vector<db::RunRecord> further;  // of the same sensor, for what one run does not tell: creep, mounts, objects
   std::vector<db::VerdictRecord> verdicts;
   std::optional<Uncertainty> uncertainty;  // of a reading of this run's taxels
   std::vector<JudgedUncertainty> judged;   // of the figures in `verdicts`
   std::string program_version;
   std::int64_t frame_count = 0;
   ReportResults more;
+  RunHistory history;
+  Health health;
+  Behaviour behaviour;
+  Laboratory laboratory;
+  std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
+  std::string issued;                       // date of issue as typed; empty: that of the approval
+  PaperSize paper = PaperSize::kA4;         // no part of the content
 };
 
 struct Report {

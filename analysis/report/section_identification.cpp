@@ -19,53 +19,24 @@ const db::DeviceRecord* scanner_of(const db::RunRecord& run) {
   return nullptr;
 }
 
-// What scaled the raw counts of a device, one member of the JSON object a line; text that is not JSON as it is.
-Markup calibration(const std::string& json_text) {
-  const auto json = nlohmann::json::parse(json_text, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) return line(stated(json_text));
+// As typed, else as the run stored it with the scanner.
+std::string cable_of(const Laboratory& laboratory, const db::DeviceRecord* scanner) {
+  if (!laboratory.cable.empty() || scanner == nullptr) return laboratory.cable;
+  const auto json = nlohmann::json::parse(scanner->calibration_json, nullptr, false);
+  const bool there = json.is_object() && json.contains("cable") && json["cable"].is_string();
+  return there ? json["cable"].get<std::string>() : std::string();
+}
+
+Markup further_runs(const ReportInput& input) {
   Markup out;
-  bool certificate = false;
-  for (const auto& [name, value] : json.items()) {
-    const std::string text = value.is_string() ? value.get<std::string>()
-                                               : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (const db::RunRecord& run : input.further) {
+    std::string names;
+    for (const db::SequenceRecord& sequence : run.sequences)
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", sequence.name);
     if (!out.value.empty()) out += markup("<br/>");
-    certificate = certificate || name.find("certificate") != std::string::npos;
-    out += markup("{}: {}", Text(name), stated(text));
+    out += markup("run {}: {}, {}", run.run, stated(names), moment(run.started_utc));
   }
-  if (!certificate) {
-    if (!out.value.empty()) out += markup("<br/>");
-    out += markup("certificate: not stated");
-  }
-  return out;
-}
-
-Markup instruments(const db::RunRecord& run) {
-  Markup out = markup(
-      "<table><caption>Instruments</caption><thead><tr><th scope=\"col\">role</th><th scope=\"col\">model</th>"
-      "<th scope=\"col\">serial</th><th scope=\"col\">firmware</th><th scope=\"col\">origin</th>"
-      "<th scope=\"col\">calibration used</th></tr></thead><tbody>\n");
-  for (const db::DeviceRecord& device : run.devices) {
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                  stated(device.role), stated(device.model), stated(device.serial), stated(device.firmware),
-                  stated(device.origin), calibration(device.calibration_json));
-  }
-  if (run.devices.empty()) out += markup("<tr><td colspan=\"6\">not stated</td></tr>\n");
-  out += markup("</tbody></table>\n");
-  return out;
-}
-
-Markup method(const db::RunRecord& run) {
-  Markup out = markup(
-      "<table><caption>Method: sequences run</caption><thead><tr><th scope=\"col\">sequence</th>"
-      "<th scope=\"col\" class=\"n\">repeats</th><th scope=\"col\" class=\"n\">frames a repeat</th>"
-      "<th scope=\"col\">SHA-256 of the recipe</th></tr></thead><tbody>\n");
-  for (const db::SequenceRecord& sequence : run.sequences) {
-    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
-                  stated(sequence.name), sequence.repeats, sequence.frames_per_repeat, code(sequence.recipe_sha256));
-  }
-  if (run.sequences.empty()) out += markup("<tr><td colspan=\"4\">not stated</td></tr>\n");
-  out += markup("</tbody></table>\n");
-  return out;
+  return out.value.empty() ? markup("none") : out;
 }
 
 }  // namespace
@@ -73,23 +44,46 @@ Markup method(const db::RunRecord& run) {
 Markup identification_section(const ReportInput& input) {
   const db::RunRecord& run = input.run;
   const db::DeviceRecord* scanner = scanner_of(run);
+  const Laboratory& laboratory = input.laboratory;
   const std::string scanner_serial =
       !run.scanner_serial.empty() || !input.sensor ? run.scanner_serial : input.sensor->scanner_serial;
+  const int rows = input.fit.rows > 0 ? input.fit.rows : input.health.rows;
+  const int columns = input.fit.columns > 0 ? input.fit.columns : input.health.columns;
 
   Markup out = section_start("identification", "Identification");
   out +=
       pairs_table("Item calibrated", {{"sensor, serial number", line(stated(run.sensor_serial))},
                                       {"sensor type", line(stated(input.sensor ? input.sensor->type : ""))},
-                                      {"array", markup("{} rows × {} columns", input.fit.rows, input.fit.columns)},
+                                      {"array", markup("{} rows × {} columns", rows, columns)},
                                       {"scanner electronics, serial number", line(stated(scanner_serial))},
                                       {"scanner firmware", line(stated(scanner != nullptr ? scanner->firmware : ""))},
-                                      {"cable", line(stated(""))},
+                                      {"cable", line(stated(cable_of(laboratory, scanner)))},
+                                      {"received", line(stated(laboratory.received))},
+                                      {"condition when received", line(stated(laboratory.condition))},
                                       {"note on the sensor", line(stated(input.sensor ? input.sensor->note : ""))}});
+  const bool accredited = is_certificate(input);
+  out += pairs_table(
+      "Laboratory and customer",
+      {{"laboratory", line(stated(laboratory.laboratory))},
+       {"address", line(stated(laboratory.address))},
+       {"place of the calibration", line(stated(laboratory.place))},
+       {"customer", line(stated(laboratory.customer))},
+       {"address of the customer", line(stated(laboratory.customer_address))},
+       {"order", line(stated(laboratory.order))},
+       {"accreditation", accredited ? markup("No. {}", Text(laboratory.accreditation))
+                                    : line(Text("This report was not issued by an accredited laboratory."))},
+       {"traceability of the pressure",
+        line(Text(has_reference(run) ? "Pressure measured by a pressure reference separate from the regulator; for its "
+                                       "certificate see Instruments."
+                                     : "Pressure not independently traceable: no separate pressure reference took "
+                                       "part, the regulator's feedback stands in."))},
+       {"remarks", line(stated(laboratory.remarks))}});
   out += pairs_table("Run", {{"run number", markup("{}", run.run)},
                              {"UUID", code(run.uuid)},
                              {"origin of the data", line(stated(run.origin))},
                              {"outcome", markup("{}{}{}", Text(db::to_string(run.outcome)),
                                                 Text(run.reason.empty() ? "" : ": "), Text(run.reason))},
+                             {"void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
                              {"safe state at the end", line(Text(db::to_string(run.safe_state)))},
                              {"operator", line(stated(run.operator_name))},
                              {"purpose", line(stated(run.purpose))},
@@ -99,24 +93,11 @@ Markup identification_section(const ReportInput& input) {
                              {"computer", line(stated(run.host))},
                              {"frames stored", markup("{}", input.frame_count)},
                              {"frames evaluated", markup("{}", input.evaluation.frames)},
+                             {"further runs used", further_runs(input)},
                              {"seeds", markup("noise and faults {}, sensor {}", run.seed, run.sensor_seed)},
                              {"settings changed on the command line", line(stated(run.overrides_json))}});
-  out += pairs_table(
-      "Laboratory", {{"laboratory", line(stated(""))},
-                     {"place", line(stated(""))},
-                     {"customer", line(stated(""))},
-                     {"environment", line(stated(""))},
-                     {"date of issue", line(stated(""))},
-                     {"authorised by", line(stated(""))},
-                     {"accreditation", line(Text("This report was not issued by an accredited laboratory."))},
-                     {"traceability of the pressure",
-                      line(Text(has_reference(run)
-                                    ? "Pressure measured by a pressure reference separate from the regulator; for its "
-                                      "certificate see Instruments."
-                                    : "Pressure not independently traceable: no separate pressure reference took part, "
-                                      "the regulator's feedback stands in."))}});
-  out += instruments(run);
-  out += method(run);
+  out += instruments_part(input);
+  out += method_part(input);
   out += pairs_table(
       "Program and files",
       {{"program of the run", markup("{}, commit {}{}", stated(run.program_version), stated(run.git_commit),
@@ -126,6 +107,8 @@ Markup identification_section(const ReportInput& input) {
        {"SHA-256 of the run's content", code(run.content_sha256)},
        {"SHA-256 of the bench configuration", code(run.bench_sha256)},
        {"SHA-256 of the sensor type file", code(run.sensor_sha256)},
+       {"SHA-256 of the models", code(input.fit.taxels.empty() ? "" : model_sha256(input.fit))},
+       {"SHA-256 of the laboratory file", code(laboratory.sha256)},
        {"SHA-256 of the limits file", code(input.verdicts.empty() ? "" : input.verdicts.front().limits_sha256)}});
   return out;
 }

@@ -65,27 +65,6 @@ Markup trace_figures(const Trace& trace) {
 
 }  // namespace
 
-Markup raw_section(const ReportInput& input) {
-  const Evaluation& evaluation = input.evaluation;
-  Markup out = section_start("raw", "Behaviour before compensation");
-  out += markup(
-      "<table><caption>Hysteresis error of the mean taxel</caption><thead><tr><th scope=\"col\">figure</th>"
-      "<th scope=\"col\" class=\"n\">this sensor, % FS</th><th scope=\"col\" class=\"n\">published sensor, % FS</th>"
-      "</tr></thead><tbody>\n"
-      "<tr><th scope=\"row\">maximum over the levels of the external loop</th><td class=\"n\">{}</td>"
-      "<td class=\"n\">25.3</td></tr>\n"
-      "<tr><th scope=\"row\">mean over the levels of the external loop</th><td class=\"n\">{}</td>"
-      "<td class=\"n\">10.0</td></tr>\n</tbody></table>\n",
-      html::percent(evaluation.hysteresis_max_fs, 1), html::percent(evaluation.hysteresis_mean_fs, 1));
-  out += markup(
-      "<p class=\"note\">Hysteresis error: distance of the outputs of loading and unloading at one pressure. Full "
-      "scale "
-      "(FS) of the output is the highest mean output of the array, {} V. The published sensor (Sánchez-Durán et al., "
-      "Sensors 2015) stands beside for orientation; it is not a limit.</p>\n",
-      html::fixed(evaluation.full_scale_v, 3));
-  return out;
-}
-
 Markup loops_section(const ReportInput& input) {
   Markup out = section_start("loops", "Loops of the mean taxel");
   if (input.evaluation.traces.empty()) {

@@ -39,8 +39,9 @@ Markup meaning_section(const ReportInput& input) {
            "cannot be observed by any method. Such samples are flagged and counted; figures with and without them are "
            "both given."));
   item(Text(
-      "Creep: a held pressure with a drifting output is outside every rate-independent model, this one too. Creep, "
-      "repeatability, zero return, temperature and crosstalk: not assessed in this version."));
+      "Creep: a held pressure with a drifting output is outside every rate-independent model, this one too. What was "
+      "measured of creep, repeatability and zero return stands in “Behaviour before compensation”; temperature and "
+      "crosstalk: not assessed in this version."));
   item(
       Text("Uniformity of the pressure over the chamber: not assessed. A non-uniformity is taken for mismatch of the "
            "taxels."));

@@ -1,5 +1,6 @@
 #include "analysis/report/style.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace tactbench::analysis {
@@ -26,6 +27,8 @@ code { font-family: "DejaVu Sans Mono", "Liberation Mono", monospace; font-size:
 table { border-collapse: collapse; width: 100%; margin: 8px 0 12px; font-size: 12px; }
 caption { text-align: left; font-weight: bold; padding: 6px 0 4px; break-after: avoid; }
 thead { display: table-header-group; }
+thead, thead tr { break-after: avoid; }
+tbody tr:first-child { break-before: avoid; }
 tr { break-inside: avoid; }
 th, td { text-align: left; vertical-align: top; padding: 3px 8px 3px 0; border-bottom: 1px solid #c8c8c8;
   overflow-wrap: anywhere; }
@@ -41,10 +44,12 @@ table.levels { font-size: 11px; }
 table.levels th[scope=row] { min-width: 0; }
 table.levels td:last-child { min-width: 11em; padding-left: 6px; }
 table.levels.even td:last-child { min-width: 0; padding-left: 0; }
+table.ranks th[scope=row] { min-width: 7em; }
 table.levels th, table.levels td { padding: 2px 5px 2px 0; }
 table.strip { table-layout: fixed; font-size: 11px; break-inside: avoid; }
 table.strip th, table.strip td { padding: 3px 2px; text-align: center; border: 0; overflow-wrap: normal; }
 table.strip th[scope=row] { width: 62px; min-width: 0; text-align: left; vertical-align: middle; font-weight: 600; }
+.plain { font-weight: normal; }
 .pass { color: #1b6e3c; font-weight: bold; }
 .fail, .worse { color: #aa1111; font-weight: bold; }
 .doubt { color: #8a5a00; font-weight: bold; }
@@ -70,7 +75,7 @@ svg text.cell { font-size: 9px; text-anchor: middle; }
 .cross { stroke: #aa1111; stroke-width: .14; fill: none; }
 .scale { font-size: 12px; }
 .scale svg { margin: 0 6px; }
-footer { border-top: 2px solid #1a1a1a; margin-top: 32px; padding-top: 8px; padding-bottom: 24px; font-size: 12px; }
+footer { break-before: avoid; border-top: 2px solid #1a1a1a; margin-top: 32px; padding-top: 8px; padding-bottom: 24px; font-size: 12px; }
 @media print {
   html { font-size: 12px; }
   .banner { position: static; }
@@ -82,22 +87,27 @@ footer { border-top: 2px solid #1a1a1a; margin-top: 32px; padding-top: 8px; padd
 )";
 
 // Margin boxes work in Chromium since 131 and in WeasyPrint.
-constexpr char kPaper[] = R"(@page {{ size: A4; margin: 20mm 14mm 18mm;
+constexpr char kPaper[] = R"(@page {{ size: {3}; margin: 20mm 14mm 18mm;
   @top-center {{ content: "{0}"; font: bold 10px "DejaVu Sans", sans-serif; color: {1}; }}
-  @bottom-left {{ content: "Calibration report {2}"; font: 9px "DejaVu Sans", sans-serif; color: #444444; }}
+  @bottom-left {{ content: "{4} {2}"; font: 9px "DejaVu Sans", sans-serif; color: #444444; }}
   @bottom-right {{ content: "page " counter(page) " of " counter(pages); font: 9px "DejaVu Sans", sans-serif;
     color: #444444; }} }}
 )";
 
 }  // namespace
 
-html::Markup style_sheet(const std::string& number, bool simulated) {
-  if (number.find_first_not_of("0123456789abcdef-") != std::string::npos) {
+html::Markup style_sheet(const StyleOptions& options) {
+  if (options.number.find_first_not_of("0123456789abcdef-") != std::string::npos) {
     throw std::invalid_argument("a report number has digits, a-f and hyphens only");
   }
+  if (std::ranges::any_of(options.document,
+                          [](char c) { return c != ' ' && (c < 'A' || c > 'z' || (c > 'Z' && c < 'a')); }))
+    throw std::invalid_argument("a document's name has letters and spaces only");
   html::Markup out = html::Markup::literal(kRules);
-  out += html::markup(kPaper, html::Text(simulated ? "SIMULATED DEVICES - NOT A MEASUREMENT OF A REAL SENSOR" : ""),
-                      html::Text(simulated ? "#aa1111" : "#444444"), html::Text(number));
+  out += html::markup(kPaper,
+                      html::Text(options.simulated ? "SIMULATED DEVICES - NOT A MEASUREMENT OF A REAL SENSOR" : ""),
+                      html::Text(options.simulated ? "#aa1111" : "#444444"), html::Text(options.number),
+                      html::Text(options.paper == PaperSize::kA4 ? "A4" : "letter"), html::Text(options.document));
   return out;
 }
 

@@ -7,9 +7,18 @@
 
 namespace tactbench::analysis {
 
-// `number` and SIMULATED stand in the margins of each printed page. Throws std::invalid_argument when `number` holds
-// anything but digits, a-f and hyphens.
-html::Markup style_sheet(const std::string& number, bool simulated);
+enum class PaperSize { kA4, kLetter };
+
+struct StyleOptions {
+  std::string document;  // "Calibration report": letters and spaces
+  std::string number;    // digits, a-f and hyphens
+  bool simulated = false;
+  PaperSize paper = PaperSize::kA4;
+};
+
+// Document, number and SIMULATED stand in the margins of each printed page. Throws std::invalid_argument when document
+// or number hold anything else than said above.
+html::Markup style_sheet(const StyleOptions& options);
 
 // The same without page margins, for pages that are no report.
 html::Markup plain_style_sheet();

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "analysis/report/report.h"
+#include "analysis/report/gather.h"
 #include "bench/benchmarks/synthetic_array.h"
 
 namespace tactbench::bench {
@@ -12,6 +12,7 @@ namespace {
 // 60 times less than matplotlib took for the same plots where the goals were measured: the one goal here that depends
 // on the machine.
 constexpr double kGoalMs = 2960.0 / 60.0;
+constexpr double kGoalRatio = 20.0;  // rendering and writing, against writing the same bytes
 
 void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -23,14 +24,13 @@ std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
   const analysis::Dataset dataset = synthetic_dataset(16, 16, 5);
   db::RunStore store = db::RunStore::open(folder + "/report.db", db::Durability::kNormal);
   analysis::ReportInput input;
-  input.run = store.run(store_run(store, dataset));
-  input.sensor = store.sensor(dataset.sensor_serial);
+  const std::int64_t run = store_run(store, dataset);
   input.fit = analysis::fit_array(dataset);
   input.evaluation = analysis::evaluate(dataset, input.fit);
+  analysis::gather_run(input, store, run);
   input.uncertainty = analysis::assess_uncertainty(dataset, input.fit, input.run);
   // Fitted and compared before: the page's own cost is what is measured here.
   input.more = analysis::results_of(dataset, input.fit, input.evaluation, nullptr, {});
-  input.frame_count = store.frame_count(input.run.run);
   const std::string bytes = analysis::render_report(input).html;
   const std::vector<double> taken =
       best_seconds(rounds,
@@ -41,7 +41,7 @@ std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
   figures.add("size", 1e-6 * static_cast<double>(bytes.size()), "MB");
   figures.add("write_alone", 1e3 * taken[0], "ms");
   figures.add_at_most("rendered_and_written", 1e3 * taken[1], kGoalMs, "ms");
-  figures.add("over_write_alone", taken[1] / taken[0], "x");
+  figures.add_at_most("over_write_alone", taken[1] / taken[0], kGoalRatio, "x");
   return figures.take();
 }
 

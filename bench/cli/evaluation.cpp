@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "analysis/identify/lanes.h"
+#include "analysis/report/gather.h"
 #include "analysis/statistics/figures.h"
 #include "bench/utc.h"
 #include "build_info.h"
@@ -86,6 +87,22 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
   return subject;
 }
 
+namespace {
+
+// What further runs tell of sources that one run does not show.
+analysis::UncertaintyInputs inputs_from(const analysis::Studies& studies) {
+  analysis::UncertaintyInputs inputs;
+  if (studies.uniformity.assessed())
+    inputs.uniformity = {studies.uniformity.u_offset_psi, studies.uniformity.u_share, analysis::kInfiniteDof,
+                         "runs of the sensor turned in the chamber"};
+  if (studies.remount.assessed())
+    inputs.mounting = {0.0, studies.remount.s_share, double(studies.remount.degrees),
+                       "runs of the sensor mounted anew"};
+  return inputs;
+}
+
+}  // namespace
+
 void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
                      const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
                      const analysis::UncertaintyInputs& inputs) {
@@ -99,29 +116,38 @@ void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
   }
 }
 
-std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
-                         const std::vector<NamedEvaluation>& evaluations,
-                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number,
-                         const ReportExtras& extras) {
+analysis::ReportInput report_input(const db::RunStore& store, std::int64_t run, const analysis::ArrayFit& fit,
+                                   const std::vector<NamedEvaluation>& evaluations,
+                                   const std::vector<db::VerdictRecord>& verdicts,
+                                   const std::vector<std::int64_t>& further, const ReportExtras* extras) {
   analysis::ReportInput input;
-  input.run = store.run(fit.run);
-  input.sensor = store.sensor(input.run.sensor_serial);
   input.fit = fit;
-  input.evaluation = evaluations.front().evaluation;
+  if (!evaluations.empty()) input.evaluation = evaluations.front().evaluation;
   for (std::size_t i = 1; i < evaluations.size(); ++i) {
     input.held_out.push_back(
         {evaluations[i].title, store.run(evaluations[i].evaluation.run), evaluations[i].evaluation});
   }
   input.verdicts = verdicts;
-  add_uncertainty(store, fit, evaluations, input);
   input.program_version = TACTBENCH_VERSION;
-  input.frame_count = store.frame_count(fit.run);
-  add_results(input, store, extras);
-  const analysis::Report report = analysis::render_report(input);
-  namespace fs = std::filesystem;
-  if (path.empty()) {
-    path = (fs::path(store.path()).parent_path() / "reports" / fmt::format("run-{}.html", fit.run)).string();
-  }
+  analysis::gather_run(input, store, run, further);
+  if (extras == nullptr) return input;
+  add_results(input, store, *extras);
+  if (!evaluations.empty() && fit.run == run)
+    add_uncertainty(store, fit, evaluations, input, inputs_from(input.more.studies));
+  return input;
+}
+
+std::string report_path(const db::RunStore& store, const std::string& name) {
+  return (std::filesystem::path(store.path()).parent_path() / "reports" / name).string();
+}
+
+std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fit,
+                         const std::vector<NamedEvaluation>& evaluations,
+                         const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number,
+                         const ReportExtras& extras) {
+  const analysis::Report report =
+      analysis::render_report(report_input(store, fit.run, fit, evaluations, verdicts, {}, &extras));
+  if (path.empty()) path = report_path(store, fmt::format("run-{}.html", fit.run));
   write_whole(path, report.html);
   if (number != nullptr) *number = report.number;
   return path;

@@ -50,6 +50,13 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
 void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
                      const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
                      const analysis::UncertaintyInputs& inputs = {});
+// What a report says of `run`: models and figures where there are any, verdicts, everything else from the store.
+// `evaluations` is empty, or its first is the run's own and the others are held out.
+// `extras` null: without models compared, further studies and uncertainty, which cost most.
+analysis::ReportInput report_input(const db::RunStore& store, std::int64_t run, const analysis::ArrayFit& fit,
+                                   const std::vector<NamedEvaluation>& evaluations,
+                                   const std::vector<db::VerdictRecord>& verdicts,
+                                   const std::vector<std::int64_t>& further = {}, const ReportExtras* extras = nullptr);
 
 // Renders the report of `evaluations` (the first is the fit's own run) into `path`, or reports/run-N.html next to the
 // store. Returns the path.
@@ -57,5 +64,8 @@ std::string write_report(const db::RunStore& store, const analysis::ArrayFit& fi
                          const std::vector<NamedEvaluation>& evaluations,
                          const std::vector<db::VerdictRecord>& verdicts, std::string path, std::string* number,
                          const ReportExtras& extras = {});
+
+// reports/NAME beside the store.
+std::string report_path(const db::RunStore& store, const std::string& name);
 
 }  // namespace tactbench::bench

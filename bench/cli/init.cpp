@@ -22,7 +22,8 @@ void init(const InitOptions& options, const Session& session) {
   const std::vector<std::pair<std::string, std::string>> files = {
       {options.rig ? "paper-rig.example.toml" : "simulated.toml", "bench.toml"},
       {"sensor.toml", "sensor.toml"},
-      {"limits.toml", "limits.toml"}};
+      {"limits.toml", "limits.toml"},
+      {"lab.toml", "lab.toml"}};
   for (const auto& [shipped, name] : files) {
     const fs::path target = fs::path(options.folder) / name;
     if (fs::exists(target) && !options.force) {
@@ -65,7 +66,7 @@ void init(const InitOptions& options, const Session& session) {
 void add_init(CLI::App& app, Session& session) {
   auto options = std::make_shared<InitOptions>();
   CLI::App* verb =
-      app.add_subcommand("init", "write a commented bench.toml, sensor.toml and limits.toml to start from");
+      app.add_subcommand("init", "write a commented bench.toml, sensor.toml, limits.toml and lab.toml to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
   verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
   verb->add_flag("--force", options->force, "overwrite files that exist");

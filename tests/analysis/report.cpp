@@ -129,6 +129,19 @@ TEST_CASE("missing typed fields are not stated, never an empty cell") {
   CHECK_FALSE(contains(page, "<td></td><td>not stated"));
 }
 
+TEST_CASE("a run without models still has a report, and says what it lacks") {
+  ReportInput input = example::example_input();
+  input.fit = {};
+  input.evaluation = {};
+  input.held_out.clear();
+  input.verdicts.clear();
+  const std::string page = render_report(input).html;
+  require_well_formed(page);
+  CHECK(count(page, "no models were made from this run") == 2);
+  CHECK(contains(page, "16 rows × 16 columns"));
+  CHECK_FALSE(contains(page, "0.000 psi"));
+}
+
 TEST_CASE("pressure is not independently traceable unless a reference of its own took part") {
   ReportInput input = example::example_input();
   CHECK_FALSE(contains(render_report(input).html, "ressure not independently traceable"));
@@ -189,12 +202,32 @@ TEST_CASE("markup in any text field stays text") {
       *field = hostile;
     }
   }
-  input.program_version = hostile;
+  input.program_version = input.issued = hostile;
+  Laboratory& lab = input.laboratory;
+  for (std::string* field : {&lab.laboratory, &lab.address, &lab.place, &lab.accreditation, &lab.customer,
+                             &lab.customer_address, &lab.order, &lab.received, &lab.condition, &lab.cable,
+                             &lab.mounting, &lab.environment, &lab.deviations, &lab.remarks, &lab.sha256})
+    *field = hostile;
+  lab.instruments = {{hostile, hostile, hostile, hostile, hostile, hostile}};
+  RunHistory& history = input.history;
+  history.events = {{1.0, hostile, hostile}};
+  history.voids = {{hostile, 0, 0, 0, hostile}};
+  history.flags = {{hostile, 1}};
+  history.surroundings = {{hostile, 1.0, 2.0, 3}};
+  history.checks = {{1, 0, "seating", hostile, hostile, {}},
+                    {1, 0, "seating", "fail", "{\"findings\":[{\"text\":\"<img onerror=1>\"}]}", {}}};
+  history.time_spent = hostile;
+  for (TaxelHealth& finding : input.health.findings) finding.state = finding.reason = hostile;
+  for (RawLoop& loop : input.behaviour.loops) loop.name = hostile;
+  for (ZeroReturn& zero : input.behaviour.zero_returns) zero.sequence = hostile;
+  for (Creep& creep : input.behaviour.creep) creep.sequence = hostile;
+  input.approvals = {{12, hostile, hostile, hostile, hostile, hostile}};
+  input.further = {input.run};
   const Report report = render_report(input);
   require_well_formed(report.html);
   require_inert(report.html);
   CHECK_FALSE(contains(report.html, "<img"));
   CHECK_FALSE(contains(report.html, "]]>"));
   CHECK_FALSE(contains(report.html, "\xe2\x80\xae"));
-  CHECK(count(report.html, "<h2 ") == 15);
+  CHECK(count(report.html, "<h2 ") == 16);
 }

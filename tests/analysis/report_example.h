@@ -5,30 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "analysis/report/report.h"
+#include "tests/analysis/report_example_raw.h"
 
 namespace tactbench::analysis::example {
-
-inline constexpr double kFullScaleV = 3.49;
-inline constexpr double kFullPsi = 60.0;
-
-inline double loading(double x) { return kFullScaleV * std::pow(x / kFullPsi, 1.15); }
-inline double unloading(double x) { return kFullScaleV * (1.0 - std::pow(1.0 - x / kFullPsi, 1.8)); }
-
-// About normal, the same on every library: std::normal_distribution is not.
-class Noise {
- public:
-  double operator()() {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += static_cast<double>(engine_() >> 11) * 0x1.0p-53;
-    return sum;
-  }
-
- private:
-  std::mt19937_64 engine_{7};
-};
 
 // Over the fitted taxels, as the evaluation does.
 inline double std_of(const std::vector<double>& values, const ArrayFit& fit) {
@@ -221,6 +202,10 @@ inline ReportInput example_input() {
                                   "second of its lot", "2024-05-01T00:00:00Z"};
   input.fit = example_fit(gain, noise);
   input.evaluation = example_evaluation(input.fit, gain, noise);
+  input.health = example_health(input.fit, gain);
+  input.behaviour = example_behaviour(input.fit, gain, noise);
+  input.history = example_history();
+  input.laboratory = example_laboratory();
   input.frame_count = 3310;
   input.program_version = "0.1.0, commit 0123456789ab";
   for (const char* title : {"held-out run", "re-mounted", "one month later at +5 °C"}) {

@@ -73,10 +73,10 @@ inline void require_inert(const std::string& page) {
   CHECK(count(page, "<script type=\"application/json\" id=\"report-data\">") == 1);
   CHECK(count(page, "</script") == 1);
   static const std::set<std::string> elements = {
-      "!DOCTYPE", "html", "head", "meta",  "title", "style",  "body",   "header", "main", "footer",
-      "nav",      "ul",   "li",   "a",     "h1",    "h2",     "h3",     "h4",     "p",    "div",
-      "span",     "code", "br",   "table", "tr",    "thead",  "tbody",  "th",     "td",   "figcaption",
-      "figure",   "svg",  "g",    "path",  "text",  "script", "caption"};
+      "!DOCTYPE",   "aside",  "html", "head", "meta",  "title", "style",  "body",   "header", "main",
+      "footer",     "nav",    "ul",   "li",   "a",     "h1",    "h2",     "h3",     "h4",     "p",
+      "div",        "span",   "code", "br",   "table", "tr",    "thead",  "tbody",  "th",     "td",
+      "figcaption", "figure", "svg",  "g",    "path",  "text",  "script", "caption"};
   static const std::set<std::string> attributes = {"lang",
                                                    "charset",
                                                    "http-equiv",

@@ -70,7 +70,8 @@ TEST_CASE("numbers for the reader") {
   CHECK(CssNumber(100.0).value == "100");
   CHECK(CssNumber(1.50).value == "1.5");
   CHECK_THROWS_AS(CssNumber(std::nan("")), std::invalid_argument);
-  CHECK_THROWS_AS(style_sheet("12-ab\"; } body { display: none", true), std::invalid_argument);
+  CHECK_THROWS_AS(style_sheet({"Report", "12-ab\"; } body { display: none", true, PaperSize::kA4}),
+                  std::invalid_argument);
 }
 
 TEST_CASE("ticks are round and inside the range") {
@@ -92,7 +93,7 @@ TEST_CASE("line colours and status colours can be read on white") {
     for (std::size_t j = i + 1; j < std::size(kLineStyles); ++j)
       CHECK(std::string(kLineStyles[i].dashes) != kLineStyles[j].dashes);
   }
-  const std::string css = style_sheet("1-0", true).value;
+  const std::string css = style_sheet({"Report", "1-0", true, PaperSize::kA4}).value;
   for (const char* colour : {"#1a1a1a", "#444444", "#00507d", "#1b6e3c", "#aa1111", "#8a5a00"}) {
     CHECK(css.find(colour) != std::string::npos);
     CHECK(contrast(colour, "#ffffff") >= 4.5);

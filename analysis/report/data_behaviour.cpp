@@ -1,0 +1,88 @@
+// The data behind the raw section, and the hash of models.
+#include <array>
+#include <cstring>
+
+#include "analysis/report/data.h"
+#include "analysis/report/page.h"
+#include "db/run_store.h"
+
+namespace tactbench::analysis {
+
+std::string behaviour_json(const ReportInput& input) {
+  using Json = nlohmann::ordered_json;
+  const Behaviour& b = input.behaviour;
+  Json loops = Json::array(), traces = Json::array(), repeatability = Json::array(), zero = Json::array(),
+       creep = Json::array();
+  for (const RawLoop& loop : b.loops)
+    loops.push_back({{"name", loop.name},
+                     {"taxel", loop.taxel},
+                     {"full_scale_v", loop.full_scale_v},
+                     {"hysteresis_max_fs", loop.hysteresis_max},
+                     {"hysteresis_mean_fs", loop.hysteresis_mean},
+                     {"up_v", loop.up_v},
+                     {"down_v", loop.down_v}});
+  for (const RawTrace& trace : b.traces)
+    traces.push_back(
+        {{"sequence", trace.sequence}, {"pressure_psi", trace.pressure_psi}, {"output_v", trace.output_v}});
+  for (const LevelRepeatability& level : b.repeatability)
+    repeatability.push_back({{"pressure_psi", level.pressure_psi},
+                             {"mean_up_v", level.mean_up_v},
+                             {"mean_down_v", level.mean_down_v},
+                             {"taxel_up_v", level.taxel_up_v},
+                             {"taxel_down_v", level.taxel_down_v}});
+  for (const ZeroReturn& z : b.zero_returns)
+    zero.push_back({{"sequence", z.sequence},
+                    {"repeats", z.repeats},
+                    {"mean_v", z.mean_v},
+                    {"largest_v", z.largest_v},
+                    {"worst_taxel_v", z.worst_taxel_v},
+                    {"worst_taxel", z.worst_taxel}});
+  for (const Creep& c : b.creep)
+    creep.push_back({{"sequence", c.sequence},
+                     {"pressure_psi", c.pressure_psi},
+                     {"from_s", c.from_s},
+                     {"to_s", c.to_s},
+                     {"first_v", c.first_v},
+                     {"last_v", c.last_v},
+                     {"per_decade", c.per_decade},
+                     {"per_decade_u", c.per_decade_u},
+                     {"samples", c.samples}});
+  return json_text({{"taxels", b.taxels},
+                    {"pressure_psi", b.pressure_psi},
+                    {"full_scale_v", b.full_scale_v},
+                    {"loops", loops},
+                    {"hysteresis_max_fs", b.hysteresis_max},
+                    {"hysteresis_mean_fs", b.hysteresis_mean},
+                    {"traces", traces},
+                    {"equilibration_psi", b.equilibration_psi},
+                    {"gain", b.gain},
+                    {"repeats", b.repeats},
+                    {"repeatability", repeatability},
+                    {"zero_return", zero},
+                    {"creep", creep}});
+}
+
+std::string number_list_json(const std::vector<double>& values) { return json_text(values); }
+
+std::string model_sha256(const ArrayFit& fit) {
+  std::string bytes;
+  const auto add = [&](double value) {
+    std::array<char, sizeof value> own{};
+    std::memcpy(own.data(), &value, sizeof value);
+    bytes.append(own.data(), own.size());
+  };
+  const auto add_taxel = [&](const TaxelFit& taxel) {
+    const ElamModel& model = taxel.fit.model;
+    const ElamParameters& p = model.parameters;
+    bytes += to_string(taxel.status);
+    for (const double value : {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a}) add(value);
+    for (const PatternCurve* curve : {&model.ascending, &model.descending})
+      for (const double y : curve->y()) add(y);
+  };
+  for (const double x : fit.pressure_psi) add(x);
+  add_taxel(fit.mean_taxel);
+  for (const TaxelFit& taxel : fit.taxels) add_taxel(taxel);
+  return db::sha256_hex(bytes);
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,50 @@
+// What happened on the way to a run's frames: attempts, voids, flags, pauses, surroundings. Store -> report.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "db/run_store.h"
+
+namespace tactbench::analysis {
+
+struct HistoryEvent {
+  double time_s = 0.0;  // process time since the run's start
+  std::string kind;     // attempt | branch-broken | pause | suspension | warning | fault | prompt | note
+  std::string text;
+};
+
+struct VoidBranch {
+  std::string sequence;
+  int repeat = 0, branch = 0, attempt = 0;  // from 0
+  std::string reason;
+};
+
+struct SurroundingsRange {
+  std::string quantity;  // "temperature_c", "supply_bar"
+  double low = 0.0, high = 0.0;
+  int readings = 0;
+};
+
+struct RunHistory {
+  bool loaded = false;   // it was read
+  bool presses = false;  // frames were taken under an indenter, not in the chamber
+  std::vector<HistoryEvent> events;
+  std::vector<VoidBranch> voids;
+  std::map<std::string, int> flags;              // word -> frames that count and carry it
+  int frames = 0, flagged = 0, void_frames = 0;  // that count; of these with a flag; in void branches
+  std::vector<SurroundingsRange> surroundings;
+  std::vector<db::CheckRecord> checks;  // seating, warm-up, conditioning, mount, tare
+  std::string time_spent;               // in words, as the run ended with it
+  // Of the newest seating check: response of each taxel (loaded - unloaded) in volt, and at the sensor's last good
+  // seating before this run; empty where there is none.
+  std::vector<double> seating_v, earlier_seating_v;
+  std::int64_t earlier_seating_run = 0;
+};
+
+// Throws StoreError.
+RunHistory load_history(const db::RunStore& store, const db::RunRecord& run);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,129 @@
+#include "analysis/report/overview_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/report/data.h"
+#include "analysis/report/overview.h"
+#include "analysis/statistics/levels.h"
+
+namespace tactbench::analysis {
+
+namespace {
+
+double when(bool there, double value) { return there ? value : kNan; }
+
+bool evaluated(const ReportInput& input) { return !input.evaluation.levels.empty(); }
+
+double median_of(std::vector<double> values) { return spread_of(std::move(values)).median; }
+
+}  // namespace
+
+const std::vector<OverviewFigure>& overview_figures() {
+  static const std::vector<OverviewFigure> figures = {
+      {"taxels left out", "excluded_taxels",
+       [](const ReportInput& i) {
+         return when(!i.health.high_v.empty(),
+                     static_cast<double>(std::ranges::count_if(i.health.findings, &TaxelHealth::excluded)));
+       },
+       0, 1.0, "unfit_taxels"},
+      {"noise of the median taxel, mV", "median_noise_v",
+       [](const ReportInput& i) { return when(!i.health.noise_v.empty(), i.health.median_noise_v); }, 3, 1e3, ""},
+      {"full scale, V", "full_scale_v",
+       [](const ReportInput& i) { return when(!i.behaviour.loops.empty(), i.behaviour.full_scale_v); }, 3, 1.0, ""},
+      {"hysteresis error, maximum, % FS", "hysteresis_max_fs",
+       [](const ReportInput& i) { return i.behaviour.loops.empty() ? kNan : i.behaviour.loops.front().hysteresis_max; },
+       2, 100.0, ""},
+      {"hysteresis error, mean, % FS", "hysteresis_mean_fs",
+       [](const ReportInput& i) {
+         return i.behaviour.loops.empty() ? kNan : i.behaviour.loops.front().hysteresis_mean;
+       },
+       2, 100.0, ""},
+      {"spread of the taxels’ gains, %", "gain_std",
+       [](const ReportInput& i) {
+         double sum = 0.0;
+         int n = 0;
+         for (const double gain : i.behaviour.gain) {
+           if (!std::isfinite(gain)) continue;
+           sum += (gain - 1.0) * (gain - 1.0);
+           ++n;
+         }
+         return n > 1 ? std::sqrt(sum / (n - 1)) : kNan;
+       },
+       1, 100.0, ""},
+      {"compensated: mean error, psi", "mean_error_psi",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.mean_error_psi); }, 3, 1.0,
+       "mean_compensation_error"},
+      {"compensated: mean error of the worst taxel, psi", "worst_taxel_mean_error_psi",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.worst_taxel_mean_error_psi); }, 3, 1.0,
+       "worst_taxel_error"},
+      {"raw: |up − down| of the mean taxel, % FS", "raw_distance_fs",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.raw_distance); }, 2, 100.0, ""},
+      {"compensated: |up − down| of the mean of all pressures, % FS", "comp_distance_of_mean_fs",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance_of_mean); }, 2, 100.0,
+       "distance_of_mean"},
+      {"compensated: |up − down|, mean over taxels, % FS", "comp_distance_fs",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance); }, 2, 100.0, ""},
+      {"branches void and attempts after faults", "retries",
+       [](const ReportInput& i) {
+         const auto attempts = std::ranges::count(i.history.events, std::string("attempt"), &HistoryEvent::kind);
+         return when(i.history.loaded, static_cast<double>(attempts) + static_cast<double>(i.history.voids.size()));
+       },
+       0, 1.0, ""},
+  };
+  return figures;
+}
+
+html::Text shown_figure(const OverviewFigure& figure, double value) {
+  return std::isfinite(value) ? html::fixed(figure.factor * value, figure.digits) : html::Text("–");
+}
+
+double limit_of(const OverviewFigure& figure, const ReportInput& input) {
+  for (const db::VerdictRecord& verdict : input.verdicts)
+    if (*figure.criterion != '\0' && verdict.criterion == figure.criterion) return verdict.limit;
+  return kNan;
+}
+
+std::string content_of_run(const ReportInput& input) {
+  nlohmann::ordered_json figures, verdicts = nlohmann::ordered_json::array();
+  for (const OverviewFigure& figure : overview_figures()) figures[figure.key] = figure.value(input);
+  for (const db::VerdictRecord& verdict : input.verdicts)
+    verdicts.push_back({{"criterion", verdict.criterion},
+                        {"scope", verdict.scope},
+                        {"value", verdict.value},
+                        {"limit", verdict.limit},
+                        {"verdict", verdict.verdict}});
+  nlohmann::ordered_json loops = nlohmann::ordered_json::array();
+  for (const RawLoop& loop : input.behaviour.loops)
+    if (loop.taxel < 0) loops.push_back({{"up_v", loop.up_v}, {"down_v", loop.down_v}});
+  return json_text({{"sensor_serial", input.run.sensor_serial},
+                    {"scanner_serial", input.run.scanner_serial},
+                    {"origin", input.run.origin},
+                    {"content_sha256", input.run.content_sha256},
+                    {"figures", figures},
+                    {"verdicts", verdicts},
+                    {"overall", overall_verdict(input.verdicts)},
+                    {"pressure_psi", input.behaviour.pressure_psi},
+                    {"mean_loop", loops},
+                    {"gain", input.behaviour.gain}});
+}
+
+std::string sensor_and_run(const ReportInput& input) {
+  return fmt::format("{}, run {}", input.run.sensor_serial.empty() ? "not stated" : input.run.sensor_serial,
+                     input.run.run);
+}
+
+std::vector<double> modified_z_scores(const std::vector<double>& values) {
+  std::vector<double> scores(values.size(), kNan);
+  const double median = median_of(values);
+  std::vector<double> off;
+  for (const double value : values)
+    if (std::isfinite(value)) off.push_back(std::abs(value - median));
+  const double mad = median_of(off);
+  if (off.size() < 5 || !(mad > 0.0)) return scores;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) scores[i] = 0.6745 * (values[i] - median) / mad;
+  return scores;
+}
+
+}  // namespace tactbench::analysis

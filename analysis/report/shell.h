@@ -1,0 +1,26 @@
+// The page around a document's parts: head, policy, style, banner, list of contents, end, data.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/report/html.h"
+#include "analysis/report/style.h"
+
+namespace tactbench::analysis {
+
+struct Shell {
+  std::string document;  // "Calibration report": letters and spaces
+  std::string number;    // digits, a-f and hyphens
+  bool simulated = false;
+  PaperSize paper = PaperSize::kA4;
+  html::Markup opening;                                       // below the number
+  std::vector<std::pair<std::string, std::string>> contents;  // id and title; empty: no list
+  html::Markup main;
+  std::string json;  // in ASCII
+};
+
+std::string page_of(const Shell& shell);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,80 @@
+// Creep at held levels: the slope of the output over the logarithm of time.
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/statistics/behaviour.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr std::size_t kFewestHeld = 20;
+constexpr double kLeastHeldPsi = 0.5;
+
+struct Held {
+  double time_s = 0.0;  // since the command
+  double output_v = 0.0;
+};
+
+Creep line_through(const std::vector<Held>& held) {
+  Creep creep;
+  const auto n = static_cast<double>(held.size());
+  double mean_x = 0.0, mean_y = 0.0;
+  for (const Held& h : held) {
+    mean_x += std::log10(h.time_s) / n;
+    mean_y += h.output_v / n;
+  }
+  double xx = 0.0, xy = 0.0, rest = 0.0;
+  for (const Held& h : held) {
+    const double dx = std::log10(h.time_s) - mean_x;
+    xx += dx * dx;
+    xy += dx * (h.output_v - mean_y);
+  }
+  const double slope = xy / xx;
+  for (const Held& h : held) {
+    const double off = h.output_v - mean_y - slope * (std::log10(h.time_s) - mean_x);
+    rest += off * off;
+  }
+  creep.from_s = held.front().time_s;
+  creep.to_s = held.back().time_s;
+  creep.first_v = held.front().output_v;
+  creep.last_v = held.back().output_v;
+  creep.per_decade = slope / creep.first_v;
+  creep.per_decade_u = std::sqrt(rest / (n - 2.0) / xx) / std::abs(creep.first_v);
+  creep.samples = static_cast<int>(held.size());
+  return creep;
+}
+
+}  // namespace
+
+std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxels) {
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  std::vector<Creep> found;
+  for (const SequenceData& data : dataset.sequences) {
+    for (const Repeat& repeat : data.repeats) {
+      for (std::size_t first = 0; first < repeat.steps.size();) {
+        std::size_t end = first + 1;
+        while (end < repeat.steps.size() && repeat.steps[end].setpoint_psi == repeat.steps[first].setpoint_psi) ++end;
+        const Sample& start = repeat.steps[first];
+        if (end - first >= kFewestHeld && start.setpoint_psi > kLeastHeldPsi && start.held_s > 0.0) {
+          std::vector<Held> held;
+          for (std::size_t i = first; i < end; ++i) {
+            double output = 0.0;
+            for (const int taxel : taxels) output += repeat.volts[i * width + static_cast<std::size_t>(taxel)];
+            held.push_back(
+                {start.held_s + repeat.steps[i].time_s - start.time_s, output / static_cast<double>(taxels.size())});
+          }
+          if (held.back().time_s > held.front().time_s && held.front().output_v != 0.0) {
+            found.push_back(line_through(held));
+            found.back().run = dataset.run;
+            found.back().sequence = data.name;
+            found.back().pressure_psi = start.setpoint_psi;
+          }
+        }
+        first = end;
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace tactbench::analysis
