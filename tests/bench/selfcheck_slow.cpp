@@ -1,6 +1,8 @@
 // The validation record: every check passes on a sound installation, and what is broken is named.
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "db/run_store.h"
