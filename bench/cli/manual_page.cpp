@@ -102,7 +102,7 @@ struct ManualEntry {
   const char* about;
 };
 
-std::string entries(const std::vector<ManualEntry>& list) {
+std::string manual_entries(const std::vector<ManualEntry>& list) {
   std::string text;
   for (const ManualEntry& entry : list)
     text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", roff(entry.name), roff_paragraph(entry.about));
@@ -166,8 +166,8 @@ std::string manual_page(const CommandNode& root, const std::string& version, con
   for (const CommandNode* node : all_nodes(root)) {
     if (!node->path.empty()) text += verb_section(*node);
   }
-  text += fmt::format(".SH EXIT STATUS\n{}.SH ENVIRONMENT\n{}.SH FILES\n{}", entries(manual_codes),
-                      entries(manual_environment), entries(manual_files));
+  text += fmt::format(".SH EXIT STATUS\n{}.SH ENVIRONMENT\n{}.SH FILES\n{}", manual_entries(manual_codes),
+                      manual_entries(manual_environment), manual_entries(manual_files));
   text +=
       ".SH EXAMPLES\n.nf\ntactbench demo\ntactbench init\ntactbench plan descending ascending\n"
       "tactbench sensors add MY\\-1 \\-\\-type sensor.toml\n"

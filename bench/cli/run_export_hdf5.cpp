@@ -39,7 +39,7 @@ Texts texts(const std::vector<Row>& rows, Get get) {
   return hdf5_column<std::string>(rows, get);
 }
 
-constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+constexpr double kHdf5Absent = std::numeric_limits<double>::quiet_NaN();
 
 void hdf5_head(Hdf5File& file, const db::RunRecord& run) {
   const std::vector<std::pair<const char*, std::string>> words = {{"schema", "tactbench.run"},
@@ -74,7 +74,7 @@ void hdf5_head(Hdf5File& file, const db::RunRecord& run) {
                                                                      {"sensor_seed", run.sensor_seed},
                                                                      {"void", run.is_void() ? 1 : 0}};
   for (const auto& [name, value] : numbers) file.attribute("/", name, value);
-  file.attribute("/", "rest_s", run.rest_s.value_or(kAbsent));
+  file.attribute("/", "rest_s", run.rest_s.value_or(kHdf5Absent));
   file.group("/configuration");
   file.text("/configuration/bench_toml", run.bench_toml);
   file.text("/configuration/sensor_toml", run.sensor_toml);
@@ -116,7 +116,7 @@ double counts_scale(const db::RunRecord& run) {
     if (json.is_object() && json.contains("volts_per_count") && json["volts_per_count"].is_number())
       return json["volts_per_count"].get<double>();
   }
-  return kAbsent;
+  return kHdf5Absent;
 }
 
 void hdf5_counts(Hdf5File& file, const db::RunRecord& run, const std::vector<db::FrameRecord>& frames) {
@@ -142,11 +142,11 @@ void hdf5_counts(Hdf5File& file, const db::RunRecord& run, const std::vector<db:
 
 void hdf5_wrenches(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
   if (std::ranges::none_of(frames, [](const db::FrameRecord& f) { return f.wrench.has_value(); })) return;
-  const db::WrenchRecord absent{kAbsent,
-                                kAbsent,
-                                {kAbsent, kAbsent, kAbsent, kAbsent, kAbsent, kAbsent},
-                                {kAbsent, kAbsent, kAbsent, kAbsent, kAbsent, kAbsent},
-                                {kAbsent, kAbsent, kAbsent}};
+  const db::WrenchRecord absent{kHdf5Absent,
+                                kHdf5Absent,
+                                {kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent},
+                                {kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent},
+                                {kHdf5Absent, kHdf5Absent, kHdf5Absent}};
   Reals target, start, wrench, raw, place;
   for (const db::FrameRecord& f : frames) {
     const db::WrenchRecord& w = f.wrench ? *f.wrench : absent;
@@ -213,8 +213,8 @@ void hdf5_frames(Hdf5File& file, const db::RunRecord& run, const std::vector<db:
   file.array("/branches/void_reason", texts(branches, [](const auto& b) { return b.void_reason; }));
   file.array("/branches/from_psi", reals(branches, [](const auto& b) { return b.from_psi; }), "psi");
   file.array("/branches/to_psi", reals(branches, [](const auto& b) { return b.to_psi; }), "psi");
-  file.array("/branches/from_n", reals(branches, [](const auto& b) { return b.from_n.value_or(kAbsent); }), "N");
-  file.array("/branches/to_n", reals(branches, [](const auto& b) { return b.to_n.value_or(kAbsent); }), "N");
+  file.array("/branches/from_n", reals(branches, [](const auto& b) { return b.from_n.value_or(kHdf5Absent); }), "N");
+  file.array("/branches/to_n", reals(branches, [](const auto& b) { return b.to_n.value_or(kHdf5Absent); }), "N");
 }
 
 void hdf5_remarks(Hdf5File& file, const db::RunStore& store, std::int64_t run) {
