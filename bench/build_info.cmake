@@ -1,10 +1,13 @@
-# Writes OUT with version, git commit and dirty flag, and only touches it when something changed.
+# Writes OUT with version, git commit, its date and dirty flag, and only touches it when something changed.
 execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)
   set(commit "unknown")
   set(dirty "false")
+  string(TIMESTAMP date "%Y-%m-%d" UTC)  # of SOURCE_DATE_EPOCH where it is set
 else()
+  execute_process(COMMAND git -C ${SOURCE} log -1 --format=%cs OUTPUT_VARIABLE date
+    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   execute_process(COMMAND git -C ${SOURCE} status --porcelain --untracked-files=no OUTPUT_VARIABLE changes ERROR_QUIET)
   if(changes STREQUAL "")
     set(dirty "false")
@@ -15,6 +18,7 @@ endif()
 set(text "#pragma once
 #define TACTBENCH_VERSION \"${VERSION}\"
 #define TACTBENCH_COMMIT \"${commit}\"
+#define TACTBENCH_DATE \"${date}\"
 #define TACTBENCH_DIRTY ${dirty}
 #define TACTBENCH_BUILD \"${BUILD_TYPE}, ${COMPILER}\"
 ")

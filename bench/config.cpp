@@ -123,7 +123,11 @@ BenchConfig parse_bench(const std::string& text, const std::string& name,
 
 std::string share_folder() {
   const char* folder = std::getenv("TACTBENCH_SHARE");
-  return folder != nullptr && *folder != '\0' ? folder : TACTBENCH_SOURCE_DIR;
+  if (folder != nullptr && *folder != '\0') return folder;
+  std::error_code unreadable;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unreadable);
+  const std::filesystem::path installed = program.parent_path().parent_path() / "share/tactbench";
+  return std::filesystem::is_directory(installed, unreadable) ? installed.string() : TACTBENCH_SOURCE_DIR;
 }
 
 namespace {

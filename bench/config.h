@@ -171,7 +171,7 @@ SensorType parse_sensor_type(const std::string& text, const std::string& name);
 analysis::Limits read_limits(const std::string& path);
 analysis::Limits parse_limits(const std::string& text, const std::string& name);
 
-// Folder of the shipped recipes and configuration: $TACTBENCH_SHARE, else the source tree that this was built from.
+// Folder of the shipped recipes and configuration: $TACTBENCH_SHARE, else share/tactbench where installed, else source.
 std::string share_folder();
 // `name` if such a file exists, else the shipped one of that name (with or without .toml), else `name`.
 std::string find_recipe(const std::string& name);

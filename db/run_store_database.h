@@ -34,6 +34,9 @@ class RunStore::Database {
   const BranchRecord& branch_of(std::int64_t run, std::int64_t branch);
   void require_run(std::int64_t run);  // TB-STORE-NOT-FOUND, naming those there are
   Digest header_digest(std::int64_t run);
+  // A log that grows costs a commit of the file system's own journal at each of ours; one that is written over does
+  // not. So it is made as long as it gets before SQLite starts it anew (1000 pages), once, where commits are durable.
+  void lengthen_log();
   void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
   void insert_event(std::int64_t run, const EventRecord& event);
   // The run row's last update. Part of the caller's transaction.
@@ -68,12 +71,17 @@ void RunStore::Database::each_frame(std::int64_t run, Take take) {
   rows.bind(frames_above(run), frames_below(run));
   FrameRecord f;
   while (rows.step()) {
-    WrenchRecord& w = f.wrench.emplace();
+    double target_n = 0.0;
     rows.read(f.branch, f.ordinal, f.setpoint_psi, f.feedback_psi, f.reference_psi, f.setpoint_counts,
               f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns, f.device_time_us,
-              f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, f.flags, f.trace, w.target_n,
-              w.force_start_n, w.wrench, w.raw, w.place_mm);
-    if (std::isnan(w.target_n)) f.wrench.reset();
+              f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, f.flags, f.trace, target_n);
+    if (std::isnan(target_n)) {
+      f.wrench.reset();
+    } else {
+      WrenchRecord& w = f.wrench.emplace();
+      w.target_n = target_n;
+      rows.read_from(21, w.force_start_n, w.wrench, w.raw, w.place_mm);
+    }
     take(f);
   }
 }

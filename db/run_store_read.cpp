@@ -195,6 +195,7 @@ std::vector<EventRecord> RunStore::events(std::int64_t run) const { return datab
 std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
   database_->require_run(run);
   std::vector<FrameRecord> frames;
+  frames.reserve(static_cast<std::size_t>(last_position(run)));
   database_->each_frame(run, [&](const FrameRecord& frame) { frames.push_back(frame); });
   return frames;
 }

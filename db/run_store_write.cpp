@@ -1,6 +1,9 @@
 // Writing a run. The statement that stores a frame is prepared once and is a transaction by itself.
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
+
 #include "db/run_store_database.h"
 
 namespace tactbench::db {
@@ -89,7 +92,26 @@ void RunStore::Database::insert_event(std::int64_t run, const EventRecord& event
       .run();
 }
 
+// By SQLite alone: pages of a transaction that its cache does not hold go to the log before the commit, and when it is
+// rolled back they are nobody's, but the file stays as long as it is.
+void RunStore::Database::lengthen_log() {
+  constexpr std::uintmax_t kLongest = 1000 * (4096 + 24) + 32;
+  constexpr int kFullSync = 2;
+  std::error_code missing;
+  const std::uintmax_t now = std::filesystem::file_size(connection.path() + "-wal", missing);
+  if ((!missing && now >= kLongest) || connection.integer("PRAGMA synchronous") != kFullSync) return;
+  const std::int64_t cache = connection.integer("PRAGMA cache_size");
+  connection.execute("PRAGMA cache_size = 16");
+  try {
+    const sqlite::Transaction never_committed(connection);
+    connection.execute("CREATE TABLE longer (bytes BLOB); INSERT INTO longer VALUES (zeroblob(4200000))");
+  } catch (const StoreError&) {  // a disk so full will say so when something is to be kept
+  }
+  connection.execute(fmt::format("PRAGMA cache_size = {}", cache));
+}
+
 std::int64_t RunStore::begin_run(const RunRecord& run) {
+  database_->lengthen_log();
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   std::optional<std::string> sensor_serial;

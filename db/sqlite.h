@@ -74,7 +74,10 @@ class Statement {
   void run();                 // to the end, then ready to be bound again
   template <class... Values>
   void read(Values&... values) const {
-    int column = 0;
+    read_from(0, values...);
+  }
+  template <class... Values>
+  void read_from(int column, Values&... values) const {
     (get(column++, values), ...);
   }
 

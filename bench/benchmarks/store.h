@@ -8,7 +8,8 @@
 
 namespace tactbench::bench {
 
-// Frames of 512 bytes, best of `rounds`, in new files in `folder` each round. The bare table holds the same numbers
+// Frames of 512 bytes, in new files in `folder` each round; each stretch of 100 written frames, and each whole reading,
+// counts with the best of `rounds`. The bare table holds the same numbers
 // without a hash chain, checks and references.
 std::vector<Figure> benchmark_store(int rounds, const std::string& folder);
 

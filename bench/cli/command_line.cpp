@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "bench/cli/command_tree.h"
+#include "bench/cli/selfcheck.h"
 #include "bench/cli/session.h"
 #include "build_info.h"
 
@@ -22,10 +24,10 @@ First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascend
 void check_verb(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return;
   std::vector<std::string> verbs;
-  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
   const std::string given = argv[1];
-  verbs.erase(std::remove_if(verbs.begin(), verbs.end(), [&](const auto& v) { return v == "dead-man" && v != given; }),
-              verbs.end());
+  for (const CLI::App* verb : app.get_subcommands({})) {
+    if (!verb->get_group().empty() || verb->get_name() == given) verbs.push_back(verb->get_name());
+  }
   if (std::find(verbs.begin(), verbs.end(), given) != verbs.end()) return;
   const std::string near = sequences::nearest_word(given, verbs);
   throw Error(
@@ -73,6 +75,8 @@ int run_command_line(int argc, char** argv) {
   add_rig(app, session);
   add_config(app, session);
   add_benchmark(app, session);
+  add_selfcheck(app, session);
+  add_completion(app);
   add_dead_man(app, session);
   try {
     check_verb(app, argc, argv);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/cli/run_export.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -154,15 +155,21 @@ std::string run_document(const db::RunStore& store, const db::RunRecord& run) {
 void export_run(const RunExportOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(options.run);
-  const std::string text = options.format == "json"        ? run_document(store, run)
-                           : store.series(run.run).empty() ? frames_csv(store, run)
-                                                           : series_csv(store, run);
-  write_whole(options.output, text);
+  std::size_t bytes = 0;
+  if (options.format == "hdf5") {
+    bytes = write_run_hdf5(store, run, options.output);
+  } else {
+    const std::string text = options.format == "json"        ? run_document(store, run)
+                             : store.series(run.run).empty() ? frames_csv(store, run)
+                                                             : series_csv(store, run);
+    write_whole(options.output, text);
+    bytes = text.size();
+  }
   if (session.json) {
     print_json("runs.export",
-               {{"run", run.run}, {"format", options.format}, {"path", options.output}, {"bytes", text.size()}});
+               {{"run", run.run}, {"format", options.format}, {"path", options.output}, {"bytes", bytes}});
   } else {
-    fmt::print("run {}: {} bytes of {} in {}\n", run.run, text.size(), options.format, options.output);
+    fmt::print("run {}: {} bytes of {} in {}\n", run.run, bytes, options.format, options.output);
   }
 }
 
@@ -195,10 +202,11 @@ void add_run_copy(CLI::App& runs, Session& session) {
 
 void add_run_export(CLI::App& runs, Session& session) {
   auto options = std::make_shared<RunExportOptions>();
-  CLI::App* verb = runs.add_subcommand("export", "write a run's frames (or an imported run's series) as CSV or JSON");
+  CLI::App* verb =
+      runs.add_subcommand("export", "write a run's frames (or an imported run's series) as CSV, JSON or HDF5");
   verb->add_option("run", options->run, "run number")->required();
-  verb->add_option("--format", options->format, "csv: a line a scan, raw counts; json: all of the run")
-      ->check(CLI::IsMember({"csv", "json"}))
+  verb->add_option("--format", options->format, "csv: a line a scan, raw counts; json, hdf5: all of the run")
+      ->check(CLI::IsMember({"csv", "json", "hdf5"}))
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "file to write")->required();
   add_common(*verb, session);

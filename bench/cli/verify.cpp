@@ -11,20 +11,11 @@
 
 #include "analysis/identify/fit_rows.h"
 #include "bench/cli/evaluation.h"
+#include "bench/cli/verify.h"
 
 namespace tactbench::bench {
 
 namespace {
-
-// One stored result beside the recomputed one.
-struct VerifiedResult {
-  std::int64_t fit = 0, fit_run = 0;
-  std::string what;        // "elam", "verdicts"
-  std::string compared;    // "bit for bit", "1e-12 relative: ...", or why it was not recomputed
-  std::string difference;  // empty: equal
-  bool recomputed = false;
-  std::size_t rows = 0;
-};
 
 class Verification {
  public:
@@ -111,6 +102,29 @@ class Verification {
   std::map<std::pair<std::int64_t, bool>, std::optional<analysis::ArrayFit>> fits_;
 };
 
+}  // namespace
+
+RunVerification verify_run(const db::RunStore& store, std::int64_t run) {
+  RunVerification verified;
+  verified.content = store.check_content(run);
+  verified.first_difference = verified.content.difference;
+  if (!verified.content.holds()) return verified;
+  Verification verification(store, run);
+  for (const db::FitRecord& fit : store.fits(run)) verified.results.push_back(verification.verify_fit(fit));
+  const std::vector<db::VerdictRecord> verdicts = store.verdicts(run);
+  if (!verdicts.empty()) verified.results.push_back(verification.verify_verdicts(verdicts));
+  const auto differing =
+      std::ranges::find_if(verified.results, [](const VerifiedResult& result) { return !result.difference.empty(); });
+  if (differing != verified.results.end()) {
+    verified.first_difference =
+        fmt::format("{}: {}", differing->what == "verdicts" ? "verdicts" : fmt::format("fit {}", differing->fit),
+                    differing->difference);
+  }
+  return verified;
+}
+
+namespace {
+
 nlohmann::ordered_json result_json(const VerifiedResult& result) {
   return {{"what", result.what},
           {"fit", result.fit},
@@ -138,21 +152,8 @@ void verify(std::int64_t number, Session& session) {
                 fmt::format("run {} has not ended: it has no hash to compare with yet", number), session.db,
                 "wait for its end; a run whose process died is closed at the next start of a run");
   }
-  const db::ContentCheck content = store.check_content(number);
-  std::vector<VerifiedResult> results;
-  if (content.holds()) {
-    Verification verification(store, number);
-    for (const db::FitRecord& fit : store.fits(number)) results.push_back(verification.verify_fit(fit));
-    const std::vector<db::VerdictRecord> verdicts = store.verdicts(number);
-    if (!verdicts.empty()) results.push_back(verification.verify_verdicts(verdicts));
-  }
-  const auto differing =
-      std::ranges::find_if(results, [](const VerifiedResult& result) { return !result.difference.empty(); });
-  std::string first = content.difference;
-  if (first.empty() && differing != results.end()) {
-    first = fmt::format("{}: {}", differing->what == "verdicts" ? "verdicts" : fmt::format("fit {}", differing->fit),
-                        differing->difference);
-  }
+  const RunVerification verified = verify_run(store, number);
+  const auto& [content, results, first] = verified;
   if (!content.holds()) {
     session.code = ExitCode::kStore;
   } else if (!first.empty()) {

@@ -1,0 +1,34 @@
+// What the program says of its own command line: completion scripts, and the manual page for the build.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+
+#include "bench/cli/command_tree.h"
+#include "bench/cli/session.h"
+#include "build_info.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using CompletionWriter = std::string (*)(const CommandNode&);
+const std::map<std::string, CompletionWriter> completion_writers = {
+    {"bash", bash_completion}, {"zsh", zsh_completion}, {"fish", fish_completion}};
+
+}  // namespace
+
+void add_completion(CLI::App& app) {
+  auto shell = std::make_shared<std::string>();
+  CLI::App* verb = app.add_subcommand("completion", "print a script that completes tactbench's words in a shell");
+  verb->add_option("shell", *shell, "whose words")->required()->check(CLI::IsMember(completion_writers));
+  verb->footer(
+      "bash: source <(tactbench completion bash). zsh: the same, after compinit. fish: tactbench completion "
+      "fish | source.");
+  verb->callback([shell, &app] { fmt::print("{}", completion_writers.at(*shell)(command_tree(app))); });
+  CLI::App* manual = app.add_subcommand("manual-page", "tactbench(1), for the build")->group("");
+  manual->callback([&app] { fmt::print("{}", manual_page(command_tree(app), TACTBENCH_VERSION, TACTBENCH_DATE)); });
+}
+
+}  // namespace tactbench::bench

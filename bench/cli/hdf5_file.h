@@ -1,0 +1,42 @@
+// An HDF5 file that is written once: groups, arrays and attributes by path. The only place that knows libhdf5, which is
+// optional: without it available() is false and nothing else works.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+class Hdf5File {
+ public:
+  static bool available();
+
+  // Made anew; what was there is overwritten. Every failure throws Error TB-EXPORT-HDF5.
+  explicit Hdf5File(const std::string& path);
+  ~Hdf5File();
+  Hdf5File(const Hdf5File&) = delete;
+  Hdf5File& operator=(const Hdf5File&) = delete;
+
+  void group(const std::string& path);  // its parent exists
+  // Row-major; an empty shape: one dimension. `unit` becomes the attribute "unit" unless it is empty. Large arrays are
+  // compressed, first index by first index.
+  void array(const std::string& path, const std::vector<double>& values, const std::string& unit = {},
+             const std::vector<std::size_t>& shape = {});
+  void array(const std::string& path, const std::vector<std::int64_t>& values, const std::string& unit = {});
+  void array(const std::string& path, const std::vector<std::uint16_t>& values, const std::string& unit,
+             const std::vector<std::size_t>& shape);
+  void array(const std::string& path, const std::vector<std::string>& values);
+  void text(const std::string& path, const std::string& value);  // a single string, of any length
+  void attribute(const std::string& object, const std::string& name, const std::string& value);  // up to 60 kB
+  void attribute(const std::string& object, const std::string& name, double value);
+  void attribute(const std::string& object, const std::string& name, std::int64_t value);
+  void close();  // all of it on its way to the disk
+
+ private:
+  struct Open;
+  std::unique_ptr<Open> open_;
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,22 @@
+# Run by CPack between staging and packing: copyright and changelogs, which each package needs below its own name.
+foreach(component ${CPACK_COMPONENTS_ALL})
+  string(TOUPPER ${component} upper)
+  set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
+  set(folder ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr/share/doc/${package})
+  file(MAKE_DIRECTORY ${folder})
+  configure_file(${CPACK_TACTBENCH_SOURCE}/bench/install/debian/copyright ${folder}/copyright COPYONLY)
+  configure_file(${CPACK_TACTBENCH_SOURCE}/bench/install/debian/changelog ${folder}/changelog.Debian @ONLY)
+  execute_process(COMMAND gzip -9nf ${folder}/changelog.Debian COMMAND_ERROR_IS_FATAL ANY)
+  if(component STREQUAL "program")
+    configure_file(${CPACK_TACTBENCH_SOURCE}/CHANGELOG.md ${folder}/changelog COPYONLY)
+    execute_process(COMMAND gzip -9nf ${folder}/changelog COMMAND_ERROR_IS_FATAL ANY)
+  endif()
+  if(component STREQUAL "library")
+    set(overrides ${CPACK_TEMPORARY_DIRECTORY}/library/usr/share/lintian/overrides)
+    file(MAKE_DIRECTORY ${overrides})
+    configure_file(${CPACK_TACTBENCH_SOURCE}/bench/install/debian/overrides ${overrides}/${package} COPYONLY)
+  endif()
+  file(CHMOD_RECURSE ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr/share
+    FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ
+    DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+endforeach()

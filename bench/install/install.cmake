@@ -1,0 +1,61 @@
+# What `cmake --install` puts where, in four components: program, library (the compensator for C), development, python.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+install(TARGETS tactbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+# The folders below share/tactbench are those of the source tree: bench/config.cpp looks into either alike.
+foreach(folder sequences bench/config devices/profiles)
+  install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tactbench/${folder} COMPONENT program
+    FILES_MATCHING PATTERN "*.toml")
+endforeach()
+install(FILES bench/config/70-tactbench.rules DESTINATION lib/udev/rules.d COMPONENT program)
+install(FILES bench/install/tactbench-nightly.service bench/install/tactbench-nightly.timer
+  DESTINATION lib/systemd/system COMPONENT program)
+install(FILES bench/install/github-actions.example.yml devices/tactile/frame_server.py devices/tactile/frame_protocol.md
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)  # the .deb says it in its own way
+
+# Manual page and completions: what the program just built says of itself.
+file(GLOB shipped CONFIGURE_DEPENDS sequences/*.toml bench/config/*.toml)
+set(WORDS ${PROJECT_BINARY_DIR}/words)
+file(MAKE_DIRECTORY ${WORDS})
+add_custom_command(OUTPUT ${WORDS}/tactbench.1.gz ${WORDS}/tactbench ${WORDS}/_tactbench ${WORDS}/tactbench.fish
+  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> manual-page > tactbench.1
+  COMMAND gzip -9nf tactbench.1
+  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> completion bash > tactbench
+  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> completion zsh > _tactbench
+  COMMAND ${CMAKE_COMMAND} -E env TACTBENCH_SHARE=${PROJECT_SOURCE_DIR} $<TARGET_FILE:tactbench> completion fish > tactbench.fish
+  WORKING_DIRECTORY ${WORDS} DEPENDS tactbench ${shipped} VERBATIM)
+add_custom_target(tactbench_words ALL DEPENDS ${WORDS}/tactbench.1.gz)
+install(FILES ${WORDS}/tactbench.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(FILES ${WORDS}/tactbench DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+install(FILES ${WORDS}/_tactbench DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
+install(FILES ${WORDS}/tactbench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+
+# The compensator: find_package(tactbench) gives tactbench::compensator (static, C++) and tactbench::compensator_shared
+# (C API); pkg-config knows the latter as tactbench-compensator. Headers keep their paths: "analysis/compensate/...".
+set_target_properties(tactbench_compensator PROPERTIES EXPORT_NAME compensator)
+set_target_properties(tactbench_compensator_shared PROPERTIES EXPORT_NAME compensator_shared)
+install(TARGETS tactbench_compensator tactbench_compensator_shared EXPORT tactbench-targets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench)
+set(compensate_headers compensator_c.h frame_compensator.h frame_setup.h options.h)
+list(TRANSFORM compensate_headers PREPEND analysis/compensate/)
+install(FILES ${compensate_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/compensate
+  COMPONENT development)
+install(FILES analysis/models/elam.h analysis/models/pattern_curve.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/models COMPONENT development)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tactbench)
+install(EXPORT tactbench-targets NAMESPACE tactbench:: DESTINATION ${package_folder} COMPONENT development)
+file(WRITE ${PROJECT_BINARY_DIR}/generated/tactbench-config.cmake
+  "include(\${CMAKE_CURRENT_LIST_DIR}/tactbench-targets.cmake)\n")
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/tactbench-config-version.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/generated/tactbench-config.cmake
+  ${PROJECT_BINARY_DIR}/generated/tactbench-config-version.cmake DESTINATION ${package_folder} COMPONENT development)
+configure_file(bench/install/tactbench-compensator.pc.in generated/tactbench-compensator.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/generated/tactbench-compensator.pc DESTINATION ${CMAKE_INSTALL_DATADIR}/pkgconfig
+  COMPONENT development)
+install(FILES analysis/compensate/python/tactbench_compensator.py DESTINATION lib/python3/dist-packages
+  COMPONENT python)

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+#include <toml++/toml.h>
+#include <CLI/Version.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "bench/selfcheck/selfcheck.h"
+#include "bench/utc.h"
+#include "build_info.h"
+#include "db/library_versions.h"
+#include "devices/library_versions.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using SteadyTime = std::chrono::steady_clock;
+
+SelfcheckAnswer steady_reads() {
+  constexpr int kReads = 200'000;
+  std::int64_t backwards = 0;
+  auto before = SteadyTime::now();
+  auto smallest = SteadyTime::duration::max();
+  for (int i = 0; i < kReads; ++i) {
+    const auto now = SteadyTime::now();
+    if (now < before) ++backwards;
+    if (now > before) smallest = std::min(smallest, now - before);
+    before = now;
+  }
+  const auto tick = std::chrono::duration_cast<std::chrono::nanoseconds>(smallest).count();
+  return {backwards == 0 && tick < 100'000, fmt::format("{} backwards, ticks of {} ns", backwards, tick)};
+}
+
+SelfcheckAnswer two_clocks() {
+  const auto steady = SteadyTime::now();
+  const auto wall = std::chrono::system_clock::now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const std::chrono::duration<double, std::milli> by_steady = SteadyTime::now() - steady;
+  const std::chrono::duration<double, std::milli> by_wall = std::chrono::system_clock::now() - wall;
+  const double apart = std::abs(by_steady.count() - by_wall.count());
+  return {apart <= 3.0 && by_steady.count() >= 300.0,
+          fmt::format("{:.3f} ms apart after {:.0f} ms", apart, by_steady.count())};
+}
+
+SelfcheckAnswer not_before_the_build() {
+  const std::string now = utc_now();
+  return {now.substr(0, 10) >= TACTBENCH_DATE, now};
+}
+
+}  // namespace
+
+SelfcheckLines check_clocks() {
+  SelfcheckLines lines;
+  lines.push_back(
+      selfchecked("clock", "steady clock, read 200000 times", "0 backwards, ticks below 100000 ns", steady_reads));
+  lines.push_back(selfchecked("clock", "steady and wall clock over 300 ms", "at most 3 ms apart", two_clocks));
+  lines.push_back(selfchecked("clock", "wall clock against the program's commit",
+                              fmt::format("not before {}", TACTBENCH_DATE), not_before_the_build));
+  return lines;
+}
+
+std::vector<std::pair<std::string, std::string>> library_versions() {
+  std::vector<std::pair<std::string, std::string>> versions = db::library_versions();
+  for (auto& version : devices::library_versions()) versions.push_back(std::move(version));
+  versions.emplace_back("fmt",
+                        fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100));
+  versions.emplace_back("CLI11", CLI11_VERSION);
+  versions.emplace_back("toml++", fmt::format("{}.{}.{}", TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH));
+  versions.emplace_back("nlohmann-json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR,
+                                                     NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH));
+  std::ranges::sort(versions);
+  return versions;
+}
+
+}  // namespace tactbench::bench

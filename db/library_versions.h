@@ -1,0 +1,12 @@
+// Versions of the shared objects that this room stores and hashes with.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactbench::db {
+
+std::vector<std::pair<std::string, std::string>> library_versions();
+
+}  // namespace tactbench::db

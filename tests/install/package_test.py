@@ -1,0 +1,57 @@
+"""Builds the Debian packages from the build as it stands, looks into them, and has lintian judge them. Arguments:
+cpack, build folder, version, lintian or nothing."""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+CPACK, BUILD, VERSION = sys.argv[1:4]
+LINTIAN = sys.argv[4] if len(sys.argv) > 4 else ""
+PACKAGES = ("tactbench", "libtactbench-compensator1", "libtactbench-compensator-dev", "python3-tactbench-compensator")
+
+
+def output(*words):
+    return subprocess.run(words, check=True, capture_output=True, text=True, timeout=200).stdout
+
+
+with tempfile.TemporaryDirectory() as folder:
+    done = subprocess.run([CPACK, "-G", "DEB", "-B", folder, "--config", os.path.join(BUILD, "CPackConfig.cmake")],
+                          cwd=folder, capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stdout + done.stderr
+    files = {name: os.path.join(folder, file) for name in PACKAGES for file in os.listdir(folder)
+             if file.startswith(f"{name}_{VERSION}-0upstream1_") and file.endswith(".deb")}
+    assert set(files) == set(PACKAGES), os.listdir(folder)
+
+    contents = {name: output("dpkg-deb", "--contents", file) for name, file in files.items()}
+    for name, lines in contents.items():
+        for line in lines.splitlines():
+            mode, owner = line.split()[:2]
+            assert owner == "root/root" and "s" not in mode.lower(), line  # no setuid, no setgid
+            assert re.match("l|d.{2}x.{2}xr-x|-rw.r--r--|-rwxr-xr-x", mode), line
+        for document in ("copyright", "changelog.Debian.gz"):
+            assert f"./usr/share/doc/{name}/{document}" in lines, (name, document)
+    for path in ("bin/tactbench", "lib/udev/rules.d/70-tactbench.rules", "lib/systemd/system/tactbench-nightly.timer",
+                 "share/man/man1/tactbench.1.gz", "share/tactbench/sequences/descending.toml"):
+        assert f"./usr/{path}\n" in contents["tactbench"], path
+    assert "libtactbench_compensator.so.1.0.0" in contents["libtactbench-compensator1"]
+    assert "libtactbench_compensator.so ->" in contents["libtactbench-compensator-dev"]
+
+    def field(name, key):
+        return output("dpkg-deb", "--field", files[name], key)
+
+    for library in ("libmodbus5", "libserialport0", "libhidapi-hidraw0", "libsqlite3-0", "libssl3", "libc6"):
+        assert library in field("tactbench", "Depends"), (library, field("tactbench", "Depends"))
+    assert f"libtactbench-compensator1 (= {VERSION}-0upstream1)" in field("libtactbench-compensator-dev", "Depends")
+
+    root = os.path.join(folder, "root")
+    output("dpkg-deb", "--extract", files["tactbench"], root)
+    plan = subprocess.run([os.path.join(root, "usr/bin/tactbench"), "plan", "descending"], cwd=root, capture_output=True,
+                          text=True, timeout=60)
+    assert plan.returncode == 0, plan.stderr
+    if LINTIAN:
+        judged = subprocess.run([LINTIAN, "--allow-root", "--no-cfg", "--fail-on", "error,warning", *files.values()],
+                                capture_output=True, text=True, timeout=200)
+        assert judged.returncode == 0, judged.stdout + judged.stderr
+print("four packages", "and lintian is content" if LINTIAN else "; lintian is not installed")

@@ -1,0 +1,96 @@
+"""The completion scripts in the shells themselves, where these are installed (bash always), and the manual page before
+man and mandoc. Argument: the program."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = sys.argv[1]
+
+
+def said(*words, **more):
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, **more)
+    assert done.returncode == 0 and not done.stderr, (words, done)
+    return done.stdout
+
+
+def bash(*words):
+    """What bash offers for the last of `words`, as it does after a press of TAB."""
+    script = f'source {scripts["bash"]}; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _tactbench; printf "%s\\n" "${{COMPREPLY[@]}}"'
+    return said("bash", "-c", script, "bash", "tactbench", *words, cwd=folder).split()
+
+
+def check_bash():
+    assert bash("ru") == ["run", "runs"], bash("ru")
+    assert {"plan", "nightly", "completion", "--version"} <= set(bash("") + bash("--"))
+    assert "dead-man" not in bash("") and "manual-page" not in bash("")
+    assert bash("runs", "e") == ["export"]
+    assert {"csv", "json"} <= set(bash("runs", "export", "1", "--format", ""))
+    assert bash("runs", "export", "1", "--format", "=", "cs") == ["csv"]  # as bash cuts --format=cs
+    assert bash("runs", "export", "1", "--format", "=") == bash("runs", "export", "1", "--format", "")
+    assert bash("runs", "export", "1", "--out") == ["--output"]
+    assert bash("runs", "export", "1", "-o", "my") == ["my", "table.csv"]  # one name, cut at its blank by this test
+    assert bash("plan", "desc") == ["descending"]
+    assert bash("plan", "--bench", "simu") == ["simulated.toml"]
+    assert set(bash("completion", "")) == {"bash", "fish", "zsh"}
+    assert bash("demo", "--seed", "") == []  # a number: nothing to offer
+    assert bash("nightly", "nig") == ["nightly"]
+    after_a_verbs_name = bash("run", "descending", "--operator", "runs", "--sen")
+    assert set(after_a_verbs_name) == {"--sensor", "--sensor-seed"}, after_a_verbs_name
+
+
+def check_every_option():
+    """Each option that --help names is offered, for each verb."""
+    verbs = [word for word in bash("") if not word.startswith("-")]
+    assert len(verbs) > 20, verbs
+    for verb in verbs:
+        help_text = said(PROGRAM, verb, "--help")
+        named = {word.strip(",") for line in help_text.splitlines() for word in line.split()[:1] if word.startswith("-")}
+        named |= {part for word in named for part in word.split(",")}
+        named = {word for word in named if "," not in word}
+        assert named <= set(bash(verb, "-")), (verb, named - set(bash(verb, "-")))
+
+
+def check_others():
+    if shutil.which("zsh"):
+        said("zsh", "-n", scripts["zsh"])
+    if shutil.which("fish"):
+        said("fish", "--no-execute", scripts["fish"])
+        offered = said("fish", "-c", f'source {scripts["fish"]}; complete -C "tactbench runs export 1 --format "',
+                       env={**os.environ, "HOME": folder})
+        assert {line.split("\t")[0] for line in offered.splitlines()} >= {"csv", "json"}, offered
+    if shutil.which("shellcheck"):
+        said("shellcheck", "--shell=bash", scripts["bash"])
+
+
+def check_manual():
+    page = said(PROGRAM, "manual-page")
+    path = os.path.join(folder, "tactbench.1")
+    with open(path, "w") as file:
+        file.write(page)
+    for text in (".TH TACTBENCH 1", ".SS runs export", ".SH EXIT STATUS", ".SH FILES", "TACTBENCH_SHARE",
+                 "\\fB\\-\\-stop\\-on\\-red\\fR", "one of csv, json"):
+        assert text in page, text
+    for verb in bash(""):
+        assert verb.startswith("-") or f".SS {verb}".replace("-", "\\-") in page, verb
+    if shutil.which("man"):
+        said("man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", path, env={**os.environ, "LC_ALL": "C.UTF-8"})
+    if shutil.which("mandoc"):
+        said("mandoc", "-Tlint", "-W", "warning", path)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    scripts = {}
+    for shell in ("bash", "zsh", "fish"):
+        scripts[shell] = os.path.join(folder, shell)
+        with open(scripts[shell], "w") as file:
+            file.write(said(PROGRAM, "completion", shell))
+    with open(os.path.join(folder, "my table.csv"), "w"):
+        pass
+    check_bash()
+    check_every_option()
+    check_others()
+    check_manual()
+print("completion and manual page are well")
