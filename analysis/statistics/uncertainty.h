@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/reference_uncertainty.h"
 #include "analysis/statistics/coverage.h"
+#include "analysis/statistics/reference_uncertainty.h"
 #include "analysis/statistics/sweep_errors.h"
 
 namespace tactbench::analysis {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/statistics/levels.h"
 #include "analysis/statistics/coverage.h"
+#include "analysis/statistics/levels.h"
 #include "analysis/statistics/verdict.h"
 
 namespace tactbench::analysis {
