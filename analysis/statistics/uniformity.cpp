@@ -11,7 +11,7 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kSameLevelPsi = 0.05;
+constexpr double kSameTurnedLevelPsi = 0.05;
 constexpr double kLowestLevelPsi = 0.5;  // shares of less say nothing
 
 double array_deviation(const std::vector<double>& values) {
@@ -147,8 +147,8 @@ namespace {
 // Estimates of one run at a level less the level and less the array's mean, by taxel.
 std::vector<double> off_level(const SweepEstimates& estimates, double pressure) {
   std::vector<double> out(static_cast<std::size_t>(estimates.taxels), kNan);
-  const auto found = std::ranges::find_if(estimates.pressure_psi,
-                                          [&](double level) { return std::abs(level - pressure) < kSameLevelPsi; });
+  const auto found = std::ranges::find_if(
+      estimates.pressure_psi, [&](double level) { return std::abs(level - pressure) < kSameTurnedLevelPsi; });
   const auto level = static_cast<std::size_t>(found - estimates.pressure_psi.begin());
   double sum = 0.0, n = 0.0;
   for (int taxel = 0; taxel < estimates.taxels; ++taxel) {
@@ -238,7 +238,7 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
   for (const double level : runs.front().estimates.pressure_psi) {
     const bool everywhere = std::ranges::all_of(runs, [&](const TurnedRun& run) {
       return std::ranges::any_of(run.estimates.pressure_psi,
-                                 [&](double other) { return std::abs(other - level) < kSameLevelPsi; });
+                                 [&](double other) { return std::abs(other - level) < kSameTurnedLevelPsi; });
     });
     if (everywhere && level > kLowestLevelPsi) u.pressure_psi.push_back(level);
   }
