@@ -141,16 +141,24 @@ std::map<std::string, double> press_figures(const db::RunStore& store, std::int6
   std::map<std::int64_t, db::BranchRecord> branches;
   for (const db::BranchRecord& branch : store.branches(run)) branches[branch.branch] = branch;
   std::map<std::tuple<int, double, double, double>, std::vector<double>> places;  // branch, target, x, y -> z
-  std::vector<double> relaxations;
+  std::map<std::int64_t, std::map<double, double>> rising;                        // of a loading branch: force -> z
+  std::vector<double> relaxations, stiffnesses;
   for (const db::FrameRecord& frame : store.frames(run)) {
     const db::BranchRecord& branch = branches.at(frame.branch);
     if (branch.is_void || !frame.wrench) continue;
     const db::WrenchRecord& press = *frame.wrench;
+    if (branch.to_n > branch.from_n) rising[branch.branch][-press.wrench[2]] = press.place_mm[2];
     places[{branch.ordinal, press.target_n, press.place_mm[0], press.place_mm[1]}].push_back(press.place_mm[2]);
     if (press.force_start_n > 0.0)
       relaxations.push_back(100.0 * (press.force_start_n + press.wrench[2]) / press.force_start_n);  // -Fz presses
   }
   keep_mean(figures, "force_relaxation_percent", relaxations);
+  for (const auto& [branch, heights] : rising) {
+    const auto [low_n, low_mm] = *heights.begin();
+    const auto [high_n, high_mm] = *heights.rbegin();
+    if (high_mm > low_mm) stiffnesses.push_back((high_n - low_n) / (high_mm - low_mm));
+  }
+  keep_mean(figures, "press_stiffness_n_per_mm", stiffnesses);
   for (const auto& [place, heights] : places)
     if (heights.size() >= 2) keep_largest(figures, "stage_repeatability_um", 1000.0 * deviation_of(heights));
   for (const db::CheckRecord& check : store.checks(run)) {

@@ -28,7 +28,8 @@ std::map<std::string, double> chamber_figures(const db::RunStore& store, std::in
 
 // Of a run with frames under an indenter: force_zero_drift_n (largest between two tares), stage_repeatability_um
 // (largest standard deviation of z at one force of one branch over the repeats), force_relaxation_percent (mean of
-// (force at the dwell's start - at frame time) / force).
+// (force at the dwell's start - at frame time) / force), press_stiffness_n_per_mm (from the lowest force of a loading
+// branch to its highest, mean over the branches: what is wrong with the scale of either force or place shows here).
 std::map<std::string, double> press_figures(const db::RunStore& store, std::int64_t run);
 
 }  // namespace tactbench::analysis

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/statistics/figures.h"
+#include "analysis/statistics/rig_figures.h"
 #include "bench/cli/evaluation.h"
 #include "bench/run/recipe_check.h"
 #include "bench/utc.h"
@@ -71,6 +72,12 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   result.figures.merge(analysis::figures_of(fit, e));
 }
 
+// A run that is not fitted shows the rig that made it.
+void look_at_rig(const db::RunStore& store, ScenarioResult& result) {
+  result.figures.merge(analysis::chamber_figures(store, result.runs.back().run));
+  result.figures.merge(analysis::press_figures(store, result.runs.back().run));
+}
+
 void compare(const std::string& what, const std::string& wanted, const std::string& came,
              std::vector<std::string>& lines) {
   if (wanted != came)
@@ -93,9 +100,9 @@ ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
     set.insert(set.end(), scenario.held_out.begin(), scenario.held_out.end());
     completed = run_once(scenario, set, scenario.seed + kHeldOutSeeds, sensor, store, result);
   }
-  if (completed && scenario.fits) {
+  if (completed) {
     try {
-      judge(scenario, store, result);
+      scenario.fits ? judge(scenario, store, result) : look_at_rig(store, result);
     } catch (const std::exception&) {
       const Error error = as_error(std::current_exception());
       result.wrong.push_back(fmt::format("the analysis ended with {}: {}", error.id(), error.what()));

@@ -106,13 +106,15 @@ TEST_CASE("the stage's repeatability is the spread of the places at one force, t
     db::BranchRecord branch = example_branch();
     branch.repeat = repeat;
     branch.ordinal = 1;
+    branch.from_n = 0.0;
+    branch.to_n = 20.0;
     const std::int64_t number = store.begin_branch(begun.run, branch);
     for (int i = 0; i < 2; ++i) {
       db::FrameRecord frame = example_frame(number, i);
       frame.wrench->target_n = 10.0 * (i + 1);
-      frame.wrench->force_start_n = 10.0;
-      frame.wrench->wrench[2] = -9.5;
-      frame.wrench->place_mm = {30.0, 30.0, 40.0 + 0.01 * repeat * (i + 1)};
+      frame.wrench->force_start_n = 10.0 * (i + 1);
+      frame.wrench->wrench[2] = -9.5 * (i + 1);
+      frame.wrench->place_mm = {30.0, 30.0, 40.0 + 0.5 * i + 0.01 * repeat * (i + 1)};
       store.append_frame(begun.run, frame);
     }
     store.append_check(begun.run,
@@ -126,6 +128,7 @@ TEST_CASE("the stage's repeatability is the spread of the places at one force, t
   const std::map<std::string, double> figures = press_figures(store, begun.run);
   CHECK(figures.at("stage_repeatability_um") == Approx(20.0 / std::sqrt(2.0)));
   CHECK(figures.at("force_relaxation_percent") == Approx(5.0));
+  CHECK(figures.at("press_stiffness_n_per_mm") == Approx(0.5 * (9.5 / 0.5 + 9.5 / 0.51)));
   CHECK(figures.at("force_zero_drift_n") == Approx(-0.004));
   CHECK(chamber_figures(store, begun.run).empty());
 }
