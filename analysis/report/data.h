@@ -6,8 +6,8 @@
 
 namespace tactbench::analysis {
 
-inline std::string json_text(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
-}
+// Lists of sixteen numbers or more, which are curves and maps, carry seven significant digits, finer than any converter
+// step; every other number all that it has.
+std::string json_text(const nlohmann::ordered_json& json);
 
 }  // namespace tactbench::analysis

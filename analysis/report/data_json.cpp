@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "analysis/report/data.h"
 #include "analysis/report/page.h"
 
@@ -7,20 +5,6 @@ namespace tactbench::analysis {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Frames to six significant digits, finer than a converter step; everything else keeps all its digits.
-Json frame(const std::vector<double>& values) {
-  Json out = Json::array();
-  for (const double value : values) {
-    if (!std::isfinite(value) || value == 0.0) {
-      out.push_back(value);
-      continue;
-    }
-    const double power = std::pow(10.0, 5.0 - std::floor(std::log10(std::abs(value))));
-    out.push_back(std::nearbyint(value * power) / power);
-  }
-  return out;
-}
 
 Json level_json(const LevelFigures& level, int fitted) {
   const LevelJudgement worse = judge_level(level);
@@ -216,10 +200,10 @@ std::string results_json(const ReportInput& input) {
        held_out = Json::array();
   for (const LevelFigures& level : e.levels) {
     frames.push_back({{"pressure_psi", level.pressure_psi},
-                      {"raw_up_v", frame(level.raw_up_v)},
-                      {"raw_down_v", frame(level.raw_down_v)},
-                      {"comp_up_psi", frame(level.comp_up_psi)},
-                      {"comp_down_psi", frame(level.comp_down_psi)}});
+                      {"raw_up_v", level.raw_up_v},
+                      {"raw_down_v", level.raw_down_v},
+                      {"comp_up_psi", level.comp_up_psi},
+                      {"comp_down_psi", level.comp_down_psi}});
   }
   for (const Trace& trace : e.traces) {
     traces.push_back({{"sequence", trace.sequence},
