@@ -1,4 +1,6 @@
 // The laboratory file: what a report says and no instrument knows.
+#include <fmt/format.h>
+
 #include "bench/config_laboratory.h"
 
 #include "db/run_store.h"
@@ -13,9 +15,9 @@ namespace {
 
 // "2026-01-31" or nothing.
 std::string date_of(const TomlTable& table, const std::string& key) {
-  const std::string text = table.text(key, "");
+  std::string text = table.text(key, "");
   if (text.empty() || is_iso_date(text)) return text;
-  table.fail(key, "'" + text + "' is not a date", "write it as \"2026-01-31\", or leave it empty");
+  table.fail(key, fmt::format("'{}' is not a date", text), "write it as \"2026-01-31\", or leave it empty");
 }
 
 analysis::Laboratory laboratory_of(const TomlDocument& document) {

@@ -9,10 +9,10 @@
 namespace tactbench::analysis {
 
 std::string behaviour_json(const ReportInput& input) {
-  using Json = nlohmann::ordered_json;
   const Behaviour& b = input.behaviour;
-  Json loops = Json::array(), traces = Json::array(), repeatability = Json::array(), zero = Json::array(),
-       creep = Json::array();
+  nlohmann::ordered_json loops = nlohmann::ordered_json::array(), traces = nlohmann::ordered_json::array(),
+                         repeatability = nlohmann::ordered_json::array(), zero = nlohmann::ordered_json::array(),
+                         creep = nlohmann::ordered_json::array();
   for (const RawLoop& loop : b.loops)
     loops.push_back({{"name", loop.name},
                      {"taxel", loop.taxel},

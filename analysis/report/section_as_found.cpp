@@ -13,7 +13,7 @@ using html::Text;
 
 namespace {
 
-const double kNoFigure = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 
 // The level of another evaluation at the same set-point; null where it has none.
 const LevelFigures* same_level(const std::optional<AsFound>& previous, double pressure_psi) {

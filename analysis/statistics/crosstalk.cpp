@@ -41,7 +41,8 @@ Print print_of(const PointFrame& frame, const std::vector<double>& baseline, int
     print.share.push_back(share);
     if (share < kPrintShare) continue;
     const auto taxel = static_cast<int>(i);
-    print.row += share * (taxel / columns);
+    const int row = taxel / columns;
+    print.row += share * row;
     print.column += share * (taxel % columns);
     weight += share;
   }

@@ -82,7 +82,7 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
   std::string recipes;
   for (const db::SequenceRecord& sequence : run.sequences)
     recipes += fmt::format("{}{}", recipes.empty() ? "" : "+", sequence.name);
-  const std::string subject = fmt::format("sensor/{}/{}", run.sensor_serial, recipes);
+  std::string subject = fmt::format("sensor/{}/{}", run.sensor_serial, recipes);
   store.replace_figures(fit.run, subject, analysis::figures_of(fit, own));
   return subject;
 }
