@@ -70,7 +70,9 @@ constexpr ReportPart kReportParts[] = {
 Markup write_part(const ReportPart& part, const ReportInput& input) {
   if (!part.needs_evaluation || !input.evaluation.levels.empty()) return part.write(input);
   Markup out = section_start(part.id, part.title);
-  out += markup("<p>not available: no models were made from this run.</p>\n");
+  out += markup("<p>not available: {}.</p>\n",
+                Text(input.fit.taxels.empty() ? "no models were made from this run"
+                                              : "the run sweeps no full loop to evaluate models on"));
   return out;
 }
 

@@ -24,7 +24,8 @@ Markup third(LineChart chart, const char* caption) {
 // Figs 13, 14: direct model, inverse model, pressure against pressure.
 Markup trace_triple(const TaxelTrace& trace) {
   const std::string of = fmt::format("{}, sequence {}", trace.taxel.title, trace.sequence);
-  Markup out = markup("<h4>Sequence {}</h4>\n<div class=\"triple\">\n", html::stated(trace.sequence));
+  Markup out =
+      markup("<div class=\"keep\"><h4>Sequence {}</h4>\n<div class=\"triple\">\n", html::stated(trace.sequence));
   out += third({.title = "Output measured and by the direct model against pressure, " + of,
                 .x_label = "pressure, psi",
                 .y_label = "output, V",
@@ -45,7 +46,7 @@ Markup trace_triple(const TaxelTrace& trace) {
   if (range.count > 1)
     compensated.series.push_back({"ideal", {range.low, range.high}, {range.low, range.high}, 0, false});
   out += third(compensated, "Pressure after compensation.");
-  out += markup("</div>\n");
+  out += markup("</div></div>\n");
   return out;
 }
 

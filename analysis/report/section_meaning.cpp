@@ -15,10 +15,11 @@ Markup meaning_section(const ReportInput& input) {
         Text("The devices and the sensor were simulated. The figures show what the program does, not what a sensor is "
              "like."));
   }
-  item(
-      Text("Uncertainty of measurement: not assessed in this version. No figure here has a stated uncertainty, so no "
-           "figure may be "
-           "used as the result of an accredited calibration."));
+  item(Text(
+      input.uncertainty
+          ? "Uncertainty of measurement: the budgets name what is not assessed; U does not contain it. It is that of "
+            "a reading of a full sweep of this run, not of any later use."
+          : "Uncertainty of measurement: not assessed. No figure here has a stated uncertainty."));
   item(
       Text("The results relate only to the item identified, with the scanner electronics named, in the state and at "
            "the place of "
@@ -40,11 +41,13 @@ Markup meaning_section(const ReportInput& input) {
            "both given."));
   item(Text(
       "Creep: a held pressure with a drifting output is outside every rate-independent model, this one too. What was "
-      "measured of creep, repeatability and zero return stands in “Behaviour before compensation”; temperature and "
-      "crosstalk: not assessed in this version."));
-  item(
-      Text("Uniformity of the pressure over the chamber: not assessed. A non-uniformity is taken for mismatch of the "
-           "taxels."));
+      "measured of creep, repeatability and zero return stands in “Behaviour before compensation”; crosstalk "
+      "in “Crosstalk, rate and hold, mounting, uniformity”. What no run tells is not assessed."));
+  if (!input.more.studies.uniformity.assessed()) {
+    item(
+        Text("Uniformity of the pressure over the chamber: not assessed. A non-uniformity is taken for mismatch of the "
+             "taxels."));
+  }
   item(
       Text("FS is the highest mean output in volt before compensation and the full pressure after it; a per cent "
            "before and a "

@@ -52,12 +52,14 @@ Markup model_panel(const ComparedTaxel& taxel, const ComparedSequence& sequence,
 }
 
 Markup sequence_panels(const ComparedTaxel& taxel, const ComparedSequence& sequence) {
-  Markup out = markup("<h4>Sequence {}</h4>\n", html::stated(sequence.name));
+  Markup out;
   for (std::size_t first = 0; first < sequence.models.size(); first += 2) {
+    out += markup("<div class=\"keep\">");
+    if (first == 0) out += markup("<h4>Sequence {}</h4>\n", html::stated(sequence.name));
     out += markup("<div class=\"pair\">\n");
     for (std::size_t i = first; i < std::min(first + 2, sequence.models.size()); ++i)
       out += model_panel(taxel, sequence, sequence.models[i]);
-    out += markup("</div>\n");
+    out += markup("</div></div>\n");
   }
   return out;
 }
@@ -80,9 +82,10 @@ Markup elam_and_residuals(const ComparedTaxel& taxel, const ComparedSequence& se
     }
     if (model.failed.empty()) chart.series.push_back(std::move(series));
   }
-  Markup out = markup("<h4>Sequence {}</h4>\n<div class=\"pair\">\n", html::stated(sequence.name));
+  Markup out = markup("<div class=\"keep\"><h4>Sequence {}</h4>\n<div class=\"pair\">\n", html::stated(sequence.name));
   out += model_panel(taxel, sequence, sequence.models.back());
-  out += markup("<figure>{}<figcaption>All models, step by step.</figcaption></figure>\n</div>\n", line_chart(chart));
+  out += markup("<figure>{}<figcaption>All models, step by step.</figcaption></figure>\n</div></div>\n",
+                line_chart(chart));
   return out;
 }
 

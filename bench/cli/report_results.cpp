@@ -151,15 +151,17 @@ std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words) {
 
 void add_results(analysis::ReportInput& input, const db::RunStore& store, const ReportExtras& extras) {
   const std::vector<StudyRun> studies = study_runs_of(extras.studies);
-  if (input.evaluation.levels.empty() || input.fit.taxels.empty()) {
+  const bool evaluated = !input.evaluation.levels.empty();  // a run under an object sweeps no loop
+  if (input.fit.taxels.empty() || (!evaluated && !extras.previous.empty())) {
     if (studies.empty() && extras.previous.empty()) return;
     throw Error(ExitCode::kUsage, "TB-REPORT-STUDY", "studies and earlier models need models of the report's own run",
                 fmt::format("run {}", input.run.run), fmt::format("fit it first: tactbench fit {}", input.run.run));
   }
   std::optional<analysis::ArrayFit> previous;
   if (!extras.previous.empty()) previous = analysis::array_fit_of(analysis::load_model(extras.previous, &store));
-  input.more = analysis::results_of(analysis::load_dataset(store, input.run.run), input.fit, input.evaluation,
-                                    previous ? &*previous : nullptr, extras.previous);
+  if (evaluated)
+    input.more = analysis::results_of(analysis::load_dataset(store, input.run.run), input.fit, input.evaluation,
+                                      previous ? &*previous : nullptr, extras.previous);
   StudyGatherer gatherer(input, store);
   (void)gatherer.take_presses(input.run);
   for (const StudyRun& study : studies) gatherer.take(study);

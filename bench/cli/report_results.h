@@ -24,8 +24,9 @@ struct StudyRun {
 // Throws Error TB-USAGE.
 std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words);
 
-// Fills in input.more; run, fit and evaluation must stand there already. Without an evaluation only what needs none.
-// Throws Error TB-REPORT-STUDY for a run whose role is not known, AnalysisError, StoreError.
+// Fills in input.more; run, fit and evaluation must stand there already. Without an evaluation only what needs none:
+// the run's own presses, and studies. Throws Error TB-REPORT-STUDY for a run whose role is not known, AnalysisError,
+// StoreError.
 void add_results(analysis::ReportInput& input, const db::RunStore& store, const ReportExtras& extras);
 
 }  // namespace tactbench::bench
