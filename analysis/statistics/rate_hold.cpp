@@ -1,12 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/levels.h"
 #include "analysis/statistics/same_sensor.h"
 #include "analysis/statistics/studies.h"
-#include "analysis/workers.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -45,27 +43,17 @@ std::vector<RateHoldRun> rate_hold_of(const Dataset& measured, const ArrayFit& f
   const std::size_t width = fitted.width();
   // Scores of each taxel and sequence, added up afterwards in the taxels' order.
   std::vector<std::vector<Score>> scores(width, std::vector<Score>(dataset.sequences.size()));
-  for_each_index(width, threads, [&](std::size_t taxel) {
-    const TaxelFit& own = fit.taxels[taxel];
-    if (own.status != TaxelStatus::kFitted) return;
-    CompensatorOptions options;
-    options.noise_v = own.noise_v;
-    TaxelCompensator compensator(own.fit.model, options);
-    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
-      for (const Repeat& repeat : dataset.sequences[s].repeats) {
-        for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-          const Sample& now = repeat.steps[i];
-          const double off =
-              std::abs(compensator.step(repeat.volts[i * width + taxel]).pressure_psi - now.reference_psi);
-          const double passed = i > 0 ? now.time_s - repeat.steps[i - 1].time_s : 0.0;
-          const double rate =
-              passed > 0.0 ? std::abs(now.reference_psi - repeat.steps[i - 1].reference_psi) / passed : 0.0;
-          // A level that is held has no rate but noise.
-          const bool moved = i > 0 && now.setpoint_psi != repeat.steps[i - 1].setpoint_psi;
-          scores[taxel][s].add_sample(off, now.held_s, moved ? rate : 0.0);
-        }
-      }
-    }
+  compensate_in_order(dataset, fit, threads, [&](std::size_t taxel) {
+    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& compensated) {
+      const std::vector<Sample>& steps = dataset.sequences[s].repeats[r].steps;
+      const Sample& now = steps[i];
+      const double off = std::abs(compensated.pressure_psi - now.reference_psi);
+      const double passed = i > 0 ? now.time_s - steps[i - 1].time_s : 0.0;
+      const double rate = passed > 0.0 ? std::abs(now.reference_psi - steps[i - 1].reference_psi) / passed : 0.0;
+      // A level that is held has no rate but noise.
+      const bool moved = i > 0 && now.setpoint_psi != steps[i - 1].setpoint_psi;
+      scores[taxel][s].add_sample(off, now.held_s, moved ? rate : 0.0);
+    };
   });
   std::vector<RateHoldRun> runs;
   for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {

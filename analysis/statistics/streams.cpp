@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/compensate/compensator.h"
-#include "analysis/workers.h"
-
 namespace tactbench::analysis {
 namespace {
 
@@ -43,28 +40,18 @@ CompensatedStreams compensate_all(const Dataset& dataset, const ArrayFit& fit, i
   for (const SequenceData& data : dataset.sequences)
     streams.sequences.push_back(empty_sequence(data, dataset.taxels()));
 
-  for_each_index(width, threads, [&](std::size_t taxel) {
-    const TaxelFit& own = fit.taxels[taxel];
-    if (own.status != TaxelStatus::kFitted) return;
-    CompensatorOptions options;
-    options.noise_v = own.noise_v;
-    TaxelCompensator compensator(own.fit.model, options);
-    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+  compensate_in_order(dataset, fit, threads, [&](std::size_t taxel) {
+    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
       const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
       CompensatedSequence& sequence = streams.sequences[s];
       const double weight = 1.0 / static_cast<double>(repeats.size());
-      for (const Repeat& repeat : repeats) {
-        for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-          const Compensated now = compensator.step(repeat.volts[i * width + taxel]);
-          const Sample& sample = repeat.steps[i];
-          const std::size_t at = i * width + taxel;
-          sequence.unmoved_psi[at] += weight * now.pressure_psi;
-          sequence.pressure.volts[at] += weight * (now.pressure_psi + sample.setpoint_psi - sample.reference_psi);
-          sequence.flat.volts[at] += now.flat ? weight : 0.0;
-          add_error(streams.errors[taxel], std::abs(now.pressure_psi - sample.reference_psi), now.flat);
-        }
-      }
-    }
+      const Sample& sample = repeats[r].steps[i];
+      const std::size_t at = i * width + taxel;
+      sequence.unmoved_psi[at] += weight * now.pressure_psi;
+      sequence.pressure.volts[at] += weight * (now.pressure_psi + sample.setpoint_psi - sample.reference_psi);
+      sequence.flat.volts[at] += now.flat ? weight : 0.0;
+      add_error(streams.errors[taxel], std::abs(now.pressure_psi - sample.reference_psi), now.flat);
+    };
   });
   return streams;
 }

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "analysis/compensate/compensator.h"
 #include "analysis/dataset.h"
 #include "analysis/identify/identify.h"
 #include "analysis/loop.h"
+#include "analysis/workers.h"
 
 namespace tactbench::analysis {
 
@@ -31,7 +33,28 @@ struct CompensatedStreams {
   std::vector<TaxelErrors> errors;  // taxels; zero frames where not fitted
 };
 
-// State carries over from repeat to repeat and from sequence to sequence. Threads by taxel.
+// Each fitted taxel's stored samples through its compensator in time order; state carries over from repeat to repeat
+// and from sequence to sequence. `take_of(taxel)` gives what is called with (sequence, repeat, step, Compensated), in
+// that taxel's order. Threads by taxel.
+template <class TakeOf>
+void compensate_in_order(const Dataset& dataset, const ArrayFit& fit, int threads, const TakeOf& take_of) {
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  for_each_index(width, threads, [&](std::size_t taxel) {
+    const TaxelFit& own = fit.taxels[taxel];
+    if (own.status != TaxelStatus::kFitted) return;
+    CompensatorOptions options;
+    options.noise_v = own.noise_v;
+    TaxelCompensator compensator(own.fit.model, options);
+    auto take = take_of(taxel);
+    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+      const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
+      for (std::size_t r = 0; r < repeats.size(); ++r)
+        for (std::size_t i = 0; i < repeats[r].steps.size(); ++i)
+          take(s, r, i, compensator.step(repeats[r].volts[i * width + taxel]));
+    }
+  });
+}
+
 CompensatedStreams compensate_all(const Dataset& dataset, const ArrayFit& fit, int threads);
 
 }  // namespace tactbench::analysis

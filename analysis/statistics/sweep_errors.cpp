@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/loop.h"
-#include "analysis/workers.h"
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -16,8 +14,6 @@ constexpr double kSameLevelPsi = 1e-6;
 
 // For each step of a sequence: the index of its LevelReadings, or -1.
 using LevelOfStep = std::vector<int>;
-
-double nan_psi() { return std::numeric_limits<double>::quiet_NaN(); }
 
 LevelOfStep levels_of_steps(const SequenceData& data, const std::vector<double>& grid) {
   const std::vector<Sample>& steps = data.repeats.front().steps;
@@ -42,7 +38,7 @@ LevelOfStep levels_of_steps(const SequenceData& data, const std::vector<double>&
 
 void measure_zero_return(const Dataset& dataset, double low, double near, SweepErrors& errors) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
-  errors.zero_return_v.assign(width, nan_psi());
+  errors.zero_return_v.assign(width, kNan);
   for (const SequenceData& data : dataset.sequences) {
     for (const Repeat& repeat : data.repeats) {
       if (repeat.steps.size() < 3 || repeat.steps.front().setpoint_psi - low > near ||
@@ -73,26 +69,17 @@ SweepErrors sweep_errors(const Dataset& dataset, const ArrayFit& fit, int thread
     for (const int level : level_of_step.back())
       if (level >= 0) errors.levels[static_cast<std::size_t>(level)].readings += data.repeats.size();
   }
-  for (LevelReadings& level : errors.levels) level.error_psi.assign(level.readings * width, nan_psi());
+  for (LevelReadings& level : errors.levels) level.error_psi.assign(level.readings * width, kNan);
   measure_zero_return(dataset, grid.front(), kFullSweepShare * (grid.back() - grid.front()), errors);
 
-  for_each_index(width, threads, [&](std::size_t taxel) {
-    const TaxelFit& own = fit.taxels[taxel];
-    if (own.status != TaxelStatus::kFitted) return;
-    CompensatorOptions options;
-    options.noise_v = own.noise_v;
-    TaxelCompensator compensator(own.fit.model, options);
-    std::vector<std::size_t> filled(errors.levels.size(), 0);
-    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
-      for (const Repeat& repeat : dataset.sequences[s].repeats) {
-        for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-          const double estimate = compensator.step(repeat.volts[i * width + taxel]).pressure_psi;
-          if (level_of_step[s][i] < 0) continue;
-          const auto level = static_cast<std::size_t>(level_of_step[s][i]);
-          errors.levels[level].error_psi[filled[level]++ * width + taxel] = estimate - repeat.steps[i].reference_psi;
-        }
-      }
-    }
+  compensate_in_order(dataset, fit, threads, [&](std::size_t taxel) {
+    return [&, taxel, filled = std::vector<std::size_t>(errors.levels.size(), 0)](
+               std::size_t s, std::size_t r, std::size_t i, const Compensated& now) mutable {
+      if (level_of_step[s][i] < 0) return;
+      const auto level = static_cast<std::size_t>(level_of_step[s][i]);
+      errors.levels[level].error_psi[filled[level]++ * width + taxel] =
+          now.pressure_psi - dataset.sequences[s].repeats[r].steps[i].reference_psi;
+    };
   });
   return errors;
 }

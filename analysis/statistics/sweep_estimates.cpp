@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/loop.h"
 #include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/levels.h"
 #include "analysis/statistics/same_sensor.h"
-#include "analysis/workers.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -76,30 +75,20 @@ SweepEstimates sweep_estimates(const Dataset& dataset, const ArrayFit& fit, int 
   out.sweeps = static_cast<int>(sweeps.size());
   out.taxels = dataset.taxels();
   out.psi.assign(out.pressure_psi.size() * sweeps.size() * width, kNan);
-  for_each_index(width, threads, [&](std::size_t taxel) {
-    const TaxelFit& own = fit.taxels[taxel];
-    if (own.status != TaxelStatus::kFitted) return;
-    CompensatorOptions options;
-    options.noise_v = own.noise_v;
-    TaxelCompensator compensator(own.fit.model, options);
-    std::size_t next = 0;  // sweep
-    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
-      const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
-      for (std::size_t r = 0; r < repeats.size(); ++r) {
-        for (std::size_t i = 0; i < repeats[r].steps.size(); ++i) {
-          const double estimate = compensator.step(repeats[r].volts[i * width + taxel]).pressure_psi;
-          const auto is_here = [&] {
-            return next < sweeps.size() && sweeps[next].sequence == s && sweeps[next].repeat == r;
-          };
-          if (is_here() && i > sweeps[next].last) ++next;
-          if (!is_here() || i < sweeps[next].first) continue;
-          const Sample& sample = repeats[r].steps[i];
-          out.psi[((i - sweeps[next].first) * sweeps.size() + next) * width + taxel] =
-              estimate + sample.setpoint_psi - sample.reference_psi;
-        }
-        if (next < sweeps.size() && sweeps[next].sequence == s && sweeps[next].repeat == r) ++next;
-      }
-    }
+  compensate_in_order(dataset, fit, threads, [&](std::size_t taxel) {
+    return [&, taxel, next = std::size_t{0}](  // next: sweep
+               std::size_t s, std::size_t r, std::size_t i, const Compensated& now) mutable {
+      const auto is_over = [&](const FullSweep& sweep) {
+        return std::tie(sweep.sequence, sweep.repeat, sweep.last) < std::tie(s, r, i);
+      };
+      while (next < sweeps.size() && is_over(sweeps[next])) ++next;
+      if (next == sweeps.size()) return;
+      const FullSweep& sweep = sweeps[next];
+      if (sweep.sequence != s || sweep.repeat != r || i < sweep.first) return;
+      const Sample& sample = dataset.sequences[s].repeats[r].steps[i];
+      out.psi[((i - sweep.first) * sweeps.size() + next) * width + taxel] =
+          now.pressure_psi + sample.setpoint_psi - sample.reference_psi;
+    };
   });
   return out;
 }

@@ -53,22 +53,6 @@ void show_result(const ScenarioResult& result) {
   for (const std::string& line : result.remarks) fmt::print("        {}\n", line);
 }
 
-// Takes the night into the store that keeps nights. What is known of the suite's subjects, for the page.
-std::vector<Followed> keep(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
-                           const std::string& db) {
-  db::RunStore store = db::RunStore::open(db, db::Durability::kNormal);
-  keep_night(suite, results, stores, store);
-  double figures = 1.0;
-  for (const ScenarioResult& result : results) figures += static_cast<double>(result.figures.size());
-  std::vector<Followed> followed;
-  for (const Scenario& scenario : suite.scenarios) {
-    const std::string subject = subject_of(scenario);
-    if (!followed.empty() && followed.back().subject == subject) continue;  // another seed of it
-    followed.push_back(follow(store, subject, kNightAlarm / figures));
-  }
-  return followed;
-}
-
 void nightly(const NightlyOptions& options, Session& session) {
   Suite suite = suite_of(options);
   if (options.list) return list_scenarios(suite, session);
@@ -102,7 +86,8 @@ void nightly(const NightlyOptions& options, Session& session) {
   });
   std::vector<Followed> followed;
   if (options.keeps) {
-    followed = keep(suite, results, night.stores, session.db);
+    db::RunStore store = db::RunStore::open(session.db, db::Durability::kNormal);
+    followed = keep_night(suite, results, night.stores, store);
     write_files(results);
   }
   write_page(results, std::move(followed));

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,8 @@ std::int64_t run_of_check(const RigCheckOptions& options, const std::vector<std:
 }
 
 std::string judged_word(const Followed& followed) {
-  if (!followed.baseline) return "no baseline";
+  if (std::ranges::none_of(followed.figures, [](const FollowedFigure& figure) { return figure.band.has_value(); }))
+    return "no baseline";  // or one of fewer than three runs
   if (!outside_lines(followed).empty()) return "outside";
   return drift_lines(followed).empty() ? "within" : "drifts";
 }
@@ -56,8 +58,7 @@ struct CheckedSubject {
 CheckedSubject checked(db::RunStore& store, const std::string& title, const std::string& subject, std::int64_t run,
                        const std::map<std::string, double>& figures) {
   store.replace_figures(run, subject, figures);
-  const double alarm = kNightAlarm / static_cast<double>(std::max<std::size_t>(figures.size(), 1));
-  return {title, run, follow(store, subject, alarm)};
+  return {title, run, follow(store, subject)};
 }
 
 void show_checked(const CheckedSubject& subject) {
@@ -101,7 +102,7 @@ void check_rig(const RigCheckOptions& options, Session& session) {
         checked(store, "force and stage", rig + "/press", pressed, analysis::press_figures(store, pressed)));
   const analysis::ArrayFit fit = fit_run(store, standard);
   const std::string standard_subject = follow_sensor(store, fit, evaluate_runs(store, fit, {}).front().evaluation);
-  subjects.push_back({"check standard", standard, follow(store, standard_subject, kNightAlarm / 20.0)});
+  subjects.push_back({"check standard", standard, follow(store, standard_subject)});
   std::string rig_word = judged_word(subjects.front().followed);
   if (options.press && rig_word == "within") rig_word = judged_word(subjects[1].followed);
   const std::string standard_word = judged_word(subjects.back().followed);

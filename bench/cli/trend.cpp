@@ -81,9 +81,7 @@ void trend(const TrendOptions& options, Session& session) {
   std::string origin;
   std::size_t figures = 0;
   for (const std::string& subject : chosen_subjects(options, store)) {
-    const std::size_t own = follow(store, subject, kNightAlarm).figures.size();
-    Followed& followed =
-        subjects.emplace_back(follow(store, subject, kNightAlarm / static_cast<double>(std::max<std::size_t>(own, 1))));
+    Followed& followed = subjects.emplace_back(follow(store, subject));
     if (!options.figure.empty())
       std::erase_if(followed.figures, [&](const FollowedFigure& figure) { return figure.name != options.figure; });
     figures += followed.figures.size();

@@ -28,7 +28,7 @@ void judge_figure(FollowedFigure& figure, double false_alarm) {
 
 }  // namespace
 
-Followed follow(const db::RunStore& store, const std::string& subject, double false_alarm) {
+Followed follow(const db::RunStore& store, const std::string& subject, std::size_t judged_together) {
   Followed followed;
   followed.subject = subject;
   for (const db::BaselineRecord& baseline : store.baselines())
@@ -37,15 +37,16 @@ Followed follow(const db::RunStore& store, const std::string& subject, double fa
   const std::vector<db::FigureRecord> records = store.figures(subject);
   if (!records.empty()) followed.origin = records.back().origin;
   for (const db::FigureRecord& record : records) {
-    if (record.origin != followed.origin) continue;
+    if (record.origin != followed.origin || !std::isfinite(record.value)) continue;
     FollowedFigure& figure = figures[record.name];
     figure.name = record.name;
     figure.runs.push_back(record.run);
     figure.values.push_back(record.value);
     figure.accepted.push_back(followed.baseline && std::ranges::binary_search(followed.baseline->runs, record.run));
   }
+  if (judged_together == 0) judged_together = std::max<std::size_t>(figures.size(), 1);
   for (auto& [name, figure] : figures) {
-    judge_figure(figure, false_alarm);
+    judge_figure(figure, kNightAlarm / static_cast<double>(judged_together));
     followed.figures.push_back(std::move(figure));
   }
   return followed;

@@ -27,7 +27,7 @@ struct FollowedFigure {
 
 inline constexpr int kDriftRuns = 7;
 inline constexpr double kDriftChance = 1e-3;  // so clear an order comes about by chance
-inline constexpr double kNightAlarm = 0.01;   // that any of a night's figures falls outside its band by chance
+inline constexpr double kNightAlarm = 0.01;   // that any of the figures judged together falls outside by chance
 
 struct Followed {
   std::string subject;
@@ -36,9 +36,9 @@ struct Followed {
   std::vector<FollowedFigure> figures;         // by name
 };
 
-// `false_alarm`: that one figure falls outside by chance (kNightAlarm over the number of figures that are judged
-// together). Empty where nothing is known of the subject.
-Followed follow(const db::RunStore& store, const std::string& subject, double false_alarm);
+// `judged_together`: among how many figures one may fall outside by chance with kNightAlarm; 0: among the subject's
+// own. Values that are not numbers are left out. Empty where nothing is known of the subject.
+Followed follow(const db::RunStore& store, const std::string& subject, std::size_t judged_together = 0);
 
 // A line about each figure that lies outside, and one about each that drifts.
 std::vector<std::string> outside_lines(const Followed& followed);

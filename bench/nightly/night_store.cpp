@@ -8,8 +8,6 @@
 #include <iterator>
 #include <set>
 
-#include "bench/nightly/followed.h"
-
 namespace tactbench::bench {
 namespace {
 
@@ -33,11 +31,11 @@ std::string compared_with_before(const db::RunStore& store, const std::string& s
 
 std::string subject_of(const Scenario& scenario) { return fmt::format("nightly/{}", scenario.name); }
 
-void keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
-                db::RunStore& store) {
+std::vector<Followed> keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
+                                 db::RunStore& store) {
+  std::vector<Followed> all;
   std::size_t figures = 0;
   for (const ScenarioResult& result : results) figures += result.figures.size();
-  const double alarm = kNightAlarm / static_cast<double>(std::max<std::size_t>(figures, 1));
   for (ScenarioResult& result : results) {
     const Scenario& scenario = *std::ranges::find(suite.scenarios, result.name, &Scenario::label);
     if (result.runs.empty()) continue;
@@ -53,10 +51,13 @@ void keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const 
     const std::string subject = subject_of(scenario);
     store.replace_figures(numbers.front(), subject, result.figures);
     result.compared = compared_with_before(store, subject, numbers.front());
-    const Followed followed = follow(store, subject, alarm);
+    Followed followed = follow(store, subject, figures);
     std::ranges::move(outside_lines(followed), std::back_inserter(result.wrong));
     std::ranges::move(drift_lines(followed), std::back_inserter(result.remarks));
+    if (!all.empty() && all.back().subject == subject) all.pop_back();  // another seed of it
+    all.push_back(std::move(followed));
   }
+  return all;
 }
 
 }  // namespace tactbench::bench
