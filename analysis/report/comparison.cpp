@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "analysis/report/data.h"
 #include "analysis/report/figure.h"
 #include "analysis/report/overview.h"
 #include "analysis/report/overview_parts.h"
@@ -200,7 +201,7 @@ Report render_comparison(const ReportInput& a, const ReportInput& b) {
       "{{\"schema\":\"tactbench.comparison\",\"version\":1,\"number\":\"{}\",\"runs\":[{},{}],\n\"first\":{},"
       "\n\"second\":{},"
       "\n\"output_ratio\":{}}}",
-      report.number, a.run.run, b.run.run, content_of_run(a), content_of_run(b), number_list_json(ratios));
+      report.number, a.run.run, b.run.run, content_of_run(a), content_of_run(b), json_text(number_list(ratios)));
   Shell shell;
   shell.document = "Comparison of two runs";
   shell.number = report.number;

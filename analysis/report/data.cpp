@@ -3,19 +3,66 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <string>
 
 namespace tactbench::analysis {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLongList = 16;
+constexpr int kLeastPower = -4;
+constexpr std::array<double, 14> kPowers = {1e-4, 1e-3, 1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+double power_of_ten(int power) { return kPowers[static_cast<std::size_t>(power - kLeastPower)]; }
 
-bool is_long_list(const Json& json) {
-  return json.is_array() && json.size() >= kLongList &&
-         std::ranges::all_of(json, [](const Json& value) { return value.is_number_float() || value.is_null(); });
+// What {:.<digits>g} writes, in a fifth of its time: a report has 100 000 of them. 1 <= digits <= 9.
+void append_significant(std::string& text, double number, int digits) {
+  if (!std::isfinite(number)) {
+    text += "null";
+    return;
+  }
+  const double size = std::abs(number);
+  if (size < power_of_ten(kLeastPower) || size >= power_of_ten(digits - 1)) {
+    fmt::format_to(std::back_inserter(text), "{:.{}g}", number, digits);
+    return;
+  }
+  int power = kLeastPower;  // of the first digit
+  while (size >= power_of_ten(power + 1)) ++power;
+  int decimals = digits - 1 - power;
+  auto mantissa = static_cast<std::uint64_t>(std::llrint(size * power_of_ten(digits - 1) / power_of_ten(power)));
+  while (decimals > 0 && mantissa % 10 == 0) {
+    mantissa /= 10;
+    --decimals;
+  }
+  std::array<char, 24> room{};
+  char* const end = room.data() + room.size();
+  char* first = end;
+  const auto add_digit = [&] {
+    *--first = static_cast<char>('0' + mantissa % 10);
+    mantissa /= 10;
+  };
+  if (decimals > 0) {
+    for (; decimals > 0; --decimals) add_digit();
+    *--first = '.';
+  }
+  do add_digit();
+  while (mantissa > 0);
+  if (number < 0.0) *--first = '-';
+  text.append(first, static_cast<std::size_t>(end - first));
+}
+
+void append_string(std::string& text, const std::string& value) {
+  const auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
+  if (std::ranges::all_of(value, plain)) {
+    text += '"';
+    text += value;
+    text += '"';
+  } else {
+    text += Json(value).dump(-1, ' ', true, Json::error_handler_t::replace);
+  }
 }
 
 void append_json(const Json& json, std::string& text) {
@@ -28,29 +75,41 @@ void append_json(const Json& json, std::string& text) {
     text += '{';
     for (const auto& [key, value] : json.items()) {
       between(first);
-      text += Json(key).dump(-1, ' ', true, Json::error_handler_t::replace);
+      append_string(text, key);
       text += ':';
       append_json(value, text);
     }
     text += '}';
   } else if (json.is_array()) {
-    const bool rounded = is_long_list(json);
     text += '[';
     for (const Json& value : json) {
       between(first);
-      const double number = rounded && value.is_number_float() ? value.get<double>() : std::nan("");
-      if (std::isfinite(number))
-        fmt::format_to(std::back_inserter(text), "{:.7g}", number);
-      else
-        append_json(value, text);
+      append_json(value, text);
     }
     text += ']';
+  } else if (json.is_binary()) {
+    const auto& finished = json.get_binary();
+    text.append(reinterpret_cast<const char*>(finished.data()), finished.size());
+  } else if (json.is_string()) {
+    append_string(text, json.get_ref<const std::string&>());
   } else {
-    text += json.dump(-1, ' ', true, Json::error_handler_t::replace);
+    text += json.dump();
   }
 }
 
 }  // namespace
+
+Json number_list(std::span<const double> values, int digits) {
+  std::string text = "[";
+  text.reserve(12 * values.size() + 2);
+  for (const double value : values) {
+    if (text.size() > 1) text += ',';
+    append_significant(text, value, digits);
+  }
+  text += ']';
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+  return Json::binary({bytes, bytes + text.size()});
+}
 
 std::string json_text(const Json& json) {
   std::string text;

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 
 namespace tactbench::analysis {
 
-// Lists of sixteen numbers or more, which are curves and maps, carry seven significant digits, finer than any converter
-// step; every other number all that it has.
+// A list of numbers, which most of a report is, as finished text inside the tree: a binary value, which only json_text
+// can write. Seven significant digits are finer than any converter step.
+nlohmann::ordered_json number_list(std::span<const double> values, int digits = 7);
+
+// Numbers outside such lists with all their digits.
 std::string json_text(const nlohmann::ordered_json& json);
 
 }  // namespace tactbench::analysis

@@ -1,6 +1,6 @@
 // The data behind the raw section, and the hash of models.
 #include <array>
-#include <cstring>
+#include <span>
 
 #include "analysis/report/data.h"
 #include "analysis/report/page.h"
@@ -19,11 +19,12 @@ std::string behaviour_json(const ReportInput& input) {
                      {"full_scale_v", loop.full_scale_v},
                      {"hysteresis_max_fs", loop.hysteresis_max},
                      {"hysteresis_mean_fs", loop.hysteresis_mean},
-                     {"up_v", loop.up_v},
-                     {"down_v", loop.down_v}});
+                     {"up_v", number_list(loop.up_v)},
+                     {"down_v", number_list(loop.down_v)}});
   for (const RawTrace& trace : b.traces)
-    traces.push_back(
-        {{"sequence", trace.sequence}, {"pressure_psi", trace.pressure_psi}, {"output_v", trace.output_v}});
+    traces.push_back({{"sequence", trace.sequence},
+                      {"pressure_psi", number_list(trace.pressure_psi)},
+                      {"output_v", number_list(trace.output_v)}});
   for (const LevelRepeatability& level : b.repeatability)
     repeatability.push_back({{"pressure_psi", level.pressure_psi},
                              {"mean_up_v", level.mean_up_v},
@@ -48,38 +49,33 @@ std::string behaviour_json(const ReportInput& input) {
                      {"per_decade_u", c.per_decade_u},
                      {"samples", c.samples}});
   return json_text({{"taxels", b.taxels},
-                    {"pressure_psi", b.pressure_psi},
+                    {"pressure_psi", number_list(b.pressure_psi)},
                     {"full_scale_v", b.full_scale_v},
                     {"loops", loops},
-                    {"hysteresis_max_fs", b.hysteresis_max},
-                    {"hysteresis_mean_fs", b.hysteresis_mean},
+                    {"hysteresis_max_fs", number_list(b.hysteresis_max)},
+                    {"hysteresis_mean_fs", number_list(b.hysteresis_mean)},
                     {"traces", traces},
                     {"equilibration_psi", b.equilibration_psi},
-                    {"gain", b.gain},
+                    {"gain", number_list(b.gain)},
                     {"repeats", b.repeats},
                     {"repeatability", repeatability},
                     {"zero_return", zero},
                     {"creep", creep}});
 }
 
-std::string number_list_json(const std::vector<double>& values) { return json_text(values); }
-
 std::string model_sha256(const ArrayFit& fit) {
   std::string bytes;
-  const auto add = [&](double value) {
-    std::array<char, sizeof value> own{};
-    std::memcpy(own.data(), &value, sizeof value);
-    bytes.append(own.data(), own.size());
+  const auto add = [&](std::span<const double> values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
   };
   const auto add_taxel = [&](const TaxelFit& taxel) {
     const ElamModel& model = taxel.fit.model;
     const ElamParameters& p = model.parameters;
     bytes += to_string(taxel.status);
-    for (const double value : {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a}) add(value);
-    for (const PatternCurve* curve : {&model.ascending, &model.descending})
-      for (const double y : curve->y()) add(y);
+    add(std::array{p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a});
+    for (const PatternCurve* curve : {&model.ascending, &model.descending}) add(curve->y());
   };
-  for (const double x : fit.pressure_psi) add(x);
+  add(fit.pressure_psi);
   add_taxel(fit.mean_taxel);
   for (const TaxelFit& taxel : fit.taxels) add_taxel(taxel);
   return db::sha256_hex(bytes);

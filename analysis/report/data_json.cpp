@@ -64,9 +64,8 @@ Json taxel_json(const TaxelFit& taxel, int index) {
   out["mean_error_v"] = taxel.fit.mean_error_v;
   out["max_error_v"] = taxel.fit.max_error_v;
   out["full_scale_v"] = taxel.fit.full_scale_v;
-  const auto knots = [](const PatternCurve& curve) { return std::vector<double>(curve.y().begin(), curve.y().end()); };
-  out["ascending_v"] = knots(taxel.fit.model.ascending);
-  out["descending_v"] = knots(taxel.fit.model.descending);
+  out["ascending_v"] = number_list(taxel.fit.model.ascending.y());
+  out["descending_v"] = number_list(taxel.fit.model.descending.y());
   return out;
 }
 
@@ -200,17 +199,17 @@ std::string results_json(const ReportInput& input) {
        held_out = Json::array();
   for (const LevelFigures& level : e.levels) {
     frames.push_back({{"pressure_psi", level.pressure_psi},
-                      {"raw_up_v", level.raw_up_v},
-                      {"raw_down_v", level.raw_down_v},
-                      {"comp_up_psi", level.comp_up_psi},
-                      {"comp_down_psi", level.comp_down_psi}});
+                      {"raw_up_v", number_list(level.raw_up_v)},
+                      {"raw_down_v", number_list(level.raw_down_v)},
+                      {"comp_up_psi", number_list(level.comp_up_psi)},
+                      {"comp_down_psi", number_list(level.comp_down_psi)}});
   }
   for (const Trace& trace : e.traces) {
     traces.push_back({{"sequence", trace.sequence},
-                      {"pressure_psi", trace.pressure_psi},
-                      {"measured_v", trace.measured_v},
-                      {"model_v", trace.model_v},
-                      {"compensated_psi", trace.compensated_psi}});
+                      {"pressure_psi", number_list(trace.pressure_psi)},
+                      {"measured_v", number_list(trace.measured_v)},
+                      {"model_v", number_list(trace.model_v)},
+                      {"compensated_psi", number_list(trace.compensated_psi)}});
   }
   for (std::size_t i = 0; i < input.fit.taxels.size(); ++i) {
     taxels.push_back(taxel_json(input.fit.taxels[i], static_cast<int>(i)));
@@ -231,19 +230,19 @@ std::string results_json(const ReportInput& input) {
   }
   return json_text({{"verdicts", verdicts},
                     {"evaluation", evaluation_json(e, fitted_taxels(input.fit))},
-                    {"taxel_mean_error_psi", e.taxel_mean_error_psi},
-                    {"held_out", held_out},
-                    {"traces", traces},
+                    {"taxel_mean_error_psi", number_list(e.taxel_mean_error_psi)},
+                    {"held_out", std::move(held_out)},
+                    {"traces", std::move(traces)},
                     {"model",
                      {{"name", "elam"},
                       {"rows", input.fit.rows},
                       {"columns", input.fit.columns},
                       {"parameter_names", kElamParameterNames},
                       {"full_scale_v", input.fit.full_scale_v},
-                      {"pressure_psi", input.fit.pressure_psi},
+                      {"pressure_psi", number_list(input.fit.pressure_psi)},
                       {"mean_taxel", taxel_json(input.fit.mean_taxel, -1)},
-                      {"taxels", taxels}}},
-                    {"frames", frames}});
+                      {"taxels", std::move(taxels)}}},
+                    {"frames", std::move(frames)}});
 }
 
 }  // namespace tactbench::analysis

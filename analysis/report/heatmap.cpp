@@ -14,7 +14,7 @@ using html::Markup;
 using html::Text;
 
 constexpr int kBins = 32;
-constexpr double kOverlap = 0.04;  // cells overlap: without it a PDF shows hairlines between them
+constexpr const char* kOverlap = ".04";  // of a cell, over the next: without it a PDF shows hairlines between them
 
 struct Colour {
   double red, green, blue;
@@ -61,39 +61,59 @@ int bin_of(const FrameMap& map, std::size_t cell) {
   return std::min(kBins - 1, static_cast<int>(share(map.scale, map.values[cell]) * kBins));
 }
 
+std::vector<int> bins_of(const FrameMap& map) {
+  std::vector<int> bins(static_cast<std::size_t>(map.rows * map.columns));
+  for (std::size_t cell = 0; cell < bins.size(); ++cell) bins[cell] = bin_of(map, cell);
+  return bins;
+}
+
 double middle_of(int bin) { return (bin + 0.5) / kBins; }
 
 // The commonest colour lies under all cells: what shines through at the edges of cells is then not white.
-int commonest_bin(const FrameMap& map) {
+int commonest_bin(const std::vector<int>& bins) {
   std::array<int, kBins> counts{};
-  for (std::size_t cell = 0; cell < map.values.size(); ++cell) {
-    const int bin = bin_of(map, cell);
+  for (const int bin : bins)
     if (bin >= 0) ++counts[static_cast<std::size_t>(bin)];
-  }
   return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+// M3 5h2.04v1.04h-2.04z, by hand because a report has 10 000 of them.
+void add_rectangle(std::string& path, int column, int row, int width) {
+  const auto add = [&](const char* letter, int number, const char* more) {
+    const fmt::format_int digits(number);
+    path += letter;
+    path.append(digits.data(), digits.size());
+    path += more;
+  };
+  add("M", column, "");
+  add(" ", row, "");
+  add("h", width, kOverlap);
+  add("v", 1, kOverlap);
+  add("h-", width, kOverlap);
+  path += 'z';
 }
 
 // Cells in units of one; runs of one colour in a row are one rectangle.
 Markup cells(const FrameMap& map) {
   std::array<std::string, kBins> paths;
   std::string blanks, crosses;
+  const std::vector<int> bins = bins_of(map);
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns;) {
       const auto cell = static_cast<std::size_t>(row * map.columns + column);
-      const int bin = bin_of(map, cell);
+      const int bin = bins[cell];
       int run = 1;
       if (bin < 0) {
         blanks += fmt::format("M{} {}h1v1h-1z", column, row);
         crosses += fmt::format("M{} {}l.6 .6m0 -.6l-.6 .6", CssNumber(column + 0.2), CssNumber(row + 0.2));
       } else {
-        while (column + run < map.columns && bin_of(map, cell + static_cast<std::size_t>(run)) == bin) ++run;
-        const CssNumber width(run + kOverlap), height(1 + kOverlap);
-        paths[static_cast<std::size_t>(bin)] += fmt::format("M{0} {1}h{2}v{3}h-{2}z", column, row, width, height);
+        while (column + run < map.columns && bins[cell + static_cast<std::size_t>(run)] == bin) ++run;
+        add_rectangle(paths[static_cast<std::size_t>(bin)], column, row, run);
       }
       column += run;
     }
   }
-  const int base = commonest_bin(map);
+  const int base = commonest_bin(bins);
   Markup out =
       markup("<path fill=\"{}\" d=\"M0 0h{}v{}H0z\"/>", Attribute(cividis(middle_of(base))), map.columns, map.rows);
   for (int bin = 0; bin < kBins; ++bin) {

@@ -17,7 +17,7 @@ struct Safe {
 
 // Finished markup.
 struct Markup : Safe {
-  Markup& operator+=(const Markup& other) {
+  Markup& operator+=(const Safe& other) {
     value += other.value;
     return *this;
   }

@@ -1,7 +1,5 @@
 // The data behind the sections of more_sections.h.
-#include <cmath>
-#include <nlohmann/json.hpp>
-
+#include "analysis/report/data.h"
 #include "analysis/report/more_sections.h"
 
 namespace tactbench::analysis {
@@ -9,21 +7,8 @@ namespace {
 
 using MoreJson = nlohmann::ordered_json;
 
-std::string more_text(const MoreJson& json) { return json.dump(-1, ' ', true, MoreJson::error_handler_t::replace); }
-
-// Curves to five significant digits: a tenth of a millivolt, a thousandth of a psi.
-MoreJson curve_json(const std::vector<double>& values) {
-  MoreJson out = MoreJson::array();
-  for (const double value : values) {
-    if (!std::isfinite(value) || value == 0.0) {
-      out.push_back(value);
-      continue;
-    }
-    const double power = std::pow(10.0, 4.0 - std::floor(std::log10(std::abs(value))));
-    out.push_back(std::nearbyint(value * power) / power);
-  }
-  return out;
-}
+// A tenth of a millivolt, a thousandth of a psi.
+MoreJson curve_json(const std::vector<double>& values) { return number_list(values, 5); }
 
 MoreJson model_json(const ComparedModel& model) {
   if (!model.failed.empty()) return {{"model", model.model}, {"failed", model.failed}};
@@ -52,10 +37,10 @@ MoreJson evaluation_levels(const Evaluation& evaluation) {
 }
 
 MoreJson usable_json(const UsableBranch& branch) {
-  return {{"resolved_share", branch.resolved_share},
-          {"usable_share", branch.usable_share},
-          {"median_psi", branch.median_psi},
-          {"worst_psi", branch.worst_psi},
+  return {{"resolved_share", number_list(branch.resolved_share)},
+          {"usable_share", number_list(branch.usable_share)},
+          {"median_psi", number_list(branch.median_psi)},
+          {"worst_psi", number_list(branch.worst_psi)},
           {"resolved_low_psi", branch.resolved_low_psi},
           {"resolved_high_psi", branch.resolved_high_psi},
           {"low_psi", branch.low_psi},
@@ -99,12 +84,12 @@ MoreJson figures_json(const ContactFigures& figures) {
 MoreJson uniformity_json(const Uniformity& u) {
   if (!u.assessed()) return {{"not_assessed", u.not_assessed}};
   return {{"angles_deg", u.angles_deg},
-          {"pressure_psi", u.pressure_psi},
-          {"u_psi", u.u_psi},
-          {"residual_psi", u.residual_psi},
-          {"chamber_share", u.chamber_share},
-          {"chamber_psi", u.chamber_psi},
-          {"sensor_share", u.sensor_share},
+          {"pressure_psi", number_list(u.pressure_psi)},
+          {"u_psi", number_list(u.u_psi)},
+          {"residual_psi", number_list(u.residual_psi)},
+          {"chamber_share", number_list(u.chamber_share)},
+          {"chamber_psi", number_list(u.chamber_psi)},
+          {"sensor_share", number_list(u.sensor_share)},
           {"u_share", u.u_share},
           {"u_offset_psi", u.u_offset_psi},
           {"residual_rms_psi", u.residual_rms_psi},
@@ -115,11 +100,11 @@ MoreJson uniformity_json(const Uniformity& u) {
 MoreJson remount_json(const Remount& r) {
   if (!r.assessed()) return {{"not_assessed", r.not_assessed}};
   return {{"mounts", r.runs.size()},
-          {"pressure_psi", r.pressure_psi},
-          {"within_psi", r.within_psi},
-          {"between_psi", r.between_psi},
-          {"mean_between_psi", r.mean_between_psi},
-          {"taxel_between_psi", r.taxel_between_psi},
+          {"pressure_psi", number_list(r.pressure_psi)},
+          {"within_psi", number_list(r.within_psi)},
+          {"between_psi", number_list(r.between_psi)},
+          {"mean_between_psi", number_list(r.mean_between_psi)},
+          {"taxel_between_psi", number_list(r.taxel_between_psi)},
           {"within_share", r.within_share},
           {"s_share", r.s_share},
           {"degrees", r.degrees}};
@@ -135,9 +120,9 @@ MoreJson crosstalk_json(const Crosstalk& c) {
           {"elsewhere", zone_json(c.elsewhere)},
           {"ghost_rows", lines_json(c.ghost_rows)},
           {"ghost_columns", lines_json(c.ghost_columns)},
-          {"distance_pitches", c.distance_pitches},
-          {"along_row_share", c.along_row_share},
-          {"along_column_share", c.along_column_share}};
+          {"distance_pitches", number_list(c.distance_pitches)},
+          {"along_row_share", number_list(c.along_row_share)},
+          {"along_column_share", number_list(c.along_column_share)}};
 }
 
 MoreJson contact_json(const ContactResult& contact) {
@@ -174,8 +159,8 @@ MoreJson contact_json(const ContactResult& contact) {
           {"raw_max_error_n", contact.raw_max_error_n},
           {"compensated_mean_error_n", contact.compensated_mean_error_n},
           {"compensated_max_error_n", contact.compensated_max_error_n},
-          {"raw_distance", contact.raw_distance},
-          {"compensated_distance", contact.compensated_distance},
+          {"raw_distance", number_list(contact.raw_distance)},
+          {"compensated_distance", number_list(contact.compensated_distance)},
           {"levels", levels}};
 }
 
@@ -191,14 +176,14 @@ std::string models_json(const ReportInput& input) {
       sequences.push_back({{"sequence", sequence.name},
                            {"pressure_psi", curve_json(sequence.pressure_psi)},
                            {"measured_v", curve_json(sequence.measured_v)},
-                           {"models", models}});
+                           {"models", std::move(models)}});
     }
     taxels.push_back({{"taxel", taxel.taxel.taxel},
                       {"title", taxel.taxel.title},
                       {"full_scale_v", taxel.full_scale_v},
-                      {"sequences", sequences}});
+                      {"sequences", std::move(sequences)}});
   }
-  return more_text(taxels);
+  return json_text(taxels);
 }
 
 std::string compensation_json(const ReportInput& input) {
@@ -222,7 +207,7 @@ std::string compensation_json(const ReportInput& input) {
              {"comp_distance", e.comp_distance},
              {"levels", evaluation_levels(e)}};
   }
-  return more_text({{"straight_line",
+  return json_text({{"straight_line",
                      {{"mean_error_psi", more.straight.mean_error_psi},
                       {"max_error_psi", more.straight.max_error_psi},
                       {"worst_taxel_mean_error_psi", more.straight.worst_taxel_mean_error_psi}}},
@@ -231,10 +216,10 @@ std::string compensation_json(const ReportInput& input) {
                      {{"in_noises", more.usable.options.in_noises},
                       {"most_psi", more.usable.options.most_psi},
                       {"least_share", more.usable.options.least_share},
-                      {"pressure_psi", more.usable.pressure_psi},
+                      {"pressure_psi", number_list(more.usable.pressure_psi)},
                       {"loading", usable_json(more.usable.loading)},
                       {"unloading", usable_json(more.usable.unloading)}}},
-                    {"traces", traces}});
+                    {"traces", std::move(traces)}});
 }
 
 std::string studies_json(const ReportInput& input) {
@@ -254,7 +239,7 @@ std::string studies_json(const ReportInput& input) {
   } else {
     rate_hold = {{"not_assessed", studies.rate_hold.not_assessed}};
   }
-  return more_text({{"crosstalk", crosstalk_json(studies.crosstalk)},
+  return json_text({{"crosstalk", crosstalk_json(studies.crosstalk)},
                     {"rate_hold", rate_hold},
                     {"remount", remount_json(studies.remount)},
                     {"uniformity", uniformity_json(studies.uniformity)}});
@@ -263,7 +248,7 @@ std::string studies_json(const ReportInput& input) {
 std::string objects_json(const ReportInput& input) {
   MoreJson contacts = MoreJson::array();
   for (const ContactResult& contact : input.more.contacts) contacts.push_back(contact_json(contact));
-  return more_text(contacts);
+  return json_text(contacts);
 }
 
 }  // namespace tactbench::analysis

@@ -95,7 +95,7 @@ std::string content_of_run(const ReportInput& input) {
                         {"verdict", verdict.verdict}});
   nlohmann::ordered_json loops = nlohmann::ordered_json::array();
   for (const RawLoop& loop : input.behaviour.loops)
-    if (loop.taxel < 0) loops.push_back({{"up_v", loop.up_v}, {"down_v", loop.down_v}});
+    if (loop.taxel < 0) loops.push_back({{"up_v", number_list(loop.up_v)}, {"down_v", number_list(loop.down_v)}});
   return json_text({{"sensor_serial", input.run.sensor_serial},
                     {"scanner_serial", input.run.scanner_serial},
                     {"origin", input.run.origin},
@@ -103,9 +103,9 @@ std::string content_of_run(const ReportInput& input) {
                     {"figures", figures},
                     {"verdicts", verdicts},
                     {"overall", overall_verdict(input.verdicts)},
-                    {"pressure_psi", input.behaviour.pressure_psi},
+                    {"pressure_psi", number_list(input.behaviour.pressure_psi)},
                     {"mean_loop", loops},
-                    {"gain", input.behaviour.gain}});
+                    {"gain", number_list(input.behaviour.gain)}});
 }
 
 std::string sensor_and_run(const ReportInput& input) {

@@ -4,7 +4,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <limits>
+
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 
@@ -102,8 +103,7 @@ std::string overall_verdict(std::span<const db::VerdictRecord> verdicts) {
 
 Spread spread_of(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  if (values.empty()) return {nan, nan, nan, 0};
+  if (values.empty()) return {kNan, kNan, kNan, 0};
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   const double median = n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
@@ -120,7 +120,7 @@ Deviation deviation(std::span<const double> a, std::span<const double> b) {
     maximum = std::max(maximum, difference);
     ++n;
   }
-  if (n == 0) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  if (n == 0) return {kNan, kNan};
   return {sum / static_cast<double>(n), maximum};
 }
 
@@ -130,7 +130,7 @@ int fitted_taxels(const ArrayFit& fit) {
 }
 
 double observable(const LevelFigures& level, double LevelFigures::*figure, int fitted) {
-  return level.flat_taxels < fitted ? level.*figure : std::numeric_limits<double>::quiet_NaN();
+  return level.flat_taxels < fitted ? level.*figure : kNan;
 }
 
 LevelJudgement judge_level(const LevelFigures& level) {

@@ -78,7 +78,10 @@ Markup write_part(const ReportPart& part, const ReportInput& input) {
 
 std::string content_hash(const ReportInput& input, const std::vector<Markup>& parts, const std::string& results) {
   const ReportInput content = content_of(input);
-  std::string text = results + identification_json(content);
+  std::string text;
+  text.reserve(2 * results.size() + 65536);
+  text += results;
+  text += identification_json(content);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     text += kReportParts[i].names_runs ? write_part(kReportParts[i], content).value : parts[i].value;
   }
@@ -138,11 +141,14 @@ Markup opening(const ReportInput& input, const std::string& number) {
 Report render_report(const ReportInput& input) {
   std::vector<Markup> parts;
   for (const ReportPart& part : kReportParts) parts.push_back(write_part(part, input));
-  std::string results = fmt::format("\"results\":{},\n\"sections\":{{", results_json(input));
+  std::string results = "\"results\":";
+  results += results_json(input);
+  results += ",\n\"sections\":{";
   bool first = true;
   for (const ReportPart& part : kReportParts) {
     if (part.data == nullptr) continue;
-    results += fmt::format("{}\"{}\":{}", first ? "" : ",\n", part.id, part.data(input));
+    results += fmt::format("{}\"{}\":", first ? "" : ",\n", part.id);
+    results += part.data(input);
     first = false;
   }
   results += '}';
@@ -151,8 +157,10 @@ Report render_report(const ReportInput& input) {
   report.number = fmt::format("{}-{}", input.run.run, report.content_sha256.substr(0, 8));
   const std::string& number = report.number;
   report.json =
-      fmt::format("{{\"schema\":\"tactbench.report\",\"version\":1,\"number\":\"{}\",\"identification\":{},\n{}}}",
-                  number, identification_json(input), results);
+      fmt::format("{{\"schema\":\"tactbench.report\",\"version\":1,\"number\":\"{}\",\"identification\":{},\n", number,
+                  identification_json(input));
+  report.json += results;
+  report.json += '}';
 
   Shell shell;
   shell.document = document_name(input);
@@ -161,6 +169,7 @@ Report render_report(const ReportInput& input) {
   shell.paper = input.paper;
   shell.opening = opening(input, number);
   for (const ReportPart& part : kReportParts) shell.contents.emplace_back(part.id, part.title);
+  shell.main.value.reserve(report.json.size() + 65536);
   for (const Markup& part : parts) shell.main += part;
   shell.json = report.json;
   report.html = page_of(shell);

@@ -4,6 +4,7 @@
 #include "analysis/report/figure.h"
 #include "analysis/report/more_sections.h"
 #include "analysis/report/page.h"
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 
@@ -12,8 +13,6 @@ using html::Markup;
 using html::Text;
 
 namespace {
-
-constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 
 // The level of another evaluation at the same set-point; null where it has none.
 const LevelFigures* same_level(const std::optional<AsFound>& previous, double pressure_psi) {
@@ -114,7 +113,7 @@ Markup found_levels(const ReportInput& input) {
                                            std::pair{&LevelFigures::raw_std_up, &LevelFigures::comp_std_up},
                                            std::pair{&LevelFigures::raw_std_down, &LevelFigures::comp_std_down}}) {
       out += number_cell(html::percent(level.*raw, 2));
-      out += number_cell(!has_found ? Text("–") : html::percent(found == nullptr ? kNoFigure : found->*compensated, 2));
+      out += number_cell(!has_found ? Text("–") : html::percent(found == nullptr ? kNan : found->*compensated, 2));
       out += number_cell(html::percent(level.*compensated, 2));
     }
     out += markup("<td>{}</td></tr>\n", level_mark(level, found));

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "analysis/report/figure.h"
 #include "analysis/report/more_sections.h"
 #include "analysis/report/page.h"
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 
@@ -26,8 +26,7 @@ double elam_parameter(const TaxelFit& taxel, std::size_t parameter) {
 std::vector<double> elam_values(const ArrayFit& fit, std::size_t parameter) {
   std::vector<double> out;
   for (const TaxelFit& taxel : fit.taxels)
-    out.push_back(taxel.status == TaxelStatus::kFitted ? elam_parameter(taxel, parameter)
-                                                       : std::numeric_limits<double>::quiet_NaN());
+    out.push_back(taxel.status == TaxelStatus::kFitted ? elam_parameter(taxel, parameter) : kNan);
   return out;
 }
 

@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include "analysis/report/data.h"
 #include "analysis/report/figure.h"
 #include "analysis/report/page.h"
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 
@@ -112,7 +112,7 @@ Markup response_map(const Health& health) {
     if (finding.excluded) bad.insert(finding.taxel);
   for (std::size_t i = 0; i < health.high_v.size(); ++i) {
     const bool out = bad.contains(static_cast<int>(i));
-    span.push_back(out ? std::numeric_limits<double>::quiet_NaN() : health.high_v[i] - health.low_v[i]);
+    span.push_back(out ? kNan : health.high_v[i] - health.low_v[i]);
   }
   const Spread spread = spread_of(span);
   if (spread.count == 0) return {};
@@ -181,9 +181,9 @@ std::string health_json(const ReportInput& input) {
   return json_text({{"dead_v", health.options.dead_v},
                     {"noisy_factor", health.options.noisy_factor},
                     {"median_noise_v", health.median_noise_v},
-                    {"low_v", health.low_v},
-                    {"high_v", health.high_v},
-                    {"noise_v", health.noise_v},
+                    {"low_v", number_list(health.low_v)},
+                    {"high_v", number_list(health.high_v)},
+                    {"noise_v", number_list(health.noise_v)},
                     {"findings", findings},
                     {"swaps_assessed", health.swaps_assessed},
                     {"swaps", swaps}});

@@ -180,6 +180,9 @@ Markup error_table(const Evaluation& evaluation, int columns) {
 
 Markup model_section(const ReportInput& input) {
   Markup out = section_start("model", "External Loop Adaptation Method (ELAM)");
+  // First, because a map as high as this below a long table leaves half a page white.
+  out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input),
+                error_table(input.evaluation, input.fit.columns));
   out += mean_taxel_table(input);
   out += distribution_table(input);
   out += markup(
@@ -187,8 +190,6 @@ Markup model_section(const ReportInput& input) {
       "unloading "
       "curve is saturated are weakly determined: judge the error, not the parameter.</p>\n");
   out += unfitted_table(input.fit);
-  out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input),
-                error_table(input.evaluation, input.fit.columns));
   out += elam_parameters_part(input);
   return out;
 }

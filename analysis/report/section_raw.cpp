@@ -3,6 +3,7 @@
 
 #include "analysis/report/figure.h"
 #include "analysis/report/page.h"
+#include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
 
@@ -88,8 +89,7 @@ Markup gain_figures(const Behaviour& b, int rows, int columns) {
   if (spread.count == 0) return {};
   double squares = 0.0;
   for (const double gain : b.gain) squares += std::isfinite(gain) ? (gain - 1.0) * (gain - 1.0) : 0.0;
-  const double deviation_of_gain =
-      spread.count > 1 ? std::sqrt(squares / static_cast<double>(spread.count - 1)) : std::nan("");
+  const double deviation_of_gain = spread.count > 1 ? std::sqrt(squares / static_cast<double>(spread.count - 1)) : kNan;
   const ColourScale scale{spread.low, spread.high > spread.low ? spread.high : spread.low + 1e-3};
   Markup out = markup(
       "<div class=\"keep\"><h3>Equilibration map</h3>\n<figure>{}",
@@ -166,7 +166,7 @@ Markup zero_part(const Behaviour& b, int columns) {
   for (const ZeroReturn& zero : b.zero_returns) {
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td>{}{}{}{}<td>{}</td></tr>\n",
                   html::stated(zero.sequence), zero.repeats, number_cell(html::fixed(1e3 * zero.mean_v, 2)),
-                  number_cell(html::percent(b.full_scale_v > 0.0 ? zero.mean_v / b.full_scale_v : std::nan(""), 3)),
+                  number_cell(html::percent(b.full_scale_v > 0.0 ? zero.mean_v / b.full_scale_v : kNan, 3)),
                   number_cell(html::fixed(1e3 * zero.largest_v, 2)),
                   number_cell(html::fixed(1e3 * zero.worst_taxel_v, 2)), Text(place_of(zero.worst_taxel, columns)));
   }

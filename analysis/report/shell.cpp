@@ -26,6 +26,7 @@ std::string page_of(const Shell& shell) {
   if (shell.simulated)
     page += markup("<aside class=\"banner\" aria-label=\"Origin of the data\">{}</aside>\n", Text(kBanner));
   page += markup("<header>\n<h1>{}</h1>\n<p class=\"number\">No. {}</p>\n", Text(shell.document), Text(shell.number));
+  page.value.reserve(page.value.size() + shell.main.value.size() + shell.json.size() + 65536);
   page += shell.opening;
   if (!shell.contents.empty()) {
     page += markup("<nav aria-label=\"Contents\"><ul>\n");
@@ -41,8 +42,9 @@ std::string page_of(const Shell& shell) {
       "</main>\n<footer>\n<p>End of {} {}. The data behind each figure stand in this file as JSON (element "
       "“report-data”); shares of full scale are not in per cent there, and null means not available.</p>\n</footer>\n",
       Text(name), Text(shell.number));
-  page += markup("<script type=\"application/json\" id=\"report-data\">{}</script>\n</body>\n</html>\n",
-                 html::JsonInHtml(shell.json));
+  page += markup("<script type=\"application/json\" id=\"report-data\">");
+  page += html::JsonInHtml(shell.json);
+  page += markup("</script>\n</body>\n</html>\n");
   return std::move(page.value);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct Shell {
   html::Markup opening;                                       // below the number
   std::vector<std::pair<std::string, std::string>> contents;  // id and title; empty: no list
   html::Markup main;
-  std::string json;  // in ASCII
+  std::string_view json;  // in ASCII
 };
 
 std::string page_of(const Shell& shell);

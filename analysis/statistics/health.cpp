@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "analysis/statistics/levels.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -28,7 +30,7 @@ void gather_extremes(const Dataset& dataset, Health& health) {
 }
 
 double median_noise(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return kNan;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

@@ -68,9 +68,10 @@ void show_checked(const CheckedSubject& subject) {
     const std::string band =
         figure.band ? fmt::format("  {:.4g} to {:.4g}", figure.band->low, figure.band->high) : std::string();
     fmt::print("  {:<32}{:>11.4g}{}{}\n", figure.name, figure.values.back(), band,
-               figure.outside  ? "  OUTSIDE"
-               : figure.drifts ? "  drifts"
-                               : "");
+               figure.missing   ? "  MISSING"
+               : figure.outside ? "  OUTSIDE"
+               : figure.drifts  ? "  drifts"
+                                : "");
   }
 }
 

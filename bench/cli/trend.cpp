@@ -38,11 +38,8 @@ std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::
 nlohmann::ordered_json followed_json(const Followed& followed) {
   nlohmann::ordered_json json = {{"subject", followed.subject}, {"figures", nlohmann::ordered_json::array()}};
   for (const FollowedFigure& figure : followed.figures) {
-    nlohmann::ordered_json own = {{"name", figure.name},
-                                  {"runs", figure.runs},
-                                  {"values", figure.values},
-                                  {"outside", figure.outside},
-                                  {"drifts", figure.drifts}};
+    nlohmann::ordered_json own = {{"name", figure.name},       {"runs", figure.runs},       {"values", figure.values},
+                                  {"missing", figure.missing}, {"outside", figure.outside}, {"drifts", figure.drifts}};
     if (figure.band)
       own["baseline"] = {{"runs", figure.band->values},
                          {"mean", figure.band->mean},
@@ -69,9 +66,10 @@ void show_followed(const Followed& followed) {
     fmt::print("  {:<28} {}{} {:>11.5g}{}{}\n", figure.name, line, std::string(kTrendWidth - shown, ' '),
                figure.values.back(),
                figure.band ? fmt::format("  {:.5g} to {:.5g}", figure.band->low, figure.band->high) : std::string(),
-               figure.outside  ? "  OUTSIDE"
-               : figure.drifts ? fmt::format("  drifts, {:+.2g} a run", figure.trend->slope)
-                               : std::string());
+               figure.missing   ? "  MISSING"
+               : figure.outside ? "  OUTSIDE"
+               : figure.drifts  ? fmt::format("  drifts, {:+.2g} a run", figure.trend->slope)
+                                : std::string());
   }
 }
 

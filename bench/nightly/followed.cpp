@@ -10,12 +10,14 @@
 namespace tactbench::bench {
 namespace {
 
-void judge_figure(FollowedFigure& figure, double false_alarm) {
+void judge_figure(FollowedFigure& figure, double false_alarm, std::int64_t newest) {
   std::vector<double> accepted, later;
   for (std::size_t i = 0; i < figure.values.size(); ++i)
     (figure.accepted[i] ? accepted : later).push_back(figure.values[i]);
   figure.band = analysis::control_band(accepted, false_alarm);
-  figure.outside = figure.band && !figure.accepted.back() && !figure.band->holds(figure.values.back());
+  figure.missing = figure.runs.back() != newest;
+  figure.outside =
+      figure.band && (figure.missing || (!figure.accepted.back() && !figure.band->holds(figure.values.back())));
   if (later.size() < kDriftRuns) return;
   const std::size_t count = std::min<std::size_t>(later.size(), 2 * kDriftRuns);
   figure.trend = analysis::monotone_trend(std::span(later).last(count));
@@ -35,7 +37,10 @@ Followed follow(const db::RunStore& store, const std::string& subject, std::size
     if (baseline.subject == subject) followed.baseline = baseline;
   std::map<std::string, FollowedFigure> figures;
   const std::vector<db::FigureRecord> records = store.figures(subject);
-  if (!records.empty()) followed.origin = records.back().origin;
+  if (!records.empty()) {
+    followed.run = records.back().run;
+    followed.origin = records.back().origin;
+  }
   for (const db::FigureRecord& record : records) {
     if (record.origin != followed.origin || !std::isfinite(record.value)) continue;
     FollowedFigure& figure = figures[record.name];
@@ -46,7 +51,7 @@ Followed follow(const db::RunStore& store, const std::string& subject, std::size
   }
   if (judged_together == 0) judged_together = std::max<std::size_t>(figures.size(), 1);
   for (auto& [name, figure] : figures) {
-    judge_figure(figure, kNightAlarm / static_cast<double>(judged_together));
+    judge_figure(figure, kNightAlarm / static_cast<double>(judged_together), followed.run);
     followed.figures.push_back(std::move(figure));
   }
   return followed;
@@ -56,6 +61,11 @@ std::vector<std::string> outside_lines(const Followed& followed) {
   std::vector<std::string> lines;
   for (const FollowedFigure& figure : followed.figures) {
     if (!figure.outside) continue;
+    if (figure.missing) {
+      lines.push_back(fmt::format("{} is missing from run {}; the baseline has it ({}, accepted by {})", figure.name,
+                                  followed.run, followed.baseline->reason, followed.baseline->accepted_by));
+      continue;
+    }
     lines.push_back(fmt::format(
         "{} is {:.6g}, outside {:.6g} to {:.6g} of the baseline (mean {:.6g}, spread {:.2g} of {} runs; {}, accepted "
         "by {})",

@@ -21,7 +21,8 @@ struct FollowedFigure {
   std::optional<analysis::ControlBand> band;
   // Of the newest runs after the baseline's: at least kDriftRuns, at most twice as many.
   std::optional<analysis::MonotoneTrend> trend;
-  bool outside = false;  // the newest value lies outside the band
+  bool missing = false;  // the newest run has none
+  bool outside = false;  // of the band: the newest run's value; also when that run has none
   bool drifts = false;   // one way, clearer than chance, and by more than the baseline's own spread
 };
 
@@ -31,7 +32,8 @@ inline constexpr double kNightAlarm = 0.01;   // that any of the figures judged 
 
 struct Followed {
   std::string subject;
-  std::string origin;                          // of its newest run; runs of another origin are left out
+  std::int64_t run = 0;                        // the newest; 0: none
+  std::string origin;                          // of that run; runs of another origin are left out
   std::optional<db::BaselineRecord> baseline;  // the newest of the subject
   std::vector<FollowedFigure> figures;         // by name
 };

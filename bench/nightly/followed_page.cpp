@@ -62,6 +62,7 @@ Markup small_plot(const FollowedFigure& figure) {
 }
 
 Markup figure_state(const FollowedFigure& figure) {
+  if (figure.missing) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> missing</span>");
   if (figure.outside) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> outside</span>");
   if (figure.drifts) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> drifts</span>");
   if (!figure.band) return markup("no baseline");

@@ -1,8 +1,13 @@
 // Escapers, numbers, ticks and colours of the report.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
 
+#include "analysis/report/data.h"
 #include "analysis/report/figure.h"
 #include "analysis/report/html.h"
 #include "analysis/report/style.h"
@@ -69,9 +74,31 @@ TEST_CASE("numbers for the reader") {
   CHECK(CssNumber(-0.001).value == "0");
   CHECK(CssNumber(100.0).value == "100");
   CHECK(CssNumber(1.50).value == "1.5");
+  CHECK(CssNumber(-12.05).value == "-12.05");
+  CHECK(CssNumber(0.07).value == "0.07");
+  CHECK(CssNumber(2.99996, 4).value == "3");
   CHECK_THROWS_AS(CssNumber(std::nan("")), std::invalid_argument);
   CHECK_THROWS_AS(style_sheet({"Report", "12-ab\"; } body { display: none", true, PaperSize::kA4}),
                   std::invalid_argument);
+}
+
+TEST_CASE("a list of numbers in the JSON is what printf would write") {
+  CHECK(json_text(number_list(std::vector{0.0, -1.5, 3.49, 60.0, std::nan(""), HUGE_VAL})) ==
+        "[0,-1.5,3.49,60,null,null]");
+  CHECK(json_text(number_list({})) == "[]");
+  CHECK(json_text({{"a", number_list(std::vector{2.0 / 3.0, 123.4}, 3)}, {"b<\u00e9", "c\n"}}) ==
+        "{\"a\":[0.667,123],\"b<\\u00e9\":\"c\\n\"}");
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> power(-13.0, 11.0), sign(-1.0, 1.0);
+  for (int i = 0; i < 20000; ++i) {
+    const double number = std::copysign(std::pow(10.0, power(random)), sign(random));
+    for (const int digits : {3, 5, 7}) {
+      const std::string text = json_text(number_list(std::vector{number}, digits));
+      CHECK(text == fmt::format("[{:.{}g}]", number, digits));
+    }
+  }
+  for (const double number : {9.9999999, 99999.96, 999999.96, 0.00099999999, 1e-4, 0.1, 1.0, 1e6})
+    CHECK(std::stod(json_text(number_list(std::vector{number})).substr(1)) == Approx(number).epsilon(1e-7));
 }
 
 TEST_CASE("ticks are round and inside the range") {

@@ -103,6 +103,19 @@ TEST_CASE("runs of another origin do not come into a trend, nor do void ones") {
   CHECK(only_figure(store).values.front() == 9.0);
 }
 
+TEST_CASE("a figure of the baseline that the newest run lacks is reported") {
+  const TemporaryFolder folder;
+  db::RunStore store = with_baseline(folder);
+  const std::int64_t run = add_night(store, 0.31);
+  store.replace_figures(run, kSubject, {{"other_psi", 1.0}});
+  const Followed followed = follow(store, kSubject, kTogether);
+  const std::vector<std::string> lines = outside_lines(followed);
+  REQUIRE(lines.size() == 1);
+  CHECK_THAT(lines.front(), Catch::Contains(fmt::format("mean_error_psi is missing from run {};", run)));
+  add_night(store, 0.31);
+  CHECK(outside_lines(follow(store, kSubject, kTogether)).empty());
+}
+
 TEST_CASE("the sparkline spans the values shown") {
   CHECK(sparkline({0.0, 7.0, 3.5}, 10) == "▁█▅");
   CHECK(sparkline({0.0, 7.0, 3.5, 3.5}, 2) == "▅▅");
