@@ -25,7 +25,7 @@ nav ul { display: flex; flex-wrap: wrap; gap: 2px 18px; list-style: none; paddin
 code { font-family: "DejaVu Sans Mono", "Liberation Mono", monospace; font-size: 11px; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; margin: 8px 0 12px; font-size: 12px; }
-caption { text-align: left; font-weight: bold; padding: 6px 0 4px; break-after: avoid; }
+caption { text-align: left; font-weight: bold; padding: 6px 0 4px; break-inside: avoid; break-after: avoid; }
 thead { display: table-header-group; }
 thead, thead tr { break-after: avoid; }
 tbody tr:first-child { break-before: avoid; }
