@@ -56,13 +56,14 @@ struct Judged {
 };
 
 // As fit and report do it.
-Judged judged_report(db::RunStore& store, std::int64_t run) {
+Judged judged_report(db::RunStore& store, std::int64_t run, const std::string& previous = {}) {
   Judged out;
   out.fit = bench::fit_run(store, run);
   const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(store, out.fit, {});
   const std::vector<db::VerdictRecord> verdicts =
       bench::judge_and_store(store, out.fit, evaluations.front().evaluation, "limits.toml");
-  const bench::ReportExtras extras;
+  bench::ReportExtras extras;
+  extras.previous = previous;
   out.input = bench::report_input(store, run, out.fit, evaluations, verdicts, {}, &extras);
   out.report = analysis::render_report(out.input);
   out.data = json::parse(out.report.json);
@@ -147,7 +148,8 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
     swap_rows(defects, 3, 11);
     plant_taxels(defects);
   });
-  const Judged judged = judged_report(store, bad);
+  (void)bench::fit_run(store, good);
+  const Judged judged = judged_report(store, bad, std::to_string(good));
   const json& health = judged.data["sections"]["health"];
   CHECK(findings_of(health) == planted());
   for (const json& finding : health["findings"]) {
@@ -161,6 +163,14 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   CHECK(health["swaps"][0]["second"] == 11);
   CHECK(health["swaps"][0]["correlation_exchanged"].get<double>() > 0.95);
   check_left_out(judged, analysis::load_dataset(store, bad));
+
+  // As found: the models of the good run, over the same taxels; those of the exchanged rows fit no more.
+  CHECK(judged.data["sections"]["compensation"]["as_found"]["fitted_taxels"] == 253);
+  REQUIRE(judged.input.more.previous.has_value());
+  const analysis::Evaluation& found = judged.input.more.previous->evaluation;
+  for (const std::size_t taxel : {kDeadTaxel, kStuckTaxel, kSaturatedTaxel})
+    CHECK(std::isnan(found.taxel_mean_error_psi[taxel]));
+  CHECK(found.mean_error_psi > 3.0 * judged.input.evaluation.mean_error_psi);
 
   const std::string& page = judged.report.html;
   check_page(page);
@@ -194,7 +204,7 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   check_page(well.report.html);
 }
 
-TEST_CASE("swapped lines are found where a dead taxel lies in one of them, and none without a swap") {
+TEST_CASE("swapped lines are found where dead taxels lie in one of them, and none without a swap") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   run_with(store, 1, [](auto&) {});
@@ -205,14 +215,15 @@ TEST_CASE("swapped lines are found where a dead taxel lies in one of them, and n
   CHECK(findings_of(straight) == planted());
   CHECK(straight["swaps_assessed"] == true);
   CHECK(straight["swaps"].empty());
-  // Column 5, which the dead taxel lies in, with column 14.
+  // Column 5, with the dead taxel and two more, against column 14.
   const json exchanged = health_after(3, [](std::vector<TaxelDefect>& defects) {
     for (int row = 0; row < 16; ++row) defects.push_back({TaxelDefect::Kind::kSwapped, row, 5, row, 14});
+    for (const int row : {6, 11}) defects.push_back({TaxelDefect::Kind::kDead, row, 5});
     plant_taxels(defects);
   });
   Findings moved = planted();
   moved.erase({kDeadTaxel, "dead"});
-  moved.emplace(2 * 16 + 14, "dead");
+  for (const int row : {2, 6, 11}) moved.emplace(row * 16 + 14, "dead");
   CHECK(findings_of(exchanged) == moved);
   REQUIRE(exchanged["swaps"].size() == 1);
   CHECK(exchanged["swaps"][0]["lines"] == "columns");
