@@ -23,8 +23,8 @@ struct SpecimenEffects {
   // unchanged. It rises toward chamber_tilt_deg: 0 the chamber's last column, 90 its row 0, counter-clockwise.
   double chamber_tilt = 0.0;
   double chamber_tilt_deg = 0.0;
-  double zero_drift_v_per_month = 0.0;      // the same for all taxels
-  double gain_drift_per_month = 0.0;        // relative; sign and size differ by taxel, this is the standard deviation
+  double zero_drift_v_per_month = 0.0;  // the same for all taxels
+  double gain_drift_per_month = 0.0;    // relative; sign and size differ by taxel, this is the standard deviation
   double gain_drift_per_thousand_cycles = 0.0;  // relative, the same for all; a cycle is 60 psi of loading
   double remount_variation = 0.0;  // standard deviation of a taxel's relative change of local pressure by mount
 };
