@@ -90,6 +90,8 @@ void read_effects(const TomlTable& table, SpecimenEffects& effects) {
       table.number_in("temperature_coefficient", effects.temperature_coefficient, -0.05, 0.05);
   effects.lift_off_psi = table.number_in("lift_off_psi", effects.lift_off_psi, 0.0, 5.0);
   effects.chamber_nonuniformity = table.number_in("chamber_nonuniformity", effects.chamber_nonuniformity, -0.5, 0.5);
+  effects.chamber_tilt = table.number_in("chamber_tilt", effects.chamber_tilt, -0.5, 0.5);
+  effects.chamber_tilt_deg = table.number_in("chamber_tilt_deg", effects.chamber_tilt_deg, -360.0, 360.0);
   effects.zero_drift_v_per_month = table.number_in("zero_drift_v_per_month", effects.zero_drift_v_per_month, -0.5, 0.5);
   effects.gain_drift_per_month = table.number_in("gain_drift_per_month", effects.gain_drift_per_month, 0.0, 0.5);
   effects.gain_drift_per_thousand_cycles =
@@ -143,6 +145,8 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   specimen.age_months = table.number_in("age_months", specimen.age_months, 0.0, 1200.0);
   specimen.mount_turn = word_of(table, "mount_turn", specimen.mount_turn,
                                 mount_turn_words(config.scanner.rows == config.scanner.columns));
+  specimen.turned_in_chamber_deg =
+      table.number_in("turned_in_chamber_deg", specimen.turned_in_chamber_deg, -360.0, 360.0);
   specimen.edge_outside = word_of(table, "edge_outside", specimen.edge_outside, mount_edge_words());
   specimen.edge_outside_lines = static_cast<int>(table.integer("edge_outside_lines", 0, 0, 1024));
   plant.supply_bar = table.number_in("supply_bar", plant.supply_bar, 0.0, 20.0);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "analysis/statistics/levels.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -50,8 +52,11 @@ void gather_run(ReportInput& input, const db::RunStore& store, std::int64_t run,
   if (!input.history.seating_v.empty() && !input.history.earlier_seating_v.empty() &&
       input.history.seating_v.size() == static_cast<std::size_t>(dataset.taxels())) {
     input.health.swaps_assessed = true;
-    input.health.swaps =
-        swapped_lines(dataset.rows, dataset.columns, input.history.seating_v, input.history.earlier_seating_v);
+    // A taxel that does not follow the pressure would hide that its line changed places.
+    std::vector<double> seating = input.history.seating_v;
+    for (const TaxelHealth& finding : input.health.findings)
+      if (finding.excluded) seating[static_cast<std::size_t>(finding.taxel)] = kNan;
+    input.health.swaps = swapped_lines(dataset.rows, dataset.columns, seating, input.history.earlier_seating_v);
   }
   const std::vector<int> taxels = counted_taxels(input.fit, input.health);
   if (!input.history.presses && !taxels.empty()) input.behaviour = behaviour_of(dataset, taxels);

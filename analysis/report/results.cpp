@@ -71,6 +71,13 @@ StraightLine straight_line(const Dataset& dataset, const ArrayFit& fit) {
   return out;
 }
 
+// Models of taxels that this run leaves out are left out too: every column of a table has the same taxels.
+ArrayFit of_taxels_in_use(ArrayFit previous, const ArrayFit& fit) {
+  for (std::size_t i = 0; i < std::min(previous.taxels.size(), fit.taxels.size()); ++i)
+    if (fit.taxels[i].status != TaxelStatus::kFitted) previous.taxels[i].status = fit.taxels[i].status;
+  return previous;
+}
+
 }  // namespace
 
 ReportResults results_of(const Dataset& measured, const ArrayFit& fit, const Evaluation& evaluation,
@@ -90,9 +97,10 @@ ReportResults results_of(const Dataset& measured, const ArrayFit& fit, const Eva
   out.straight = straight_line(dataset, fit);
   out.usable = usable_range(fit);
   if (previous != nullptr) {
-    const Fitted fitted(*previous);
+    const ArrayFit in_use = of_taxels_in_use(*previous, fit);
+    const Fitted fitted(in_use);
     out.previous =
-        AsFound{previous_name, evaluate(measured, *previous, threads), static_cast<int>(fitted.taxels().size())};
+        AsFound{previous_name, evaluate(measured, in_use, threads), static_cast<int>(fitted.taxels().size())};
   }
   return out;
 }

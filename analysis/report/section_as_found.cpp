@@ -169,7 +169,7 @@ Markup as_found_section(const ReportInput& input) {
   if (input.more.previous) {
     out += markup(
         "<p>As found: this run evaluated with the models used before, {} ({} taxels). As left: with the models made "
-        "from this run.</p>\n",
+        "from this run. Taxels that this run leaves out are left out of every column.</p>\n",
         html::stated(input.more.previous->model), input.more.previous->fitted_taxels);
   } else {
     out += markup(

@@ -52,12 +52,13 @@ Markup rules_table(const Health& health) {
 Markup findings_table(const Health& health) {
   Markup out = markup(
       "<table><caption>Taxels that are not well</caption><thead><tr><th scope=\"col\">taxel</th>"
-      "<th scope=\"col\">place</th><th scope=\"col\">state</th><th scope=\"col\">decided "
-      "by</th></tr></thead><tbody>\n");
+      "<th scope=\"col\">place</th><th scope=\"col\">state</th><th scope=\"col\">decided by</th>"
+      "<th scope=\"col\">left out of</th></tr></thead><tbody>\n");
   for (std::size_t i = 0; i < health.findings.size() && i < kMostFindingsTold; ++i) {
     const TaxelHealth& finding = health.findings[i];
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n", finding.taxel,
-                  Text(place_of(finding.taxel, health.columns)), Text(finding.state), Text(finding.reason));
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"state\">{}</td><td>{}</td><td>{}</td></tr>\n",
+                  finding.taxel, Text(place_of(finding.taxel, health.columns)), Text(finding.state),
+                  Text(finding.reason), Text(finding.excluded ? "every figure" : "nothing"));
   }
   out += markup("</tbody></table>\n");
   if (health.findings.size() > kMostFindingsTold)
@@ -75,10 +76,13 @@ Markup swaps_words(const ReportInput& input) {
                                              : "there is no earlier good seating of this sensor to compare with"));
   Markup out = markup(
       "<p>Swapped rows or columns: {}. Each pair of lines of the seating check was compared with the earlier good "
-      "seating; lines count as swapped when they fit at least {} better in each other’s place, with a correlation of "
-      "at least {}.</p>\n",
-      Text(health.swaps.empty() ? "none found" : fmt::format("{} found", health.swaps.size())),
-      html::fixed(health.options.swap_margin, 1), html::fixed(health.options.swap_correlation, 1));
+      "seating, of run {}; lines count as swapped when they fit at least {} better in each other’s place, with a "
+      "correlation of at least {}. Taxels left out do not count.</p>\n",
+      Text(health.swaps.empty()
+               ? "none found"
+               : fmt::format("{} {} found", health.swaps.size(), health.swaps.size() == 1 ? "pair" : "pairs")),
+      input.history.earlier_seating_run, html::fixed(health.options.swap_margin, 1),
+      html::fixed(health.options.swap_correlation, 1));
   for (const SwappedLines& swap : health.swaps) {
     const char* what = swap.rows ? "rows" : "columns";
     out += markup(
@@ -86,6 +90,10 @@ Markup swaps_words(const ReportInput& input) {
         "exchanged, {} as they are)</p>\n",
         Text(what), swap.first, swap.second, html::fixed(swap.exchanged, 2), html::fixed(swap.as_is, 2));
   }
+  if (!health.swaps.empty())
+    out += markup(
+        "<p class=\"note\">Swapped lines are left out of nothing: the figures of this run hold as the lines are wired "
+        "now. Maps and models made before belong to the other line.</p>\n");
   return out;
 }
 
@@ -138,8 +146,10 @@ Markup noise_histogram(const Health& health) {
   histogram.limit_name = "noisy above";
   histogram.width = 420;
   histogram.height = 240;
-  return markup("<figure>{}<figcaption>Standard deviation of one sample of each taxel.</figcaption></figure>\n",
-                histogram_chart(histogram));
+  return markup(
+      "<figure>{}<figcaption>Standard deviation of one sample of each taxel; {} beyond the "
+      "line.</figcaption></figure>\n",
+      histogram_chart(histogram), health.count("noisy"));
 }
 
 }  // namespace

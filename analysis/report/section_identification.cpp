@@ -39,6 +39,21 @@ Markup further_runs(const ReportInput& input) {
   return out.value.empty() ? markup("none") : out;
 }
 
+// As they were typed, one a line; what is not a list of settings as it stands.
+Markup settings_changed(const std::string& overrides_json) {
+  const auto json = nlohmann::json::parse(overrides_json, nullptr, false);
+  if (!json.is_array()) return line(stated(overrides_json));
+  Markup out;
+  for (const auto& setting : json) {
+    if (!setting.is_object() || !setting.contains("key") || !setting["key"].is_string() || !setting.contains("value") ||
+        !setting["value"].is_string())
+      return line(stated(overrides_json));
+    if (!out.value.empty()) out += markup("<br/>");
+    out += markup("{} = {}", Text(setting["key"].get<std::string>()), Text(setting["value"].get<std::string>()));
+  }
+  return out.value.empty() ? markup("none") : out;
+}
+
 }  // namespace
 
 Markup identification_section(const ReportInput& input) {
@@ -95,7 +110,7 @@ Markup identification_section(const ReportInput& input) {
                              {"frames evaluated", markup("{}", input.evaluation.frames)},
                              {"further runs used", further_runs(input)},
                              {"seeds", markup("noise and faults {}, sensor {}", run.seed, run.sensor_seed)},
-                             {"settings changed on the command line", line(stated(run.overrides_json))}});
+                             {"settings changed on the command line", settings_changed(run.overrides_json)}});
   out += instruments_part(input);
   out += method_part(input);
   out += pairs_table(

@@ -156,7 +156,9 @@ Markup error_map(const ReportInput& input) {
   return out;
 }
 
-Markup error_table(const Evaluation& evaluation, int columns) {
+Markup error_table(const ReportInput& input) {
+  const Evaluation& evaluation = input.evaluation;
+  const Health& health = input.health;
   Markup out = markup(
       "<table><caption>Compensation error |compensated − reference|, Eq. (49), all fitted taxels and "
       "frames</caption><thead><tr>"
@@ -170,9 +172,12 @@ Markup error_table(const Evaluation& evaluation, int columns) {
   row("maximum", html::psi(evaluation.max_error_psi, 2), html::psi(evaluation.max_error_observable_psi, 2));
   row("mean of the worst taxel", html::psi(evaluation.worst_taxel_mean_error_psi, 3), Text("not assessed"));
   out += markup("</tbody></table>\n");
-  if (evaluation.worst_taxel >= 0)
-    out += markup("<p class=\"note\">Worst taxel: {} ({}).</p>\n", evaluation.worst_taxel,
-                  Text(place_of(evaluation.worst_taxel, columns)));
+  if (evaluation.worst_taxel >= 0) {
+    const auto known = std::ranges::find(health.findings, evaluation.worst_taxel, &TaxelHealth::taxel);
+    out += markup("<p class=\"note\">Worst taxel: {} ({}{}).</p>\n", evaluation.worst_taxel,
+                  Text(place_of(evaluation.worst_taxel, input.fit.columns)),
+                  Text(known == health.findings.end() ? "" : ", " + known->state));
+  }
   return out;
 }
 
@@ -181,8 +186,7 @@ Markup error_table(const Evaluation& evaluation, int columns) {
 Markup model_section(const ReportInput& input) {
   Markup out = section_start("model", "External Loop Adaptation Method (ELAM)");
   // First, because a map as high as this below a long table leaves half a page white.
-  out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input),
-                error_table(input.evaluation, input.fit.columns));
+  out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input), error_table(input));
   out += mean_taxel_table(input);
   out += distribution_table(input);
   out += markup(

@@ -98,7 +98,7 @@ Markup uniformity_part(const Uniformity& u, int rows, int columns) {
       "<p>Runs {} of the sensor turned in the chamber by {} (counter-clockwise, row 0 on top). Estimates of pressure "
       "are "
       "taken apart by least squares, level by level, into a map that stays with the sensor, one that stays with the "
-      "chamber, and a residual.</p>\n",
+      "chamber, and a residual. Levels at which estimates come to the end of the models’ range are left out.</p>\n",
       runs_list(u.runs), angles);
   out += pairs_table(
       "Chamber",

@@ -16,6 +16,7 @@ namespace {
 // A share of full scale reads better in per cent; a pressure carries kilopascals.
 // Beside a known U the value has its decimal place (gum_numbers.h).
 Markup with_unit(double value, const std::string& unit, double expanded = 0.0) {
+  if (!std::isfinite(value)) return markup("not available");
   const bool known = std::isfinite(expanded) && expanded > 0.0;
   if (unit == "psi") return markup("{}", html::psi(value, known ? gum_decimals(expanded) : 3));
   if (unit == "FS" || unit == "fs" || unit == "share of FS")
@@ -98,6 +99,23 @@ bool all_report_only(const std::vector<db::VerdictRecord>& verdicts) {
                      [](const db::VerdictRecord& verdict) { return verdict.verdict == "report only"; });
 }
 
+// What the criteria alone would hide: a pass is signed with these in view.
+Markup not_well(const Health& health) {
+  std::vector<std::string> words;
+  const auto left_out = std::ranges::count_if(health.findings, &TaxelHealth::excluded);
+  if (left_out > 0)
+    words.push_back(fmt::format("{} of {} taxels left out of every figure", left_out, health.rows * health.columns));
+  if (const int noisy = health.count("noisy"); noisy > 0)
+    words.push_back(fmt::format("{} noisy {}", noisy, noisy == 1 ? "taxel" : "taxels"));
+  for (const SwappedLines& swap : health.swaps)
+    words.push_back(fmt::format("{} {} and {} swapped", swap.rows ? "rows" : "columns", swap.first, swap.second));
+  if (words.empty()) return {};
+  return markup(
+      "<p><span class=\"doubt\"><span class=\"sign\">▲</span> Found on the sensor:</span> {}; see <a "
+      "href=\"#health\">Sensor health</a>. No criterion judges noise of a taxel or swapped lines.</p>\n",
+      Text(fmt::format("{}", fmt::join(words, "; "))));
+}
+
 }  // namespace
 
 Markup verdict_section(const ReportInput& input) {
@@ -105,6 +123,7 @@ Markup verdict_section(const ReportInput& input) {
   Markup out = section_start("verdicts", "Verdicts");
   if (input.verdicts.empty()) {
     out += markup("<p>No limits were given: the figures are reported without a verdict.</p>\n");
+    out += not_well(input.health);
     return out;
   }
   if (all_report_only(input.verdicts)) {
@@ -112,6 +131,7 @@ Markup verdict_section(const ReportInput& input) {
   } else {
     out += markup("<p>All criteria together: {}</p>\n", verdict_mark(overall_verdict(input.verdicts), simulated));
   }
+  out += not_well(input.health);
   out += markup(
       "<table class=\"verdicts\"><caption>Criteria</caption><thead><tr><th scope=\"col\">criterion</th><th "
       "scope=\"col\">scope</th>"

@@ -25,7 +25,7 @@ nav ul { display: flex; flex-wrap: wrap; gap: 2px 18px; list-style: none; paddin
 code { font-family: "DejaVu Sans Mono", "Liberation Mono", monospace; font-size: 11px; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; margin: 8px 0 12px; font-size: 12px; }
-caption { text-align: left; font-weight: bold; padding: 6px 0 4px; break-after: avoid; }
+caption { text-align: left; font-weight: bold; padding: 6px 0 4px; break-inside: avoid; break-after: avoid; }
 thead { display: table-header-group; }
 thead, thead tr { break-after: avoid; }
 tbody tr:first-child { break-before: avoid; }
@@ -39,6 +39,7 @@ th[scope=colgroup] { text-align: center; border-left: 1px solid #c8c8c8; }
 th[scope=colgroup]:first-child { border-left: 0; }
 table.pairs th { width: 32%; font-weight: normal; color: #444444; }
 table.verdicts td:last-child { min-width: 10em; }
+td.state { overflow-wrap: normal; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
 table.levels { font-size: 11px; }
 table.levels th[scope=row] { min-width: 0; }

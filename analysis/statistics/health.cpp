@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/statistics/levels.h"
 
@@ -81,17 +82,23 @@ struct LineFrame {
   }
 };
 
-// Pearson's, of line a of one frame with line b of another; 0 where one is constant.
+// Pearson's, of line a of one frame with line b of another, over the taxels that both frames tell of; 0 where one is
+// constant or too few are left.
 double line_correlation(const LineFrame& x, int a, const LineFrame& y, int b) {
+  std::vector<std::pair<double, double>> both;
+  for (int i = 0; i < x.length(); ++i) {
+    if (std::isfinite(x.at(a, i)) && std::isfinite(y.at(b, i))) both.emplace_back(x.at(a, i), y.at(b, i));
+  }
+  if (both.size() < kLeastSwapLength) return 0.0;
+  const auto n = static_cast<double>(both.size());
   double mean_x = 0.0, mean_y = 0.0;
-  const int n = x.length();
-  for (int i = 0; i < n; ++i) {
-    mean_x += x.at(a, i) / n;
-    mean_y += y.at(b, i) / n;
+  for (const auto& [of_x, of_y] : both) {
+    mean_x += of_x / n;
+    mean_y += of_y / n;
   }
   double xx = 0.0, yy = 0.0, xy = 0.0;
-  for (int i = 0; i < n; ++i) {
-    const double dx = x.at(a, i) - mean_x, dy = y.at(b, i) - mean_y;
+  for (const auto& [of_x, of_y] : both) {
+    const double dx = of_x - mean_x, dy = of_y - mean_y;
     xx += dx * dx;
     yy += dy * dy;
     xy += dx * dy;

@@ -47,7 +47,8 @@ struct Health {
 Health health_of(const Dataset& dataset, const ArrayFit& fit, bool loaded, const HealthOptions& options = {});
 
 // Pairs of rows and of columns of 8 taxels or more that changed places, each the other's best fit, between two frames
-// of responses (rows x columns, row-major).
+// of responses (rows x columns, row-major). A taxel that is not finite in one frame is left out: it tells nothing of
+// its line.
 std::vector<SwappedLines> swapped_lines(int rows, int columns, const std::vector<double>& now,
                                         const std::vector<double>& before, const HealthOptions& options = {});
 

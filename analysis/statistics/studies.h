@@ -22,7 +22,7 @@ struct Uniformity {
   std::string not_assessed = "no runs of this sensor turned in the chamber were given";  // empty: assessed
   std::vector<std::int64_t> runs;
   std::vector<int> angles_deg;        // of each run, counter-clockwise as seen on the array with row 0 on top
-  std::vector<double> pressure_psi;   // levels that all runs have, above 0
+  std::vector<double> pressure_psi;   // levels that all runs have, above 0 and below the models' end
   std::vector<double> u_psi;          // of each level: standard deviation of the chamber's part over the array
   std::vector<double> residual_psi;   // of each level: standard deviation of what neither map explains
   std::vector<double> chamber_share;  // cells: slope of the chamber's part over pressure; NaN where no run tells

@@ -13,6 +13,10 @@ namespace {
 
 constexpr double kSameTurnedLevelPsi = 0.05;
 constexpr double kLowestLevelPsi = 0.5;  // shares of less say nothing
+// No estimate lies beyond the models' end. A level where so many taxels come so near to it says too little of the
+// chamber, and the highest levels weigh most in a slope.
+constexpr double kNearTheEndPsi = 0.3;
+constexpr double kMostNearTheEnd = 0.05;  // of the taxels of one run
 
 double array_deviation(const std::vector<double>& values) {
   double sum = 0.0, squares = 0.0, n = 0.0;
@@ -144,12 +148,24 @@ TurnedMaps separate_maps(std::span<const std::vector<double>> y, std::span<const
 
 namespace {
 
+std::size_t level_at(const SweepEstimates& estimates, double pressure) {
+  const auto found = std::ranges::find_if(
+      estimates.pressure_psi, [&](double level) { return std::abs(level - pressure) < kSameTurnedLevelPsi; });
+  return static_cast<std::size_t>(found - estimates.pressure_psi.begin());
+}
+
+bool is_cut_off(const SweepEstimates& estimates, double pressure) {
+  const std::size_t level = level_at(estimates, pressure);
+  double near = 0.0;
+  for (int taxel = 0; taxel < estimates.taxels; ++taxel)
+    near += estimates.mean(level, taxel) > estimates.pressure_psi.back() - kNearTheEndPsi ? 1.0 : 0.0;
+  return near > kMostNearTheEnd * static_cast<double>(estimates.taxels);
+}
+
 // Estimates of one run at a level less the level and less the array's mean, by taxel.
 std::vector<double> off_level(const SweepEstimates& estimates, double pressure) {
   std::vector<double> out(static_cast<std::size_t>(estimates.taxels), kNan);
-  const auto found = std::ranges::find_if(
-      estimates.pressure_psi, [&](double level) { return std::abs(level - pressure) < kSameTurnedLevelPsi; });
-  const auto level = static_cast<std::size_t>(found - estimates.pressure_psi.begin());
+  const std::size_t level = level_at(estimates, pressure);
   double sum = 0.0, n = 0.0;
   for (int taxel = 0; taxel < estimates.taxels; ++taxel) {
     const double value = estimates.mean(level, taxel) - pressure;
@@ -240,10 +256,12 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
       return std::ranges::any_of(run.estimates.pressure_psi,
                                  [&](double other) { return std::abs(other - level) < kSameTurnedLevelPsi; });
     });
-    if (everywhere && level > kLowestLevelPsi) u.pressure_psi.push_back(level);
+    if (!everywhere || !(level > kLowestLevelPsi)) continue;
+    if (std::ranges::any_of(runs, [&](const TurnedRun& run) { return is_cut_off(run.estimates, level); })) continue;
+    u.pressure_psi.push_back(level);
   }
   if (u.pressure_psi.size() < 2) {
-    u.not_assessed = "the runs turned in the chamber have fewer than two levels in common";
+    u.not_assessed = "the runs turned in the chamber have fewer than two levels in common below the models' end";
     return u;
   }
   const auto taxels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);

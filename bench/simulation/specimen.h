@@ -19,8 +19,12 @@ struct SpecimenEffects {
   double lift_off_psi = 0.3;                // mean pressure below which the membrane does not touch; per taxel spread
   double chamber_nonuniformity = 0.0;       // relative pressure difference from the array's centre to a corner, growing
                                             // with the square of the distance
-  double zero_drift_v_per_month = 0.0;      // the same for all taxels
-  double gain_drift_per_month = 0.0;        // relative; sign and size differ by taxel, this is the standard deviation
+  // A tilt of the chamber's pressure: relative difference over the array's longer side, the mean over the array
+  // unchanged. It rises toward chamber_tilt_deg: 0 the chamber's last column, 90 its row 0, counter-clockwise.
+  double chamber_tilt = 0.0;
+  double chamber_tilt_deg = 0.0;
+  double zero_drift_v_per_month = 0.0;  // the same for all taxels
+  double gain_drift_per_month = 0.0;    // relative; sign and size differ by taxel, this is the standard deviation
   double gain_drift_per_thousand_cycles = 0.0;  // relative, the same for all; a cycle is 60 psi of loading
   double remount_variation = 0.0;  // standard deviation of a taxel's relative change of local pressure by mount
 };
@@ -49,6 +53,10 @@ struct SpecimenOptions {
   std::uint64_t sensor_seed = 1;  // makes the array
   std::uint64_t mount_seed = 0;   // 0: the mount of the first characterization
   MountTurn mount_turn = MountTurn::kNone;
+  // The sensor turned in the chamber with its leads, counter-clockwise with row 0 on top: each taxel keeps its row and
+  // column and comes to another place. mount_turn is the film turned under leads that stay: the scanner's rows and
+  // columns are then the chamber's.
+  double turned_in_chamber_deg = 0.0;
   MountEdge edge_outside = MountEdge::kLastRow;
   int edge_outside_lines = 0;  // 0: all of the array lies inside
   double temperature_c = 23.0;

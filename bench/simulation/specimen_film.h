@@ -77,7 +77,7 @@ struct FilmMake {
 // (stratified quantiles); which taxel gets which value belongs to the seed.
 FilmMake make_film(const SpecimenOptions& options);
 
-// Local over chamber pressure, a value a taxel: non-uniformity, mount, edge outside the membrane.
+// Local over chamber pressure, a value a taxel of the film: non-uniformity, tilt, mount, edge outside the membrane.
 std::vector<double> shares_of_chamber(const SpecimenOptions& options);
 // Which taxel of the film each taxel of the scanner reads; throws std::invalid_argument.
 std::vector<std::size_t> turned_wiring(const SpecimenOptions& options);

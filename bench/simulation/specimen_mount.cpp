@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -32,6 +34,24 @@ double edge_share(const SpecimenOptions& options, int row, int column) {
   return std::min(1.0, (line + kAtTheRim) / options.edge_outside_lines);
 }
 
+// What the chamber's tilt adds at each taxel of the film.
+std::vector<double> tilt_shares(const SpecimenOptions& options) {
+  const std::vector<std::size_t> wiring = turned_wiring(options);
+  const double degrees = options.effects.chamber_tilt_deg - options.turned_in_chamber_deg;
+  const double angle = degrees * std::numbers::pi / 180.0;
+  const double side = std::max({options.rows - 1, options.columns - 1, 1});
+  std::vector<double> shares(wiring.size());
+  for (std::size_t lead = 0; lead < wiring.size(); ++lead) {
+    const int row = static_cast<int>(lead) / options.columns;
+    const int column = static_cast<int>(lead) % options.columns;
+    const double up = 0.5 * (options.rows - 1) - row;
+    const double right = column - 0.5 * (options.columns - 1);
+    const double toward = right * std::cos(angle) + up * std::sin(angle);
+    shares[wiring[lead]] = options.effects.chamber_tilt * toward / side;
+  }
+  return shares;
+}
+
 }  // namespace
 
 std::vector<std::string> mount_turn_words(bool square) {
@@ -45,6 +65,7 @@ std::vector<std::string> mount_edge_words() { return {"first-row", "last-row", "
 
 std::vector<double> shares_of_chamber(const SpecimenOptions& options) {
   std::vector<double> shares;
+  const std::vector<double> tilt = tilt_shares(options);
   const double half_rows = 0.5 * (options.rows - 1);
   const double half_columns = 0.5 * (options.columns - 1);
   const double corner = std::max(half_rows * half_rows + half_columns * half_columns, 1e-12);
@@ -54,6 +75,7 @@ std::vector<double> shares_of_chamber(const SpecimenOptions& options) {
     const double y = row - half_rows;
     const double x = column - half_columns;
     double share = 1.0 + options.effects.chamber_nonuniformity * (x * x + y * y) / corner;
+    share += tilt[static_cast<std::size_t>(i)];
     if (options.mount_seed != 0) {
       const auto key = hash_of(options.sensor_seed, kMountStream, options.mount_seed);
       const double change = options.effects.remount_variation * bell_of(hash_of(key, 0, static_cast<std::uint64_t>(i)));

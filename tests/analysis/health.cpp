@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 
 using namespace tactbench::analysis;
@@ -96,6 +97,14 @@ TEST_CASE("swapped rows and columns are found, a changed gain and noise are not"
   CHECK(swaps[0].first == 1);
   CHECK(swaps[0].second == 4);
   CHECK(swaps[0].exchanged > 0.95);
+  // A taxel that stands still hides the exchange, one that is known to do so does not.
+  at(now, 4, 7) = 40.0;
+  CHECK(swapped_lines(rows, columns, now, before).empty());
+  at(now, 4, 7) = std::numeric_limits<double>::quiet_NaN();
+  REQUIRE(swapped_lines(rows, columns, now, before).size() == 1);
+  CHECK(swapped_lines(rows, columns, now, before)[0].exchanged > 0.95);
+  for (int column = 0; column < 5; ++column) at(now, 4, column) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(swapped_lines(rows, columns, now, before).empty());  // six are left: too few to tell
   now = before;
   for (int row = 0; row < rows; ++row) std::swap(at(now, row, 0), at(now, row, 3));
   const auto columns_swapped = swapped_lines(rows, columns, now, before);

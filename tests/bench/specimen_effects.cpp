@@ -111,6 +111,41 @@ TEST_CASE("specimen: chamber non-uniformity scales the corner's pressure") {
   for (const std::size_t centre : {119U, 120U, 135U, 136U}) CHECK(b[centre] > 1.02 * a[centre]);
 }
 
+TEST_CASE("specimen: the chamber's tilt presses one edge more, whichever way the film lies under its leads") {
+  // Taxels of the edge that the tilt rises to and of the other feel 20 psi at 20 / 1.05 and 20 / 0.95 psi.
+  const auto frame_at = [](double pressure_psi, double tilt, double deg, MountTurn turn, double in_chamber_deg) {
+    Specimen specimen(changed([&](SpecimenOptions& o) {
+      o.effects.lift_off_psi = 0.0;
+      o.effects.chamber_tilt = tilt;
+      o.effects.chamber_tilt_deg = deg;
+      o.mount_turn = turn;
+      o.turned_in_chamber_deg = in_chamber_deg;
+    }));
+    specimen.advance(pressure_psi, 10.0);
+    return Walker(specimen).frame();
+  };
+  for (const MountTurn turn : {MountTurn::kNone, MountTurn::kBy90, MountTurn::kTransposed}) {
+    const Frame even = frame_at(20.0, 0.0, 0.0, turn, 0.0);
+    const Frame high = frame_at(20.0 / 1.05, 0.1, 0.0, turn, 0.0);
+    const Frame low = frame_at(20.0 / 0.95, 0.1, 0.0, turn, 0.0);
+    for (std::size_t row = 0; row < 16; ++row) {
+      CHECK(high[row * 16 + 15] == Approx(even[row * 16 + 15]).epsilon(0.01));
+      CHECK(low[row * 16] == Approx(even[row * 16]).epsilon(0.01));
+      CHECK(high[row * 16] < 0.99 * even[row * 16]);
+    }
+    // 90 degrees: toward row 0.
+    const Frame upward = frame_at(20.0 / 1.05, 0.1, 90.0, turn, 0.0);
+    for (std::size_t column = 0; column < 16; ++column) {
+      CHECK(upward[column] == Approx(even[column]).epsilon(0.01));
+      CHECK(upward[240 + column] < 0.99 * even[240 + column]);
+    }
+  }
+  // Turned with its leads by a quarter counter-clockwise, the last column comes to where row 0 lay.
+  CHECK(frame_at(20.0, 0.1, 90.0, MountTurn::kNone, 90.0) == frame_at(20.0, 0.1, 0.0, MountTurn::kNone, 0.0));
+  CHECK(frame_at(20.0, 0.1, 90.0, MountTurn::kNone, 0.0) != frame_at(20.0, 0.1, 0.0, MountTurn::kNone, 0.0));
+  CHECK(frame_at(20.0, 0.0, 33.0, MountTurn::kNone, 90.0) == frame_at(20.0, 0.0, 0.0, MountTurn::kNone, 0.0));
+}
+
 TEST_CASE("specimen: zero drift, gain drift over months and over cycles") {
   const Reading fresh = read({});
   const auto aged = [](double months, double zero_rate, double gain_rate) {
