@@ -20,7 +20,7 @@ Markup with_unit(double value, const std::string& unit, double expanded = 0.0) {
   const bool known = std::isfinite(expanded) && expanded > 0.0;
   if (unit == "psi") return markup("{}", html::psi(value, known ? gum_decimals(expanded) : 3));
   if (unit == "FS" || unit == "fs" || unit == "share of FS")
-    return markup("{} % FS", html::percent(value, known ? gum_decimals(100.0 * expanded) : 2));
+    return markup("{}\u00A0%\u00A0FS", html::percent(value, known ? gum_decimals(100.0 * expanded) : 2));
   return markup("{} {}", html::significant(value, 5), Text(unit));
 }
 
@@ -57,8 +57,8 @@ Markup uncertainty_cell(const JudgedUncertainty* known, const std::string& unit)
   if (known == nullptr || std::isnan(known->expanded)) return number_cell(Text("not known"));
   if (known->expanded == 0.0) return number_cell(Text("0"));
   // As the value beside it: shares in per cent.
-  if (unit == "FS") return number_cell(markup("{} % FS", gum_uncertainty(100.0 * known->expanded)));
-  return number_cell(markup("{} {}", gum_uncertainty(known->expanded), Text(unit)));
+  if (unit == "FS") return number_cell(markup("{}\u00A0%\u00A0FS", gum_uncertainty(100.0 * known->expanded)));
+  return number_cell(markup("{}\u00A0{}", gum_uncertainty(known->expanded), Text(unit)));
 }
 
 std::string words_of(std::string criterion) {

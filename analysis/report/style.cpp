@@ -38,6 +38,7 @@ th[scope=row] { min-width: 7em; }
 th[scope=colgroup] { text-align: center; border-left: 1px solid #c8c8c8; }
 th[scope=colgroup]:first-child { border-left: 0; }
 table.pairs th { width: 32%; font-weight: normal; color: #444444; }
+table.verdicts td:nth-last-child(2) { white-space: nowrap; }
 table.verdicts td:last-child { min-width: 10em; }
 td.state { overflow-wrap: normal; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; overflow-wrap: normal; }

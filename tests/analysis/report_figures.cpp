@@ -174,7 +174,7 @@ TEST_CASE("model, loops, hysteresis, verdicts and held-out tables print the JSON
     CHECK(held_out[i + 2] == percent(results["held_out"][i]["evaluation"]["comp_distance"], 2));
 
   const auto verdict = row_of(report.html, "Criteria", "distance of mean");
-  CHECK(verdict[2] == percent(results["verdicts"][2]["value"], 2) + " % FS");
+  CHECK(verdict[2] == percent(results["verdicts"][2]["value"], 2) + "\u00A0%\u00A0FS");
   CHECK(verdict[6] == "✓ simulated pass");
 }
 
