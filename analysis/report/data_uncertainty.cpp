@@ -94,6 +94,7 @@ std::string reading_text(const Uncertainty& uncertainty) {
                              {"not_assessed", missing},
                              {"chosen", uncertainty.chosen}});
   text.pop_back();
+  text += effects_members(uncertainty);
   text += ",\"levels\":[";
   for (std::size_t i = 0; i < uncertainty.levels.size(); ++i) {
     if (i > 0) text += ",\n";

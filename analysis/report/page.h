@@ -34,6 +34,8 @@ html::Markup method_part(const ReportInput& input);
 std::string identification_json(const ReportInput& input);
 std::string results_json(const ReportInput& input);
 std::string uncertainty_json(const ReportInput& input);
+// ,"creep":{...},"temperature":{...}: what the budgets take of them; nothing of what is not assessed.
+std::string effects_members(const Uncertainty& uncertainty);
 std::string number_list_json(const std::vector<double>& values);  // null where not finite
 std::string health_json(const ReportInput& input);
 std::string behaviour_json(const ReportInput& input);
