@@ -77,23 +77,30 @@ struct ThermalRun {
   std::vector<OutputChange> taxels;   // of each fitted taxel
 };
 
-// None where the run does not sweep the calibration's levels.
-std::optional<ThermalRun> thermal_run(const Dataset& dataset, const ExternalLoop& calibration, const Fitted& fitted) {
-  const std::optional<ExternalLoop> whole = loop_of(dataset);
-  if (!whole) return std::nullopt;
-  const LoopsOfTwo both{calibration, *whole, fitted.width()};
+int most_repeats(const Dataset& dataset) {
+  std::size_t most = 0;
+  for (const SequenceData& data : dataset.sequences) most = std::max(most, data.repeats.size());
+  return static_cast<int>(most);
+}
+
+// None where the run does not sweep the calibration's levels. Like is held against like: as many first repeats of both,
+// for a film that is being conditioned changes from repeat to repeat.
+std::optional<ThermalRun> thermal_run(const Dataset& dataset, const Dataset& calibration, const Fitted& fitted) {
+  const CommonOptions first{.first_repeat = 0,
+                            .last_repeat = std::min(most_repeats(dataset), most_repeats(calibration)) - 1};
+  const std::optional<ExternalLoop> theirs = loop_of(dataset, first), ours = loop_of(calibration, first);
+  if (!theirs || !ours) return std::nullopt;
+  const LoopsOfTwo both{*ours, *theirs, fitted.width()};
   const std::optional<OutputChange> change = change_of(both.pairs(fitted.taxels()));
   if (!change) return std::nullopt;
   ThermalRun run{mean_temperature_c(dataset), *change, {}, {}};
   for (const std::size_t taxel : fitted.taxels())
     run.taxels.push_back(change_of(both.pairs({&taxel, 1})).value_or(OutputChange{}));
-  std::size_t most = 0;
-  for (const SequenceData& data : dataset.sequences) most = std::max(most, data.repeats.size());
-  for (int r = 0; r < static_cast<int>(most); ++r) {
+  for (int r = 0; r < most_repeats(dataset); ++r) {
     const std::optional<ExternalLoop> one =
         loop_of(dataset, {.move_to_setpoint = true, .first_repeat = r, .last_repeat = r});
     if (!one) continue;
-    const LoopsOfTwo pair{calibration, *one, fitted.width()};
+    const LoopsOfTwo pair{*ours, *one, fitted.width()};
     if (const auto own = change_of(pair.pairs(fitted.taxels()))) run.repeats.push_back(*own);
   }
   return run;
@@ -188,8 +195,8 @@ std::string TemperatureEffect::in_words() const {
       "a "
       "kelvin (standard uncertainties from the {}, {:.0f} degrees of freedom); single taxels ± {:.4f} % a kelvin; "
       "taken "
-      "over {:.2f} to {:.2f} °C, the readings of this run, and the thermometer's step of {:.3f} °C. Mount and day are "
-      "the same; {}",
+      "over {:.2f} to {:.2f} °C, the readings of this run, and the thermometer's step of {:.3f} °C. Made within a day, "
+      "and mounted once as far as the runs tell; {}",
       temperature_c.size(), coldest, warmest, 100.0 * per_kelvin.share, 100.0 * u.share, 1e3 * per_kelvin.zero_v,
       1e3 * u.zero_v, from_repeats ? "scatter of the repeats" : "scatter of the runs about the line", dof,
       100.0 * deviation.share, low_c, high_c, resolution_c,
@@ -209,8 +216,7 @@ TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const
   }
   const Fitted fitted(fit);
   const Dataset calibration = as_modelled(measured, fit);
-  const std::optional<ExternalLoop> loop = loop_of(calibration);
-  const auto own = loop ? thermal_run(calibration, *loop, fitted) : std::nullopt;
+  const auto own = thermal_run(calibration, calibration, fitted);
   if (!own) {
     effect.not_assessed = "this run has no full loop of at least five levels";
     return effect;
@@ -222,7 +228,7 @@ TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const
     without_readings = without_readings || other.temperatures_c.empty();
     // A hold or a ramp of its own pace is no loop to compare with.
     if (other.temperatures_c.empty() || !held_frames_of(other).empty()) continue;
-    if (auto run = thermal_run(as_modelled(other, fit), *loop, fitted)) runs.push_back(std::move(*run));
+    if (auto run = thermal_run(as_modelled(other, fit), calibration, fitted)) runs.push_back(std::move(*run));
   }
   for (const ThermalRun& run : runs) {
     effect.temperature_c.push_back(run.temperature_c);

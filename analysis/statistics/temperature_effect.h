@@ -22,7 +22,8 @@ struct OutputChange {
 struct TemperatureEffect {
   std::string not_assessed = "no run of this sensor at another temperature tells what it does";  // empty: assessed
   std::vector<double> temperature_c;  // of each run, the calibration first: mean of its readings
-  std::vector<OutputChange> change;   // of the mean taxel over its external loop, against the calibration
+  // Of the mean taxel over its external loop, against as many first repeats of the calibration.
+  std::vector<OutputChange> change;
   // A kelvin, of the mean taxel: slope of the above over temperature. u: the larger of what the scatter of the repeats
   // and the scatter of the runs about the line give. deviation: of single taxels' own slopes from the mean's.
   OutputChange per_kelvin, u, deviation;

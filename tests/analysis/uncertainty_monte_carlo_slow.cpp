@@ -128,5 +128,5 @@ TEST_CASE("U holds against Monte Carlo with creep and temperature in it") {
   CHECK(budget.expanded_psi > 1.1 * without.level(30.0, true)->median.expanded_psi);
   // 95.45 % of a rectangle lie within 1.65 of its standard deviations: where rectangles dominate k = 2 is up to 21 %
   // more.
-  CHECK(agreement(uncertainty, monte_carlo(example, uncertainty, 0, 12000), 0.21).linear >= 30);
+  CHECK(agreement(uncertainty, monte_carlo(example, uncertainty, 0, 12000), 0.15).linear >= 30);
 }
