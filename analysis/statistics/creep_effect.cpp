@@ -142,10 +142,12 @@ std::string CreepEffect::in_words() const {
   const bool both = levels.front().up != levels.back().up;
   return fmt::format(
       "change of the median taxel's output over its zero in holds of {} ({}). Assumed: a reading is taken at any time "
-      "from {:.1f} s, after which this run reads its levels, to {:.0f} s after the level was commanded, and is not "
-      "corrected for it; what is read earlier or later is not covered. Each taxel counts with its own change; levels "
-      "that were not held take the same share of the output over the zero{}{}",
-      levels.front().sequence, held, read_after_s, to_s, both ? "" : ", and so does the other branch",
+      "from {:.1f} s, after which this run reads its levels, to {:.0f} s after the level was commanded, on a way to "
+      "the "
+      "level like that of the holds, and is not corrected for it; what is read earlier or later is not covered. Each "
+      "taxel counts with its own change; levels that were not held take the same share of the output over the zero{}{}",
+      levels.front().sequence, held, read_after_s, to_s,
+      both ? "" : ", and so does the other branch, which was not held (creep-levels holds both)",
       carried_back ? ". The holds' first frame is later than the dwell: extended on the logarithm of time" : "");
 }
 

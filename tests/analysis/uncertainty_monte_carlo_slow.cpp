@@ -126,7 +126,6 @@ TEST_CASE("U holds against Monte Carlo with creep and temperature in it") {
   for (const UncertaintySource source : {UncertaintySource::kCreep, UncertaintySource::kTemperature})
     CHECK(row_of(budget, source)->u_psi > 0.15 * budget.combined_psi);
   CHECK(budget.expanded_psi > 1.1 * without.level(30.0, true)->median.expanded_psi);
-  // 95.45 % of a rectangle lie within 1.65 of its standard deviations: where rectangles dominate k = 2 is up to 21 %
-  // more.
+  // 95.45 % of a rectangle lie within 1.65 of its standard deviations: where rectangles dominate k = 2 is too much.
   CHECK(agreement(uncertainty, monte_carlo(example, uncertainty, 0, 12000), 0.15).linear >= 30);
 }
