@@ -63,19 +63,22 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
     if (!uncertainty.missing[i].empty()) missing[name] = uncertainty.missing[i];
   }
   const ReferenceUncertainty& reference = uncertainty.reference;
-  return {{"coverage_probability", kCoverageProbability},
-          {"reference",
-           {{"certificate", reference.certificate},
-            {"due", reference.due},
-            {"overdue", reference.overdue},
-            {"independent", reference.independent},
-            {"largest_u_psi", reference.largest_certificate_u()},
-            {"resolution_psi", reference.resolution_psi},
-            {"drift_psi", reference.drift_psi}}},
-          {"sources", sources},
-          {"not_assessed", missing},
-          {"chosen", uncertainty.chosen},
-          {"levels", std::move(levels)}};
+  UncertaintyJson out = {{"coverage_probability", kCoverageProbability},
+                         {"reference",
+                          {{"certificate", reference.certificate},
+                           {"due", reference.due},
+                           {"overdue", reference.overdue},
+                           {"independent", reference.independent},
+                           {"largest_u_psi", reference.largest_certificate_u()},
+                           {"resolution_psi", reference.resolution_psi},
+                           {"drift_psi", reference.drift_psi}}},
+                         {"sources", sources},
+                         {"not_assessed", missing},
+                         {"chosen", uncertainty.chosen}};
+  if (uncertainty.creep.assessed()) out["creep"] = creep_effect_json(uncertainty.creep);
+  if (uncertainty.temperature.assessed()) out["temperature"] = temperature_effect_json(uncertainty.temperature);
+  out["levels"] = std::move(levels);
+  return out;
 }
 
 }  // namespace

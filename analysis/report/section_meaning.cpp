@@ -39,10 +39,15 @@ Markup meaning_section(const ReportInput& input) {
            "pressure "
            "cannot be observed by any method. Such samples are flagged and counted; figures with and without them are "
            "both given."));
-  item(Text(
+  const bool covered = input.uncertainty && input.uncertainty->creep.assessed();
+  item(markup(
       "Creep: a held pressure with a drifting output is outside every rate-independent model, this one too. What was "
       "measured of creep, repeatability and zero return stands in “Behaviour before compensation”; crosstalk "
-      "in “Crosstalk, rate and hold, mounting, uniformity”. What no run tells is not assessed."));
+      "in “Crosstalk, rate and hold, mounting, uniformity”. What no run tells is not assessed.{}",
+      covered
+          ? markup(" U covers creep in readings from {} s to {} s after the level was commanded, no other ones.",
+                   html::fixed(input.uncertainty->creep.read_after_s, 1), html::fixed(input.uncertainty->creep.to_s, 0))
+          : markup("")));
   if (!input.more.studies.uniformity.assessed()) {
     item(
         Text("Uniformity of the pressure over the chamber: not assessed. A non-uniformity is taken for mismatch of the "

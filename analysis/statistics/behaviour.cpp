@@ -82,7 +82,8 @@ void gather_gains(Behaviour& b, const ExternalLoop& loop, std::size_t width) {
   }
 }
 
-// The external loop of one repeat of every sequence that has it; none where no sequence sweeps the full range.
+}  // namespace
+
 std::optional<ExternalLoop> loop_of(const Dataset& dataset, const CommonOptions& options) {
   std::vector<CommonSequence> sequences;
   for (const SequenceData& data : dataset.sequences) {
@@ -100,6 +101,8 @@ std::optional<ExternalLoop> loop_of(const Dataset& dataset, const CommonOptions&
     return std::nullopt;
   }
 }
+
+namespace {
 
 // Square of the standard deviation (n - 1).
 double repeats_variance(const std::vector<double>& values) {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/dataset.h"
+#include "analysis/loop.h"
 
 namespace tactbench::analysis {
 
@@ -72,5 +74,8 @@ Behaviour behaviour_of(const Dataset& dataset, const std::vector<int>& taxels);
 
 // Holds of at least 20 frames at one set-point above 0.5 psi, commanded once. Part of the above; also for other runs.
 std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxels);
+
+// The external loop over the sequences that have the repeats asked for; none where no sequence sweeps the full range.
+std::optional<ExternalLoop> loop_of(const Dataset& dataset, const CommonOptions& options = {});
 
 }  // namespace tactbench::analysis

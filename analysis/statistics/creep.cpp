@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "analysis/statistics/behaviour.h"
+#include "analysis/statistics/creep_effect.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::size_t kFewestHeld = 20;
 constexpr double kLeastHeldPsi = 0.5;
 
 struct Held {
@@ -46,33 +46,43 @@ Creep line_through(const std::vector<Held>& held) {
 
 }  // namespace
 
-std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxels) {
-  const auto width = static_cast<std::size_t>(dataset.taxels());
-  std::vector<Creep> found;
-  for (const SequenceData& data : dataset.sequences) {
-    for (const Repeat& repeat : data.repeats) {
-      for (std::size_t first = 0; first < repeat.steps.size();) {
+std::vector<HeldFrames> held_frames_of(const Dataset& dataset, std::size_t fewest_frames) {
+  std::vector<HeldFrames> holds;
+  for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+    const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
+    for (std::size_t r = 0; r < repeats.size(); ++r) {
+      const std::vector<Sample>& steps = repeats[r].steps;
+      for (std::size_t first = 0; first < steps.size();) {
         std::size_t end = first + 1;
-        while (end < repeat.steps.size() && repeat.steps[end].setpoint_psi == repeat.steps[first].setpoint_psi) ++end;
-        const Sample& start = repeat.steps[first];
-        if (end - first >= kFewestHeld && start.setpoint_psi > kLeastHeldPsi && start.held_s > 0.0) {
-          std::vector<Held> held;
-          for (std::size_t i = first; i < end; ++i) {
-            double output = 0.0;
-            for (const int taxel : taxels) output += repeat.volts[i * width + static_cast<std::size_t>(taxel)];
-            held.push_back(
-                {start.held_s + repeat.steps[i].time_s - start.time_s, output / static_cast<double>(taxels.size())});
-          }
-          if (held.back().time_s > held.front().time_s && held.front().output_v != 0.0) {
-            found.push_back(line_through(held));
-            found.back().run = dataset.run;
-            found.back().sequence = data.name;
-            found.back().pressure_psi = start.setpoint_psi;
-          }
-        }
+        while (end < steps.size() && steps[end].setpoint_psi == steps[first].setpoint_psi) ++end;
+        const bool rose = first == 0 || steps[first - 1].setpoint_psi < steps[first].setpoint_psi;
+        if (end - first >= fewest_frames && steps[first].setpoint_psi > kLeastHeldPsi && steps[first].held_s > 0.0 &&
+            steps[end - 1].time_s > steps[first].time_s)
+          holds.push_back({s, r, first, end, rose});
         first = end;
       }
     }
+  }
+  return holds;
+}
+
+std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxels) {
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  std::vector<Creep> found;
+  for (const HeldFrames& hold : held_frames_of(dataset)) {
+    const SequenceData& data = dataset.sequences[hold.sequence];
+    const Repeat& repeat = data.repeats[hold.repeat];
+    std::vector<Held> held;
+    for (std::size_t i = hold.first; i < hold.end; ++i) {
+      double output = 0.0;
+      for (const int taxel : taxels) output += repeat.volts[i * width + static_cast<std::size_t>(taxel)];
+      held.push_back({hold.held_s(repeat, i), output / static_cast<double>(taxels.size())});
+    }
+    if (held.front().output_v == 0.0) continue;
+    found.push_back(line_through(held));
+    found.back().run = dataset.run;
+    found.back().sequence = data.name;
+    found.back().pressure_psi = repeat.steps[hold.first].setpoint_psi;
   }
   return found;
 }

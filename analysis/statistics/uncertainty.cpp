@@ -27,8 +27,13 @@ const SourceText& text_of(UncertaintySource source) {
        "mean errors at the level and two neighbours to each side, not corrected (F.2.4.5)"},
       {"zero return", 'B', "rectangular", "V", "half-width",
        "largest change of the unloaded output over a repeat (4.3.7), times the inverse's slope"},
-      {"creep in the dwell", 'A', "normal", "psi", "s", "spread of the reading within a dwell (4.2.2)"},
-      {"temperature", 'A', "normal", "psi", "s", "spread over the temperatures of the run (4.2.2)"},
+      {"creep under load", 'B', "rectangular", "V", "half-width",
+       "what the output goes on moving after the dwell of the calibration, up to the end of a hold; on one side, not "
+       "corrected: half-width is the whole of it (4.3.7, F.2.4.5), times the inverse's slope"},
+      {"temperature", 'B', "rectangular", "V", "half-width",
+       "change of the output a kelvin, with its own uncertainty, times half the range of the run's temperatures "
+       "(4.3.7), times what the compensator makes of a whole loop that is moved by it: unloading, the turn at the top "
+       "moves too"},
       {"re-mounting", 'A', "Student", "psi", "s", "between mounts of this sensor (4.2.2)"},
   }};
   return kTexts[static_cast<std::size_t>(source)];
@@ -68,8 +73,10 @@ void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
   };
   keep(UncertaintySource::kUniformity, inputs.uniformity);
   keep(UncertaintySource::kMounting, inputs.mounting);
-  keep(UncertaintySource::kCreep, inputs.creep);
-  keep(UncertaintySource::kTemperature, inputs.temperature);
+  out.creep = inputs.creep;
+  out.temperature = inputs.temperature;
+  out.from[static_cast<std::size_t>(UncertaintySource::kCreep)] = inputs.creep.in_words();
+  out.from[static_cast<std::size_t>(UncertaintySource::kTemperature)] = inputs.temperature.in_words();
 }
 
 }  // namespace

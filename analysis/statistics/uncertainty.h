@@ -2,7 +2,7 @@
 // u_c, effective degrees of freedom, k and U for every taxel, level and branch out.
 //
 // Measurand: the pressure on a taxel, as one compensated frame tells it where a full sweep passes a level. Model
-// (4.1.1):   p = f(v + d_noise + d_step + d_zero) + d_repeat + d_model + d_mount + d_creep + d_temperature
+// (4.1.1):   p = f(v + d_noise + d_step + d_zero + d_creep + d_temperature) + d_repeat + d_model + d_mount
 //              + d_certificate + d_drift + d_digit + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
 // Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
 #pragma once
@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "analysis/statistics/coverage.h"
+#include "analysis/statistics/creep_effect.h"
 #include "analysis/statistics/reference_uncertainty.h"
 #include "analysis/statistics/sweep_errors.h"
+#include "analysis/statistics/temperature_effect.h"
 
 namespace tactbench::analysis {
 
@@ -51,10 +53,11 @@ struct GivenUncertainty {
   std::string from;  // "runs 4 to 7, the sensor turned by 90 degrees"
 };
 struct UncertaintyInputs {
-  std::optional<GivenUncertainty> uniformity;   // the chamber's pressure over the array
-  std::optional<GivenUncertainty> mounting;     // between mounts
-  std::optional<GivenUncertainty> creep;        // of the reading within a dwell
-  std::optional<GivenUncertainty> temperature;  // over the temperatures of the run
+  std::optional<GivenUncertainty> uniformity;  // the chamber's pressure over the array
+  std::optional<GivenUncertainty> mounting;    // between mounts
+  // What moves the output, times the inverse's slope: one share of p would hide where the curve is flat.
+  CreepEffect creep = {};              // of a reading later than the calibration's
+  TemperatureEffect temperature = {};  // over the temperatures of the run
 };
 
 // One row of a budget. width / divisor = u(x); sensitivity in psi per unit of width; u_psi = |c| u(x).
@@ -93,7 +96,9 @@ struct Uncertainty {
   std::vector<LevelUncertainty> levels;                  // up by rising pressure, then down; only levels with readings
   std::array<std::string, kUncertaintySources> missing;  // why a source is not assessed; empty: it is
   std::array<std::string, kUncertaintySources> from;     // where a given figure comes from
-  std::size_t chosen = 0;                                // the level whose budgets are printed: mid range, down
+  CreepEffect creep;
+  TemperatureEffect temperature;
+  std::size_t chosen = 0;  // the level whose budgets are printed: mid range, down
   [[nodiscard]] const LevelUncertainty* level(double pressure_psi, bool up) const;
 };
 

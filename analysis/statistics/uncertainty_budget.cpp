@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/compensate/compensator.h"
 #include "analysis/statistics/levels.h"
 #include "analysis/statistics/uncertainty.h"
 
@@ -20,9 +21,12 @@ struct LocalInverse {
   bool linear = true;
 };
 
+ElamCurve external_curve(const ElamModel& model, bool up) {
+  return up ? ElamCurve(model, true, model.x0(), model.y0()) : ElamCurve(model, false, model.xu(), model.yu());
+}
+
 LocalInverse inverse_about(const ElamModel& model, bool up, double pressure_psi, double u_v) {
-  const ElamCurve curve =
-      up ? ElamCurve(model, true, model.x0(), model.y0()) : ElamCurve(model, false, model.xu(), model.yu());
+  const ElamCurve curve = external_curve(model, up);
   const double v = curve.output(pressure_psi), u = u_v > 0.0 ? u_v : 1e-6 * (model.yu() - model.y0());
   const double low = model.y0(), high = model.yu();
   const auto slope = [&](double from, double to) {
@@ -36,6 +40,20 @@ LocalInverse inverse_about(const ElamModel& model, bool up, double pressure_psi,
   return {slope(v - u, v + u), !cut && std::abs(above - below) <= 2.0 * kSlopeChange * middle};
 }
 
+// psi/V of what moves the output along the whole way to the reading, as temperature does: unloading, the turn at the
+// top moves too, and the compensator takes that into account. Half-widths at the reading and at the top.
+double sensitivity_along(const ElamModel& model, bool up, double pressure_psi, double width_v, double top_width_v) {
+  const double v = external_curve(model, up).output(pressure_psi);
+  const double least = 1e-6 * (model.yu() - model.y0());
+  const double width = std::max(width_v, least), top_width = std::max(top_width_v, least);
+  const auto read = [&](double sign) {
+    TaxelCompensator compensator(model, {});
+    if (!up) (void)compensator.step(model.yu() + sign * top_width);
+    return compensator.step(v + sign * width).pressure_psi;
+  };
+  return (read(1.0) - read(-1.0)) / (2.0 * width);
+}
+
 double scatter_of(const LevelReadings& level, std::size_t taxel, std::size_t width) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < level.readings; ++i) sum += level.error_psi[i * width + taxel];
@@ -46,7 +64,7 @@ double scatter_of(const LevelReadings& level, std::size_t taxel, std::size_t wid
 
 bool of_voltage(UncertaintySource source) {
   return source == UncertaintySource::kNoise || source == UncertaintySource::kConverterStep ||
-         source == UncertaintySource::kZeroReturn;
+         source == UncertaintySource::kZeroReturn || source == UncertaintySource::kCreep;
 }
 
 std::size_t index_of(UncertaintySource source) { return static_cast<std::size_t>(source); }
@@ -78,11 +96,10 @@ void BudgetMaker::find_missing(const Dataset& dataset) {
     missing(UncertaintySource::kConverterStep) = "the scanner's volts a count are not kept with the run";
   if (errors_.repeats_with_zero == 0)
     missing(UncertaintySource::kZeroReturn) = "no repeat begins and ends at the lowest pressure";
-  if (!inputs_.creep) missing(UncertaintySource::kCreep) = "one frame is taken a dwell: a run of creep-hold would tell";
-  if (!inputs_.temperature)
-    missing(UncertaintySource::kTemperature) = dataset.temperatures_c.empty()
-                                                   ? "the run has no temperature readings"
-                                                   : "no run of this sensor at another temperature tells what it does";
+  missing(UncertaintySource::kCreep) = inputs_.creep.not_assessed;
+  missing(UncertaintySource::kTemperature) = inputs_.temperature.not_assessed;
+  if (!inputs_.temperature.assessed() && dataset.temperatures_c.empty())
+    missing(UncertaintySource::kTemperature) = "the run has no temperature readings";
   if (!inputs_.mounting) missing(UncertaintySource::kMounting) = "no runs of this sensor mounted anew";
 }
 
@@ -105,12 +122,23 @@ void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel) const {
   const double noise = assessed(UncertaintySource::kNoise) ? noise_v_[taxel] : 0.0;
   const double step = assessed(UncertaintySource::kConverterStep) ? 0.5 * step_v_ : 0.0;
   const double zero = assessed(UncertaintySource::kZeroReturn) ? errors_.zero_return_v[taxel] : 0.0;
-  const double u_v = std::hypot(noise, step / rectangular, zero / rectangular);
-  const LocalInverse inverse = inverse_about(fit_.taxels[taxel].fit.model, budget.up, budget.pressure_psi, u_v);
+  const ElamModel& model = fit_.taxels[taxel].fit.model;
+  const double over_zero = external_curve(model, budget.up).output(budget.pressure_psi) - model.y0();
+  const double creep = assessed(UncertaintySource::kCreep)
+                           ? inputs_.creep.share(taxel, budget.pressure_psi, budget.up) * over_zero
+                           : 0.0;
+  const double u_v = std::hypot(std::hypot(noise, step / rectangular, zero / rectangular), creep / rectangular);
+  const LocalInverse inverse = inverse_about(model, budget.up, budget.pressure_psi, u_v);
   budget.linear = inverse.linear;
   add(budget, UncertaintySource::kNoise, noise, 1.0, inverse.sensitivity, noise_dof_);
   add(budget, UncertaintySource::kConverterStep, step, rectangular, inverse.sensitivity);
   add(budget, UncertaintySource::kZeroReturn, zero, rectangular, inverse.sensitivity);
+  add(budget, UncertaintySource::kCreep, creep, rectangular, inverse.sensitivity);
+  if (!assessed(UncertaintySource::kTemperature)) return;
+  const double warmth = inputs_.temperature.width_v(over_zero);
+  const double top = inputs_.temperature.width_v(model.yu() - model.y0());
+  add(budget, UncertaintySource::kTemperature, warmth, rectangular,
+      sensitivity_along(model, budget.up, budget.pressure_psi, warmth, top));
 }
 
 double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
@@ -157,8 +185,6 @@ void BudgetMaker::add_given(Budget& budget) const {
     add(budget, source, at_level(given), 1.0, 1.0, dof(given));
   };
   add_it(UncertaintySource::kUniformity, inputs_.uniformity);
-  add_it(UncertaintySource::kCreep, inputs_.creep);
-  add_it(UncertaintySource::kTemperature, inputs_.temperature);
   add_it(UncertaintySource::kMounting, inputs_.mounting);
 }
 

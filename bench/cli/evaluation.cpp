@@ -8,6 +8,7 @@
 #include "analysis/identify/lanes.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/figures.h"
+#include "bench/cli/report_budget.h"
 #include "bench/utc.h"
 #include "build_info.h"
 
@@ -87,22 +88,6 @@ std::string follow_sensor(db::RunStore& store, const analysis::ArrayFit& fit, co
   return subject;
 }
 
-namespace {
-
-// What further runs tell of sources that one run does not show.
-analysis::UncertaintyInputs inputs_from(const analysis::Studies& studies) {
-  analysis::UncertaintyInputs inputs;
-  if (studies.uniformity.assessed())
-    inputs.uniformity = {studies.uniformity.u_offset_psi, studies.uniformity.u_share, analysis::kInfiniteDof,
-                         "runs of the sensor turned in the chamber"};
-  if (studies.remount.assessed())
-    inputs.mounting = {0.0, studies.remount.s_share, double(studies.remount.degrees),
-                       "runs of the sensor mounted anew"};
-  return inputs;
-}
-
-}  // namespace
-
 void add_uncertainty(const db::RunStore& store, const analysis::ArrayFit& fit,
                      const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
                      const analysis::UncertaintyInputs& inputs) {
@@ -133,7 +118,7 @@ analysis::ReportInput report_input(const db::RunStore& store, std::int64_t run, 
   if (extras == nullptr) return input;
   add_results(input, store, *extras);
   if (!evaluations.empty() && fit.run == run)
-    add_uncertainty(store, fit, evaluations, input, inputs_from(input.more.studies));
+    add_uncertainty(store, fit, evaluations, input, budget_inputs(store, input, further, extras->studies));
   return input;
 }
 

@@ -181,7 +181,7 @@ void add_report(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand(
       "report", "write the calibration report of a run, a comparison of two, or a page on many, as one file");
   verb->add_option("runs", options->runs,
-                   "the run; further runs of the same sensor after it add what one does not tell (creep, mounts)")
+                   "the run; further runs of the same sensor after it add what one does not tell (creep, temperature)")
       ->required()
       ->take_all();
   verb->add_option("--held-out", options->held_out, "runs of the same sensor to show compensated with the models")
@@ -190,8 +190,9 @@ void add_report(CLI::App& app, Session& session) {
                    "models used before: the report says how this run is found with them (a .json file, or RUN[:FIT])");
   verb->add_option(
           "--studies", options->extras.studies,
-          "further runs of the sensor: under objects, at several rates, held (their recipes tell), mounted anew "
-          "(RUN:mount), turned in the chamber (RUN:90, RUN:180, RUN:270)")
+          "further runs of the sensor: under objects, at several rates, held (their recipes tell), at another "
+          "temperature (their thermometer tells), mounted anew (RUN:mount), turned in the chamber (RUN:90, RUN:180, "
+          "RUN:270); held levels and temperature enter the uncertainty")
       ->take_all();
   verb->add_option("--model", options->model_run, "take the models of this run (default: the run's own)");
   verb->add_option("--format", options->format, "html, pdf (needs chromium or weasyprint), or json: the data alone")

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "analysis/identify/model_document.h"
+#include "bench/cli/report_budget.h"
 #include "bench/config.h"
 #include "bench/error.h"
 #include "sequences/recipe.h"
@@ -53,14 +54,15 @@ class StudyGatherer {
     }
     const bool pressed = take_presses(record);
     const bool paced = take_paces(record);
-    if (pressed || paced) return;
+    if (pressed || paced || tells_temperature(store_, input_.run.run, study.run)) return;
     throw Error(
         ExitCode::kUsage, "TB-REPORT-STUDY",
         fmt::format("run {} holds plain loops, which do not say what they were run for", study.run),
         fmt::format("--studies {}", study.run),
         fmt::format("{0}:mount when the sensor was mounted anew, {0}:90 when it was turned in the chamber by 90 "
-                    "degrees counter-clockwise; to see models on another run: --held-out {0}",
-                    study.run));
+                    "degrees counter-clockwise; a run at another temperature is known by its thermometer's readings, "
+                    "{1:g} K or more from run {2}'s; to see models on another run: --held-out {0}",
+                    study.run, analysis::kOtherTemperatureK, input_.run.run));
   }
 
   bool take_presses(const db::RunRecord& record) {

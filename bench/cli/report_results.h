@@ -14,12 +14,12 @@ struct ReportExtras {
   std::vector<std::string> studies;  // RUN or RUN:ROLE
 };
 
-// A further run of the sensor. What its recipes do says what it is for: under an object, at several rates, held. Plain
-// loops do not tell why they were run, so the role is typed: mount (mounted anew), or 0, 90, 180, 270 (turned in the
-// chamber by so many degrees counter-clockwise, row 0 on top).
+// A further run of the sensor. What its recipes do says what it is for: under an object, at several rates, held; and
+// its thermometer, at another temperature. Other plain loops do not tell why they were run, so the role is typed: mount
+// (mounted anew), or 0, 90, 180, 270 (turned in the chamber by so many degrees counter-clockwise, row 0 on top).
 struct StudyRun {
   std::int64_t run = 0;
-  std::string role;  // mount, 0, 90, 180, 270; empty: by its recipes
+  std::string role;  // mount, 0, 90, 180, 270; empty: by its recipes, or its temperature
 };
 // Throws Error TB-USAGE.
 std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words);

@@ -1,0 +1,263 @@
+#include "analysis/statistics/temperature_effect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "analysis/statistics/behaviour.h"
+#include "analysis/statistics/creep_effect.h"
+#include "analysis/statistics/levels.h"
+#include "analysis/statistics/same_sensor.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr double kSameLoopLevelPsi = 1e-6;
+constexpr std::size_t kFewestLoopLevels = 5;
+
+// An external loop's outputs less the lowest level's of the calibration, at the levels that both have: pairs of one
+// taxel, or of the mean of some.
+struct LoopPairs {
+  std::vector<double> calibration, other;
+};
+
+struct LoopsOfTwo {
+  const ExternalLoop& calibration;
+  const ExternalLoop& other;
+  std::size_t width;
+
+  [[nodiscard]] LoopPairs pairs(std::span<const std::size_t> taxels) const {
+    LoopPairs out;
+    for (std::size_t i = 0; i < calibration.pressure_psi.size(); ++i) {
+      const auto found = std::ranges::find_if(other.pressure_psi, [&](double pressure) {
+        return std::abs(pressure - calibration.pressure_psi[i]) < kSameLoopLevelPsi;
+      });
+      if (found == other.pressure_psi.end()) continue;
+      const auto at = static_cast<std::size_t>(found - other.pressure_psi.begin());
+      for (const auto branch : {&ExternalLoop::ascending_v, &ExternalLoop::descending_v}) {
+        out.calibration.push_back(mean((calibration.*branch), i, taxels));
+        out.other.push_back(mean((other.*branch), at, taxels));
+      }
+    }
+    return out;
+  }
+  [[nodiscard]] double mean(const std::vector<double>& table, std::size_t row,
+                            std::span<const std::size_t> taxels) const {
+    double sum = 0.0;
+    for (const std::size_t taxel : taxels) sum += table[row * width + taxel];
+    return sum / static_cast<double>(taxels.size());
+  }
+};
+
+// Least squares: other - calibration = zero + share (calibration - its lowest output).
+std::optional<OutputChange> change_of(const LoopPairs& pairs) {
+  if (pairs.calibration.size() < 2 * kFewestLoopLevels) return std::nullopt;
+  const auto n = static_cast<double>(pairs.calibration.size());
+  const double zero = *std::ranges::min_element(pairs.calibration);
+  double mean_x = 0.0, mean_y = 0.0, xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < pairs.calibration.size(); ++i) {
+    mean_x += (pairs.calibration[i] - zero) / n;
+    mean_y += (pairs.other[i] - pairs.calibration[i]) / n;
+  }
+  for (std::size_t i = 0; i < pairs.calibration.size(); ++i) {
+    const double dx = pairs.calibration[i] - zero - mean_x;
+    xx += dx * dx;
+    xy += dx * (pairs.other[i] - pairs.calibration[i] - mean_y);
+  }
+  if (!(xx > 0.0)) return std::nullopt;
+  return OutputChange{mean_y - xy / xx * mean_x, xy / xx};
+}
+
+struct ThermalRun {
+  double temperature_c = 0.0;
+  OutputChange change;                // of the mean taxel
+  std::vector<OutputChange> repeats;  // the same of each repeat
+  std::vector<OutputChange> taxels;   // of each fitted taxel
+};
+
+int most_repeats(const Dataset& dataset) {
+  std::size_t most = 0;
+  for (const SequenceData& data : dataset.sequences) most = std::max(most, data.repeats.size());
+  return static_cast<int>(most);
+}
+
+// None where the run does not sweep the calibration's levels. Like is held against like: as many first repeats of both,
+// for a film that is being conditioned changes from repeat to repeat.
+std::optional<ThermalRun> thermal_run(const Dataset& dataset, const Dataset& calibration, const Fitted& fitted) {
+  const CommonOptions first{.first_repeat = 0,
+                            .last_repeat = std::min(most_repeats(dataset), most_repeats(calibration)) - 1};
+  const std::optional<ExternalLoop> theirs = loop_of(dataset, first), ours = loop_of(calibration, first);
+  if (!theirs || !ours) return std::nullopt;
+  const LoopsOfTwo both{*ours, *theirs, fitted.width()};
+  const std::optional<OutputChange> change = change_of(both.pairs(fitted.taxels()));
+  if (!change) return std::nullopt;
+  ThermalRun run{mean_temperature_c(dataset), *change, {}, {}};
+  for (const std::size_t taxel : fitted.taxels())
+    run.taxels.push_back(change_of(both.pairs({&taxel, 1})).value_or(OutputChange{}));
+  for (int r = 0; r < most_repeats(dataset); ++r) {
+    const std::optional<ExternalLoop> one =
+        loop_of(dataset, {.move_to_setpoint = true, .first_repeat = r, .last_repeat = r});
+    if (!one) continue;
+    const LoopsOfTwo pair{*ours, *one, fitted.width()};
+    if (const auto own = change_of(pair.pairs(fitted.taxels()))) run.repeats.push_back(*own);
+  }
+  return run;
+}
+
+// The straight line of a member of the changes over temperature.
+struct LineOverKelvin {
+  double slope = 0.0, repeats_u = kNan, runs_u = kNan;
+  double repeats_dof = 0.0, runs_dof = 0.0;
+};
+
+LineOverKelvin line_over_kelvin(std::span<const ThermalRun> runs, double OutputChange::*member) {
+  const auto n = static_cast<double>(runs.size());
+  double mean_t = 0.0, mean_y = 0.0, tt = 0.0, ty = 0.0;
+  for (const ThermalRun& run : runs) {
+    mean_t += run.temperature_c / n;
+    mean_y += run.change.*member / n;
+  }
+  for (const ThermalRun& run : runs) {
+    tt += std::pow(run.temperature_c - mean_t, 2);
+    ty += (run.temperature_c - mean_t) * (run.change.*member - mean_y);
+  }
+  LineOverKelvin line;
+  line.slope = ty / tt;
+  double squares = 0.0, within = 0.0, weighted = 0.0;
+  for (const ThermalRun& run : runs) {
+    squares += std::pow(run.change.*member - mean_y - line.slope * (run.temperature_c - mean_t), 2);
+    double mean = 0.0;
+    const auto repeats = static_cast<double>(std::max<std::size_t>(1, run.repeats.size()));
+    for (const OutputChange& own : run.repeats) mean += own.*member / repeats;
+    for (const OutputChange& own : run.repeats) within += std::pow(own.*member - mean, 2);
+    line.repeats_dof += repeats - 1.0;
+    weighted += std::pow((run.temperature_c - mean_t) / tt, 2) / repeats;
+  }
+  if (line.repeats_dof > 0.0) line.repeats_u = std::sqrt(within / line.repeats_dof * weighted);
+  line.runs_dof = n - 2.0;
+  if (line.runs_dof > 0.0) line.runs_u = std::sqrt(squares / line.runs_dof / tt);
+  return line;
+}
+
+// Standard deviation of the taxels' own slopes.
+double deviation_of_taxels(std::span<const ThermalRun> runs, double OutputChange::*member) {
+  const auto n = static_cast<double>(runs.size());
+  double mean_t = 0.0, tt = 0.0;
+  for (const ThermalRun& run : runs) mean_t += run.temperature_c / n;
+  for (const ThermalRun& run : runs) tt += std::pow(run.temperature_c - mean_t, 2);
+  std::vector<double> slopes;
+  for (std::size_t taxel = 0; taxel < runs.front().taxels.size(); ++taxel) {
+    double ty = 0.0;
+    for (const ThermalRun& run : runs) ty += (run.temperature_c - mean_t) * run.taxels[taxel].*member;
+    slopes.push_back(ty / tt);
+  }
+  if (slopes.size() < 2) return 0.0;
+  const double mean = mean_of(slopes);
+  double squares = 0.0;
+  for (const double slope : slopes) squares += (slope - mean) * (slope - mean);
+  return std::sqrt(squares / static_cast<double>(slopes.size() - 1));
+}
+
+void keep_lines(std::span<const ThermalRun> runs, TemperatureEffect& effect) {
+  for (const auto member : {&OutputChange::zero_v, &OutputChange::share}) {
+    const LineOverKelvin line = line_over_kelvin(runs, member);
+    effect.per_kelvin.*member = line.slope;
+    effect.deviation.*member = deviation_of_taxels(runs, member);
+    effect.u.*member = std::fmax(line.repeats_u, line.runs_u);
+    // Words and degrees of freedom are those of the share, which comes last.
+    effect.from_repeats = !(line.runs_u > line.repeats_u) && !std::isnan(line.repeats_u);
+    effect.dof = effect.from_repeats ? line.repeats_dof : line.runs_dof;
+  }
+}
+
+}  // namespace
+
+double mean_temperature_c(const Dataset& dataset) { return mean_of(dataset.temperatures_c); }
+
+bool at_another_temperature(const Dataset& calibration, const Dataset& other) {
+  return std::abs(mean_temperature_c(other) - mean_temperature_c(calibration)) >= kOtherTemperatureK;
+}
+
+double TemperatureEffect::width_v(double over_zero_v) const {
+  const double coefficient = per_kelvin.zero_v + per_kelvin.share * over_zero_v;
+  const double squares = coefficient * coefficient + u.zero_v * u.zero_v + deviation.zero_v * deviation.zero_v +
+                         over_zero_v * over_zero_v * (u.share * u.share + deviation.share * deviation.share);
+  return half_width_c() * std::sqrt(squares);
+}
+
+std::string TemperatureEffect::in_words() const {
+  if (!assessed()) return {};
+  const auto [coldest, warmest] = std::ranges::minmax(temperature_c);
+  return fmt::format(
+      "{} runs at {:.1f} to {:.1f} °C: output over its zero ({:+.4f} ± {:.4f}) % a kelvin, zero ({:+.3f} ± {:.3f}) mV "
+      "a "
+      "kelvin (standard uncertainties from the {}, {:.0f} degrees of freedom); single taxels ± {:.4f} % a kelvin; "
+      "taken "
+      "over {:.2f} to {:.2f} °C, the readings of this run, and the thermometer's step of {:.3f} °C. Made within a day, "
+      "and mounted once as far as the runs tell; {}",
+      temperature_c.size(), coldest, warmest, 100.0 * per_kelvin.share, 100.0 * u.share, 1e3 * per_kelvin.zero_v,
+      1e3 * u.zero_v, from_repeats ? "scatter of the repeats" : "scatter of the runs about the line", dof,
+      100.0 * deviation.share, low_c, high_c, resolution_c,
+      temperature_c.size() == 2
+          ? "what else changed between two runs, such as conditioning or rest, cannot be told from the temperature and "
+            "is contained"
+          : "what changed between the runs beside the temperature is contained in the scatter about the line");
+}
+
+TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const Dataset> others, const ArrayFit& fit,
+                                        double resolution_c) {
+  TemperatureEffect effect;
+  if (others.empty()) return effect;
+  if (measured.temperatures_c.empty()) {
+    effect.not_assessed = "the run has no temperature readings";
+    return effect;
+  }
+  const Fitted fitted(fit);
+  const Dataset calibration = as_modelled(measured, fit);
+  const auto own = thermal_run(calibration, calibration, fitted);
+  if (!own) {
+    effect.not_assessed = "this run has no full loop of at least five levels";
+    return effect;
+  }
+  std::vector<ThermalRun> runs = {*own};
+  bool without_readings = false;
+  for (const Dataset& other : others) {
+    check_same_sensor(other, fit);
+    without_readings = without_readings || other.temperatures_c.empty();
+    // A hold or a ramp of its own pace is no loop to compare with.
+    if (other.temperatures_c.empty() || !held_frames_of(other).empty()) continue;
+    if (auto run = thermal_run(as_modelled(other, fit), calibration, fitted)) runs.push_back(std::move(*run));
+  }
+  for (const ThermalRun& run : runs) {
+    effect.temperature_c.push_back(run.temperature_c);
+    effect.change.push_back(run.change);
+  }
+  const auto [coldest, warmest] = std::ranges::minmax(effect.temperature_c);
+  if (warmest - coldest < kOtherTemperatureK) {
+    if (without_readings)
+      effect.not_assessed = "the further runs have no temperature readings";
+    else if (runs.size() > 1)
+      effect.not_assessed = fmt::format("the runs given are at one temperature: {:.1f} to {:.1f} °C, {:g} K are needed",
+                                        coldest, warmest, kOtherTemperatureK);
+    else
+      effect.not_assessed = "no further run sweeps five levels of this run's loop at another temperature";
+    return effect;
+  }
+  keep_lines(runs, effect);
+  if (!(effect.dof > 0.0)) {
+    effect.not_assessed =
+        "two runs of one repeat each: what changes from repeat to repeat is not known, nor what a kelvin changes "
+        "beside it";
+    return effect;
+  }
+  const auto [low, high] = std::ranges::minmax(measured.temperatures_c);
+  effect.low_c = low;
+  effect.high_c = high;
+  effect.resolution_c = resolution_c;
+  effect.not_assessed.clear();
+  return effect;
+}
+
+}  // namespace tactbench::analysis
