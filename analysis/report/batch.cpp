@@ -240,12 +240,12 @@ Report render_batch(const std::vector<ReportInput>& runs) {
   shell.simulated = std::ranges::any_of(runs, [](const ReportInput& run) { return is_simulated(run); });
   shell.paper = runs.front().paper;
   shell.opening = markup("<p>{} runs. Not a calibration report: each run has its own.</p>\n", runs.size());
-  shell.main = markup("<h2 id=\"yield\">Yield and ranks</h2>\n");
-  shell.main += yield_part(runs);
-  shell.main += rank_table(runs, columns);
-  shell.main += outliers_part(runs, columns);
-  shell.main += histograms_part(runs, columns);
-  shell.main += loops_overlaid(runs);
+  shell.main.push_back(markup("<h2 id=\"yield\">Yield and ranks</h2>\n"));
+  shell.main.push_back(yield_part(runs));
+  shell.main.push_back(rank_table(runs, columns));
+  shell.main.push_back(outliers_part(runs, columns));
+  shell.main.push_back(histograms_part(runs, columns));
+  shell.main.push_back(loops_overlaid(runs));
   shell.json = report.json;
   report.html = page_of(shell);
   return report;

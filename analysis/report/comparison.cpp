@@ -210,12 +210,12 @@ Report render_comparison(const ReportInput& a, const ReportInput& b) {
   shell.opening = markup("<p>{}: {} and {}. Not a calibration report: each run has its own.</p>\n",
                          Text(same_sensor(a, b) ? "One sensor at two times" : "Two sensors"), Text(sensor_and_run(a)),
                          Text(sensor_and_run(b)));
-  shell.main = who_table(a, b);
-  shell.main += figures_rows(a, b);
-  if (same_sensor(a, b)) shell.main += found_and_left(a, b);
-  shell.main += mean_loops(a, b);
-  shell.main += ratio_figures(a, b, ratios);
-  shell.main += health_changes(a, b);
+  shell.main.push_back(who_table(a, b));
+  shell.main.push_back(figures_rows(a, b));
+  if (same_sensor(a, b)) shell.main.push_back(found_and_left(a, b));
+  shell.main.push_back(mean_loops(a, b));
+  shell.main.push_back(ratio_figures(a, b, ratios));
+  shell.main.push_back(health_changes(a, b));
   shell.json = report.json;
   report.html = page_of(shell);
   return report;

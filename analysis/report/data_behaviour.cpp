@@ -75,6 +75,7 @@ std::string model_sha256(const ArrayFit& fit) {
     add(std::array{p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a});
     for (const PatternCurve* curve : {&model.ascending, &model.descending}) add(curve->y());
   };
+  bytes.reserve((fit.taxels.size() + 1) * 32 * (fit.pressure_psi.size() + 3));
   add(fit.pressure_psi);
   add_taxel(fit.mean_taxel);
   for (const TaxelFit& taxel : fit.taxels) add_taxel(taxel);

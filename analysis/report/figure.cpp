@@ -72,39 +72,23 @@ struct Frame {
   [[nodiscard]] double py(double value) const { return bottom - (value - y.low) / (y.high - y.low) * (bottom - top); }
 };
 
-// Tenths of a pixel as short as SVG takes them: "12.5", "-.5", "3".
-void add_tenths(std::string& d, long tenths, bool separated) {
-  if (separated && tenths >= 0) d += ' ';
-  if (tenths < 0) d += '-';
-  const auto size = static_cast<unsigned long>(std::abs(tenths));
-  if (size >= 10 || size == 0) {
-    const fmt::format_int whole(size / 10);  // most of a page goes through here
-    d.append(whole.data(), whole.size());
-  }
-  if (size % 10 != 0) {
-    d += '.';
-    d += static_cast<char>('0' + size % 10);
-  }
-}
-
 // Steps from one rounded place to the next: half as long as places, and nothing adds up.
-std::string path_of(const Series& series, const Frame& frame) {
-  std::string d;
+html::PathData path_of(const Series& series, const Frame& frame) {
+  html::PathData d;
   bool pen_down = false;
   long last_x = 0, last_y = 0;
   const std::size_t n = std::min(series.x.size(), series.y.size());
-  d.reserve(12 * n);
+  d.value.reserve(12 * n);
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
       pen_down = false;
       continue;
     }
     const long x = std::lrint(10.0 * frame.px(series.x[i])), y = std::lrint(10.0 * frame.py(series.y[i]));
-    const bool first = d.empty();
-    d += first ? 'M' : pen_down && !series.points ? 'l' : 'm';
-    add_tenths(d, first ? x : x - last_x, false);
-    add_tenths(d, first ? y : y - last_y, true);
-    if (series.points) d += "h0";  // a round cap on a line of no length is a dot
+    const bool first = d.value.empty();
+    d.letter(first ? 'M' : pen_down && !series.points ? 'l' : 'm');
+    d.tenths(first ? x : x - last_x, false).tenths(first ? y : y - last_y, true);
+    if (series.points) d.letter('h').number(0);  // a round cap on a line of no length is a dot
     last_x = x;
     last_y = y;
     pen_down = true;
@@ -215,12 +199,12 @@ Markup line_chart(const LineChart& chart) {
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const Series& series = chart.series[i];
     const Markup line = stroke(style_of(series), series.points);
-    const std::string path = path_of(series, frame);
-    if (series.filled && !path.empty())
-      out += markup("<path fill=\"#d5dde3\" d=\"{}V{}H{}z\"/>", Attribute(path), CssNumber(frame.bottom, 1),
+    const html::PathData path = path_of(series, frame);
+    if (series.filled && !path.value.empty())
+      out += markup("<path fill=\"#d5dde3\" d=\"{}V{}H{}z\"/>", path, CssNumber(frame.bottom, 1),
                     CssNumber(frame.px(series.x.front()), 1));
     out += markup("<path fill=\"none\" {} d=\"", line);
-    out += Attribute(path);
+    out += path;
     out += markup("\"/>");
     if (legend == 0.0 || series.name.empty()) continue;
     const double y = chart.height - legend + kLine * entries[i].row + 8.0;

@@ -14,7 +14,6 @@ using html::Markup;
 using html::Text;
 
 constexpr int kBins = 32;
-constexpr const char* kOverlap = ".04";  // of a cell, over the next: without it a PDF shows hairlines between them
 
 struct Colour {
   double red, green, blue;
@@ -77,25 +76,21 @@ int commonest_bin(const std::vector<int>& bins) {
   return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
-// M3 5h2.04v1.04h-2.04z, by hand because a report has 10 000 of them.
-void add_rectangle(std::string& path, int column, int row, int width) {
-  const auto add = [&](const char* letter, int number, const char* more) {
-    const fmt::format_int digits(number);
-    path += letter;
-    path.append(digits.data(), digits.size());
-    path += more;
-  };
-  add("M", column, "");
-  add(" ", row, "");
-  add("h", width, kOverlap);
-  add("v", 1, kOverlap);
-  add("h-", width, kOverlap);
-  path += 'z';
+// M3 5h2.04v1.04h-2.04z: cells overlap by .04, without which a PDF shows hairlines between them.
+void add_rectangle(html::PathData& path, int column, int row, int width) {
+  const auto overlapping = [&](long cells) { path.number(cells).letter('.').letter('0').letter('4'); };
+  path.letter('M').number(column).letter(' ').number(row).letter('h');
+  overlapping(width);
+  path.letter('v');
+  overlapping(1);
+  path.letter('h').letter('-');
+  overlapping(width);
+  path.letter('z');
 }
 
 // Cells in units of one; runs of one colour in a row are one rectangle.
 Markup cells(const FrameMap& map) {
-  std::array<std::string, kBins> paths;
+  std::array<html::PathData, kBins> paths;
   std::string blanks, crosses;
   const std::vector<int> bins = bins_of(map);
   for (int row = 0; row < map.rows; ++row) {
@@ -117,9 +112,9 @@ Markup cells(const FrameMap& map) {
   Markup out =
       markup("<path fill=\"{}\" d=\"M0 0h{}v{}H0z\"/>", Attribute(cividis(middle_of(base))), map.columns, map.rows);
   for (int bin = 0; bin < kBins; ++bin) {
-    const std::string& path = paths[static_cast<std::size_t>(bin)];
-    if (bin == base || path.empty()) continue;
-    out += markup("<path fill=\"{}\" d=\"{}\"/>", Attribute(cividis(middle_of(bin))), Attribute(path));
+    const html::PathData& path = paths[static_cast<std::size_t>(bin)];
+    if (bin == base || path.value.empty()) continue;
+    out += markup("<path fill=\"{}\" d=\"{}\"/>", Attribute(cividis(middle_of(bin))), path);
   }
   if (!blanks.empty()) {
     out += markup("<path fill=\"#ffffff\" d=\"{}\"/><path class=\"cross\" d=\"{}\"/>", Attribute(blanks),

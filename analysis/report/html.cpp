@@ -116,6 +116,24 @@ CssNumber::CssNumber(double number, int digits) {
   for (scale /= 10; units > 0; units %= scale, scale /= 10) value += static_cast<char>('0' + units / scale);
 }
 
+PathData& PathData::number(long whole) {
+  const fmt::format_int digits(whole);
+  value.append(digits.data(), digits.size());
+  return *this;
+}
+
+PathData& PathData::tenths(long count, bool after_number) {
+  if (after_number && count >= 0) value += ' ';
+  if (count < 0) value += '-';
+  const long size = std::abs(count);
+  if (size >= 10 || size == 0) number(size / 10);
+  if (size % 10 != 0) {
+    value += '.';
+    value += static_cast<char>('0' + size % 10);
+  }
+  return *this;
+}
+
 JsonInHtml::JsonInHtml(std::string_view json) {
   if (json.find('<') == json.npos && json.find('>') == json.npos && json.find('&') == json.npos) {
     value = json;

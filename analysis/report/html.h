@@ -45,6 +45,18 @@ struct CssNumber : Safe {
   explicit CssNumber(double number, int digits = 2);
 };
 
+// The d of an SVG path, built from letters of our own and numbers.
+class PathData : public Safe {
+ public:
+  PathData& letter(char c) {
+    value += c;
+    return *this;
+  }
+  PathData& number(long whole);
+  // As short as SVG takes tenths: "12.5", "-.5", "3"; after another number with what keeps them apart.
+  PathData& tenths(long count, bool after_number);
+};
+
 // A JSON text inside <script type="application/json">: `<`, `>` and `&` as \uXXXX. `json` must be valid JSON in ASCII.
 struct JsonInHtml : Safe {
   explicit JsonInHtml(std::string_view json);

@@ -76,16 +76,13 @@ Markup write_part(const ReportPart& part, const ReportInput& input) {
   return out;
 }
 
+// Of the hashes of data, identification and each part, so that nothing of their size is put together for it.
 std::string content_hash(const ReportInput& input, const std::vector<Markup>& parts, const std::string& results) {
   const ReportInput content = content_of(input);
-  std::string text;
-  text.reserve(2 * results.size() + 65536);
-  text += results;
-  text += identification_json(content);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    text += kReportParts[i].names_runs ? write_part(kReportParts[i], content).value : parts[i].value;
-  }
-  return db::sha256_hex(text);
+  std::string hashes = db::sha256_hex(results) + db::sha256_hex(identification_json(content));
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    hashes += db::sha256_hex(kReportParts[i].names_runs ? write_part(kReportParts[i], content).value : parts[i].value);
+  return db::sha256_hex(hashes);
 }
 
 // What the store says of signatures under this report and under those of the same run before it.
@@ -142,6 +139,7 @@ Report render_report(const ReportInput& input) {
   std::vector<Markup> parts;
   for (const ReportPart& part : kReportParts) parts.push_back(write_part(part, input));
   std::string results = "\"results\":";
+  results.reserve(std::size_t{1} << 20);  // its usual size
   results += results_json(input);
   results += ",\n\"sections\":{";
   bool first = true;
@@ -169,8 +167,7 @@ Report render_report(const ReportInput& input) {
   shell.paper = input.paper;
   shell.opening = opening(input, number);
   for (const ReportPart& part : kReportParts) shell.contents.emplace_back(part.id, part.title);
-  shell.main.value.reserve(report.json.size() + 65536);
-  for (const Markup& part : parts) shell.main += part;
+  shell.main = std::move(parts);
   shell.json = report.json;
   report.html = page_of(shell);
   return report;

@@ -26,7 +26,9 @@ std::string page_of(const Shell& shell) {
   if (shell.simulated)
     page += markup("<aside class=\"banner\" aria-label=\"Origin of the data\">{}</aside>\n", Text(kBanner));
   page += markup("<header>\n<h1>{}</h1>\n<p class=\"number\">No. {}</p>\n", Text(shell.document), Text(shell.number));
-  page.value.reserve(page.value.size() + shell.main.value.size() + shell.json.size() + 65536);
+  std::size_t size = page.value.size() + shell.json.size() + 65536;
+  for (const Markup& part : shell.main) size += part.value.size();
+  page.value.reserve(size);
   page += shell.opening;
   if (!shell.contents.empty()) {
     page += markup("<nav aria-label=\"Contents\"><ul>\n");
@@ -35,7 +37,7 @@ std::string page_of(const Shell& shell) {
     page += markup("</ul></nav>\n");
   }
   page += markup("</header>\n<main>\n");
-  page += shell.main;
+  for (const Markup& part : shell.main) page += part;
   std::string name = shell.document;
   name.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(name.front())));
   page += markup(

@@ -18,7 +18,7 @@ struct Shell {
   PaperSize paper = PaperSize::kA4;
   html::Markup opening;                                       // below the number
   std::vector<std::pair<std::string, std::string>> contents;  // id and title; empty: no list
-  html::Markup main;
+  std::vector<html::Markup> main;
   std::string_view json;  // in ASCII
 };
 

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "analysis/statistics/press_run.h"
 #include "bench/cli/report_results.h"
 #include "bench/config.h"
-#include "bench/error.h"
+#include "bench/run/run_record.h"
 #include "bench/utc.h"
 
 namespace tactbench::bench {
@@ -22,13 +21,8 @@ constexpr double kStoredDigitC = 0.001;  // readings are stored with three decim
 
 // The bench as the run had it; none when its text can no longer be read.
 std::optional<BenchConfig> bench_of(const db::RunRecord& run) {
-  std::vector<sequences::Override> overrides;
-  const auto list = nlohmann::json::parse(run.overrides_json, nullptr, false);
-  for (const auto& item : list) {
-    if (!item.is_object() || !item.contains("key") || !item.contains("value")) continue;
-    const auto key = item["key"].get<std::string>();
-    if (!key.starts_with("recipe.")) overrides.push_back({key, item["value"].get<std::string>()});
-  }
+  std::vector<sequences::Override> overrides = stored_overrides(run.overrides_json);
+  std::erase_if(overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
   try {
     return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), overrides);
   } catch (const std::exception&) {

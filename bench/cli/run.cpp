@@ -10,6 +10,7 @@
 #include "bench/cli/session.h"
 #include "bench/run/locks.h"
 #include "bench/run/recipe_check.h"
+#include "bench/run/run_record.h"
 #include "bench/safety/trip.h"
 
 namespace tactbench::bench {
@@ -102,9 +103,8 @@ RunResult carry_out_run(const RunOptions& options, const Session& session) {
 void resume_run(std::int64_t number, const ResumeOptions& options, Session& session) {
   const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
   std::vector<std::string> set;
-  for (const nlohmann::json& item : nlohmann::json::parse(record.overrides_json)) {
-    set.push_back(item.at("key").get<std::string>() + "=" + item.at("value").get<std::string>());
-  }
+  for (const sequences::Override& item : stored_overrides(record.overrides_json))
+    set.push_back(item.key + "=" + item.value);
   const SplitOverrides overrides = split_overrides(set);
   RunRequest request;
   SeedOptions seeds;

@@ -67,7 +67,7 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   return scenario;
 }
 
-Suite read(const TomlDocument& document) {
+Suite suite_from(const TomlDocument& document) {
   Suite suite;
   suite.file = document.name();
   const TomlTable root = document.root();
@@ -85,9 +85,9 @@ Suite read(const TomlDocument& document) {
 
 }  // namespace
 
-Suite read_suite(const std::string& path) { return read(TomlDocument::from_file(path)); }
+Suite read_suite(const std::string& path) { return suite_from(TomlDocument::from_file(path)); }
 Suite parse_suite(const std::string& text, const std::string& file) {
-  return read(TomlDocument::from_text(text, file));
+  return suite_from(TomlDocument::from_text(text, file));
 }
 
 Suite with_seeds(const Suite& suite, int seeds) {

@@ -79,6 +79,17 @@ db::RunRecord record_of(const RunRequest& request) {
   return record;
 }
 
+std::vector<sequences::Override> stored_overrides(const std::string& overrides_json) {
+  std::vector<sequences::Override> found;
+  const nlohmann::json list = nlohmann::json::parse(overrides_json, nullptr, false);
+  if (!list.is_array()) return found;
+  for (const auto& item : list) {
+    if (item.is_object() && item.contains("key") && item.contains("value"))
+      found.push_back({item["key"], item["value"]});
+  }
+  return found;
+}
+
 void check_geometry(const RunRequest& request) {
   const devices::HidScannerOptions& scanner = request.bench.scanner;
   if (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns) return;

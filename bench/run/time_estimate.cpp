@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+
+#include "bench/run/run_record.h"
 
 namespace tactbench::bench {
 
@@ -58,16 +59,6 @@ std::vector<std::pair<std::string, std::string>> recipe_overrides(const std::vec
   std::vector<std::pair<std::string, std::string>> found;
   for (const Override& item : overrides) {
     if (item.key.starts_with("recipe.")) found.emplace_back(item.key, item.value);
-  }
-  return found;
-}
-
-std::vector<Override> stored_overrides(const std::string& text) {
-  std::vector<Override> found;
-  const nlohmann::json list = nlohmann::json::parse(text, nullptr, false);
-  if (!list.is_array()) return found;
-  for (const auto& item : list) {
-    if (item.contains("key") && item.contains("value")) found.push_back({item["key"], item["value"]});
   }
   return found;
 }
