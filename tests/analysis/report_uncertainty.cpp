@@ -146,7 +146,7 @@ TEST_CASE("the verdicts name rule, U and how it is formed, with a sign and a wor
   for (const char* criterion : {"mean_compensation_error", "distance_of_mean"})
     CHECK_THAT(section, Catch::Contains(html::Text(find_uncertainty(input.judged, criterion, "array")->basis).value));
   const JudgedUncertainty* mean = find_uncertainty(input.judged, "mean_compensation_error", "array");
-  CHECK_THAT(section, Catch::Contains(gum_uncertainty(mean->expanded).value + " psi"));
+  CHECK_THAT(section, Catch::Contains(gum_uncertainty(mean->expanded).value + "\u00A0psi"));
   const auto data = uncertainty_of(page)["judged_figures"];
   REQUIRE(data.size() == input.judged.size());
   CHECK(data[0]["expanded"] == mean->expanded);
