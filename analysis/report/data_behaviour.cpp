@@ -41,6 +41,7 @@ std::string behaviour_json(const ReportInput& input) {
   for (const Creep& c : b.creep)
     creep.push_back({{"sequence", c.sequence},
                      {"pressure_psi", c.pressure_psi},
+                     {"branch", c.up ? "up" : "down"},
                      {"from_s", c.from_s},
                      {"to_s", c.to_s},
                      {"first_v", c.first_v},

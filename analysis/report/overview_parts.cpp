@@ -15,8 +15,6 @@ double when(bool there, double value) { return there ? value : kNan; }
 
 bool evaluated(const ReportInput& input) { return !input.evaluation.levels.empty(); }
 
-double median_of(std::vector<double> values) { return spread_of(std::move(values)).median; }
-
 }  // namespace
 
 const std::vector<OverviewFigure>& overview_figures() {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/histories.h"
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/statistics/levels.h"
@@ -18,9 +17,7 @@ TaxelTrace trace_of_mean(const NamedTaxel& taxel, const Trace& trace) {
 // All sequences of one taxel: the compensator's state carries over from repeat to repeat and sequence to sequence.
 std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const TaxelFit& fit, const NamedTaxel& named) {
   const auto width = static_cast<std::size_t>(dataset.taxels()), taxel = static_cast<std::size_t>(named.taxel);
-  CompensatorOptions options;
-  options.noise_v = fit.noise_v;
-  TaxelCompensator compensator(fit.fit.model, options);
+  TaxelCompensator compensator = compensator_of(fit);
   const ElamHysteresis model(fit.fit.model);
   std::vector<TaxelTrace> out;
   for (const SequenceData& sequence : dataset.sequences) {

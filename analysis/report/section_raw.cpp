@@ -178,20 +178,23 @@ Markup creep_part(const Behaviour& b) {
   Markup out = markup("<h3>Creep</h3>\n");
   if (b.creep.empty()) {
     out += markup(
-        "<p>not assessed: no run with a held level was given (recipe creep-hold; name its run after this one).</p>\n");
+        "<p>not assessed: no run with a held level was given (recipes creep-hold, creep-levels; name the run after "
+        "this one).</p>\n");
     return out;
   }
   out += markup(
       "<table><caption>Creep of the mean taxel at held levels</caption><thead><tr><th scope=\"col\">sequence</th>"
-      "<th scope=\"col\" class=\"n\">level</th><th scope=\"col\" class=\"n\">from, s</th><th scope=\"col\" "
+      "<th scope=\"col\" class=\"n\">level</th><th scope=\"col\">branch</th><th scope=\"col\" class=\"n\">from, "
+      "s</th><th scope=\"col\" "
       "class=\"n\">to, s</th><th scope=\"col\" class=\"n\">first, V</th><th scope=\"col\" class=\"n\">last, V</th>"
       "<th scope=\"col\" class=\"n\">% of output a decade of time</th></tr></thead><tbody>\n");
   for (const Creep& creep : b.creep) {
-    out += markup("<tr><th scope=\"row\">{}</th>{}{}{}{}{}<td class=\"n\">{} ± {}</td></tr>\n",
+    out += markup("<tr><th scope=\"row\">{}</th>{}{}{}{}{}{}<td class=\"n\">{} ± {}</td></tr>\n",
                   html::stated(creep.sequence), number_cell(html::psi(creep.pressure_psi, 1)),
-                  number_cell(html::fixed(creep.from_s, 1)), number_cell(html::fixed(creep.to_s, 1)),
-                  number_cell(html::fixed(creep.first_v, 4)), number_cell(html::fixed(creep.last_v, 4)),
-                  html::percent(creep.per_decade, 3), html::percent(creep.per_decade_u, 3));
+                  cell(Text(creep.up ? "loading" : "unloading")), number_cell(html::fixed(creep.from_s, 1)),
+                  number_cell(html::fixed(creep.to_s, 1)), number_cell(html::fixed(creep.first_v, 4)),
+                  number_cell(html::fixed(creep.last_v, 4)), html::percent(creep.per_decade, 3),
+                  html::percent(creep.per_decade_u, 3));
   }
   out += markup(
       "</tbody></table>\n<p class=\"note\">Line through the output over the logarithm of the time since the level was "

@@ -52,6 +52,7 @@ struct Creep {
   double per_decade = 0.0,
          per_decade_u = 0.0;  // share of first_v, with its standard uncertainty (residuals independent)
   int samples = 0;
+  bool up = true;  // the level was reached from below
 };
 
 struct Behaviour {

@@ -8,7 +8,6 @@
 #include <memory>
 #include <set>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/statistics/levels.h"
 #include "analysis/statistics/same_sensor.h"
 
@@ -39,12 +38,9 @@ std::vector<ReadFrame> read_frames(const PressRun& run, const ArrayFit& fit, con
   const double per_volt = (mean.xu() - mean.x0()) / (mean.yu() - mean.y0());
   const double sign = fit.falling ? -1.0 : 1.0;
   std::vector<std::unique_ptr<TaxelCompensator>> compensators;
-  for (const TaxelFit& taxel : fit.taxels) {
-    CompensatorOptions options;
-    options.noise_v = taxel.noise_v;
+  for (const TaxelFit& taxel : fit.taxels)
     compensators.push_back(
-        taxel.status == TaxelStatus::kFitted ? std::make_unique<TaxelCompensator>(taxel.fit.model, options) : nullptr);
-  }
+        taxel.status == TaxelStatus::kFitted ? std::make_unique<TaxelCompensator>(compensator_of(taxel)) : nullptr);
   std::vector<ReadFrame> out;
   const PressFrame* before = nullptr;
   for (const PressFrame& frame : run.frames) {

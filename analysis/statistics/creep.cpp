@@ -8,8 +8,6 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kLeastHeldPsi = 0.5;
-
 struct Held {
   double time_s = 0.0;  // since the command
   double output_v = 0.0;
@@ -56,7 +54,7 @@ std::vector<HeldFrames> held_frames_of(const Dataset& dataset, std::size_t fewes
         std::size_t end = first + 1;
         while (end < steps.size() && steps[end].setpoint_psi == steps[first].setpoint_psi) ++end;
         const bool rose = first == 0 || steps[first - 1].setpoint_psi < steps[first].setpoint_psi;
-        if (end - first >= fewest_frames && steps[first].setpoint_psi > kLeastHeldPsi && steps[first].held_s > 0.0 &&
+        if (end - first >= fewest_frames && steps[first].setpoint_psi > kHeldAbovePsi && steps[first].held_s > 0.0 &&
             steps[end - 1].time_s > steps[first].time_s)
           holds.push_back({s, r, first, end, rose});
         first = end;
@@ -83,6 +81,7 @@ std::vector<Creep> creep_of(const Dataset& dataset, const std::vector<int>& taxe
     found.back().run = dataset.run;
     found.back().sequence = data.name;
     found.back().pressure_psi = repeat.steps[hold.first].setpoint_psi;
+    found.back().up = hold.rose;
   }
   return found;
 }

@@ -13,17 +13,8 @@ namespace {
 
 constexpr std::size_t kEndFrames = 5;    // averaged at the end of a hold
 constexpr double kHeldLongerThan = 2.0;  // times read_after_s: shorter holds tell nothing beyond the dwell
-constexpr double kLoadedFromPsi = 0.5;   // as held_frames_of
 constexpr double kSameHeldPsi = 1e-6;
 constexpr double kHoldSlopeHalfPsi = 0.5;  // half of the pressures' distance that a slope is taken over
-
-double median_of_finite(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return kNan;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 // Time from command to frame where a level is read once; NaN where no frame says it.
 double usual_time(const Dataset& calibration) {
@@ -33,9 +24,9 @@ double usual_time(const Dataset& calibration) {
     if (std::ranges::any_of(holds, [&](const HeldFrames& hold) { return hold.sequence == s; })) continue;
     for (const Repeat& repeat : calibration.sequences[s].repeats)
       for (const Sample& step : repeat.steps)
-        if (step.setpoint_psi > kLoadedFromPsi && step.held_s > 0.0) times.push_back(step.held_s);
+        if (step.setpoint_psi > kHeldAbovePsi && step.held_s > 0.0) times.push_back(step.held_s);
   }
-  return median_of_finite(std::move(times));
+  return median_of(std::move(times));
 }
 
 // Output and reference at a time within a hold, or over its last frames.
@@ -105,7 +96,7 @@ HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const Ar
     const double over_zero = begin.volts - model.y0();
     if (over_zero > 0.0) level.share[taxel] = whole * std::abs(end.volts - begin.volts - explained) / over_zero;
   }
-  level.median_share = median_of_finite(level.share);
+  level.median_share = median_of(level.share);
   return level;
 }
 
@@ -114,7 +105,7 @@ void keep_larger(HeldLevel& kept, const HeldLevel& other) {
     kept.share[taxel] = std::fmax(kept.share[taxel], other.share[taxel]);
   kept.from_s = std::max(kept.from_s, other.from_s);
   kept.to_s = std::min(kept.to_s, other.to_s);
-  kept.median_share = median_of_finite(kept.share);
+  kept.median_share = median_of(kept.share);
 }
 
 }  // namespace

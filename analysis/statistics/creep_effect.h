@@ -14,8 +14,9 @@
 namespace tactbench::analysis {
 
 inline constexpr std::size_t kFewestHeld = 20;  // frames of a hold that count
+inline constexpr double kHeldAbovePsi = 0.5;    // holds of less, and readings, say nothing of creep under load
 
-// Frames [first, end) of one repeat at one set-point above 0.5 psi, commanded once.
+// Frames [first, end) of one repeat at one set-point above kHeldAbovePsi, commanded once.
 struct HeldFrames {
   std::size_t sequence = 0, repeat = 0, first = 0, end = 0;
   bool rose = true;  // the level was reached from below
@@ -41,7 +42,7 @@ struct HeldLevel {
 struct CreepEffect {
   std::string not_assessed =
       "one frame is taken a dwell: a run of creep-hold or creep-levels would tell";  // empty: assessed
-  double read_after_s = 0.0;      // median time from command to frame in the calibration, at levels above 0.5 psi
+  double read_after_s = 0.0;      // median time from command to frame in the calibration, at levels above kHeldAbovePsi
   double to_s = 0.0;              // the shortest of the holds: readings up to here are covered
   bool carried_back = false;      // a hold's first frame is later than read_after_s: extended on the logarithm of time
   std::vector<HeldLevel> levels;  // by branch, then pressure

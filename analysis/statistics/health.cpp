@@ -30,13 +30,6 @@ void gather_extremes(const Dataset& dataset, Health& health) {
   }
 }
 
-double median_noise(std::vector<double> values) {
-  if (values.empty()) return kNan;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::string volts_range(const Health& health, std::size_t taxel) {
   return fmt::format("output {:.3f} V to {:.3f} V", health.low_v[taxel], health.high_v[taxel]);
 }
@@ -149,7 +142,7 @@ Health health_of(const Dataset& dataset, const ArrayFit& fit, bool loaded, const
   gather_extremes(dataset, health);
   const bool has_noise = std::ranges::any_of(dataset.noise_v, [](double noise) { return noise > 0.0; });
   if (has_noise) health.noise_v = dataset.noise_v;
-  health.median_noise_v = median_noise(health.noise_v);
+  health.median_noise_v = median_of(health.noise_v);
   for (std::size_t taxel = 0; taxel < width; ++taxel) {
     const TaxelFit* own = fit.taxels.empty() ? nullptr : &fit.taxels[taxel];
     const TaxelStatus status = own != nullptr ? own->status : status_without_fit(dataset, health, taxel);

@@ -14,6 +14,7 @@ namespace tactbench::analysis {
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();  // a figure that nothing was measured for
 
 double mean_of(std::span<const double> values);  // NaN when empty
+double median_of(std::vector<double> values);    // of those that are finite; NaN when there are none
 
 // Rows (levels or steps) of a rows x taxels table, the fitted taxels only.
 class Fitted {

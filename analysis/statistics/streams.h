@@ -33,6 +33,9 @@ struct CompensatedStreams {
   std::vector<TaxelErrors> errors;  // taxels; zero frames where not fitted
 };
 
+// Of a fitted taxel, at rest; its dead band is that of the noise found with the fit.
+TaxelCompensator compensator_of(const TaxelFit& own);
+
 // Each fitted taxel's stored samples through its compensator in time order; state carries over from repeat to repeat
 // and from sequence to sequence. `take_of(taxel)` gives what is called with (sequence, repeat, step, Compensated), in
 // that taxel's order. Threads by taxel.
@@ -42,9 +45,7 @@ void compensate_in_order(const Dataset& dataset, const ArrayFit& fit, int thread
   for_each_index(width, threads, [&](std::size_t taxel) {
     const TaxelFit& own = fit.taxels[taxel];
     if (own.status != TaxelStatus::kFitted) return;
-    CompensatorOptions options;
-    options.noise_v = own.noise_v;
-    TaxelCompensator compensator(own.fit.model, options);
+    TaxelCompensator compensator = compensator_of(own);
     auto take = take_of(taxel);
     for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
       const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;

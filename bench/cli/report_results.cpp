@@ -36,11 +36,21 @@ analysis::ArrayGeometry geometry_of(const db::RunRecord& run) {
   return {type.pitch_mm, type.taxel_area_mm2};
 }
 
+[[noreturn]] void refuse_own(const StudyRun& study) {
+  throw Error(ExitCode::kUsage, "TB-REPORT-STUDY",
+              fmt::format("run {} is the report's own, which the others are held against", study.run),
+              fmt::format("--studies {}{}{}", study.run, study.role.empty() ? "" : ":", study.role),
+              "name the further runs only");
+}
+
 class StudyGatherer {
  public:
   StudyGatherer(analysis::ReportInput& input, const db::RunStore& store) : input_(input), store_(store) {}
 
   void take(const StudyRun& study) {
+    const bool own = study.run == input_.run.run;
+    if (own && study.role == "0") return;  // counted in any case
+    if (own && !study.role.empty()) refuse_own(study);
     const db::RunRecord record = store_.run(study.run);
     if (study.role == "mount") {
       mounts_.push_back({study.run, analysis::sweep_estimates(analysis::load_dataset(store_, study.run), input_.fit)});
@@ -55,6 +65,7 @@ class StudyGatherer {
     const bool pressed = take_presses(record);
     const bool paced = take_paces(record);
     if (pressed || paced || tells_temperature(store_, input_.run.run, study.run)) return;
+    if (own) refuse_own(study);
     throw Error(
         ExitCode::kUsage, "TB-REPORT-STUDY",
         fmt::format("run {} holds plain loops, which do not say what they were run for", study.run),
@@ -146,6 +157,10 @@ std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words) {
     if (!is_number || !is_role)
       throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no run with a role", word), "--studies",
                   "RUN, RUN:mount, RUN:0, RUN:90, RUN:180 or RUN:270");
+    const auto same = [&](const StudyRun& other) { return other.run == study.run && other.role == study.role; };
+    if (std::ranges::any_of(out, same))
+      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is named twice", word), "--studies",
+                  "each run once: one counted twice would seem to repeat itself");
     out.push_back(std::move(study));
   }
   return out;

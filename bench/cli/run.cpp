@@ -41,7 +41,8 @@ CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string
   estimate.learn(store, request.bench.id, request.overrides, true);
   request.estimate = &estimate;
   const TimeBand band = estimate.total();
-  const std::string basis = band.runs > 0 ? fmt::format("learned from {} runs", band.runs) : "by the model";
+  const std::string basis =
+      band.runs > 0 ? fmt::format("learned from {} run{}", band.runs, band.runs == 1 ? "" : "s") : "by the model";
   const std::string estimated =
       fmt::format("{} ({} to {}, {})", clock_text(band.p50_s), clock_text(band.p10_s), clock_text(band.p90_s), basis);
   if (!session.quiet) progress.note(fmt::format("estimated, h:mm:ss of process time: {}", estimated));

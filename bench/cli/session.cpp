@@ -59,6 +59,7 @@ std::string shown_verdict(const std::string& verdict, const std::string& origin)
 namespace {
 
 std::string with_unit(double value, const std::string& unit) {
+  if (!std::isfinite(value)) return "not measured";  // e.g. the run has no such level
   return unit == "FS" ? fmt::format("{:.3g} % FS", 100.0 * value) : fmt::format("{:.3g} {}", value, unit);
 }
 

@@ -249,7 +249,18 @@ TEST_CASE("earlier models as a document and as a fit of the store find the same"
   const Finished wrong = call(folder, {"report", "1", "--studies", "1:upside-down"});
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("RUN:90"));
-  const Finished plain = call(folder, {"report", "1", "--studies", "1"});
+  carry_out(folder, "loops.toml", {"--set", "recipe.repeats=1", "--seed", "2"});
+  const Finished plain = call(folder, {"report", "1", "--studies", "2"});
   CHECK(plain.code == 2);
-  CHECK_THAT(plain.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("1:mount"));
+  CHECK_THAT(plain.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("2:mount"));
+  for (const char* own : {"1", "1:mount", "1:90"}) {
+    const Finished refused = call(folder, {"report", "1", "--studies", own});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("run 1 is the report's own"));
+  }
+  const Finished twice = call(folder, {"report", "1", "--studies", "2:90", "2:180", "2:90"});
+  CHECK(twice.code == 2);
+  CHECK_THAT(twice.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("'2:90' is named twice"));
+  const Reported once = report_of(folder, {"report", "1", "--studies", "1:0", "2:90", "-o", "r.html"});
+  CHECK(once.data["sections"]["studies"]["uniformity"]["angles_deg"] == json({0, 90}));
 }
