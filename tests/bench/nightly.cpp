@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <pugixml.hpp>
 
 #include "bench/nightly/night.h"
@@ -39,9 +41,17 @@ ScenarioResult came_out(const std::string& outcome = "completed", const std::str
 
 }  // namespace
 
-TEST_CASE("the shipped suite has at least thirty scenarios, all readable") {
+TEST_CASE("the shipped suite has at least thirty scenarios, all readable, and every shipped recipe") {
   const Suite suite = read_suite(TACTBENCH_SOURCE_DIR "/sequences/nightly.toml");
   CHECK(suite.scenarios.size() >= 30);
+  for (const auto& file : std::filesystem::directory_iterator(TACTBENCH_SOURCE_DIR "/sequences")) {
+    const std::string recipe = file.path().stem().string();
+    if (file.path().extension() != ".toml" || recipe == "nightly") continue;
+    INFO(recipe);
+    CHECK(std::ranges::any_of(suite.scenarios, [&](const Scenario& scenario) {
+      return std::ranges::find(scenario.recipes, recipe) != scenario.recipes.end();
+    }));
+  }
 }
 
 TEST_CASE("a suite with a fault says where it is") {
