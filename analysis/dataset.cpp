@@ -95,6 +95,13 @@ void check_frame(const db::FrameRecord& frame, const Dataset& dataset, int frame
 
 }  // namespace
 
+std::vector<double> temperatures_of(const db::RunStore& store, std::int64_t run) {
+  std::vector<double> celsius;
+  for (const db::EventRecord& event : store.events(run))
+    if (event.kind == "environment" && event.id == "temperature_c") celsius.push_back(std::stod(event.detail));
+  return celsius;
+}
+
 Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
   const db::RunRecord record = store.run(run);
   const double scale = volts_per_count(record);
@@ -112,9 +119,7 @@ Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
     dataset.columns = frames.front().columns;
     dataset.scans = std::max(1, frames.front().scans);
   }
-  for (const db::EventRecord& event : store.events(run))
-    if (event.kind == "environment" && event.id == "temperature_c")
-      dataset.temperatures_c.push_back(std::stod(event.detail));
+  dataset.temperatures_c = temperatures_of(store, run);
   const auto taxels = static_cast<std::size_t>(dataset.taxels());
   dataset.noise_v.assign(taxels, 0.0);
   dataset.at_limit.assign(taxels, false);

@@ -44,4 +44,7 @@ struct Dataset {
 // TB-ANALYSIS-EMPTY when no repeat is complete (says how many frames are missing); incomplete repeats are left out.
 Dataset load_dataset(const db::RunStore& store, std::int64_t run);
 
+// Dataset::temperatures_c alone, without the frames.
+std::vector<double> temperatures_of(const db::RunStore& store, std::int64_t run);
+
 }  // namespace tactbench::analysis

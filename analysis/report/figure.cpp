@@ -86,9 +86,9 @@ html::PathData path_of(const Series& series, const Frame& frame) {
     }
     const long x = std::lrint(10.0 * frame.px(series.x[i])), y = std::lrint(10.0 * frame.py(series.y[i]));
     const bool first = d.value.empty();
-    d.letter(first ? 'M' : pen_down && !series.points ? 'l' : 'm');
+    d.literal(first ? "M" : pen_down && !series.points ? "l" : "m");
     d.tenths(first ? x : x - last_x, false).tenths(first ? y : y - last_y, true);
-    if (series.points) d.letter('h').number(0);  // a round cap on a line of no length is a dot
+    if (series.points) d.literal("h0");  // a round cap on a line of no length is a dot
     last_x = x;
     last_y = y;
     pen_down = true;

@@ -45,11 +45,12 @@ struct CssNumber : Safe {
   explicit CssNumber(double number, int digits = 2);
 };
 
-// The d of an SVG path, built from letters of our own and numbers.
+// The d of an SVG path, built from numbers and text of our own source.
 class PathData : public Safe {
  public:
-  PathData& letter(char c) {
-    value += c;
+  template <std::size_t N>
+  PathData& literal(const char (&source)[N]) {
+    value.append(source, N - 1);
     return *this;
   }
   PathData& number(long whole);

@@ -51,7 +51,7 @@ struct ReportPart {
 constexpr ReportPart kReportParts[] = {
     {"verdicts", "Verdicts", verdict_section, false},
     {"identification", "Identification", identification_section, true},
-    {"health", "Sensor health", health_section, false, health_json},
+    {"health", "Sensor health", health_section, true, health_json},
     {"raw", "Before compensation", raw_section, false, behaviour_json},
     {"loops", "Loops", loops_section, false},
     {"frames", "Frames", frames_section, false},

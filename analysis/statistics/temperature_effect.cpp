@@ -176,8 +176,8 @@ void keep_lines(std::span<const ThermalRun> runs, TemperatureEffect& effect) {
 
 double mean_temperature_c(const Dataset& dataset) { return mean_of(dataset.temperatures_c); }
 
-bool at_another_temperature(const Dataset& calibration, const Dataset& other) {
-  return std::abs(mean_temperature_c(other) - mean_temperature_c(calibration)) >= kOtherTemperatureK;
+bool at_another_temperature(std::span<const double> calibration_c, std::span<const double> other_c) {
+  return std::abs(mean_of(other_c) - mean_of(calibration_c)) >= kOtherTemperatureK;
 }
 
 double TemperatureEffect::width_v(double over_zero_v) const {

@@ -39,8 +39,8 @@ struct TemperatureEffect {
 };
 
 double mean_temperature_c(const Dataset& dataset);  // NaN without readings
-// Both have readings, and their means differ by kOtherTemperatureK.
-bool at_another_temperature(const Dataset& calibration, const Dataset& other);
+// Both runs have readings, and their means differ by kOtherTemperatureK.
+bool at_another_temperature(std::span<const double> calibration_c, std::span<const double> other_c);
 
 // `others`: of the same sensor, mounted once and not aged between, which the caller knows. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.

@@ -21,10 +21,11 @@ constexpr double kStoredDigitC = 0.001;  // readings are stored with three decim
 
 // The bench as the run had it; none when its text can no longer be read.
 std::optional<BenchConfig> bench_of(const db::RunRecord& run) {
-  std::vector<sequences::Override> overrides = stored_overrides(run.overrides_json);
-  std::erase_if(overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
+  std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);
+  if (!overrides) return std::nullopt;
+  std::erase_if(*overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
   try {
-    return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), overrides);
+    return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), *overrides);
   } catch (const std::exception&) {
     return std::nullopt;  // a profile that it names is gone, or it was written for another version
   }
@@ -65,7 +66,7 @@ analysis::TemperatureEffect temperature_of(const db::RunStore& store, const anal
     const std::string why = other_state(input.run, store.run(other.run));
     if (why.empty()) {
       same_state.push_back(other);
-    } else if (analysis::at_another_temperature(calibration, other)) {
+    } else if (analysis::at_another_temperature(calibration.temperatures_c, other.temperatures_c)) {
       apart = fmt::format("a run at {:.1f} °C was given, but {}: what it changed cannot be told from the temperature",
                           analysis::mean_temperature_c(other), why);
     }
@@ -97,7 +98,8 @@ analysis::UncertaintyInputs budget_inputs(const db::RunStore& store, const analy
 }
 
 bool tells_temperature(const db::RunStore& store, std::int64_t run, std::int64_t other) {
-  return analysis::at_another_temperature(analysis::load_dataset(store, run), analysis::load_dataset(store, other));
+  return analysis::at_another_temperature(analysis::temperatures_of(store, run),
+                                          analysis::temperatures_of(store, other));
 }
 
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other) {

@@ -103,9 +103,13 @@ RunResult carry_out_run(const RunOptions& options, const Session& session) {
 
 void resume_run(std::int64_t number, const ResumeOptions& options, Session& session) {
   const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
+  const auto stored = stored_overrides(record.overrides_json);
+  if (!stored)
+    throw Error(ExitCode::kStore, "TB-RESUME-SETTINGS",
+                fmt::format("the settings (--set) kept with run {} cannot be read", number), session.db,
+                "tactbench db check tells what else is damaged; start a new run");
   std::vector<std::string> set;
-  for (const sequences::Override& item : stored_overrides(record.overrides_json))
-    set.push_back(item.key + "=" + item.value);
+  for (const sequences::Override& item : *stored) set.push_back(item.key + "=" + item.value);
   const SplitOverrides overrides = split_overrides(set);
   RunRequest request;
   SeedOptions seeds;

@@ -79,13 +79,14 @@ db::RunRecord record_of(const RunRequest& request) {
   return record;
 }
 
-std::vector<sequences::Override> stored_overrides(const std::string& overrides_json) {
-  std::vector<sequences::Override> found;
+std::optional<std::vector<sequences::Override>> stored_overrides(const std::string& overrides_json) {
   const nlohmann::json list = nlohmann::json::parse(overrides_json, nullptr, false);
-  if (!list.is_array()) return found;
+  if (!list.is_array()) return std::nullopt;
+  std::vector<sequences::Override> found;
   for (const auto& item : list) {
-    if (item.is_object() && item.contains("key") && item.contains("value"))
-      found.push_back({item["key"], item["value"]});
+    const auto has = [&](const char* name) { return item.contains(name) && item[name].is_string(); };
+    if (!has("key") || !has("value")) return std::nullopt;
+    found.push_back({item["key"], item["value"]});
   }
   return found;
 }

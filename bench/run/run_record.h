@@ -8,8 +8,8 @@ namespace tactbench::bench {
 // What any run says of the program that makes it.
 db::RunRecord program_record();
 db::RunRecord record_of(const RunRequest& request);
-// What --set gave a run, as record_of stores it; empty where the text is none of its.
-std::vector<sequences::Override> stored_overrides(const std::string& overrides_json);
+// What --set gave a run, as record_of stores it; none where the text is not of that kind.
+std::optional<std::vector<sequences::Override>> stored_overrides(const std::string& overrides_json);
 // Throws Error TB-SENSOR-GEOMETRY when sensor type and scanner do not fit each other.
 void check_geometry(const RunRequest& request);
 // A resumed run goes on with the very devices that it began with. Throws Fault TB-RESUME-DEVICES.

@@ -131,7 +131,8 @@ void TimeEstimate::learn(const db::RunStore& store, const std::string& bench_id,
              part.frames_per_repeat == stored.frames_per_repeat && part.past.size() < kRunsLearnedFrom;
     };
     if (std::none_of(parts_.begin(), parts_.end(), same)) continue;
-    if (recipe_overrides(stored_overrides(stored.overrides_json)) != ours) continue;
+    const auto theirs = stored_overrides(stored.overrides_json);
+    if (!theirs || recipe_overrides(*theirs) != ours) continue;
     const std::int64_t last = store.last_position(stored.run);
     const std::int64_t before = stored.sequence == 0 ? 0 : end_of(store, stored.run, stored.sequence - 1, last);
     const std::optional<db::FrameTime> tail = store.frame_time(stored.run, last);

@@ -47,6 +47,7 @@ TEST_CASE("the report number is run number and eight hex digits of the content")
     input.run.ended_utc = "2031-01-01T01:00:00Z";
     input.sensor->note = "another";
     input.held_out[0].run.started_utc = "2031-01-02T00:00:00Z";
+    input.history.earlier_seating_run = 98;
     CHECK(render_report(input).number == "99-" + number.substr(3));
   }
   SECTION("figures are content") {

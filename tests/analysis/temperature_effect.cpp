@@ -80,7 +80,7 @@ TEST_CASE("temperature is not assessed from other sensors, one temperature, no r
   silent.temperatures_c.clear();
   CHECK_THAT(effect_of(example, {silent}).not_assessed, Catch::Contains("have no temperature readings"));
   CHECK(effect_of(example, {silent}).in_words().empty());
-  CHECK_FALSE(at_another_temperature(example.dataset, silent));
+  CHECK_FALSE(at_another_temperature(example.dataset.temperatures_c, silent.temperatures_c));
   const Dataset warm = at_temperature(example, 28.0, -0.01, 0.0);
   CHECK_THAT(temperature_effect_of(example.dataset, std::vector<Dataset>{warm}, example.fit, kStepC).not_assessed,
              Catch::Contains("the run has no temperature readings"));
