@@ -1,4 +1,5 @@
-# Writes OUT with version, git commit, its date and dirty flag, and only touches it when something changed.
+# Writes OUT, which bench/build_info.cpp alone includes: version, git commit, its date, whether the sources differ from
+# it, the build and where the sources lie. Touches it only when something changed.
 execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)
@@ -19,7 +20,8 @@ set(text "#pragma once
 #define TACTBENCH_VERSION \"${VERSION}\"
 #define TACTBENCH_COMMIT \"${commit}\"
 #define TACTBENCH_DATE \"${date}\"
-#define TACTBENCH_DIRTY ${dirty}
+#define TACTBENCH_MODIFIED ${dirty}
 #define TACTBENCH_BUILD \"${BUILD_TYPE}, ${COMPILER}\"
+#define TACTBENCH_SOURCE_FOLDER \"${SOURCE}\"
 ")
 file(CONFIGURE OUTPUT ${OUT} CONTENT "${text}" @ONLY)

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/build_info.h"
 #include "bench/config_instruments.h"
 #include "bench/config_pressure.h"
 #include "bench/config_simulation.h"
@@ -127,7 +128,7 @@ std::string share_folder() {
   std::error_code unreadable;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unreadable);
   const std::filesystem::path installed = program.parent_path().parent_path() / "share/tactbench";
-  return std::filesystem::is_directory(installed, unreadable) ? installed.string() : TACTBENCH_SOURCE_DIR;
+  return std::filesystem::is_directory(installed, unreadable) ? installed.string() : build_info().source_folder;
 }
 
 namespace {

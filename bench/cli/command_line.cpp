@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "bench/build_info.h"
 #include "bench/cli/command_tree.h"
 #include "bench/cli/selfcheck.h"
 #include "bench/cli/session.h"
-#include "build_info.h"
 
 namespace tactbench::bench {
 
@@ -48,8 +48,8 @@ int run_command_line(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) session.json = session.json || std::string(argv[i]) == "--json";
   CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
                "tactbench");
-  app.set_version_flag("--version", fmt::format("tactbench {} (commit {}{}; {})", TACTBENCH_VERSION, TACTBENCH_COMMIT,
-                                                TACTBENCH_DIRTY ? ", modified" : "", TACTBENCH_BUILD));
+  app.set_version_flag("--version", fmt::format("tactbench {} (commit {}; {})", build_info().version, commit_text(),
+                                                build_info().build));
   app.footer(kFooter);
   app.require_subcommand(1);
   add_demo(app, session);

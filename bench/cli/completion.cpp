@@ -5,9 +5,9 @@
 #include <map>
 #include <memory>
 
+#include "bench/build_info.h"
 #include "bench/cli/command_tree.h"
 #include "bench/cli/session.h"
-#include "build_info.h"
 
 namespace tactbench::bench {
 
@@ -28,7 +28,8 @@ void add_completion(CLI::App& app) {
       "fish | source.");
   verb->callback([shell, &app] { fmt::print("{}", completion_writers.at(*shell)(command_tree(app))); });
   CLI::App* manual = app.add_subcommand("manual-page", "tactbench(1), for the build")->group("");
-  manual->callback([&app] { fmt::print("{}", manual_page(command_tree(app), TACTBENCH_VERSION, TACTBENCH_DATE)); });
+  manual->callback(
+      [&app] { fmt::print("{}", manual_page(command_tree(app), build_info().version, build_info().date)); });
 }
 
 }  // namespace tactbench::bench

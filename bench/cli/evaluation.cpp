@@ -8,20 +8,20 @@
 #include "analysis/identify/lanes.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/figures.h"
+#include "bench/build_info.h"
 #include "bench/cli/report_budget.h"
 #include "bench/utc.h"
-#include "build_info.h"
 
 namespace tactbench::bench {
 
 std::string this_build() {
-  return fmt::format("commit {}{}; {}; {}", TACTBENCH_COMMIT, TACTBENCH_DIRTY ? ", modified" : "", TACTBENCH_BUILD,
+  return fmt::format("commit {}; {}; {}", commit_text(), build_info().build,
                      analysis::to_string(analysis::lane_levels().back()));
 }
 
 analysis::ArrayFit fit_run(db::RunStore& store, std::int64_t run) {
   analysis::ArrayFit fit = analysis::fit_array(analysis::load_dataset(store, run));
-  analysis::store_fit(store, fit, TACTBENCH_VERSION, utc_now(), this_build());
+  analysis::store_fit(store, fit, build_info().version, utc_now(), this_build());
   return fit;
 }
 
@@ -113,7 +113,7 @@ analysis::ReportInput report_input(const db::RunStore& store, std::int64_t run, 
         {evaluations[i].title, store.run(evaluations[i].evaluation.run), evaluations[i].evaluation});
   }
   input.verdicts = verdicts;
-  input.program_version = TACTBENCH_VERSION;
+  input.program_version = build_info().version;
   analysis::gather_run(input, store, run, further);
   if (extras == nullptr) return input;
   add_results(input, store, *extras);

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/statistics/drift.h"
+#include "bench/build_info.h"
 #include "bench/cli/fit_models.h"
-#include "build_info.h"
 
 namespace tactbench::bench {
 
@@ -154,7 +154,7 @@ void adjust(const AdjustOptions& options, const Session& session) {
   const analysis::Histories by = read_source(options.by, options.table, session);
   const analysis::Drift drift = analysis::drift_of(parent, by);
   ModelDocument child = analysis::adjusted(load_model(options.model, session), drift, by, options.gain);
-  child.program_version = TACTBENCH_VERSION;
+  child.program_version = build_info().version;
   write_whole(options.output, analysis::to_text(child));
   if (session.json) {
     print_json("model.adjust", {{"parent_sha256", child.parent_sha256},

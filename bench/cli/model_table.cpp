@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "build_info.h"
+#include "bench/build_info.h"
 
 namespace tactbench::bench {
 
@@ -68,7 +68,7 @@ std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const a
   for (const std::string& model : models) {
     ModelRow& row = rows.emplace_back();
     row.document = analysis::fit_models(model, histories, sequences, options);
-    row.document.program_version = TACTBENCH_VERSION;
+    row.document.program_version = build_info().version;
     row.label = analysis::label_of(row.document);
     const auto shown_histories =
         std::ranges::find(histories.taxels, shown(row.document).taxel, &analysis::TaxelHistories::taxel);

@@ -15,9 +15,9 @@
 
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/identify/lanes.h"
+#include "bench/build_info.h"
 #include "bench/selfcheck/selfcheck.h"
 #include "bench/utc.h"
-#include "build_info.h"
 
 namespace tactbench::bench {
 
@@ -51,10 +51,10 @@ class SelfcheckFolder {
 nlohmann::ordered_json selfcheck_facts() {
   nlohmann::ordered_json libraries;
   for (const auto& [name, version] : library_versions()) libraries[name] = version;
-  return {{"program_version", TACTBENCH_VERSION},
-          {"git_commit", TACTBENCH_COMMIT},
-          {"modified", static_cast<bool>(TACTBENCH_DIRTY)},
-          {"build", TACTBENCH_BUILD},
+  return {{"program_version", build_info().version},
+          {"git_commit", build_info().commit},
+          {"modified", build_info().modified},
+          {"build", build_info().build},
           {"identification_lanes", analysis::to_string(analysis::lane_level())},
           {"compensator_dispatch", analysis::to_string(analysis::best_dispatch())},
           {"shipped_files", share_folder()},

@@ -8,10 +8,10 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "bench/build_info.h"
 #include "bench/run/recorder.h"
 #include "bench/run/resume.h"
 #include "bench/utc.h"
-#include "build_info.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -38,10 +38,10 @@ db::RunRecord program_record() {
   db::RunRecord record;
   record.uuid = db::new_uuid();
   record.state = to_string(RunState::kPrepared);
-  record.program_version = TACTBENCH_VERSION;
-  record.git_commit = TACTBENCH_COMMIT;
-  record.git_dirty = TACTBENCH_DIRTY;
-  record.build_id = TACTBENCH_BUILD;
+  record.program_version = build_info().version;
+  record.git_commit = build_info().commit;
+  record.git_dirty = build_info().modified;
+  record.build_id = build_info().build;
   record.host = host_name();
   record.time_zone = time_zone();
   record.started_utc = utc_now();

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "bench/build_info.h"
 #include "bench/selfcheck/selfcheck.h"
 #include "bench/utc.h"
-#include "build_info.h"
 #include "db/library_versions.h"
 #include "devices/library_versions.h"
 
@@ -49,7 +49,7 @@ SelfcheckAnswer two_clocks() {
 
 SelfcheckAnswer not_before_the_build() {
   const std::string now = utc_now();
-  return {now.substr(0, 10) >= TACTBENCH_DATE, now};
+  return {now.substr(0, 10) >= build_info().date, now};
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ SelfcheckLines check_clocks() {
       selfchecked("clock", "steady clock, read 200000 times", "0 backwards, ticks below 100000 ns", steady_reads));
   lines.push_back(selfchecked("clock", "steady and wall clock over 300 ms", "at most 3 ms apart", two_clocks));
   lines.push_back(selfchecked("clock", "wall clock against the program's commit",
-                              fmt::format("not before {}", TACTBENCH_DATE), not_before_the_build));
+                              fmt::format("not before {}", build_info().date), not_before_the_build));
   return lines;
 }
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <sstream>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -30,7 +31,7 @@ Lines figures_of(const std::string& text) {
 // How many goals there are; each has its figure before it.
 int goals_of(const std::string& benchmark) {
   const TemporaryFolder folder;
-  const Finished finished = run_program(TACTBENCH_PROGRAM, {"benchmark", benchmark, "--rounds", "1"}, folder.path());
+  const Finished finished = run_program(program_path(), {"benchmark", benchmark, "--rounds", "1"}, folder.path());
   INFO(finished.err);
   REQUIRE(finished.code == 0);
   const Lines lines = figures_of(finished.out);

@@ -8,6 +8,7 @@
 #include "analysis/statistics/levels.h"
 #include "analysis/statistics/streams.h"
 #include "analysis/statistics/uncertainty.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -25,7 +26,7 @@ const char* const kBudgetLoops =
     "repeats = 3\ndwell_s = 2.0\n[conditioning]\ncycles = 3\npeak = 60\n";
 
 Finished budget_call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(TACTBENCH_PROGRAM, words, folder.path());
+  return run_program(program_path(), words, folder.path());
 }
 
 void budget_run(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& set) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "analysis/dataset.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -200,7 +201,7 @@ TEST_CASE("a run carries out the very steps that plan lists") {
   CHECK(carried_out == planned);
   write_file(folder.path("small.toml"), request.recipes.front().text);
   const std::string listed =
-      run_program(TACTBENCH_PROGRAM, {"plan", "small.toml", "--bench", "simulated.toml", "--steps"}, folder.path()).out;
+      run_program(program_path(), {"plan", "small.toml", "--bench", "simulated.toml", "--steps"}, folder.path()).out;
   std::string lines;
   for (const sequences::Step& step : carried_out) lines += sequences::step_line(step) + "\n";
   CHECK_THAT(listed, Catch::EndsWith(lines));

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -16,7 +17,7 @@ TEST_CASE("a request to terminate vents, closes the row and keeps the frames") {
   const std::string recipe =
       "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n";
   write_file(folder.path("long.toml"), recipe);
-  const std::string program = TACTBENCH_PROGRAM;
+  const std::string program = program_path();
   REQUIRE(run_program(program, {"init"}, folder.path()).code == 0);
   REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
   const Finished run =
@@ -36,7 +37,7 @@ TEST_CASE("a run whose process was killed is found and marked interrupted by the
   const TemporaryFolder folder;
   write_file(folder.path("long.toml"),
              "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n");
-  const std::string program = TACTBENCH_PROGRAM;
+  const std::string program = program_path();
   REQUIRE(run_program(program, {"init"}, folder.path()).code == 0);
   REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
   const std::vector<std::string> words = {"run", "long.toml",  "--bench", "bench.toml", "--sensor",

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -11,7 +12,7 @@ using nlohmann::json;
 
 namespace {
 
-const std::string kProgram = TACTBENCH_PROGRAM;
+const std::string kProgram = program_path();
 
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
   return run_program(kProgram, words, folder.path());

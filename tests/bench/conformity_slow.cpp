@@ -4,6 +4,7 @@
 
 #include "analysis/statistics/uncertainty.h"
 #include "analysis/statistics/verdict.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -13,7 +14,7 @@ using nlohmann::json;
 namespace {
 
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(TACTBENCH_PROGRAM, words, folder.path());
+  return run_program(program_path(), words, folder.path());
 }
 
 void carry_out_run(const TemporaryFolder& folder) {

@@ -7,6 +7,7 @@
 #include "bench/run/control_socket.h"
 #include "bench/safety/trip.h"
 #include "tests/bench/kill_record.h"
+#include "tests/support/paths.h"
 #include "tests/support/served_rig.h"
 
 using namespace tactbench;
@@ -181,7 +182,7 @@ TEST_CASE("control: Ctrl-C twice and a request to terminate end a run under pres
 
 TEST_CASE("control: words to nobody, to one of two runs and to another bench say what to do") {
   const TemporaryFolder folder;
-  const std::string program = TACTBENCH_PROGRAM;
+  const std::string program = program_path();
   const auto say = [&](const std::vector<std::string>& words) { return run_program(program, words, folder.path()); };
   const Finished nobody = say({"pause"});
   CHECK(nobody.code == 2);

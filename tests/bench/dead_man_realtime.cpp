@@ -18,6 +18,7 @@
 #include "tests/devices/fault_of.h"
 #include "tests/support/child_process.h"
 #include "tests/support/hosted_rig.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -41,10 +42,10 @@ std::unique_ptr<ChildProcess> run_to_60_psi(HostedRig& rig) {
              "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [50, 60, 50]\nstep = 10\ndwell_s = 4\n");
   const std::string db = rig.folder.path("runs.db");
   REQUIRE(
-      run_program(TACTBENCH_PROGRAM, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}, rig.folder.path())
+      run_program(program_path(), {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}, rig.folder.path())
           .code == 0);
   auto child = std::make_unique<ChildProcess>(
-      std::vector<std::string>{TACTBENCH_PROGRAM, "run", rig.folder.path("hold.toml"), "--no-seating", "--bench",
+      std::vector<std::string>{program_path(), "run", rig.folder.path("hold.toml"), "--no-seating", "--bench",
                                rig.folder.path("bench.toml"), "--sensor", "S-1", "--operator", "t", "-q", "--db", db});
   return child;
 }
@@ -131,7 +132,7 @@ TEST_CASE("dead-man: a sequencer killed or stopped at 60 psi leaves a vented cha
       1.5);
   CHECK(highest < 1.0);
   CHECK(run->wait() == 4);
-  const Finished again = run_program(TACTBENCH_PROGRAM,
+  const Finished again = run_program(program_path(),
                                      {"run", rig.folder.path("hold.toml"), "--bench", rig.folder.path("bench.toml"),
                                       "--sensor", "S-1", "--operator", "t", "-q", "--db", rig.folder.path("runs.db")},
                                      rig.folder.path());

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -13,7 +14,7 @@ using nlohmann::json;
 
 namespace {
 
-const std::string kProgram = TACTBENCH_PROGRAM;
+const std::string kProgram = program_path();
 
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
   return run_program(kProgram, words, folder.path());

@@ -7,6 +7,7 @@
 #include "bench/cli/evaluation.h"
 #include "bench/instruments/live.h"
 #include "devices/fault.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -86,7 +87,7 @@ TEST_CASE("live: frames of an unloaded array are near zero, its latency is measu
 TEST_CASE("live: the verb prints JSON and writes a table, Ctrl-C ends it cleanly") {
   const TemporaryFolder folder;
   const std::int64_t run = fitted_run(folder.path("runs.db"));
-  const Finished done = run_program(TACTBENCH_PROGRAM,
+  const Finished done = run_program(program_path(),
                                     {"live", "--bench", "simulated.toml", "--model", std::to_string(run), "--db",
                                      "runs.db", "--frames", "5", "--csv", "live.csv", "--json"},
                                     folder.path());
@@ -96,13 +97,13 @@ TEST_CASE("live: the verb prints JSON and writes a table, Ctrl-C ends it cleanly
   const std::string table = read_file(folder.path("live.csv"));
   CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 5 * 256);
   const Finished stopped = run_program(
-      TACTBENCH_PROGRAM,
+      program_path(),
       {"live", "--bench", "simulated.toml", "--model", std::to_string(run), "--db", "runs.db", "--csv", "endless.csv"},
       folder.path(), {SIGINT, folder.path("endless.csv"), 300});
   INFO(stopped.out << stopped.err);
   CHECK(stopped.code == 0);
   CHECK_THAT(stopped.out, Catch::Contains("request to compensated values"));
   const Finished wrong = run_program(
-      TACTBENCH_PROGRAM, {"live", "--bench", "simulated.toml", "--model", "seven", "--db", "runs.db"}, folder.path());
+      program_path(), {"live", "--bench", "simulated.toml", "--model", "seven", "--db", "runs.db"}, folder.path());
   CHECK(wrong.code == 2);
 }

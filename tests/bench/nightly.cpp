@@ -8,6 +8,7 @@
 
 #include "bench/nightly/night.h"
 #include "sequences/strict_toml.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -42,9 +43,9 @@ ScenarioResult came_out(const std::string& outcome = "completed", const std::str
 }  // namespace
 
 TEST_CASE("the shipped suite has at least thirty scenarios, all readable, and every shipped recipe") {
-  const Suite suite = read_suite(TACTBENCH_SOURCE_DIR "/sequences/nightly.toml");
+  const Suite suite = read_suite(tactbench::tests::source_path("sequences/nightly.toml"));
   CHECK(suite.scenarios.size() >= 30);
-  for (const auto& file : std::filesystem::directory_iterator(TACTBENCH_SOURCE_DIR "/sequences")) {
+  for (const auto& file : std::filesystem::directory_iterator(tactbench::tests::source_path("sequences"))) {
     const std::string recipe = file.path().stem().string();
     if (file.path().extension() != ".toml" || recipe == "nightly") continue;
     INFO(recipe);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -36,7 +37,7 @@ TEST_CASE("a night: the green is green, the red says why, the broken does not en
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kSuite);
   const Finished night =
-      run_program(TACTBENCH_PROGRAM, {"nightly", "./small.toml", "--json", "--junit", "night.xml", "--stores", "kept"},
+      run_program(program_path(), {"nightly", "./small.toml", "--json", "--junit", "night.xml", "--stores", "kept"},
                   folder.path());
   CHECK(night.code == 1);
   const nlohmann::json json = json_of(night);
@@ -53,7 +54,7 @@ TEST_CASE("one scenario again with the same seed has the same content, with anot
   write_file(folder.path("small.toml"), kSuite);
   const auto hash = [&](const std::string& seed) {
     const Finished night = run_program(
-        TACTBENCH_PROGRAM, {"nightly", "./small.toml", "--only", "whole", "--seed", seed, "--json"}, folder.path());
+        program_path(), {"nightly", "./small.toml", "--only", "whole", "--seed", seed, "--json"}, folder.path());
     REQUIRE(night.code == 0);
     return json_of(night).at("scenarios").at(0).at("runs").at(0).at("content_sha256").get<std::string>();
   };
@@ -67,7 +68,7 @@ TEST_CASE("a scenario that does not end in time is killed and red, and none is s
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kSuite);
   const Finished night = run_program(
-      TACTBENCH_PROGRAM, {"nightly", "./small.toml", "--jobs", "1", "--limit", "0.05", "--stop-on-red", "--json"},
+      program_path(), {"nightly", "./small.toml", "--jobs", "1", "--limit", "0.05", "--stop-on-red", "--json"},
       folder.path());
   CHECK(night.code == 1);
   const nlohmann::json json = json_of(night);
@@ -83,7 +84,7 @@ TEST_CASE("nights are kept in one store, held against a baseline, and what chang
   write_file(folder.path("suite.toml"), head + "]\n");
   write_file(folder.path("noisy.toml"), head + ", \"simulation.front_end.noise_v=0.02\"]\n");
   const auto call = [&](std::vector<std::string> words) {
-    return run_program(TACTBENCH_PROGRAM, std::move(words), folder.path());
+    return run_program(program_path(), std::move(words), folder.path());
   };
   const Finished seeds = call({"nightly", "./suite.toml", "--db", "nights.db", "--seeds", "4", "--json"});
   INFO(seeds.err << seeds.out);

@@ -8,6 +8,7 @@
 #include "bench/run/time_estimate.h"
 #include "sequences/recipe.h"
 #include "tests/bench/stored_past.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -17,7 +18,7 @@ using nlohmann::json;
 namespace {
 
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(TACTBENCH_PROGRAM, words, folder.path());
+  return run_program(program_path(), words, folder.path());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "analysis/report/html.h"
 #include "analysis/statistics/contact_results.h"
 #include "analysis/statistics/evaluation.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -18,7 +19,7 @@ using nlohmann::json;
 namespace {
 
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(TACTBENCH_PROGRAM, words, folder.path());
+  return run_program(program_path(), words, folder.path());
 }
 
 void carry_out(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/report/gather.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -17,7 +18,7 @@ using nlohmann::json;
 namespace {
 
 Finished report_call(const TemporaryFolder& folder, std::vector<std::string> words) {
-  return run_program(TACTBENCH_PROGRAM, words, folder.path());
+  return run_program(program_path(), words, folder.path());
 }
 
 const char* const kReportRecipe =
@@ -187,7 +188,7 @@ TEST_CASE("a PDF is made by what is installed, with the run's date, else an erro
   const TemporaryFolder& folder = reported();
   const auto with_path = [&](const std::string& path, const std::string& name) {
     return run_program("/usr/bin/env",
-                       {"PATH=" + path, TACTBENCH_PROGRAM, "report", "1", "--format", "pdf", "-o", name},
+                       {"PATH=" + path, program_path(), "report", "1", "--format", "pdf", "-o", name},
                        folder.path());
   };
   const Finished none = with_path("/nowhere", "none.pdf");

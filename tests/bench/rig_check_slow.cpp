@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -9,7 +10,7 @@ using namespace tactbench::tests;
 TEST_CASE("a check of the rig tells a changed rig from a changed standard") {
   const TemporaryFolder folder;
   const auto call = [&](std::vector<std::string> words) {
-    return run_program(TACTBENCH_PROGRAM, std::move(words), folder.path());
+    return run_program(program_path(), std::move(words), folder.path());
   };
   REQUIRE(call({"init"}).code == 0);
   REQUIRE(call({"sensors", "add", "STD-1", "--type", "sensor.toml"}).code == 0);

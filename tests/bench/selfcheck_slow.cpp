@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/run_store.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -15,7 +16,7 @@ namespace {
 
 Finished selfcheck_in(const TemporaryFolder& folder, std::vector<std::string> more) {
   more.insert(more.begin(), "selfcheck");
-  return run_program(TACTBENCH_PROGRAM, more, folder.path());
+  return run_program(program_path(), more, folder.path());
 }
 
 }  // namespace
@@ -49,11 +50,11 @@ TEST_CASE("selfcheck: all pass here, and the record carries its own hash") {
 TEST_CASE("selfcheck: what does not hold is a failed line and exit code 1, the text says which") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path("share/bench"));
-  std::filesystem::copy(TACTBENCH_SOURCE_DIR "/bench/config", folder.path("share/bench/config"));
+  std::filesystem::copy(source_path("bench/config"), folder.path("share/bench/config"));
   write_file(folder.path("share/bench/config/simulated.toml"), "schema = 1\n");
   const Finished finished = run_program(
       "/usr/bin/env",
-      {"TACTBENCH_SHARE=" + folder.path("share"), TACTBENCH_PROGRAM, "selfcheck", "-o", folder.path("record.txt")},
+      {"TACTBENCH_SHARE=" + folder.path("share"), program_path(), "selfcheck", "-o", folder.path("record.txt")},
       folder.path());
   CHECK(finished.code == 1);
   CHECK_THAT(finished.out, Catch::Contains("FAIL  run: ") && Catch::Contains("could not be checked: ") &&

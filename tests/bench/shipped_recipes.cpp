@@ -4,6 +4,7 @@
 
 #include "bench/error.h"
 #include "bench/run/recipe_check.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -14,7 +15,7 @@ namespace {
 
 std::vector<std::string> shipped() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(TACTBENCH_SOURCE_DIR "/sequences")) {
+  for (const auto& entry : std::filesystem::directory_iterator(tactbench::tests::source_path("sequences"))) {
     // nightly.toml is the suite, read in a test of its own.
     if (entry.path().extension() == ".toml" && entry.path().stem() != "nightly")
       names.push_back(entry.path().stem().string());

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/child_process.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -12,7 +13,7 @@ using nlohmann::json;
 
 namespace {
 
-const std::string kProgram = TACTBENCH_PROGRAM;
+const std::string kProgram = program_path();
 
 struct Simulator {
   explicit Simulator(const std::string& rate)

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/sqlite.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
@@ -14,7 +15,7 @@ using tactbench::db::sqlite::Connection;
 namespace {
 
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(TACTBENCH_PROGRAM, words, folder.path());
+  return run_program(program_path(), words, folder.path());
 }
 
 const char* const kStoreRecipe =
@@ -105,7 +106,7 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
 
 TEST_CASE("an older store is migrated by name, verified, snapshotted and checked") {
   const TemporaryFolder folder;
-  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_3.db", folder.path("runs.db"));
+  std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), folder.path("runs.db"));
   check_error(call(folder, {"verify", "1"}), 5, "TB-STORE-OPEN");
   const Finished migrated = call(folder, {"db", "migrate"});
   CHECK(migrated.code == 0);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "bench/error.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::bench;
@@ -57,9 +58,9 @@ TEST_CASE("trip: a bench tripped is shown and reset by the command line") {
   const TripFile file("simulated-rig");
   REQUIRE(file.store({"TB-FORCE-TRIP", "Fz = 36 N", 3, {}}));
   const auto words = std::vector<std::string>{"devices", "reset", "--bench", "simulated.toml", "--operator", "P"};
-  const Finished reset = run_program(TACTBENCH_PROGRAM, words, folder.path());
+  const Finished reset = run_program(program_path(), words, folder.path());
   CHECK(reset.code == 0);
   CHECK_THAT(reset.out, Catch::Contains("Fz = 36 N"));
   CHECK_FALSE(file.read());
-  CHECK_THAT(run_program(TACTBENCH_PROGRAM, words, folder.path()).out, Catch::Contains("not tripped"));
+  CHECK_THAT(run_program(program_path(), words, folder.path()).out, Catch::Contains("not tripped"));
 }

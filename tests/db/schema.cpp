@@ -6,6 +6,7 @@
 
 #include "db/sqlite.h"
 #include "tests/db/store_example.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -102,7 +103,7 @@ TEST_CASE("the views show what a person asks for") {
 
 TEST_CASE("a store of schema 1 is brought up to date, its rows and its hash unchanged") {
   const TemporaryFolder folder;
-  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_1.db", folder.path("runs.db"));
+  std::filesystem::copy_file(source_path("tests/db/stores/version_1.db"), folder.path("runs.db"));
   CHECK(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA user_version") == 1);
   CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }) == "TB-STORE-OPEN");
   RunStore store = RunStore::open(folder.path("runs.db"));
@@ -115,7 +116,7 @@ TEST_CASE("a store of schema 1 is brought up to date, its rows and its hash unch
 
 TEST_CASE("a store of schema 2 is brought up to date, its rows and its hash unchanged") {
   const TemporaryFolder folder;
-  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_2.db", folder.path("runs.db"));
+  std::filesystem::copy_file(source_path("tests/db/stores/version_2.db"), folder.path("runs.db"));
   CHECK(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA user_version") == 2);
   RunStore store = RunStore::open(folder.path("runs.db"));
   const db::RunRecord run = store.run(1);
@@ -128,7 +129,7 @@ TEST_CASE("a store of schema 2 is brought up to date, its rows and its hash unch
 TEST_CASE("a store of schema 3 is brought up to date, its rows and its hash unchanged") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db"), kept = path + ".schema-3.backup";
-  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_3.db", path);
+  std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), path);
   CHECK(db::schema_version_of(path) == 3);
   RunStore store = RunStore::open(path);
   const db::RunRecord run = store.run(1);
@@ -147,7 +148,7 @@ TEST_CASE("a store of schema 3 is brought up to date, its rows and its hash unch
 TEST_CASE("a backup is made before each migration and never over another file") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
-  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_2.db", path);
+  std::filesystem::copy_file(source_path("tests/db/stores/version_2.db"), path);
   write_file(path + ".schema-2.backup", "mine");
   RunStore::open(path);
   CHECK(read_file(path + ".schema-2.backup") == "mine");
@@ -197,7 +198,7 @@ TEST_CASE("an ended run that was not completed can be opened again, and its chai
 TEST_CASE("a store of schema 4 is brought up to date, its rows and its hash unchanged") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
-  std::filesystem::copy_file(TACTBENCH_SOURCE_DIR "/tests/db/stores/version_4.db", path);
+  std::filesystem::copy_file(source_path("tests/db/stores/version_4.db"), path);
   CHECK(db::schema_version_of(path) == 4);
   RunStore store = RunStore::open(path);
   const db::RunRecord run = store.run(1);

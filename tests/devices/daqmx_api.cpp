@@ -7,6 +7,7 @@
 #include "devices/force/daqmx_gauges.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
@@ -19,7 +20,7 @@ FakeDaqmx& fresh_card() { return fake_daqmx() = FakeDaqmx{}; }
 
 DaqmxGaugesOptions gauge_options() {
   DaqmxGaugesOptions options;
-  options.library = TACTBENCH_FAKE_NIDAQMX;
+  options.library = tactbench::tests::fake_nidaqmx_path();
   return options;
 }
 
@@ -42,7 +43,7 @@ TEST_CASE("daqmx api: a library that is absent, or is another") {
 TEST_CASE("daqmx api: the devices that the driver sees") {
   auto& card = fresh_card();
   card.devices = {{}, {"Dev2", "USB-6003", 0xFFFFFFFF, true}};
-  DaqmxApi api(TACTBENCH_FAKE_NIDAQMX);
+  DaqmxApi api(tactbench::tests::fake_nidaqmx_path());
   const auto devices = api.list_devices();
   REQUIRE(devices.size() == 2);
   CHECK(devices[0].name == "Dev1");
@@ -69,7 +70,7 @@ TEST_CASE("daqmx api: a driver that refuses to list") {
   auto& card = fresh_card();
   card.fail_function = "GetDevSerialNum";
   card.fail_code = -200324;
-  DaqmxApi api(TACTBENCH_FAKE_NIDAQMX);
+  DaqmxApi api(tactbench::tests::fake_nidaqmx_path());
   try {
     (void)api.list_devices();
     FAIL("no error");
@@ -84,7 +85,7 @@ TEST_CASE("daqmx api: a driver that refuses to list") {
 
 TEST_CASE("daqmx api: warnings are kept, each once") {
   fresh_card();
-  DaqmxApi api(TACTBENCH_FAKE_NIDAQMX);
+  DaqmxApi api(tactbench::tests::fake_nidaqmx_path());
   api.check(0, "nothing");
   for (int i = 0; i < 3; ++i) api.check(200010, "stopping");
   api.check(200015, "stopping");

@@ -8,6 +8,7 @@
 #include "devices/tactile/scan_report.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
@@ -35,7 +36,7 @@ struct Rig {
   Rig() {
     card = FakeDaqmx{};
     card.volts = plant;
-    options.library = TACTBENCH_FAKE_NIDAQMX;
+    options.library = tactbench::tests::fake_nidaqmx_path();
   }
   ~Rig() {
     CHECK(card.tasks == 0);

@@ -5,6 +5,7 @@
 #include "devices/pressure/regulator.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/support/child_process.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
@@ -30,7 +31,7 @@ ModbusEndpoint endpoint_of(const std::string& place) {
 TEST_CASE("foreign server: a regulator armed, commanded, fed and vented on pymodbus") {
   const std::string wire = GENERATE(as<std::string>{}, "tcp", "rtu");
   tactbench::tests::ChildProcess server(
-      {"/usr/bin/python3", TACTBENCH_SOURCE_DIR "/tests/peers/pymodbus_server.py", wire});
+      {"/usr/bin/python3", tactbench::tests::source_path("tests/peers/pymodbus_server.py"), wire});
   const std::string line = server.line();
   REQUIRE(line.starts_with("listening on "));
   SteadyClock clock(1.0);

@@ -9,6 +9,7 @@
 #include "devices/wire/stream_link.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/support/child_process.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench::devices;
 using namespace tactbench::devices::frame_protocol;
@@ -215,7 +216,7 @@ TEST_CASE("frame conformance: the simulated source") {
 
 TEST_CASE("frame conformance: the reference server") {
   tactbench::tests::ChildProcess server(
-      {"/usr/bin/python3", TACTBENCH_SOURCE_DIR "/devices/tactile/frame_server.py", "--port", "0"});
+      {"/usr/bin/python3", tactbench::tests::source_path("devices/tactile/frame_server.py"), "--port", "0"});
   const std::string line = server.line();
   REQUIRE(line.starts_with("listening on 127.0.0.1:"));
   check_source("tcp:" + line.substr(line.rfind(' ') + 1));

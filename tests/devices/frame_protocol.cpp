@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::devices::frame_protocol;
@@ -35,7 +36,7 @@ const std::vector<Message>& one_of_each() {
 
 // The examples in the document, in its order.
 std::vector<Bytes> documented() {
-  const auto text = tactbench::tests::read_file(TACTBENCH_SOURCE_DIR "/devices/tactile/frame_protocol.md");
+  const auto text = tactbench::tests::read_file(tactbench::tests::source_path("devices/tactile/frame_protocol.md"));
   const std::size_t begin = text.find("```hex\n") + 7;
   std::istringstream lines(text.substr(begin, text.find("```", begin) - begin));
   std::vector<Bytes> examples;

@@ -8,6 +8,7 @@
 #include "tests/faults/faulty_run.h"
 #include "tests/support/child_process.h"
 #include "tests/support/hosted_rig.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -25,11 +26,11 @@ class OwnProcess {
                "[guard]\ntolerance_psi = 2\n");
     REQUIRE(call({"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db()}).code == 0);
     child_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{TACTBENCH_PROGRAM, "run", rig_.folder.path("up.toml"), "--bench", bench(), "--sensor",
+        std::vector<std::string>{program_path(), "run", rig_.folder.path("up.toml"), "--bench", bench(), "--sensor",
                                  "S-1", "--operator", "t", "-q", "--no-seating", "--db", db()});
   }
   Finished call(const std::vector<std::string>& words) {
-    return run_program(TACTBENCH_PROGRAM, words, rig_.folder.path());
+    return run_program(program_path(), words, rig_.folder.path());
   }
   [[nodiscard]] std::string db() const { return rig_.folder.path("runs.db"); }
   [[nodiscard]] std::string bench() const { return rig_.folder.path("bench.toml"); }

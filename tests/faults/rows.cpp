@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "tests/faults/faulty_run.h"
+#include "tests/support/paths.h"
 
 namespace tactbench::tests {
 
@@ -57,7 +58,7 @@ void check_row(const std::string& table, const std::string& name, const std::vec
   for (char& c : file) c = c == ' ' || c == ',' ? '-' : c;
   std::filesystem::create_directories(TACTBENCH_FAULT_ROWS);
   write_file(fmt::format("{}/{}.{}", TACTBENCH_FAULT_ROWS, table, file), row + "\n");
-  const std::string kept = std::string(TACTBENCH_SOURCE_DIR) + "/tests/faults/README.md";
+  const std::string kept = source_path("tests/faults/README.md");
   // A row that meets real time-outs may differ from machine to machine; what must hold in a cell is checked there.
   if (read_file(kept).find(row) == std::string::npos) {
     WARN("tests/faults/README.md, which says how it is written anew, has another row than\n" << row);

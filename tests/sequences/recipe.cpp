@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "sequences/estimate.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench::sequences;
 using tactbench::devices::Psi;
 
 namespace {
 
-const std::string kRecipes = std::string(TACTBENCH_SOURCE_DIR) + "/sequences/";
+const std::string kRecipes = tactbench::tests::source_path("sequences/");
 
 int measuring(const std::vector<Step>& steps, int repeat) {
   int count = 0;

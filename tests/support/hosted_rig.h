@@ -15,6 +15,7 @@
 
 #include "bench/safety/trip.h"
 #include "bench/simulation/simulated_rig.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace tactbench::tests {
@@ -54,7 +55,7 @@ class HostedRig {
 
   [[nodiscard]] bench::BenchConfig client() const {
     bench::BenchConfig config = bench::read_bench(folder.path("bench.toml"), {});
-    config.dead_man.program = TACTBENCH_PROGRAM;
+    config.dead_man.program = program_path();
     return config;
   }
   [[nodiscard]] double psi() { return rig_.plant().true_pressure().value(); }

@@ -15,6 +15,7 @@
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
 #include "tests/support/child_process.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace tactbench::tests {
@@ -24,7 +25,7 @@ class ServedRig {
   // Times of the instruments run `rate` times as fast, those of the host do not: watchdog and age of readings get the
   // room that a busy computer needs.
   explicit ServedRig(double rate)
-      : simulator_({TACTBENCH_PROGRAM, "simulate",
+      : simulator_({program_path(), "simulate",
                     "--rate",          fmt::format("{}", rate),
                     "--for",           "3000",
                     "--write-bench",   folder.path("bench.toml"),
@@ -45,11 +46,11 @@ class ServedRig {
     reference_ = std::make_unique<devices::ModuleTransducer>(*module_, config.reference);
   }
   [[nodiscard]] Finished run(const std::vector<std::string>& arguments) const {
-    return run_program(TACTBENCH_PROGRAM, arguments, folder.path());
+    return run_program(program_path(), arguments, folder.path());
   }
   // Beside the test; what it says goes to the file `log`.
   [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::vector<std::string>& arguments) const {
-    std::string line = fmt::format("cd '{}' && exec '{}'", folder.path(), TACTBENCH_PROGRAM);
+    std::string line = fmt::format("cd '{}' && exec '{}'", folder.path(), program_path());
     for (const std::string& argument : arguments) line += fmt::format(" '{}'", argument);
     return std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/sh", "-c", line + " >>log 2>&1"});
   }

@@ -13,6 +13,7 @@
 #include "analysis/dataset.h"
 #include "analysis/loop.h"
 #include "analysis/models/elam.h"
+#include "tests/support/paths.h"
 
 namespace synthetic {
 
@@ -33,7 +34,7 @@ struct Loop {
 };
 
 inline Loop paper_loop() {
-  std::ifstream file(TACTBENCH_SOURCE_DIR "/tests/analysis/data/paper_taxel.csv");
+  std::ifstream file(tactbench::tests::source_path("tests/analysis/data/paper_taxel.csv"));
   std::string line;
   Loop loop;
   std::getline(file, line);

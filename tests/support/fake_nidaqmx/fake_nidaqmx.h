@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/paths.h"
+
 namespace tactbench::tests {
 
 struct FakeDaqmx {
@@ -41,9 +43,9 @@ struct FakeDaqmx {
 
 extern "C" FakeDaqmx* tactbench_fake_daqmx();
 
-// The card in the library that the code under test loads from TACTBENCH_FAKE_NIDAQMX.
+// The card in the library at fake_nidaqmx_path(), which the code under test loads.
 inline FakeDaqmx& fake_daqmx() {
-  void* library = ::dlopen(TACTBENCH_FAKE_NIDAQMX, RTLD_NOW);
+  void* library = ::dlopen(fake_nidaqmx_path().c_str(), RTLD_NOW);
   void* symbol = library != nullptr ? ::dlsym(library, "tactbench_fake_daqmx") : nullptr;
   if (symbol == nullptr) throw std::runtime_error("no fake libnidaqmx.so");
   return *reinterpret_cast<decltype(&tactbench_fake_daqmx)>(symbol)();

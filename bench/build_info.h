@@ -1,0 +1,21 @@
+// Which build of the program this is. The values stand in one source, so that a commit compiles that source alone
+// again.
+#pragma once
+
+#include <string>
+
+namespace tactbench::bench {
+
+struct BuildInfo {
+  std::string version;        // of the project, "0.1.0"
+  std::string commit;         // of git, 12 digits, or "unknown"
+  std::string date;           // of the commit, "2026-11-22"
+  bool modified = false;      // sources differed from the commit
+  std::string build;          // build type and compiler, "Release, GNU 12.2.0"
+  std::string source_folder;  // where it was built from, absolute
+};
+
+const BuildInfo& build_info();
+std::string commit_text();  // "f2d3ce0bd123", or "f2d3ce0bd123, modified"
+
+}  // namespace tactbench::bench
