@@ -1,5 +1,6 @@
-// What every actuator obeys, pressure source and stage alike (tests/devices/laws_wire.cpp holds each driver to it):
-// silent until armed, refuses what is out of range before sending, remembers no set-point across a broken link.
+// What every actuator obeys, pressure source and stage alike: silent until armed, refuses what is out of range before
+// sending, remembers no command across a broken link, and can be made safe (PressureSource::vent, Stage::halt) from any
+// state. tests/devices/actuator_laws_wire.cpp holds each driver to it.
 #pragma once
 
 namespace tactbench::devices {
@@ -7,8 +8,9 @@ namespace tactbench::devices {
 class Actuator {
  public:
   virtual ~Actuator() = default;
-  // Learns the device's state and makes it ready; from now on commands are sent. Before, each command throws Fault
-  // TB-<DEVICE>-NOT-ARMED and sends nothing. Throws Fault.
+  // Learns the device's state and makes it ready, driving nothing; from now on commands are sent. Before, each command
+  // throws Fault TB-<DEVICE>-NOT-ARMED and sends nothing. A command beyond its limits, or with what is no number,
+  // throws Fault TB-<DEVICE>-LIMIT and sends nothing. Throws Fault.
   virtual void arm() = 0;
   // No further command is sent until arm(). A failed exchange disarms too: what the device does now is not known.
   virtual void disarm() noexcept = 0;

@@ -1,5 +1,6 @@
 # The house's rules, checked on the sources: who may include whom, how long a file may be, what may lie at the top,
-# one place for sqlite3.h, and that every library included is in quickstart's list. Run: cmake -P tests/room_rules.cmake
+# one place for sqlite3.h, that every library included is in quickstart's list, and that every actuator is held to the
+# laws of actuators. Run: cmake -P tests/room_rules.cmake
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(root ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 set(broken 0)
@@ -81,6 +82,16 @@ foreach(room devices db sequences analysis bench tests)
     endforeach()
   endforeach()
 endforeach()
+
+# A driver that nobody holds to the laws of actuators is one that may drive before it is armed.
+include(${CMAKE_CURRENT_LIST_DIR}/actuator_rules.cmake)
+actuators_without_laws(${root}/devices ${root}/tests/devices lawless drivers)
+foreach(name ${lawless})
+  complain("${name}: an actuator without an adapter in the table of laws (tests/devices/actuator_laws.h)")
+endforeach()
+if(NOT drivers)
+  complain("no actuator was found in devices/: tests/actuator_rules.cmake no longer reads the classes")
+endif()
 
 set(allowed CMakeLists.txt CMakePresets.json README.md quickstart LICENSE CHANGELOG.md
   bench devices sequences analysis db tests)

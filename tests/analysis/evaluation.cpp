@@ -1,3 +1,4 @@
+// Figures of synthetic arrays; those whose answer is known on paper stand in evaluation_answers.cpp.
 #include "analysis/statistics/evaluation.h"
 
 #include <catch2/catch.hpp>
@@ -93,7 +94,6 @@ TEST_CASE("figures of a small array, recomputed by hand") {
     compensated += std::abs(u - d) / 60.0 / 31;
     CHECK(figures.comp_distance_observable <= figures.worst_taxel_distance_observable + 1e-15);
     CHECK(figures.worst_taxel_distance_observable <= figures.worst_taxel_distance);
-    CHECK(figures.made_worse == (figures.comp_distance > figures.raw_distance));
   }
   CHECK(e.raw_distance == Approx(mean));
   CHECK(e.hysteresis_max_fs == Approx(largest));
@@ -105,10 +105,8 @@ TEST_CASE("figures of a small array, recomputed by hand") {
   REQUIRE(e.traces.size() == 2);
   CHECK(e.traces[0].pressure_psi.size() == 211);
   CHECK(e.traces[1].model_v.size() == 451);
-  for (std::size_t i = 0; i < 211; ++i) {
+  for (std::size_t i = 0; i < 211; ++i)
     CHECK(e.traces[0].model_v[i] == Approx(e.traces[0].measured_v[i]).margin(0.04 * e.full_scale_v));
-    CHECK(e.traces[0].compensated_psi[i] == Approx(e.traces[0].pressure_psi[i]).margin(10.0));
-  }
 }
 
 TEST_CASE("figures do not depend on the number of threads") {

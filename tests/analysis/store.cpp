@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "analysis/dataset.h"
 #include "analysis/identify/identify.h"
@@ -189,6 +190,20 @@ TEST_CASE("runs without a complete repeat or a scale are refused, saying what is
   CHECK(id_of_loading(*store, begin(*store, {.calibration = R"({"volts_per_count": -1})"}, kTiny)) ==
         "TB-ANALYSIS-NO-CALIBRATION");
   CHECK(id_of_loading(*store, begin(*store, {.scanner_role = "camera"}, kTiny)) == "TB-ANALYSIS-NO-CALIBRATION");
+}
+
+TEST_CASE("a stored frame whose set-point or reference is no number is refused, whichever of the two it is") {
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const auto& [setpoint, reference] : {std::pair{infinite, 0.1}, std::pair{0.0, infinite}}) {
+    TemporaryStore store;
+    const std::int64_t run = begin(*store, {}, kTiny);
+    record_repeat(*store, run, 0);
+    const std::int64_t branch = store->begin_branch(run, {0, 0, 1, 0, 0, false, "", 0.0, 2.0});
+    db::FrameRecord wrong = frame(branch, 0, setpoint, {1, 7, 2, 7}, 2, 1, 2);
+    wrong.reference_psi = reference;
+    store->append_frame(run, wrong);
+    CHECK(id_of_loading(*store, run) == "TB-ANALYSIS-FRAME");
+  }
 }
 
 TEST_CASE("a fit survives the store bit for bit, and evaluates the same") {

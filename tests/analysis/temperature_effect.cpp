@@ -21,26 +21,59 @@ TemperatureEffect effect_of(const Example& example, const std::vector<Dataset>& 
 
 }  // namespace
 
-TEST_CASE("the coefficient is the change of output and zero a kelvin, and the width covers the run's temperatures") {
-  const Example example;
-  const TemperatureEffect effect = effect_of(example, {at_temperature(example, 28.0, -0.01, 0.02)});
+TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, two taxels, two repeats, 5 K") {
+  // 0.5 V at 0 psi, 0.1 V a psi. At 28 degC the taxels' zeros are 0.4 and 0.2 V higher, their gains 3 and 1 % (2 and 0
+  // % and 4 and 2 % in the two repeats; the zeros 20 mV less and more).
+  const auto loops = [](double celsius, double warm) {
+    SequenceData sequence{"loop", {}};
+    for (const double r : {-1.0, 1.0}) {
+      Repeat repeat;
+      for (const double psi : {0.0, 10.0, 20.0, 30.0, 40.0, 30.0, 20.0, 10.0, 0.0}) {
+        repeat.steps.push_back({psi, psi});
+        for (const auto& [zero, share] : {std::pair{0.4, 0.03}, std::pair{0.2, 0.01}})
+          repeat.volts.push_back(0.5 + 0.1 * psi + warm * (zero + 0.02 * r + (share + 0.01 * r) * 0.1 * psi));
+      }
+      sequence.repeats.push_back(repeat);
+    }
+    Dataset dataset;
+    dataset.rows = 1;
+    dataset.columns = 2;
+    dataset.temperatures_c = {celsius - 0.1, celsius + 0.1};
+    dataset.sequences = {sequence};
+    return dataset;
+  };
+  ArrayFit fit;
+  fit.rows = 1;
+  fit.columns = 2;
+  fit.taxels.resize(2);
+  for (TaxelFit& taxel : fit.taxels) taxel.status = TaxelStatus::kFitted;
+  const TemperatureEffect effect =
+      temperature_effect_of(loops(23.0, 0.0), std::vector<Dataset>{loops(28.0, 1.0)}, fit, kStepC);
   REQUIRE(effect.assessed());
-  REQUIRE(effect.temperature_c.size() == 2);
+  REQUIRE(effect.change.size() == 2);
   CHECK(effect.temperature_c[0] == Approx(23.0));
   CHECK(effect.temperature_c[1] == Approx(28.0));
-  CHECK(effect.per_kelvin.share == Approx(-0.002).epsilon(1e-3));
-  CHECK(effect.per_kelvin.zero_v == Approx(0.004).epsilon(2e-2));
-  CHECK(effect.half_width_c() == Approx(0.5 * (0.2 + kStepC)));
-  CHECK(effect.deviation.share < 1e-4);
+  CHECK(effect.change[0].share == Approx(0.0).margin(1e-12));
+  CHECK(effect.change[0].zero_v == Approx(0.0).margin(1e-12));
+  CHECK(effect.change[1].share == Approx(0.02));
+  CHECK(effect.change[1].zero_v == Approx(0.3));
+  CHECK(effect.per_kelvin.share == Approx(0.004));
+  CHECK(effect.per_kelvin.zero_v == Approx(0.06));
+  // The taxels' own slopes: 0.6 and 0.2 % a kelvin, 80 and 40 mV a kelvin.
+  CHECK(effect.deviation.share == Approx(0.004 / std::sqrt(2.0)));
+  CHECK(effect.deviation.zero_v == Approx(0.04 / std::sqrt(2.0)));
+  // Squares within the repeats 2 x 0.01^2 with two degrees of freedom: s = 1 %, of the difference of two means of two
+  // again 1 %, over 5 K. Alike for 20 mV.
   CHECK(effect.from_repeats);
-  CHECK(effect.dof == 4.0);  // three repeats each
-  const double coefficient = effect.per_kelvin.zero_v + 2.0 * effect.per_kelvin.share;
-  CHECK(effect.width_v(2.0) ==
-        Approx(0.15 * std::sqrt(coefficient * coefficient + std::pow(effect.u.zero_v, 2) +
-                                std::pow(effect.deviation.zero_v, 2) + 4.0 * std::pow(effect.u.share, 2) +
-                                4.0 * std::pow(effect.deviation.share, 2))));
-  CHECK_THAT(effect.in_words(), Catch::Contains("2 runs at 23.0 to 28.0 °C") && Catch::Contains("(-0.2000 ±") &&
-                                    Catch::Contains("22.90 to 23.10 °C") && Catch::Contains("is contained"));
+  CHECK(effect.dof == 2.0);
+  CHECK(effect.u.share == Approx(0.01 / 5));
+  CHECK(effect.u.zero_v == Approx(0.02 / 5));
+  CHECK(effect.low_c == Approx(22.9));
+  CHECK(effect.high_c == Approx(23.1));
+  CHECK(effect.resolution_c == kStepC);
+  CHECK(effect.half_width_c() == Approx(0.15));
+  // 2 V over the zero: 60 + 8 mV a kelvin, beside 4 and 4 mV of u and 28.3 and 5.66 mV between taxels.
+  CHECK(effect.width_v(2.0) == Approx(0.15 * 1e-3 * std::sqrt(68.0 * 68.0 + 16.0 + 16.0 + 800.0 + 32.0)));
 }
 
 TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the kelvins between two runs") {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "analysis/statistics/coverage.h"
+#include "tests/analysis/support/straight_array.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace tactbench;
@@ -91,47 +92,43 @@ TEST_CASE("simple, guarded, default and report-only at their edges") {
   CHECK_FALSE(needs_uncertainty(DecisionRule::kReportOnly));
 }
 
-TEST_CASE("U of judged figures: the reference where it counts, the repeats where it cancels, none for a count") {
-  const Judged judged;
-  const ReferenceUncertainty reference = certified(0.2);
-  const auto all = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, judged.evaluation, reference);
-  REQUIRE(all.size() == 4 + 2 * judged.evaluation.levels.size());
-
-  // Each repeat by itself.
-  std::vector<double> errors, worst, distances, mismatches;
-  for (std::size_t repeat = 0; repeat < 3; ++repeat) {
-    Dataset one = judged.dataset;
-    for (SequenceData& data : one.sequences) data.repeats = {data.repeats[repeat]};
-    const Evaluation e = evaluate(one, judged.fit);
-    errors.push_back(e.mean_error_psi);
-    worst.push_back(e.taxel_mean_error_psi[static_cast<std::size_t>(judged.evaluation.worst_taxel)]);
-    distances.push_back(e.comp_distance_of_mean);
-    mismatches.push_back(e.levels[20].comp_std_down);
-  }
-  const auto u_of = [](const std::vector<double>& v) {  // standard deviation of the mean of three
-    const double mean = (v[0] + v[1] + v[2]) / 3.0;
-    double sum = 0.0;
-    for (const double value : v) sum += (value - mean) * (value - mean);
-    return std::sqrt(sum / 2.0 / 3.0);
-  };
+TEST_CASE(
+    "U of judged figures by hand: the reference where it counts, the repeats where it cancels, none for a count") {
+  // Straight taxels; three repeats in which the first reads 25, 26 and 27 psi on its way down through 20 psi, and
+  // nothing else differs. So the repeats' figures lie one step apart, s is that step, and u is s / sqrt 3.
+  using namespace straight_array;
+  const std::vector<Sample> steps{{0, 0}, {20, 20}, {40, 41}, {60, 60}, {40, 40}, {20, 20}, {0, 0}};
+  SequenceData sequence{"loop", {}};
+  for (const double down : {25.0, 26.0, 27.0})
+    sequence.repeats.push_back(repeat_of(steps, {{0, 20, 41, 60, 39, down, 0}, {0, 20, 41, 60, 43, 21, 0}}));
+  const Dataset data = dataset_of({sequence});
+  const Evaluation evaluation = evaluate(data, straight_fit());
+  const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, certified(0.2));
+  REQUIRE(all.size() == 4 + 2 * 4);
   const auto known = [&](const char* criterion, const char* scope) {
     const JudgedUncertainty* found = find_uncertainty(all, criterion, scope);
     REQUIRE(found != nullptr);
     return *found;
   };
-  const JudgedUncertainty mean = known("mean_compensation_error", "array");
-  CHECK(mean.combined == Approx(std::hypot(0.1, u_of(errors))));
-  CHECK(mean.dof == Approx(2.0 * std::pow(mean.combined / u_of(errors), 4)));
-  CHECK(mean.expanded == Approx(coverage_factor(mean.dof) * mean.combined));
-  CHECK(known("worst_taxel_error", "array").combined == Approx(std::hypot(0.1, u_of(worst))));
+  const double root3 = std::sqrt(3.0);
+  // 1 psi more of 14 readings, or of the worst taxel's seven; beside 0.1 psi of the certificate. Effective degrees of
+  // freedom: 2 (combined / u)^4, with (combined / u)^2 = 1 + 588 / 100 and 1 + 147 / 100.
+  const JudgedUncertainty mean = known("mean_compensation_error", "array"), worst = known("worst_taxel_error", "array");
+  CHECK(mean.combined == Approx(std::hypot(0.1, 1.0 / 14.0 / root3)));
+  CHECK(mean.dof == Approx(2.0 * 6.88 * 6.88));
+  CHECK(worst.combined == Approx(std::hypot(0.1, 1.0 / 7.0 / root3)));
+  CHECK(worst.dof == Approx(2.0 * 2.47 * 2.47));
+  CHECK(worst.factor == Approx(2.23).margin(0.00501));  // Table G.2, twelve degrees of freedom
+  CHECK(worst.expanded == Approx(worst.factor * worst.combined));
+  // Half a psi more of the mean at one of four levels, of 60 psi.
   const JudgedUncertainty distance = known("distance_of_mean", "array");
-  CHECK(distance.combined == Approx(u_of(distances)));
+  CHECK(distance.combined == Approx(0.5 / 60.0 / 4.0 / root3));
   CHECK(distance.dof == Approx(2.0));
-  CHECK(distance.expanded == Approx(4.527 * u_of(distances)).epsilon(1e-3));  // Table G.2, two degrees of freedom
-  CHECK(known("mismatch", "40 psi down").combined == Approx(u_of(mismatches)));
+  CHECK(distance.factor == Approx(4.53).margin(0.00501));  // two degrees of freedom
+  // Two taxels 4, 5 and 6 psi apart: their standard deviation is that over sqrt 2.
+  CHECK(known("mismatch", "20 psi down").combined == Approx(1.0 / std::sqrt(2.0) / 60.0 / root3));
+  CHECK(known("mismatch", "20 psi up").combined == Approx(0.0).margin(1e-12));
   CHECK(known("unfit_taxels", "array").expanded == 0.0);
-  CHECK_THAT(mean.basis, Catch::Contains("certificate") && Catch::Contains("3 repeats of the run judged"));
-  CHECK_THAT(distance.basis, Catch::Contains("cancels"));
   CHECK(find_uncertainty(all, "mismatch", "41 psi up") == nullptr);
 }
 

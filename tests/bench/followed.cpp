@@ -63,6 +63,34 @@ TEST_CASE("a night within the spread of the seeds is no news, one outside is") {
                                 Catch::Contains("as delivered, accepted by K. Lee"));
 }
 
+TEST_CASE("how many figures are judged together widens the band, by default all of the subject's, by hand") {
+  // Three accepted values -1, 0, 1: mean 0, deviation 1, and a band of t sqrt(4/3). With two degrees of freedom t has a
+  // closed form, (2 p - 1) / sqrt(2 p (1 - p)); one night in 100 outside of one figure: p = 0.995, of two: 0.9975.
+  const auto band_of = [](const std::vector<const char*>& names, std::size_t together) {
+    const TemporaryFolder folder;
+    db::RunStore store = db::RunStore::open(folder.path("runs.db"));
+    db::BaselineRecord baseline{0, kSubject, "as delivered", "K. Lee", "2026-01-01T00:00:00Z", {}};
+    for (const double value : {-1.0, 0.0, 1.0}) {
+      baseline.runs.push_back(add_night(store, value));
+      std::map<std::string, double> figures;
+      for (const char* name : names) figures[name] = value;
+      store.replace_figures(baseline.runs.back(), kSubject, figures);
+    }
+    store.add_baseline(baseline);
+    const Followed followed = together == 0 ? follow(store, kSubject) : follow(store, kSubject, together);
+    REQUIRE(followed.figures.size() == names.size());
+    REQUIRE(followed.figures.front().band);
+    CHECK(followed.figures.front().band->low == Approx(-followed.figures.front().band->high));
+    return followed.figures.front().band->high;
+  };
+  const double alone = 0.99 / std::sqrt(2.0 * 0.995 * 0.005) * std::sqrt(4.0 / 3.0);      // 11.46
+  const double of_two = 0.995 / std::sqrt(2.0 * 0.9975 * 0.0025) * std::sqrt(4.0 / 3.0);  // 16.27
+  CHECK(band_of({"a_psi"}, 0) == Approx(alone));
+  CHECK(band_of({"a_psi", "b_psi"}, 0) == Approx(of_two));
+  CHECK(band_of({"a_psi", "b_psi"}, 1) == Approx(alone));
+  CHECK(band_of({"a_psi"}, 2) == Approx(of_two));
+}
+
 TEST_CASE("a slow change that stays inside each night's tolerance is reported within a week") {
   const TemporaryFolder folder;
   db::RunStore store = with_baseline(folder);

@@ -107,3 +107,21 @@ TEST_CASE("registration: touches in a line, too few, one astray, none felt and o
   CHECK(centre(frame_of(15 * kPitchMm, 12.0)) == "TB-MOUNT-EDGE");
   CHECK(centre(frame_of(12.0, 12.0)) == "none");
 }
+
+TEST_CASE("registration by hand: the transform that fits, and how far the rejected mirror misses") {
+  // Corners of 20 x 10 mm. Their mirror image fits best along the longer side: squares of 400 and 100 about the centre,
+  // scale (400 - 100) / 500, what is left 500 - 300^2 / 500 = 320 over four corners.
+  const bool flipped = GENERATE(false, true);
+  std::vector<Touch> corners;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{20.0, 0.0}, std::pair{20.0, 10.0}, std::pair{0.0, 10.0}})
+    corners.push_back({5.0 + x, 7.0 + (flipped ? -y : y), {x, y}});
+  const MountRegistration found = bench::register_mount(corners, kPitchMm);
+  CHECK(found.flipped == flipped);
+  CHECK(found.angle_deg == Approx(0.0).margin(1e-9));
+  CHECK(found.scale == Approx(1.0));
+  CHECK(found.offset_mm[0] == Approx(5.0));
+  CHECK(found.offset_mm[1] == Approx(7.0));
+  CHECK(found.rms_mm == Approx(0.0).margin(1e-9));
+  CHECK(found.other_rms_mm == Approx(std::sqrt(80.0)));
+  CHECK(nlohmann::json::parse(found.json())["other_flip_rms_mm"].get<double>() == found.other_rms_mm);
+}

@@ -1,10 +1,11 @@
-// The laws that every actuator obeys (devices/actuator.h), for the regulator behind its module. The stage's stand in
-// zaber_laws_wire.cpp.
+// The regulator behind its module joins the table of actuator laws; and what it promises beyond them.
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
+#include "tests/devices/actuator_laws.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
@@ -13,128 +14,105 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr Nanoseconds kPatient = 20s;
-constexpr Nanoseconds kShort = 100ms;
 
-struct Bench {
-  explicit Bench(const std::string& profile, SimulatedModuleFaults faults = {}, Nanoseconds timeout = kPatient)
+struct RegulatorBed final : ActuatorBed {
+  RegulatorBed(const BedOptions& options, const std::string& profile)
       : known(module_profile(profile)),
-        server(std::make_unique<SimulatedModule>(known, 0, chamber, clock, faults)),
-        module(known, {"127.0.0.1", server->port(), 1, timeout}, watchdog(), clock, Origin::kSimulated),
-        regulator(module, module, options(), clock) {}
-  [[nodiscard]] Nanoseconds watchdog() const { return known.fail_safe.watchdog_address >= 0 ? 1000ms : 0ms; }
-  static RegulatorOptions options() {
+        server(new_server(0)),
+        module(known, {"127.0.0.1", server->port(), 1, options.reply_timeout}, watchdog(), time, Origin::kSimulated),
+        regulator(module, module, regulator_options(), time) {}
+  static RegulatorOptions regulator_options() {
     RegulatorOptions options;
     options.command_span.high = options.feedback_span.high = psi_from_bar(9.0);
     return options;
   }
-  // The server goes and comes back on the same port; the output terminal keeps what it had.
-  void power_cycle_wire() {
-    const int port = server->port();
+
+  Regulator& actuator() override { return regulator; }
+  TurnedClock& clock() override { return time; }
+  [[nodiscard]] std::string faults_begin_with() const override { return "TB-CHAMBER"; }
+  void make_ready() override { regulator.arm(); }
+  std::vector<Act> commands() override {
+    return {[&] { regulator.command(Psi(20.0)); }, [&] { regulator.command(Psi(0.0)); }};
+  }
+  std::vector<Act> forbidden() override {
+    std::vector<Act> all;
+    for (const double psi : {60.0001, -0.0001, std::nan(""), HUGE_VAL, -HUGE_VAL})
+      all.emplace_back([this, psi] { regulator.command(Psi(psi)); });
+    return all;
+  }
+  void load() override { regulator.command(Psi(50.0)); }
+  [[nodiscard]] bool make_safe() noexcept override { return regulator.vent(); }
+  bool stands_safe() override { return chamber.output() == Volts(0.0); }
+  [[nodiscard]] std::uint64_t received() const override { return requests; }
+  [[nodiscard]] std::uint64_t driven() const override { return static_cast<std::uint64_t>(chamber.drives); }
+  void fall_silent() override { silent = true; }
+  void break_wire() override {
+    last_port = server->port();
     server.reset();
-    server = std::make_unique<SimulatedModule>(known, port, chamber, clock);
+  }
+  // On the same port; the output terminal keeps what it had.
+  void mend_wire() override { server = new_server(last_port); }
+  [[nodiscard]] int questions() const override { return 1; }
+  [[nodiscard]] int questions_to_make_safe() const override { return 4; }  // two attempts of two
+
+  [[nodiscard]] Nanoseconds watchdog() const { return known.fail_safe.watchdog_address >= 0 ? 1000ms : 0ms; }
+  std::unique_ptr<SimulatedModule> new_server(int port) {
+    SimulatedModuleFaults faults;
+    faults.trouble = [this] {
+      ++requests;
+      return silent ? Trouble::kSilent : Trouble::kNone;
+    };
+    return std::make_unique<SimulatedModule>(known, port, chamber, time, faults);
   }
 
   ModuleProfile known;
-  TurnedClock clock;
-  TestChamber chamber{clock};
+  TurnedClock time;
+  std::atomic<std::uint64_t> requests{0};
+  std::atomic<bool> silent{false};
+  int last_port = 0;
+  TestChamber chamber{time};
   std::unique_ptr<SimulatedModule> server;
   AnalogModule module;
   Regulator regulator;
 };
 
 const char* const kProfiles[] = {"beckhoff-ek9000", "advantech-adam-6024", "generic"};
+const JoinsActuatorLaws<Regulator, RegulatorBed> kBeckhoff("regulator, watchdog and FC 23", kProfiles[0]),
+    kAdvantech("regulator, single words", kProfiles[1]), kGeneric("regulator, plain module", kProfiles[2]);
 
 }  // namespace
 
-TEST_CASE("law: silent until armed, reading apart") {
+TEST_CASE("regulator: what is not armed reads and feeds nothing") {
   for (const char* profile : kProfiles) {
     INFO(profile);
-    Bench bench(profile);
-    CHECK(fault_id_of([&] { bench.regulator.command(Psi(20.0)); }) == "TB-CHAMBER-NOT-ARMED");
-    CHECK(bench.module.exchanges() == 0);
-    bench.clock.wait_until(10s);
-    bench.regulator.keep_alive();  // only reads
-    (void)bench.regulator.feedback();
-    CHECK(bench.chamber.drives == 0);
-    bench.regulator.arm();
-    CHECK(bench.chamber.drives == 0);
-    bench.regulator.command(Psi(20.0));
-    CHECK(bench.chamber.drives > 0);
-    bench.regulator.disarm();
-    CHECK(fault_id_of([&] { bench.regulator.command(Psi(10.0)); }) == "TB-CHAMBER-NOT-ARMED");
+    RegulatorBed bed({}, profile);
+    bed.clock().wait_until(10s);
+    bed.regulator.keep_alive();
+    (void)bed.regulator.feedback();
+    CHECK(bed.received() > 0);
+    CHECK(bed.chamber.drives == 0);
   }
 }
 
-TEST_CASE("law: what is out of range is refused before anything is sent") {
+TEST_CASE("regulator: after the wire comes back the first feeding is 0 V") {
   for (const char* profile : kProfiles) {
     INFO(profile);
-    Bench bench(profile);
-    bench.regulator.arm();
-    const auto exchanges = bench.module.exchanges();
-    for (const double psi : {60.0001, -0.0001, std::nan(""), HUGE_VAL}) {
-      CHECK(fault_id_of([&] { bench.regulator.command(Psi(psi)); }) == "TB-CHAMBER-LIMIT");
-    }
-    CHECK(bench.module.exchanges() == exchanges);
-    CHECK(bench.regulator.armed());
-  }
-}
-
-TEST_CASE("law: it vents from any state, armed or not, twice") {
-  for (const char* profile : kProfiles) {
-    INFO(profile);
-    Bench bench(profile);
-    CHECK(bench.regulator.vent());  // never armed
-    bench.regulator.arm();
-    CHECK(bench.regulator.vent());  // armed, nothing commanded
-    bench.regulator.command(Psi(50.0));
-    REQUIRE(bench.chamber.output() > Volts(3.8));
-    CHECK(bench.regulator.vent());
-    CHECK(bench.chamber.output() == Volts(0.0));
-    CHECK(bench.regulator.vent());
-    bench.regulator.command(Psi(50.0));
-    bench.regulator.disarm();
-    CHECK(bench.regulator.vent());
-    CHECK(bench.chamber.output() == Volts(0.0));
-    bench.regulator.arm();
-    bench.regulator.command(Psi(50.0));
-    bench.power_cycle_wire();
-    CHECK(bench.regulator.vent());
-    CHECK(bench.chamber.output() == Volts(0.0));
-  }
-}
-
-TEST_CASE("law: a quiet wire becomes a fault within its deadline, and disarms") {
-  for (const char* profile : kProfiles) {
-    INFO(profile);
-    Bench bench(profile, {.silent_after_requests = 40}, kShort);
-    bench.regulator.arm();
-    std::string id = "none";
-    for (int i = 0; i < 60 && id == "none"; ++i) id = fault_id_of([&] { bench.regulator.command(Psi(5.0)); });
-    CHECK(id == "TB-MODBUS-TIMEOUT");
-    CHECK(bench.clock.now() == kShort);  // one reply lost, no more
-    CHECK_FALSE(bench.regulator.armed());
-    CHECK(fault_id_of([&] { bench.regulator.command(Psi(5.0)); }) == "TB-CHAMBER-NOT-ARMED");
-  }
-}
-
-TEST_CASE("law: after the wire comes back nothing remembered is sent, and the first feeding is 0 V") {
-  for (const char* profile : kProfiles) {
-    INFO(profile);
-    Bench bench(profile);
-    bench.regulator.arm();
-    bench.regulator.command(Psi(50.0));
-    bench.power_cycle_wire();
-    bench.clock.wait_until(500ms);
-    CHECK(fault_id_of([&] { bench.regulator.keep_alive(); }) != "none");
-    CHECK_FALSE(bench.regulator.armed());
-    const int drives = bench.chamber.drives;
-    bench.regulator.keep_alive();
-    (void)bench.regulator.feedback();
-    CHECK(bench.chamber.drives == drives);
-    bench.regulator.arm();
-    CHECK(bench.chamber.drives == drives);
-    bench.regulator.keep_alive();
-    CHECK(bench.chamber.output() == Volts(0.0));
+    RegulatorBed bed({}, profile);
+    bed.regulator.arm();
+    bed.regulator.command(Psi(50.0));
+    REQUIRE(bed.chamber.output() > Volts(3.8));
+    bed.break_wire();
+    bed.mend_wire();
+    bed.clock().wait_until(500ms);
+    CHECK(fault_id_of([&] { bed.regulator.keep_alive(); }) != "none");
+    CHECK_FALSE(bed.regulator.armed());
+    const int drives = bed.chamber.drives;
+    bed.regulator.keep_alive();
+    (void)bed.regulator.feedback();
+    CHECK(bed.chamber.drives == drives);
+    bed.regulator.arm();
+    bed.regulator.keep_alive();
+    CHECK(bed.chamber.output() == Volts(0.0));
   }
 }
 
@@ -147,7 +125,7 @@ TEST_CASE("module: a channel in safe mode is cleared at arming, and that is veri
   SimulatedModule server({out, {2, inputs, {}}}, SimulatedModule::Wire::kTcp, 0, chamber, clock);
   AnalogModule output(outputs, {"127.0.0.1", server.port(), 1, kPatient}, 0s, clock, Origin::kSimulated);
   AnalogModule input(inputs, output, 2, clock, Origin::kSimulated);
-  Regulator regulator(output, input, Bench::options(), clock);
+  Regulator regulator(output, input, RegulatorBed::regulator_options(), clock);
   CHECK(fault_id_of([&] { output.write(0, 100); }) == "TB-MODULE-READBACK");  // safe mode ignores it
   regulator.arm();
   regulator.command(Psi(30.0));

@@ -107,6 +107,13 @@ TEST_CASE("the way back conditions and travels to where the branch starts, witho
   }
 }
 
+TEST_CASE("the way back settles at every level, also in a recipe whose ramps do not stop") {
+  const Recipe ramps = recipe_of("turning_points = [0, 4, 2, 4]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 0.5\n");
+  const auto back = way_back(ramps, 0, 0, 2);
+  REQUIRE(back.size() == 5);  // a cycle to the highest level, then 0, 4, 2
+  for (const Step& step : back) CHECK(step.settle);
+}
+
 TEST_CASE("every branch of every shipped levels recipe starts where its way back ends") {
   for (const char* name : {"descending", "ascending", "production", "random-reversal", "rate", "creep-hold"}) {
     const Recipe recipe = read_recipe(kRecipes + name + ".toml");

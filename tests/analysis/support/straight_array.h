@@ -1,0 +1,84 @@
+// Three taxels whose every figure can be had on paper. Models: straight lines of 20 and 10 psi a volt, up and down
+// alike, so that whatever the history, pressure = line x output; the third taxel is dead. Data: loops in psi as the
+// models read them.
+#pragma once
+
+#include <vector>
+
+#include "analysis/dataset.h"
+#include "analysis/identify/identify.h"
+
+namespace straight_array {
+
+using namespace tactbench::analysis;
+
+inline constexpr double kPsiPerVolt[] = {20.0, 10.0};
+inline constexpr double kFullPsi = 60.0;
+inline const std::vector<double> kLevels{0.0, 20.0, 40.0, 60.0};
+
+// The split points of ELAM's inner curves lie on the line too: halves of the way are halves of the output.
+inline TaxelFit straight_taxel(double psi_per_volt) {
+  const std::vector<double> ends{0.0, kFullPsi}, volts{0.0, kFullPsi / psi_per_volt};
+  TaxelFit taxel;
+  taxel.status = TaxelStatus::kFitted;
+  taxel.fit.full_scale_v = volts.back();
+  taxel.fit.model.ascending = PatternCurve(ends, volts, volts.front(), volts.back());
+  taxel.fit.model.descending = taxel.fit.model.ascending;
+  return taxel;
+}
+
+// The mean of 3 V and 6 V at 60 psi is 4.5 V: 40/3 psi a volt.
+inline ArrayFit straight_fit() {
+  ArrayFit fit;
+  fit.rows = 1;
+  fit.columns = 3;
+  fit.run = 1;
+  fit.origin = "simulated";
+  fit.sensor_serial = "S";
+  fit.pressure_psi = kLevels;
+  fit.taxels = {straight_taxel(kPsiPerVolt[0]), straight_taxel(kPsiPerVolt[1]), TaxelFit{TaxelStatus::kDead, {}, 0.0}};
+  fit.mean_taxel = straight_taxel(kFullPsi / 4.5);
+  fit.full_scale_v = 4.5;
+  return fit;
+}
+
+// What each taxel reads at each step.
+struct Readings {
+  std::vector<double> first_psi, second_psi;
+};
+
+inline Repeat repeat_of(const std::vector<Sample>& steps, const Readings& readings, double dead_v = 5.0) {
+  Repeat repeat{steps, {}};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    repeat.volts.push_back(readings.first_psi[i] / kPsiPerVolt[0]);
+    repeat.volts.push_back(readings.second_psi[i] / kPsiPerVolt[1]);
+    repeat.volts.push_back(dead_v);  // so far off that it shows where it is not left out
+  }
+  return repeat;
+}
+
+inline Dataset dataset_of(std::vector<SequenceData> sequences) {
+  Dataset dataset;
+  dataset.run = 2;
+  dataset.origin = "simulated";
+  dataset.sensor_serial = "S";
+  dataset.rows = 1;
+  dataset.columns = 3;
+  dataset.noise_v.assign(3, 0.0);
+  dataset.at_limit.assign(3, false);
+  dataset.sequences = std::move(sequences);
+  return dataset;
+}
+
+// Up and down over the levels, twice. Set-point and reference are one but at 40 psi on the way up, where the chamber
+// stands at 41 and the taxels say so. On the way down the first taxel reads 1 psi too little at 40 and 6 too much at
+// 20 (5 and 7 in the two repeats), the second 3 and 1 too much.
+inline Dataset known_loop() {
+  const std::vector<Sample> steps{{0, 0}, {20, 20}, {40, 41}, {60, 60}, {40, 40}, {20, 20}, {0, 0}};
+  const std::vector<double> second{0, 20, 41, 60, 43, 21, 0};
+  return dataset_of({{"loop",
+                      {repeat_of(steps, {{0, 20, 41, 60, 39, 25, 0}, second}),
+                       repeat_of(steps, {{0, 20, 41, 60, 39, 27, 0}, second})}}});
+}
+
+}  // namespace straight_array
