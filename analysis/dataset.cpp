@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
 
 namespace tactbench::analysis {
@@ -21,7 +22,7 @@ constexpr std::uint16_t kConverterLimit = 65535;
 double volts_per_count(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
     if (device.role != kScannerRole) continue;
-    const auto json = nlohmann::json::parse(device.calibration_json, nullptr, false);
+    const auto json = try_json(device.calibration_json);
     if (json.is_object() && json.contains("volts_per_count") && json["volts_per_count"].is_number()) {
       const double value = json["volts_per_count"].get<double>();
       if (std::isfinite(value) && value > 0.0) return value;

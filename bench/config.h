@@ -7,23 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/evaluation.h"
-#include "bench/simulation/plant.h"
-#include "devices/force/daq_ft.h"
-#include "devices/force/daqmx_gauges.h"
-#include "devices/force/digital_ft.h"
-#include "devices/force/net_ft.h"
-#include "devices/pressure/analog_module.h"
-#include "devices/pressure/pressure_reference.h"
-#include "devices/pressure/regulator.h"
-#include "devices/pressure/simulated_module.h"
-#include "devices/stage/zaber_stage.h"
-#include "devices/tactile/daqmx_scanner.h"
-#include "devices/tactile/frame_source.h"
-#include "devices/tactile/hid_scanner.h"
-#include "devices/tactile/simulated_scanner.h"
-#include "devices/wire/hid_link.h"
-#include "devices/wire/serial_link.h"
+#include "analysis/statistics/limits.h"
+#include "bench/simulation/plant_options.h"
+#include "devices/device.h"
+#include "devices/force/options.h"
+#include "devices/pressure/module_profile.h"
+#include "devices/pressure/options.h"
+#include "devices/stage/options.h"
+#include "devices/tactile/options.h"
+#include "devices/wire/options.h"
 #include "sequences/strict_toml.h"
 
 namespace tactbench::bench {

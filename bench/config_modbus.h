@@ -4,8 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "devices/pressure/pressure_reference.h"
-#include "devices/wire/modbus_link.h"
+#include "devices/clock.h"
+#include "devices/pressure/options.h"
+#include "devices/wire/modbus_value.h"
+#include "devices/wire/options.h"
 #include "sequences/strict_toml.h"
 
 namespace tactbench::bench {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/pressure/analog_module.h"
+#include "devices/pressure/module_profile.h"
 
 namespace tactbench::bench {
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/error.h"
+#include "analysis/json_io.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
 #include "sequences/strict_toml.h"
@@ -72,7 +73,7 @@ std::string error_json(const Error& error) {
   json["where"] = error.where();
   json["remedy"] = error.remedy();
   json["rig_state"] = error.rig_state().empty() ? "no device was touched" : error.rig_state();
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return analysis::printable_json(json, 2) + "\n";
 }
 
 }  // namespace tactbench::bench

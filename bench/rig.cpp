@@ -3,10 +3,24 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "analysis/json_io.h"
 #include "bench/process_time.h"
+#include "bench/simulation/simulated_rig.h"
 #include "devices/fault.h"
+#include "devices/force/daq_ft.h"
+#include "devices/force/daqmx_gauges.h"
+#include "devices/force/digital_ft.h"
+#include "devices/force/net_ft.h"
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/pressure_reference.h"
 #include "devices/pressure/regulator.h"
+#include "devices/tactile/daqmx_scanner.h"
+#include "devices/tactile/frame_source.h"
+#include "devices/tactile/hid_scanner.h"
+#include "devices/wire/hid_link.h"
+#include "devices/wire/modbus_link.h"
 #include "devices/wire/packet_link.h"
+#include "devices/wire/serial_link.h"
 
 namespace tactbench::bench {
 
@@ -41,7 +55,7 @@ db::DeviceRecord record_of(const devices::Identity& identity, const nlohmann::or
           identity.serial,
           identity.firmware,
           identity.origin == Origin::kSimulated ? "simulated" : "hardware",
-          calibration.dump()};
+          analysis::json_line(calibration)};
 }
 
 }  // namespace
@@ -227,6 +241,8 @@ std::vector<std::uint64_t> Rig::relay_operations() const {
   const auto* relays = dynamic_cast<const devices::DaqmxScanner*>(array_.get());
   return relays == nullptr ? std::vector<std::uint64_t>() : relays->relay_operations();
 }
+
+Plant* Rig::plant() { return simulated_ ? &simulated_->plant() : nullptr; }
 
 std::uint64_t Rig::exchanges() const {
   std::uint64_t sum = module_->exchanges() + (input_module_ ? input_module_->exchanges() : 0) +

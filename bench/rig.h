@@ -11,16 +11,23 @@
 #include "bench/safety/dead_man_process.h"
 #include "bench/safety/guard.h"
 #include "bench/safety/guard_devices.h"
-#include "bench/simulation/simulated_rig.h"
 #include "db/record.h"
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
-#include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_source.h"
 #include "devices/stage/zaber_stage.h"
 #include "devices/tactile/tactile_array.h"
 
+namespace tactbench::devices {
+class AnalogModule;
+class ModbusGauge;
+class ModbusLink;
+}  // namespace tactbench::devices
+
 namespace tactbench::bench {
+
+class Plant;
+class SimulatedRig;
 
 struct EnvironmentReading {
   std::string quantity;  // temperature_c | supply_bar
@@ -72,8 +79,8 @@ class Rig {
   [[nodiscard]] std::vector<db::DeviceRecord> devices() const;
   // How often each row's relay closed in this run; empty where the scanner does not count.
   [[nodiscard]] std::vector<std::uint64_t> relay_operations() const;
-  [[nodiscard]] std::uint64_t exchanges() const;                                        // on all wires so far
-  [[nodiscard]] Plant* plant() { return simulated_ ? &simulated_->plant() : nullptr; }  // null outside this process
+  [[nodiscard]] std::uint64_t exchanges() const;  // on all wires so far
+  [[nodiscard]] Plant* plant();                   // null: not simulated in this process
 
  private:
   void make_guard();

@@ -1,6 +1,6 @@
 # The house's rules, checked on the sources: who may include whom, how long a file may be, what may lie at the top,
-# one place for sqlite3.h, that every library included is in quickstart's list, and that every actuator is held to the
-# laws of actuators. Run: cmake -P tests/room_rules.cmake
+# one place for sqlite3.h, no heavy library in headers, no driver in bench/config.h, that every library included is in
+# quickstart's list, and that every actuator is held to the laws of actuators. Run: cmake -P tests/room_rules.cmake
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(root ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 set(broken 0)
@@ -36,6 +36,21 @@ set(package_catch2 catch2)
 set(package_benchmark libbenchmark-dev)
 file(READ ${root}/quickstart quickstart)
 
+# Libraries that cost seconds a source: included by sources, and by headers that few sources include.
+set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
+set(may_be_heavy
+  analysis/identify/gpi_search.h  # its functions take Eigen's matrices; gpi*.cpp alone include it
+  analysis/identify/nnls.h        # likewise; gpi.cpp, preisach.cpp and its test
+  devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
+  devices/force/daq_ft.h          # keeps such a matrix; bench/rig.cpp and its test
+  devices/force/digital_ft.h      # likewise
+  sequences/strict_toml_view.h)   # what strict_toml*.cpp share
+
+# All that bench/config.h may reach: option structs and what they are made of. No driver, no plant, no statistics.
+set(may_be_configured "^(bench/config\\.h|bench/simulation/(planned_fault|[a-z]+_options)\\.h|sequences/strict_toml\\.h\
+|analysis/statistics/limits\\.h|devices/(units|clock|device|trouble)\\.h|devices/[a-z]+/options\\.h\
+|devices/pressure/module_profile\\.h|devices/stage/axis\\.h|devices/wire/modbus_value\\.h)$")
+
 foreach(room devices db sequences analysis bench tests)
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/${room}/*.h ${root}/${room}/*.cpp)
   foreach(file ${files})
@@ -57,9 +72,17 @@ foreach(room devices db sequences analysis bench tests)
       endif()
     endif()
     file(STRINGS ${root}/${file} includes REGEX "^#include")
+    set(own_${file} "")
     foreach(line ${includes})
+      if(line MATCHES "${heavy}")
+        list(APPEND heavy_files ${file})
+        if(line MATCHES "<toml\\+\\+/" AND NOT file MATCHES "^sequences/(strict_toml|library_versions\\.cpp)")
+          complain("${file}: toml++ belongs in sequences/strict_toml*.cpp alone")
+        endif()
+      endif()
       if(line MATCHES "^#include \"([^\"]+)\"")
         set(included ${CMAKE_MATCH_1})
+        list(APPEND own_${file} ${included})
         if(NOT included MATCHES "${may_${room}}" AND NOT (room STREQUAL "bench" AND included STREQUAL "build_info_values.h"))
           complain("${file}: room '${room}' may not include \"${included}\"")
         endif()
@@ -92,6 +115,52 @@ endforeach()
 if(NOT drivers)
   complain("no actuator was found in devices/: tests/actuator_rules.cmake no longer reads the classes")
 endif()
+
+# A header that includes a heavy one is heavy.
+set(headers "")
+foreach(room devices db sequences analysis bench tests)
+  file(GLOB_RECURSE files RELATIVE ${root} ${root}/${room}/*.h)
+  list(APPEND headers ${files})
+endforeach()
+set(grown TRUE)
+while(grown)
+  set(grown FALSE)
+  foreach(file ${headers})
+    if(file IN_LIST heavy_files)
+      continue()
+    endif()
+    foreach(included ${own_${file}})
+      if(included IN_LIST heavy_files)
+        list(APPEND heavy_files ${file})
+        set(by_${file} " (by ${included})")
+        set(grown TRUE)
+        break()
+      endif()
+    endforeach()
+  endforeach()
+endwhile()
+foreach(file ${headers})
+  if(file IN_LIST heavy_files AND NOT file IN_LIST may_be_heavy)
+    complain("${file}: a header brings in toml++, json.hpp, CLI11 or Eigen${by_${file}}; forward-declare, or json_fwd.hpp")
+  endif()
+endforeach()
+
+set(to_see bench/config.h)
+set(seen bench/config.h)
+while(to_see)
+  list(POP_FRONT to_see file)
+  foreach(included ${own_${file}})
+    if(included IN_LIST seen)
+      continue()
+    endif()
+    list(APPEND seen ${included})
+    if(included MATCHES "${may_be_configured}")
+      list(APPEND to_see ${included})
+    else()
+      complain("${file}: brings ${included} to all that include bench/config.h; its options belong in a header of their own")
+    endif()
+  endforeach()
+endwhile()
 
 set(allowed CMakeLists.txt CMakePresets.json README.md quickstart LICENSE CHANGELOG.md
   bench devices sequences analysis db tests)

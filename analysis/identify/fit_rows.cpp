@@ -7,6 +7,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -47,23 +49,22 @@ std::string compare_json(const std::string& what, const nlohmann::json& stored, 
   if (stored.is_object() && recomputed.is_object()) {
     for (const auto& [key, value] : stored.items()) {
       const std::string name = fmt::format("{}.{}", what, key);
-      if (!recomputed.contains(key)) return differing_words(name, value.dump(), "nothing");
+      if (!recomputed.contains(key)) return differing_words(name, json_line(value), "nothing");
       std::string found = compare_json(name, value, recomputed[key], tolerance);
       if (!found.empty()) return found;
     }
     for (const auto& [key, value] : recomputed.items()) {
       if (stored.contains(key) || (key == "falling" && value == false)) continue;
-      return differing_words(fmt::format("{}.{}", what, key), "nothing", value.dump());
+      return differing_words(fmt::format("{}.{}", what, key), "nothing", json_line(value));
     }
     return {};
   }
-  return stored == recomputed ? std::string() : differing_words(what, stored.dump(), recomputed.dump());
+  return stored == recomputed ? std::string() : differing_words(what, json_line(stored), json_line(recomputed));
 }
 
 std::string compare_text(const std::string& what, const std::string& stored, const std::string& recomputed,
                          double tolerance) {
-  const nlohmann::json a = nlohmann::json::parse(stored, nullptr, false),
-                       b = nlohmann::json::parse(recomputed, nullptr, false);
+  const nlohmann::json a = try_json(stored), b = try_json(recomputed);
   if (a.is_discarded()) return fmt::format("{}: what is stored cannot be read", what);
   return compare_json(what, a, b, tolerance);
 }
@@ -104,7 +105,7 @@ bool same_number(double a, double b, double tolerance) {
 }
 
 std::string made_by(const db::FitRecord& fit) {
-  const nlohmann::json options = nlohmann::json::parse(fit.options_json, nullptr, false);
+  const nlohmann::json options = try_json(fit.options_json);
   if (!options.is_object() || !options.contains("made_by") || !options["made_by"].is_string()) return {};
   return options["made_by"].get<std::string>();
 }
@@ -112,7 +113,7 @@ std::string made_by(const db::FitRecord& fit) {
 ElamOptions options_of(const db::FitRecord& fit) {
   ElamOptions options;
   try {
-    nlohmann::json::parse(fit.options_json).at("exact_outer").get_to(options.exact_outer);
+    parse_json(fit.options_json).at("exact_outer").get_to(options.exact_outer);
   } catch (const nlohmann::json::exception& error) {
     throw AnalysisError(
         "TB-ANALYSIS-BAD-FIT",

@@ -7,6 +7,7 @@
 #include "analysis/histories.h"
 #include "analysis/identify/fit_rows.h"
 #include "analysis/identify/identify.h"
+#include "analysis/json_io.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -91,18 +92,16 @@ FitRows rows_of(const ArrayFit& fit) {
   db::FitRecord& record = rows.fit;
   record.run = fit.run;
   record.model = kElamFit;
-  record.options_json = nlohmann::json{{"exact_outer", fit.mean_taxel.fit.model.options.exact_outer}}.dump();
-  record.summary_json = summary_of(fit).dump();
-  record.patterns_json = nlohmann::json{
-      {"rows", fit.rows},
-      {"columns", fit.columns},
-      {"pressure_psi", fit.pressure_psi},
-      {"full_scale_v", fit.full_scale_v},
-      {"falling", fit.falling},
-      {"origin", fit.origin},
-      {"sensor_serial", fit.sensor_serial},
-      {"scanner_serial",
-       fit.scanner_serial}}.dump();
+  record.options_json = json_line(nlohmann::json{{"exact_outer", fit.mean_taxel.fit.model.options.exact_outer}});
+  record.summary_json = json_line(summary_of(fit));
+  record.patterns_json = json_line(nlohmann::json{{"rows", fit.rows},
+                                                  {"columns", fit.columns},
+                                                  {"pressure_psi", fit.pressure_psi},
+                                                  {"full_scale_v", fit.full_scale_v},
+                                                  {"falling", fit.falling},
+                                                  {"origin", fit.origin},
+                                                  {"sensor_serial", fit.sensor_serial},
+                                                  {"scanner_serial", fit.scanner_serial}});
   rows.taxels.push_back(to_record(fit.mean_taxel, kMeanTaxel));
   for (std::size_t i = 0; i < fit.taxels.size(); ++i) {
     rows.taxels.push_back(to_record(fit.taxels[i], static_cast<int>(i)));
@@ -116,9 +115,9 @@ std::int64_t store_fit(db::RunStore& store, const ArrayFit& fit, const std::stri
   rows.fit.program_version = program_version;
   rows.fit.created_utc = utc;
   if (!made_by.empty()) {
-    auto options = nlohmann::json::parse(rows.fit.options_json);
+    auto options = parse_json(rows.fit.options_json);
     options["made_by"] = made_by;
-    rows.fit.options_json = options.dump();
+    rows.fit.options_json = json_line(options);
   }
   return store.add_fit(rows.fit, rows.taxels);
 }
@@ -137,7 +136,7 @@ ArrayFit load_fit(const db::RunStore& store, const db::FitRecord& record) {
   ElamOptions options;
   fit.run = run;
   try {
-    const auto patterns = nlohmann::json::parse(record.patterns_json);
+    const auto patterns = parse_json(record.patterns_json);
     patterns.at("rows").get_to(fit.rows);
     patterns.at("columns").get_to(fit.columns);
     patterns.at("pressure_psi").get_to(fit.pressure_psi);
@@ -146,7 +145,7 @@ ArrayFit load_fit(const db::RunStore& store, const db::FitRecord& record) {
     patterns.at("origin").get_to(fit.origin);
     patterns.at("sensor_serial").get_to(fit.sensor_serial);
     patterns.at("scanner_serial").get_to(fit.scanner_serial);
-    nlohmann::json::parse(record.options_json).at("exact_outer").get_to(options.exact_outer);
+    parse_json(record.options_json).at("exact_outer").get_to(options.exact_outer);
   } catch (const nlohmann::json::exception& error) {
     malformed(run, error.what());
   }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/model_document.h"
+#include "analysis/json_io.h"
 #include "analysis/models/json_members.h"
 
 namespace tactbench::analysis {
@@ -168,7 +169,7 @@ ModelDocument document_from_text(const std::string& text, const std::string& fil
             "give a file that tactbench fit -o or model export wrote"};
   };
   try {
-    return document_from(Json::parse(text));
+    return document_from(parse_ordered_json(text));
   } catch (const nlohmann::json::exception& error) {
     throw refuse(error.what());
   } catch (const std::invalid_argument& error) {

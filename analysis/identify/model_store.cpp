@@ -10,6 +10,7 @@
 
 #include "analysis/identify/identify.h"
 #include "analysis/identify/model_document.h"
+#include "analysis/json_io.h"
 #include "analysis/models/elam_hysteresis.h"
 
 namespace tactbench::analysis {
@@ -158,11 +159,8 @@ std::int64_t store_model(db::RunStore& store, std::int64_t run, const ModelDocum
     mean += taxel.fit.mean_error;
     worst = std::max(worst, taxel.fit.max_error);
   }
-  record.summary_json = nlohmann::json{
-      {"j", j},
-      {"mean_error", mean / std::max(fitted, 1)},
-      {"max_error", worst},
-      {"fitted", fitted}}.dump();
+  record.summary_json = json_line(
+      nlohmann::json{{"j", j}, {"mean_error", mean / std::max(fitted, 1)}, {"max_error", worst}, {"fitted", fitted}});
   record.program_version = document.program_version;
   record.created_utc = utc;
   record.patterns_json = to_text(document);

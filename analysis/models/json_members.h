@@ -1,7 +1,7 @@
 // Members of a stored model, with faults that name them.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

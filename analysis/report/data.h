@@ -1,7 +1,7 @@
 // JSON as the report carries it: one line, ASCII; what is not finite becomes null.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 

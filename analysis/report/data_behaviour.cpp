@@ -1,5 +1,6 @@
 // The data behind the raw section, and the hash of models.
 #include <array>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "analysis/report/data.h"

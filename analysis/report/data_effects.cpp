@@ -1,4 +1,6 @@
 // What creep and temperature were found to be, as JSON.
+#include <nlohmann/json.hpp>
+
 #include "analysis/report/data.h"
 #include "analysis/report/page.h"
 

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "analysis/report/data.h"
 #include "analysis/report/page.h"
 

@@ -1,5 +1,6 @@
 // The figures of the section "Uncertainty", and of conformity, as JSON.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "analysis/report/data.h"
 #include "analysis/report/page.h"

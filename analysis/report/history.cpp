@@ -8,6 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "analysis/json_io.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -47,7 +49,7 @@ void add_event(RunHistory& history, const db::EventRecord& event) {
 
 // Loaded minus unloaded in volt; empty when the check is not of that shape.
 std::vector<double> seating_response(const db::CheckRecord& check) {
-  const auto json = nlohmann::json::parse(check.detail_json, nullptr, false);
+  const auto json = try_json(check.detail_json);
   if (!json.is_object() || !json.contains("volts_per_count") || !json["volts_per_count"].is_number()) return {};
   const double volts_per_count = json["volts_per_count"].get<double>();
   const std::size_t taxels = check.data.size() / 2;

@@ -1,4 +1,6 @@
 // The data behind the sections of more_sections.h.
+#include <nlohmann/json.hpp>
+
 #include "analysis/report/data.h"
 #include "analysis/report/more_sections.h"
 

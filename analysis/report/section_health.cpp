@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
+#include "analysis/json_io.h"
 #include "analysis/report/data.h"
 #include "analysis/report/figure.h"
 #include "analysis/report/page.h"
@@ -102,7 +104,7 @@ Markup seating_words(const ReportInput& input) {
   Markup out;
   for (const db::CheckRecord& check : input.history.checks) {
     if (check.kind != "seating") continue;
-    const auto json = nlohmann::json::parse(check.detail_json, nullptr, false);
+    const auto json = try_json(check.detail_json);
     if (!json.is_object() || !json.contains("findings") || !json["findings"].is_array()) continue;
     for (const auto& finding : json["findings"]) {
       if (!finding.is_object() || !finding.contains("text") || !finding["text"].is_string()) continue;

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "analysis/report/page.h"
 
 namespace tactbench::analysis {
@@ -22,7 +23,7 @@ const db::DeviceRecord* scanner_of(const db::RunRecord& run) {
 // As typed, else as the run stored it with the scanner.
 std::string cable_of(const Laboratory& laboratory, const db::DeviceRecord* scanner) {
   if (!laboratory.cable.empty() || scanner == nullptr) return laboratory.cable;
-  const auto json = nlohmann::json::parse(scanner->calibration_json, nullptr, false);
+  const auto json = try_json(scanner->calibration_json);
   const bool there = json.is_object() && json.contains("cable") && json["cable"].is_string();
   return there ? json["cable"].get<std::string>() : std::string();
 }
@@ -41,7 +42,7 @@ Markup further_runs(const ReportInput& input) {
 
 // As they were typed, one a line; what is not a list of settings as it stands.
 Markup settings_changed(const std::string& overrides_json) {
-  const auto json = nlohmann::json::parse(overrides_json, nullptr, false);
+  const auto json = try_json(overrides_json);
   if (!json.is_array()) return line(stated(overrides_json));
   Markup out;
   for (const auto& setting : json) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "analysis/report/page.h"
 
 namespace tactbench::analysis {
@@ -19,7 +20,7 @@ struct CertificateFields {
 // What the run stored with the instrument, and what was typed for its serial number.
 CertificateFields certificate_of(const db::DeviceRecord& device, const Laboratory& laboratory) {
   CertificateFields fields;
-  const auto json = nlohmann::json::parse(device.calibration_json, nullptr, false);
+  const auto json = try_json(device.calibration_json);
   const auto text = [&](const char* name) {
     const bool there = json.is_object() && json.contains(name) && json[name].is_string();
     return there ? json[name].get<std::string>() : std::string();
@@ -38,13 +39,12 @@ CertificateFields certificate_of(const db::DeviceRecord& device, const Laborator
 
 // What scaled the raw counts, one member of the JSON object a line; text that is not JSON as it is.
 Markup scaling_of(const std::string& json_text) {
-  const auto json = nlohmann::json::parse(json_text, nullptr, false);
+  const auto json = try_json(json_text);
   if (json.is_discarded() || !json.is_object()) return markup("{}", stated(json_text));
   Markup out;
   for (const auto& [name, value] : json.items()) {
     if (name == "certificate" || name == "due") continue;
-    const std::string text = value.is_string() ? value.get<std::string>()
-                                               : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    const std::string text = value.is_string() ? value.get<std::string>() : printable_json(value);
     if (!out.value.empty()) out += markup("<br/>");
     out += markup("{}: {}", Text(name), stated(text));
   }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
 
 namespace tactbench::analysis {
@@ -40,7 +41,7 @@ std::vector<MountTransform> mount_of(const db::RunStore& store, std::int64_t run
   std::vector<MountTransform> out;
   for (const db::CheckRecord& check : store.checks(run)) {
     if (check.kind != "mount") continue;
-    const auto json = nlohmann::json::parse(check.detail_json, nullptr, false);
+    const auto json = try_json(check.detail_json);
     if (!json.is_object() || !json.contains("angle_deg") || !json.contains("offset_mm")) continue;
     MountTransform mount;
     mount.run = run;

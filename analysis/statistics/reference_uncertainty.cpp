@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -55,7 +57,7 @@ double converter_step(const db::RunRecord& run, const ReferenceJson& calibration
   if (!calibration.contains("psi_high") || !calibration.contains("volts_high")) return 0.0;
   double volts_per_count = 0.0;
   for (const db::DeviceRecord& device : run.devices) {
-    const ReferenceJson json = ReferenceJson::parse(device.calibration_json, nullptr, false);
+    const ReferenceJson json = try_json(device.calibration_json);
     if (!json.is_object() || !json.contains("input_volts")) continue;
     const ReferenceJson& scale = json["input_volts"];
     const double counts = scale.value("raw_high", 0.0) - scale.value("raw_low", 0.0);
@@ -106,7 +108,7 @@ ReferenceUncertainty reference_uncertainty(const db::RunRecord& run) {
     for (const db::DeviceRecord& device : run.devices) {
       if (device.role.find("reference") == std::string::npos || device.role.find("pressure") == std::string::npos)
         continue;
-      const ReferenceJson json = ReferenceJson::parse(device.calibration_json, nullptr, false);
+      const ReferenceJson json = try_json(device.calibration_json);
       if (!json.is_object()) continue;
       reference.independent = json.value("independent", true);
       reference.certificate = text_in(json, "certificate");
@@ -130,7 +132,7 @@ ReferenceUncertainty reference_uncertainty(const db::RunRecord& run) {
 double scanner_step_v(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
     if (device.role != "tactile scanner") continue;
-    const ReferenceJson json = ReferenceJson::parse(device.calibration_json, nullptr, false);
+    const ReferenceJson json = try_json(device.calibration_json);
     if (json.is_object()) return positive_number(json, "volts_per_count");
   }
   return 0.0;

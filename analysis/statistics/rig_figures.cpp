@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "analysis/json_io.h"
 #include "analysis/statistics/levels.h"
 
 namespace tactbench::analysis {
@@ -163,7 +164,7 @@ std::map<std::string, double> press_figures(const db::RunStore& store, std::int6
     if (heights.size() >= 2) keep_largest(figures, "stage_repeatability_um", 1000.0 * deviation_of(heights));
   for (const db::CheckRecord& check : store.checks(run)) {
     if (check.kind != "tare") continue;
-    const auto detail = nlohmann::json::parse(check.detail_json, nullptr, false);
+    const auto detail = try_json(check.detail_json);
     if (detail.is_object() && detail.contains("drift_fz_n"))
       keep_largest(figures, "force_zero_drift_n", detail["drift_fz_n"].get<double>());
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/limits.h"
 #include "analysis/statistics/reference_uncertainty.h"
 
 namespace tactbench::analysis {

@@ -15,7 +15,12 @@
 #include "bench/config.h"
 #include "bench/config_profile.h"
 #include "bench/rig.h"
+#include "bench/simulation/plant.h"
 #include "devices/fault.h"
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/simulated_module.h"
+#include "devices/stage/simulated_chain.h"
+#include "devices/wire/serial_link.h"
 
 namespace tactbench::bench {
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cli/session.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 

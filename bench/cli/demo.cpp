@@ -7,8 +7,13 @@
 
 #include "bench/cli/evaluation.h"
 #include "bench/cli/model_table.h"
+#include "bench/cli/named_evaluation.h"
+#include "bench/config.h"
+#include "bench/run/characterize.h"
 #include "bench/run/locks.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::bench {
 

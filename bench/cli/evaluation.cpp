@@ -7,10 +7,14 @@
 
 #include "analysis/identify/lanes.h"
 #include "analysis/report/gather.h"
+#include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/figures.h"
+#include "analysis/statistics/limits.h"
 #include "bench/build_info.h"
 #include "bench/cli/report_budget.h"
+#include "bench/config.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 

@@ -7,6 +7,7 @@
 
 #include "analysis/report/report.h"
 #include "analysis/statistics/verdict.h"
+#include "bench/cli/named_evaluation.h"
 #include "bench/cli/report_results.h"
 #include "bench/cli/session.h"
 

@@ -9,6 +9,9 @@
 #include "analysis/models/elam_pieces.h"
 #include "bench/cli/evaluation.h"
 #include "bench/cli/fit_models.h"
+#include "bench/cli/named_evaluation.h"
+#include "bench/config.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "analysis/json_io.h"
 #include "bench/cli/table_file.h"
 #include "bench/run/run_record.h"
 #include "bench/utc.h"
@@ -53,7 +54,7 @@ void import(const ImportOptions& options, const Session& session) {
   const nlohmann::ordered_json calibration = {
       {"input_unit", options.table.input_unit}, {"output_unit", options.table.output_unit}, {"map", options.table.map}};
   run.devices = {{kTableRole, std::filesystem::path(options.file).filename().string(), file.sha256, "", "imported",
-                  calibration.dump()}};
+                  analysis::json_line(calibration)}};
   db::RunStore store = db::RunStore::open(session.db);
   const std::int64_t number = store.begin_run(run);
   store.append_series(number, series);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cli/session.h"
+#include "bench/config.h"
 
 namespace tactbench::bench {
 

@@ -8,11 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/json_io.h"
 #include "bench/cli/evaluation.h"
+#include "bench/config.h"
 #include "bench/nightly/followed_page.h"
 #include "bench/nightly/night.h"
 #include "bench/nightly/night_store.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 namespace {
@@ -101,7 +104,7 @@ void nightly(const NightlyOptions& options, Session& session) {
     session.code = ExitCode::kInconclusive;
   if (session.json) {
     auto json = nlohmann::ordered_json::array();
-    for (const ScenarioResult& result : results) json.push_back(nlohmann::ordered_json::parse(to_json(result)));
+    for (const ScenarioResult& result : results) json.push_back(analysis::parse_ordered_json(to_json(result)));
     print_json(
         "nightly",
         {{"suite", suite.name}, {"origin", "simulated"}, {"red", red}, {"not_run", missing}, {"scenarios", json}});

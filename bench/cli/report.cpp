@@ -7,10 +7,14 @@
 #include <optional>
 
 #include "analysis/report/overview.h"
+#include "analysis/statistics/evaluation.h"
 #include "bench/cli/evaluation.h"
+#include "bench/cli/named_evaluation.h"
 #include "bench/cli/report_pdf.h"
+#include "bench/config.h"
 #include "bench/config_laboratory.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 

@@ -8,10 +8,14 @@
 
 #include "bench/cli/run.h"
 #include "bench/cli/session.h"
+#include "bench/run/characterize.h"
 #include "bench/run/locks.h"
 #include "bench/run/recipe_check.h"
 #include "bench/run/run_record.h"
+#include "bench/run/time_estimate.h"
 #include "bench/safety/trip.h"
+#include "db/run_store.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::bench {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/config.h"
-#include "bench/run/characterize.h"
+#include "bench/run/run_request.h"
 
 namespace tactbench::bench {
 

@@ -7,7 +7,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/cli/session.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -23,7 +25,7 @@ void compare_members(const nlohmann::ordered_json& a, const nlohmann::ordered_js
   if (a == b) return;
   const auto path = [&](const std::string& key) { return at.empty() ? key : fmt::format("{}.{}", at, key); };
   const auto shown = [](const nlohmann::ordered_json& value) {
-    return value.is_string() ? value.get<std::string>() : value.is_null() ? "nothing" : value.dump();
+    return value.is_string() ? value.get<std::string>() : value.is_null() ? "nothing" : analysis::json_line(value);
   };
   if (a.is_object() && b.is_object()) {
     for (const auto& [key, value] : a.items())
@@ -41,7 +43,7 @@ void compare_members(const nlohmann::ordered_json& a, const nlohmann::ordered_js
 nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord& run) {
   nlohmann::ordered_json json = run_json(run);
   for (const char* own : {"run", "uuid", "started_utc", "ended_utc"}) json.erase(own);  // of no two runs the same
-  json["overrides"] = nlohmann::ordered_json::parse(run.overrides_json, nullptr, false);
+  json["overrides"] = analysis::try_ordered_json(run.overrides_json);
   json["bench_sha256"] = run.bench_sha256;
   json["sensor_type_sha256"] = run.sensor_sha256;
   json["frames"] = store.frame_count(run.run);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/cli/run_export.h"
 #include "bench/cli/session.h"
 
@@ -129,7 +130,7 @@ std::string run_document(const db::RunStore& store, const db::RunRecord& run) {
   json["sensor_toml"] = run.sensor_toml;
   for (std::size_t i = 0; i < run.sequences.size(); ++i) json["recipes"][i]["toml"] = run.sequences[i].recipe_toml;
   for (std::size_t i = 0; i < run.devices.size(); ++i) {
-    json["devices"][i]["calibration"] = nlohmann::ordered_json::parse(run.devices[i].calibration_json, nullptr, false);
+    json["devices"][i]["calibration"] = analysis::try_ordered_json(run.devices[i].calibration_json);
   }
   for (const char* list : {"frames", "series", "events", "checks"}) json[list] = nlohmann::ordered_json::array();
   const std::vector<db::BranchRecord> branches = store.branches(run.run);
@@ -146,10 +147,10 @@ std::string run_document(const db::RunStore& store, const db::RunRecord& run) {
     json["checks"].push_back({{"time_ns", c.time_ns},
                               {"kind", c.kind},
                               {"verdict", c.verdict},
-                              {"detail", nlohmann::ordered_json::parse(c.detail_json, nullptr, false)}});
+                              {"detail", analysis::try_ordered_json(c.detail_json)}});
   }
   json["verdicts"] = verdicts_json(store.verdicts(run.run), run.origin);
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return analysis::printable_json(json) + "\n";
 }
 
 void export_run(const RunExportOptions& options, const Session& session) {

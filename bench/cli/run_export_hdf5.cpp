@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/cli/hdf5_file.h"
 #include "bench/cli/run_export.h"
 #include "bench/error.h"
@@ -112,7 +113,7 @@ void hdf5_recipes_and_devices(Hdf5File& file, const db::RunRecord& run) {
 // What makes volts of counts, from the scanner's calibration; absent where that does not say.
 double counts_scale(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
-    const auto json = nlohmann::json::parse(device.calibration_json, nullptr, false);
+    const auto json = analysis::try_json(device.calibration_json);
     if (json.is_object() && json.contains("volts_per_count") && json["volts_per_count"].is_number())
       return json["volts_per_count"].get<double>();
   }

@@ -8,6 +8,7 @@
 
 #include "bench/cli/session.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 

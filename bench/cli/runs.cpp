@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "analysis/json_io.h"
 #include "analysis/report/page.h"
 #include "bench/cli/session.h"
 
@@ -38,7 +39,7 @@ void check_since(const std::string& since) {
 
 // What was found; where nothing was, the figures.
 std::string check_line(const db::CheckRecord& check) {
-  const auto detail = nlohmann::ordered_json::parse(check.detail_json, nullptr, false);
+  const auto detail = analysis::try_ordered_json(check.detail_json);
   std::vector<std::string> parts;
   for (const auto& finding : detail.value("findings", nlohmann::ordered_json::array())) {
     parts.push_back(finding.value("text", ""));
@@ -48,7 +49,7 @@ std::string check_line(const db::CheckRecord& check) {
     if (value.is_number_float()) {
       parts.push_back(fmt::format("{} {:.4g}", key, value.get<double>()));
     } else if (!value.is_structured() || !value.empty()) {
-      parts.push_back(fmt::format("{} {}", key, value.dump()));
+      parts.push_back(fmt::format("{} {}", key, analysis::json_line(value)));
     }
   }
   return fmt::format("{}", fmt::join(parts, ", "));
@@ -105,7 +106,7 @@ void show_run(std::int64_t number, const Session& session) {
     json["frames"] = store.frame_count(number);
     json["bench_sha256"] = run.bench_sha256;
     json["sensor_type_sha256"] = run.sensor_sha256;
-    json["overrides"] = nlohmann::ordered_json::parse(run.overrides_json, nullptr, false);
+    json["overrides"] = analysis::try_ordered_json(run.overrides_json);
     json["events"] = nlohmann::ordered_json::array();
     for (const db::EventRecord& event : events) {
       json["events"].push_back({{"time_s", static_cast<double>(event.time_ns) * 1e-9},
@@ -118,7 +119,7 @@ void show_run(std::int64_t number, const Session& session) {
       json["checks"].push_back({{"time_s", static_cast<double>(check.time_ns) * 1e-9},
                                 {"kind", check.kind},
                                 {"verdict", check.verdict},
-                                {"detail", nlohmann::ordered_json::parse(check.detail_json, nullptr, false)}});
+                                {"detail", analysis::try_ordered_json(check.detail_json)}});
     }
     json["verdicts"] = verdicts_json(verdicts, run.origin);
     print_json("runs.show", json);

@@ -15,9 +15,12 @@
 
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/identify/lanes.h"
+#include "analysis/json_io.h"
 #include "bench/build_info.h"
+#include "bench/config.h"
 #include "bench/selfcheck/selfcheck.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -87,7 +90,7 @@ nlohmann::ordered_json selfcheck_record(const std::string& store) {
   record["checks"] = list;
   record["failed"] = std::ranges::count_if(lines, [](const SelfcheckLine& line) { return !line.pass; });
   record["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  record["sha256"] = db::sha256_hex(record.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  record["sha256"] = db::sha256_hex(analysis::printable_json(record));
   return record;
 }
 
@@ -113,7 +116,7 @@ std::string selfcheck_text(const nlohmann::ordered_json& record) {
 
 void selfcheck(const std::string& output, Session& session) {
   const nlohmann::ordered_json record = selfcheck_record(session.db);
-  const std::string json = record.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string json = analysis::printable_json(record, 2) + "\n";
   if (!output.empty()) write_whole(output, output.ends_with(".json") ? json : selfcheck_text(record));
   fmt::print("{}", session.json ? json : selfcheck_text(record));
   if (record["failed"].get<int>() > 0) session.code = ExitCode::kCriterionFailed;

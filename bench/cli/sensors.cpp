@@ -4,8 +4,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/cli/session.h"
+#include "bench/config.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -68,7 +71,8 @@ void show_sensor(const std::string& serial, const Session& session) {
   }
   fmt::print("sensor {}\n  type     {}\n  scanner  {}\n  note     {}\n  added    {}\n  runs     {}\n\n{}",
              sensor->serial, sensor->type, sensor->scanner_serial.empty() ? "any" : sensor->scanner_serial,
-             sensor->note.empty() ? "not stated" : sensor->note, sensor->added_utc, runs.dump(), sensor->type_toml);
+             sensor->note.empty() ? "not stated" : sensor->note, sensor->added_utc, analysis::json_line(runs),
+             sensor->type_toml);
 }
 
 }  // namespace

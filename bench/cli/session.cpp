@@ -11,6 +11,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
+#include "analysis/statistics/evaluation.h"
+#include "bench/cli/named_evaluation.h"
+#include "db/record.h"
+
 namespace tactbench::bench {
 
 using nlohmann::ordered_json;
@@ -20,7 +25,7 @@ void print_json(const std::string& verb, const ordered_json& body) {
   document["schema"] = "tactbench." + verb;
   document["version"] = 1;
   document.update(body);
-  fmt::print("{}\n", document.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", analysis::printable_json(document, 2));
 }
 
 SplitOverrides split_overrides(const std::vector<std::string>& set) {

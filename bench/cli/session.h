@@ -7,15 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/evaluation.h"
-#include "bench/config.h"
 #include "bench/error.h"
-#include "bench/run/characterize.h"
-#include "db/run_store.h"
+#include "sequences/strict_toml.h"
 
 namespace CLI {
 class App;
 }
+
+namespace tactbench::db {
+struct RunRecord;
+struct VerdictRecord;
+}  // namespace tactbench::db
 
 namespace tactbench::bench {
 
@@ -42,13 +44,6 @@ std::string shown_verdict(const std::string& verdict, const std::string& origin)
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 nlohmann::ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 
-// Figures of one evaluation beside each other: raw, compensated, with and without unobservable levels.
-struct NamedEvaluation {
-  std::string title;
-  analysis::Evaluation evaluation;
-};
-std::string figures_table(const std::vector<NamedEvaluation>& evaluations);
-nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 nlohmann::ordered_json run_json(const db::RunRecord& run);
 
 // One file a verb.

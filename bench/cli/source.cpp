@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "analysis/json_io.h"
 #include "bench/cli/table_file.h"
 
 namespace tactbench::bench {
@@ -29,7 +30,7 @@ analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run
   analysis::Histories histories = analysis::histories_of(series, fmt::format("run {}", run.run), options_of(table));
   for (const db::DeviceRecord& device : run.devices) {
     if (device.role != kTableRole) continue;
-    const auto json = nlohmann::json::parse(device.calibration_json);
+    const auto json = analysis::parse_json(device.calibration_json);
     histories.input_unit = json.at("input_unit").get<std::string>();
     histories.output_unit = json.at("output_unit").get<std::string>();
   }

@@ -10,8 +10,11 @@
 #include <optional>
 
 #include "analysis/identify/fit_rows.h"
+#include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/limits.h"
 #include "bench/cli/evaluation.h"
 #include "bench/cli/verify.h"
+#include "bench/config.h"
 
 namespace tactbench::bench {
 

@@ -11,6 +11,7 @@
 
 #include "bench/safety/fail_safe.h"
 #include "devices/fault.h"
+#include "devices/pressure/analog_module.h"
 
 namespace tactbench::bench {
 

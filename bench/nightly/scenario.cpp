@@ -8,11 +8,18 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
+#include "analysis/statistics/evaluation.h"
 #include "analysis/statistics/figures.h"
 #include "analysis/statistics/rig_figures.h"
 #include "bench/cli/evaluation.h"
+#include "bench/cli/named_evaluation.h"
+#include "bench/config.h"
+#include "bench/run/characterize.h"
 #include "bench/run/recipe_check.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::bench {
 namespace {
@@ -161,12 +168,12 @@ std::string to_json(const ScenarioResult& result) {
                             {"error", run.error},
                             {"safe", run.safe},
                             {"content_sha256", run.content_sha256}});
-  return json.dump();
+  return analysis::json_line(json);
 }
 
 ScenarioResult result_from_json(const std::string& text) {
   try {
-    const auto json = nlohmann::json::parse(text);
+    const auto json = analysis::parse_json(text);
     ScenarioResult result;
     result.name = json.at("name");
     result.about = json.at("about");

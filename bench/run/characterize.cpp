@@ -9,6 +9,7 @@
 #include <iterator>
 #include <memory>
 
+#include "bench/config.h"
 #include "bench/rig.h"
 #include "bench/run/conductor.h"
 #include "bench/run/control_socket.h"
@@ -16,10 +17,13 @@
 #include "bench/run/resume.h"
 #include "bench/run/run_record.h"
 #include "bench/run/set_up.h"
+#include "bench/run/time_estimate.h"
 #include "bench/safety/fail_safe.h"
 #include "bench/safety/trip.h"
+#include "bench/simulation/plant.h"
 #include "bench/utc.h"
 #include "devices/fault.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::bench {
 

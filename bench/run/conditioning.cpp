@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "analysis/json_io.h"
+
 namespace tactbench::bench {
 
 bool ConditioningWatch::enough(int cycle) const {
@@ -37,7 +39,7 @@ std::string ConditioningWatch::detail_json() const {
   nlohmann::ordered_json json = {{"cycles_at_most", rule_.cycles}, {"change_limit_percent", rule_.change_percent}};
   if (wants_output()) json["cycles_done"] = loops_.size();
   if (!changes_.empty()) json["last_change_percent"] = changes_.back();
-  return json.dump();
+  return analysis::json_line(json);
 }
 
 }  // namespace tactbench::bench

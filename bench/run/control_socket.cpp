@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/error.h"
 #include "bench/run/locks.h"
 
@@ -106,12 +107,11 @@ void ControlSocket::answer(int client) {
   getsockopt(client, SOL_SOCKET, SO_PEERCRED, &peer, &size);
   const Control::Answer answer = control_.ask(word_of(*asked), fmt::format("pid {}", peer.pid));
   const RunStatus status = control_.status();
-  const std::string text = json{{"taken", answer.taken},   {"text", answer.text},
-                                {"run", status.run},       {"state", to_string(status.state)},
-                                {"store", status.store},   {"label", status.label},
-                                {"reason", status.reason}, {"step", status.step},
-                                {"steps", status.steps},   {"left_s", status.left_s}}
-                               .dump(-1, ' ', false, json::error_handler_t::replace);
+  const json told{
+      {"taken", answer.taken}, {"text", answer.text},    {"run", status.run},       {"state", to_string(status.state)},
+      {"store", status.store}, {"label", status.label},  {"reason", status.reason}, {"step", status.step},
+      {"steps", status.steps}, {"left_s", status.left_s}};
+  const std::string text = analysis::printable_json(told);
   (void)send(client, text.data(), text.size(), MSG_NOSIGNAL);
 }
 
@@ -127,7 +127,7 @@ std::optional<LiveRun> send_word(const std::string& socket_path, Word word) {
   }
   close(descriptor);
   if (!text) return std::nullopt;
-  const json answer = json::parse(*text, nullptr, false);
+  const json answer = analysis::try_json(*text);
   if (!answer.is_object()) return std::nullopt;
   LiveRun live;
   live.socket = socket_path;

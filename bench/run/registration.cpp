@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "analysis/json_io.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -110,7 +111,7 @@ std::string MountRegistration::json() const {
                                {"taxel_mm", touches[i].taxel_mm},
                                {"residual_mm", residual_mm.at(i)}});
   }
-  return made.dump();
+  return analysis::json_line(made);
 }
 
 MountRegistration register_mount(const std::vector<Touch>& touches, double pitch_mm,

@@ -8,11 +8,14 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/build_info.h"
 #include "bench/run/recorder.h"
 #include "bench/run/resume.h"
 #include "bench/utc.h"
+#include "db/run_store.h"
 #include "devices/fault.h"
+#include "sequences/recipe.h"
 
 namespace tactbench::bench {
 
@@ -62,7 +65,7 @@ db::RunRecord record_of(const RunRequest& request) {
   record.sensor_sha256 = db::sha256_hex(request.sensor_type.text);
   nlohmann::ordered_json overrides = nlohmann::ordered_json::array();
   for (const auto& item : request.overrides) overrides.push_back({{"key", item.key}, {"value", item.value}});
-  record.overrides_json = overrides.dump();
+  record.overrides_json = analysis::json_line(overrides);
   if (request.bench.simulation) {
     record.seed = static_cast<std::int64_t>(request.bench.simulation->plant.seed);
     record.sensor_seed = static_cast<std::int64_t>(request.bench.simulation->plant.specimen.sensor_seed);
@@ -80,7 +83,7 @@ db::RunRecord record_of(const RunRequest& request) {
 }
 
 std::optional<std::vector<sequences::Override>> stored_overrides(const std::string& overrides_json) {
-  const nlohmann::json list = nlohmann::json::parse(overrides_json, nullptr, false);
+  const nlohmann::json list = analysis::try_json(overrides_json);
   if (!list.is_array()) return std::nullopt;
   std::vector<sequences::Override> found;
   for (const auto& item : list) {

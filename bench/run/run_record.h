@@ -1,7 +1,11 @@
 // What is written down of a run before a device is touched, and what is refused by then.
 #pragma once
 
-#include "bench/run/characterize.h"
+#include "bench/run/run_request.h"
+
+namespace tactbench::db {
+class RunStore;
+}
 
 namespace tactbench::bench {
 

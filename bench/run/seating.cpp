@@ -7,8 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/json_io.h"
 #include "analysis/statistics/seating.h"
 #include "bench/error.h"
+#include "bench/run/progress.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -41,7 +44,7 @@ std::optional<analysis::SeatingFrames> last_seating(const db::RunStore& store, c
     // A run that was opened again is compared with its own first seating.
     const std::optional<db::CheckRecord> check = store.last_check(request.sensor.serial, "seating", verdict, run + 1);
     if (!check || check->data.size() != 2 * taxels) continue;
-    const nlohmann::json detail = nlohmann::json::parse(check->detail_json);
+    const nlohmann::json detail = analysis::parse_json(check->detail_json);
     const double volts_per_count = detail.at("volts_per_count");
     analysis::SeatingFrames frames;
     frames.pressure_psi = detail.at("pressure_psi");
@@ -69,7 +72,7 @@ std::string detail_of(const analysis::SeatingResult& result, const analysis::Sea
                                 {"columns", finding.columns},
                                 {"text", finding.text}});
   }
-  return json.dump();
+  return analysis::json_line(json);
 }
 
 std::string why_not(const RunRequest& request, const sequences::Extremes& extremes, double psi) {

@@ -1,10 +1,16 @@
 // Seating check of a run: loads the array lightly, asks the analysis how the sensor sits, stores the answer.
 #pragma once
 
-#include "bench/run/characterize.h"
+#include "bench/run/run_request.h"
 #include "bench/run/sequencer.h"
 
+namespace tactbench::db {
+class RunStore;
+}
+
 namespace tactbench::bench {
+
+class Progress;
 
 // About half a minute at 8 psi or the recipes' highest level, if that is lower, then vented; compared with the sensor's
 // last seating that passed, else with its last one with a warning. Stores a check "seating"; its data are the unloaded

@@ -7,8 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "analysis/json_io.h"
 #include "bench/process_time.h"
+#include "bench/run/progress.h"
 #include "bench/run/seating.h"
+#include "db/run_store.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -46,7 +49,7 @@ Baseline warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::Warm
                                          {"last_drift_percent_per_min", drifts.empty() ? 0.0 : drifts.back()},
                                          {"limit_percent_per_min", rule.drift_percent_per_min},
                                          {"at_most_s", rule.at_most_s}};
-  recorder.check("warm-up", calm ? "pass" : "warning", detail.dump(), drifts);
+  recorder.check("warm-up", calm ? "pass" : "warning", analysis::json_line(detail), drifts);
   return frame;
 }
 

@@ -2,10 +2,16 @@
 // are warm.
 #pragma once
 
-#include "bench/run/characterize.h"
+#include "bench/run/run_request.h"
 #include "bench/run/sequencer.h"
 
+namespace tactbench::db {
+class RunStore;
+}
+
 namespace tactbench::bench {
+
+class Progress;
 
 void record_environment(Rig& rig, Recorder& recorder);  // one event a sensor
 // Throws Fault TB-SCANNER-SERIAL when another scanner answers than the sensor is registered with.

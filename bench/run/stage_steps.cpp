@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/error.h"
 #include "devices/fault.h"
 
@@ -81,7 +82,7 @@ void StageSteps::carry_out(const Step& step, const sequences::Recipe& recipe) {
       nlohmann::ordered_json json = {{"removed_fz_n", tare.removed.force_n[2]}};
       if (tare.drift) json["drift_fz_n"] = tare.drift->force_n[2];
       const auto removed = six(tare.removed);
-      recorder_.check("tare", "pass", json.dump(), {removed.begin(), removed.end()});
+      recorder_.check("tare", "pass", analysis::json_line(json), {removed.begin(), removed.end()});
       return;
     }
     case StepKind::kHome:

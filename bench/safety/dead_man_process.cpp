@@ -10,6 +10,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/process_time.h"
 #include "devices/fault.h"
 #include "devices/wire/serial_link.h"
@@ -71,7 +72,7 @@ DeadManProcess::DeadManProcess(const BenchConfig& config)
   if (config.stage) stage_address_ = config.stage->address;
   start(config.dead_man.program);
   const nlohmann::json bench = {{"name", config.file}, {"bench", config.resolved}};
-  if (!channel_->send(bench.dump())) fail("it does not take the bench's description");
+  if (!channel_->send(analysis::json_line(bench))) fail("it does not take the bench's description");
   const std::optional<devices::ChannelPacket> answer = channel_->receive(kStart);
   if (!answer || answer->text != "ready") {
     fail(answer ? answer->text : channel_->closed() ? "it ended at once" : "it did not answer");

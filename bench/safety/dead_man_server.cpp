@@ -11,10 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "analysis/json_io.h"
+#include "bench/config.h"
 #include "bench/error.h"
 #include "bench/process_time.h"
 #include "bench/rig.h"
-#include "bench/run/characterize.h"
 #include "bench/run/locks.h"
 #include "bench/safety/dead_man.h"
 #include "bench/safety/dead_man_process.h"
@@ -22,6 +23,7 @@
 #include "bench/safety/trip.h"
 #include "bench/utc.h"
 #include "devices/fault.h"
+#include "devices/pressure/analog_module.h"
 #include "devices/stage/zaber_retreat.h"
 #include "devices/wire/descriptor_channel.h"
 #include "devices/wire/serial_link.h"
@@ -44,7 +46,7 @@ Nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); 
 BenchConfig read_description(devices::DescriptorChannel& channel) {
   const auto packet = channel.receive(kFirstPacket);
   if (!packet) throw std::runtime_error("no bench was described to it");
-  const auto json = nlohmann::json::parse(packet->text);
+  const auto json = analysis::parse_json(packet->text);
   BenchConfig config = parse_bench(json.at("bench"), json.at("name"), {});
   share_lines(config, true);
   config.dead_man.enabled = false;  // this is the one
@@ -151,8 +153,7 @@ class Server {
 
   void record(const TripFile& trip, const nlohmann::ordered_json& json) {
     try {
-      write_durably(trip.dead_man_path(),
-                    json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+      write_durably(trip.dead_man_path(), analysis::printable_json(json, 2) + "\n");
     } catch (const std::exception& error) {
       fmt::print(stderr, "tactbench: dead-man's record: {}\n", error.what());
     }

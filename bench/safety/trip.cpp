@@ -11,11 +11,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "analysis/json_io.h"
+#include "bench/config.h"
 #include "bench/error.h"
-#include "bench/run/characterize.h"
 #include "bench/utc.h"
 
 namespace tactbench::bench {
@@ -95,7 +97,7 @@ std::optional<Trip> TripFile::read() const {
   std::error_code unknown;
   if (!fs::exists(path_, unknown) && !unknown) return std::nullopt;
   std::ifstream stream(path_);
-  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  const auto json = analysis::try_json(std::string(std::istreambuf_iterator<char>(stream), {}));
   Trip trip{"TB-TRIP-UNREADABLE", "the trip's file cannot be read", 0, "unknown"};
   if (json.is_discarded() || !json.is_object()) return trip;
   trip.id = json.value("id", trip.id);
@@ -110,7 +112,7 @@ bool TripFile::store(Trip trip) const noexcept {
     if (read()) return true;
     trip.utc = utc_now();
     const nlohmann::ordered_json json = {{"utc", trip.utc}, {"id", trip.id}, {"what", trip.what}, {"run", trip.run}};
-    write_durably(path_, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    write_durably(path_, analysis::printable_json(json, 2) + "\n");
     return true;
   } catch (...) {
     return false;

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
-#include <toml++/toml.h>
 #include <CLI/Version.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <thread>
 
 #include "bench/build_info.h"
@@ -14,6 +13,7 @@
 #include "bench/utc.h"
 #include "db/library_versions.h"
 #include "devices/library_versions.h"
+#include "sequences/library_versions.h"
 
 namespace tactbench::bench {
 
@@ -67,10 +67,10 @@ SelfcheckLines check_clocks() {
 std::vector<std::pair<std::string, std::string>> library_versions() {
   std::vector<std::pair<std::string, std::string>> versions = db::library_versions();
   for (auto& version : devices::library_versions()) versions.push_back(std::move(version));
+  for (auto& version : sequences::library_versions()) versions.push_back(std::move(version));
   versions.emplace_back("fmt",
                         fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100));
   versions.emplace_back("CLI11", CLI11_VERSION);
-  versions.emplace_back("toml++", fmt::format("{}.{}.{}", TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH));
   versions.emplace_back("nlohmann-json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR,
                                                      NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH));
   std::ranges::sort(versions);

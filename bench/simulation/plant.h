@@ -13,6 +13,7 @@
 #include "bench/simulation/chamber.h"
 #include "bench/simulation/contact.h"
 #include "bench/simulation/faults.h"
+#include "bench/simulation/plant_options.h"
 #include "bench/simulation/specimen.h"
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
@@ -21,23 +22,6 @@
 #include "devices/tactile/simulated_scanner.h"
 
 namespace tactbench::bench {
-
-struct ScannerFrontEnd {
-  double volts_per_count = 5.0 / 65535.0;  // 16 bit over 0-5 V
-  double noise_v = 0.0015;                 // standard deviation per sample
-  double relay_settle_s = 0.004;           // waited after a row's relay closes
-  double relay_time_constant_s = 0.0006;   // what is left of the row before decays with this
-};
-
-struct PlantOptions {
-  std::uint64_t seed = 1;  // noise
-  ChamberOptions chamber;
-  SpecimenOptions specimen;
-  ScannerFrontEnd scanner;
-  ContactOptions contact;
-  std::vector<PlannedFault> faults;
-  double supply_bar = 8.0;  // compressed air in front of the regulator
-};
 
 class Plant final : public devices::ChamberPort, public devices::TactilePort, public devices::ForcePort {
  public:

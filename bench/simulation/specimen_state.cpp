@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "analysis/json_io.h"
 #include "bench/simulation/specimen_film.h"
 
 namespace tactbench::bench {
@@ -41,12 +42,12 @@ std::string write_state(const FilmMemory& memory, const SpecimenOptions& options
       {"rows", options.rows},      {"columns", options.columns}, {"pressure_psi", memory.pressure_psi},
       {"lag_psi", memory.lag_psi}, {"virgin", memory.virgin},    {"travel_psi", memory.travel_psi},
       {"plays", memory.plays},     {"creep", memory.creep}};
-  return json.dump();
+  return analysis::json_line(json);
 }
 
 FilmMemory read_state(const std::string& text, const SpecimenOptions& options) {
   try {
-    const auto json = nlohmann::json::parse(text);
+    const auto json = analysis::parse_json(text);
     if (json.at("format").get<std::string>() != kFormat || json.at("version").get<int>() != kVersion) {
       throw std::invalid_argument("specimen state: not a state of this program, or of another version");
     }

@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <pugixml.hpp>
 
 #include "devices/fault.h"
+#include "devices/force/ati_matrix.h"
 #include "devices/force/ati_units.h"
 
 namespace tactbench::devices {
@@ -112,12 +111,6 @@ std::optional<AtiTemperature> temperature(const CalibrationReader& reader, const
                         reader.number(reader.only(calibration, "Thermistor", true), "value")};
 }
 
-Vector6 file_units(const AtiCalibration& calibration) {
-  const double force = newtons_in(calibration.force_unit).value();
-  const double torque = newton_millimetres_in(calibration.torque_unit).value();
-  return (Vector6() << force, force, force, torque, torque, torque).finished();
-}
-
 }  // namespace
 
 AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& where) {
@@ -165,47 +158,6 @@ AtiCalibration read_ati_calibration(const std::string& path) {
   if (file.bad()) CalibrationReader(path).fail("it cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
   return parse_ati_calibration(text, path);
-}
-
-Matrix6 wrench_transform(const AtiTransform& transform) {
-  constexpr double kRadians = std::numbers::pi / 180.0;
-  const auto& [x, y, z] = transform.rotation_deg;
-  const auto& [dx, dy, dz] = transform.displacement_mm;
-  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(-z * kRadians, Eigen::Vector3d::UnitZ()) *
-                                    Eigen::AngleAxisd(-y * kRadians, Eigen::Vector3d::UnitY()) *
-                                    Eigen::AngleAxisd(-x * kRadians, Eigen::Vector3d::UnitX()))
-                                       .toRotationMatrix();
-  Eigen::Matrix3d cross;  // cross * F = D x F
-  cross << 0.0, -dz, dy, dz, 0.0, -dx, -dy, dx, 0.0;
-  Matrix6 matrix;
-  matrix << rotation, Eigen::Matrix3d::Zero(), -rotation * cross, rotation;
-  return matrix;
-}
-
-Matrix6 working_matrix(const AtiCalibration& calibration) {
-  const auto& axes = calibration.user_axes ? *calibration.user_axes : calibration.axes;
-  Matrix6 matrix;
-  for (int row = 0; row < 6; ++row) {
-    const AtiAxis& axis = axes[static_cast<std::size_t>(row)];
-    matrix.row(row) = Eigen::Map<const Vector6>(axis.values.data()).transpose() / axis.scale;
-  }
-  matrix = file_units(calibration).asDiagonal() * matrix;
-  return calibration.user_axes ? matrix : Matrix6(wrench_transform(calibration.basic) * matrix);
-}
-
-std::array<double, 6> rated_range(const AtiCalibration& calibration) {
-  const auto& axes = calibration.user_axes ? *calibration.user_axes : calibration.axes;
-  const Vector6 units = file_units(calibration);
-  std::array<double, 6> range{};
-  for (std::size_t i = 0; i < 6; ++i) range[i] = axes[i].max * units[static_cast<Eigen::Index>(i)];
-  return range;
-}
-
-Vector6 compensated(const AtiTemperature& temperature, const Vector6& gauges, double thermistor_v) {
-  const double change = thermistor_v - temperature.thermistor_v;
-  const Eigen::Map<const Vector6> bias(temperature.bias_slope.data());
-  const Eigen::Map<const Vector6> gain(temperature.gain_slope.data());
-  return ((gauges + bias * change).array() / (1.0 - gain.array() * change)).matrix();
 }
 
 }  // namespace tactbench::devices

@@ -1,5 +1,5 @@
-// Calibration of an ATI transducer: `.cal` text to numbers, and the matrix from gauge volts to newtons and N*mm. No I/O
-// but read_ati_calibration(). Not verified on hardware.
+// Calibration of an ATI transducer: `.cal` text to numbers. No I/O but read_ati_calibration(). Not verified on
+// hardware.
 //
 // XML: FTSensor (Serial, BodyStyle, NumGages = 6, CalFileVersion 1.0 or 1.1) > Calibration (PartNumber, CalDate,
 // ForceUnits, TorqueUnits, DistUnits, AngleUnits default degrees) > six Axis (Name, values, max, scale default 1),
@@ -7,24 +7,14 @@
 // GainSlope values, Thermistor value), six UserAxis (Name, values, max) in version 1.1.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "devices/force/options.h"
+
 namespace tactbench::devices {
-
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-// Where another frame lies, seen from the first: displaced along the first frame's axes, then turned about x, then the
-// new y, then the new z.
-struct AtiTransform {
-  std::array<double, 3> displacement_mm{};
-  std::array<double, 3> rotation_deg{};
-  bool operator==(const AtiTransform&) const = default;
-};
 
 struct AtiAxis {
   std::array<double, 6> values{};  // of each gauge: file's unit times scale, per volt
@@ -61,16 +51,5 @@ struct AtiCalibration {
 AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& where);
 // As above from a file of up to 1 MiB.
 AtiCalibration read_ati_calibration(const std::string& path);
-
-// Maps a wrench (N, N*mm) of one frame to the frame that `transform` describes: F' = R F, T' = R (T - D x F). R is
-// Rz(-z) Ry(-y) Rx(-x), as ATI's library has it: R[0][1] = sx sy cz + cx sz, R[2][0] = sy.
-Matrix6 wrench_transform(const AtiTransform& transform);
-// Newtons and N*mm per volt, Fx to Tz, in the transducer's frame.
-Matrix6 working_matrix(const AtiCalibration& calibration);
-// Rated range of each axis, N and N*mm, in the transducer's frame.
-std::array<double, 6> rated_range(const AtiCalibration& calibration);
-// Gauge volts as they were at the calibration's temperature: (G + bs dT) / (1 - gs dT), dT the thermistor's volts less
-// those at calibration. Software bias is taken and removed after this.
-Vector6 compensated(const AtiTemperature& temperature, const Vector6& gauges, double thermistor_v);
 
 }  // namespace tactbench::devices

@@ -5,23 +5,14 @@
 #include <memory>
 #include <string>
 
-#include "devices/force/ati_calibration.h"
+#include "devices/force/ati_matrix.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/force_sensor.h"
 #include "devices/force/gauge_source.h"
+#include "devices/force/options.h"
 #include "devices/units.h"
 
 namespace tactbench::devices {
-
-struct DaqFtOptions {
-  std::string model = "ATI Nano17, DAQ F/T";
-  std::string expected_serial;           // of the transducer; empty: any
-  AtiTransform tool;                     // the wrench is given in this frame, seen from the transducer's
-  bool temperature_compensation = true;  // where the .cal file has it; needs the thermistor on channel 7
-  Volts converter_limit{10.0};
-  double saturation_share = 0.999;  // of the converter's limit
-  double overload_share = 1.0;      // of the range
-};
 
 class DaqFt final : public ForceSensor {
  public:

@@ -5,21 +5,10 @@
 #include <string>
 
 #include "devices/force/gauge_source.h"
+#include "devices/force/options.h"
 #include "devices/wire/daqmx_api.h"
 
 namespace tactbench::devices {
-
-struct DaqmxGaugesOptions {
-  std::string library;  // empty: NI's own (daqmx_api.h)
-  std::string device = "Dev1";
-  std::string expected_serial;            // of the card, hexadecimal; empty: any
-  std::string channels = "Dev1/ai16:21";  // gauges in the calibration's order, then the thermistor
-  DaqmxTerminal terminal = DaqmxTerminal::kDifferential;
-  Volts range{10.0};
-  double sample_rate_hz = 10'000;
-  Nanoseconds timeout = std::chrono::milliseconds(500);  // beyond the time that the samples take
-  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
-};
 
 class DaqmxGauges final : public GaugeSource {
  public:

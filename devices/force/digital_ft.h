@@ -7,25 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "devices/force/ati_calibration.h"
+#include "devices/force/ati_matrix.h"
 #include "devices/force/digital_record.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/force_sensor.h"
+#include "devices/force/options.h"
 #include "devices/wire/byte_stream.h"
 
 namespace tactbench::devices {
-
-struct DigitalFtOptions {
-  std::string model = "ATI Nano17, Digital F/T";
-  int unit = 10;                // Modbus
-  bool low_word_first = false;  // of 32-bit values in the calibration registers: not verified
-  std::string expected_serial;  // of the transducer; empty: any
-  double overload_share = 1.0;  // of the range
-  double samples_per_second = 7000.0;
-  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the samples' own time
-  Nanoseconds quiet = std::chrono::milliseconds(20);           // no byte for so long: the stream has stopped
-  Origin origin = Origin::kHardware;
-};
 
 class DigitalFt final : public ForceSensor {
  public:

@@ -5,12 +5,11 @@
 #include <string>
 
 #include "devices/force/force_sensor.h"
+#include "devices/force/options.h"
 
 namespace tactbench::devices {
 
 inline constexpr const char* kForceDevice = "force sensor";
-
-using SixAxes = std::array<double, 6>;  // Fx, Fy, Fz, Tx, Ty, Tz
 
 Wrench wrench_of(const SixAxes& axes);
 Wrench operator-(const Wrench& wrench, const Wrench& bias);

@@ -8,24 +8,11 @@
 #include "devices/force/force_checks.h"
 #include "devices/force/force_sensor.h"
 #include "devices/force/netft_xml.h"
+#include "devices/force/options.h"
 #include "devices/force/rdt_record.h"
 #include "devices/wire/udp_link.h"
 
 namespace tactbench::devices {
-
-struct NetFtOptions {
-  std::string model = "ATI Nano17, Net F/T";
-  std::string host = "192.168.1.1";  // in numbers
-  int port = 49152;
-  int http_port = 80;
-  std::string page_file;         // a kept netftapi2.xml, read instead of asking for it; empty: ask
-  std::string expected_serial;   // of the calibration; empty: any
-  std::optional<SixAxes> range;  // N, N*mm; where the page does not tell it
-  double overload_share = 1.0;   // of the range
-  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the time that the records themselves take
-  Nanoseconds page_timeout = std::chrono::seconds(3);
-  Origin origin = Origin::kHardware;
-};
 
 class NetFt final : public ForceSensor {
  public:

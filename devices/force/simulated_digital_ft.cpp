@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "devices/fault.h"
-#include "devices/force/ati_calibration.h"
+#include "devices/force/ati_matrix.h"
 #include "devices/wire/pseudo_terminal.h"
 
 namespace tactbench::devices {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/pressure/regulator.h"
 
 namespace tactbench::devices {
 namespace {

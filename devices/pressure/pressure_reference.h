@@ -7,19 +7,11 @@
 #include <vector>
 
 #include "devices/pressure/analog_module.h"
+#include "devices/pressure/options.h"
 #include "devices/pressure/pressure_source.h"
-#include "devices/pressure/regulator.h"
 #include "devices/wire/modbus_value.h"
 
 namespace tactbench::devices {
-
-struct TransducerOptions {
-  std::string model;
-  std::string serial;
-  int channel = 1;
-  LinearSpan span;
-  Origin origin = Origin::kHardware;
-};
 
 class ModuleTransducer final : public PressureReference {
  public:
@@ -32,23 +24,8 @@ class ModuleTransducer final : public PressureReference {
   TransducerOptions options_;
 };
 
-// One quantity in registers of a Modbus device: a digital gauge's pressure, a thermometer's temperature.
-struct ModbusQuantity {
-  int function = 4;  // 3 or 4
-  int address = 0;
-  int spare = 0;  // readable registers behind it (RTU readings alternate their length)
-  RegisterFormat format;
-  LinearScale scale;
-};
 // One exchange. Throws Fault; TB-MODBUS-VALUE when a float is not a number.
 RegisterValue read_quantity(ModbusLink& link, const ModbusQuantity& quantity);
-
-struct GaugeOptions {
-  std::string model;
-  std::string serial;
-  ModbusQuantity quantity;  // scaled to psi
-  Origin origin = Origin::kHardware;
-};
 
 class ModbusGauge final : public PressureReference {
  public:
@@ -61,16 +38,6 @@ class ModbusGauge final : public PressureReference {
   std::unique_ptr<ModbusLink> link_;
   GaugeOptions options_;
   Clock& clock_;
-};
-
-// What a certificate says: at `reading` add `correction`; expanded uncertainty U of the corrected value with coverage
-// factor k. Between points linear, beyond them the last one's.
-struct PressureCorrection {
-  std::vector<double> reading_psi, correction_psi, expanded_uncertainty_psi;  // equally long; readings rise
-  double coverage_factor = 2.0;
-  [[nodiscard]] bool empty() const { return reading_psi.empty(); }
-  [[nodiscard]] Psi corrected(Psi reading) const;
-  [[nodiscard]] double expanded_uncertainty(Psi reading) const;
 };
 
 class CorrectedReference final : public PressureReference {

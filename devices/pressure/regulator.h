@@ -5,30 +5,10 @@
 #include <string>
 
 #include "devices/pressure/analog_module.h"
+#include "devices/pressure/options.h"
 #include "devices/pressure/pressure_source.h"
 
 namespace tactbench::devices {
-
-struct LinearSpan {  // pressure = low + (voltage - volts_low) / (volts_high - volts_low) * (high - low)
-  Volts volts_low{0.0};
-  Volts volts_high{10.0};
-  Psi low{0.0};
-  Psi high{0.0};
-  [[nodiscard]] Psi pressure(Volts volts) const;
-  [[nodiscard]] Volts voltage(Psi pressure) const;
-};
-
-struct RegulatorOptions {
-  std::string model = "Pneumax 171E2N.T.D.0009";
-  std::string serial;
-  int output_channel = 0;
-  int feedback_channel = 0;
-  LinearSpan command_span;
-  LinearSpan feedback_span;
-  Nanoseconds feed_interval = std::chrono::milliseconds(400);
-  Psi command_limit{60.0};  // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
-  Origin origin = Origin::kHardware;
-};
 
 // Feedback and reference may stand in one input image; a reading this young serves both. Far below any settling time.
 inline constexpr Nanoseconds kSameImage = std::chrono::microseconds(500);

@@ -9,19 +9,12 @@
 #include <vector>
 
 #include "devices/clock.h"
-#include "devices/pressure/analog_module.h"
 #include "devices/pressure/chamber_port.h"
-#include "devices/pressure/pressure_reference.h"
+#include "devices/pressure/module_profile.h"
+#include "devices/pressure/options.h"
 #include "devices/trouble.h"
 
 namespace tactbench::devices {
-
-struct SimulatedModuleFaults {      // test and nightly switches, all off by default
-  long silent_after_requests = -1;  // answers that many requests, then none (the connection stays open)
-  long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
-  TroubleSource trouble = {};  // silent, late, corrupt, stale, refused (failure); unplugged: TCP closes connections
-                               // when asked, a serial line is silent
-};
 
 struct SimulatedQuantity {  // a gauge's or a thermometer's registers
   ModbusQuantity at;

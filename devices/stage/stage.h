@@ -8,12 +8,10 @@
 #include "devices/actuator.h"
 #include "devices/clock.h"
 #include "devices/device.h"
+#include "devices/stage/axis.h"
 #include "devices/units.h"
 
 namespace tactbench::devices {
-
-enum class Axis { kX, kY, kZ };
-inline constexpr int kAxes = 3;
 
 enum class Activity { kIdle, kHoming, kMoving, kStopping, kByHand };
 

@@ -6,29 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "devices/tactile/options.h"
 #include "devices/tactile/tactile_array.h"
 #include "devices/wire/daqmx_api.h"
 
 namespace tactbench::devices {
-
-struct DaqmxScannerOptions {
-  std::string library;  // empty: NI's own (daqmx_api.h)
-  std::string device = "Dev1";
-  std::string expected_serial;  // hexadecimal; empty: any
-  std::string column_channels = "Dev1/ai0:15";
-  std::string row_lines = "Dev1/port0/line0:15";
-  int rows = 16;
-  int columns = 16;
-  DaqmxTerminal terminal = DaqmxTerminal::kRse;
-  Volts range{10.0};                                     // inputs measure -range to +range; counts cover 0 to range
-  bool relays_active_low = false;                        // a relay closes on 0
-  double sample_rate_hz = 10'000;                        // samples of all columns a second
-  double convert_rate_hz = 0;                            // from column to column; 0: the driver chooses
-  int samples_per_row = 10;                              // averaged
-  Nanoseconds settle = std::chrono::milliseconds(5);     // from closing a relay to the first sample
-  Nanoseconds timeout = std::chrono::milliseconds(500);  // per row, beyond the time that the samples take
-  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
-};
 
 // Counts: the driver's calibrated volts, averaged over samples_per_row and rounded to range / 65535; below 0 V they are
 // 0. The status bit for the converter's limit is set by a sample at the range and by a column more than 1 % of the

@@ -7,20 +7,11 @@
 #include <string>
 
 #include "devices/tactile/frame_protocol.h"
+#include "devices/tactile/options.h"
 #include "devices/tactile/tactile_array.h"
 #include "devices/wire/byte_stream.h"
 
 namespace tactbench::devices {
-
-struct FrameSourceOptions {
-  std::string address = "tcp:127.0.0.1:5800";  // or "unix:PATH" (stream_link.h)
-  std::string expected_serial;                 // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
-  int rows = 16;
-  int columns = 16;
-  Nanoseconds connect_timeout = std::chrono::seconds(2);
-  Nanoseconds frame_timeout = std::chrono::milliseconds(500);  // per answer
-  Origin origin = Origin::kHardware;
-};
 
 class FrameSource final : public TactileArray {
  public:

@@ -5,20 +5,12 @@
 #include <memory>
 #include <string>
 
+#include "devices/tactile/options.h"
 #include "devices/tactile/scan_report.h"
 #include "devices/tactile/tactile_array.h"
 #include "devices/wire/report_link.h"
 
 namespace tactbench::devices {
-
-struct HidScannerOptions {
-  std::string model = "tactbench HID scanner";
-  std::string expected_serial;  // empty: any; otherwise another serial is Fault TB-SCANNER-SERIAL
-  int rows = 16;
-  int columns = 16;
-  Nanoseconds frame_timeout = std::chrono::milliseconds(500);  // per scan
-  Origin origin = Origin::kHardware;
-};
 
 class HidScanner final : public TactileArray {
  public:

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "devices/clock.h"
+#include "devices/tactile/options.h"
 #include "devices/tactile/scan_report.h"
 #include "devices/trouble.h"
 
@@ -20,14 +21,6 @@ class TactilePort {
   // One scan of the whole array: rows x columns counts, row-major, noise and relay settling included. Returns the
   // status byte of each row through `status` (size rows).
   virtual void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) = 0;
-};
-
-struct SimulatedScannerFaults {  // test and nightly switches, all off by default
-  long silent_after_scans = -1;  // answers that many scans, then none
-  long corrupt_scan = -1;        // flips a bit in one report of that scan (0-based)
-  long drop_report_scan = -1;    // leaves one report of that scan out
-  long unplug_after_scans = -1;  // closes the socket
-  TroubleSource trouble = {};    // silent, stale, corrupt, torn (a report is missing); unplugged: connections close
 };
 
 class SimulatedScanner {

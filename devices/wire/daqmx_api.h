@@ -13,6 +13,7 @@
 #include "devices/clock.h"
 #include "devices/fault.h"
 #include "devices/units.h"
+#include "devices/wire/options.h"
 
 namespace tactbench::devices {
 
@@ -60,8 +61,6 @@ class DaqmxApi {
   std::shared_ptr<const DaqmxCalls> calls_;
   std::vector<std::string> warnings_;
 };
-
-enum class DaqmxTerminal { kRse, kNrse, kDifferential };
 
 // One task of the driver; stopped and cleared at the end. `api` has to outlive it. All but stop() throw DaqmxError.
 class DaqmxTask {

@@ -7,15 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "devices/wire/options.h"
 #include "devices/wire/report_link.h"
 
 namespace tactbench::devices {
-
-struct HidAddress {
-  std::uint16_t vendor_id = 0;
-  std::uint16_t product_id = 0;
-  std::string serial;  // empty: the first that matches
-};
 
 struct HidInfo {
   std::uint16_t vendor_id = 0;

@@ -13,24 +13,9 @@
 #include <vector>
 
 #include "devices/clock.h"
+#include "devices/wire/options.h"
 
 namespace tactbench::devices {
-
-struct ModbusEndpoint {
-  std::string host = "127.0.0.1";
-  int port = 502;
-  int unit = 1;
-  Nanoseconds response_timeout = std::chrono::milliseconds(500);
-  std::string serial_port = {};  // not empty: RTU on this port instead of TCP
-  int baud = 9600;               // RTU: a rate that libmodbus knows (it takes 9600 for all others, silently)
-  char parity = 'N';             // N, E or O
-  int stop_bits = 1;
-  Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
-  // RTU: whom the port is kept from while open. A dead-man has to get at the line of a program that stands still: the
-  // program then leaves `exclusive` away (its lock keeps its like out all the same), the dead-man both.
-  bool lock = true;       // flock()
-  bool exclusive = true;  // TIOCEXCL
-};
 
 class ModbusLine;  // one connection or one serial port, shared by the units on it
 

@@ -7,16 +7,9 @@
 #include <vector>
 
 #include "devices/wire/byte_stream.h"
+#include "devices/wire/options.h"
 
 namespace tactbench::devices {
-
-struct SerialAddress {
-  std::string port;  // "/dev/ttyUSB0", a link such as /dev/serial/by-id/..., or what open_stream() takes
-  int baud = 9600;
-  char parity = 'N';  // 'N', 'E' or 'O'
-  int stop_bits = 1;
-  std::string usb_serial;  // with a port: it must carry this serial number; without: the port that carries it is used
-};
 
 struct SerialPortInfo {
   std::string name;

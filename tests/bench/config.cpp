@@ -4,7 +4,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "analysis/error.h"
 #include "bench/error.h"
+#include "db/run_store.h"
 #include "devices/fault.h"
 
 using namespace tactbench;

@@ -5,6 +5,8 @@
 #include "bench/config.h"
 #include "bench/rig.h"
 #include "bench/safety/ramp.h"
+#include "bench/simulation/plant.h"
+#include "devices/wire/modbus_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/small_run.h"
 

@@ -3,6 +3,7 @@
 
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
+#include "bench/simulation/plant.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/small_run.h"
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "bench/safety/ramp.h"
+#include "bench/simulation/plant.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;

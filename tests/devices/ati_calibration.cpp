@@ -6,6 +6,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "devices/force/ati_matrix.h"
 #include "devices/force/ati_units.h"
 #include "tests/devices/invented_calibration.h"
 #include "tests/devices/test_chamber.h"

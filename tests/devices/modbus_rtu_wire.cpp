@@ -7,8 +7,11 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
 #include "devices/wire/modbus_crc.h"
+#include "devices/wire/modbus_link.h"
 #include "devices/wire/pseudo_terminal.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "analysis/dataset.h"
+#include "bench/simulation/plant.h"
 
 namespace tactbench::tests {
 

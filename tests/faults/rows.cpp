@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "bench/simulation/plant.h"
 #include "tests/faults/faulty_run.h"
 #include "tests/support/paths.h"
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "devices/fault.h"
+#include "devices/force/ati_matrix.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactbench::devices;

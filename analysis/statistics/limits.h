@@ -1,0 +1,26 @@
+// What an evaluation is held against: a limits file in numbers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tactbench::analysis {
+
+// verdict.h says how each rule judges.
+enum class DecisionRule { kDefault, kSimple, kGuarded, kFourWay, kReportOnly };
+struct Limits {
+  std::string name;
+  DecisionRule rule = DecisionRule::kDefault;  // default: four-way where U is known, simple where it is not
+  double mean_compensation_error_psi = 0.0;    // all fitted taxels and frames
+  double worst_taxel_error_psi = 0.0;          // the worst taxel's mean error
+  double distance_of_mean_fs = 0.0;            // comp_distance_of_mean
+  double unfit_taxels = 0.0;                   // dead, stuck, saturated or unfit taxels allowed
+  struct Mismatch {
+    double pressure_psi = 0.0;
+    double std_fs = 0.0;  // compensated std/FS up and down
+  };
+  std::vector<Mismatch> mismatch;
+  std::string toml, sha256;  // the file, stored with the verdicts
+};
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,58 @@
+// What is asked of a run, and how it ended.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/config.h"
+#include "bench/error.h"
+#include "db/record.h"
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+class Rig;
+class TimeEstimate;
+
+// When tests look at a simulated rig, or break it: before it is opened, before the unloaded frame, before it is made
+// safe, and last of all, the row closed.
+enum class RigMoment { kMade, kOpened, kTearingDown, kLeft };
+
+struct RunRequest {
+  BenchConfig bench;
+  db::SensorRecord sensor;  // as registered
+  SensorType sensor_type;
+  std::vector<sequences::Recipe> recipes;  // at least one
+  std::string operator_name, purpose;
+  std::vector<sequences::Override> overrides;  // as given, stored
+  std::string specimen_state_file;             // simulation: read at the start if it exists, written at the end
+  std::string label = "run";                   // of the progress line
+  std::int64_t resume = 0;                     // a run of the store to go on with; 0: a new one
+  std::string on_event;                        // command told of done, failed, waiting; empty: none
+  bool assume_yes = false;                     // operator prompts answer themselves
+  bool check_seating = true;
+  const TimeEstimate* estimate = nullptr;               // of time left; null: by the pace
+  std::function<void(const sequences::Step&)> on_step;  // told of each step; may be empty
+  std::function<void(std::int64_t)> on_begun;           // told of the run's number once it has its row; may be empty
+  std::function<void(Rig&, RigMoment)> on_rig;          // alike
+};
+
+struct RunResult {
+  std::int64_t run = 0;
+  db::Outcome outcome = db::Outcome::kIncomplete;
+  db::SafeState safe = db::SafeState::kUnknown;
+  std::string safe_text;
+  int frames = 0;  // stored by this process
+  int most_exchanges_a_step = 0;
+  int branches_redone = 0;
+  double process_seconds = 0.0;
+  double store_seconds = 0.0;  // real
+  std::string time_spent;      // where the process time went, for people
+  std::string content_sha256;
+  std::optional<Error> error;  // why it did not complete; carries the exit code and the rig's state
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,56 @@
+// What can break in the simulated rig, and what starts it.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+enum class FaultKind {  // with the unit of the value, where there is one
+  kValveStuck,          // holds the pressure, takes no command
+  kLeak,                // psi/s
+  kOvershoot,           // psi beyond the next level; a level is one time
+  kSupplyLost,          // psi/s by which the pressure falls; it cannot rise
+  kRegulatorUnpowered,  // the chamber keeps its pressure, the monitor reads 0 V
+  kFeedbackOffset,      // psi, of the monitor
+  kReferenceOffset,     // psi, of the reference
+  kModuleSilent,
+  kModuleLate,
+  kModuleCorrupt,
+  kModuleStale,      // reads tell what was read before
+  kModuleException,  // server device failure
+  kModuleUnplugged,  // TCP: connections close at once; serial: silence
+  kStageStalled,     // 1 x, 2 y, 3 z, 0 all: stands still while the device takes it to be moving
+  kStageSilent,
+  kStageLate,
+  kStageCorrupt,
+  kStageTorn,
+  kStageUnplugged,  // the line hangs up for good
+  kForceSaturated,
+  kForceStale,
+  kForceSilent,
+  kRowStuck,  // row: its counts stay as they are
+  kScannerSilent,
+  kScannerStale,
+  kScannerCorrupt,
+  kScannerTorn,  // a report is missing
+  kScannerUnplugged,
+};
+inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kScannerUnplugged) + 1;
+[[nodiscard]] const std::vector<std::string>& fault_words();  // "valve_stuck", in the order of FaultKind
+[[nodiscard]] double usual_value(FaultKind kind);
+
+struct PlannedFault {
+  FaultKind kind = FaultKind::kLeak;
+  // What starts it, whichever is first; none: at once.
+  std::optional<double> at_s;    // process time
+  std::optional<double> at_psi;  // the chamber's pressure first comes to this from below
+  std::optional<double> at_n;    // the force on the specimen first comes to this
+  double lasts_s = std::numeric_limits<double>::infinity();
+  std::optional<double> value;  // none: the usual one
+  long times = 0;               // answers that it spoils before it is over; 0: as long as it lasts; kOvershoot: 1
+};
+
+}  // namespace tactbench::bench

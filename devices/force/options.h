@@ -1,0 +1,74 @@
+// What a bench file says of the force sensor: an ATI transducer behind its Net, DAQ or Digital interface.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/device.h"
+#include "devices/units.h"
+#include "devices/wire/options.h"
+
+namespace tactbench::devices {
+
+using SixAxes = std::array<double, 6>;  // Fx, Fy, Fz, Tx, Ty, Tz
+
+struct NetFtOptions {
+  std::string model = "ATI Nano17, Net F/T";
+  std::string host = "192.168.1.1";  // in numbers
+  int port = 49152;
+  int http_port = 80;
+  std::string page_file;         // a kept netftapi2.xml, read instead of asking for it; empty: ask
+  std::string expected_serial;   // of the calibration; empty: any
+  std::optional<SixAxes> range;  // N, N*mm; where the page does not tell it
+  double overload_share = 1.0;   // of the range
+  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the time that the records themselves take
+  Nanoseconds page_timeout = std::chrono::seconds(3);
+  Origin origin = Origin::kHardware;
+};
+
+// Where another frame lies, seen from the first: displaced along the first frame's axes, then turned about x, then the
+// new y, then the new z.
+struct AtiTransform {
+  std::array<double, 3> displacement_mm{};
+  std::array<double, 3> rotation_deg{};
+  bool operator==(const AtiTransform&) const = default;
+};
+
+struct DaqFtOptions {
+  std::string model = "ATI Nano17, DAQ F/T";
+  std::string expected_serial;           // of the transducer; empty: any
+  AtiTransform tool;                     // the wrench is given in this frame, seen from the transducer's
+  bool temperature_compensation = true;  // where the .cal file has it; needs the thermistor on channel 7
+  Volts converter_limit{10.0};
+  double saturation_share = 0.999;  // of the converter's limit
+  double overload_share = 1.0;      // of the range
+};
+
+struct DaqmxGaugesOptions {
+  std::string library;  // empty: NI's own (daqmx_api.h)
+  std::string device = "Dev1";
+  std::string expected_serial;            // of the card, hexadecimal; empty: any
+  std::string channels = "Dev1/ai16:21";  // gauges in the calibration's order, then the thermistor
+  DaqmxTerminal terminal = DaqmxTerminal::kDifferential;
+  Volts range{10.0};
+  double sample_rate_hz = 10'000;
+  Nanoseconds timeout = std::chrono::milliseconds(500);  // beyond the time that the samples take
+  Origin origin = Origin::kHardware;                     // a device that NI's driver simulates is kSimulated anyway
+};
+
+struct DigitalFtOptions {
+  std::string model = "ATI Nano17, Digital F/T";
+  int unit = 10;                // Modbus
+  bool low_word_first = false;  // of 32-bit values in the calibration registers: not verified
+  std::string expected_serial;  // of the transducer; empty: any
+  double overload_share = 1.0;  // of the range
+  double samples_per_second = 7000.0;
+  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the samples' own time
+  Nanoseconds quiet = std::chrono::milliseconds(20);           // no byte for so long: the stream has stopped
+  Origin origin = Origin::kHardware;
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,53 @@
+// A Modbus analog module as data: its registers, scales and fail-safe. Profiles are files (devices/profiles/*.toml),
+// read by bench/config_profile.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/wire/modbus_value.h"
+
+namespace tactbench::devices {
+
+struct ModuleOutputs {
+  int function = 16;        // 6, 16, or 23 (which reads the inputs in the same exchange)
+  int address = 0;          // zero-based, of channel 0; one word a channel
+  int channels = 0;         // 0: the module has no outputs
+  int readback = 3;         // function that reads what stands at `address`; 0: none
+  int dead_band = 0;        // counts by which the reading may differ from what was written
+  Nanoseconds deadline{0};  // how long after writing the reading may differ; 0: not at all
+  LinearScale volts{0, 32767, 0, 10};
+};
+
+struct ModuleInputs {
+  int function = 4;  // 3 or 4
+  int address = 0;
+  int channels = 0;  // 0: the module has no inputs
+  int spare = 0;     // readable registers behind the last channel (RTU readings alternate their length)
+  RegisterFormat format{RegisterType::kI16};
+  int status_offset = -1;  // registers from `address` to a status word a channel (ADAM-6024: 20); -1: none
+  LinearScale volts{0, 32767, 0, 10};
+};
+
+struct ModuleFailSafe {
+  std::vector<std::string> layers;   // in words, as preflight prints them; empty: none known
+  int watchdog_address = -1;         // Beckhoff: 0x1120 time, +1 reset, +2 type, +3 fallback, +4 write lock; -1: none
+  int fallbacks_address = -1;        // Beckhoff 0x1021: how often the watchdog fell back; -1: not told
+  int safe_mode_address = -1;        // Moxa: discrete inputs, one an output: the channel stands in safe mode; -1: none
+  int safe_mode_clear_address = -1;  // Moxa: coils that clear it
+};
+
+struct ModuleProfile {
+  std::string name;   // "beckhoff-ek9000"
+  std::string model;  // printed and stored: "Beckhoff EK9000 + EL4xxx/EL3xxx"
+  bool tcp = true, rtu = false;
+  Nanoseconds max_reply_delay = std::chrono::seconds(1);
+  ModuleOutputs outputs;
+  ModuleInputs inputs;
+  ModuleFailSafe fail_safe;
+  int dump_coil = -1;  // digital output that holds the dump valve closed (open without power); -1: no such valve
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,79 @@
+// What a bench file says of the pressure side beside the module's profile: regulator, reference transducer or gauge,
+// and what is broken in a simulated module.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/device.h"
+#include "devices/trouble.h"
+#include "devices/units.h"
+#include "devices/wire/modbus_value.h"
+
+namespace tactbench::devices {
+
+struct LinearSpan {  // pressure = low + (voltage - volts_low) / (volts_high - volts_low) * (high - low)
+  Volts volts_low{0.0};
+  Volts volts_high{10.0};
+  Psi low{0.0};
+  Psi high{0.0};
+  [[nodiscard]] Psi pressure(Volts volts) const;
+  [[nodiscard]] Volts voltage(Psi pressure) const;
+};
+
+struct RegulatorOptions {
+  std::string model = "Pneumax 171E2N.T.D.0009";
+  std::string serial;
+  int output_channel = 0;
+  int feedback_channel = 0;
+  LinearSpan command_span;
+  LinearSpan feedback_span;
+  Nanoseconds feed_interval = std::chrono::milliseconds(400);
+  Psi command_limit{60.0};  // inclusive; command() refuses more before anything is sent (Fault TB-CHAMBER-LIMIT)
+  Origin origin = Origin::kHardware;
+};
+
+struct TransducerOptions {
+  std::string model;
+  std::string serial;
+  int channel = 1;
+  LinearSpan span;
+  Origin origin = Origin::kHardware;
+};
+
+// One quantity in registers of a Modbus device: a digital gauge's pressure, a thermometer's temperature.
+struct ModbusQuantity {
+  int function = 4;  // 3 or 4
+  int address = 0;
+  int spare = 0;  // readable registers behind it (RTU readings alternate their length)
+  RegisterFormat format;
+  LinearScale scale;
+};
+
+struct GaugeOptions {
+  std::string model;
+  std::string serial;
+  ModbusQuantity quantity;  // scaled to psi
+  Origin origin = Origin::kHardware;
+};
+
+// What a certificate says: at `reading` add `correction`; expanded uncertainty U of the corrected value with coverage
+// factor k. Between points linear, beyond them the last one's.
+struct PressureCorrection {
+  std::vector<double> reading_psi, correction_psi, expanded_uncertainty_psi;  // equally long; readings rise
+  double coverage_factor = 2.0;
+  [[nodiscard]] bool empty() const { return reading_psi.empty(); }
+  [[nodiscard]] Psi corrected(Psi reading) const;
+  [[nodiscard]] double expanded_uncertainty(Psi reading) const;
+};
+
+struct SimulatedModuleFaults {      // test and nightly switches, all off by default
+  long silent_after_requests = -1;  // answers that many requests, then none (the connection stays open)
+  long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
+  TroubleSource trouble = {};  // silent, late, corrupt, stale, refused (failure); unplugged: TCP closes connections
+                               // when asked, a serial line is silent
+};
+
+}  // namespace tactbench::devices

@@ -1,0 +1,40 @@
+// What a bench file says of the stage: three Zaber T-Series actuators on one daisy chain.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/device.h"
+#include "devices/stage/axis.h"
+#include "devices/units.h"
+
+namespace tactbench::devices {
+
+struct ZaberAxisOptions {
+  std::uint8_t device = 1;      // number on the chain
+  std::int32_t device_id = 60;  // expected; arm() refuses another
+  std::int32_t firmware_low = 500;
+  std::int32_t firmware_high = 599;  // firmware 6 has other units
+  Millimetres low{0.0};              // limits, inclusive
+  Millimetres high{60.0};
+  MillimetresPerSecond maximum_speed{4.0};  // also taken when a move names none
+  Nanoseconds home_timeout = std::chrono::seconds(120);
+  std::string serial;  // the device cannot be asked for it
+};
+
+struct ZaberStageOptions {
+  std::array<ZaberAxisOptions, kAxes> axes;
+  bool renumber = false;  // arm() numbers the devices 1, 2, 3 from the computer's end first
+  bool knob_off = true;
+  Nanoseconds reply_timeout = std::chrono::milliseconds(300);  // real; a question is asked twice before it is a fault
+  Nanoseconds frame_silence = std::chrono::milliseconds(40);
+  Nanoseconds poll_interval = std::chrono::milliseconds(100);  // process time between two questions during a move
+  Nanoseconds move_margin = std::chrono::seconds(2);           // added to what a move should take
+  Nanoseconds halt_timeout = std::chrono::seconds(2);
+  Origin origin = Origin::kHardware;
+};
+
+}  // namespace tactbench::devices

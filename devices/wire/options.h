@@ -1,0 +1,44 @@
+// How a bench file says where an instrument is: a Modbus unit, a serial port, a HID device, inputs of an NI card.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "devices/clock.h"
+
+namespace tactbench::devices {
+
+struct ModbusEndpoint {
+  std::string host = "127.0.0.1";
+  int port = 502;
+  int unit = 1;
+  Nanoseconds response_timeout = std::chrono::milliseconds(500);
+  std::string serial_port = {};  // not empty: RTU on this port instead of TCP
+  int baud = 9600;               // RTU: a rate that libmodbus knows (it takes 9600 for all others, silently)
+  char parity = 'N';             // N, E or O
+  int stop_bits = 1;
+  Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
+  // RTU: whom the port is kept from while open. A dead-man has to get at the line of a program that stands still: the
+  // program then leaves `exclusive` away (its lock keeps its like out all the same), the dead-man both.
+  bool lock = true;       // flock()
+  bool exclusive = true;  // TIOCEXCL
+};
+
+struct SerialAddress {
+  std::string port;  // "/dev/ttyUSB0", a link such as /dev/serial/by-id/..., or what open_stream() takes
+  int baud = 9600;
+  char parity = 'N';  // 'N', 'E' or 'O'
+  int stop_bits = 1;
+  std::string usb_serial;  // with a port: it must carry this serial number; without: the port that carries it is used
+};
+
+struct HidAddress {
+  std::uint16_t vendor_id = 0;
+  std::uint16_t product_id = 0;
+  std::string serial;  // empty: the first that matches
+};
+
+enum class DaqmxTerminal { kRse, kNrse, kDifferential };
+
+}  // namespace tactbench::devices
