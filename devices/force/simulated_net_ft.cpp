@@ -18,6 +18,7 @@
 #include "devices/fault.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/rdt_record.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/loopback.h"
 #include "devices/wire/page_server.h"
 
@@ -48,7 +49,10 @@ class SimulatedNetFt::Server {
       ::close(rdt_.socket);
       throw Fault("TB-SIM-LISTEN", "simulated Net F/T", "no descriptor is left for its thread", "Close programs.");
     }
-    thread_ = std::thread([this] { serve(); });
+    thread_ = std::thread([this] {
+      serve();
+      work_.leave();
+    });
   }
   ~Server() {
     const std::uint64_t one = 1;
@@ -82,7 +86,7 @@ class SimulatedNetFt::Server {
         wait.tv_sec = left.count() / 1'000'000'000;
         wait.tv_nsec = left.count() % 1'000'000'000;
       }
-      if (::ppoll(descriptors.data(), descriptors.size(), endless_ ? &wait : nullptr, nullptr) < 0) continue;
+      if (work_.wait(descriptors, endless_ ? &wait : nullptr) < 0) continue;
       if (descriptors[0].revents != 0) return;
       if (descriptors[1].revents != 0) attend();
       pages_.serve();
@@ -226,6 +230,7 @@ class SimulatedNetFt::Server {
   std::uint32_t sample_ = 0;
   long records_ = 0;
   std::vector<RdtBytes> packets_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

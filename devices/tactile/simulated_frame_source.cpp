@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "devices/fault.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/loopback.h"
 
 namespace tactbench::devices {
@@ -51,7 +52,10 @@ class SimulatedFrameSource::Server {
       release();
       throw;
     }
-    thread_ = std::thread([this] { serve(); });
+    thread_ = std::thread([this] {
+      serve();
+      work_.leave();
+    });
   }
 
   ~Server() {
@@ -97,7 +101,7 @@ class SimulatedFrameSource::Server {
         watched.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
       }
       const timespec left = time_to_frame();
-      if (::ppoll(watched.data(), watched.size(), subscribed() ? &left : nullptr, nullptr) < 0) continue;
+      if (work_.wait(watched, subscribed() ? &left : nullptr) < 0) continue;
       if (watched[0].revents != 0) return;
       for (std::size_t i = 2; i < watched.size(); ++i) {
         Subscriber& client = clients_[i - 2];
@@ -244,6 +248,7 @@ class SimulatedFrameSource::Server {
   int listener_ = -1;
   int stop_ = -1;
   std::vector<Subscriber> clients_;
+  EndAtWork work_;
   std::thread thread_;
 };
 
