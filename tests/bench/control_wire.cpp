@@ -42,7 +42,7 @@ struct Words {
   Words() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {}
   // `act` is told of the `at`-th step.
   bench::RunResult run(int at, const std::function<void()>& act) {
-    bench::RunRequest request = small_request();
+    bench::RunRequest request = small_request({{"module.watchdog_ms", "60000"}});  // never what is met
     int seen = 0;
     request.on_step = [&](const sequences::Step&) {
       if (seen++ == at) act();

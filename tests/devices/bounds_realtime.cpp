@@ -48,7 +48,7 @@ TEST_CASE("bounds: a silent module holds a request for its response timeout, a v
 
 // The machine holds an end's thread up for ten times the time-out: no answer is lost by it.
 TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time-out") {
-  constexpr auto kTooShort = 20ms;
+  static constexpr auto kTooShort = 20ms;
   const TroubleSource held_up = [] {
     std::this_thread::sleep_for(10 * kTooShort);
     return Trouble::kNone;
