@@ -96,6 +96,9 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
       Wrench wrench() override { return {}; }
     } load;
     NetFtPage page;
+    page.product = "simulated Net F/T";
+    page.calibration_serial = "FT1";
+    page.firmware = "1";
     page.range = SixAxes{25, 25, 35, 250, 250, 250};
     const SimulatedNetFt server({0, 0, page, {.trouble = held_up}}, load);
     NetFtOptions options;
