@@ -23,7 +23,7 @@ namespace {
 constexpr std::uint8_t kUnit = 10;
 constexpr std::size_t kSentJamBytes = 14;
 constexpr std::size_t kReadBytes = 8;
-constexpr timespec kMillisecond{0, 1'000'000};
+constexpr Nanoseconds kMillisecond = std::chrono::milliseconds(1);
 constexpr int kSamplesPerMillisecond = 7;
 constexpr int kSamplesPerWrench = 100;
 constexpr int kServedRegister = 0x001D;
@@ -51,10 +51,7 @@ class SimulatedDigitalFt::Server {
       registers_[kDigitalCalibrationRegister + static_cast<int>(i / 2)] =
           static_cast<std::uint16_t>(bytes[i] << 8 | bytes[i + 1]);
     }
-    thread_ = std::thread([this] {
-      serve();
-      work_.leave();
-    });
+    thread_ = work_.thread([this] { serve(); });
   }
   ~Server() {
     const std::uint64_t one = 1;
@@ -70,7 +67,7 @@ class SimulatedDigitalFt::Server {
   void serve() {
     for (;;) {
       pollfd descriptors[] = {{stop_, POLLIN, 0}, {line_.master(), POLLIN, 0}};
-      if (work_.wait(descriptors, streaming_ ? &kMillisecond : nullptr) < 0) continue;
+      if (work_.wait(descriptors, streaming_ ? std::optional(kMillisecond) : std::nullopt) < 0) continue;
       if (descriptors[0].revents != 0) return;
       if (descriptors[1].revents != 0) attend();
       for (int i = 0; streaming_ && i < kSamplesPerMillisecond; ++i) send_sample();

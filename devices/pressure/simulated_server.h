@@ -36,10 +36,7 @@ class SimulatedModule::Server {
                 std::size_t trailer);
   [[noreturn]] void fail_to_listen(const std::string& what, int error);
   void start() {
-    thread_ = std::thread([this] {
-      serve();
-      work_.leave();
-    });
+    thread_ = work_.thread([this] { serve(); });
   }
   void stop();  // to be called by the destructor of the class that has serve()
   void connected();

@@ -1,6 +1,5 @@
 #include "devices/stage/simulated_chain.h"
 
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -46,10 +45,7 @@ class SimulatedChain::Server {
       throw Fault("TB-SIM-LISTEN", "simulated chain", "starting the simulated chain: no event descriptor is left",
                   "Raise the limit of open files.");
     }
-    thread_ = std::thread([this] {
-      serve();
-      work_.leave();
-    });
+    thread_ = work_.thread([this] { serve(); });
   }
 
   ~Server() {
@@ -107,8 +103,7 @@ class SimulatedChain::Server {
   void serve() {
     for (;;) {
       pollfd descriptors[] = {{wake_, POLLIN, 0}, {end_.descriptor(), POLLIN, 0}};
-      const auto longest = patience();
-      work_.wait(descriptors, longest ? &*longest : nullptr);
+      work_.wait(descriptors, patience());
       const bool asked = (descriptors[1].revents & POLLIN) != 0;
       const Trouble trouble = asked && faults_.trouble ? faults_.trouble() : Trouble::kNone;
       const std::lock_guard lock(mutex_);
@@ -141,17 +136,15 @@ class SimulatedChain::Server {
     for (ChainDevice& one : devices_) one.free(when);
   }
 
-  std::optional<timespec> patience() const {
+  std::optional<Nanoseconds> patience() const {
     if (!options_.free_running) return std::nullopt;
     const std::lock_guard lock(mutex_);
     std::optional<Nanoseconds> next;
     for (const ChainDevice& one : devices_) {
       if (const auto due = one.due(); due && (!next || *due < *next)) next = due;
     }
-    if (!next) return std::nullopt;
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*next - clock_.now());
-    const auto bounded = std::clamp<std::int64_t>(left.count(), 0, 1000);
-    return timespec{bounded / 1000, bounded % 1000 * 1'000'000};
+    if (next) next = std::clamp<Nanoseconds>(*next - clock_.now(), Nanoseconds(0), std::chrono::seconds(1));
+    return next;
   }
 
   bool obey() {

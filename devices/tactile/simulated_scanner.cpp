@@ -44,10 +44,7 @@ class SimulatedScanner::Server {
     counts_.resize(rows * identity_.columns);
     status_.resize(rows);
     reports_.resize(rows);
-    thread_ = std::thread([this] {
-      serve();
-      work_.leave();
-    });
+    thread_ = work_.thread([this] { serve(); });
   }
 
   ~Server() {

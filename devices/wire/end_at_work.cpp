@@ -9,6 +9,7 @@ namespace tactbench::devices {
 namespace {
 
 constexpr timespec kNow{0, 0};
+constexpr Nanoseconds::rep kSecond = 1'000'000'000;
 
 std::mutex& ends_mutex() {
   static std::mutex mutex;
@@ -32,13 +33,14 @@ EndAtWork::~EndAtWork() {
   std::erase(ends(), this);
 }
 
-int EndAtWork::wait(std::span<pollfd> descriptors, const timespec* longest) {
+int EndAtWork::wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> longest) {
+  const timespec span{longest ? longest->count() / kSecond : 0, longest ? longest->count() % kSecond : 0};
   {
     const std::lock_guard lock(mutex_);
     watched_.assign(descriptors.begin(), descriptors.end());
     waits_ = true;
   }
-  const int ready = ::ppoll(descriptors.data(), descriptors.size(), longest, nullptr);
+  const int ready = ::ppoll(descriptors.data(), descriptors.size(), longest ? &span : nullptr, nullptr);
   const int error = errno;
   {
     const std::lock_guard lock(mutex_);

@@ -8,8 +8,12 @@
 #include <sys/types.h>
 
 #include <mutex>
+#include <optional>
 #include <span>
+#include <thread>
 #include <vector>
+
+#include "devices/clock.h"
 
 namespace tactbench::devices {
 
@@ -20,9 +24,17 @@ class EndAtWork {
   EndAtWork(const EndAtWork&) = delete;
   EndAtWork& operator=(const EndAtWork&) = delete;
 
-  // ppoll() for the end's thread, which works between two of these calls. Null: as long as it takes.
-  int wait(std::span<pollfd> descriptors, const timespec* longest = nullptr);
-  void leave();  // the thread ends: nobody will answer
+  // The end's thread. Once `serve` returns nobody will answer any more.
+  template <class Serve>
+  [[nodiscard]] std::thread thread(Serve serve) {
+    return std::thread([this, serve] {
+      serve();
+      leave();
+    });
+  }
+  // poll() for that thread, which works between two of these calls. No time: as long as it takes.
+  int wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> longest = std::nullopt);
+  void leave();  // is never at work again
 
   // True while an end of this process works or has something to read.
   [[nodiscard]] static bool any();

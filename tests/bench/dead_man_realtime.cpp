@@ -41,9 +41,8 @@ std::unique_ptr<ChildProcess> run_to_60_psi(HostedRig& rig) {
   write_file(rig.folder.path("hold.toml"),
              "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [50, 60, 50]\nstep = 10\ndwell_s = 4\n");
   const std::string db = rig.folder.path("runs.db");
-  REQUIRE(
-      run_program(program_path(), {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}, rig.folder.path())
-          .code == 0);
+  REQUIRE(run_program(program_path(), {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}, rig.folder.path())
+              .code == 0);
   auto child = std::make_unique<ChildProcess>(
       std::vector<std::string>{program_path(), "run", rig.folder.path("hold.toml"), "--no-seating", "--bench",
                                rig.folder.path("bench.toml"), "--sensor", "S-1", "--operator", "t", "-q", "--db", db});

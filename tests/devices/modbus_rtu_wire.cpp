@@ -50,10 +50,7 @@ class ScriptedLine {
  public:
   using Script = std::function<Bytes(int number, const Bytes& request)>;
   explicit ScriptedLine(Script script) : script_(std::move(script)), stop_(::eventfd(0, 0)) {
-    thread_ = std::thread([this] {
-      serve();
-      work_.leave();
-    });
+    thread_ = work_.thread([this] { serve(); });
   }
   ~ScriptedLine() {
     const std::uint64_t one = 1;

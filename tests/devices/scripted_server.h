@@ -40,10 +40,7 @@ class ScriptedServer {
     }
     port_ = ntohs(address.sin_port);
     if (!rests) work_.leave();
-    thread_ = std::thread([this] {
-      serve();
-      work_.leave();
-    });
+    thread_ = work_.thread([this] { serve(); });
   }
   ~ScriptedServer() {
     const std::uint64_t one = 1;
