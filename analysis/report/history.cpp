@@ -32,7 +32,7 @@ std::string kind_of_state(const std::string& detail) {
 }
 
 void add_event(RunHistory& history, const db::EventRecord& event) {
-  static const std::set<std::string> told = {"attempt", "branch-broken", "warning", "fault", "prompt"};
+  static const std::set<std::string> told = {"attempt", "branch-broken", "warning", "fault", "prompt", "word"};
   if (event.kind == "environment") return add_surroundings(history.surroundings, event);
   if (event.kind == "time") {
     history.time_spent = event.detail;

@@ -12,7 +12,7 @@ namespace tactbench::analysis {
 
 struct HistoryEvent {
   double time_s = 0.0;  // process time since the run's start
-  std::string kind;     // attempt | branch-broken | pause | suspension | warning | fault | prompt | note
+  std::string kind;     // attempt | branch-broken | pause | suspension | warning | fault | prompt | word | note
   std::string text;
 };
 

@@ -13,6 +13,7 @@
 #include "bench/rig.h"
 #include "bench/run/conductor.h"
 #include "bench/run/control_socket.h"
+#include "bench/run/ending.h"
 #include "bench/run/recipe_check.h"
 #include "bench/run/resume.h"
 #include "bench/run/run_record.h"
@@ -48,24 +49,6 @@ void save_specimen(Rig& rig, const std::string& file) {
     throw Error(ExitCode::kUsage, "TB-SPECIMEN-STATE", "cannot write the specimen state", file,
                 "check folder and space");
   }
-}
-
-db::Outcome outcome_of(const Error& error) {
-  if (error.id() == "TB-RUN-STOPPED") return db::Outcome::kStopped;
-  return error.code() == ExitCode::kStopped ? db::Outcome::kAborted : db::Outcome::kFailed;
-}
-
-Error error_of(const Leave& leave, const std::string& where) {
-  const char* remedy = "the frames so far are kept; `tactbench resume` goes on with the branch that was under way";
-  if (leave.signal == SIGINT) {
-    return {ExitCode::kInterrupted, "TB-RUN-STOPPED", "stopped by " + leave.who, where, remedy};
-  }
-  if (leave.signal != 0) return {ExitCode::kTerminated, "TB-RUN-STOPPED", "stopped by " + leave.who, where, remedy};
-  if (leave.word == Word::kStop)
-    return {ExitCode::kStopped, "TB-RUN-STOPPED", "stopped by " + leave.who, where, remedy};
-  return {ExitCode::kStopped, leave.word == Word::kPanic ? "TB-RUN-PANIC" : "TB-RUN-ABORTED",
-          fmt::format("{} by {}", leave.word == Word::kPanic ? "panic" : "aborted", leave.who), where,
-          "look at the rig before the next run; the frames so far are kept"};
 }
 
 // On a rig simulated in this process the object of the recipe is what hangs on the stage.
@@ -118,7 +101,7 @@ class Life {
       if (conductor_) conductor_->press_steps().register_mount(request_.sensor_type.pitch_mm, baseline_);
       record_environment(*rig_, *recorder_);
     } catch (...) {
-      ended_by_ = why_ended();
+      ending_.by_exception(place());
     }
     progress_.finish();
     moment(RigMoment::kTearingDown);
@@ -133,15 +116,8 @@ class Life {
     if (rig_ && request_.on_rig) request_.on_rig(*rig_, which);
   }
 
-  [[nodiscard]] Error why_ended() const {
-    const std::string where = fmt::format("run {}, after frame {}", result_.run, recorder_ ? recorder_->frames() : 0);
-    try {
-      throw;
-    } catch (const Leave& leave) {
-      return error_of(leave, where);
-    } catch (...) {
-      return as_error(std::current_exception(), where);
-    }
+  [[nodiscard]] std::string place() const {
+    return fmt::format("run {}, after frame {}", result_.run, recorder_ ? recorder_->frames() : 0);
   }
 
   void set_up() {
@@ -200,7 +176,7 @@ class Life {
   }
 
   void tear_down() {
-    store_lost_ = store_lost_ || (ended_by_ && ended_by_->code() == ExitCode::kStore);
+    store_lost_ = store_lost_ || ending_.met_store();
     proof_ = {db::SafeState::kVerified, "no device was opened"};
     if (!rig_) return;
     if (sequencer_) (void)sequencer_->times().start(Spent::kTeardown);
@@ -211,11 +187,11 @@ class Life {
       result_.time_spent = sequencer_->times().text();
     }
     result_.process_seconds = devices::in_seconds(rig_->clock().now());
-    if (ended_by_) return;
+    if (ending_.error()) return;
     try {
       save_specimen(*rig_, request_.specimen_state_file);
     } catch (...) {
-      ended_by_ = why_ended();
+      ending_.by_exception(place());
     }
   }
 
@@ -228,23 +204,26 @@ class Life {
     result_.branches_redone = conductor_ ? conductor_->redone() : 0;
     result_.safe = proof_.state;
     result_.safe_text = proof_.text;
-    if (!ended_by_ && proof_.state != db::SafeState::kVerified) {
-      ended_by_ = Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved",
-                        fmt::format("run {}", result_.run), "look at the chamber's own gauge before touching the rig");
+    ending_.hear_last_words(place());
+    const bool safe = proof_.state == db::SafeState::kVerified;
+    if (!safe) {
+      ending_.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved",
+                       fmt::format("run {}", result_.run), "look at the chamber's own gauge before touching the rig"));
     }
-    result_.outcome = ended_by_ ? outcome_of(*ended_by_) : db::Outcome::kCompleted;
-    const std::string reason = ended_by_ ? fmt::format("{}: {}", ended_by_->id(), ended_by_->what()) : "all steps done";
+    result_.outcome = ending_.outcome();
+    const std::string reason =
+        ending_.error() ? fmt::format("{}: {}", ending_.error()->id(), ending_.error()->what()) : "all steps done";
     try {
       write_end(reason);
     } catch (...) {  // the store itself failed: the row stays open and the next start marks it interrupted
-      if (!ended_by_) ended_by_ = why_ended();
+      if (!ending_.error()) ending_.by_exception(place());
     }
-    if (ended_by_) {
+    if (const std::optional<Error>& error = ending_.error()) {
       const std::string kept = fmt::format("{}; run {} kept with {} frames", proof_.text, result_.run, result_.frames);
-      const ExitCode code = proof_.state == db::SafeState::kVerified ? ended_by_->code() : ExitCode::kUnsafe;
-      result_.error = Error(code, ended_by_->id(), ended_by_->what(), ended_by_->where(), ended_by_->remedy(), kept);
+      const ExitCode code = safe ? error->code() : ExitCode::kUnsafe;
+      result_.error = Error(code, error->id(), error->what(), error->where(), error->remedy(), kept);
     }
-    notify_.tell(ended_by_ ? "failed" : "done", result_.run, reason);
+    notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
   }
 
   void write_end(const std::string& reason) {
@@ -252,7 +231,7 @@ class Life {
       recorder_->event("relays", "",
                        fmt::format("closed {} times, row by row", fmt::join(rig_->relay_operations(), " ")));
     }
-    if (ended_by_) recorder_->event("fault", ended_by_->id(), ended_by_->what());
+    ending_.write(*recorder_);
     if (!result_.time_spent.empty()) recorder_->event("time", "", result_.time_spent);
     if (conductor_) {
       conductor_->set_state(RunState::kStopping, reason);
@@ -270,6 +249,7 @@ class Life {
   Notify notify_;
   const StopRequest signals_;
   Control control_;
+  Ending ending_{control_, signals_};
   Work work_;
   devices::Nanoseconds offset_{0};
   RunResult result_;
@@ -280,7 +260,6 @@ class Life {
   std::unique_ptr<ControlSocket> socket_;
   Baseline baseline_;
   SafeProof proof_;
-  std::optional<Error> ended_by_;
   bool store_lost_ = false;  // nobody waits for its locks on the way out
 };
 

@@ -108,7 +108,9 @@ void Conductor::branch(const BranchSpan& span) {
       ++redone_;
       throw;
     } catch (const Fault& fault) {
-      if (as_error(std::current_exception()).code() != ExitCode::kDevice || failed++ >= recipe.retry.branch) throw;
+      const bool by_device = as_error(std::current_exception()).code() == ExitCode::kDevice;
+      // Who has asked for the end does not wait for another attempt; after a panic the fault may be its own doing.
+      if (!by_device || sequencer_.leaving() || failed++ >= recipe.retry.branch) throw;
       recorder_.event("attempt", fault.id(),
                       fmt::format("branch {} of repeat {}, {} of {}: {}", span.key.branch, span.key.repeat, failed,
                                   recipe.retry.branch + 1, fault.what()));

@@ -20,8 +20,9 @@ Control::Answer Control::ask(Word word, const std::string& who) {
     const RunState state = status_.state;
     const bool waits = state == RunState::kPaused || state == RunState::kPausing || pause_;
     if (word == Word::kStatus) return {true, to_string(state)};
-    if (state == RunState::kStopping || state == RunState::kEnded) {
-      return {false, fmt::format("run {} is {} already", status_.run, to_string(state))};
+    if (closed_ || state == RunState::kStopping || state == RunState::kEnded) {
+      const RunState ending = state == RunState::kEnded ? state : RunState::kStopping;
+      return {false, fmt::format("run {} is {} already", status_.run, to_string(ending))};
     }
     if (word == Word::kPause) {
       if (state == RunState::kPaused) return {false, fmt::format("run {} is paused already", status_.run)};
@@ -34,6 +35,7 @@ Control::Answer Control::ask(Word word, const std::string& who) {
       resume_ = true;
       answer.text = fmt::format("run {} goes on: conditioned again, then the next branch", status_.run);
     } else {
+      if (word > word_) leaver_ = who;
       word_ = std::max(word_, word);
       panic = word == Word::kPanic;
       answer.text = fmt::format("run {} ends: {}", status_.run,
@@ -50,17 +52,34 @@ RunStatus Control::status() const {
   return status_;
 }
 
+std::optional<Leave> Control::leave(const StopRequest& signals) const {
+  if (word_ == Word::kPanic) return Leave{word_, 0, leaver_};
+  if (signals.terminate()) return Leave{Word::kStop, SIGTERM, "a request to terminate"};
+  if (signals.interrupts() - interrupts_answered_ >= 2) return Leave{Word::kStop, SIGINT, "Ctrl-C"};
+  if (word_ != Word::kStatus) return Leave{word_, 0, leaver_};
+  return std::nullopt;
+}
+
 void Control::look(const StopRequest& signals) {
   const std::lock_guard lock(mutex_);
-  if (signals.terminate()) throw Leave{Word::kStop, SIGTERM, "a request to terminate"};
+  if (const auto leaving = leave(signals)) throw *leaving;
   const int interrupts = signals.interrupts();
-  if (interrupts - interrupts_answered_ >= 2) throw Leave{Word::kStop, SIGINT, "Ctrl-C"};
   if (interrupts > interrupts_seen_) {
     pause_ = true;
     who_ = "Ctrl-C";
   }
   interrupts_seen_ = interrupts;
-  if (word_ != Word::kStatus) throw Leave{word_, 0, who_};
+}
+
+std::optional<Leave> Control::asked(const StopRequest& signals) const {
+  const std::lock_guard lock(mutex_);
+  return leave(signals);
+}
+
+std::optional<Leave> Control::close(const StopRequest& signals) {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  return leave(signals);
 }
 
 bool Control::pause_wanted() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "bench/run/run_state.h"
@@ -51,6 +52,10 @@ class Control {
 
   // The sequencer's side. look() throws Leave when the run is to end; otherwise it turns signals into words.
   void look(const StopRequest& signals);
+  // What look() would throw: a panic before signals before other words. Nothing: the run goes on.
+  [[nodiscard]] std::optional<Leave> asked(const StopRequest& signals) const;
+  // From now on no word is taken; what was asked until now.
+  std::optional<Leave> close(const StopRequest& signals);
   [[nodiscard]] bool pause_wanted() const;
   // True once after a resume was asked.
   [[nodiscard]] bool take_resume();
@@ -58,12 +63,14 @@ class Control {
   [[nodiscard]] std::string who() const;  // asked last
 
  private:
+  [[nodiscard]] std::optional<Leave> leave(const StopRequest& signals) const;  // under the lock
   mutable std::mutex mutex_;
   RunStatus status_;
+  bool closed_ = false;
   Word word_ = Word::kStatus;  // the strongest asked so far; kStatus: nothing
   bool pause_ = false, resume_ = false;
   int interrupts_seen_ = 0, interrupts_answered_ = 0;  // answered: the pause was taken back or ended
-  std::string who_;
+  std::string who_, leaver_;                           // asked last; asked for the end
   std::function<void()> panic_;
 };
 

@@ -51,6 +51,8 @@ class Sequencer {
   void hold_vented(double duration_s);
   [[nodiscard]] const SuspensionWatch& conditions() const { return suspension_; }
 
+  // A word or a signal has asked for the end, which the next wait will find.
+  [[nodiscard]] bool leaving() const { return control_.asked(signals_).has_value(); }
   // Called after each look at words and signals.
   void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
   [[nodiscard]] TimeSpent& times() { return times_; }

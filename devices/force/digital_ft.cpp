@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -17,10 +18,6 @@ constexpr std::size_t kStartReplyBytes = 5;
 constexpr std::size_t kJamBytes = 14;
 constexpr auto kLongestStop = std::chrono::seconds(2);
 constexpr double kNewtonMetre = 1000.0;  // in N*mm
-
-Nanoseconds left(std::chrono::steady_clock::time_point end) {
-  return std::max(Nanoseconds(0), Nanoseconds(end - std::chrono::steady_clock::now()));
-}
 
 }  // namespace
 
@@ -77,7 +74,7 @@ void DigitalFt::stop() {
     auto calm = std::chrono::steady_clock::now() + options_.quiet;
     // A full buffer may still hold much: what comes within the quiet time starts it anew, a few times.
     for (int part = 0; part < 64; ++part) {
-      if (stream_->read(sink, left(calm)) == 0) return;
+      if (stream_->read(sink, left_until(calm)) == 0) return;
       calm = std::chrono::steady_clock::now() + options_.quiet;
     }
   } while (std::chrono::steady_clock::now() < end);
@@ -89,7 +86,7 @@ std::vector<std::uint8_t> DigitalFt::answer(std::size_t size, const std::string&
   std::vector<std::uint8_t> bytes(size);
   std::size_t came = 0;
   while (came < size) {
-    const std::size_t got = stream_->read(std::span(bytes).subspan(came), left(end));
+    const std::size_t got = stream_->read(std::span(bytes).subspan(came), left_until(end));
     if (got == 0) timed_out(asked, fmt::format("{} of {} bytes came", came, size), options_.reply_timeout);
     came += got;
     if (came >= 5 && (bytes[1] & 0x80U) != 0) bytes.resize(size = 5);  // an exception is shorter
@@ -161,7 +158,8 @@ void DigitalFt::stream_samples(int records, const Wrench& bias, Vector6& sum) {
   bool aligned = true;
   int came = 0;
   while (came < records) {
-    const std::size_t got = left(end) > Nanoseconds(0) ? stream_->read(part, left(end)) : 0;
+    const Nanoseconds left = left_until(end);
+    const std::size_t got = left > Nanoseconds(0) ? stream_->read(part, left) : 0;
     if (got == 0) timed_out(fmt::format("asking {} samples", records), fmt::format("{} came", came), nominal);
     bytes.insert(bytes.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got));
     std::size_t at = 0;

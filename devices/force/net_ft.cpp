@@ -10,6 +10,7 @@
 
 #include "devices/fault.h"
 #include "devices/wire/http_get.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -118,8 +119,7 @@ int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
   int came = 0;
   std::array<std::uint8_t, 2 * kRdtRecordBytes> buffer{};
   while (came < records) {
-    const Nanoseconds left = end - std::chrono::steady_clock::now();
-    const std::size_t size = link_.receive(buffer, std::max(left, Nanoseconds(0)));
+    const std::size_t size = link_.receive(buffer, left_until(end));
     if (size == 0) {
       clock_.reply_lost(limit);
       if (came == 0 && old > 0) stalled(*before);

@@ -14,6 +14,7 @@
 
 #include "devices/fault.h"
 #include "devices/force/ati_matrix.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/pseudo_terminal.h"
 
 namespace tactbench::devices {
@@ -22,6 +23,7 @@ namespace {
 constexpr std::uint8_t kUnit = 10;
 constexpr std::size_t kSentJamBytes = 14;
 constexpr std::size_t kReadBytes = 8;
+constexpr Nanoseconds kMillisecond = std::chrono::milliseconds(1);
 constexpr int kSamplesPerMillisecond = 7;
 constexpr int kSamplesPerWrench = 100;
 constexpr int kServedRegister = 0x001D;
@@ -49,7 +51,7 @@ class SimulatedDigitalFt::Server {
       registers_[kDigitalCalibrationRegister + static_cast<int>(i / 2)] =
           static_cast<std::uint16_t>(bytes[i] << 8 | bytes[i + 1]);
     }
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
   ~Server() {
     const std::uint64_t one = 1;
@@ -65,7 +67,7 @@ class SimulatedDigitalFt::Server {
   void serve() {
     for (;;) {
       pollfd descriptors[] = {{stop_, POLLIN, 0}, {line_.master(), POLLIN, 0}};
-      if (::poll(descriptors, 2, streaming_ ? 1 : -1) < 0) continue;
+      if (work_.wait(descriptors, streaming_ ? std::optional(kMillisecond) : std::nullopt) < 0) continue;
       if (descriptors[0].revents != 0) return;
       if (descriptors[1].revents != 0) attend();
       for (int i = 0; streaming_ && i < kSamplesPerMillisecond; ++i) send_sample();
@@ -172,6 +174,7 @@ class SimulatedDigitalFt::Server {
   long samples_ = 0;
   Trouble trouble_ = Trouble::kNone;
   DigitalSample sample_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

@@ -18,6 +18,7 @@
 #include "devices/fault.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/rdt_record.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/loopback.h"
 #include "devices/wire/page_server.h"
 
@@ -48,7 +49,7 @@ class SimulatedNetFt::Server {
       ::close(rdt_.socket);
       throw Fault("TB-SIM-LISTEN", "simulated Net F/T", "no descriptor is left for its thread", "Close programs.");
     }
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
   ~Server() {
     const std::uint64_t one = 1;
@@ -76,13 +77,9 @@ class SimulatedNetFt::Server {
     for (;;) {
       descriptors.assign({{stop_, POLLIN, 0}, {rdt_.socket, POLLIN, 0}});
       pages_.add_to(descriptors);
-      timespec wait{};
-      if (endless_) {
-        const Nanoseconds left = std::max(Nanoseconds(0), Nanoseconds(due(endless_->sent + 1) - now()));
-        wait.tv_sec = left.count() / 1'000'000'000;
-        wait.tv_nsec = left.count() % 1'000'000'000;
-      }
-      if (::ppoll(descriptors.data(), descriptors.size(), endless_ ? &wait : nullptr, nullptr) < 0) continue;
+      std::optional<Nanoseconds> left;
+      if (endless_) left = std::max(Nanoseconds(0), Nanoseconds(due(endless_->sent + 1) - now()));
+      if (work_.wait(descriptors, left) < 0) continue;
       if (descriptors[0].revents != 0) return;
       if (descriptors[1].revents != 0) attend();
       pages_.serve();
@@ -226,6 +223,7 @@ class SimulatedNetFt::Server {
   std::uint32_t sample_ = 0;
   long records_ = 0;
   std::vector<RdtBytes> packets_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

@@ -76,8 +76,26 @@ void AnalogModule::feed() {
   send_outputs(outputs_);
 }
 
+// A watchdog that still ran from before and fell back while other instruments were opened has cut nothing off: nothing
+// was commanded yet, and it is set up anew.
+void AnalogModule::send_first(const std::vector<std::uint16_t>& image) {
+  try {
+    send_outputs(image);
+  } catch (const Fault& fault) {
+    if (fault.id() != "TB-MODULE-WATCHDOG") throw;
+    set_watchdog();
+    dump_closed_ = false;
+    close_dump();
+    send_outputs(image);
+  }
+}
+
 void AnalogModule::write_image(std::vector<std::uint16_t> image) {
-  send_outputs(image);
+  if (last_write_time_ < Nanoseconds(0)) {
+    send_first(image);
+  } else {
+    send_outputs(image);
+  }
   image.swap(outputs_);  // `image` now keeps what stood before
   try {
     const Nanoseconds deadline = clock_.now() + profile_.outputs.deadline;

@@ -69,6 +69,7 @@ class AnalogModule {
 
  private:
   void prepare();
+  void send_first(const std::vector<std::uint16_t>& image);
   void write_image(std::vector<std::uint16_t> image);
   void blame_watchdog(const Fault& fault, Nanoseconds time);
   void send_outputs(const std::vector<std::uint16_t>& image);

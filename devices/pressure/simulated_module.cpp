@@ -67,7 +67,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
       const int listener = clients_.size() < kMaxClients ? listener_ : -1;  // poll() passes over negative ones
       descriptors.assign({{stop_, POLLIN, 0}, {listener, POLLIN, 0}});
       for (const Client& client : clients_) descriptors.push_back({client.socket, POLLIN, 0});
-      if (::poll(descriptors.data(), descriptors.size(), -1) < 0) continue;
+      if (work_.wait(descriptors) < 0) continue;
       if (descriptors[0].revents != 0) return;
       if (clients_.size() > 1) bury();
       for (std::size_t i = 2; i < descriptors.size(); ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kOnlyClient = 0;
 // A client pauses no longer than this inside a frame; half a frame older than that is noise.
-constexpr int kFrameMilliseconds = 100;
+constexpr Nanoseconds kFramePause = std::chrono::milliseconds(100);
 
 // Bytes of the request that begins `bytes` (unit, function, ..., check sum); 0: not yet known.
 std::size_t request_size(std::span<const std::uint8_t> bytes) {
@@ -41,7 +41,7 @@ SimulatedModule::RtuServer::~RtuServer() { stop(); }
 void SimulatedModule::RtuServer::serve() {
   for (;;) {
     std::array<pollfd, 2> descriptors{pollfd{stop_, POLLIN, 0}, pollfd{terminal_.master(), POLLIN, 0}};
-    const int ready = ::poll(descriptors.data(), descriptors.size(), received_.empty() ? -1 : kFrameMilliseconds);
+    const int ready = work_.wait(descriptors, received_.empty() ? std::nullopt : std::optional(kFramePause));
     if (ready == 0) received_.clear();
     if (descriptors[0].revents != 0) return;
     if (ready > 0 && descriptors[1].revents != 0 && !attend()) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "devices/pressure/module_registers.h"
+#include "devices/wire/end_at_work.h"
 
 namespace tactbench::devices {
 
@@ -35,7 +36,7 @@ class SimulatedModule::Server {
                 std::size_t trailer);
   [[noreturn]] void fail_to_listen(const std::string& what, int error);
   void start() {
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
   void stop();  // to be called by the destructor of the class that has serve()
   void connected();
@@ -43,6 +44,7 @@ class SimulatedModule::Server {
 
   modbus_t* modbus_ = nullptr;
   int stop_ = -1;  // readable: end
+  EndAtWork work_;
 
  private:
   virtual void serve() = 0;

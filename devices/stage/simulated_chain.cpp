@@ -1,6 +1,5 @@
 #include "devices/stage/simulated_chain.h"
 
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/stream_end.h"
 
 namespace tactbench::devices {
@@ -45,7 +45,7 @@ class SimulatedChain::Server {
       throw Fault("TB-SIM-LISTEN", "simulated chain", "starting the simulated chain: no event descriptor is left",
                   "Raise the limit of open files.");
     }
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
 
   ~Server() {
@@ -103,7 +103,7 @@ class SimulatedChain::Server {
   void serve() {
     for (;;) {
       pollfd descriptors[] = {{wake_, POLLIN, 0}, {end_.descriptor(), POLLIN, 0}};
-      ::poll(descriptors, 2, patience());
+      work_.wait(descriptors, patience());
       const bool asked = (descriptors[1].revents & POLLIN) != 0;
       const Trouble trouble = asked && faults_.trouble ? faults_.trouble() : Trouble::kNone;
       const std::lock_guard lock(mutex_);
@@ -136,16 +136,15 @@ class SimulatedChain::Server {
     for (ChainDevice& one : devices_) one.free(when);
   }
 
-  int patience() const {
-    if (!options_.free_running) return -1;
+  std::optional<Nanoseconds> patience() const {
+    if (!options_.free_running) return std::nullopt;
     const std::lock_guard lock(mutex_);
     std::optional<Nanoseconds> next;
     for (const ChainDevice& one : devices_) {
       if (const auto due = one.due(); due && (!next || *due < *next)) next = due;
     }
-    if (!next) return -1;
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*next - clock_.now());
-    return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1000));
+    if (next) next = std::clamp<Nanoseconds>(*next - clock_.now(), Nanoseconds(0), std::chrono::seconds(1));
+    return next;
   }
 
   bool obey() {
@@ -253,6 +252,7 @@ class SimulatedChain::Server {
   Order order_ = Order::kNone;
   std::condition_variable done_;
   int wake_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

@@ -1,4 +1,5 @@
 #include "devices/stage/zaber_line.h"
+#include "devices/wire/wait.h"
 
 #include <algorithm>
 #include <thread>
@@ -73,12 +74,12 @@ void ZaberLine::renumber(int devices, Nanoseconds timeout) {
 }
 
 std::optional<ZaberFrame> ZaberLine::await(const std::function<bool(const ZaberFrame&)>& wanted, Nanoseconds timeout) {
-  const Nanoseconds deadline = real_time() + timeout;
+  const RealTime deadline = std::chrono::steady_clock::now() + timeout;
   std::optional<ZaberFrame> reply;
   std::array<std::uint8_t, 256> bytes{};
   std::vector<ZaberBytes> frames;
   while (!reply) {
-    const std::size_t got = stream_->read(bytes, std::max(deadline - real_time(), Nanoseconds(0)));
+    const std::size_t got = stream_->read(bytes, left_until(deadline));
     parser_.add(std::span(bytes).first(got), real_time(), frames);
     for (const ZaberBytes& one : std::exchange(frames, {})) {
       const ZaberFrame frame = decode(one);
@@ -88,7 +89,7 @@ std::optional<ZaberFrame> ZaberLine::await(const std::function<bool(const ZaberF
         others_(frame);
       }
     }
-    if (got == 0 || real_time() >= deadline) break;
+    if (got == 0 || left_until(deadline) == Nanoseconds(0)) break;
   }
   return reply;
 }

@@ -9,6 +9,7 @@
 
 #include "devices/fault.h"
 #include "devices/wire/stream_link.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -78,7 +79,7 @@ std::optional<protocol::Message> FrameSource::next_message(Nanoseconds timeout) 
       return message;
     }
     if (!parser_.broken().empty()) corrupt(fmt::format("the stream of messages is damaged ({})", parser_.broken()));
-    const Nanoseconds left = std::max(Nanoseconds(0), Nanoseconds(end - std::chrono::steady_clock::now()));
+    const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(end) : Nanoseconds(0);
     const std::size_t got = stream_->read(bytes, left);
     if (got == 0) return std::nullopt;
     parser_.feed(std::span(bytes).first(got));
@@ -94,7 +95,7 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
   ++exchanges_;
   const auto end = std::chrono::steady_clock::now() + options_.frame_timeout;
   for (;;) {
-    auto answer = next_message(end - std::chrono::steady_clock::now());
+    auto answer = next_message(left_until(end));
     if (!answer) break;
     // An error with tag 0 speaks of a request that the source could not read.
     const auto* error = std::get_if<protocol::Error>(&answer->body);
@@ -105,7 +106,7 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
                   "See what the source's own program says.");
     }
     if (answer->tag == tag) return *std::move(answer);
-    if (std::chrono::steady_clock::now() >= end) break;
+    if (left_until(end) == Nanoseconds(0)) break;
   }
   clock_.reply_lost(options_.frame_timeout);
   throw Fault("TB-SCANNER-TIMEOUT", kSourceDevice,

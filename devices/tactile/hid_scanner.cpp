@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "devices/fault.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -25,12 +26,10 @@ using Buffer = std::array<std::uint8_t, kScanReportBytes + 1>;  // one more show
 class Deadline {
  public:
   explicit Deadline(Nanoseconds span) : end_(std::chrono::steady_clock::now() + span) {}
-  [[nodiscard]] Nanoseconds left() const {
-    return std::max(Nanoseconds(0), Nanoseconds(end_ - std::chrono::steady_clock::now()));
-  }
+  [[nodiscard]] Nanoseconds left() const { return left_until(end_); }
 
  private:
-  std::chrono::steady_clock::time_point end_;
+  RealTime end_;
 };
 
 // Runs `talk`; a transport that is gone becomes this room's word for it.

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "devices/fault.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/loopback.h"
 
 namespace tactbench::devices {
@@ -51,7 +52,7 @@ class SimulatedFrameSource::Server {
       release();
       throw;
     }
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
 
   ~Server() {
@@ -96,8 +97,7 @@ class SimulatedFrameSource::Server {
       for (const Subscriber& client : clients_) {
         watched.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
       }
-      const timespec left = time_to_frame();
-      if (::ppoll(watched.data(), watched.size(), subscribed() ? &left : nullptr, nullptr) < 0) continue;
+      if (work_.wait(watched, subscribed() ? std::optional(time_to_frame()) : std::nullopt) < 0) continue;
       if (watched[0].revents != 0) return;
       for (std::size_t i = 2; i < watched.size(); ++i) {
         Subscriber& client = clients_[i - 2];
@@ -115,10 +115,8 @@ class SimulatedFrameSource::Server {
                        [](const Subscriber& c) { return c.subscription.has_value(); });
   }
 
-  [[nodiscard]] timespec time_to_frame() const {
-    const auto left = std::max(Real::duration(0), Real::duration(next_frame_ - Real::now()));
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-    return {seconds.count(), Nanoseconds(left - seconds).count()};
+  [[nodiscard]] Nanoseconds time_to_frame() const {
+    return std::max(Nanoseconds(0), Nanoseconds(next_frame_ - Real::now()));
   }
 
   void accept() {
@@ -244,6 +242,7 @@ class SimulatedFrameSource::Server {
   int listener_ = -1;
   int stop_ = -1;
   std::vector<Subscriber> clients_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "devices/fault.h"
+#include "devices/wire/end_at_work.h"
 
 namespace tactbench::devices {
 
@@ -43,7 +44,7 @@ class SimulatedScanner::Server {
     counts_.resize(rows * identity_.columns);
     status_.resize(rows);
     reports_.resize(rows);
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
 
   ~Server() {
@@ -83,7 +84,7 @@ class SimulatedScanner::Server {
     for (;;) {
       // One client at a time: the next waits in the listener's queue.
       pollfd descriptors[] = {{stop_, POLLIN, 0}, {client_ >= 0 ? client_ : listener_, POLLIN, 0}};
-      if (::poll(descriptors, 2, -1) < 0) continue;
+      if (work_.wait(descriptors) < 0) continue;
       if (descriptors[0].revents != 0) return;
       if (descriptors[1].revents == 0) continue;
       if (client_ < 0) {
@@ -180,6 +181,7 @@ class SimulatedScanner::Server {
   std::vector<std::array<std::uint8_t, kScanReportBytes>> reports_;
   std::vector<iovec> parts_;
   std::vector<mmsghdr> messages_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

@@ -16,6 +16,7 @@
 
 #include "devices/fault.h"
 #include "devices/wire/ip_address.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -89,13 +90,8 @@ class Exchange {
 
  private:
   void wait(short events, const char* id, const std::string& what) {
-    for (;;) {
-      const Nanoseconds left = end_ - std::chrono::steady_clock::now();
-      if (left <= Nanoseconds(0)) break;
-      pollfd descriptor{socket_, events, 0};
-      const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(left).count();
-      if (::poll(&descriptor, 1, static_cast<int>(std::min<long long>(milliseconds, 60'000))) > 0) return;
-    }
+    const Nanoseconds left = left_until(end_);
+    if (left > Nanoseconds(0) && wait_for(socket_, events, left) != 0) return;
     clock_.reply_lost(page_.timeout);
     fail(id, fmt::format("{} within {:g} s", what, std::chrono::duration<double>(page_.timeout).count()));
   }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <modbus.h>
 #include <netdb.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/select.h>
@@ -17,6 +18,7 @@
 
 #include "devices/fault.h"
 #include "devices/wire/stream_link.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -152,6 +154,21 @@ void ModbusLine::wait_for_gap() {
   modbus_flush(context_->modbus);  // a late answer to an earlier request, or noise
 }
 
+// Waits here and not in libmodbus, which does not know of simulated ends. The rest of the reply has the rest of the
+// time.
+int ModbusLine::receive(std::span<std::uint8_t> answer) {
+  const RealTime end = RealClock::now() + endpoint_.response_timeout;
+  if (wait_for(modbus_get_socket(context_->modbus), POLLIN, endpoint_.response_timeout) == 0) {
+    errno = ETIMEDOUT;
+    return -1;
+  }
+  constexpr std::chrono::microseconds kLeast(1000);  // for what has come already
+  const auto left = std::max(kLeast, std::chrono::duration_cast<std::chrono::microseconds>(end - RealClock::now()));
+  modbus_set_response_timeout(context_->modbus, static_cast<std::uint32_t>(left.count() / 1'000'000),
+                              static_cast<std::uint32_t>(left.count() % 1'000'000));
+  return modbus_receive_confirmation(context_->modbus, answer.data());
+}
+
 std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> request) {
   modbus_t* modbus = context_->modbus;
   if (is_rtu()) wait_for_gap();
@@ -160,7 +177,7 @@ std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> req
   modbus_set_slave(modbus, request[0]);
   int length = is_rtu() ? modbus_send_raw_request(modbus, request.data(), static_cast<int>(request.size()))
                         : send_tcp(modbus_get_socket(modbus), ++transaction_, request);
-  if (length > 0) length = modbus_receive_confirmation(modbus, answer.data());
+  if (length > 0) length = receive(answer);
   error_ = length > 0 ? 0 : length == 0 ? EMBBADSLAVE : errno;  // 0: libmodbus passes over another unit's answer
   if (is_rtu()) quiet_until_ = RealClock::now() + frame_gap(endpoint_.baud);
   if (length > 0) {

@@ -37,6 +37,7 @@ class ModbusLine {
   void look_up(const std::string& device, const std::string& peer);
   [[noreturn]] void fail(int error, const std::string& device, const std::string& peer);
   void wait_for_gap();
+  int receive(std::span<std::uint8_t> answer);
   ModbusEndpoint endpoint_;
   Clock& clock_;
   std::string address_;  // the host in numbers, once known

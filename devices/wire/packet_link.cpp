@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "devices/fault.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -47,7 +48,7 @@ class PacketLink final : public ReportLink {
   std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) override {
     if (next_ == filled_) fetch();
     if (next_ == filled_ && timeout > Nanoseconds(0)) {
-      wait(timeout);
+      (void)wait_for(socket_, POLLIN, timeout);
       fetch();
     }
     if (next_ == filled_) return 0;
@@ -89,18 +90,6 @@ class PacketLink final : public ReportLink {
     while (filled_ < static_cast<std::size_t>(count) && messages_[filled_].msg_len > 0) ++filled_;
     gone_ = filled_ < static_cast<std::size_t>(count);
     if (gone_ && filled_ == 0) lost("closed by the other side");
-  }
-
-  void wait(Nanoseconds timeout) const {
-    const auto deadline = std::chrono::steady_clock::now() + timeout;
-    auto left = timeout;
-    while (left > Nanoseconds(0)) {
-      const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-      const timespec span{seconds.count(), (left - seconds).count()};
-      pollfd descriptor{socket_, POLLIN, 0};
-      if (::ppoll(&descriptor, 1, &span, nullptr) >= 0 || errno != EINTR) return;
-      left = deadline - std::chrono::steady_clock::now();
-    }
   }
 
   [[noreturn]] void lost(const char* why) const {

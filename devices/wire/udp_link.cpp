@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "devices/fault.h"
+#include "devices/wire/wait.h"
 
 namespace tactbench::devices {
 namespace {
@@ -62,12 +63,8 @@ std::size_t UdpLink::receive(std::span<std::uint8_t> into, Nanoseconds timeout) 
     const ssize_t got = ::recv(socket_, into.data(), into.size(), MSG_DONTWAIT);
     if (got > 0) return static_cast<std::size_t>(got);  // an empty datagram says nothing
     if (got < 0 && !is_nothing_yet(errno)) fail("TB-UDP-LOST", "receiving from", errno);
-    const Nanoseconds left = deadline - std::chrono::steady_clock::now();
-    if (left <= Nanoseconds(0)) return 0;
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-    const timespec span{seconds.count(), (left - seconds).count()};
-    pollfd descriptor{socket_, POLLIN, 0};
-    ::ppoll(&descriptor, 1, &span, nullptr);
+    const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : timeout;
+    if (left <= Nanoseconds(0) || wait_for(socket_, POLLIN, left) == 0) return 0;
   }
 }
 

@@ -2,22 +2,36 @@
 
 #include <poll.h>
 
-#include <algorithm>
 #include <cerrno>
 
+#include "devices/wire/end_at_work.h"
+
 namespace tactbench::devices {
+namespace {
+
+constexpr Nanoseconds kTurn = std::chrono::milliseconds(1);       // between two looks at the ends
+constexpr Nanoseconds kLongestHeldUp = std::chrono::seconds(20);  // an end that works for ever is a defect
+
+}  // namespace
+
+Nanoseconds left_until(RealTime end) {
+  const Nanoseconds left = end - std::chrono::steady_clock::now();
+  if (left > Nanoseconds(0)) return left;
+  return left > -kLongestHeldUp && EndAtWork::any() ? kTurn : Nanoseconds(0);
+}
 
 short wait_for(int descriptor, short events, Nanoseconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  for (auto left = timeout;; left = deadline - std::chrono::steady_clock::now()) {
-    left = std::max(left, Nanoseconds(0));
+  const RealTime deadline = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    // No end at work, and then nothing to read: in this order, since an answer comes before its end rests.
+    const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : Nanoseconds(0);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
     const timespec span{seconds.count(), (left - seconds).count()};
     pollfd waited{descriptor, events, 0};
     const int ready = ::ppoll(&waited, 1, &span, nullptr);
     if (ready > 0) return waited.revents;
-    if (ready == 0) return 0;
-    if (errno != EINTR) return POLLERR;
+    if (ready < 0 && errno != EINTR) return POLLERR;
+    if (ready == 0 && left == Nanoseconds(0)) return 0;
   }
 }
 

@@ -1,12 +1,20 @@
-// Waiting for a descriptor in real time, bounded, interrupted calls retried.
+// Waiting for a descriptor in real time, bounded, interrupted calls retried. A time-out runs on while a simulated end
+// of this process still owes an answer (end_at_work.h).
 #pragma once
+
+#include <chrono>
 
 #include "devices/clock.h"
 
 namespace tactbench::devices {
 
-// Blocks until poll() reports one of `events`, a hang-up or an error, at most `timeout`. Returns poll's revents; 0 at
-// the timeout.
+using RealTime = std::chrono::steady_clock::time_point;
+
+// Real time until `end`; 0: it has passed, and nothing may come any more.
+[[nodiscard]] Nanoseconds left_until(RealTime end);
+
+// Blocks until poll() reports one of `events`, a hang-up or an error, at most `timeout`; 0 only looks. Returns poll's
+// revents; 0 at the timeout.
 [[nodiscard]] short wait_for(int descriptor, short events, Nanoseconds timeout);
 
 }  // namespace tactbench::devices

@@ -1,14 +1,29 @@
-// Signals: real time, wide margins.
+// Signals, each at a moment of the run that is waited for.
 #include <csignal>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "db/run_store.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
+using namespace tactbench;
 using namespace tactbench::tests;
 using nlohmann::json;
+
+namespace {
+
+// Of run 1, in the middle of which this is.
+bool has_frames(const std::string& db_path) {
+  try {
+    return db::RunStore::open_read_only(db_path).frame_count(1) > 0;
+  } catch (const db::StoreError&) {  // it is being made
+    return false;
+  }
+}
+
+}  // namespace
 
 // Ctrl-C pauses first: control_realtime.cpp.
 TEST_CASE("a request to terminate vents, closes the row and keeps the frames") {
@@ -22,7 +37,7 @@ TEST_CASE("a request to terminate vents, closes the row and keeps the frames") {
   REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
   const Finished run =
       run_program(program, {"run", "long.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"},
-                  folder.path(), {SIGTERM, folder.path("runs.db-wal"), 1000});
+                  folder.path(), {SIGTERM, [&] { return has_frames(folder.path("runs.db")); }});
   INFO(run.err);
   CHECK(run.code == 143);
   CHECK_THAT(run.err, Catch::Contains("TB-RUN-STOPPED") && Catch::Contains("vented, verified"));
@@ -42,7 +57,8 @@ TEST_CASE("a run whose process was killed is found and marked interrupted by the
   REQUIRE(run_program(program, {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
   const std::vector<std::string> words = {"run", "long.toml",  "--bench", "bench.toml", "--sensor",
                                           "S-1", "--operator", "t",       "-q"};
-  CHECK(run_program(program, words, folder.path(), {SIGKILL, folder.path("runs.db-wal"), 1000}).code == -SIGKILL);
+  const Signal kill{SIGKILL, [&] { return has_frames(folder.path("runs.db")); }};
+  CHECK(run_program(program, words, folder.path(), kill).code == -SIGKILL);
   const auto show = [&] {
     return json::parse(run_program(program, {"runs", "show", "1", "--json"}, folder.path()).out);
   };

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "bench/rig.h"
 #include "bench/run/control_socket.h"
 #include "tests/bench/kill_record.h"
 #include "tests/support/process.h"
@@ -41,12 +42,26 @@ struct Words {
   Words() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {}
   // `act` is told of the `at`-th step.
   bench::RunResult run(int at, const std::function<void()>& act) {
-    bench::RunRequest request = small_request();
+    bench::RunRequest request = small_request({{"module.watchdog_ms", "60000"}});  // never what is met
     int seen = 0;
     request.on_step = [&](const sequences::Step&) {
       if (seen++ == at) act();
     };
+    request.on_rig = [&](bench::Rig& made, bench::RigMoment moment) {
+      rig = &made;
+      if (moment == bench::RigMoment::kTearingDown && on_way_out) on_way_out();
+    };
     return run_small(request, store);
+  }
+  // Of run 1, "kind id", those that tell why it ended.
+  [[nodiscard]] std::vector<std::string> reasons() const {
+    std::vector<std::string> reasons;
+    for (const db::EventRecord& event : store.events(1)) {
+      if (event.kind == "fault" || event.kind == "word" || event.kind == "attempt") {
+        reasons.push_back(event.kind + " " + event.id);
+      }
+    }
+    return reasons;
   }
   [[nodiscard]] std::vector<std::string> states() const {
     std::vector<std::string> states;
@@ -57,7 +72,30 @@ struct Words {
   }
   TemporaryFolder folder;
   db::RunStore store;
+  bench::Rig* rig = nullptr;  // while a run lives
+  std::function<void()> on_way_out;
 };
+
+constexpr int kMidway = 15;  // a step under pressure
+using Reasons = std::vector<std::string>;
+
+// What the sequencer's next command meets, before it looks at words again.
+struct Met {
+  std::string id;
+  std::function<void(bench::Rig&)> make;
+};
+const Met kFiredDeadMan{"TB-DEADMAN-FIRED",
+                        [](bench::Rig& rig) { rig.guard().trip(bench::kDeadManFired, "somebody told it to"); }};
+const Met kTripped{"TB-GUARD-TRIPPED", [](bench::Rig& rig) { rig.guard().trip("TB-CHAMBER-TRIP", "66 psi"); }};
+// As the dead-man's vent, which lands between our writing and reading back: the output stands at zero.
+const Met kZeroed{"TB-MODULE-READBACK", [](bench::Rig& rig) {
+                    devices::ModbusLink other(rig.config().module.endpoint, "another master", rig.clock());
+                    const std::uint16_t zero = 0;
+                    other.write_registers(rig.config().module.profile.outputs.address, std::span(&zero, 1));
+                    rig.clock().wait_until(rig.clock().now() + std::chrono::milliseconds(600));  // a look is due
+                  }};
+const Met kRefused{"TB-MODBUS-EXCEPTION",
+                   [](bench::Rig& rig) { rig.plant()->inject(bench::FaultKind::kModuleException, std::nullopt, 1); }};
 
 }  // namespace
 
@@ -108,6 +146,79 @@ TEST_CASE("control: stop, abort and panic end a simulated run, vented, and it ca
   CHECK(result.outcome == row.outcome);
   CHECK(result.safe == db::SafeState::kVerified);
   CHECK(words.store.run(1).content_sha256 == words.store.content_hash(1));
+  bench::RunRequest request = small_request();
+  request.resume = 1;
+  REQUIRE_FALSE(run_small(request, words.store).error);
+  CHECK(judge_final_set(words.store, 1, 15, 2).faults == std::vector<std::string>());
+}
+
+TEST_CASE("control: a panic wins over the fault that follows it, and the record keeps both") {
+  const Met met = GENERATE(kFiredDeadMan, kTripped, kZeroed, kRefused);
+  INFO(met.id);
+  Words words;
+  const bench::RunResult result = words.run(kMidway, [&] {
+    CHECK(say(Word::kPanic).taken);
+    met.make(*words.rig);
+  });
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-RUN-PANIC");
+  CHECK(result.error->code() == ExitCode::kStopped);
+  CHECK_THAT(result.error->what(), Catch::Contains(met.id));
+  CHECK(result.outcome == db::Outcome::kAborted);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.branches_redone == 0);
+  CHECK(words.reasons() == Reasons{"fault " + met.id, "fault TB-RUN-PANIC"});
+  CHECK(words.store.run(1).content_sha256 == words.store.content_hash(1));
+}
+
+TEST_CASE("control: a stop or an abort wins over a device that fails after it, not over a trip") {
+  struct Row {
+    Word word;
+    db::Outcome outcome;
+    std::string id;
+  };
+  const Row row = GENERATE(values<Row>({{Word::kStop, db::Outcome::kStopped, "TB-RUN-STOPPED"},
+                                        {Word::kAbort, db::Outcome::kAborted, "TB-RUN-ABORTED"}}));
+  const Met met = GENERATE(kRefused, kTripped, kFiredDeadMan);
+  const bool wins = met.id == kRefused.id;
+  INFO(row.id << ", " << met.id);
+  Words words;
+  const bench::RunResult result = words.run(kMidway, [&] {
+    CHECK(say(row.word).taken);
+    met.make(*words.rig);
+  });
+  REQUIRE(result.error);
+  CHECK(result.error->id() == (wins ? row.id : met.id));
+  CHECK(result.error->code() == ExitCode::kStopped);
+  CHECK(result.outcome == (wins ? row.outcome : db::Outcome::kAborted));
+  CHECK(result.branches_redone == 0);
+  CHECK(words.reasons() ==
+        (wins ? Reasons{"fault " + met.id, "fault " + row.id} : Reasons{"fault " + met.id, "word " + row.id}));
+}
+
+TEST_CASE("control: a fault that came before the panic stays why the run ended, and the panic stands beside it") {
+  Words words;
+  words.on_way_out = [] { CHECK(say(Word::kPanic).taken); };
+  const bench::RunResult result = words.run(kMidway, [&] { kTripped.make(*words.rig); });
+  REQUIRE(result.error);
+  CHECK(result.error->id() == kTripped.id);
+  CHECK(result.outcome == db::Outcome::kAborted);
+  CHECK(words.reasons() == Reasons{"fault " + kTripped.id, "word TB-RUN-PANIC"});
+}
+
+TEST_CASE("control: a panic or an abort on the way out of a run that was done ends it, a stop is only kept") {
+  const Word word = GENERATE(Word::kStop, Word::kAbort, Word::kPanic);
+  Words words;
+  words.on_way_out = [&] { CHECK(say(word).taken); };
+  const bench::RunResult result = words.run(-1, [] {});
+  if (word == Word::kStop) {
+    CHECK_FALSE(result.error);
+    CHECK(words.reasons() == Reasons{"word TB-RUN-STOPPED"});
+    return;
+  }
+  REQUIRE(result.error);
+  CHECK(result.outcome == db::Outcome::kAborted);
+  CHECK(words.reasons() == Reasons{word == Word::kPanic ? "fault TB-RUN-PANIC" : "fault TB-RUN-ABORTED"});
   bench::RunRequest request = small_request();
   request.resume = 1;
   REQUIRE_FALSE(run_small(request, words.store).error);

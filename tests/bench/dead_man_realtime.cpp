@@ -1,5 +1,5 @@
 // The dead-man's process against a simulated rig in real time. What is asserted has wide margins; the times that were
-// measured are printed as FIGURE lines.
+// measured are printed as FIGURE lines: of the shipped bench with TACTBENCH_SHIPPED_TIMES=1 (roomy_times.h).
 #include <fmt/format.h>
 
 #include <sys/wait.h>
@@ -32,7 +32,7 @@ namespace {
 
 using Overrides = std::vector<sequences::Override>;
 
-constexpr double kPatience = 10.0;  // seconds; 2 are aimed at
+const double kPatience = 4.0 * roominess();  // seconds; 2 are aimed at with the shipped times
 
 void figure(const std::string& name, double value) { WARN(fmt::format("FIGURE {} {:.2f} s", name, value)); }
 
@@ -41,9 +41,8 @@ std::unique_ptr<ChildProcess> run_to_60_psi(HostedRig& rig) {
   write_file(rig.folder.path("hold.toml"),
              "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [50, 60, 50]\nstep = 10\ndwell_s = 4\n");
   const std::string db = rig.folder.path("runs.db");
-  REQUIRE(
-      run_program(program_path(), {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}, rig.folder.path())
-          .code == 0);
+  REQUIRE(run_program(program_path(), {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}, rig.folder.path())
+              .code == 0);
   auto child = std::make_unique<ChildProcess>(
       std::vector<std::string>{program_path(), "run", rig.folder.path("hold.toml"), "--no-seating", "--bench",
                                rig.folder.path("bench.toml"), "--sensor", "S-1", "--operator", "t", "-q", "--db", db});
@@ -157,7 +156,7 @@ TEST_CASE("dead-man: a sequencer killed or stopped while it presses with 30 N le
 }
 
 TEST_CASE("dead-man: a stage that presses is halted and backed off when the feeding ends") {
-  HostedRig hosted(elastic({{"dead_man.progress_ms", "300"}}));
+  HostedRig hosted(elastic({{"dead_man.progress_ms", fmt::format("{:.0f}", 300.0 * roominess())}}));
   Rig rig(hosted.client());
   devices::Stage& stage = *rig.stage_gate();
   stage.arm();
@@ -188,7 +187,8 @@ TEST_CASE("dead-man: told to fire it vents at once, and no command passes after 
   Rig rig(hosted.client());
   rig.open();
   (void)ramp_to(rig, devices::Psi(20.0));
-  REQUIRE(HostedRig::seconds_until([&] { return hosted.psi() > 15.0; }, 0.4) < 0.4);
+  const double soon = 0.4 * roominess();  // before the module's watchdog
+  REQUIRE(HostedRig::seconds_until([&] { return hosted.psi() > 15.0; }, soon) < soon);
   std::thread([&] { rig.dead_man()->fire(); }).join();
   CHECK(devices::fault_id_of([&] { (void)rig.source().command(devices::Psi(19.0)); }) == "TB-DEADMAN-FIRED");
   CHECK(HostedRig::seconds_until([&] { return hosted.psi() < 1.0; }, kPatience) < kPatience);

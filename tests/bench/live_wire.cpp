@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 
 #include "analysis/compensate/frame_compensator.h"
 #include "bench/cli/evaluation.h"
@@ -99,7 +100,11 @@ TEST_CASE("live: the verb prints JSON and writes a table, Ctrl-C ends it cleanly
   const Finished stopped = run_program(
       program_path(),
       {"live", "--bench", "simulated.toml", "--model", std::to_string(run), "--db", "runs.db", "--csv", "endless.csv"},
-      folder.path(), {SIGINT, folder.path("endless.csv"), 300});
+      folder.path(), {SIGINT, [&] {
+                        std::error_code not_yet;
+                        const auto size = std::filesystem::file_size(folder.path("endless.csv"), not_yet);
+                        return !not_yet && size > 10'000;  // frames, not the heading alone
+                      }});
   INFO(stopped.out << stopped.err);
   CHECK(stopped.code == 0);
   CHECK_THAT(stopped.out, Catch::Contains("request to compensated values"));

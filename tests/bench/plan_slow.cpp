@@ -1,7 +1,6 @@
 // The verb plan as a person uses it: no device is there.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "bench/config.h"
@@ -10,6 +9,7 @@
 #include "tests/bench/stored_past.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/processor_time.h"
 
 using namespace tactbench::tests;
 using namespace tactbench;
@@ -98,14 +98,14 @@ TEST_CASE("a hundred recipes are estimated from their stored runs in 10 ms") {
   const auto steps = sequences::compile(recipes);
   double best_ms = 1e9;
   for (int attempt = 0; attempt < 10; ++attempt) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start_s = processor_seconds();
     bench::TimeEstimate estimate(recipes, steps, sequences::TimeModel());
     estimate.learn(store, "b", {}, false);
     const bench::TimeBand total = estimate.total();
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    const double took_ms = 1e3 * (processor_seconds() - start_s);
     CHECK(total.runs == 1);
     CHECK(total.p50_s == Approx(100 * 60.0));
-    best_ms = std::min(best_ms, took.count());
+    best_ms = std::min(best_ms, took_ms);
   }
   INFO("100 recipes learned in " << best_ms << " ms");
   CHECK(best_ms < 10.0);

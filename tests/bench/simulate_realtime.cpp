@@ -4,9 +4,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/child_process.h"
 #include "tests/support/paths.h"
-#include "tests/support/process.h"
+#include "tests/support/served_rig.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -15,28 +14,10 @@ namespace {
 
 const std::string kProgram = program_path();
 
-struct Simulator {
-  explicit Simulator(const std::string& rate)
-      : child({kProgram, "simulate", "--rate", rate, "--for", "120", "--write-bench", folder.path("bench.toml")}) {
-    while (child.line() != "Ctrl-C ends") {
-    }
-  }
-  [[nodiscard]] Finished run(const std::vector<std::string>& arguments, const Signal& signal = {}) const {
-    return run_program(kProgram, arguments, folder.path(), signal);
-  }
-  TemporaryFolder folder;
-  ChildProcess child;
-};
-
-double feedback_psi(const Simulator& simulator) {
-  const json checked = json::parse(simulator.run({"devices", "check", "--bench", "bench.toml", "--json"}).out);
-  return std::stod(checked["devices"][1]["reading"].get<std::string>().substr(9));
-}
-
 }  // namespace
 
 TEST_CASE("simulate: another process finds every instrument, watches them and carries out a run") {
-  const Simulator simulator("10");
+  const ServedRig simulator(10.0);
   const Finished checked = simulator.run({"devices", "check", "--bench", "bench.toml", "--json"});
   INFO(checked.out << checked.err);
   CHECK(checked.code == 0);
@@ -49,7 +30,6 @@ TEST_CASE("simulate: another process finds every instrument, watches them and ca
   CHECK_THAT(watched.out, Catch::Contains("feedback") && Catch::Contains("stage") && !Catch::Contains("TB-"));
   write_file(simulator.folder.path("small.toml"),
              "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 10\ndwell_s = 1\n");
-  REQUIRE(simulator.run({"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   const Finished run = simulator.run(
       {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q", "--json"});
   INFO(run.err);
@@ -61,18 +41,16 @@ TEST_CASE("simulate: another process finds every instrument, watches them and ca
 }
 
 TEST_CASE("simulate: a killed sequencer leaves a chamber that the module's own watchdog vents") {
-  const Simulator simulator("1");
+  ServedRig simulator(1.0, {"dead_man.enabled=false"});
   write_file(simulator.folder.path("hold.toml"),
              "schema = 1\nname = \"hold\"\nunit = \"psi\"\nturning_points = [40, 60, 40]\nstep = 20\ndwell_s = 600\n");
-  REQUIRE(simulator.run({"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
-  const Finished killed = simulator.run(
-      {"run", "hold.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q", "--no-seating"},
-      {SIGKILL, simulator.folder.path("runs.db-wal"), 4000});
-  CHECK(killed.code == -SIGKILL);
-  double psi = feedback_psi(simulator);
-  CHECK(psi > 20.0);  // the watchdog has up to a second
-  for (int i = 0; i < 500 && psi > 1.0; ++i) psi = feedback_psi(simulator);
-  CHECK(psi < 1.0);
+  const auto run = simulator.start_run("hold.toml");
+  constexpr double kPatience = 60.0;
+  REQUIRE(simulator.seconds_until([](double psi) { return psi > 39.0; }, kPatience) < kPatience);
+  run->signal(SIGKILL);
+  CHECK(run->wait() == -SIGKILL);
+  CHECK(simulator.psi() > 20.0);  // nobody else vents
+  CHECK(simulator.seconds_until_safe(kPatience) < kPatience);
 }
 
 TEST_CASE(

@@ -151,6 +151,22 @@ TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output
   CHECK(rig.regulator.feedback().pressure.value() == Approx(10.0).margin(0.003));
 }
 
+TEST_CASE("regulator: a watchdog that still ran and fell back before the first command is set up anew") {
+  const bool looks_first = GENERATE(true, false);
+  Rig rig;
+  rig.regulator.arm();
+  rig.regulator.command(Psi(40.0));
+  CHECK(rig.regulator.vent());
+  rig.regulator.arm();
+  rig.clock.wait_until(5s);  // other instruments take their time to open
+  if (looks_first) CHECK(fault_id_of([&] { rig.regulator.keep_alive(); }) == "none");
+  CHECK(fault_id_of([&] { rig.regulator.command(Psi(10.0)); }) == "none");
+  CHECK(rig.regulator.feedback().pressure.value() == Approx(10.0).margin(0.003));
+  rig.clock.wait_until(6s);  // it watches again
+  CHECK(rig.regulator.feedback().pressure == Psi(0.0));
+  CHECK(fault_id_of([&] { rig.regulator.keep_alive(); }) == "TB-MODULE-WATCHDOG");
+}
+
 TEST_CASE("regulator: keep-alive only reads while the last write is young") {
   Rig rig;
   rig.regulator.arm();

@@ -102,15 +102,17 @@ TEST_CASE("frame source: answers to older requests are passed over, and are no a
 
 TEST_CASE("frame source: a flood of old answers holds nobody past the deadline") {
   static constexpr auto kFlood = 20 * kShort;  // ends with the right answer, too late
-  const ScriptedServer server([](int number, int socket, const Bytes& request) {
-    const auto tag = static_cast<std::uint16_t>(request[6] | request[7] << 8);
-    const auto old = frame_bytes(static_cast<std::uint16_t>(tag - 1), 1);
-    const auto end = std::chrono::steady_clock::now() + kFlood;
-    while (number > 0 && std::chrono::steady_clock::now() < end) {
-      if (::send(socket, old.data(), old.size(), MSG_NOSIGNAL) < 0) return;  // the driver has hung up
-    }
-    ScriptedServer::send(socket, number == 0 ? description_bytes(tag) : frame_bytes(tag, 2));
-  });
+  const ScriptedServer server(
+      [](int number, int socket, const Bytes& request) {
+        const auto tag = static_cast<std::uint16_t>(request[6] | request[7] << 8);
+        const auto old = frame_bytes(static_cast<std::uint16_t>(tag - 1), 1);
+        const auto end = std::chrono::steady_clock::now() + kFlood;
+        while (number > 0 && std::chrono::steady_clock::now() < end) {
+          if (::send(socket, old.data(), old.size(), MSG_NOSIGNAL) < 0) return;  // the driver has hung up
+        }
+        ScriptedServer::send(socket, number == 0 ? description_bytes(tag) : frame_bytes(tag, 2));
+      },
+      false);
   TurnedClock clock;
   FrameSourceOptions options;
   options.address = "tcp:127.0.0.1:" + std::to_string(server.port());

@@ -10,6 +10,7 @@
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
+#include "devices/wire/end_at_work.h"
 #include "devices/wire/modbus_crc.h"
 #include "devices/wire/modbus_link.h"
 #include "devices/wire/pseudo_terminal.h"
@@ -49,7 +50,7 @@ class ScriptedLine {
  public:
   using Script = std::function<Bytes(int number, const Bytes& request)>;
   explicit ScriptedLine(Script script) : script_(std::move(script)), stop_(::eventfd(0, 0)) {
-    thread_ = std::thread([this] { serve(); });
+    thread_ = work_.thread([this] { serve(); });
   }
   ~ScriptedLine() {
     const std::uint64_t one = 1;
@@ -66,7 +67,7 @@ class ScriptedLine {
     Bytes request;
     for (int number = 0;;) {
       pollfd watched[2]{{stop_, POLLIN, 0}, {terminal_.master(), POLLIN, 0}};
-      if (::poll(watched, 2, -1) < 0) continue;
+      if (work_.wait(watched) < 0) continue;
       if (watched[0].revents != 0) return;
       std::uint8_t bytes[64];
       const ssize_t got = ::read(terminal_.master(), bytes, sizeof bytes);
@@ -80,6 +81,7 @@ class ScriptedLine {
   Script script_;
   PseudoTerminal terminal_;
   int stop_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "devices/wire/end_at_work.h"
+
 namespace tactbench::devices {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -25,7 +27,8 @@ class ScriptedServer {
   // Called on the server's thread with the number of the request (from 0), its connection and its bytes.
   using Script = std::function<void(int number, int socket, const Bytes& request)>;
 
-  explicit ScriptedServer(Script script)
+  // Nobody's time-out runs while a script does (end_at_work.h), unless it is one that never rests.
+  explicit ScriptedServer(Script script, bool rests = true)
       : script_(std::move(script)), listener_(::socket(AF_INET, SOCK_STREAM, 0)), stop_(::eventfd(0, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -36,7 +39,8 @@ class ScriptedServer {
       throw std::runtime_error("no listener on loopback");
     }
     port_ = ntohs(address.sin_port);
-    thread_ = std::thread([this] { serve(); });
+    if (!rests) work_.leave();
+    thread_ = work_.thread([this] { serve(); });
   }
   ~ScriptedServer() {
     const std::uint64_t one = 1;
@@ -68,7 +72,7 @@ class ScriptedServer {
   void serve() {
     std::vector<pollfd> watched{{stop_, POLLIN, 0}, {listener_, POLLIN, 0}};
     for (int number = 0;;) {
-      if (::poll(watched.data(), watched.size(), -1) < 0) continue;
+      if (work_.wait(watched) < 0) continue;
       if (watched[0].revents != 0) return;
       for (std::size_t i = 2; i < watched.size(); ++i) {
         if (watched[i].revents == 0) continue;
@@ -91,6 +95,7 @@ class ScriptedServer {
   int stop_;
   int port_ = 0;
   std::vector<int> opened_;
+  EndAtWork work_;
   std::thread thread_;
 };
 

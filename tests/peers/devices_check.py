@@ -16,6 +16,7 @@ origin = "hardware"
 [module]
 profile = "generic"
 unit = 1
+response_timeout_ms = 10000
 {wire}
 [regulator]
 serial = "unknown"

@@ -17,6 +17,7 @@
 #include "bench/simulation/simulated_rig.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/roomy_times.h"
 
 namespace tactbench::tests {
 
@@ -26,13 +27,13 @@ class HostedRig {
   explicit HostedRig(const std::vector<sequences::Override>& overrides = {},
                      const std::vector<std::string>& left_out = {})
       : text_(text_without(left_out)),
-        config_(bench::parse_bench(text_, "simulated.toml", overrides)),
+        config_(bench::parse_bench(text_, "simulated.toml", with_room(overrides))),
         rig_(config_, clock_, true) {
     const bench::TripFile trip(config_.id);  // of the test before
     std::filesystem::remove(trip.path());
     std::filesystem::remove(trip.dead_man_path());
     auto document = sequences::TomlDocument::from_text(text_, "simulated.toml");
-    for (const sequences::Override& one : overrides) {
+    for (const sequences::Override& one : with_room(overrides)) {
       if (!one.key.starts_with("simulation.")) document.set(one);
     }
     const auto quoted = [](const std::string& text) { return fmt::format("\"{}\"", text); };
@@ -72,6 +73,11 @@ class HostedRig {
   TemporaryFolder folder;
 
  private:
+  static std::vector<sequences::Override> with_room(const std::vector<sequences::Override>& overrides) {
+    std::vector<sequences::Override> all = roomy_times(1.0);
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    return all;
+  }
   static std::string text_without(const std::vector<std::string>& left_out) {
     std::istringstream lines(read_file(bench::find_config("simulated.toml")));
     std::string text;

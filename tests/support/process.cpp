@@ -33,10 +33,12 @@ Finished run_program(const std::string& program, const std::vector<std::string>&
     _exit(127);
   }
   if (signal.number != 0) {
-    constexpr int kMostPolls = 3000;
-    for (int i = 0; i < kMostPolls && !std::filesystem::exists(signal.when_file); ++i) usleep(10000);
-    usleep(static_cast<useconds_t>(signal.after_ms) * 1000U);
-    kill(child, signal.number);
+    constexpr int kMostLooks = 6000;
+    int looks = 0;
+    while (!signal.when() && ++looks < kMostLooks) usleep(10000);
+    kill(child, looks < kMostLooks ? signal.number : SIGKILL);
+    if (looks == kMostLooks) waitpid(child, nullptr, 0);
+    if (looks == kMostLooks) throw std::runtime_error("the moment for the signal did not come; " + read_file(err));
   }
   int status = 0;
   if (waitpid(child, &status, 0) != child) throw std::runtime_error("waitpid failed");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,11 @@ struct Finished {
   std::string out, err;
 };
 
-// Runs `program` with `arguments` in `folder`, standard input empty. With a signal, sends it `after_ms` after
-// `when_file` has come to exist.
+// Runs `program` with `arguments` in `folder`, standard input empty. With a signal, sends it as soon as `when` holds;
+// throws when that does not come to be.
 struct Signal {
   int number = 0;
-  std::string when_file;
-  int after_ms = 0;
+  std::function<bool()> when;
 };
 Finished run_program(const std::string& program, const std::vector<std::string>& arguments, const std::string& folder,
                      const Signal& signal = {});

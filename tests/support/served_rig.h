@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,24 +18,16 @@
 #include "tests/support/child_process.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/roomy_times.h"
 
 namespace tactbench::tests {
 
 class ServedRig {
  public:
-  // Times of the instruments run `rate` times as fast, those of the host do not: watchdog and age of readings get the
-  // room that a busy computer needs.
-  explicit ServedRig(double rate)
-      : simulator_({program_path(), "simulate",
-                    "--rate",          fmt::format("{}", rate),
-                    "--for",           "3000",
-                    "--write-bench",   folder.path("bench.toml"),
-                    "--set",           fmt::format("module.watchdog_ms={:.0f}", 1000.0 * rate),
-                    "--set",           fmt::format("limits.stale_s={}", std::min(rate, 10.0)),
-                    "--set",           "limits.disagreement_s=30",
-                    "--set",           fmt::format("bench.id=\"served-{}\"", getpid()),
-                    "--set",           "dead_man.timeout_ms=2000",
-                    "--set",           "dead_man.progress_ms=5000"}) {
+  // Times of the instruments run `rate` times as fast, those of the host do not.
+  // `more`: further overrides of the bench file.
+  explicit ServedRig(double rate, const std::vector<std::string>& more = {})
+      : simulator_(words(rate, folder.path("bench.toml"), more)) {
     while (simulator_.line() != "Ctrl-C ends") {
     }
     (void)run({"init"});
@@ -69,18 +62,38 @@ class ServedRig {
     (void)module_->look();
     return reference_->read().pressure.value();
   }
-  // Seconds of real time until the chamber is below 1 psi; `longest` when it does not get there.
-  [[nodiscard]] double seconds_until_safe(double longest = 20.0) {
+  // Seconds of real time until the chamber is so; `longest` when it does not get there.
+  [[nodiscard]] double seconds_until(const std::function<bool(double psi)>& so, double longest) {
     const auto start = std::chrono::steady_clock::now();
     const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-    while (psi() >= 1.0 && passed() < longest) usleep(5000);
+    while (!so(psi())) {
+      if (passed() >= longest) return longest;
+      usleep(5000);
+    }
     return std::min(passed(), longest);
+  }
+  [[nodiscard]] double seconds_until_safe(double longest = 20.0) {
+    return seconds_until([](double psi) { return psi < 1.0; }, longest);
   }
 
   TemporaryFolder folder;
   std::string bench_id;
 
  private:
+  static std::vector<std::string> words(double rate, const std::string& bench, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {program_path(),  "simulate",
+                                      "--rate",        fmt::format("{}", rate),
+                                      "--for",         "3000",
+                                      "--write-bench", bench,
+                                      "--set",         "limits.disagreement_s=30",
+                                      "--set",         fmt::format("bench.id=\"served-{}\"", getpid())};
+    for (const sequences::Override& one : roomy_times(rate)) {
+      words.insert(words.end(), {"--set", one.key + "=" + one.value});
+    }
+    for (const std::string& one : more) words.insert(words.end(), {"--set", one});
+    return words;
+  }
+
   ChildProcess simulator_;
   devices::SteadyClock clock_{1.0};
   std::unique_ptr<devices::AnalogModule> module_;
