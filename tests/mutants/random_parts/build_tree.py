@@ -31,7 +31,6 @@ class Unusable(Exception):
 @dataclasses.dataclass
 class Recipe:
     """How a source is compiled."""
-    launcher: list  # compiler cache, if any
     words: list  # compiler and options, without source and output
     folder: str
     group: tuple  # the other sources of its object, relative to the source tree
@@ -48,7 +47,7 @@ def taken_apart(command, folder):
             skip = True
         elif not DROPPED.fullmatch(word):
             options.append(word)
-    return words[:first], [*options, "-O1", "-g0", "-w"], folder
+    return [*options, "-O1", "-g0", "-w"], folder
 
 
 class BuildTree:
@@ -66,6 +65,7 @@ class BuildTree:
         self.paths = None  # how tests/support/paths.cpp is compiled, which knows where the program lies
         for entry in commands:
             self.read(entry)
+        self.launcher = ["env", f"CCACHE_BASEDIR={self.source}", "CCACHE_NOHASHDIR=1", "ccache"] if shutil.which("ccache") else []
         self.linker = ["-fuse-ld=lld", "-Wl,--threads=1"] if shutil.which("ld.lld") else []
         self.lock = threading.Lock()
         self.made = {}  # source -> lock of its unchanged object
@@ -140,7 +140,7 @@ class BuildTree:
 
     def compile(self, recipe, source, output, words=(), cached=False):
         """Whether the compiler made `output` of the file `source`."""
-        line = [*(recipe.launcher if cached else []), *recipe.words, *words, "-c", str(source), "-o", str(output)]
+        line = [*(self.launcher if cached else []), *recipe.words, *words, "-c", str(source), "-o", str(output)]
         output.parent.mkdir(parents=True, exist_ok=True)
         done = subprocess.run(["prlimit", f"--as={MEMORY_BYTES}", "--cpu=300", *line], cwd=recipe.folder,
                               stdin=subprocess.DEVNULL, capture_output=True, check=False)

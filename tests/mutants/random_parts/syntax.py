@@ -54,24 +54,27 @@ def plain_type(cursor):
 
 
 class Syntax:
-    """Of one source at a time."""
+    """Reads sources, and keeps the last few: a draw comes back to them."""
+    KEPT = 4
 
     def __init__(self):
         self.index = cindex.Index.create()
-        self.path, self.tops, self.unit = None, [], None
+        self.read = {}  # path -> (translation unit, the declarations of the source itself), the oldest first
         self.unreadable = {}  # path -> the first error
 
-    def load(self, path, options):
-        self.path, self.tops, self.unit = path, [], None
-        unit = self.index.parse(path, args=options)
-        errors = [d for d in unit.diagnostics if d.severity >= cindex.Diagnostic.Error]
-        if errors:
-            self.unreadable[path] = str(errors[0])
-            return
-        self.unit = unit  # its cursors are nothing without it
-        own = os.path.realpath(path)
-        self.tops = [c for c in unit.cursor.get_children()
-                     if c.extent.start.file and os.path.realpath(c.extent.start.file.name) == own]
+    def tops(self, path, options):
+        if path not in self.read:
+            while len(self.read) >= self.KEPT:
+                del self.read[next(iter(self.read))]
+            unit = self.index.parse(path, args=options)
+            errors = [d for d in unit.diagnostics if d.severity >= cindex.Diagnostic.Error]
+            if errors:
+                self.unreadable[path] = str(errors[0])
+            own = os.path.realpath(path)
+            tops = [] if errors else [c for c in unit.cursor.get_children()
+                                      if c.extent.start.file and os.path.realpath(c.extent.start.file.name) == own]
+            self.read[path] = (unit, tops)
+        return self.read[path][1]
 
     def chain(self, cursors, begin, end):
         """All nodes that cover the bytes, from the outermost inwards."""
@@ -81,10 +84,9 @@ class Syntax:
                 yield from self.chain(cursor.get_children(), begin, end)
 
     def accepts(self, change, path, options):
-        if path != self.path:
-            self.load(path, options)
+        """Whether the change is a mutant; `options` are those for clang."""
         begin, end = change.begin, change.end
-        nodes = list(self.chain(self.tops, begin, end))
+        nodes = list(self.chain(self.tops(path, options), begin, end))
         kinds = {n.kind for n in nodes}
         if kinds & NEVER_BELOW or not kinds & CODE:
             return False

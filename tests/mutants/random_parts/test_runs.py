@@ -72,38 +72,34 @@ def run(executable, words, limit):
     mark = uuid.uuid4().hex
     folder = tempfile.mkdtemp(prefix="tbm-")  # short: paths of sockets lie in it
     places = {name: folder for name in ("TMPDIR", "HOME", "XDG_STATE_HOME", "XDG_RUNTIME_DIR")}
-    environment = {**os.environ, **places, MARK: mark}
     bounds = [f"--as={MEMORY_BYTES}", f"--fsize={FILE_BYTES}", "--core=0", f"--cpu={int(limit.cpu_s) + 1}"]
-    report = os.path.join(folder, "tests.xml")
-    begun, before = time.monotonic(), os.times()
+    report = pathlib.Path(folder, "tests.xml")
+    begun = time.monotonic()
     try:
         with open(os.path.join(folder, "said"), "wb") as said:
             process = subprocess.Popen(["prlimit", *bounds, str(executable), *words, "-r", "xml", "-o", report], cwd=folder,
-                                       env=environment, stdin=subprocess.DEVNULL, stdout=said, stderr=said,
-                                       start_new_session=True)
-            _, status, usage = waited(process, begun + limit.wall_s)
+                                       env={**os.environ, **places, MARK: mark}, stdin=subprocess.DEVNULL, stdout=said,
+                                       stderr=said, start_new_session=True)
+        status, usage = waited(process, begun + limit.wall_s)
         timed_out = status is None
         if timed_out:
             os.killpg(process.pid, signal.SIGKILL)
             _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = status
+        process.returncode = status  # it was waited for here, not by subprocess
         end_all(mark)
-        with open(report, "rb") if os.path.exists(report) else open(os.devnull, "rb") as file:
-            file.seek(max(0, os.path.getsize(report) - LONGEST_OUTPUT) if os.path.exists(report) else 0)
-            text = file.read().decode("utf-8", "replace")
+        text = report.read_bytes()[-LONGEST_OUTPUT:].decode("utf-8", "replace") if report.exists() else ""
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    timed_out = timed_out or (os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL))
-    del before
+    timed_out |= os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL)
     return Outcome(status == 0, timed_out, failed_tests(text, status != 0), time.monotonic() - begun,
                    usage.ru_utime + usage.ru_stime)
 
 
 def waited(process, deadline):
-    """wait4 with a deadline; no status when that is passed. The pause is short beside what a test takes."""
+    """Status and use of a process that ends before the deadline; none otherwise. The pause is short beside any test."""
     while time.monotonic() < deadline:
-        done = os.wait4(process.pid, os.WNOHANG)
-        if done[0]:
-            return done
+        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if pid:
+            return status, usage
         time.sleep(0.02)
-    return 0, None, None
+    return None, None
