@@ -1,10 +1,10 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Random mutants against the tests of their room: what share of them do the tests notice?
 
     random_campaign.py BUILD_DIR [--seed N] [--mutants N] [--room R...] [--jobs N] [--table FILE.md] [--only ID...]
 
 Draws mutants at random, as many in each room, and tries each against the unit tests of its room, then the wire tests, then
-the slow ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the same mutants. Exit code 0:
+the slow and realtime ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the same mutants. Exit code 0:
 of the killable mutants of each room at least the goal's share was killed; 1: fewer; 2: usage, or the build cannot be used.
 """
 import argparse
@@ -19,7 +19,7 @@ import shutil
 import sys
 import time
 
-from random_parts import build_tree, changes, equivalents, syntax, trial
+from random_parts import build_tree, changes, equivalents, syntax, test_runs, trial
 
 HERE = pathlib.Path(__file__).resolve().parent
 BEGIN, END = "<!-- random campaign -->", "<!-- end of random campaign -->"
@@ -178,6 +178,7 @@ def main():
     parser.add_argument("--only", nargs="+", default=[], metavar="ID", help="these mutants alone, as they were printed")
     options = parser.parse_args()
     scratch = pathlib.Path(options.build_dir).resolve() / f"random_mutants.{os.getpid()}"
+    test_runs.begin_campaign()
     try:
         enough = campaign(options, scratch)
     except (build_tree.Unusable, equivalents.Wrong) as error:

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What the random campaign draws in a small source, and what it leaves alone. No argument."""
 import contextlib
 import json

@@ -16,9 +16,11 @@ import shutil
 import subprocess
 import threading
 
+from . import test_runs
+
 ROOMS = ("analysis", "bench", "db", "devices", "sequences")
 # In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own.
-STAGES = (("unit", "threads"), ("wire",), ("slow",))
+STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"))
 COMPILER = re.compile(r"(.*/)?(g\+\+|c\+\+|clang\+\+)(-\d+)?")
 DROPPED = re.compile(r"-O.*|-g.*|-flto.*|-Werror.*|-MD|-MMD")
 MEMORY_BYTES = 4 << 30  # of the compiler
@@ -100,10 +102,11 @@ class BuildTree:
         """The link line of an executable; none when the build knows no such target."""
         with self.lock:
             if target not in self.links:
-                done = subprocess.run(["ninja", "-C", self.folder, "-t", "commands", "-s", target], capture_output=True,
-                                      text=True, check=False)
-                step = next((s for s in done.stdout.split(" && ") if COMPILER.match(s.strip()) and " -o " in s), None)
-                self.links[target] = shlex.split(step) if step else None
+                done = subprocess.run(["ninja", "-C", self.folder, "-t", "commands", target], capture_output=True, text=True,
+                                      check=False)
+                steps = [s.strip() for line in re.findall(rf"^.* -o (?:\S*/)?{target} .*$", done.stdout, re.MULTILINE)
+                         for s in line.split(" && ") if COMPILER.match(s.strip())]
+                self.links[target] = shlex.split(steps[-1]) if steps else None
             return self.links[target]
 
     def executables(self, room, stage):
@@ -140,6 +143,8 @@ class BuildTree:
 
     def compile(self, recipe, source, output, words=(), cached=False):
         """Whether the compiler made `output` of the file `source`."""
+        if test_runs.stopping.is_set():
+            raise test_runs.Stopped
         line = [*(self.launcher if cached else []), *recipe.words, *words, "-c", str(source), "-o", str(output)]
         output.parent.mkdir(parents=True, exist_ok=True)
         done = subprocess.run(["prlimit", f"--as={MEMORY_BYTES}", "--cpu=300", *line], cwd=recipe.folder,

@@ -10,10 +10,12 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 import uuid
 
-MARK = "TACTBENCH_MUTANT_TRIAL"
+MARK = "TACTBENCH_MUTANT_TRIAL"  # in the environment of what one run of tests starts
+CAMPAIGN = "TACTBENCH_MUTANT_CAMPAIGN"  # in that of all that the campaign starts
 MEMORY_BYTES = 6 << 30  # of address space, a process; the unchanged tests keep within it
 FILE_BYTES = 1 << 30
 LONGEST_OUTPUT = 8 << 20  # bytes of the executable's report that are read, from its end
@@ -25,6 +27,11 @@ class Limit:
     cpu_s: float
 
 
+class Stopped(Exception):
+    """The campaign was told to end."""
+
+
+stopping = threading.Event()
 UNMUTATED = Limit(1800, 1800)
 
 
@@ -56,21 +63,36 @@ def failed_tests(report, died):
     return failed
 
 
-def end_all(mark):
-    """Ends every process that carries the mark."""
+def end_all(mark, value):
+    """Ends every process whose environment says mark=value."""
     for entry in pathlib.Path("/proc").iterdir():
-        if entry.name.isdigit():
+        if entry.name.isdigit() and int(entry.name) != os.getpid():
             try:
-                if f"{MARK}={mark}".encode() in (entry / "environ").read_bytes().split(b"\0"):
+                if f"{mark}={value}".encode() in (entry / "environ").read_bytes().split(b"\0"):
                     os.kill(int(entry.name), signal.SIGKILL)
-            except (OSError, ProcessLookupError):
-                pass
+            except OSError:
+                pass  # it has ended, or is another user's
+
+
+def begin_campaign():
+    """From here on SIGINT and SIGTERM end what was started, and let each thread clean up behind itself."""
+    os.environ[CAMPAIGN] = uuid.uuid4().hex
+
+    def stop(number, _):
+        stopping.set()
+        end_all(CAMPAIGN, os.environ[CAMPAIGN])
+        raise SystemExit(128 + number)
+    signal.signal(signal.SIGINT, stop)
+    signal.signal(signal.SIGTERM, stop)
 
 
 def run(executable, words, limit):
     """The outcome of the executable with more words, e.g. names of tests."""
+    if stopping.is_set():
+        raise Stopped
     mark = uuid.uuid4().hex
     folder = tempfile.mkdtemp(prefix="tbm-")  # short: paths of sockets lie in it
+    os.chmod(folder, 0o755)  # as /tmp is for tests that give up root's rights
     places = {name: folder for name in ("TMPDIR", "HOME", "XDG_STATE_HOME", "XDG_RUNTIME_DIR")}
     bounds = [f"--as={MEMORY_BYTES}", f"--fsize={FILE_BYTES}", "--core=0", f"--cpu={int(limit.cpu_s) + 1}"]
     report = pathlib.Path(folder, "tests.xml")
@@ -86,7 +108,7 @@ def run(executable, words, limit):
             os.killpg(process.pid, signal.SIGKILL)
             _, status, usage = os.wait4(process.pid, 0)
         process.returncode = status  # it was waited for here, not by subprocess
-        end_all(mark)
+        end_all(MARK, mark)
         text = report.read_bytes()[-LONGEST_OUTPUT:].decode("utf-8", "replace") if report.exists() else ""
     finally:
         shutil.rmtree(folder, ignore_errors=True)
