@@ -4,8 +4,9 @@
     random_campaign.py BUILD_DIR [--seed N] [--mutants N] [--room R...] [--jobs N] [--table FILE.md] [--only ID...]
 
 Draws mutants at random, as many in each room, and tries each against the unit tests of its room, then the wire tests, then
-the slow and realtime ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the same mutants. Exit code 0:
-of the killable mutants of each room at least the goal's share was killed; 1: fewer; 2: usage, or the build cannot be used.
+the slow and realtime ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the same mutants.
+Exit code 0: of the killable mutants of each room at least the goal's share was killed; 1: fewer; 2: usage, or the build
+cannot be used. README.md tells the rest.
 """
 import argparse
 import concurrent.futures
@@ -19,6 +20,7 @@ import shutil
 import sys
 import time
 
+from campaign import write_table
 from random_parts import build_tree, changes, equivalents, syntax, test_runs, trial
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -41,7 +43,8 @@ def drawn(tree, judge, room, seed):
     offered = [c for source in tree.sources(room) for c in changes.changes_of(source, tree.text(source))]
     random.Random(f"{seed} {room}").shuffle(offered)
     for change in offered:
-        if judge.accepts(change, str(tree.source / change.file), syntax.options_for_clang(tree.recipes[change.file].words)):
+        options = syntax.options_for_clang(tree.recipes[change.file].words)
+        if judge.accepts(change, str(tree.source / change.file), options):
             yield change
 
 
@@ -66,7 +69,7 @@ def by_id(tree, identity):
         raise build_tree.Unusable(f"'{identity}': no source {source} is built")
     found = [c for c in changes.changes_of(source, tree.text(source)) if c.id == identity]
     if not found:
-        raise build_tree.Unusable(f"'{identity}': there is no such change; an id is FILE:LINE:COLUMN:NAME as it was printed")
+        raise build_tree.Unusable(f"'{identity}': no such change; an id is FILE:LINE:COLUMN:NAME as it was printed")
     return found[0]
 
 
@@ -110,7 +113,8 @@ def figures(results):
 
 
 def table(results, rooms):
-    lines = ["| room | drawn | built | killed | survived | judged equivalent | killed of killable |", "|---|---|---|---|---|---|---|"]
+    lines = ["| room | drawn | built | killed | survived | judged equivalent | killed of killable |",
+             "|---|---|---|---|---|---|---|"]
     for name, own in [*((room, [r for r in results if r.change.file.startswith(room + "/")]) for room in rooms),
                       ("all", results)]:
         *counts, share = figures(own)
@@ -118,28 +122,18 @@ def table(results, rooms):
     return "\n".join(lines)
 
 
-def write_table(path, text):
-    """Between the two marks of a file that has them, else as the whole file."""
-    before = path.read_text() if path.exists() else ""
-    if BEGIN in before and END in before:
-        head, rest = before.split(BEGIN, 1)
-        text = f"{head}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}"
-    else:
-        text += "\n"
-    path.write_text(text)
-
-
 def report(results, names, tree, options):
     text = table(results, names)
     survivors = [r.change for r in results if r.verdict.state == "survived" and not r.reason]
     for change in survivors:
-        say(f"\nsurvived: {change.id}\n  {changes.line_of(tree.text(change.file), change.line)}\n  {changes.shown(change)}\n"
+        say(f"\nsurvived: {change.id}\n  {changes.line_of(tree.text(change.file), change.line)}\n"
+            f"  {changes.shown(change)}\n"
             f"  again: {sys.argv[0]} {options.build_dir} --only {change.id}\n"
             f"  if no test can tell: {equivalents.entry_of(change, tree.text(change.file))}")
     say(f"\n{text}")
     if options.table:
         seed = "" if options.only else f"Seed {options.seed}, {options.mutants} mutants.\n\n"
-        write_table(options.table, seed + text)
+        write_table(options.table, seed + text, BEGIN, END)
     shares = [figures([r for r in results if r.change.file.startswith(room + "/")])[-1] for room in names]
     return all(100 * share >= options.goal for share in shares)
 
@@ -148,7 +142,8 @@ def campaign(options, scratch):
     tree = build_tree.BuildTree(options.build_dir)
     reasons = equivalents.reasons(HERE / "random_equivalents.json", tree.text)
     wanted = [by_id(tree, identity) for identity in options.only]
-    names = [r for r in build_tree.ROOMS if r in (options.room or {c.file.split("/")[0] for c in wanted} or build_tree.ROOMS)]
+    asked = options.room or {change.file.split("/")[0] for change in wanted} or build_tree.ROOMS
+    names = [room for room in build_tree.ROOMS if room in asked]
     rooms = {name: trial.Room(tree, name, scratch, say) for name in names}
     slots = queue.Queue()
     for i in range(options.jobs):

@@ -21,6 +21,8 @@ from . import test_runs
 ROOMS = ("analysis", "bench", "db", "devices", "sequences")
 # In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own.
 STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"))
+# Beside those of the room itself, in its last stage.
+ALSO = {"devices": ("test_faults_wire",), "bench": ("test_faults_wire",)}
 COMPILER = re.compile(r"(.*/)?(g\+\+|c\+\+|clang\+\+)(-\d+)?")
 DROPPED = re.compile(r"-O.*|-g.*|-flto.*|-Werror.*|-MD|-MMD")
 MEMORY_BYTES = 4 << 30  # of the compiler
@@ -67,7 +69,8 @@ class BuildTree:
         self.paths = None  # how tests/support/paths.cpp is compiled, which knows where the program lies
         for entry in commands:
             self.read(entry)
-        self.launcher = ["env", f"CCACHE_BASEDIR={self.source}", "CCACHE_NOHASHDIR=1", "ccache"] if shutil.which("ccache") else []
+        cache_words = ["env", f"CCACHE_BASEDIR={self.source}", "CCACHE_NOHASHDIR=1", "ccache"]
+        self.launcher = cache_words if shutil.which("ccache") else []
         self.linker = ["-fuse-ld=lld", "-Wl,--threads=1"] if shutil.which("ld.lld") else []
         self.lock = threading.Lock()
         self.made = {}  # source -> lock of its unchanged object
@@ -111,8 +114,9 @@ class BuildTree:
 
     def executables(self, room, stage):
         """Names of the room's built executables of a stage."""
-        return [name for kind in stage for name in [f"test_{room}_{kind}"]
-                if self.link_words(name) and self.output(name).exists()]
+        names = [f"test_{room}_{kind}" for kind in stage]
+        names += ALSO.get(room, ()) if stage == STAGES[-1] else ()
+        return [name for name in names if self.link_words(name) and self.output(name).exists()]
 
     def output(self, target):
         words = self.link_words(target)
@@ -157,7 +161,8 @@ class BuildTree:
         with self.lock:
             own = self.made.setdefault(source, threading.Lock())
         with own:
-            if not output.exists() and not self.compile(self.recipes[source], self.source / source, output, cached=True):
+            recipe = self.recipes[source]
+            if not output.exists() and not self.compile(recipe, self.source / source, output, cached=True):
                 raise Unusable(f"{source} cannot be compiled alone with the options of {self.folder}")
         return output
 

@@ -53,7 +53,8 @@ class Room:
         file.write_text(f'#line 1 "{original}"\n{text}', "latin-1")
         output = folder / "mutant.o"
         output.unlink(missing_ok=True)
-        words = ["-iquote", original.parent, "-D_GLIBCXX_ASSERTIONS"]  # a step beyond an array shows, as it does in CI's sanitizers
+        # The assertions show a step beyond an array, as the sanitizers of CI do.
+        words = ["-iquote", original.parent, "-D_GLIBCXX_ASSERTIONS"]
         return output if self.tree.compile(self.tree.recipes[source], file, output, words) else None
 
     def neighbours(self, source):
