@@ -4,7 +4,9 @@
 #include <unistd.h>
 #include <catch2/catch.hpp>
 
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 
 #include "db/sqlite.h"
@@ -168,6 +170,17 @@ TEST_CASE("a database that may not grow is full") {
   std::string message;
   CHECK(store_error([&] { small.execute("INSERT INTO t VALUES (zeroblob(50000))"); }, &message) == "TB-STORE-FULL");
   CHECK_THAT(message, Catch::Contains("no room left") && Catch::Contains("free space"));
+}
+
+TEST_CASE("what fails without a file does not tell of a file that failed before") {
+  const TemporaryFolder folder;
+  Connection connection(folder.path("runs.db"), Access::kReadWrite);
+  const std::string reason = std::strerror(ENOENT);
+  std::string message;
+  CHECK(!store_error([&] { connection.execute("ATTACH '/nonexistent/other.db' AS other"); }, &message).empty());
+  CHECK_THAT(message, Catch::Contains(reason));
+  CHECK(!store_error([&] { connection.execute("INSERT INTO nothing VALUES (1)"); }, &message).empty());
+  CHECK_THAT(message, !Catch::Contains(reason));
 }
 
 // The system's own limit on file size stands for the full disk: the same failed write, without a disk of its own.

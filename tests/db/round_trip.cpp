@@ -218,6 +218,9 @@ TEST_CASE("rows that contradict the run are refused and leave nothing") {
   CHECK(store_error([&] { store.set_state(begun.run, "ended", {}); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { store.end_run(ended, db::Outcome::kFailed, "", {}, ""); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { store.end_run(begun.run, db::Outcome::kIncomplete, "", {}, ""); }) == "TB-STORE-CONFLICT");
+  // That it has ended is said first, whatever else is wrong.
+  RunStore reader = RunStore::open_read_only(folder.path("runs.db"));
+  CHECK(store_error([&] { reader.end_run(ended, db::Outcome::kFailed, "", {}, ""); }) == "TB-STORE-CONFLICT");
   CHECK(store.content_hash(begun.run) == before);
   store.set_devices(begun.run, {});
   CHECK(store.run(begun.run).devices.empty());

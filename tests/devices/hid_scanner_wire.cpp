@@ -141,6 +141,17 @@ TEST_CASE("hid scanner: an array smaller than a report") {
   check_scan(set, 1, 1);
 }
 
+TEST_CASE("hid scanner: a single taxel is an array, too") {
+  Scanner rig;
+  rig.server.reset();
+  rig.server =
+      std::make_unique<SimulatedScanner>(rig.path, IdentityReport{0, 1, 1, 1.0F, "S", "1"}, rig.array, rig.clock);
+  rig.options.rows = rig.options.columns = 1;
+  const auto set = rig.open().read(3);
+  REQUIRE(set.counts.size() == 3);
+  for (int scan = 0; scan < 3; ++scan) check_scan(set, scan, scan);
+}
+
 TEST_CASE("hid scanner: silence is a timeout and costs process time once") {
   const Scanner rig({.silent_after_scans = 2}, kShort);
   auto scanner = rig.open();

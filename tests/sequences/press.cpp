@@ -99,7 +99,7 @@ TEST_CASE("a bad press recipe names its place") {
     }
   };
   const std::string at = "positions_mm = [[10, 20]]\n";
-  refused(at + "forces_n = [2, 2]\n", "not above 2 N", "press.toml:7:12");
+  refused(at + "forces_n = [2, 2]\n", "force 2 is 2 N, not above 2 N", "press.toml:7:12");
   refused(at + "forces_n = [0.1]\n", "not above 0.2 N", "press.toml:7:12");
   refused(at + "forces_n = []\n", "empty", "press.toml:7:12");
   refused("positions_mm = [[10]]\nforces_n = [2]\n", "element 1", "press.toml:6:16");

@@ -105,6 +105,31 @@ TEST_CASE("the way back conditions and travels to where the branch starts, witho
     CHECK((steps[i].branch < 0) == (i < 4));
     CHECK(steps[i].sequence == 4);
   }
+  // The turning points after them belong to the branches that they end.
+  REQUIRE(steps.size() == 7);
+  const std::vector<double> from = {0, 0, 60}, to = {0, 60, 10};
+  const std::vector<int> branch = {0, 0, 1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(steps[4 + i].branch == branch[i]);
+    CHECK(steps[4 + i].branch_from == Psi(from[i]));
+    CHECK(steps[4 + i].branch_to == Psi(to[i]));
+  }
+}
+
+TEST_CASE("what was read stays known with its value and place, lists as well") {
+  const TomlDocument document = TomlDocument::from_text(
+      "schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = [0, 4.5, 0]\nstep = 1.5\n", "test.toml");
+  parse_recipe(document);
+  const auto setting = [&](const std::string& key) {
+    for (const Setting& known : document.settings()) {
+      if (known.key == key) return known.value + " of " + known.origin;
+    }
+    return std::string("nowhere");
+  };
+  CHECK(setting("turning_points") == "[0, 4.5, 0] of test.toml:4");
+  CHECK(setting("step") == "1.5 of test.toml:5");
+  CHECK(setting("repeats") == "1 of default");
+  CHECK(setting("no_such_key") == "nowhere");
 }
 
 TEST_CASE("the way back settles at every level, also in a recipe whose ramps do not stop") {

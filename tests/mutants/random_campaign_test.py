@@ -1,0 +1,194 @@
+#!/usr/bin/python3
+"""What the random campaign draws in a small source, and what it leaves alone. No argument."""
+import contextlib
+import json
+import pathlib
+import sys
+import tempfile
+
+import random_campaign
+from random_parts import build_tree, changes, equivalents, syntax, test_runs, trial
+
+OPTIONS = ["-xc++", "-w", "-std=c++20"]
+SOURCE = '''// a < b && c + 1 in a comment; note(4);
+#include <array>
+#include <string>
+#define LIMIT (3 + 4)
+static_assert(sizeof(int) >= 4 && true);
+enum class Word { kOne = 1, kTwo = 2 };
+void note(int count);
+template <typename T, int N = 5>
+struct Box {
+  bool operator<(const Box& other) const { return value < other.value; }
+  T value = 0;
+};
+double half(double x, int times = 7) { return x * 0.5; }
+std::string twice(const std::string& text, char* p) {
+  const std::string raw = R"(1 < 2 && 3)" + text;
+  return text + " 2 < 3 \\" && " + '<' + raw + *(p + 1);
+}
+int count(Box<int, 6> box, const int* first, const int* last) {
+  std::array<double, 8> a{};
+  int sum[9] = {};
+  note(10);
+  auto&& all = a;
+  for (int i = 11; i != 12; ++i) sum[i] += 13;
+  switch (box.value) {
+    case 14:
+      return std::max(15, box->value);
+    default:
+      break;
+  }
+  if (const int n = 16; n > 17 || !first) return last - first;
+  if (const int* q = first) return *q;
+  while (first != last && true) ++first;
+  return 1'000 << 18 & 0x1f;
+}
+'''.replace("box->value", "(&box)->value").replace("#include <string>", "#include <string>\n#include <algorithm>")
+DRAWN = '''11 comparison < -> <=
+12 number 0 -> 1
+14 arithmetic * -> /
+14 number 0.5 -> 0.6
+17 arithmetic + -> -
+17 number 1 -> 2
+22 call note(10) -> nothing
+22 number 10 -> 11
+24 number 11 -> 12
+24 comparison != -> ==
+24 number 12 -> 13
+24 arithmetic += -> -=
+24 number 13 -> 14
+27 extreme max -> min
+27 number 15 -> 16
+31 condition n > 17 || !first -> !(n > 17 || !first)
+31 number 16 -> 17
+31 comparison > -> >=
+31 number 17 -> 18
+31 logic || -> &&
+31 not ! -> !!
+33 condition first != last && true -> !(first != last && true)
+33 comparison != -> ==
+33 logic && -> ||
+33 truth true -> false
+34 number 1'000 -> 1001
+34 number 18 -> 19
+34 number 0x1f -> 0x20'''.split("\n")
+
+
+JUDGE = syntax.Syntax()
+
+
+def check_positions(folder):
+    """The changes that clang confirms are those of the list: none in comments, texts, directives, templates, default
+    arguments, enumerators, case labels, lengths of arrays, static_assert, sums of strings, differences of pointers."""
+    path = folder / "small.cpp"
+    path.write_text(SOURCE)
+    found = [c for c in changes.changes_of("small.cpp", SOURCE) if JUDGE.accepts(c, str(path), OPTIONS)]
+    assert not JUDGE.unreadable, JUDGE.unreadable
+    drawn = [f"{c.line} {c.kind} {changes.shown(c)}" for c in found]
+    assert drawn == DRAWN, "\n".join(sorted(set(drawn) ^ set(DRAWN)))
+    for change in found:  # nothing but the place changes
+        text = changes.changed(SOURCE, change)
+        assert text[:change.begin] == SOURCE[:change.begin] and text.endswith(SOURCE[change.end:]), change
+        assert text != SOURCE, change
+    ids = [c.id for c in found]
+    assert len(set(ids)) == len(ids), ids
+
+
+def build_folder(folder):
+    """A build folder that knows one group of two sources of the room db."""
+    (folder / "db").mkdir()
+    (folder / "build").mkdir()
+    for name in ("one", "two"):
+        (folder / "db" / f"{name}.cpp").write_text(SOURCE)
+    (folder / "build" / "group.cpp").write_text('#include "db/one.cpp"\n#include "db/two.cpp"\n')
+    (folder / "build" / "CMakeCache.txt").write_text(
+        f"CMAKE_HOME_DIRECTORY:INTERNAL={folder}\nCMAKE_GENERATOR:INTERNAL=Ninja\n")
+    command = f"/usr/bin/c++ -I{folder} -O3 -g -std=c++20 -Werror -o group.o -c {folder}/build/group.cpp"
+    (folder / "build" / "compile_commands.json").write_text(json.dumps(
+        [{"directory": f"{folder}/build", "file": f"{folder}/build/group.cpp", "command": command}]))
+    return build_tree.BuildTree(folder / "build")
+
+
+def check_draw(tree):
+    """One seed draws the same each time, another seed another thing; a longer draw begins with the shorter one."""
+    assert tree.sources("db") == ["db/one.cpp", "db/two.cpp"]
+    recipe = tree.recipes["db/one.cpp"]
+    assert recipe.group == ("db/two.cpp",)
+    assert "-O1" in recipe.words and not {"-O3", "-g", "-Werror", "-o", "group.o"} & set(recipe.words), recipe.words
+    def ids(seed):
+        return [c.id for c in random_campaign.drawn(tree, JUDGE, "db", seed)]
+    assert ids(1) == ids(1)
+    assert ids(1) != ids(2)
+    assert sorted(ids(1)) == sorted(ids(2))
+    assert len(ids(1)) == 2 * len(DRAWN)
+    assert random_campaign.by_id(tree, ids(1)[0]).id == ids(1)[0]
+
+
+@contextlib.contextmanager
+def refused(kind):
+    try:
+        yield
+    except kind:
+        return
+    raise AssertionError(f"must be refused as {kind.__name__}")
+
+
+def check_equivalents(tree, folder):
+    """An entry is found by file, line and change, wherever the line stands; one that fits nothing is an error."""
+    path = folder / "equivalents.json"
+    change = next(c for c in changes.changes_of("db/one.cpp", SOURCE) if c.line == 17 and c.old == "1")
+    entry = json.loads(equivalents.entry_of(change, SOURCE))
+    path.write_text(json.dumps([{**entry, "reason": "as a test"}]))
+    assert equivalents.reasons(path, tree.text) == {change.id: "as a test"}
+    moved = equivalents.reasons(path, lambda source: "// one line more\n" + SOURCE)
+    assert list(moved) == [change.id.replace(":17:", ":18:")], moved
+    for wrong in ({"line": "return 3;"}, {"file": "db/none.cpp"}, {"change": "1 -> 7"}, {"reason": " "}, {"nth": 2},
+                  {"line": "}"}):
+        path.write_text(json.dumps([{**entry, "reason": "as a test", **wrong}]))
+        with refused(equivalents.Wrong):
+            equivalents.reasons(path, tree.text)
+
+
+def check_table():
+    """What is judged equivalent is not killable, and what did not build counts for nothing."""
+    def result(state, reason=""):
+        change = changes.Change("db/one.cpp", 0, 1, "number", "constant", "1", "2", 1, 1, 0)
+        return random_campaign.Result(change, trial.Verdict(state, ""), reason)
+    results = [result("killed")] * 3 + [result("survived")] + [result("survived", "why")] * 2 + [result("unbuilt")]
+    assert random_campaign.figures(results) == (7, 6, 3, 1, 2, 0.75)
+    assert "| db | 7 | 6 | 3 | 1 | 2 | 75 % |" in random_campaign.table(results, ["db"])
+
+
+def check_runs(folder):
+    """Whatever runs on is ended in time; files, processes and temporary folders go with it."""
+    script = folder / "endless"
+    script.write_text("#!/bin/sh\nsetsid sleep 600 &\necho \"$TMPDIR $!\" > \"$0.said\"\nwhile :; do :; done\n")
+    script.chmod(0o755)
+    outcome = test_runs.run(script, [], test_runs.Limit(0.5, 60))
+    assert outcome.timed_out and not outcome.passed and outcome.wall_s < 20, outcome
+    temporary = pathlib.Path((folder / "endless.said").read_text().split()[0])
+    assert temporary.name.startswith("tbm-") and not temporary.exists(), temporary
+    left = [p for p in pathlib.Path("/proc").iterdir() if p.name.isdigit() and b"endless" in read(p / "cmdline")]
+    assert not left, left
+    report = ('<TestCase name="good &lt; one"><OverallResult success="true"/></TestCase>'
+              '<TestCase name="bad, [one]"><OverallResult success="false"/></TestCase><TestCase name="last one">')
+    assert test_runs.failed_tests(report, True) == ["bad, [one]", "last one"]
+    assert test_runs.spec("bad, [one]") == '"bad\\, \\[one]"'
+
+
+def read(path):
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+with tempfile.TemporaryDirectory(prefix="tactbench-mutants-") as name:
+    check_positions(pathlib.Path(name))
+    built = build_folder(pathlib.Path(name))
+    check_draw(built)
+    check_equivalents(built, pathlib.Path(name))
+    check_table()
+    check_runs(pathlib.Path(name))
+sys.exit(0)
