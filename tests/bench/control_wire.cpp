@@ -6,6 +6,8 @@
 
 #include "bench/rig.h"
 #include "bench/run/control_socket.h"
+#include "bench/simulation/plant.h"
+#include "devices/wire/modbus_link.h"
 #include "tests/bench/kill_record.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
