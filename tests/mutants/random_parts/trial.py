@@ -20,6 +20,8 @@ SELF_CHECKS = {
     "sequences": ("sequences/compile.cpp", "double of_repeat(const std::vector<double>& values, int repeat) {"),
 }
 
+AGAIN_IN_REAL_TIME = 4  # times that a test on the real clock has to fail again: a busy machine alone fails it now and then
+
 
 @dataclasses.dataclass
 class Verdict:
@@ -130,7 +132,9 @@ class Room:
                 if not outcome.failed:
                     return f"{measured.name} died"
                 test = outcome.failed[-1]
-                again = not test_runs.run(executable, [test_runs.spec(test)], measured.limit).passed
+                times = AGAIN_IN_REAL_TIME if measured.name.endswith("_realtime") else 1
+                again = not any(test_runs.run(executable, [test_runs.spec(test)], measured.limit).passed
+                                for _ in range(times))
                 executable.unlink()
                 if again and self.is_sound(source, measured, test, folder):
                     return test
