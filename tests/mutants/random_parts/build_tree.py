@@ -21,8 +21,6 @@ from . import test_runs
 ROOMS = ("analysis", "bench", "db", "devices", "sequences")
 # In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own.
 STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"))
-# Beside those of the room itself, in its last stage.
-ALSO = {"devices": ("test_faults_wire",), "bench": ("test_faults_wire",)}
 COMPILER = re.compile(r"(.*/)?(g\+\+|c\+\+|clang\+\+)(-\d+)?")
 DROPPED = re.compile(r"-O.*|-g.*|-flto.*|-Werror.*|-MD|-MMD")
 MEMORY_BYTES = 4 << 30  # of the compiler
@@ -115,7 +113,6 @@ class BuildTree:
     def executables(self, room, stage):
         """Names of the room's built executables of a stage."""
         names = [f"test_{room}_{kind}" for kind in stage]
-        names += ALSO.get(room, ()) if stage == STAGES[-1] else ()
         return [name for name in names if self.link_words(name) and self.output(name).exists()]
 
     def output(self, target):

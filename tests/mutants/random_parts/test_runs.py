@@ -108,6 +108,8 @@ def run(executable, words, limit):
             os.killpg(process.pid, signal.SIGKILL)
             _, status, usage = os.wait4(process.pid, 0)
         process.returncode = status  # it was waited for here, not by subprocess
+        if stopping.is_set():
+            raise Stopped  # whatever became of it says nothing about a mutant
         end_all(MARK, mark)
         text = report.read_bytes()[-LONGEST_OUTPUT:].decode("utf-8", "replace") if report.exists() else ""
     finally:
