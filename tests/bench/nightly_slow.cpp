@@ -36,9 +36,8 @@ nlohmann::json json_of(const Finished& finished) { return nlohmann::json::parse(
 TEST_CASE("a night: the green is green, the red says why, the broken does not end the others") {
   const TemporaryFolder folder;
   write_file(folder.path("small.toml"), kSuite);
-  const Finished night =
-      run_program(program_path(), {"nightly", "./small.toml", "--json", "--junit", "night.xml", "--stores", "kept"},
-                  folder.path());
+  const Finished night = run_program(
+      program_path(), {"nightly", "./small.toml", "--json", "--junit", "night.xml", "--stores", "kept"}, folder.path());
   CHECK(night.code == 1);
   const nlohmann::json json = json_of(night);
   CHECK(json.at("red") == 2);

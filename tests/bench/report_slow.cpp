@@ -187,8 +187,7 @@ TEST_CASE("report refuses what it cannot do, with place and remedy") {
 TEST_CASE("a PDF is made by what is installed, with the run's date, else an error names the packages") {
   const TemporaryFolder& folder = reported();
   const auto with_path = [&](const std::string& path, const std::string& name) {
-    return run_program("/usr/bin/env",
-                       {"PATH=" + path, program_path(), "report", "1", "--format", "pdf", "-o", name},
+    return run_program("/usr/bin/env", {"PATH=" + path, program_path(), "report", "1", "--format", "pdf", "-o", name},
                        folder.path());
   };
   const Finished none = with_path("/nowhere", "none.pdf");
