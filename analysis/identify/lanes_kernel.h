@@ -144,14 +144,12 @@ TACTBENCH_INLINE void ascending(AscendingLanes& lanes, std::size_t count) {
     load(u, &lanes.u[at]);
     load(v, &lanes.v[at]);
     V normal[6] = {zero, zero, zero, zero, zero, zero}, right[3] = {zero, zero, zero};
-    const double* split_at = lanes.splits.data() + at;
-    const double* by_beta_at = lanes.by_beta.data() + at;
+    std::size_t from = at;  // in splits and by_beta, which are empty where there are no curves
     for (const LaneCurve& curve : p.curves) {
       V split, by_beta;
-      load(split, split_at);
-      load(by_beta, by_beta_at);
-      split_at += lanes.stride;
-      by_beta_at += lanes.stride;
+      load(split, lanes.splits.data() + from);
+      load(by_beta, lanes.by_beta.data() + from);
+      from += lanes.stride;
       const V xs = curve.x_turn + (u + (v - u) * curve.share) * curve.length;  // (21)
       const V left_x = xs - curve.x_turn, right_x = p.xu - xs;
       const V by_left = 1.0 / (left_x > nothing ? left_x : zero + nothing);
