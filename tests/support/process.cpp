@@ -36,9 +36,12 @@ Finished run_program(const std::string& program, const std::vector<std::string>&
     constexpr int kMostLooks = 6000;
     int looks = 0;
     while (!signal.when() && ++looks < kMostLooks) usleep(10000);
-    kill(child, looks < kMostLooks ? signal.number : SIGKILL);
-    if (looks == kMostLooks) waitpid(child, nullptr, 0);
-    if (looks == kMostLooks) throw std::runtime_error("the moment for the signal did not come; " + read_file(err));
+    if (looks == kMostLooks) {
+      kill(child, SIGKILL);
+      waitpid(child, nullptr, 0);
+      throw std::runtime_error("the moment for the signal did not come; " + read_file(err));
+    }
+    kill(child, signal.number);
   }
   int status = 0;
   if (waitpid(child, &status, 0) != child) throw std::runtime_error("waitpid failed");
