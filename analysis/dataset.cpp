@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/counted.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
 
@@ -89,26 +91,45 @@ void check_frame(const db::FrameRecord& frame, const Dataset& dataset, int frame
     return;
   throw AnalysisError(
       "TB-ANALYSIS-FRAME",
-      fmt::format("run {}: frame {} of branch {} does not fit the run ({} x {} x {} scans, {} counts)", dataset.run,
-                  frame.ordinal, frame.branch, frame.rows, frame.columns, frame.scans, frame.counts.size()),
+      fmt::format("run {}: frame {} of branch {} does not fit the run (rows x columns x scans {} x {} x {}, {})",
+                  dataset.run, frame.ordinal, frame.branch, frame.rows, frame.columns, frame.scans,
+                  counted(frame.counts.size(), "count")),
       "check the store: tactbench db check");
 }
 
+double temperature_in(const db::EventRecord& event, std::int64_t run) {
+  double celsius = 0.0;
+  const char* end = event.detail.data() + event.detail.size();
+  if (std::from_chars(event.detail.data(), end, celsius).ec == std::errc() && std::isfinite(celsius)) return celsius;
+  throw AnalysisError("TB-ANALYSIS-FRAME",
+                      fmt::format("run {}: the temperature \"{}\" is no number", run, event.detail),
+                      "check the store: tactbench db check");
+}
+
+// No recipe makes more; a damaged number shall not ask for memory.
+constexpr int kMostFramesPerRepeat = 10'000'000;
+
 }  // namespace
 
-std::vector<double> temperatures_of(const db::RunStore& store, std::int64_t run) {
+std::vector<double> temperatures_of(const StoredRun& run) {
   std::vector<double> celsius;
-  for (const db::EventRecord& event : store.events(run))
-    if (event.kind == "environment" && event.id == "temperature_c") celsius.push_back(std::stod(event.detail));
+  for (const db::EventRecord& event : run.events)
+    if (event.kind == "environment" && event.id == "temperature_c")
+      celsius.push_back(temperature_in(event, run.record.run));
   return celsius;
 }
 
 Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
-  const db::RunRecord record = store.run(run);
+  return load_dataset(read_run(store, store.run(run)));
+}
+
+Dataset load_dataset(const StoredRun& stored) {
+  const db::RunRecord& record = stored.record;
+  const std::int64_t run = record.run;
   const double scale = volts_per_count(record);
-  const std::vector<db::FrameRecord> frames = store.frames(run);
+  const std::vector<db::FrameRecord>& frames = stored.frames;
   std::map<std::int64_t, db::BranchRecord> branches;
-  for (const db::BranchRecord& branch : store.branches(run)) branches.emplace(branch.branch, branch);
+  for (const db::BranchRecord& branch : stored.branches) branches.emplace(branch.branch, branch);
 
   Dataset dataset;
   dataset.run = run;
@@ -120,13 +141,20 @@ Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
     dataset.columns = frames.front().columns;
     dataset.scans = std::max(1, frames.front().scans);
   }
-  dataset.temperatures_c = temperatures_of(store, run);
+  dataset.temperatures_c = temperatures_of(stored);
   const auto taxels = static_cast<std::size_t>(dataset.taxels());
   dataset.noise_v.assign(taxels, 0.0);
   dataset.at_limit.assign(taxels, false);
 
   std::map<int, int> lengths;
-  for (const db::SequenceRecord& sequence : record.sequences) lengths[sequence.sequence] = sequence.frames_per_repeat;
+  for (const db::SequenceRecord& sequence : record.sequences) {
+    lengths[sequence.sequence] = sequence.frames_per_repeat;
+    if (sequence.frames_per_repeat >= 0 && sequence.frames_per_repeat <= kMostFramesPerRepeat) continue;
+    throw AnalysisError("TB-ANALYSIS-FRAME",
+                        fmt::format("run {}: sequence {} says that a repeat has {}", run, sequence.name,
+                                    counted(sequence.frames_per_repeat, "frame")),
+                        "check the store: tactbench db check");
+  }
   std::map<std::pair<int, int>, Slots> repeats;  // by sequence, repeat
   for (const db::FrameRecord& frame : frames) {
     const auto branch = branches.find(frame.branch);
@@ -162,8 +190,8 @@ Dataset load_dataset(const db::RunStore& store, std::int64_t run) {
       best = std::max(best, static_cast<std::int64_t>(found->second.size()) - absent);
     }
     if (data.repeats.empty())
-      missing += fmt::format("{}{}: {} of {} frames missing in the best repeat", missing.empty() ? "" : "; ",
-                             sequence.name, sequence.frames_per_repeat - best, sequence.frames_per_repeat);
+      missing += fmt::format("{}{}: {} of {} missing in the best repeat", missing.empty() ? "" : "; ", sequence.name,
+                             sequence.frames_per_repeat - best, counted(sequence.frames_per_repeat, "frame"));
     else
       dataset.sequences.push_back(std::move(data));
   }

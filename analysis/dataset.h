@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/error.h"
-#include "db/run_store.h"
+#include "analysis/stored_run.h"
 
 namespace tactbench::analysis {
 
@@ -40,11 +40,13 @@ struct Dataset {
   [[nodiscard]] int taxels() const { return rows * columns; }
 };
 
-// Reads a run's frames. `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError
-// TB-ANALYSIS-EMPTY when no repeat is complete (says how many frames are missing); incomplete repeats are left out.
+// `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-EMPTY when no repeat is
+// complete (says how many frames are missing); incomplete repeats are left out.
+Dataset load_dataset(const StoredRun& run);
+// Of a run that nothing else is read of; a command that needs more takes it from Runs (report/runs.h).
 Dataset load_dataset(const db::RunStore& store, std::int64_t run);
 
-// Dataset::temperatures_c alone, without the frames.
-std::vector<double> temperatures_of(const db::RunStore& store, std::int64_t run);
+// Dataset::temperatures_c alone, for a run without a complete repeat, too. Throws AnalysisError TB-ANALYSIS-FRAME.
+std::vector<double> temperatures_of(const StoredRun& run);
 
 }  // namespace tactbench::analysis

@@ -11,6 +11,10 @@ json parse_json(const std::string& text) { return json::parse(text); }
 ordered_json parse_ordered_json(const std::string& text) { return ordered_json::parse(text); }
 json try_json(const std::string& text) { return json::parse(text, nullptr, false); }
 ordered_json try_ordered_json(const std::string& text) { return ordered_json::parse(text, nullptr, false); }
+ordered_json ordered_json_or_null(const std::string& text) {
+  ordered_json parsed = try_ordered_json(text);
+  return parsed.is_discarded() ? ordered_json() : parsed;
+}
 
 std::string json_line(const json& json) { return json.dump(); }
 std::string json_line(const ordered_json& json) { return json.dump(); }

@@ -13,6 +13,8 @@ nlohmann::ordered_json parse_ordered_json(const std::string& text);
 // A discarded value instead.
 nlohmann::json try_json(const std::string& text);
 nlohmann::ordered_json try_ordered_json(const std::string& text);
+// Null instead: for text that goes into a document, empty text as well.
+nlohmann::ordered_json ordered_json_or_null(const std::string& text);
 
 // One line. Throw nlohmann::json::type_error where a text in it is not UTF-8.
 std::string json_line(const nlohmann::json& json);

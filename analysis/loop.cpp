@@ -75,19 +75,19 @@ std::vector<Branch> branches_along(std::span<const double> x, double tolerance) 
   return branches;
 }
 
-CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options) {
+TaxelTable bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options) {
   const int last = options.last_repeat < 0 ? static_cast<int>(sequence.repeats.size()) - 1 : options.last_repeat;
   check_alike(sequence, options, last);
   const auto width = static_cast<std::size_t>(taxels);
   const std::vector<Sample>& steps = sequence.repeats[static_cast<std::size_t>(options.first_repeat)].steps;
   const double weight = 1.0 / (last - options.first_repeat + 1);
 
-  CommonSequence common;
+  TaxelTable common;
   std::vector<double> commanded;
   for (const Sample& step : steps) commanded.push_back(step.setpoint_psi);
   common.branches = branches_along(commanded);
   common.pressure_psi.assign(steps.size(), 0.0);
-  common.volts.assign(steps.size() * width, 0.0);
+  common.values.assign(steps.size() * width, 0.0);
   if (common.branches.empty())
     throw AnalysisError("TB-ANALYSIS-NO-LOOP", "sequence " + sequence.name + " never changes its pressure",
                         "run a recipe with turning points");
@@ -96,7 +96,7 @@ CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const C
     for (std::size_t i = 0; i < steps.size(); ++i) {
       const Sample& sample = repeat.steps[i];
       const double* volts = &repeat.volts[i * width];
-      double* sum = &common.volts[i * width];
+      double* sum = &common.values[i * width];
       if (!options.move_to_setpoint) {
         common.pressure_psi[i] += weight * sample.reference_psi;
         for (std::size_t taxel = 0; taxel < width; ++taxel) sum[taxel] += weight * volts[taxel];
@@ -116,7 +116,7 @@ CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const C
 namespace {
 
 struct Sweep {
-  const CommonSequence* sequence;
+  const TaxelTable* sequence;
   const Branch* branch;
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(branch->last - branch->first) + 1; }
   // The k-th step counted from the low-pressure end.
@@ -127,7 +127,7 @@ struct Sweep {
   [[nodiscard]] double pressure(std::size_t k) const { return sequence->pressure_psi[step(k)]; }
 };
 
-// Adds weight x the sweep's outputs at the grid's pressures, linear between its steps (and beyond, for the small
+// Adds weight x the sweep's values at the grid's pressures, linear between its steps (and beyond, for the small
 // differences of measured end pressures).
 void add_sweep(const Sweep& sweep, std::span<const double> grid, std::size_t taxels, double weight,
                std::vector<double>& sum) {
@@ -136,8 +136,8 @@ void add_sweep(const Sweep& sweep, std::span<const double> grid, std::size_t tax
     while (k + 2 < sweep.size() && sweep.pressure(k + 1) <= grid[i]) ++k;
     const double low = sweep.pressure(k), high = sweep.pressure(k + 1);
     const double share = high > low ? (grid[i] - low) / (high - low) : 0.0;
-    const double* a = &sweep.sequence->volts[sweep.step(k) * taxels];
-    const double* b = &sweep.sequence->volts[sweep.step(k + 1) * taxels];
+    const double* a = &sweep.sequence->values[sweep.step(k) * taxels];
+    const double* b = &sweep.sequence->values[sweep.step(k + 1) * taxels];
     for (std::size_t taxel = 0; taxel < taxels; ++taxel)
       sum[i * taxels + taxel] += weight * (a[taxel] + share * (b[taxel] - a[taxel]));
   }
@@ -145,10 +145,10 @@ void add_sweep(const Sweep& sweep, std::span<const double> grid, std::size_t tax
 
 }  // namespace
 
-ExternalLoop external_loop(std::span<const CommonSequence> sequences, int taxels) {
+ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels) {
   double low = 0.0, high = 0.0;
   bool any = false;
-  for (const CommonSequence& sequence : sequences) {
+  for (const TaxelTable& sequence : sequences) {
     for (const double pressure : sequence.pressure_psi) {
       low = any ? std::min(low, pressure) : pressure;
       high = any ? std::max(high, pressure) : pressure;
@@ -157,7 +157,7 @@ ExternalLoop external_loop(std::span<const CommonSequence> sequences, int taxels
   }
   const double near = kEndShare * (high - low);
   std::vector<Sweep> up, down;
-  for (const CommonSequence& sequence : sequences) {
+  for (const TaxelTable& sequence : sequences) {
     for (const Branch& branch : sequence.branches) {
       const Sweep sweep{&sequence, &branch};
       if (sweep.pressure(0) - low > near || high - sweep.pressure(sweep.size() - 1) > near) continue;
@@ -177,12 +177,12 @@ ExternalLoop external_loop(std::span<const CommonSequence> sequences, int taxels
     if (loop.pressure_psi.empty() || pressure > loop.pressure_psi.back()) loop.pressure_psi.push_back(pressure);
   }
   const auto width = static_cast<std::size_t>(taxels);
-  loop.ascending_v.assign(loop.pressure_psi.size() * width, 0.0);
-  loop.descending_v = loop.ascending_v;
+  loop.ascending.assign(loop.pressure_psi.size() * width, 0.0);
+  loop.descending = loop.ascending;
   for (const Sweep& sweep : up)
-    add_sweep(sweep, loop.pressure_psi, width, 1.0 / static_cast<double>(up.size()), loop.ascending_v);
+    add_sweep(sweep, loop.pressure_psi, width, 1.0 / static_cast<double>(up.size()), loop.ascending);
   for (const Sweep& sweep : down)
-    add_sweep(sweep, loop.pressure_psi, width, 1.0 / static_cast<double>(down.size()), loop.descending_v);
+    add_sweep(sweep, loop.pressure_psi, width, 1.0 / static_cast<double>(down.size()), loop.descending);
   return loop;
 }
 

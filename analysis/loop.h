@@ -19,30 +19,32 @@ struct Branch {
 // than `tolerance` (0 for commanded inputs; measured ones carry noise).
 std::vector<Branch> branches_along(std::span<const double> x, double tolerance = 0.0);
 
-// The mean of a sequence's repeats on the set-point grid: outputs moved there by local slope x (reference -
-// set-point) of their own branch (contract.md, "Which pressure").
-struct CommonSequence {
+// One sequence as a table: a value of each taxel at each step. Volts, psi or a share, as the table's owner states.
+struct TaxelTable {
   std::vector<double> pressure_psi;  // steps: set-points
-  std::vector<double> volts;         // steps x taxels
+  std::vector<double> values;        // steps x taxels
   std::vector<Branch> branches;
 };
 
 struct CommonOptions {
-  bool move_to_setpoint = true;  // false: take outputs as they are at the mean measured reference (--input measured)
+  bool move_to_setpoint = true;  // false: outputs as they came, pressures the mean measured reference
   int first_repeat = 0;
   int last_repeat = -1;  // -1: the last
 };
 
-CommonSequence bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options = {});
+// The mean of a sequence's repeats, in volts, on the set-point grid: outputs moved there by the local slope of their
+// own branch x (set-point - reference) [A19].
+TaxelTable bring_to_common(const SequenceData& sequence, int taxels, const CommonOptions& options = {});
 
-// External loop of every taxel on the common grid x0..xu: mean of all complete full-range sweeps.
+// External loop of every taxel on the common grid x0..xu: mean of all complete full-range sweeps. Values in the unit of
+// the tables that it is made of.
 struct ExternalLoop {
   std::vector<double> pressure_psi;  // n grid points, ascending
-  std::vector<double> ascending_v;   // n x taxels
-  std::vector<double> descending_v;  // n x taxels
+  std::vector<double> ascending;     // n x taxels
+  std::vector<double> descending;    // n x taxels
 };
 
 // Throws AnalysisError TB-ANALYSIS-NO-LOOP when no full sweep up or down is there.
-ExternalLoop external_loop(std::span<const CommonSequence> sequences, int taxels);
+ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels);
 
 }  // namespace tactbench::analysis

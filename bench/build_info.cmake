@@ -1,4 +1,4 @@
-# Writes OUT, which bench/build_info.cpp alone includes: version, git commit, its date, whether the sources differ from
+# Writes OUT, which bench/common/build_info.cpp alone includes: version, git commit, its date, whether the sources differ from
 # it, the build and where the sources lie. Touches it only when something changed.
 execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)

@@ -12,7 +12,8 @@
 namespace tactbench::db {
 
 struct HashChain::Context {
-  // Fetched once: OpenSSL 3 else looks the algorithm up at every digest, which costs more than hashing a frame.
+  // Fetched once: otherwise OpenSSL 3 searches for the algorithm at every digest, which costs more than hashing a
+  // frame.
   std::unique_ptr<EVP_MD, decltype(&EVP_MD_free)> algorithm{EVP_MD_fetch(nullptr, "SHA256", nullptr), &EVP_MD_free};
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> state{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
 };

@@ -1,11 +1,11 @@
 // SHA-256 over the canonical content of a run: a header, then one link a frame, then the closing part.
-// Canonical is all that a run holds but: UUID, wall-clock times and time zone, host, tags, notes, and the numbers that
-// are accidents of the file (run, branch, frame and event keys). Program version, commit and build belong to it.
+// Canonical content is all that a run holds except UUID, wall-clock times and time zone, host, tags, notes, and the
+// keys that a file happens to give (run, branch, frame and event). Program version, commit and build belong to it.
 //   chain(0) = H(header: origin, operator, purpose, serials, bench, sensor and recipe texts, overrides, program, seeds,
 //                devices)
 //   chain(i) = H(chain(i - 1), the i-th frame with the place and attempt of its branch, its counts)
 //   content  = H(chain(n), n, events, branches with their voids, checks, series, outcome, reason, safe state)
-// What later schemas brought enters only where it is there (each behind its own word), so that older runs keep their
+// Columns of later schemas enter only where they are set (each behind its own keyword), so that older runs keep their
 // hashes.
 #pragma once
 
@@ -24,7 +24,7 @@ namespace tactbench::db {
 using Digest = std::array<std::uint8_t, 32>;
 std::string hex(const Digest& digest);
 
-// What a run holds beside its header and its frames.
+// The content of a run beside its header and its frames.
 struct RunEnd {
   std::vector<EventRecord> events;
   std::vector<BranchRecord> branches;
@@ -42,10 +42,15 @@ class HashChain {
   HashChain(const HashChain&) = delete;
   HashChain& operator=(const HashChain&) = delete;
 
-  // A link is made whole in memory and hashed at once; the memory is kept for the next one.
+  // A link is assembled in memory and hashed at once; the memory is reused for the next one.
   [[nodiscard]] Digest header(const RunRecord& run);
   [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
   [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const RunEnd& run_end);
+  // Digests of the rows stored beside the content (seals.cpp).
+  [[nodiscard]] Digest fits(const std::vector<FitRecord>& fits, const std::vector<std::vector<FitTaxelRecord>>& taxels);
+  [[nodiscard]] Digest verdicts(const std::vector<VerdictRecord>& verdicts);
+  [[nodiscard]] Digest approvals(const std::vector<ReportRecord>& reports);
+  [[nodiscard]] Digest voided(const RunRecord& run);
   [[nodiscard]] Digest digest(std::span<const std::uint8_t> bytes);
 
  private:
@@ -53,7 +58,7 @@ class HashChain {
   // the bytes that follow. So no two contents have the same bytes.
   void begin(std::string_view name);
   void add(std::int64_t value);
-  void add(double value);  // -0.0 as 0.0 and every NaN as one, since SQLite does not tell them apart
+  void add(double value);  // -0.0 as 0.0 and every NaN as one, since SQLite does not distinguish them
   void add(std::string_view text);
   void add(std::span<const std::uint8_t> bytes);
   void add(const std::vector<double>& values);

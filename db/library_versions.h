@@ -1,4 +1,4 @@
-// Versions of the shared objects that this room stores and hashes with.
+// Versions of the shared objects with which this room stores and hashes.
 #pragma once
 
 #include <string>

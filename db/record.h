@@ -1,8 +1,9 @@
-// The rows of the run store as plain structs: what the sequencer writes and the analysis reads. Units are in the
+// The rows of the run store as plain structs, written by the sequencer and read by the analysis. Units are in the
 // names; times are process time in nanoseconds since the run's start unless called utc. The schema is in schema.cpp.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -11,7 +12,7 @@
 
 namespace tactbench::db {
 
-// contract.md, "Runs": state is the sequencer's, outcome says how it ended, verdict what it is worth.
+// How a run ended. Not its state, which is the sequencer's, nor its verdict, which is the judgement by limits.
 enum class Outcome { kIncomplete, kCompleted, kStopped, kAborted, kFailed, kInterrupted };
 enum class SafeState { kUnknown, kVerified, kUnverified, kFailed };
 const char* to_string(Outcome outcome);
@@ -31,7 +32,7 @@ struct SensorRecord {
 
 struct DeviceRecord {
   std::string role, model, serial, firmware, origin;
-  std::string calibration_json;  // spans, certificate, due date: all that scaled raw counts of this device
+  std::string calibration_json;  // spans, certificate, due date: everything that scales the raw counts of this device
 };
 
 struct SequenceRecord {
@@ -47,9 +48,9 @@ struct RunRecord {
   std::int64_t run = 0;  // short number, given by the store
   std::string uuid;
   std::string origin;  // simulated | hardware | imported
-  std::string state;   // bench/run/run_state.h
+  std::string state;   // bench/run/control/run_state.h
   Outcome outcome = Outcome::kIncomplete;
-  std::string reason;  // why it ended so; error identifier first
+  std::string reason;  // of the outcome; error identifier first
   SafeState safe_state = SafeState::kUnknown;
   std::string operator_name, purpose, sensor_serial, scanner_serial;
   std::string bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256;
@@ -60,7 +61,7 @@ struct RunRecord {
   std::string started_utc, ended_utc, seen_utc;
   std::optional<double> rest_s;  // between the sensor's last load and this run, by the wall clock
   std::string content_sha256;    // end of the hash chain over the canonical content; empty until the run ends
-  // What people said of it afterwards.
+  // People's remarks on the run.
   std::vector<std::string> tags;               // sorted
   std::string notes;                           // lines
   std::string void_reason, void_by, void_utc;  // empty: the run counts
@@ -87,7 +88,7 @@ struct WrenchRecord {
   double target_n = 0.0;
   double force_start_n = 0.0;        // pressing is positive here, at the dwell's start
   std::array<double, 6> wrench{};    // at frame time: Fx Fy Fz N, Tx Ty Tz N mm, in the sensor's frame
-  std::array<double, 6> raw{};       // as it came: counts or volts
+  std::array<double, 6> raw{};       // as read: counts or volts
   std::array<double, 3> place_mm{};  // x, y, z of the stage
 };
 
@@ -110,10 +111,18 @@ struct FrameRecord {
   int exchanges = 0;                  // on all wires for this step
   int rows = 0, columns = 0, scans = 0;
   std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest; stored little-endian
-  std::string flags;                  // what makes the frame incomparable, words with spaces between; empty: nothing
+  std::string flags;                  // why the frame is not comparable, keywords separated by spaces; empty: it is
   std::vector<TracePoint> trace;      // since the frame before
   std::optional<WrenchRecord> wrench;
 };
+
+inline bool fits_its_shape(const FrameRecord& frame) {
+  if (frame.rows <= 0 || frame.columns <= 0 || frame.scans <= 0) return false;
+  const auto size = [](int count) { return static_cast<std::size_t>(count); };
+  const std::size_t counts = frame.counts.size();  // divided, since a product might not fit
+  if (counts % size(frame.rows) != 0 || counts / size(frame.rows) % size(frame.columns) != 0) return false;
+  return counts / size(frame.rows) / size(frame.columns) == size(frame.scans);
+}
 
 // A judgement on the set-up, made before or during a run.
 struct CheckRecord {
@@ -122,7 +131,7 @@ struct CheckRecord {
   std::string kind;     // seating | warm-up | conditioning | mount | tare
   std::string verdict;  // pass | fail | warning
   std::string detail_json;
-  std::vector<double> data;  // what the kind says
+  std::vector<double> data;  // its meaning depends on the kind
 };
 
 // An imported run has no frames but series: the samples of one taxel in one sequence, in the order of the table's rows,
@@ -133,7 +142,7 @@ struct SeriesRecord {
   std::vector<double> input, output;  // of equal length
 };
 
-struct TimedSequence {  // what is needed to say whether a stored sequence was the same work
+struct TimedSequence {  // identifies the work of a stored sequence, for comparison with a planned one
   std::int64_t run = 0;
   int sequence = 0;
   std::string recipe_sha256, overrides_json;
@@ -142,8 +151,13 @@ struct TimedSequence {  // what is needed to say whether a stored sequence was t
 
 struct FrameTime {
   int sequence = 0, repeat = 0, ordinal = 0;
-  bool is_void = false;  // its branch was done again
+  bool is_void = false;  // its branch was redone
   std::int64_t time_ns = 0;
+};
+
+struct TimedEvent {  // a change of a run's state, or the beginning of a way back
+  std::int64_t time_ns = 0;
+  std::string kind, detail;
 };
 
 struct EventRecord {
@@ -185,9 +199,10 @@ struct VerdictRecord {
   std::string rule;     // simple
   std::string verdict;  // pass | conditional pass | conditional fail | fail | inconclusive
   std::string limits_toml, limits_sha256;
+  std::int64_t model_run = 0;  // run that the fit's models were made from; 0: without a stored fit; not written
 };
 
-// What a run's analysis found of a subject that is followed over time.
+// A figure of a subject that is followed over time, from a run's analysis.
 struct FigureRecord {
   std::int64_t run = 0;
   std::string subject;  // what the figure is of: "nightly/paper", "sensor", "rig"
@@ -196,7 +211,7 @@ struct FigureRecord {
   std::string origin;  // of the run; not written
 };
 
-// Runs that someone declared to be as they should: later ones are held against their spread.
+// Runs that someone accepted as normal: later ones are compared with their spread.
 struct BaselineRecord {
   std::int64_t baseline = 0;  // given by the store
   std::string subject, reason, accepted_by, accepted_utc;

@@ -20,7 +20,8 @@ namespace {
 
 std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
 
-// SQLite does not wait for another process here, though a busy timeout is set: two that make one store at once meet.
+// SQLite does not wait for another process here, although a busy timeout is set: two processes that create one store at
+// once would collide.
 std::string switch_to_log(sqlite::Connection& connection) {
   using RealClock = std::chrono::steady_clock;
   const auto deadline = RealClock::now() + std::chrono::milliseconds(sqlite::kBusyTimeoutMs);
@@ -53,12 +54,14 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
                      "check owner and permissions of the file, or name another with --db");
   }
   check_version(connection);
+  refuse_foreign(connection, Foreign::kRefuseAll);
   keep_before_migration(connection, database->path);
-  // The first migration goes before WAL, so that our application id is in the file itself and never in the log alone.
+  // The first migration comes before WAL, so that the application id is in the file itself and never in the log alone.
   connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
   migrate(connection);
   if (switch_to_log(connection) != "wal") {
-    throw StoreError("TB-STORE-OPEN", fmt::format("store {}: this file system does not carry a write-ahead log", path),
+    throw StoreError("TB-STORE-OPEN",
+                     fmt::format("store {}: this file system does not support a write-ahead log", path),
                      "keep the store on a local disk");
   }
   if (durability == Durability::kNormal) connection.execute("PRAGMA synchronous = NORMAL");
@@ -72,11 +75,12 @@ RunStore RunStore::open_read_only(const std::string& path) {
                                  std::filesystem::exists(path) ? "the file is empty" : "there is no such file"),
                      "name an existing store with --db; 'tactbench sensors add' or a run makes a new one");
   }
-  refuse_network(path);
+  const bool still = lies_still_on_network(path);
   const std::string file = absolute(path);
   const auto opened = [&](sqlite::Access access) {
     auto database = std::make_unique<Database>(path, file, access);
     check_version(database->connection);
+    refuse_foreign(database->connection, Foreign::kRefuseChanged);
     if (database->connection.integer("PRAGMA user_version") < kSchemaVersion) {
       throw StoreError("TB-STORE-OPEN",
                        fmt::format("store {} has an older schema than this program's {}", path, kSchemaVersion),
@@ -84,10 +88,11 @@ RunStore RunStore::open_read_only(const std::string& path) {
     }
     return RunStore(std::move(database));
   };
+  if (still) return opened(sqlite::Access::kImmutable);
   try {
     return opened(sqlite::Access::kReadOnly);
   } catch (const StoreError&) {
-    // Without a log, and where none can be made, the file stands still: archive folders, read-only disks.
+    // Without a log, and where none can be made, the file cannot change: archive folders, read-only disks.
     if (std::filesystem::exists(file + "-wal")) throw;
     if (faccessat(AT_FDCWD, std::filesystem::path(file).parent_path().c_str(), W_OK, AT_EACCESS) == 0) throw;
     return opened(sqlite::Access::kImmutable);
@@ -95,6 +100,10 @@ RunStore RunStore::open_read_only(const std::string& path) {
 }
 
 void RunStore::add_sensor(const SensorRecord& sensor) {
+  check_words("the serial", sensor.serial, kLongestName);
+  check_words("the type's name", sensor.type, kLongestName);
+  check_words("the scanner's serial", sensor.scanner_serial, kLongestName);
+  check_words("the note", sensor.note, kLongestText);
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   if (const auto known = this->sensor(sensor.serial)) {
@@ -146,7 +155,7 @@ std::vector<SensorRecord> RunStore::sensors() const {
 std::string new_uuid() {
   std::array<std::uint8_t, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw StoreError("TB-STORE-SQL", "the system gives no random numbers for a UUID", "check the system");
+    throw StoreError("TB-STORE-SQL", "the system provides no random numbers for a UUID", "check the system");
   }
   bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x40);  // version 4
   bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);  // variant 10

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,16 +15,28 @@
 
 namespace tactbench::db {
 
+// What kind of failure it is; the exit code depends on this alone, not on the id.
+enum class Cause {
+  kStore,  // the store cannot be used, or contradicts what is asked of it
+  kUsage,  // what was named is not there, is there already, or is not allowed as a name; the store is sound
+};
+
 // The one error type of this room. id: TB-STORE-OPEN, TB-STORE-NEWER, TB-STORE-NETWORK, TB-STORE-LOCKED,
-// TB-STORE-FULL, TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG.
+// TB-STORE-FULL, TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
+// TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT.
 class StoreError : public std::runtime_error {
  public:
+  StoreError(Cause cause, std::string id, const std::string& message, std::string remedy)
+      : std::runtime_error(message), cause_(cause), id_(std::move(id)), remedy_(std::move(remedy)) {}
+  // Of kStore, as most are.
   StoreError(std::string id, const std::string& message, std::string remedy)
-      : std::runtime_error(message), id_(std::move(id)), remedy_(std::move(remedy)) {}
+      : StoreError(Cause::kStore, std::move(id), message, std::move(remedy)) {}
+  [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
 
  private:
+  Cause cause_;
   std::string id_, remedy_;
 };
 
@@ -32,27 +45,41 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 5;
+inline constexpr int kSchemaVersion = 6;
+
+// Greatest lengths, in characters, of texts that people enter. Longer ones and such as are not UTF-8 are refused before
+// anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT).
+inline constexpr std::size_t kLongestName = 200;    // names, serials, also those that instruments report
+inline constexpr std::size_t kLongestText = 10000;  // purposes, notes, reasons
+inline constexpr std::size_t kMostTags = 100;
+void check_words(const std::string& what, const std::string& text, std::size_t longest);
+
+// Who hears, in a sentence, what is no error of a store and has to be known: this room prints nothing. The whole
+// program's; empty, as it is at first: nobody. To be set before there are threads.
+void tell_warnings_to(std::function<void(const std::string&)> tell);
 
 struct ContentCheck {
   std::string stored_sha256, computed_sha256;  // in hex; stored is empty until the run ends
   std::int64_t frames = 0;
-  // The first thing that is not as it was stored, in words, as far as the links kept with the frames tell; empty: none.
+  // The first thing that is not as it was stored, for people, as far as the links kept with the frames show; empty:
+  // none.
   std::string difference;
   [[nodiscard]] bool holds() const { return difference.empty(); }
 };
 
-// Schema of the file, without opening it for writing and without migrating it. TB-STORE-OPEN when it is no store.
+// Schema of the file, without opening it for writing and without migrating it. TB-STORE-OPEN when it is not a store.
 int schema_version_of(const std::string& path);
-// Where opening an older store keeps it as it was: beside it, first name that is free ("runs.db.schema-2.backup").
+// Name of the backup that opening an older store makes: beside it, the first free name ("runs.db.schema-2.backup").
 std::string backup_path(const std::string& path, int version);
 
 class RunStore {
  public:
-  // Opens or makes `path`, refuses a newer schema (TB-STORE-NEWER), a file that is not ours, and network file systems.
-  // An older schema is brought up to kSchemaVersion, after a backup was made beside it (backup_path).
+  // Opens or creates `path`; refuses a newer schema (TB-STORE-NEWER), a file that is not a store, foreign tables,
+  // indexes, views or triggers in a store (TB-STORE-FOREIGN), and network file systems. An older schema is brought up
+  // to kSchemaVersion, after a backup was made beside it (backup_path).
   static RunStore open(const std::string& path, Durability durability = Durability::kFull);
-  // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist.
+  // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist. A store on a network file
+  // system is read as it is, with a warning (tell_warnings_to); TB-STORE-NETWORK when a log lies beside it.
   static RunStore open_read_only(const std::string& path);
   RunStore(RunStore&&) noexcept;
   RunStore& operator=(RunStore&&) noexcept;
@@ -73,25 +100,26 @@ class RunStore {
   void append_frame(std::int64_t run, const FrameRecord& frame);
   void append_event(std::int64_t run, const EventRecord& event);
   void append_check(std::int64_t run, const CheckRecord& check);
-  // TB-STORE-CONFLICT when a series is there already, or has not one output for each input.
+  // TB-STORE-CONFLICT when the series exists already, or has not one output for each input.
   void append_series(std::int64_t run, const std::vector<SeriesRecord>& series);
   void set_rest(std::int64_t run, double rest_s);           // wall clock: no part of the canonical content
-  void set_seen(std::int64_t run, const std::string& utc);  // a sign of life, for who resumes it
-  // What people say of a run; none of it is canonical content, all of it goes for a run of any state but void_run.
-  // A tag is one word of letters, digits and . _ : / + -; adding one twice or removing one that is not there is no
-  // error. TB-STORE-TAG for another kind of tag.
+  void set_seen(std::int64_t run, const std::string& utc);  // a sign of life, for a resume
+  // People's remarks on a run; none is canonical content, and all but void_run are possible in any state of the run.
+  // A tag is one word of letters, digits and . _ : / + -; adding one twice or removing an absent one is not an error.
+  // TB-STORE-TAG for another kind of tag.
   void set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove);
-  void add_note(std::int64_t run, const std::string& text);  // a line more
-  // The run counts no more, for good; it stays. TB-STORE-CONFLICT when it has not ended, is void already, or reason or
-  // name are missing.
+  void add_note(std::int64_t run, const std::string& text);  // appends a line
+  // The run counts no more, for good; its rows stay. TB-STORE-CONFLICT when it has not ended, is void already, or
+  // reason or name is missing.
   void void_run(std::int64_t run, const std::string& reason, const std::string& by, const std::string& utc);
   // Closes the run: state ended, outcome, reason, safe state, content hash.
   void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
-  // The runs that have not ended become interrupted, with an event and their content hash; returns how many. Only for
-  // a caller who knows that nobody is writing a run to this store.
+  // The runs that have not ended become interrupted, with an event and their content hash; returns their number. Only
+  // for a caller that knows that no process is writing a run to this store.
   int mark_interrupted(const std::string& utc);
-  // An ended run that was not completed takes rows again: state prepared, outcome incomplete; `event` says why and what
-  // had ended it. TB-STORE-CONFLICT for a completed or a running one.
+  // An ended run that was not completed takes rows again: state prepared, outcome incomplete; `event` holds the reason
+  // and what had ended it. TB-STORE-CONFLICT for a completed or a running one, and for one whose content is not what
+  // was stored: its next end would put a new hash over that.
   void reopen_run(std::int64_t run, const EventRecord& event);
 
   // Reading. TB-STORE-NOT-FOUND names the runs there are.
@@ -99,7 +127,11 @@ class RunStore {
   [[nodiscard]] RunRecord run(std::int64_t number) const;
   [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
   [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;  // in the order written
+  void each_frame(std::int64_t run,
+                  const std::function<void(const FrameRecord&)>& see) const;  // one in memory at a time
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
+  [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, in void branches, too
+  [[nodiscard]] int scans_of_first_frame(std::int64_t run) const;          // 0: the run has no frame
   [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;
   [[nodiscard]] std::vector<CheckRecord> checks(std::int64_t run) const;
   [[nodiscard]] std::vector<SeriesRecord> series(std::int64_t run) const;  // by sequence, then taxel
@@ -112,22 +144,27 @@ class RunStore {
   [[nodiscard]] std::vector<TimedSequence> timed_sequences(const std::string& bench_id, int newest) const;
   [[nodiscard]] std::int64_t last_position(std::int64_t run) const;  // of a frame within the run, from 1; 0: none
   [[nodiscard]] std::optional<FrameTime> frame_time(std::int64_t run, std::int64_t position) const;
+  [[nodiscard]] std::vector<TimedEvent> timed_events(std::int64_t run) const;  // in the order written
 
-  // Looks whether a run's rows are those it was ended with. It may be asked of any run; one that has not ended has no
-  // stored hash, and its links alone are looked at.
+  // Checks that a run's rows are those it was ended with. For any run; one that has not ended has no stored hash, and
+  // only its links are checked.
   [[nodiscard]] ContentCheck check_content(std::int64_t run) const;
-  // SQLite's own look at the file (integrity_check, foreign_key_check): what is wrong, a line each; empty: nothing.
+  // Checks that the run's fits, verdicts, approvals and void are those that were stored: a line for each that is not.
+  [[nodiscard]] std::vector<std::string> check_seals(std::int64_t run) const;
+  // SQLite's own checks of the file (integrity_check, foreign_key_check), foreign objects, and missing runs and
+  // baselines, since none is ever deleted: a line for each defect; empty: none.
   [[nodiscard]] std::vector<std::string> check_structure() const;
-  // Copies the store as it stands at this moment into a new file, also while another process writes a run.
-  // TB-STORE-EXISTS when the file is there already; what fails half-way leaves no file.
+  // Copies the present state of the store into a new file, also while another process writes a run. TB-STORE-EXISTS
+  // when the file exists already; a copy that fails leaves no file.
   void snapshot(const std::string& path) const;
   // Takes ended runs of another store with their sensors, fits and verdicts; returns their numbers here. All of them or
-  // none: TB-STORE-EXISTS when one is here already (by its UUID), TB-STORE-CONFLICT when one is not what was stored,
-  // has not ended, or its sensor is known here as another.
+  // none: TB-STORE-EXISTS when one is here already (by its UUID), TB-STORE-CONFLICT when one is not as stored, has not
+  // ended, or its sensor is registered here as another. Models, verdicts and approvals must be as stored, too. Verdicts
+  // are copied with the run that was judged; without it they are left out, though the run of the models is copied.
   std::vector<std::int64_t> copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs);
 
   // SHA-256 chained over the run's canonical content: everything but UUID, wall-clock times and time zone, host, tags,
-  // notes and the run's number, which is an accident of the file (hash_chain.h). Recomputed from what is stored.
+  // notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows.
   [[nodiscard]] std::string content_hash(std::int64_t run) const;
 
   // Models and verdicts.
@@ -137,19 +174,27 @@ class RunStore {
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitRecord> fits(std::int64_t run) const;  // oldest first
   [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
-  // All verdicts of the run, by whatever fit, give way to these; fit 0: judged without a stored fit.
+  // Replaces verdicts on the run by the same limits, of any fit of the run that `fit` was made from. Those by other
+  // limits stay: a later file does not undo an earlier one's verdict. fit 0: judged without a stored fit.
   void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
-  [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;  // fit 0: without a stored fit
+  [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;  // on the run; in the order stored
+  // On any run, of all fits that were made from this one; in the order stored.
+  [[nodiscard]] std::vector<VerdictRecord> verdicts_of_models(std::int64_t run) const;
 
-  // What is followed over time. All figures of that subject in that run give way to these.
+  // Figures followed over time. Replaces all figures of that subject in that run.
   void replace_figures(std::int64_t run, const std::string& subject, const std::map<std::string, double>& figures);
   // Of runs that are not void, by run, then name. An empty subject: of all.
   [[nodiscard]] std::vector<FigureRecord> figures(const std::string& subject) const;
-  // TB-STORE-CONFLICT without reason, name or runs, for a void run, one without figures of
-  // the subject, and when runs of several origins are mixed.
+  // TB-STORE-CONFLICT without reason, name or runs, for a void run, for one without figures of the subject, when runs
+  // of several origins are mixed, and when all of several runs repeat one, so that no figure has a spread.
   std::int64_t add_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
-  // Approved reports. TB-STORE-CONFLICT when that number is approved already, or without a name.
+  // Of `runs`, those that repeat an earlier one of them, with that one: the same content (and so the same seeds), or
+  // the same value of every figure of the subject. A repetition contributes nothing to a spread.
+  [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
+                                                                   std::vector<std::int64_t> runs) const;
+  // Approved reports. TB-STORE-CONFLICT when that number is approved already, without a name, or when `replaces` is not
+  // the one approved last.
   void add_report(const ReportRecord& report);
   [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first
 
@@ -157,7 +202,13 @@ class RunStore {
 
  private:
   class Database;
+  struct Sealed {
+    std::int64_t count = 0;
+    std::string sha256;
+  };
   explicit RunStore(std::unique_ptr<Database> database);
+  [[nodiscard]] Sealed sealed_now(std::int64_t run, const std::string& kind) const;
+  void seal(std::int64_t run, const std::string& kind);  // part of the caller's transaction
   std::unique_ptr<Database> database_;
 };
 

@@ -1,4 +1,4 @@
-// Is the store what it was: the chain of a run recomputed link by link, and SQLite's own look at its file.
+// Integrity of the store: the chain of a run recomputed link by link, and SQLite's own checks of its file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace tactbench::db {
 
 namespace {
 
-// A text that has its own hash beside it tells by itself.
+// A text with its own hash beside it can be checked by itself.
 std::string text_that_changed(const RunRecord& run) {
   const auto changed = [](const std::string& text, const std::string& sha256) {
     return sha256.size() == 64 && sha256_hex(text) != sha256;
@@ -24,7 +24,7 @@ std::string text_that_changed(const RunRecord& run) {
   return {};
 }
 
-// A frame's place in the run, as a person would look for it.
+// A frame's place in the run, for people.
 std::string place_of(std::int64_t position, const RunRecord& run, const BranchRecord* branch, const FrameRecord& f) {
   if (branch == nullptr) return fmt::format("frame {} (of no branch of this run)", position);
   const auto sequence = std::ranges::find(run.sequences, branch->sequence, &SequenceRecord::sequence);
@@ -46,8 +46,9 @@ ContentCheck RunStore::check_content(std::int64_t number) const {
   ContentCheck check;
   check.stored_sha256 = run.content_sha256;
   Digest chain = database.hasher.header(run);
-  std::int64_t broken = 0;  // position of the first frame whose link is not the stored one
-  std::int64_t mended = 0;  // of a later one whose link is: then only links were changed, not what they cover
+  std::int64_t broken = 0;  // position of the first frame whose link differs from the stored one
+  std::int64_t mended =
+      0;  // of a later one whose link agrees: then only links were changed, not the rows that they cover
   std::string broken_place, gap;
   sqlite::Statement links(database.connection,
                           "SELECT frame, chain FROM frames WHERE frame > ? AND frame < ? ORDER BY frame");
@@ -110,6 +111,16 @@ std::vector<std::string> RunStore::check_structure() const {
       rows.read(line);
       if (line != "ok") wrong.push_back(line);
     }
+  }
+  for (ForeignObjects found = foreign_objects(database_->connection);
+       const auto* lines : {&found.changed, &found.added})
+    wrong.insert(wrong.end(), lines->begin(), lines->end());
+  for (const char* table : {"runs", "baselines"}) {
+    const std::int64_t there = database_->connection.integer(fmt::format("SELECT count(*) FROM {}", table));
+    const std::int64_t made = database_->connection.integer(
+        fmt::format("SELECT coalesce((SELECT max(seq) FROM sqlite_sequence WHERE name = '{}'), 0)", table));
+    if (there < made)
+      wrong.push_back(fmt::format("{}: {} were stored, {} are there, and none is ever deleted", table, made, there));
   }
   sqlite::Statement rows(database_->connection,
                          "SELECT \"table\", rowid, parent FROM pragma_foreign_key_check ORDER BY 1, 2 LIMIT 100");

@@ -1,5 +1,5 @@
-// Runs from another store, with all that hangs on them. Rows are taken as they are, by columns that the file itself
-// names; only the keys become those of this store.
+// Runs copied from another store with all rows that belong to them. Rows are copied unchanged, by the columns that the
+// file itself names; only the keys become those of this store.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <map>
 
 #include "db/run_store_database.h"
+#include "db/store_file.h"
 
 namespace tactbench::db {
 
@@ -50,7 +51,7 @@ void take_rows(sqlite::Connection& connection, const std::string& table, const R
                                  table, columns, values, condition));
 }
 
-// What is added to a key of the source so that it follows the keys here.
+// Offset from a key of the source to the key that follows those here.
 std::int64_t offset_of(sqlite::Connection& connection, const std::string& table, const std::string& key,
                        const std::string& condition) {
   return connection.integer(
@@ -78,12 +79,17 @@ void take_sensor(sqlite::Connection& connection, std::int64_t run) {
 
 std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
   const std::string of_run = fmt::format("t.run = {}", run);
+  // Checked above, but it may have been resumed since.
+  if (connection.integer(
+          fmt::format("SELECT count(*) FROM source.runs t WHERE {} AND outcome <> 'incomplete'", of_run)) == 0) {
+    throw StoreError("TB-STORE-CONFLICT", fmt::format("run {} is being resumed", run), "wait for its end, or stop it");
+  }
   const std::int64_t there = connection.integer(
       fmt::format("SELECT coalesce((SELECT run FROM main.runs WHERE uuid = (SELECT uuid FROM source.runs "
                   "WHERE run = {})), 0)",
                   run));
   if (there != 0) {
-    throw StoreError("TB-STORE-EXISTS",
+    throw StoreError(Cause::kUsage, "TB-STORE-EXISTS",
                      fmt::format("run {} is in {} already, as run {}", run, connection.path(), there), "leave it out");
   }
   take_sensor(connection, run);
@@ -116,22 +122,30 @@ std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
 std::vector<std::int64_t> RunStore::copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs) {
   sqlite::Connection& connection = database_->connection;
   for (const std::int64_t run : runs) {
-    if (other.run(run).outcome != Outcome::kIncomplete) continue;
-    throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} has not ended", other.path(), run),
-                     "wait for its end, or stop it");
+    if (other.run(run).outcome == Outcome::kIncomplete) {
+      throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} has not ended", other.path(), run),
+                       "wait for its end, or stop it");
+    }
+    const std::vector<std::string> wrong = other.check_seals(run);
+    if (wrong.empty()) continue;
+    throw StoreError("TB-STORE-CONFLICT",
+                     fmt::format("store {}: run {} is not what was stored: {}", other.path(), run, wrong.front()),
+                     "nothing was copied; tactbench verify RUN, and take the last snapshot");
   }
+  refuse_network(other.path());  // it is opened once more here, with locks
   const AttachedStore attached(connection, std::filesystem::absolute(other.path()).string());
   connection.execute("CREATE TEMP TABLE copied_fits (old INTEGER PRIMARY KEY, new INTEGER NOT NULL)");
   sqlite::Transaction transaction(connection);
   std::vector<std::int64_t> numbers;
   for (const std::int64_t run : runs) numbers.push_back(take_run(connection, run));
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    // Verdicts rest on a fit of another run, often; it is named where that run came along.
+    // Verdicts often rest on a fit of another run; it is named where that run was copied, too.
     take_rows(connection, "verdicts",
               {{"verdict_row", ""},
                {"run", std::to_string(numbers[i])},
                {"fit", "(SELECT new FROM temp.copied_fits WHERE old = t.fit)"}},
               fmt::format("t.run = {}", runs[i]));
+    for (const char* kind : kSealed) seal(numbers[i], kind);  // with the keys that they have here
     const ContentCheck check = check_content(numbers[i]);
     if (check.holds()) continue;
     throw StoreError(

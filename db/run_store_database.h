@@ -1,6 +1,7 @@
-// The inside of a RunStore: its connection, the statements used at every frame, and where each open run's chain stands.
+// The inside of a RunStore: its connection, the statements used at every frame, and the chain of each open run.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -15,6 +16,9 @@
 
 namespace tactbench::db {
 
+// Kinds of rows stored beside a run's content, each under a hash of its own (seals.cpp).
+inline constexpr std::array kSealed = {"fits", "verdicts", "approvals", "void"};
+
 // The keys of a run's frames lie above first and below end.
 constexpr std::int64_t frames_above(std::int64_t run) { return run * kFramesPerRun; }
 constexpr std::int64_t frames_below(std::int64_t run) { return (run + 1) * kFramesPerRun; }
@@ -22,7 +26,9 @@ constexpr std::int64_t frames_below(std::int64_t run) { return (run + 1) * kFram
 class RunStore::Database {
  public:
   Database(const std::string& given_path, const std::string& absolute_path, sqlite::Access access)
-      : path(given_path), connection(absolute_path, access) {}
+      : path(given_path), connection(absolute_path, access) {
+    connection.trust_no_schema();
+  }
 
   // A run that takes rows. The chain is empty until the first frame, up to which devices may still be set.
   struct OpenRun {
@@ -31,11 +37,13 @@ class RunStore::Database {
   };
 
   OpenRun& open_run(std::int64_t run);  // TB-STORE-NOT-FOUND, TB-STORE-CONFLICT when it has ended
+  // Within a transaction: another process may have ended it since. TB-STORE-CONFLICT.
+  void require_open(std::int64_t run);
   const BranchRecord& branch_of(std::int64_t run, std::int64_t branch);
-  void require_run(std::int64_t run);  // TB-STORE-NOT-FOUND, naming those there are
+  void require_run(std::int64_t run);  // TB-STORE-NOT-FOUND, naming the existing ones
   Digest header_digest(std::int64_t run);
-  // A log that grows costs a commit of the file system's own journal at each of ours; one that is written over does
-  // not. So it is made as long as it gets before SQLite starts it anew (1000 pages), once, where commits are durable.
+  // A log that grows costs a commit of the file system's journal at each commit of the store; one that is written over
+  // does not. So it is extended once to the length at which SQLite restarts it (1000 pages), where commits are durable.
   void lengthen_log();
   void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
   void insert_event(std::int64_t run, const EventRecord& event);

@@ -1,4 +1,4 @@
-// How a run ends: by its sequencer, or found dead at the next start; and its content hash.
+// The end of a run, by its sequencer or found dead at the next start, and its content hash.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@ RunEnd RunStore::Database::end_of(std::int64_t run) {
 void RunStore::Database::close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe,
                                    const std::string& utc) {
   OpenRun& open = open_run(run);
+  require_open(run);
   const Digest chain = open.chain ? *open.chain : header_digest(run);
   RunEnd end = end_of(run);
   end.outcome = outcome;
@@ -69,15 +70,22 @@ int RunStore::mark_interrupted(const std::string& utc) {
 }
 
 void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
-  const RunRecord record = database_->run(run);
-  if (record.outcome == Outcome::kIncomplete || record.outcome == Outcome::kCompleted) {
-    const bool done = record.outcome == Outcome::kCompleted;
-    throw StoreError("TB-STORE-CONFLICT",
-                     fmt::format("store {}: run {} {}", path(), run,
-                                 done ? "is completed: nothing is left to do" : "has not ended: a process may have it"),
-                     done ? "start a new run" : "control it with tactbench pause, resume, stop; or wait for its end");
-  }
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} {}", path(), run, what), remedy);
+  };
+  // Checked and changed in one transaction: of two that resume a run, one finds it open already.
   sqlite::Transaction transaction(database_->connection);
+  const RunRecord record = database_->run(run);
+  if (record.outcome == Outcome::kCompleted) refuse("is completed: nothing is left to do", "start a new run");
+  if (record.outcome == Outcome::kIncomplete) {
+    refuse("has not ended: it is being resumed already, or is live",
+           "control it with tactbench pause, resume, stop; or wait for its end");
+  }
+  const ContentCheck content = check_content(run);
+  if (!content.holds()) {
+    refuse(fmt::format("is not what was stored, and to continue it would hide that: {}", content.difference),
+           fmt::format("tactbench verify {} shows what differs; take your last snapshot, or start a new run", run));
+  }
   sqlite::Statement(database_->connection,
                     "UPDATE runs SET state = 'prepared', outcome = 'incomplete', reason = '', safe_state = 'unknown', "
                     "ended_utc = '', content_sha256 = '' WHERE run = ?")
@@ -101,7 +109,7 @@ std::string RunStore::content_hash(std::int64_t number) const {
   database.each_frame(number, [&](const FrameRecord& frame) {
     const auto branch = std::lower_bound(branches.begin(), branches.end(), frame.branch,
                                          [](const BranchRecord& b, std::int64_t key) { return b.branch < key; });
-    // A frame of no branch of this run can only come from a hand in the file; it still counts for the hash.
+    // A frame of no branch of this run can only come from a manual change of the file; it still counts for the hash.
     const bool known = branch != branches.end() && branch->branch == frame.branch;
     chain = database.hasher.frame(chain, known ? *branch : BranchRecord{}, frame);
     ++frames;

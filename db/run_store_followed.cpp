@@ -1,6 +1,7 @@
-// What is followed over time: figures, baselines, approved reports.
+// Records over time: figures, baselines, approved reports.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "db/run_store_database.h"
@@ -33,6 +34,33 @@ std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
   return figures;
 }
 
+std::map<std::int64_t, std::int64_t> RunStore::repeated_runs(const std::string& subject,
+                                                             std::vector<std::int64_t> runs) const {
+  std::map<std::int64_t, std::map<std::string, std::string>> values;  // as text: a value may be not-a-number
+  for (const FigureRecord& figure : figures(subject)) values[figure.run][figure.name] = fmt::format("{}", figure.value);
+  std::ranges::sort(runs);
+  runs.erase(std::ranges::unique(runs).begin(), runs.end());
+  std::map<std::int64_t, std::int64_t> repeated;
+  std::map<std::string, std::int64_t> by_content;
+  std::map<std::map<std::string, std::string>, std::int64_t> by_figures;
+  for (const std::int64_t run : runs) {
+    sqlite::Statement row(database_->connection, "SELECT content_sha256 FROM runs WHERE run = ?");
+    std::string content;
+    if (row.bind(run).step()) row.read(content);
+    const auto same = by_content.find(content);
+    const auto alike = by_figures.find(values[run]);
+    if (!content.empty() && same != by_content.end()) {
+      repeated[run] = same->second;
+    } else if (!values[run].empty() && alike != by_figures.end()) {
+      repeated[run] = alike->second;
+    } else {
+      by_content[content] = run;
+      by_figures[values[run]] = run;
+    }
+  }
+  return repeated;
+}
+
 std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-CONFLICT",
@@ -40,7 +68,9 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
   };
   if (baseline.reason.empty() || baseline.accepted_by.empty() || baseline.accepted_utc.empty())
     refuse("is not accepted without a reason and a name", "give both");
-  if (baseline.runs.empty()) refuse("names no run", "name those that are as they should be");
+  if (baseline.runs.empty()) refuse("names no run", "name the runs to accept");
+  check_words("the baseline's reason", baseline.reason, kLongestText);
+  check_words("the name of the person who accepts it", baseline.accepted_by, kLongestName);
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   std::set<std::string> origins;
@@ -53,13 +83,21 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
     refuse(fmt::format("names run {}, which has no figures of it", number), "tactbench trend shows the runs that have");
   }
   if (origins.size() > 1) refuse("mixes simulated and real runs", "one origin a baseline");
+  const std::set<std::int64_t> named(baseline.runs.begin(), baseline.runs.end());
+  const auto repeated = repeated_runs(baseline.subject, baseline.runs);
+  if (named.size() > 1 && repeated.size() + 1 == named.size()) {
+    refuse(fmt::format("names {} runs that are all one measurement: run {} repeats run {} (the same seeds and content, "
+                       "or the same figures), so that no figure has a spread",
+                       named.size(), repeated.begin()->first, repeated.begin()->second),
+           "accept runs that were measured separately, simulated ones with seeds of their own (--seed)");
+  }
   sqlite::Statement(connection,
                     "INSERT INTO baselines (subject, reason, accepted_by, accepted_utc) VALUES (?, ?, ?, ?)")
       .bind(baseline.subject, baseline.reason, baseline.accepted_by, baseline.accepted_utc)
       .run();
   const std::int64_t number = connection.last_row();
   sqlite::Statement row(connection, "INSERT INTO baseline_runs (baseline, run) VALUES (?, ?)");
-  for (const std::int64_t run : std::set(baseline.runs.begin(), baseline.runs.end())) row.bind(number, run).run();
+  for (const std::int64_t run : named) row.bind(number, run).run();
   transaction.commit();
   return number;
 }
@@ -82,21 +120,31 @@ std::vector<BaselineRecord> RunStore::baselines() const {
 void RunStore::add_report(const ReportRecord& report) {
   if (report.approved_by.empty())
     throw StoreError("TB-STORE-CONFLICT", fmt::format("report {} is not approved without a name", report.number),
-                     "give the name of who answers for it");
+                     "give the name of the person responsible");
+  check_words("the signer's name", report.approved_by, kLongestName);
   sqlite::Transaction transaction(database_->connection);
   database_->require_run(report.run);
-  for (const ReportRecord& there : reports(report.run)) {
+  const std::vector<ReportRecord> before = reports(report.run);
+  for (const ReportRecord& there : before) {
     if (there.number != report.number) continue;
     throw StoreError(
         "TB-STORE-CONFLICT",
         fmt::format("report {} is approved already, by {} on {}", there.number, there.approved_by, there.approved_utc),
         "a report is approved once; it is the same document");
   }
+  const std::string last = before.empty() ? std::string() : before.back().number;
+  if (report.replaces != last) {
+    throw StoreError("TB-STORE-CONFLICT",
+                     fmt::format("report {} of run {} would replace '{}', and the one approved last is '{}'",
+                                 report.number, report.run, report.replaces, last),
+                     "another one was approved meanwhile: check that one, then approve again");
+  }
   sqlite::Statement(database_->connection,
                     "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces) "
                     "VALUES (?, ?, ?, ?, ?, ?)")
       .bind(report.run, report.number, report.content_sha256, report.approved_by, report.approved_utc, report.replaces)
       .run();
+  seal(report.run, "approvals");
   transaction.commit();
 }
 

@@ -1,6 +1,8 @@
 // Models and verdicts.
 #include <fmt/format.h>
 
+#include <set>
+
 #include "db/run_store_database.h"
 
 namespace tactbench::db {
@@ -39,6 +41,7 @@ std::int64_t RunStore::add_fit(const FitRecord& fit, const std::vector<FitTaxelR
              t.max_error_v, t.full_scale_v, t.at_bound)
         .run();
   }
+  seal(fit.run, "fits");
   transaction.commit();
   return number;
 }
@@ -66,7 +69,7 @@ FitRecord RunStore::fit(std::int64_t fit) const {
     rows.read(number, run);
     there += fmt::format("{}{} (run {})", there.empty() ? "" : ", ", number, run);
   }
-  throw StoreError("TB-STORE-NOT-FOUND",
+  throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND",
                    fmt::format("store {} has no fit {}; it has {}", path(), fit, there.empty() ? "none yet" : there),
                    "make one: tactbench fit RUN");
 }
@@ -81,7 +84,7 @@ std::vector<FitRecord> RunStore::fits(std::int64_t run) const {
 }
 
 std::vector<FitTaxelRecord> RunStore::fit_taxels(std::int64_t fit) const {
-  static_cast<void>(this->fit(fit));  // a fit that is not there is no empty list
+  static_cast<void>(this->fit(fit));  // throws for a missing fit, which is not the same as an empty list
   sqlite::Statement rows(database_->connection,
                          "SELECT taxel, status, parameters, ascending_v, descending_v, noise_v, j_v2, mean_error_v, "
                          "max_error_v, full_scale_v, at_bound FROM fit_taxels WHERE fit = ? ORDER BY taxel");
@@ -100,7 +103,14 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   sqlite::Transaction transaction(connection);
   database_->require_run(run);
   if (fit != 0) static_cast<void>(this->fit(fit));
-  sqlite::Statement(connection, "DELETE FROM verdicts WHERE run = ?").bind(run).run();
+  // A fit made twice of one run has the same models.
+  sqlite::Statement before(
+      connection,
+      "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run FROM "
+      "fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run FROM fits WHERE fit = ?), 0)");
+  std::set<std::string> limits;
+  for (const VerdictRecord& v : verdicts) limits.insert(v.limits_sha256);
+  for (const std::string& sha256 : limits) before.bind(run, sha256, fit).run();
   sqlite::Statement row(connection,
                         "INSERT INTO verdicts (run, fit, criterion, scope, value, limit_value, unit, rule, verdict, "
                         "limits_toml, limits_sha256) VALUES (?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?)");
@@ -109,22 +119,38 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
              v.limits_sha256)
         .run();
   }
+  seal(run, "verdicts");
   transaction.commit();
 }
 
-std::vector<VerdictRecord> RunStore::verdicts(std::int64_t run) const {
-  database_->require_run(run);
-  sqlite::Statement rows(database_->connection,
-                         "SELECT run, fit, criterion, scope, value, limit_value, unit, rule, verdict, limits_toml, "
-                         "limits_sha256 FROM verdicts WHERE run = ? ORDER BY verdict_row");
+namespace {
+
+std::vector<VerdictRecord> verdict_rows(sqlite::Connection& connection, const char* where, std::int64_t run) {
+  sqlite::Statement rows(connection,
+                         fmt::format("SELECT v.run, v.fit, v.criterion, v.scope, v.value, v.limit_value, v.unit, "
+                                     "v.rule, v.verdict, v.limits_toml, v.limits_sha256, coalesce(f.run, 0) FROM "
+                                     "verdicts v LEFT JOIN fits f ON f.fit = v.fit WHERE {} = ? ORDER BY v.verdict_row",
+                                     where));
   rows.bind(run);
   std::vector<VerdictRecord> verdicts;
   while (rows.step()) {
     VerdictRecord& v = verdicts.emplace_back();
     rows.read(v.run, v.fit, v.criterion, v.scope, v.value, v.limit, v.unit, v.rule, v.verdict, v.limits_toml,
-              v.limits_sha256);
+              v.limits_sha256, v.model_run);
   }
   return verdicts;
+}
+
+}  // namespace
+
+std::vector<VerdictRecord> RunStore::verdicts(std::int64_t run) const {
+  database_->require_run(run);
+  return verdict_rows(database_->connection, "v.run", run);
+}
+
+std::vector<VerdictRecord> RunStore::verdicts_of_models(std::int64_t run) const {
+  database_->require_run(run);
+  return verdict_rows(database_->connection, "f.run", run);
 }
 
 }  // namespace tactbench::db

@@ -64,7 +64,7 @@ void RunStore::Database::require_run(std::int64_t run) {
   std::vector<std::int64_t> numbers;
   sqlite::Statement rows(connection, "SELECT run FROM runs ORDER BY run");
   while (rows.step()) rows.read(numbers.emplace_back());
-  throw StoreError("TB-STORE-NOT-FOUND",
+  throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND",
                    fmt::format("store {} has no run {}; {}", path, run,
                                numbers.empty() ? "it has none yet" : "it has " + ranges(numbers)),
                    "see 'tactbench runs list', or name another store with --db");
@@ -195,9 +195,23 @@ std::vector<EventRecord> RunStore::events(std::int64_t run) const { return datab
 std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
   database_->require_run(run);
   std::vector<FrameRecord> frames;
-  frames.reserve(static_cast<std::size_t>(last_position(run)));
-  database_->each_frame(run, [&](const FrameRecord& frame) { frames.push_back(frame); });
+  frames.reserve(static_cast<std::size_t>(frame_count(run)));
+  database_->each_frame(run, [&](const FrameRecord& frame) {
+    if (!fits_its_shape(frame)) {
+      throw StoreError(
+          "TB-STORE-SQL",
+          fmt::format("store {}: frame {} of run {} holds {} counts, not those of scans x rows x columns {} x {} x {}",
+                      path(), frames.size() + 1, run, frame.counts.size(), frame.scans, frame.rows, frame.columns),
+          "the file was changed by another hand: take your last snapshot");
+    }
+    frames.push_back(frame);
+  });
   return frames;
+}
+
+void RunStore::each_frame(std::int64_t run, const std::function<void(const FrameRecord&)>& see) const {
+  database_->require_run(run);
+  database_->each_frame(run, see);
 }
 
 std::int64_t RunStore::frame_count(std::int64_t run) const {
@@ -206,6 +220,24 @@ std::int64_t RunStore::frame_count(std::int64_t run) const {
   std::int64_t count = 0;
   if (row.bind(frames_above(run), frames_below(run)).step()) row.read(count);
   return count;
+}
+
+std::int64_t RunStore::flagged_frame_count(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement row(database_->connection,
+                        "SELECT count(*) FROM frames WHERE frame > ? AND frame < ? AND flags != ''");
+  std::int64_t count = 0;
+  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(count);
+  return count;
+}
+
+int RunStore::scans_of_first_frame(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement row(database_->connection,
+                        "SELECT scans FROM frames WHERE frame > ? AND frame < ? ORDER BY frame LIMIT 1");
+  int scans = 0;
+  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(scans);
+  return scans;
 }
 
 }  // namespace tactbench::db

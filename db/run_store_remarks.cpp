@@ -1,4 +1,4 @@
-// What people say of a run afterwards: tags, notes, and that it counts no more.
+// People's remarks on a run: tags, notes, void.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -6,6 +6,7 @@
 #include <set>
 
 #include "db/run_store_database.h"
+#include "db/utf8.h"
 
 namespace tactbench::db {
 
@@ -17,11 +18,26 @@ void check_tag(const std::string& tag) {
            std::string_view("._:/+-").find(c) != std::string_view::npos;
   };
   if (!tag.empty() && tag.size() <= 64 && std::ranges::all_of(tag, fits)) return;
-  throw StoreError("TB-STORE-TAG", fmt::format("'{}' is no tag", tag),
+  throw StoreError(Cause::kUsage, "TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
                    "a tag is one word of up to 64 letters, digits and . _ : / + -; longer words go into a note");
 }
 
 }  // namespace
+
+void check_words(const std::string& what, const std::string& text, std::size_t longest) {
+  std::size_t characters = 0;
+  for (std::string_view rest = text; !rest.empty(); ++characters) {
+    const CodePoint c = decode_utf8(rest);
+    if (!c.valid)
+      throw StoreError(Cause::kUsage, "TB-STORE-NOT-TEXT", fmt::format("{} is not UTF-8", what),
+                       "type it again; nothing was stored");
+    rest.remove_prefix(c.bytes);
+  }
+  if (characters <= longest) return;
+  throw StoreError(Cause::kUsage, "TB-STORE-TOO-LONG",
+                   fmt::format("{} has {} characters, at most {} are allowed", what, characters, longest),
+                   "shorten it; nothing was stored");
+}
 
 void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove) {
   for (const std::string& tag : add) check_tag(tag);
@@ -31,6 +47,11 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
   std::set<std::string> tags(before.begin(), before.end());
   tags.insert(add.begin(), add.end());
   for (const std::string& tag : remove) tags.erase(tag);
+  if (tags.size() > kMostTags) {
+    throw StoreError(Cause::kUsage, "TB-STORE-TAG",
+                     fmt::format("run {} would have {} tags, at most {} are allowed", run, tags.size(), kMostTags),
+                     "remove some with --remove");
+  }
   sqlite::Statement(database_->connection, "UPDATE runs SET tags = ? WHERE run = ?")
       .bind(fmt::format("{}", fmt::join(tags, " ")), run)
       .run();
@@ -38,7 +59,8 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
 }
 
 void RunStore::add_note(std::int64_t run, const std::string& text) {
-  if (text.empty()) throw StoreError("TB-STORE-CONFLICT", "the note is empty", "say what is to be known of the run");
+  if (text.empty()) throw StoreError("TB-STORE-CONFLICT", "the note is empty", "write a text");
+  check_words("the note", text, kLongestText);
   sqlite::Transaction transaction(database_->connection);
   database_->require_run(run);
   sqlite::Statement(database_->connection,
@@ -52,12 +74,14 @@ void RunStore::void_run(std::int64_t run, const std::string& reason, const std::
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} {}", path(), run, what), remedy);
   };
+  check_words("the reason", reason, kLongestText);
+  check_words("the name of the person who voids it", by, kLongestName);
   sqlite::Transaction transaction(database_->connection);
   const RunRecord record = database_->run(run);
   if (record.outcome == Outcome::kIncomplete) refuse("has not ended", "wait for its end, or stop it");
   if (record.is_void()) {
     refuse(fmt::format("is void already, by {} ({})", record.void_by, record.void_reason),
-           "what is to be added goes into a note");
+           "write additions into a note");
   }
   if (reason.empty() || by.empty() || utc.empty()) {
     refuse("is not made void without a reason and a name", "give both");
@@ -65,6 +89,7 @@ void RunStore::void_run(std::int64_t run, const std::string& reason, const std::
   sqlite::Statement(database_->connection, "UPDATE runs SET void_reason = ?, void_by = ?, void_utc = ? WHERE run = ?")
       .bind(reason, by, utc, run)
       .run();
+  seal(run, "void");
   transaction.commit();
 }
 

@@ -1,4 +1,4 @@
-// When things happened, without reading the frames themselves: what a time estimate learns from.
+// Times of a run without reading the frames themselves, for time estimates.
 #include "db/run_store_database.h"
 
 namespace tactbench::db {
@@ -40,6 +40,19 @@ std::optional<FrameTime> RunStore::frame_time(std::int64_t run, std::int64_t pos
     row.read(time.sequence, time.repeat, time.ordinal, time.is_void, time.time_ns);
   }
   row.run();
+  return found;
+}
+
+std::vector<TimedEvent> RunStore::timed_events(std::int64_t run) const {
+  sqlite::Statement rows(database_->connection,
+                         "SELECT time_ns, kind, detail FROM events WHERE run = ? AND kind IN ('state', 'way-back') "
+                         "ORDER BY event");
+  rows.bind(run);
+  std::vector<TimedEvent> found;
+  while (rows.step()) {
+    TimedEvent& event = found.emplace_back();
+    rows.read(event.time_ns, event.kind, event.detail);
+  }
   return found;
 }
 

@@ -19,16 +19,22 @@ constexpr const char* kInsertFrame =
     "feedback_counts, reference_counts, time_ns, since_command_ns, in_band_ns, device_time_us, status, exchanges, "
     "dtype, \"rows\", columns, scans, counts, chain, flags, trace, target_n, force_start_n, wrench, wrench_raw, "
     "place_mm) "
-    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'uint16le', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+    "SELECT ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'uint16le', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ? "
+    "WHERE EXISTS (SELECT 1 FROM runs WHERE run = ? AND state <> 'ended')";
 
 void check_shape(const FrameRecord& frame) {
-  const bool positive = frame.rows > 0 && frame.columns > 0 && frame.scans > 0;
-  const auto expected = static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns) *
-                        static_cast<std::size_t>(frame.scans);
-  if (positive && frame.counts.size() == expected) return;
-  throw conflict(fmt::format("a frame of {} scans of {} x {} taxels comes with {} counts", frame.scans, frame.rows,
-                             frame.columns, frame.counts.size()),
+  if (fits_its_shape(frame)) return;
+  throw conflict(fmt::format("a frame of {} x {} x {} (scans, rows, columns) comes with {} counts", frame.scans,
+                             frame.rows, frame.columns, frame.counts.size()),
                  "this is a defect of the caller: please report it");
+}
+
+// What an instrument tells of itself is bounded like what people type. A table bears the name of its file.
+void check_device(const DeviceRecord& device) {
+  if (device.origin == "imported") return;
+  check_words(fmt::format("the model of the {}", device.role), device.model, kLongestName);
+  check_words(fmt::format("the serial number of the {}", device.role), device.serial, kLongestName);
+  check_words(fmt::format("the firmware of the {}", device.role), device.firmware, kLongestName);
 }
 
 }  // namespace
@@ -57,6 +63,14 @@ RunStore::Database::OpenRun& RunStore::Database::open_run(std::int64_t run) {
   return open_runs.emplace(run, open).first->second;
 }
 
+void RunStore::Database::require_open(std::int64_t run) {
+  sqlite::Statement row(connection, "SELECT 1 FROM runs WHERE run = ? AND state <> 'ended'");
+  if (row.bind(run).step()) return;
+  open_runs.erase(run);
+  throw conflict(fmt::format("store {}: run {} was ended by another process and takes no more", path, run),
+                 "tactbench runs show shows how it ended; tactbench resume continues it");
+}
+
 const BranchRecord& RunStore::Database::branch_of(std::int64_t run, std::int64_t branch) {
   if (last_branch_run == run && last_branch.branch == branch) return last_branch;
   sqlite::Statement row(connection,
@@ -69,7 +83,7 @@ const BranchRecord& RunStore::Database::branch_of(std::int64_t run, std::int64_t
   row.read(found.branch, found.sequence, found.repeat, found.ordinal, found.attempt, found.is_void);
   if (found.is_void) {
     throw conflict(fmt::format("store {}: branch {} of run {} is void", path, branch, run),
-                   "begin the branch anew with the next attempt");
+                   "begin the branch again with the next attempt");
   }
   last_branch = found;
   last_branch_run = run;
@@ -82,6 +96,7 @@ void RunStore::Database::insert_devices(std::int64_t run, const std::vector<Devi
                         "VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   int position = 0;
   for (const DeviceRecord& d : devices) {
+    check_device(d);
     row.bind(run, position++, d.role, d.model, d.serial, d.firmware, d.origin, d.calibration_json).run();
   }
 }
@@ -92,8 +107,8 @@ void RunStore::Database::insert_event(std::int64_t run, const EventRecord& event
       .run();
 }
 
-// By SQLite alone: pages of a transaction that its cache does not hold go to the log before the commit, and when it is
-// rolled back they are nobody's, but the file stays as long as it is.
+// By SQLite alone: pages of a transaction that do not fit its cache go to the log before the commit; after a rollback
+// they are unused, but the file keeps its length.
 void RunStore::Database::lengthen_log() {
   constexpr std::uintmax_t kLongest = 1000 * (4096 + 24) + 32;
   constexpr int kFullSync = 2;
@@ -105,12 +120,16 @@ void RunStore::Database::lengthen_log() {
   try {
     const sqlite::Transaction never_committed(connection);
     connection.execute("CREATE TABLE longer (bytes BLOB); INSERT INTO longer VALUES (zeroblob(4200000))");
-  } catch (const StoreError&) {  // a disk so full will say so when something is to be kept
+  } catch (const StoreError&) {  // a disk this full reports it at the next write
   }
   connection.execute(fmt::format("PRAGMA cache_size = {}", cache));
 }
 
 std::int64_t RunStore::begin_run(const RunRecord& run) {
+  check_words("the operator's name", run.operator_name, kLongestName);
+  check_words("the purpose", run.purpose, kLongestText);
+  check_words("the scanner's serial", run.scanner_serial, kLongestName);
+  check_words("the bench's id", run.bench_id, kLongestName);
   database_->lengthen_log();
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
@@ -142,16 +161,19 @@ std::int64_t RunStore::begin_run(const RunRecord& run) {
     row.bind(number, s.sequence, s.name, s.recipe_toml, s.recipe_sha256, s.repeats, s.frames_per_repeat).run();
   }
   database_->insert_devices(number, run.devices);
+  sqlite::Statement sealed(connection, "INSERT INTO seals (run, kind, count, sha256) VALUES (?, ?, 0, '')");
+  for (const char* kind : kSealed) sealed.bind(number, kind).run();
   transaction.commit();
   return number;
 }
 
 void RunStore::set_devices(std::int64_t run, const std::vector<DeviceRecord>& devices) {
   if (database_->open_run(run).frames > 0) {
-    throw conflict(fmt::format("store {}: run {} has frames already; its devices stand", path(), run),
+    throw conflict(fmt::format("store {}: run {} has frames already; its devices are fixed", path(), run),
                    "set the devices before the first frame");
   }
   sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   sqlite::Statement(database_->connection, "DELETE FROM devices WHERE run = ?").bind(run).run();
   database_->insert_devices(run, devices);
   transaction.commit();
@@ -161,6 +183,7 @@ void RunStore::set_state(std::int64_t run, const std::string& state, const Event
   database_->open_run(run);
   if (state == "ended") throw conflict("a run ends through end_run alone", "this is a defect: please report it");
   sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   sqlite::Statement(database_->connection, "UPDATE runs SET state = ? WHERE run = ?").bind(state, run).run();
   database_->insert_event(run, event);
   transaction.commit();
@@ -168,13 +191,17 @@ void RunStore::set_state(std::int64_t run, const std::string& state, const Event
 
 std::int64_t RunStore::begin_branch(std::int64_t run, const BranchRecord& b) {
   database_->open_run(run);
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   sqlite::Statement(database_->connection,
                     "INSERT INTO branches (run, sequence, \"repeat\", ordinal, attempt, void, void_reason, from_psi, "
                     "to_psi, from_n, to_n) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(run, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi, b.from_n,
             b.to_n)
       .run();
-  return database_->connection.last_row();
+  const std::int64_t branch = database_->connection.last_row();
+  transaction.commit();
+  return branch;
 }
 
 void RunStore::void_branch(std::int64_t branch, const std::string& reason) {
@@ -182,15 +209,18 @@ void RunStore::void_branch(std::int64_t branch, const std::string& reason) {
   {
     sqlite::Statement row(database_->connection, "SELECT run FROM branches WHERE branch = ?");
     if (!row.bind(branch).step()) {
-      throw StoreError("TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
+      throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
                        "name a branch that begin_branch gave");
     }
     row.read(run);
   }
   database_->open_run(run);
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   sqlite::Statement(database_->connection, "UPDATE branches SET void = 1, void_reason = ? WHERE branch = ?")
       .bind(reason, branch)
       .run();
+  transaction.commit();
   database_->last_branch_run = 0;
 }
 
@@ -210,20 +240,29 @@ void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
              f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns, f.since_command_ns, f.in_band_ns,
              f.device_time_us, f.status, f.exchanges, f.rows, f.columns, f.scans, f.counts, chain, f.flags, f.trace,
              of(&WrenchRecord::target_n), of(&WrenchRecord::force_start_n), of(&WrenchRecord::wrench),
-             of(&WrenchRecord::raw), of(&WrenchRecord::place_mm))
+             of(&WrenchRecord::raw), of(&WrenchRecord::place_mm), run)
       .run();
+  if (database.connection.changes() != 1) {
+    database.require_open(run);
+    throw conflict(fmt::format("store {}: run {} was ended and opened again by another process", path(), run),
+                   "this frame was not stored; end this run");
+  }
   ++open.frames;
   open.chain = chain;
 }
 
 void RunStore::append_event(std::int64_t run, const EventRecord& event) {
   database_->open_run(run);
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   database_->insert_event(run, event);
+  transaction.commit();
 }
 
 void RunStore::append_series(std::int64_t run, const std::vector<SeriesRecord>& series) {
   database_->open_run(run);
   sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   sqlite::Statement row(database_->connection,
                         "INSERT INTO series (run, sequence, taxel, input, output) VALUES (?, ?, ?, ?, ?)");
   for (const SeriesRecord& s : series) row.bind(run, s.sequence, s.taxel, s.input, s.output).run();
@@ -232,20 +271,27 @@ void RunStore::append_series(std::int64_t run, const std::vector<SeriesRecord>& 
 
 void RunStore::append_check(std::int64_t run, const CheckRecord& c) {
   database_->open_run(run);
+  sqlite::Transaction transaction(database_->connection);
+  database_->require_open(run);
   sqlite::Statement(database_->connection,
                     "INSERT INTO checks (run, time_ns, kind, verdict, detail_json, data) VALUES (?, ?, ?, ?, ?, ?)")
       .bind(run, c.time_ns, c.kind, c.verdict, c.detail_json, c.data)
       .run();
+  transaction.commit();
 }
 
 void RunStore::set_rest(std::int64_t run, double rest_s) {
   database_->open_run(run);
-  sqlite::Statement(database_->connection, "UPDATE runs SET rest_s = ? WHERE run = ?").bind(rest_s, run).run();
+  sqlite::Statement(database_->connection, "UPDATE runs SET rest_s = ? WHERE run = ? AND state <> 'ended'")
+      .bind(rest_s, run)
+      .run();
 }
 
 void RunStore::set_seen(std::int64_t run, const std::string& utc) {
   database_->open_run(run);
-  sqlite::Statement(database_->connection, "UPDATE runs SET seen_utc = ? WHERE run = ?").bind(utc, run).run();
+  sqlite::Statement(database_->connection, "UPDATE runs SET seen_utc = ? WHERE run = ? AND state <> 'ended'")
+      .bind(utc, run)
+      .run();
 }
 
 }  // namespace tactbench::db

@@ -1,8 +1,12 @@
 #include "db/schema.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
+#include <filesystem>
+#include <map>
+#include <tuple>
 
 #include "db/run_store.h"
 
@@ -10,287 +14,146 @@ namespace tactbench::db {
 
 namespace {
 
-// A REAL that may be NULL: NULL says "not a number", that is, no reading.
-constexpr const char* kVersion1 = R"sql(
-CREATE TABLE sensors (
-  serial TEXT PRIMARY KEY NOT NULL CHECK (serial <> ''),
-  type TEXT NOT NULL, type_toml TEXT NOT NULL, type_sha256 TEXT NOT NULL,
-  scanner_serial TEXT NOT NULL, note TEXT NOT NULL, added_utc TEXT NOT NULL
-) STRICT;
+// Several queries of one state of the file.
+class Snapshot {
+ public:
+  explicit Snapshot(sqlite::Connection& connection) : connection_(connection), own_(!connection.in_transaction()) {
+    if (own_) connection_.execute("BEGIN");
+  }
+  ~Snapshot() {
+    try {
+      if (own_ && connection_.in_transaction()) connection_.execute("ROLLBACK");
+    } catch (const StoreError&) {  // nothing was changed
+    }
+  }
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
 
-CREATE TABLE runs (
-  run INTEGER PRIMARY KEY AUTOINCREMENT,
-  uuid TEXT NOT NULL UNIQUE,
-  origin TEXT NOT NULL CHECK (origin IN ('simulated', 'hardware', 'imported')),
-  state TEXT NOT NULL CHECK (state <> ''),
-  outcome TEXT NOT NULL CHECK (outcome IN ('incomplete', 'completed', 'stopped', 'aborted', 'failed', 'interrupted')),
-  reason TEXT NOT NULL,
-  safe_state TEXT NOT NULL CHECK (safe_state IN ('unknown', 'verified', 'unverified', 'failed')),
-  operator TEXT NOT NULL, purpose TEXT NOT NULL,
-  sensor_serial TEXT REFERENCES sensors (serial), scanner_serial TEXT NOT NULL,
-  bench_id TEXT NOT NULL, bench_toml TEXT NOT NULL, bench_sha256 TEXT NOT NULL,
-  sensor_toml TEXT NOT NULL, sensor_sha256 TEXT NOT NULL, overrides_json TEXT NOT NULL,
-  program_version TEXT NOT NULL, git_commit TEXT NOT NULL,
-  git_dirty INTEGER NOT NULL CHECK (git_dirty IN (0, 1)),
-  build_id TEXT NOT NULL, host TEXT NOT NULL, time_zone TEXT NOT NULL,
-  seed INTEGER NOT NULL, sensor_seed INTEGER NOT NULL,
-  started_utc TEXT NOT NULL, ended_utc TEXT NOT NULL, content_sha256 TEXT NOT NULL,
-  tags TEXT NOT NULL DEFAULT '', notes TEXT NOT NULL DEFAULT '',
-  CHECK ((state = 'ended') = (outcome <> 'incomplete'))
-) STRICT;
+ private:
+  sqlite::Connection& connection_;
+  bool own_;
+};
 
-CREATE TABLE sequences (
-  run INTEGER NOT NULL REFERENCES runs (run),
-  sequence INTEGER NOT NULL CHECK (sequence >= 0),
-  name TEXT NOT NULL, recipe_toml TEXT NOT NULL, recipe_sha256 TEXT NOT NULL,
-  repeats INTEGER NOT NULL, frames_per_repeat INTEGER NOT NULL,
-  PRIMARY KEY (run, sequence)
-) STRICT;
+struct SchemaObject {
+  std::string type, table, sql;
+  bool operator==(const SchemaObject&) const = default;
+};
+using SchemaObjects = std::map<std::pair<std::string, std::string>, SchemaObject>;  // by name and kind
 
-CREATE TABLE devices (
-  run INTEGER NOT NULL REFERENCES runs (run),
-  position INTEGER NOT NULL,
-  role TEXT NOT NULL, model TEXT NOT NULL, serial TEXT NOT NULL, firmware TEXT NOT NULL,
-  origin TEXT NOT NULL, calibration_json TEXT NOT NULL,
-  PRIMARY KEY (run, position)
-) STRICT;
+// Without the tables of ANALYSE: they hold statistics, and only SQLite itself can make tables of such names.
+SchemaObjects objects_of(sqlite::Connection& connection) {
+  sqlite::Statement rows(connection,
+                         "SELECT type, name, tbl_name, coalesce(sql, '') FROM main.sqlite_master "
+                         "WHERE NOT (type = 'table' AND name GLOB 'sqlite_stat[134]') ORDER BY name, type");
+  SchemaObjects objects;
+  while (rows.step()) {
+    SchemaObject object;
+    std::string name;
+    rows.read(object.type, name, object.table, object.sql);
+    objects[{name, object.type}] = object;
+  }
+  return objects;
+}
 
-CREATE TABLE branches (
-  branch INTEGER PRIMARY KEY,
-  run INTEGER NOT NULL, sequence INTEGER NOT NULL,
-  "repeat" INTEGER NOT NULL CHECK ("repeat" >= 0),
-  ordinal INTEGER NOT NULL CHECK (ordinal >= 0),
-  attempt INTEGER NOT NULL CHECK (attempt >= 0),
-  void INTEGER NOT NULL CHECK (void IN (0, 1)), void_reason TEXT NOT NULL,
-  from_psi REAL NOT NULL, to_psi REAL NOT NULL,
-  UNIQUE (run, sequence, "repeat", ordinal, attempt),
-  FOREIGN KEY (run, sequence) REFERENCES sequences (run, sequence)
-) STRICT;
+std::string digest_of(const SchemaObjects& objects) {
+  std::string text;
+  for (const auto& [key, object] : objects) {
+    text += fmt::format("{}\n{}\n{}\n{}\n", object.type, key.first, object.table, object.sql);
+  }
+  return sha256_hex(text);
+}
 
-CREATE TABLE frames (
-  frame INTEGER PRIMARY KEY CHECK (frame % 1000000000 > 0),  -- run * 1000000000 + position in the run, from 1
-  branch INTEGER NOT NULL REFERENCES branches (branch),
-  ordinal INTEGER NOT NULL,
-  setpoint_psi REAL NOT NULL, feedback_psi REAL, reference_psi REAL,
-  setpoint_counts INTEGER NOT NULL, feedback_counts INTEGER NOT NULL, reference_counts INTEGER NOT NULL,
-  time_ns INTEGER NOT NULL, since_command_ns INTEGER NOT NULL, in_band_ns INTEGER NOT NULL,
-  device_time_us INTEGER NOT NULL, status INTEGER NOT NULL, exchanges INTEGER NOT NULL,
-  dtype TEXT NOT NULL CHECK (dtype = 'uint16le'),
-  "rows" INTEGER NOT NULL CHECK ("rows" > 0), columns INTEGER NOT NULL CHECK (columns > 0),
-  scans INTEGER NOT NULL CHECK (scans > 0),
-  counts BLOB NOT NULL CHECK (length(counts) = 2 * "rows" * columns * scans),  -- scan slowest, then row, then column
-  chain BLOB NOT NULL CHECK (length(chain) = 32)  -- SHA-256 of the chain up to this frame
-) STRICT;
+// digest_of() each version, so that opening a store needs no new one in memory for comparison. Where another version of
+// SQLite writes the schema differently, the digests differ and one is made.
+constexpr std::array<const char*, kSchemaVersion> kDigests = {
+    "a06648b6bba521633f66580e42b22891042467e9b60edd5ed332d8573d0004aa",
+    "30affbd5674cd25c8a90f43d34e2b841984dba5bcef582d9f7d8679bb7c05386",
+    "f5e66b6349b14ff207393cb9ee1bbe0c34acfe085e02bdd67efae2baa003ebc2",
+    "2b0b58f473e211b346661481a66b9ce3307bf22205cbcfca48fa7f1d613602be",
+    "364cd20677978bd4791495b7cc36d08e8afd83e42db6288b57aaa7c8f58b27cd",
+    "0ae9543947df6c6bbfcc9587e16920d50e197d455eddf58f45a0f060b7045a58"};
 
-CREATE TABLE events (
-  event INTEGER PRIMARY KEY,
-  run INTEGER NOT NULL REFERENCES runs (run),
-  time_ns INTEGER NOT NULL, kind TEXT NOT NULL, id TEXT NOT NULL, detail TEXT NOT NULL
-) STRICT;
-CREATE INDEX events_of_run ON events (run);
-
-CREATE TABLE fits (
-  fit INTEGER PRIMARY KEY AUTOINCREMENT,
-  run INTEGER NOT NULL REFERENCES runs (run),
-  model TEXT NOT NULL, options_json TEXT NOT NULL, summary_json TEXT NOT NULL,
-  program_version TEXT NOT NULL, created_utc TEXT NOT NULL, patterns_json TEXT NOT NULL
-) STRICT;
-CREATE INDEX fits_of_run ON fits (run, model);
-
-CREATE TABLE fit_taxels (
-  fit INTEGER NOT NULL REFERENCES fits (fit),
-  taxel INTEGER NOT NULL,  -- row * columns + column; -1: the mean taxel
-  status TEXT NOT NULL,
-  parameters BLOB NOT NULL, ascending_v BLOB NOT NULL, descending_v BLOB NOT NULL,  -- float64le
-  noise_v REAL, j_v2 REAL, mean_error_v REAL, max_error_v REAL, full_scale_v REAL,
-  at_bound INTEGER NOT NULL,
-  PRIMARY KEY (fit, taxel)
-) STRICT;
-
-CREATE TABLE verdicts (
-  verdict_row INTEGER PRIMARY KEY,
-  run INTEGER NOT NULL REFERENCES runs (run),
-  fit INTEGER REFERENCES fits (fit),  -- NULL: judged without a stored fit
-  criterion TEXT NOT NULL, scope TEXT NOT NULL, value REAL, limit_value REAL,
-  unit TEXT NOT NULL,  -- of value and limit_value
-  rule TEXT NOT NULL,
-  verdict TEXT NOT NULL
-    CHECK (verdict IN ('pass', 'conditional pass', 'conditional fail', 'fail', 'inconclusive')),
-  limits_toml TEXT NOT NULL, limits_sha256 TEXT NOT NULL
-) STRICT;
-CREATE INDEX verdicts_of_run ON verdicts (run);
-
-CREATE VIEW v_runs AS
-SELECT r.run, r.uuid, r.origin, r.state, r.outcome, r.reason, r.safe_state, r.operator, r.purpose, r.sensor_serial,
-  r.scanner_serial, r.bench_id,
-  (SELECT group_concat(name, ', ') FROM (SELECT name FROM sequences s WHERE s.run = r.run ORDER BY sequence)) AS recipes,
-  (SELECT count(*) FROM frames f
-    WHERE f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999) AS frames,
-  r.program_version, r.git_commit, r.git_dirty, r.seed, r.sensor_seed, r.started_utc, r.ended_utc, r.content_sha256,
-  r.tags, r.notes
-FROM runs r;
-
-CREATE VIEW v_frames AS
-SELECT r.run, f.frame - r.run * 1000000000 AS position, s.name AS recipe, b.sequence, b."repeat", b.ordinal AS branch,
-  b.attempt, b.void, b.from_psi, b.to_psi, f.ordinal AS step, f.setpoint_psi, f.feedback_psi, f.reference_psi,
-  f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns, f.time_ns * 1e-9 AS time_s, f.since_command_ns,
-  f.in_band_ns, f.device_time_us, f.status, f.exchanges, f.dtype, f."rows", f.columns, f.scans,
-  lower(hex(f.chain)) AS chain_sha256
-FROM runs r
-JOIN frames f ON f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999
-JOIN branches b ON b.branch = f.branch
-JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence;
-
-CREATE VIEW v_verdicts AS
-SELECT v.run, v.fit, r.origin, r.sensor_serial, v.criterion, v.scope, v.value, v.limit_value, v.unit, v.rule, v.verdict,
-  v.limits_sha256
-FROM verdicts v JOIN runs r ON r.run = v.run;
-)sql";
-
-// What a sequencer that pauses, redoes and presses has to tell: dwells that deviate, the fast trace, the wrench.
-constexpr const char* kVersion2 = R"sql(
-ALTER TABLE runs ADD COLUMN seen_utc TEXT NOT NULL DEFAULT '';  -- when the run's process was last known to live
-ALTER TABLE runs ADD COLUMN rest_s REAL;  -- between the sensor's last load and this run, by the wall clock
-
-ALTER TABLE branches ADD COLUMN from_n REAL;  -- of a branch of force; its pressures are 0
-ALTER TABLE branches ADD COLUMN to_n REAL;
-
-ALTER TABLE frames ADD COLUMN flags TEXT NOT NULL DEFAULT '';  -- what makes it incomparable: 'dwell', 'left-band', ...
-ALTER TABLE frames ADD COLUMN trace BLOB NOT NULL DEFAULT x''  -- float32le, 4 a poll since the frame before: seconds
-  CHECK (length(trace) % 16 = 0);                              -- before this frame, set-point, feedback, reference psi
-ALTER TABLE frames ADD COLUMN target_n REAL;
-ALTER TABLE frames ADD COLUMN force_start_n REAL;              -- at the dwell's start; the wrench is at frame time
-ALTER TABLE frames ADD COLUMN wrench BLOB CHECK (length(wrench) = 48);      -- float64le: Fx Fy Fz N, Tx Ty Tz N mm
-ALTER TABLE frames ADD COLUMN wrench_raw BLOB CHECK (length(wrench_raw) = 48);  -- as it came: counts or volts
-ALTER TABLE frames ADD COLUMN place_mm BLOB CHECK (length(place_mm) = 24);  -- float64le: x, y, z of the stage
-
-CREATE TABLE checks (
-  check_row INTEGER PRIMARY KEY,
-  run INTEGER NOT NULL REFERENCES runs (run),
-  time_ns INTEGER NOT NULL,
-  kind TEXT NOT NULL CHECK (kind <> ''),  -- seating | warm-up | conditioning | mount | tare
-  verdict TEXT NOT NULL CHECK (verdict IN ('pass', 'fail', 'warning')),
-  detail_json TEXT NOT NULL,
-  data BLOB NOT NULL  -- float64le, what the kind says
-) STRICT;
-CREATE INDEX checks_of_run ON checks (run, kind);
-
-DROP VIEW v_frames;
-CREATE VIEW v_frames AS
-SELECT r.run, f.frame - r.run * 1000000000 AS position, s.name AS recipe, b.sequence, b."repeat", b.ordinal AS branch,
-  b.attempt, b.void, b.from_psi, b.to_psi, b.from_n, b.to_n, f.ordinal AS step, f.setpoint_psi,
-  f.feedback_psi, f.reference_psi, f.target_n, f.setpoint_counts, f.feedback_counts, f.reference_counts, f.time_ns,
-  f.time_ns * 1e-9 AS time_s, f.since_command_ns, f.in_band_ns, f.flags, f.device_time_us, f.status, f.exchanges,
-  f.dtype, f."rows", f.columns, f.scans, length(f.trace) / 16 AS polls, lower(hex(f.chain)) AS chain_sha256
-FROM runs r
-JOIN frames f ON f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999
-JOIN branches b ON b.branch = f.branch
-JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence;
-)sql";
-
-// Tables of other programs, at full precision: an imported run.
-constexpr const char* kVersion3 = R"sql(
-CREATE TABLE series (
-  run INTEGER NOT NULL,
-  sequence INTEGER NOT NULL,
-  taxel INTEGER NOT NULL CHECK (taxel >= 0),
-  input BLOB NOT NULL,  -- float64le, in the order of the table's rows
-  output BLOB NOT NULL CHECK (length(output) = length(input) AND length(input) % 8 = 0),
-  PRIMARY KEY (run, sequence, taxel),
-  FOREIGN KEY (run, sequence) REFERENCES sequences (run, sequence)
-) STRICT;
-)sql";
-
-// What people say of a run afterwards (tags and notes were there from the first), and views for who reads with SQL.
-constexpr const char* kVersion4 = R"sql(
-ALTER TABLE runs ADD COLUMN void_reason TEXT NOT NULL DEFAULT '';  -- a void run counts no more and is kept
-ALTER TABLE runs ADD COLUMN void_by TEXT NOT NULL DEFAULT '';
-ALTER TABLE runs ADD COLUMN void_utc TEXT NOT NULL DEFAULT ''      -- '': the run counts
-  CHECK ((void_utc = '') = (void_reason = '') AND (void_utc = '') = (void_by = ''));
-
-DROP VIEW v_runs;
-CREATE VIEW v_runs AS
-SELECT r.run, r.uuid, r.origin, r.state, r.outcome, r.reason, r.safe_state, r.operator, r.purpose, r.sensor_serial,
-  r.scanner_serial, r.bench_id,
-  (SELECT group_concat(name, ', ') FROM (SELECT name FROM sequences s WHERE s.run = r.run ORDER BY sequence)) AS recipes,
-  (SELECT count(*) FROM frames f
-    WHERE f.frame BETWEEN r.run * 1000000000 + 1 AND r.run * 1000000000 + 999999999) AS frames,
-  r.program_version, r.git_commit, r.git_dirty, r.seed, r.sensor_seed, r.started_utc, r.ended_utc, r.rest_s,
-  r.content_sha256, r.tags, r.notes, r.void_utc <> '' AS void, r.void_reason, r.void_by, r.void_utc
-FROM runs r;
-
-CREATE VIEW v_events AS
-SELECT run, time_ns * 1e-9 AS time_s, kind, id, detail FROM events ORDER BY event;
-
-CREATE VIEW v_checks AS
-SELECT run, time_ns * 1e-9 AS time_s, kind, verdict, detail_json FROM checks ORDER BY check_row;
-
-CREATE VIEW v_devices AS
-SELECT run, role, model, serial, firmware, origin, calibration_json FROM devices ORDER BY run, position;
-
-CREATE VIEW v_fit_taxels AS
-SELECT f.run, f.fit, f.model, t.taxel, t.status, t.noise_v, t.j_v2, t.mean_error_v, t.max_error_v, t.full_scale_v,
-  t.at_bound
-FROM fits f JOIN fit_taxels t ON t.fit = f.fit;
-)sql";
-
-// What is followed over time: figures of runs, baselines that people accepted, reports that people signed.
-constexpr const char* kVersion5 = R"sql(
-CREATE TABLE figures (
-  run INTEGER NOT NULL REFERENCES runs (run),
-  subject TEXT NOT NULL CHECK (subject <> ''),  -- what the figures are of: 'nightly/paper', 'sensor', 'rig'
-  name TEXT NOT NULL CHECK (name <> ''),        -- with the unit in it
-  value REAL,
-  PRIMARY KEY (run, subject, name)
-) STRICT;
-CREATE INDEX figures_of_subject ON figures (subject, name, run);
-
-CREATE TABLE baselines (
-  baseline INTEGER PRIMARY KEY AUTOINCREMENT,  -- of one subject; the newest is the one that counts
-  subject TEXT NOT NULL CHECK (subject <> ''),
-  reason TEXT NOT NULL CHECK (reason <> ''), accepted_by TEXT NOT NULL CHECK (accepted_by <> ''),
-  accepted_utc TEXT NOT NULL
-) STRICT;
-CREATE TABLE baseline_runs (
-  baseline INTEGER NOT NULL REFERENCES baselines (baseline),
-  run INTEGER NOT NULL REFERENCES runs (run),
-  PRIMARY KEY (baseline, run)
-) STRICT;
-
-CREATE TABLE reports (
-  report_row INTEGER PRIMARY KEY,
-  run INTEGER NOT NULL REFERENCES runs (run),
-  number TEXT NOT NULL, content_sha256 TEXT NOT NULL,
-  approved_by TEXT NOT NULL CHECK (approved_by <> ''), approved_utc TEXT NOT NULL,
-  replaces TEXT NOT NULL,  -- number of the report approved before it; '': none
-  UNIQUE (run, number)
-) STRICT;
-
-CREATE VIEW v_figures AS
-SELECT f.run, r.origin, r.sensor_serial, r.started_utc, f.subject, f.name, f.value, r.void_utc <> '' AS void
-FROM figures f JOIN runs r ON r.run = f.run;
-)sql";
-
-// [i] leads from i to i + 1
-constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
+SchemaObjects fresh_objects(std::int64_t version) {
+  sqlite::Connection fresh(":memory:", sqlite::Access::kReadWrite);
+  for (std::int64_t reached = 0; reached < version; ++reached) fresh.execute(migration(reached));
+  return objects_of(fresh);
+}
 
 }  // namespace
 
 void check_version(sqlite::Connection& connection) {
+  const Snapshot snapshot(connection);
   const std::int64_t version = connection.integer("PRAGMA user_version");
-  if (version <= kSchemaVersion) return;
-  throw StoreError("TB-STORE-NEWER",
-                   fmt::format("store {} has schema version {}, this program knows versions up to {}",
-                               connection.path(), version, kSchemaVersion),
-                   "use the newer tactbench that wrote it; a store is not taken back to an older version");
+  if (version > kSchemaVersion) {
+    throw StoreError("TB-STORE-NEWER",
+                     fmt::format("store {} has schema version {}, this program knows versions up to {}",
+                                 connection.path(), version, kSchemaVersion),
+                     "use the newer tactbench that wrote it; a store is not taken back to an older version");
+  }
+  const auto damaged = [&](const std::string& what) {
+    throw StoreError("TB-STORE-OPEN", fmt::format("store {}: the file is damaged: {}", connection.path(), what),
+                     kDamagedRemedy);
+  };
+  const std::int64_t pages = connection.integer("PRAGMA page_count");
+  if (version < 0 || (version == 0 && connection.integer("SELECT count(*) FROM sqlite_master") > 0))
+    damaged(fmt::format("its header names schema version {}, which no tactbench wrote", version));
+  std::error_code unknown;
+  const std::uintmax_t bytes = std::filesystem::file_size(connection.path(), unknown);
+  if (unknown || static_cast<std::int64_t>(bytes) <= pages * std::int64_t{kPageSize}) return;
+  damaged(fmt::format("its header states {} pages, and it has {} bytes", pages, bytes));
+}
+
+ForeignObjects foreign_objects(sqlite::Connection& connection) {
+  const std::int64_t version = connection.integer("PRAGMA user_version");
+  const SchemaObjects there = objects_of(connection);
+  ForeignObjects found;
+  if (version >= 1 && version <= kSchemaVersion &&
+      digest_of(there) == kDigests.at(static_cast<std::size_t>(version - 1)))
+    return found;
+  const SchemaObjects ours = fresh_objects(version);
+  for (const auto& [key, object] : ours) {
+    const auto& [name, type] = key;
+    const auto own = there.find(key);
+    if (own == there.end())
+      found.changed.push_back(fmt::format("{} '{}' is missing", type, name));
+    else if (own->second != object)
+      found.changed.push_back(fmt::format("{} '{}' is not as tactbench makes it", type, name));
+  }
+  for (const auto& [key, object] : there) {
+    if (ours.contains(key)) continue;
+    const auto& [name, type] = key;
+    // A view in place of a table is more than an addition.
+    const auto first = ours.lower_bound({name, ""});
+    const bool disguised = first != ours.end() && first->first.first == name;
+    (disguised ? found.changed : found.added)
+        .push_back(fmt::format("{} '{}'{} is not of tactbench", type, name,
+                               type == "trigger" || type == "index" ? fmt::format(" on '{}'", object.table) : ""));
+  }
+  return found;
+}
+
+void refuse_foreign(sqlite::Connection& connection, Foreign refused) {
+  ForeignObjects found = foreign_objects(connection);
+  std::vector<std::string> lines = std::move(found.changed);
+  if (refused == Foreign::kRefuseAll) lines.insert(lines.end(), found.added.begin(), found.added.end());
+  if (lines.empty()) return;
+  constexpr std::size_t kShown = 5;
+  const std::size_t more = lines.size() > kShown ? lines.size() - kShown : 0;
+  lines.resize(lines.size() - more);
+  throw StoreError(
+      "TB-STORE-FOREIGN",
+      fmt::format("store {}: {}{}", connection.path(), fmt::join(lines, "; "),
+                  more > 0 ? fmt::format("; and {} more", more) : ""),
+      "a store takes no tables, indexes, views or triggers of others: drop them, or take your last snapshot; keep your "
+      "own in a file of yours that attaches a copy of the store (sqlite3 own.db \"ATTACH 'copy.db' AS runs\")");
 }
 
 void migrate(sqlite::Connection& connection) {
   if (connection.integer("PRAGMA user_version") == kSchemaVersion) return;
   sqlite::Transaction transaction(connection);
-  check_version(connection);  // another process may have been here before us
+  check_version(connection);  // another process may have migrated it meanwhile
   for (std::int64_t version = connection.integer("PRAGMA user_version"); version < kSchemaVersion; ++version) {
-    connection.execute(kMigrations[static_cast<std::size_t>(version)]);
+    connection.execute(migration(version));
   }
   connection.execute(
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kSchemaVersion));

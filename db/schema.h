@@ -3,19 +3,41 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "db/sqlite.h"
 
 namespace tactbench::db {
 
-inline constexpr std::int64_t kApplicationId = 0x54424348;  // "TBCH", in the file's header: tells our files from others
+inline constexpr std::int64_t kApplicationId = 0x54424348;  // "TBCH", in the file's header: marks a store
+inline constexpr std::uint32_t kPageSize = 4096;
+
+inline constexpr const char* kDamagedRemedy =
+    "keep a copy, take your last snapshot, and check the disk; sqlite3's .recover may save the rest";
 
 // A frame's key is run * kFramesPerRun + its position in the run, from 1: the frames of a run lie together and are
 // found without an index, whose second page a commit would cost a third of the time to store a frame.
 inline constexpr std::int64_t kFramesPerRun = 1'000'000'000;
 
-// Refuses a file of a newer schema (TB-STORE-NEWER).
+// The SQL that leads from `version` to the next one.
+const char* migration(std::int64_t version);
+
+// Refuses a newer schema (TB-STORE-NEWER), a version that no program has written, and a file with more pages than its
+// header states: a write would overwrite them (TB-STORE-OPEN).
 void check_version(sqlite::Connection& connection);
+
+// Differences between the file's tables, indexes, views and triggers and those of this program for the file's version.
+struct ForeignObjects {
+  std::vector<std::string>
+      changed;  // own ones that are missing or differ: the file cannot be trusted, not even for reading
+  std::vector<std::string> added;  // foreign ones beside the store's
+};
+ForeignObjects foreign_objects(sqlite::Connection& connection);
+// TB-STORE-FOREIGN. Reading tolerates additions, since no trigger fires and no view is read.
+enum class Foreign { kRefuseChanged, kRefuseAll };
+void refuse_foreign(sqlite::Connection& connection, Foreign refused);
+
 // Brings an empty or older file up to kSchemaVersion, in one transaction.
 void migrate(sqlite::Connection& connection);
 

@@ -25,8 +25,8 @@ std::string immutable_uri(const std::string& path) {
   return uri + "?immutable=1";
 }
 
-// The operating system's number for a failed read or write, kept beside the log's or the database's open file: the one
-// that sqlite3_system_errno gives is lost on the way out of a statement.
+// The operating system's error number of a failed read or write, kept beside the open file of log or database: the one
+// of sqlite3_system_errno is lost when the statement ends.
 int error_of_files(sqlite3* handle) {
   sqlite3_file* log = nullptr;  // in WAL mode this is the log
   int number = 0;
@@ -68,6 +68,9 @@ Meaning meaning_of(int code, int system_error) {
               "check owner and permissions of the file and of its folder (WAL makes files beside it)"};
     case SQLITE_CANTOPEN:
       return {"TB-STORE-OPEN", "the file cannot be opened", "check path, owner and permissions of file and folder"};
+    case SQLITE_TOOBIG:
+      return {"TB-STORE-TOO-LARGE", "a text or blob is larger than a store takes",
+              "keep less in one piece; if it came from the store, the file is damaged: take your last snapshot"};
     case SQLITE_CONSTRAINT:
       return {"TB-STORE-CONFLICT", "the row contradicts what is stored", "check the values named"};
     default:
@@ -100,7 +103,7 @@ Connection::~Connection() { sqlite3_close_v2(handle_); }
 void Connection::fail(int code, const std::string& doing) const {
   const bool own_message = handle_ != nullptr && (sqlite3_errcode(handle_) & 0xff) == (code & 0xff);
   std::string detail = own_message ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
-  // These numbers may stem from an earlier call: they tell about this one only where a file failed.
+  // These numbers may be from an earlier call: they belong to this one only where a file failed.
   const int base = code & 0xff;
   int system_error = 0;
   if (handle_ != nullptr && (base == SQLITE_IOERR || base == SQLITE_CANTOPEN)) {
@@ -112,6 +115,15 @@ void Connection::fail(int code, const std::string& doing) const {
   throw StoreError(meaning.id,
                    fmt::format("store {}: {} ({}, SQLite code {}; {})", path_, meaning.what, detail, code, doing),
                    meaning.remedy);
+}
+
+void Connection::trust_no_schema() {
+  for (const int option : {SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW}) {
+    int enabled = 1;
+    const int code = sqlite3_db_config(handle_, option, 0, &enabled);
+    if (code != SQLITE_OK || enabled != 0) fail(SQLITE_MISUSE, "switch off triggers and views");
+  }
+  sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kLongestValue);
 }
 
 void Connection::execute(const std::string& sql) {
@@ -144,6 +156,7 @@ void Connection::copy_to(Connection& target) const {
 }
 
 std::int64_t Connection::last_row() const { return sqlite3_last_insert_rowid(handle_); }
+std::int64_t Connection::changes() const { return sqlite3_changes64(handle_); }
 bool Connection::in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_, "main") == 1; }
 
@@ -186,7 +199,7 @@ void Statement::put_text(int index, std::string_view value) {
 }
 
 void Statement::put_blob(int index, std::span<const std::byte> value) {
-  // A null pointer would be taken for NULL; an empty blob is not NULL.
+  // A null pointer would be stored as NULL; an empty blob is not NULL.
   const int code = value.empty() ? sqlite3_bind_zeroblob(handle_, index, 0)
                                  : sqlite3_bind_blob64(handle_, index, value.data(), value.size(), SQLITE_STATIC);
   if (code != SQLITE_OK) connection_.fail(code, "bind blob");
@@ -222,7 +235,7 @@ Transaction::Transaction(Connection& connection) : connection_(connection) {
 }
 
 Transaction::~Transaction() {
-  // A failure may have rolled back already; one that meets a failed disk leaves the log, which the next open drops.
+  // A failure may have rolled back already; on a failed disk the log remains, which the next open drops.
   if (connection_.in_transaction()) sqlite3_exec(connection_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
 }
 

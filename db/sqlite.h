@@ -19,16 +19,19 @@ struct sqlite3_stmt;
 
 namespace tactbench::db::sqlite {
 
-// Blobs are stored as they lie in memory, and the file's format is little-endian.
+// Blobs are stored as they are in memory, and the file's format is little-endian.
 static_assert(std::endian::native == std::endian::little, "blobs need swapping on this host");
 
 enum class Access {
   kReadWrite,
   kReadOnly,
-  kImmutable,  // for a folder in which nobody can write: takes no locks, makes no -wal and -shm
+  kImmutable,  // for a folder without write access: takes no locks, makes no -wal and -shm
 };
 
 inline constexpr int kBusyTimeoutMs = 5000;
+
+// Greatest length of a text or blob in a store, also in a damaged file: checked before memory is allocated.
+inline constexpr int kLongestValue = 256 << 20;
 
 class Connection {
  public:
@@ -37,14 +40,17 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
+  // For a store: no trigger fires and no view is read, since the program needs none; values are of bounded length.
+  void trust_no_schema();
   void execute(const std::string& sql);                        // one or more statements; rows are dropped
   [[nodiscard]] std::int64_t integer(const std::string& sql);  // first column of the one row
   [[nodiscard]] std::string text(const std::string& sql);
-  // The whole database as it stands now into the one of `target`, pages as they are; others may write meanwhile.
+  // Copies the present state of the database into that of `target`, page by page; others may write meanwhile.
   void copy_to(Connection& target) const;
   [[nodiscard]] std::int64_t last_row() const;
+  [[nodiscard]] std::int64_t changes() const;  // rows that the last statement inserted, updated or deleted
   [[nodiscard]] bool in_transaction() const;
-  [[nodiscard]] bool is_read_only() const;  // also true when a file asked for writing could only be read
+  [[nodiscard]] bool is_read_only() const;  // also true when a file opened for writing could only be read
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
   [[noreturn]] void fail(int code, const std::string& doing) const;

@@ -10,7 +10,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include "db/run_store.h"
 #include "db/schema.h"
@@ -28,10 +31,11 @@ struct Magic {
 
 // statfs(2), linux/magic.h
 constexpr std::array kNetwork = {
-    Magic{0x6969, "NFS"},        Magic{0x517b, "SMB"},          Magic{0xff534d42, "CIFS"}, Magic{0xfe534d42, "SMB"},
-    Magic{0x01021997, "9P"},     Magic{0x73757245, "Coda"},     Magic{0x5346414f, "AFS"},  Magic{0x6b414653, "AFS"},
-    Magic{0x564c, "NCP"},        Magic{0x00c36400, "Ceph"},     Magic{0x01161970, "GFS2"}, Magic{0x7461636f, "OCFS2"},
-    Magic{0x0bd00bd0, "Lustre"}, Magic{0x20030528, "OrangeFS"},
+    Magic{0x6969, "NFS"},        Magic{0x517b, "SMB"},          Magic{0xff534d42, "CIFS"},   Magic{0xfe534d42, "SMB"},
+    Magic{0x01021997, "9P"},     Magic{0x73757245, "Coda"},     Magic{0x5346414f, "AFS"},    Magic{0x6b414653, "AFS"},
+    Magic{0x564c, "NCP"},        Magic{0x00c36400, "Ceph"},     Magic{0x01161970, "GFS2"},   Magic{0x7461636f, "OCFS2"},
+    Magic{0x0bd00bd0, "Lustre"}, Magic{0x20030528, "OrangeFS"}, Magic{0x19830326, "BeeGFS"}, Magic{0x47504653, "GPFS"},
+    Magic{0xaad7aaea, "PanFS"},  Magic{0x786f4256, "vboxsf"},   Magic{0xbacbacbc, "vmhgfs"},
 };
 constexpr std::uint64_t kFuse = 0x65735546;
 
@@ -52,6 +56,50 @@ std::string mount_type_of(const std::string& path) {
   return {};
 }
 
+using Header = std::array<char, 100>;  // sqlite.org/fileformat2.html, 1.3
+
+std::uint32_t number_at(const Header& header, std::size_t at, std::size_t bytes) {
+  std::uint32_t number = 0;  // big-endian
+  for (std::size_t i = at; i < at + bytes; ++i) number = (number << 8) | static_cast<std::uint8_t>(header.at(i));
+  return number;
+}
+
+// Header fields with one value in every store. SQLite accepts most other values, and then reads or writes the file
+// differently.
+struct HeaderField {
+  std::size_t at, bytes;
+  std::uint32_t value;
+  const char* name;
+};
+constexpr std::array kHeaderFields = {
+    HeaderField{16, 2, kPageSize, "page size"},
+    HeaderField{20, 1, 0, "bytes left free in each page"},
+    HeaderField{21, 1, 64, "largest payload fraction"},
+    HeaderField{22, 1, 32, "smallest payload fraction"},
+    HeaderField{23, 1, 32, "leaf payload fraction"},
+    HeaderField{44, 4, 4, "schema format"},
+    HeaderField{48, 4, 0, "cache size"},
+    HeaderField{52, 4, 0, "largest root page"},
+    HeaderField{56, 4, 1, "text encoding"},
+    HeaderField{64, 4, 0, "incremental vacuum"},
+};
+
+std::string wrong_in_header(const Header& header) {
+  for (const HeaderField& field : kHeaderFields) {
+    const std::uint32_t value = number_at(header, field.at, field.bytes);
+    if (value == field.value) continue;
+    return fmt::format("in its header the {} is {}, and {} in every store", field.name, value, field.value);
+  }
+  const std::uint32_t write = number_at(header, 18, 1), read = number_at(header, 19, 1);
+  if (write != read || (read != 1 && read != 2))  // 2: with a write-ahead log
+    return fmt::format("in its header the format's versions are {} and {}", write, read);
+  const std::uint32_t pages = number_at(header, 28, 4), first_free = number_at(header, 32, 4),
+                      free = number_at(header, 36, 4);
+  if ((first_free == 0) != (free == 0) || first_free > pages || (free > 0 && free >= pages))
+    return fmt::format("in its header {} of {} pages are free, from page {} on", free, pages, first_free);
+  return {};
+}
+
 std::string folder_of(const std::string& path) { return fs::absolute(path).parent_path().string(); }
 
 }  // namespace
@@ -61,18 +109,31 @@ std::optional<std::string> network_file_system(std::uint64_t magic, const std::s
     if (entry.number == magic) return entry.name;
   }
   if (magic != kFuse) return std::nullopt;
-  // Local file systems that run through FUSE; any other may be a network's, and none says so.
+  // Local file systems that run through FUSE; any other may be a network's, and FUSE does not report it.
   if (mount_type == "fuseblk" || mount_type == "fuse.fuse-overlayfs") return std::nullopt;
   return mount_type.empty() ? "FUSE" : mount_type;
 }
 
-void refuse_network(const std::string& path) {
+namespace {
+
+std::function<void(const std::string&)>& listener() {
+  static std::function<void(const std::string&)> tell;
+  return tell;
+}
+
+std::optional<std::string> network_below(const std::string& path) {
   const std::string there = fs::exists(path) ? path : folder_of(path);
   struct statfs status {};
-  if (statfs(there.c_str(), &status) != 0) return;  // opening it will tell why
+  if (statfs(there.c_str(), &status) != 0) return std::nullopt;  // opening it reports the reason
   // Some magic numbers fill 32 bits and come sign-extended.
   const auto magic = static_cast<std::uint64_t>(status.f_type) & 0xffffffffU;
-  const auto network = network_file_system(magic, magic == kFuse ? mount_type_of(there) : std::string());
+  return network_file_system(magic, magic == kFuse ? mount_type_of(there) : std::string());
+}
+
+}  // namespace
+
+void refuse_network(const std::string& path) {
+  const auto network = network_below(path);
   if (!network) return;
   throw StoreError("TB-STORE-NETWORK",
                    fmt::format("store {} lies on a network file system ({}), where SQLite's locks and shared memory do "
@@ -80,6 +141,30 @@ void refuse_network(const std::string& path) {
                                path, *network),
                    "keep the store on a local disk (--db FILE); copy a finished store over the network instead");
 }
+
+bool lies_still_on_network(const std::string& path) {
+  const auto network = network_below(path);
+  if (!network) return false;
+  std::error_code missing;
+  if (fs::file_size(path + "-wal", missing) > 0 && !missing) {
+    throw StoreError(
+        "TB-STORE-NETWORK",
+        fmt::format("store {} lies on a network file system ({}), and its log ({}-wal) holds rows that are not in "
+                    "the file yet",
+                    path, *network, path),
+        "let its writer end, then copy file and log to a local disk and read them there");
+  }
+  static std::set<std::string> told;
+  if (const auto& tell = listener(); tell && told.insert(path).second) {
+    tell(
+        fmt::format("store {} lies on a network file system ({}): it is read as it is and must not be written "
+                    "meanwhile; copy it to a local disk to work with it",
+                    path, *network));
+  }
+  return true;
+}
+
+void tell_warnings_to(std::function<void(const std::string&)> tell) { listener() = std::move(tell); }
 
 FileKind look_at_file(const std::string& path) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
@@ -95,19 +180,22 @@ FileKind look_at_file(const std::string& path) {
   if (!fs::is_regular_file(path, failed)) refuse("not a regular file", "name a file with --db");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) refuse(std::strerror(errno), "check owner and permissions of the file");
-  std::array<char, 100> header{};  // sqlite.org/fileformat2.html, 1.3
+  Header header{};
   stream.read(header.data(), header.size());
   if (stream.gcount() == 0) return FileKind::kEmpty;
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   if (stream.gcount() < 100 || std::string_view(header.data(), kMagic.size()) != kMagic) {
-    refuse("not a store of tactbench, nor any SQLite database", "name another file with --db");
+    refuse("neither a store of tactbench nor another SQLite database", "name another file with --db");
   }
-  std::uint32_t application = 0;  // big-endian at byte 68
-  for (std::size_t i = 68; i < 72; ++i) application = (application << 8) | static_cast<std::uint8_t>(header.at(i));
+  const std::uint32_t application = number_at(header, 68, 4);
   if (application != kApplicationId) {
     refuse(fmt::format("an SQLite database of another program (application id {:#010x}, ours is {:#010x})", application,
                        kApplicationId),
            "name another file with --db; this one was left as it is");
+  }
+  const std::string wrong = wrong_in_header(header);
+  if (!wrong.empty()) {
+    refuse(fmt::format("the file is damaged: {}", wrong), kDamagedRemedy);
   }
   return FileKind::kStore;
 }

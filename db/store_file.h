@@ -1,4 +1,4 @@
-// Looks at a store's file before SQLite may touch it: is it there, is it ours, does it lie on a local disk.
+// Checks of a store's file before SQLite opens it: that it exists, is a store, and lies on a local disk.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,14 @@ enum class FileKind { kMissing, kEmpty, kStore };
 // folder is missing or the file is something else.
 FileKind look_at_file(const std::string& path);
 
-// Locks and shared memory of WAL do not hold over a network. TB-STORE-NETWORK, with the reason.
+// Locks and shared memory of WAL do not work over a network. TB-STORE-NETWORK, with the reason.
 void refuse_network(const std::string& path);
+// To read: true for a store on a network file system without a log beside it, which can be read as it stands; warns of
+// it (tell_warnings_to), once for each store. With a log TB-STORE-NETWORK. False on a local disk.
+bool lies_still_on_network(const std::string& path);
 
 // The name of a network file system, by statfs's magic number and the type in the mount table (for FUSE, whose number
-// says nothing). Nothing for a local one.
+// does not suffice). Nothing for a local one.
 std::optional<std::string> network_file_system(std::uint64_t magic, const std::string& mount_type);
 
 }  // namespace tactbench::db

@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Takes the name with an empty file, so that nobody else's file can be overwritten; whoever fails gives it back.
+// Reserves the name with an empty file, so that no other file can be overwritten; on failure the name is released.
 class TakenName {
  public:
   explicit TakenName(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
     const int file = ::open(path_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (file < 0) refuse(errno);
     ::close(file);
-    drop_partial();  // of a program that died
+    drop_partial();  // left by a program that died
   }
   ~TakenName() {
     if (kept_) return;
@@ -46,12 +46,12 @@ class TakenName {
   }
   [[noreturn]] void refuse(int error) const {
     if (error == EEXIST) {
-      throw StoreError("TB-STORE-EXISTS", fmt::format("{} exists already and is not overwritten", path_),
-                       "name a file that is not there yet");
+      throw StoreError(Cause::kUsage, "TB-STORE-EXISTS", fmt::format("{} exists already and is not overwritten", path_),
+                       "name a file that does not exist yet");
     }
     throw StoreError(error == ENOSPC || error == EDQUOT ? "TB-STORE-FULL" : "TB-STORE-OPEN",
                      fmt::format("{} cannot be made: {}", path_, std::strerror(error)),
-                     "check the folder, its permissions and the room on its disk");
+                     "check the folder, its permissions and the free space of its disk");
   }
 
   std::string path_, partial_;
@@ -62,7 +62,7 @@ class TakenName {
 
 void copy_store(const sqlite::Connection& source, const std::string& path) {
   if (path.empty()) {
-    throw StoreError("TB-STORE-OPEN", "the copy has no name", "name a file that is not there yet");
+    throw StoreError("TB-STORE-OPEN", "the copy has no name", "name a file that does not exist yet");
   }
   refuse_network(path);
   TakenName name(fs::absolute(path).string());
@@ -96,6 +96,7 @@ int schema_version_of(const std::string& path) {
   }
   refuse_network(path);
   sqlite::Connection connection(fs::absolute(path).string(), sqlite::Access::kReadOnly);
+  check_version(connection);
   return static_cast<int>(connection.integer("PRAGMA user_version"));
 }
 

@@ -1,4 +1,4 @@
-// Whole copies of a store: snapshots that a person asks for, and the backup before a migration.
+// Complete copies of a store: snapshots on request, and the backup before a migration.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 namespace tactbench::db {
 
 // Copies the store behind `source` into a file of that name, which must not exist yet (TB-STORE-EXISTS); it appears
-// whole or not at all. TB-STORE-NETWORK, TB-STORE-FULL, TB-STORE-OPEN.
+// complete or not at all. TB-STORE-NETWORK, TB-STORE-FULL, TB-STORE-OPEN.
 void copy_store(const sqlite::Connection& source, const std::string& path);
 
 // A store of an older schema is copied to backup_path() first; an empty or current one is not. If the copy fails, the

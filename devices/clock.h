@@ -20,7 +20,7 @@ class Clock {
   [[nodiscard]] virtual Nanoseconds now() const = 0;
   // Returns once now() >= time. Sequencer's thread only.
   virtual void wait_until(Nanoseconds time) = 0;
-  // A reply did not come within `nominal`, which real waiting has already spent: process time has to spend it too.
+  // A reply did not come within `nominal` of real time: process time advances by as much.
   virtual void reply_lost(Nanoseconds nominal) = 0;
 };
 

@@ -1,4 +1,4 @@
-// What every device can say of itself; stored with each run.
+// Identity of a device: role, model, serial number, firmware; stored with each run.
 #pragma once
 
 #include <string>

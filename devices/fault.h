@@ -1,6 +1,5 @@
-// The one error type of the devices room: failed talk with the outside. `what()` says what was asked, what came and
-// of whom; `remedy()` says what to try. `id()` is stable across releases (contract: "Exit codes"), e.g.
-// TB-MODBUS-TIMEOUT.
+// The one error type of the devices room: a failed exchange with the outside. `what()` states what was asked, what
+// came and from whom; `remedy()` what to try. `id()` is stable across releases, e.g. TB-MODBUS-TIMEOUT.
 #pragma once
 
 #include <stdexcept>
@@ -9,15 +8,30 @@
 
 namespace tactbench::devices {
 
+// What kind of failure it is; the exit code depends on this alone, not on the id.
+enum class Cause {
+  kDevice,  // an instrument or its link failed, or is not as it should be
+  kLimit,   // a limit or an interlock refused a command, or ended the work
+};
+
 class Fault : public std::runtime_error {
  public:
+  Fault(Cause cause, std::string id, std::string device, const std::string& message, std::string remedy)
+      : std::runtime_error(message),
+        cause_(cause),
+        id_(std::move(id)),
+        device_(std::move(device)),
+        remedy_(std::move(remedy)) {}
+  // Of kDevice, as most are.
   Fault(std::string id, std::string device, const std::string& message, std::string remedy)
-      : std::runtime_error(message), id_(std::move(id)), device_(std::move(device)), remedy_(std::move(remedy)) {}
+      : Fault(Cause::kDevice, std::move(id), std::move(device), message, std::move(remedy)) {}
+  [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& device() const { return device_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
 
  private:
+  Cause cause_;
   std::string id_;
   std::string device_;
   std::string remedy_;

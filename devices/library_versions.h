@@ -1,5 +1,5 @@
-// Versions of the libraries that this room speaks to instruments with: of the shared object in use where the library
-// tells, of its header otherwise.
+// Versions of the libraries that this room uses for instruments: of the shared object in use where the library reports
+// it, of its header otherwise.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Physical quantities that do not mix. At an instrument a value carries its unit in its type; analysis and db use
-// double with the unit in the name. Used by every room that touches an instrument.
+// Physical quantities as types that do not mix. At an instrument a value carries its unit in its type; analysis and db
+// use double with the unit in the name. Used by every room that drives an instrument.
 #pragma once
 
 #include <compare>
@@ -34,7 +34,6 @@ using Celsius = Quantity<struct CelsiusTag>;
 inline constexpr double kKilopascalsPerPsi = 6.894757293168361;
 inline constexpr double kPsiPerBar = 100.0 / kKilopascalsPerPsi;
 
-constexpr Psi psi_from_bar(double bar) { return Psi(bar * kPsiPerBar); }
 constexpr double kilopascals(Psi pressure) { return pressure.value() * kKilopascalsPerPsi; }
 
 }  // namespace tactbench::devices

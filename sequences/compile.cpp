@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -56,7 +58,7 @@ Step first_of(const Recipe& recipe, int sequence, int repeat) {
 
 void add_repeat(std::vector<Step>& steps, const Recipe& recipe, int sequence, int repeat) {
   Step step = first_of(recipe, sequence, repeat);
-  step.settle = true;  // there is no ramp to be passed on before the first level
+  step.settle = true;  // there is no ramp before the first level
   add_level(steps, recipe, step);
   step.settle = recipe.settle;
   for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
@@ -83,7 +85,7 @@ std::vector<Step> levels_way_back(const Recipe& recipe, int sequence, int repeat
   Step step = first_of(recipe, sequence, repeat);
   step.kind = StepKind::kConditioning;
   step.settle = true;
-  // Branch 0 measures its starting level itself; any other starts from a turning point that is reached here.
+  // Branch 0 measures its starting level itself; any other starts from a turning point that is travelled to here.
   for (int turn = 0; turn <= branch && branch > 0; ++turn) {
     const auto at = static_cast<std::size_t>(turn);
     step.branch = std::max(0, turn - 1);
@@ -94,10 +96,7 @@ std::vector<Step> levels_way_back(const Recipe& recipe, int sequence, int repeat
   return steps;
 }
 
-}  // namespace
-
-std::vector<Step> compile(const Recipe& recipe, int sequence) {
-  std::vector<Step> steps;
+void add_recipe(std::vector<Step>& steps, const Recipe& recipe, int sequence) {
   if (!recipe.prompt_before.empty()) {
     Step prompt;
     prompt.kind = StepKind::kPrompt;
@@ -105,21 +104,34 @@ std::vector<Step> compile(const Recipe& recipe, int sequence) {
     prompt.text = recipe.prompt_before;
     steps.push_back(prompt);
   }
-  if (recipe.kind == RecipeKind::kPress) {
-    add_press(steps, recipe, sequence);
-    return steps;
-  }
+  if (recipe.kind == RecipeKind::kPress) return add_press(steps, recipe, sequence);
   add_cycles(steps, recipe, sequence, recipe.conditioning.cycles, recipe.conditioning.peak);
   for (int repeat = 0; repeat < recipe.repeats; ++repeat) add_repeat(steps, recipe, sequence, repeat);
+}
+
+}  // namespace
+
+std::vector<Step> compile(const Recipe& recipe, int sequence) {
+  std::vector<Step> steps;
+  steps.reserve(static_cast<std::size_t>(step_count(recipe)));
+  add_recipe(steps, recipe, sequence);
   return steps;
 }
 
 std::vector<Step> compile(const std::vector<Recipe>& recipes) {
-  std::vector<Step> steps;
-  for (std::size_t i = 0; i < recipes.size(); ++i) {
-    const std::vector<Step> more = compile(recipes[i], static_cast<int>(i));
-    steps.insert(steps.end(), more.begin(), more.end());
+  double count = 0.0;
+  std::string names;
+  for (const Recipe& recipe : recipes) {
+    count += step_count(recipe);
+    names += (names.empty() ? "" : ", ") + recipe.name;
   }
+  if (count > kMostSteps) {
+    throw FileError("TB-FILE-VALUE", fmt::format("the recipes together have {:.0f} steps", count), "recipes " + names,
+                    fmt::format("a run may have {:.0f} steps: use several runs", kMostSteps));
+  }
+  std::vector<Step> steps;
+  steps.reserve(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < recipes.size(); ++i) add_recipe(steps, recipes[i], static_cast<int>(i));
   return steps;
 }
 

@@ -4,7 +4,7 @@ namespace tactbench::sequences {
 
 namespace {
 
-// Writes steps one after another; what stays the same from step to step stays in `now`.
+// Appends steps one after another; the values that persist from step to step are in `now`.
 class PressWriter {
  public:
   PressWriter(std::vector<Step>& steps, const Recipe& recipe, int sequence)

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kShortSettling = 0.7, kLongSettling = 2.0;
 
-// What one recipe's steps leave behind for the next one to start from.
+// The state that one recipe's steps leave for the next one.
 struct Standing {
   int sequence = -1;
   double psi = 0.0, force_n = 0.0;
@@ -31,7 +31,7 @@ StepTime chamber_time(const Step& step, Standing& standing, const TimeModel& mod
 }
 
 StepTime press_time(const Step& step, const PressPlan& plan, Standing& standing, const TimeModel& model) {
-  // How stiff the contact is nobody knows before the first touch: twice and half of the model's.
+  // The stiffness of the contact is not known before the first touch: twice and half of the model's.
   const double servo = std::abs(step.force_n - standing.force_n) / (model.stiffness_n_per_mm * plan.servo_mm_per_s);
   standing.force_n = step.force_n;
   return {step.dwell_s + 0.5 * servo, step.dwell_s + servo, step.dwell_s + 2.0 * servo};

@@ -1,4 +1,4 @@
-// How long compiled steps will take, as far as a model can say before anything was measured, and how much they store.
+// Estimated time of compiled steps, from a model before anything was measured, and the size of their rows in the store.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ struct TimeModel {
   double settle_s = 0.65;                               // from the end of the ramp to pressure in band
   double frame_s = 0.0;                                 // to read one frame
   double prompt_s = 30.0, home_s = 20.0, tare_s = 2.0, move_s = 5.0;
-  double stiffness_n_per_mm = 20.0;  // of the contact: what the servo's speed means in newtons
+  double stiffness_n_per_mm = 20.0;  // of the contact: converts the servo's way to newtons
 };
 
 // A tenth of the runs should be shorter than `low`, a tenth longer than `high`. For a model these are bounds by

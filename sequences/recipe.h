@@ -1,5 +1,5 @@
-// What to do, as data: a recipe names turning points and a step, or positions and forces; the compiler turns it into
-// the very steps that the sequencer carries out. `plan` and `run` use the same compiler.
+// Recipes: measurements as data. A recipe names turning points and a step, or positions and forces; the compiler turns
+// it into the steps that the sequencer carries out. `plan` and `run` use the same compiler.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 #include "devices/units.h"
 #include "sequences/step.h"
-#include "sequences/strict_toml.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::sequences {
 
@@ -30,14 +30,14 @@ struct WarmUp {  // before the first command, until the unloaded output stands s
 
 struct BranchRule {
   devices::Psi tolerance{0.2};   // a step back by more than this breaks a branch
-  double tolerance_n = 0.2;      // press alike
+  double tolerance_n = 0.2;      // the same for press recipes
   int redo = 2;                  // further attempts
-  bool fail_when_broken = true;  // else the branch is flagged and the run goes on
+  bool fail_when_broken = true;  // else the branch is flagged and the run continues
 };
 
 struct Suspension {      // measured outside trip: wait at a safe point until inside resume for hold_s
   std::string quantity;  // supply_bar | temperature_c
-  bool below = true;     // trips below `trip`, resumes above `resume`; else the other way round
+  bool below = true;     // trips below `trip`, resumes above `resume`; else the reverse
   double trip = 0.0, resume = 0.0;
   double hold_s = 10.0;
   double timeout_s = 3600.0;  // longer: the run ends
@@ -55,12 +55,12 @@ struct Retry {
 };
 
 struct PressPlan {
-  std::string object;  // ring, point, ...: what presses; stored, and the simulated rig's footprint
+  std::string object;  // ring, point, ...: the pressing object; stored, and the simulated rig's footprint
   std::vector<std::pair<double, double>> positions_mm;
   std::vector<double> forces_n;  // rising; up, then down, the peak once
   bool hold_force = false;       // else z stands while dwelling
   double approach_mm_per_s = 0.5, contact_n = 0.2, servo_mm_per_s = 0.05, clear_mm = 5.0;
-  bool registers = false;  // the touches tell where the taxels lie under the stage
+  bool registers = false;  // the touches locate the taxels under the stage
   bool tare = true;        // before each repeat and after the last
 };
 
@@ -76,7 +76,7 @@ struct Recipe {
   std::vector<devices::Psi> turning_points;
   devices::Psi step{2.0};
   std::vector<double> dwell_s{2.0};         // from pressure (force) in band to the frame; repeat i takes i % size
-  std::vector<double> ramp_psi_per_s{0.0};  // alike; 0: the bench's own rate limit
+  std::vector<double> ramp_psi_per_s{0.0};  // likewise by repeat; 0: the bench's own rate limit
   bool settle = true;                       // false: frames as the ramp passes the levels
   int frames_per_level = 1;
   double frame_interval_s = 0.0;
@@ -101,11 +101,18 @@ struct Recipe {
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides = {});
 Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides = {});
 
+// Greatest number of steps of a run: a step takes about 300 bytes here and a row in the store, and at the least dwell
+// of 0.1 s a million of them take more than a day.
+constexpr double kMostSteps = 1e6;
+// The number of steps of compile(), by arithmetic alone. A recipe that was read has at most kMostSteps.
+double step_count(const Recipe& recipe);
+
 // 211 measuring steps a repeat for the paper's descending set, 451 for the ascending one.
 std::vector<Step> compile(const Recipe& recipe, int sequence);
+// Throws FileError where all recipes together have more than kMostSteps.
 std::vector<Step> compile(const std::vector<Recipe>& recipes);
 
-// What is travelled before `branch` of `repeat` may be done again, all without frames: the conditioning cycles (one
+// The way to travel before `branch` of `repeat` may be redone, all without frames: the conditioning cycles (one
 // to the highest level when the recipe has none), then the repeat's turning points up to the one that the branch
 // leaves. Press: retract, home, tare, move, approach, conditioning, and for a falling branch up to the peak. kHome may
 // be skipped where the axes are homed.

@@ -27,7 +27,7 @@ void read_suspensions(const TomlTable& root, Recipe& recipe) {
     item.below = table.has("trip_below");
     if (item.below == table.has("trip_above")) {
       table.fail("quantity", "a [[suspend]] needs either trip_below or trip_above",
-                 "trip_below = 6.0 with resume_above = 6.5, say");
+                 "for instance trip_below = 6.0 with resume_above = 6.5");
     }
     item.trip = table.number(item.below ? "trip_below" : "trip_above");
     const char* resume = item.below ? "resume_above" : "resume_below";
@@ -35,7 +35,7 @@ void read_suspensions(const TomlTable& root, Recipe& recipe) {
     if (item.below ? item.resume < item.trip : item.resume > item.trip) {
       table.fail(resume,
                  fmt::format("'{}' is {:g}, on the wrong side of the trip at {:g}", resume, item.resume, item.trip),
-                 "a quantity must come back past the trip before the run goes on");
+                 "a quantity must come back past the trip before the run continues");
     }
     item.hold_s = table.number_in("hold_s", 10.0, 0.0, 86400.0);
     item.timeout_s = table.number_in("timeout_s", 3600.0, 0.0, 7 * 86400.0);
@@ -68,6 +68,25 @@ void read_rules(const TomlTable& root, Recipe& recipe) {
   recipe.rest_restart_s = root.number_in("rest_restart_s", 3600.0, 0.0, 1e9);
 }
 
+constexpr const char* kTypedPrefix = "recipe.";  // of keys of a recipe on the command line
+
+// Errors in a typed value name the key as typed, not the place where the value is kept.
+double value_of(const TomlTable& table, const Parameter& parameter, const std::vector<Override>& overrides,
+                const std::string& file) {
+  const auto typed = std::find_if(overrides.rbegin(), overrides.rend(),
+                                  [&](const Override& item) { return item.key == parameter.name; });
+  try {
+    return table.number_in("value", parameter.standard, parameter.low, parameter.high);
+  } catch (const FileError& error) {
+    if (typed == overrides.rend()) throw;
+    std::string message = error.what();
+    if (message.starts_with("'value'")) message.replace(1, 5, parameter.name);
+    throw FileError(error.id(), message,
+                    fmt::format("--set {}{}={} (over {})", kTypedPrefix, typed->key, typed->value, file),
+                    error.remedy());
+  }
+}
+
 }  // namespace
 
 std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, const std::vector<Override>& overrides) {
@@ -79,7 +98,7 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
       others.push_back(item);
       continue;
     }
-    document.set({"parameters." + item.key + ".value", item.value});
+    document.set({"parameters." + item.key + ".value", item.value}, kTypedPrefix);
   }
   const TomlTable tables = document.root().table("parameters");
   for (const std::string& name : declared) {
@@ -95,7 +114,7 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
           fmt::format("'default' is {:g}, outside {:g} to {:g}", parameter.standard, parameter.low, parameter.high),
           "choose low <= default <= high");
     }
-    parameter.value = table.number_in("value", parameter.standard, parameter.low, parameter.high);
+    parameter.value = value_of(table, parameter, overrides, document.name());
     parameter.unit = table.text("unit", "");
     parameter.help = table.text("help", "");
     table.finish();
@@ -109,7 +128,7 @@ Recipe parse_recipe(TomlDocument document, const std::vector<Override>& override
   Recipe recipe;
   recipe.text = document.text();
   const std::vector<Override> others = read_parameters(document, recipe, overrides);
-  for (const Override& item : others) document.set(item);
+  for (const Override& item : others) document.set(item, kTypedPrefix);
   const TomlTable root = document.root();
   (void)root.table("parameters");
   (void)root.integer("schema", 1, 1);
@@ -126,17 +145,18 @@ Recipe parse_recipe(TomlDocument document, const std::vector<Override>& override
   const long shortest = static_cast<long>(std::max(recipe.dwell_s.size(), recipe.ramp_psi_per_s.size()));
   recipe.repeats = static_cast<int>(root.integer("repeats", shortest, 1, 1000));
   if (recipe.repeats < shortest) {
-    root.fail("repeats", fmt::format("{} repeats for a list of {}: not all would be used", recipe.repeats, shortest),
+    root.fail("repeats", fmt::format("repeats = {} for a list of {}: not all would be used", recipe.repeats, shortest),
               fmt::format("use at least {}, or shorten the list", shortest));
   }
   read_rules(root, recipe);
   root.finish();
+  check_size(root, recipe);
   for (const Parameter& parameter : recipe.parameters) {
-    // An override may have taken the place of the "$name" that stood there.
+    // An override may have replaced the "$name" in the file.
     if (document.uses(parameter.name) || !others.empty()) continue;
     root.table("parameters")
         .fail(parameter.name, fmt::format("nothing uses the parameter '{}'", parameter.name),
-              fmt::format("write \"${}\" where its value belongs, or take it out", parameter.name));
+              fmt::format("write \"${}\" where its value belongs, or remove it", parameter.name));
   }
   return recipe;
 }

@@ -11,6 +11,8 @@ namespace tactbench::sequences {
 
 namespace {
 
+constexpr double kSlowestRamp = 0.01;  // psi/s: 60 psi in 100 minutes
+
 double psi_per_unit(const std::string& unit) {
   if (unit == "kPa") return 1.0 / devices::kKilopascalsPerPsi;
   if (unit == "bar") return devices::kPsiPerBar;
@@ -46,17 +48,21 @@ std::vector<double> random_points(const TomlTable& root, double step) {
   const double high = table.number("high");
   table.finish();
   if (count % 2 == 0) {
-    table.fail("reversals", fmt::format("{} reversals end on a lower point, and the way to 0 goes on falling", count),
+    table.fail("reversals", fmt::format("{} reversals end on a lower point, and the way to 0 continues falling", count),
                "use an odd number");
   }
   for (const char* key : {"low", "high"}) {
     if (!on_grid(key[0] == 'l' ? low : high, step)) {
-      table.fail(key, fmt::format("'{}' is no whole number of steps of {:g}", key, step), "choose one that is");
+      table.fail(key, fmt::format("'{}' is not a whole number of steps of {:g}", key, step), "choose one that is");
     }
   }
   if (low < 0.0 || high - low < 1.5 * step) {
     table.fail("high", fmt::format("there is no room for reversals between {:g} and {:g}", low, high),
                "0 <= low, and at least two steps from low to high");
+  }
+  if (high / step > kMostSteps) {
+    table.fail("high", fmt::format("{:g} is {:.0f} steps of {:g}", high, high / step, step),
+               fmt::format("a larger step: a run may have {:.0f} steps", kMostSteps));
   }
   std::vector<double> points;
   for (const long point : draw(static_cast<std::uint64_t>(seed), static_cast<int>(count), std::lround(low / step),
@@ -96,14 +102,15 @@ void read_pace(const TomlTable& root, Recipe& recipe) {
               recipe.settle ? "use 0 to 86400" : "frames taken in passing (settle = \"none\") have no dwell");
   }
   for (const double value : recipe.ramp_psi_per_s) {
-    if (value >= 0.0 && value <= 1000.0 && (recipe.settle || value > 0.0)) continue;
+    if ((value >= kSlowestRamp && value <= 1000.0) || (recipe.settle && value == 0.0)) continue;
     root.fail("ramp_psi_per_s", fmt::format("'ramp_psi_per_s' is {:g}", value),
-              recipe.settle ? "use 0 (the bench's own limit) to 1000" : "settle = \"none\" needs a ramp above 0");
+              fmt::format("use {:g} to 1000{}", kSlowestRamp,
+                          recipe.settle ? ", or 0 for the bench's own limit" : ": settle = \"none\" needs a ramp"));
   }
   recipe.frames_per_level = static_cast<int>(root.integer("frames_per_level", 1, 1, 100'000));
   recipe.frame_interval_s = root.number_in("frame_interval_s", 1.0, 0.0, 86400.0);
   if (!recipe.settle && recipe.frames_per_level > 1) {
-    root.fail("frames_per_level", "several frames at a level that is only passed", "take settle = \"none\" out");
+    root.fail("frames_per_level", "several frames at a level that is only passed", "remove settle = \"none\"");
   }
 }
 
@@ -112,11 +119,11 @@ void read_conditioning(const TomlTable& root, Recipe& recipe, double unit) {
   Conditioning& conditioning = recipe.conditioning;
   conditioning.cycles = static_cast<int>(table.integer("cycles", 0, 0, 100));
   conditioning.least = static_cast<int>(table.integer("least", std::min(1, conditioning.cycles), 0, 100));
-  // `--set recipe.conditioning.cycles=0` turns it off whatever else the file says.
+  // `--set recipe.conditioning.cycles=0` turns it off whatever else the file holds.
   if (conditioning.cycles == 0) conditioning.least = 0;
   if (conditioning.least > conditioning.cycles) {
     table.fail("least", fmt::format("at least {} cycles, at most {}", conditioning.least, conditioning.cycles),
-               "'cycles' is the most that is done");
+               "'cycles' is the greatest number");
   }
   conditioning.change_percent = table.number_in("change_percent", 0.0, 0.0, 100.0);
   const double peak = conditioning.cycles > 0 ? table.number("peak") : table.number("peak", 0.0);

@@ -13,6 +13,9 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
 // kind = "levels": unit, turning points or [random], step, ramp, frames of a level, [conditioning], [limits].
 void read_levels(const TomlTable& root, Recipe& recipe);
 
+// Refuses a recipe with more than kMostSteps steps, or one that dwells for more than a year.
+void check_size(const TomlTable& root, const Recipe& recipe);
+
 // kind = "press": [press], [press.grid], [conditioning] in newtons.
 void read_press(const TomlTable& root, Recipe& recipe);
 

@@ -9,22 +9,27 @@ namespace tactbench::sequences {
 namespace {
 
 constexpr std::size_t kMostPositions = 10'000;
+constexpr double kSlowest = 0.001;  // mm/s: the least speed of the slowest axis
 
-// from, from + step, ... as far as `to`.
+// from, from + step, ... up to `to`.
 std::vector<double> grid_axis(const TomlTable& grid, const std::string& key) {
   const std::vector<double> range = grid.numbers(key);
   const bool good = range.size() == 3 && range[2] > 0.0 && range[1] >= range[0];
   const double count = good ? std::floor((range[1] - range[0]) / range[2] + 1e-9) + 1.0 : 0.0;
-  if (!good || count > static_cast<double>(kMostPositions)) {
+  if (!good) {
     grid.fail(key, fmt::format("'{}' must be [from, to, step] with a step above 0", key),
               fmt::format("e.g. {} = [10, 20, 2.54]", key));
+  }
+  if (count > static_cast<double>(kMostPositions)) {
+    grid.fail(key, fmt::format("'{}' has {:.0f} positions", key, count),
+              fmt::format("a larger step: a recipe may have {}", kMostPositions));
   }
   std::vector<double> values;
   for (int i = 0; i < static_cast<int>(count); ++i) values.push_back(range[0] + i * range[2]);
   return values;
 }
 
-// Row after row, every other one backward: the stage never travels a whole row for nothing.
+// Row after row, every other one backward, so that the stage never travels a whole row idly.
 void read_grid(const TomlTable& press, PressPlan& plan) {
   const TomlTable grid = press.table("grid");
   const std::vector<double> xs = grid_axis(grid, "x");
@@ -39,12 +44,6 @@ void read_grid(const TomlTable& press, PressPlan& plan) {
       plan.positions_mm.emplace_back(xs[row % 2 == 0 ? i : xs.size() - 1 - i], ys[row]);
     }
   }
-}
-
-double above_zero(const TomlTable& table, const std::string& key, double fallback, double high) {
-  const double value = table.number_in(key, fallback, 0.0, high);
-  if (value <= 0.0) table.fail(key, fmt::format("'{}' must be above 0", key), fmt::format("up to {:g}", high));
-  return value;
 }
 
 void read_forces(const TomlTable& table, PressPlan& plan) {
@@ -71,7 +70,7 @@ void read_press(const TomlTable& root, Recipe& recipe) {
   }
   const TomlTable press = root.table("press");
   plan.object = press.text("object");
-  plan.contact_n = above_zero(press, "contact_n", 0.2, 10.0);
+  plan.contact_n = press.number_in("contact_n", 0.2, 0.01, 10.0);
   read_forces(press, plan);
   if (press.has("grid") == press.has("positions_mm")) {
     press.fail("positions_mm", "a press recipe needs either positions_mm or [press.grid]",
@@ -85,9 +84,9 @@ void read_press(const TomlTable& root, Recipe& recipe) {
     }
   }
   plan.hold_force = press.word("hold", "position", {"position", "force"}) == "force";
-  plan.approach_mm_per_s = above_zero(press, "approach_mm_per_s", plan.approach_mm_per_s, 10.0);
-  plan.servo_mm_per_s = above_zero(press, "servo_mm_per_s", plan.servo_mm_per_s, 10.0);
-  plan.clear_mm = above_zero(press, "clear_mm", plan.clear_mm, 50.0);
+  plan.approach_mm_per_s = press.number_in("approach_mm_per_s", plan.approach_mm_per_s, kSlowest, 10.0);
+  plan.servo_mm_per_s = press.number_in("servo_mm_per_s", plan.servo_mm_per_s, kSlowest, 10.0);
+  plan.clear_mm = press.number_in("clear_mm", plan.clear_mm, 0.01, 50.0);
   plan.tare = press.boolean("tare", true);
   plan.registers = press.boolean("registers", false);
   press.finish();

@@ -66,7 +66,7 @@ SpanKind span_kind_of(const Step& step) {
   return step.kind == StepKind::kPress ? SpanKind::kConditioning : SpanKind::kTravel;
 }
 
-// All cycles of one conditioning are one span: whether the next is needed is for the span's reader.
+// All cycles of one conditioning are one span: the span's reader decides whether the next is needed.
 bool belongs(const BranchSpan& span, const Step& step) {
   const SpanKind kind = span_kind_of(step);
   if (kind != span.kind || step.sequence != span.key.sequence) return false;

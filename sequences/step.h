@@ -1,5 +1,5 @@
-// The very steps that the sequencer carries out, in order, and what can be said of them without a device.
-// `plan` lists them, `run` carries them out, and both get them from compile() in recipe.h.
+// The steps that the sequencer carries out, in order, and their extremes, known without a device. `plan` lists them,
+// `run` carries them out, and both get them from compile() in recipe.h.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ struct Step {
   bool hold = false;            // a further frame at the same level: no new command, dwell_s after the frame before
   bool frame = true;            // kPress alone: false is travel to the force without a frame
   double force_n = 0.0, force_from_n = 0.0, force_to_n = 0.0;  // 0 in steps of pressure
-  bool hold_force = false;                                     // the servo goes on while dwelling; else z stands
+  bool hold_force = false;                                     // the servo continues while dwelling; else z stands
   double x_mm = 0.0, y_mm = 0.0;
   std::string text;
   bool operator==(const Step&) const = default;
@@ -46,7 +46,7 @@ struct Step {
 
 [[nodiscard]] bool takes_frame(const Step& step);
 
-// One line that says all that a step will do; equal steps give equal lines, others differ.
+// One line that describes a step completely; equal steps give equal lines, others differ.
 std::string step_line(const Step& step);
 
 struct BranchKey {
@@ -54,21 +54,21 @@ struct BranchKey {
   auto operator<=>(const BranchKey&) const = default;
 };
 
-// Steps that belong together: a branch (frames; redone as a whole), a conditioning stretch of one sequence, or what is
-// done between (prompt, tare, home, move, approach, retract). Spans cover all steps, in order.
+// Steps that belong together: a branch (frames; redone as a whole), a conditioning stretch of one sequence, or the
+// steps between (prompt, tare, home, move, approach, retract). Spans cover all steps, in order.
 enum class SpanKind { kBranch, kConditioning, kTravel };
 struct BranchSpan {
   SpanKind kind = SpanKind::kBranch;
-  BranchKey key;  // kBranch: the branch; else only `sequence` and `repeat` mean something
+  BranchKey key;  // kBranch: the branch; else only `sequence` and `repeat` are set
   std::size_t first = 0, count = 0;
 };
 std::vector<BranchSpan> branches(const std::vector<Step>& steps);
 
-// What a preflight compares with the limits.
+// Extremes of the steps, which a preflight compares with the limits.
 struct Extremes {
   devices::Psi lowest{0.0}, highest{0.0};
   double largest_force_n = 0.0;
-  bool moves = false;  // x and y below mean something
+  bool moves = false;  // x and y below are set
   double lowest_x_mm = 0.0, highest_x_mm = 0.0, lowest_y_mm = 0.0, highest_y_mm = 0.0;
   double fastest_ramp_psi_per_s = 0.0;  // 0: only the bench's own
   bool pressurizes = false, presses = false;

@@ -1,6 +1,8 @@
 # The house's rules, checked on the sources: who may include whom, how long a file may be, what may lie at the top,
-# one place for sqlite3.h, no heavy library in headers, no driver in bench/config.h, that every library included is in
-# quickstart's list, and that every actuator is held to the laws of actuators. Run: cmake -P tests/room_rules.cmake
+# that the command line stands above all else, no circle of folders, one place for sqlite3.h, one way out to people's terminals, no heavy
+# library in headers, no driver in bench/config/config.h, that every library included is in quickstart's list, that every
+# actuator is held to the laws of actuators, and that comments and documents name only files that exist. Run:
+# cmake -P tests/room_rules.cmake
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(root ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 set(broken 0)
@@ -39,17 +41,18 @@ file(READ ${root}/quickstart quickstart)
 # Libraries that cost seconds a source: included by sources, and by headers that few sources include.
 set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
 set(may_be_heavy
-  analysis/identify/gpi_search.h  # its functions take Eigen's matrices; gpi*.cpp alone include it
-  analysis/identify/nnls.h        # likewise; gpi.cpp, preisach.cpp and its test
+  analysis/identify/rivals/gpi_search.h  # its functions take Eigen's matrices; gpi*.cpp alone include it
+  analysis/identify/rivals/nnls.h        # likewise; gpi.cpp, preisach.cpp and its test
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
-  devices/force/daq_ft.h          # keeps such a matrix; bench/rig.cpp and its test
+  devices/force/daq_ft.h          # keeps such a matrix; bench/rig/rig.cpp and its test
   devices/force/digital_ft.h      # likewise
-  sequences/strict_toml_view.h)   # what strict_toml*.cpp share
+  tests/devices/scripted_digital.h  # the tests of that driver
+  sequences/toml/strict_toml_view.h)   # what strict_toml*.cpp share
 
-# All that bench/config.h may reach: option structs and what they are made of. No driver, no plant, no statistics.
-set(may_be_configured "^(bench/config\\.h|bench/simulation/(planned_fault|[a-z]+_options)\\.h|sequences/strict_toml\\.h\
-|analysis/statistics/limits\\.h|devices/(units|clock|device|trouble)\\.h|devices/[a-z]+/options\\.h\
-|devices/pressure/module_profile\\.h|devices/stage/axis\\.h|devices/wire/modbus_value\\.h)$")
+# All that bench/config/config.h may reach: option structs and what they are made of. No driver, no plant, no statistics.
+set(may_be_configured "^(bench/config/config\\.h|bench/config/(planned_fault|[a-z]+_options)\\.h|sequences/toml/strict_toml\\.h\
+|analysis/statistics/figures/limits\\.h|devices/(units|clock|device|fault_injection)\\.h|devices/[a-z]+/options\\.h\
+|devices/pressure/module_profile\\.h|devices/stage/axis\\.h|devices/wire/modbus/modbus_value\\.h)$")
 
 foreach(room devices db sequences analysis bench tests)
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/${room}/*.h ${root}/${room}/*.cpp)
@@ -65,6 +68,12 @@ foreach(room devices db sequences analysis bench tests)
         complain("${file}: a test's name holds a semicolon, at which CMake cuts it in two that match nothing")
       endif()
     endif()
+    if(NOT room STREQUAL "tests" AND NOT file STREQUAL "bench/common/for_people.cpp")
+      file(STRINGS ${root}/${file} raw REGEX "fmt::print\\(|std::(cout|cerr|puts|printf)")
+      if(NOT raw STREQUAL "")
+        complain("${file}: talk past for_people() (${raw}); bench has tty::print(), the other rooms say nothing to people")
+      endif()
+    endif()
     if(file MATCHES "^bench/run/")
       file(STRINGS ${root}/${file} bare REGEX "(\\.|->)(stage|module)\\(\\)")
       if(NOT bare STREQUAL "")
@@ -76,8 +85,8 @@ foreach(room devices db sequences analysis bench tests)
     foreach(line ${includes})
       if(line MATCHES "${heavy}")
         list(APPEND heavy_files ${file})
-        if(line MATCHES "<toml\\+\\+/" AND NOT file MATCHES "^sequences/(strict_toml|library_versions\\.cpp)")
-          complain("${file}: toml++ belongs in sequences/strict_toml*.cpp alone")
+        if(line MATCHES "<toml\\+\\+/" AND NOT file MATCHES "^sequences/(toml/strict_toml|library_versions\\.cpp)")
+          complain("${file}: toml++ belongs in sequences/toml/strict_toml*.cpp alone")
         endif()
       endif()
       if(line MATCHES "^#include \"([^\"]+)\"")
@@ -85,6 +94,9 @@ foreach(room devices db sequences analysis bench tests)
         list(APPEND own_${file} ${included})
         if(NOT included MATCHES "${may_${room}}" AND NOT (room STREQUAL "bench" AND included STREQUAL "build_info_values.h"))
           complain("${file}: room '${room}' may not include \"${included}\"")
+        endif()
+        if(included MATCHES "^bench/cli/" AND file MATCHES "^bench/" AND NOT file MATCHES "^bench/(cli/|main\\.cpp$)")
+          complain("${file}: the command line is included by bench/main.cpp alone; what others need is no verb")
         endif()
       elseif(line MATCHES "^#include <([^/>]+)")
         set(library ${CMAKE_MATCH_1})
@@ -145,8 +157,8 @@ foreach(file ${headers})
   endif()
 endforeach()
 
-set(to_see bench/config.h)
-set(seen bench/config.h)
+set(to_see bench/config/config.h)
+set(seen bench/config/config.h)
 while(to_see)
   list(POP_FRONT to_see file)
   foreach(included ${own_${file}})
@@ -157,13 +169,97 @@ while(to_see)
     if(included MATCHES "${may_be_configured}")
       list(APPEND to_see ${included})
     else()
-      complain("${file}: brings ${included} to all that include bench/config.h; its options belong in a header of their own")
+      complain("${file}: brings ${included} to all that include bench/config/config.h; its options belong in a header of their own")
     endif()
   endforeach()
 endwhile()
 
+# Documents and headers that comments, texts and documents name: by the path from the top, by the path from the file's
+# own folder, or by the bare name of any file. Documents have to name sources by such a path, too.
+set(not_ours "^(build/|sqlite3\\.h$|linux/)")  # made by a build, or a library's
+file(GLOB_RECURSE named_files RELATIVE ${root} ${root}/bench/* ${root}/devices/* ${root}/sequences/* ${root}/analysis/*
+  ${root}/db/* ${root}/tests/* ${root}/docs/*)
+file(GLOB top_files RELATIVE ${root} ${root}/*.md)
+list(APPEND named_files ${top_files})
+set(bare_names "")
+foreach(file ${named_files})
+  get_filename_component(name ${file} NAME)
+  list(APPEND bare_names ${name})
+endforeach()
+list(REMOVE_DUPLICATES bare_names)
+set(part "[A-Za-z0-9_.-]+")
+foreach(file ${named_files})
+  if(NOT file MATCHES "\\.(h|cpp|md|toml)$")
+    continue()
+  endif()
+  file(READ ${root}/${file} text)
+  string(REGEX REPLACE "[][;]|#include [^\n]*" " " text "${text}")
+  string(REGEX MATCHALL "(${part}/)*${part}\\.(md|h)([^A-Za-z0-9_(]|$)|(${part}/)+README([^.A-Za-z0-9_]|$)" names "${text}")
+  if(file MATCHES "\\.md$")
+    string(REGEX MATCHALL "(${part}/)+${part}\\.(cpp|py|toml|cmake)([^A-Za-z0-9_(]|$)" sources "${text}")
+    list(APPEND names ${sources})
+  endif()
+  list(REMOVE_DUPLICATES names)
+  get_filename_component(folder ${file} DIRECTORY)
+  foreach(name ${names})
+    string(REGEX MATCH "(${part}/)*(${part}\\.(md|h|cpp|py|toml|cmake)|README)" name "${name}")
+    if(name MATCHES "${not_ours}" OR name IN_LIST bare_names OR EXISTS ${root}/${name} OR EXISTS ${root}/${folder}/${name})
+      continue()
+    endif()
+    complain("${file}: names ${name}, which is not in the repository")
+  endforeach()
+endforeach()
+
+# Folders include each other one way: who takes away all that rest on no others has nothing left. Exempt is who puts a
+# folder's parts together.
+set(composers analysis/report/report.cpp bench/cli/command_line.cpp)
+set(folders "")
+foreach(room devices db sequences analysis bench)
+  file(GLOB_RECURSE files RELATIVE ${root} ${root}/${room}/*.h ${root}/${room}/*.cpp)
+  foreach(file ${files})
+    get_filename_component(folder ${file} DIRECTORY)
+    list(APPEND folders ${folder})
+    if(file IN_LIST composers)
+      continue()
+    endif()
+    foreach(included ${own_${file}})
+      get_filename_component(below ${included} DIRECTORY)
+      if(below AND NOT below STREQUAL folder)
+        list(APPEND below_${folder} ${below})
+        set(arrow_${folder}_${below} "${file} includes ${included}")
+      endif()
+    endforeach()
+  endforeach()
+endforeach()
+list(REMOVE_DUPLICATES folders)
+set(taken TRUE)
+while(taken)
+  set(taken FALSE)
+  foreach(folder ${folders})
+    set(left "")
+    foreach(below ${below_${folder}})
+      if(below IN_LIST folders)
+        set(left ${below})
+        break()
+      endif()
+    endforeach()
+    if(left STREQUAL "")
+      list(REMOVE_ITEM folders ${folder})
+      set(taken TRUE)
+    endif()
+  endforeach()
+endwhile()
+foreach(folder ${folders})
+  foreach(below ${below_${folder}})
+    if(below IN_LIST folders AND DEFINED arrow_${folder}_${below})
+      complain("${folder} and ${below} lie on a circle of folders: ${arrow_${folder}_${below}}")
+      unset(arrow_${folder}_${below})
+    endif()
+  endforeach()
+endforeach()
+
 set(allowed CMakeLists.txt CMakePresets.json README.md quickstart LICENSE CHANGELOG.md
-  bench devices sequences analysis db tests)
+  bench devices sequences analysis db tests docs)
 execute_process(COMMAND git -C ${root} ls-files OUTPUT_VARIABLE tracked RESULT_VARIABLE failed ERROR_QUIET)
 if(NOT failed)
   string(REGEX REPLACE "\n" ";" tracked "${tracked}")

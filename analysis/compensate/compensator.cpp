@@ -30,7 +30,7 @@ void TaxelCompensator::reset_unknown() {
 
 void TaxelCompensator::follow(double volts) {
   const double off = volts - mean_v_, noise2 = options_.noise_v * options_.noise_v;
-  // A step's variance is noise2 (1 + gain); 1 - gain / 2 is near enough to the inverse and needs no division.
+  // A step's variance is noise2 (1 + gain); 1 - gain / 2 is close enough to the inverse and needs no division.
   const double step = off * off * (noise2 > 0.0 ? 1.0 / noise2 : kNoNoise) * (1.0 - 0.5 * gain_);
   const bool moving = steps_ > options_.moving;
   steps_ += (std::min(step, kStepCeiling) - steps_) * (1.0 / kStepWindow);
@@ -43,7 +43,7 @@ void TaxelCompensator::follow(double volts) {
   }
 }
 
-// The highest of many means lies too high: less by the lead, none where the sample came alone.
+// The highest of many means lies too high: reduced by the lead, which is 0 for a single sample.
 double TaxelCompensator::extreme() const {
   if (!decided_) return extreme_v_;
   const double lead = options_.lead_in_noises * options_.noise_v * std::sqrt(extreme_gain_) * (1.0 - extreme_gain_);
@@ -72,11 +72,11 @@ void TaxelCompensator::take_extreme() {
   extreme_gain_ = gain_;
 }
 
-// A start whose direction is not known yet: the first mean stays until the output has left it.
+// A start whose direction is not known yet: the first mean is kept until the output has left it.
 void TaxelCompensator::decide_when_beyond() {
   const double off = mean_v_ - extreme_v_;
   if (off * off > squared_noise(options_.band_in_noises)) {
-    ElamCurve& turned = off > 0.0 ? *other_ : curve_;  // one of the two histories has turned just now
+    ElamCurve& turned = off > 0.0 ? *other_ : curve_;  // one of the two histories has just turned
     turned = reversed(turned);
     decided_ = true;
     ascending_ = off > 0.0;
@@ -93,7 +93,7 @@ void TaxelCompensator::turn_when_beyond() {
   const double rest = options_.rest_in_noises * options_.noise_v;
   held_ = ahead <= 0.0 || ahead * ahead <= squared_noise(options_.hold_in_noises);
   const bool turned = ahead < 0.0 && behind2 > squared_noise(options_.band_in_noises);
-  // Came to rest so near that the extreme was noise.
+  // It came to rest so near that the extreme was noise.
   const bool rested = gain_ <= 1.0 / options_.longest_mean && extreme_gain_ > gain_ && behind2 <= rest * rest;
   if (turned) {
     curve_ = reversed(curve_);
@@ -117,7 +117,7 @@ Compensated TaxelCompensator::read(const ElamCurve& curve) const {
   result.pressure_psi = curve.input(mean_v_);
   double slope = sensitivity(curve), doubt = 0.0;
   if (back || (decided_ && held_)) {
-    // It may have turned already: then the reverse curve says how much hides behind the noise.
+    // It may have turned already: then the reverse curve shows how much pressure hides behind the noise.
     const ElamCurve tentative = reversed(curve);
     slope = std::max(slope, sensitivity(tentative));
     if (back) {
@@ -142,7 +142,7 @@ void TaxelCompensator::settle_history(Compensated& result) {
     return;
   }
   result.pressure_psi = 0.5 * (result.pressure_psi + low.pressure_psi);
-  // Half the distance, for ELAM's inner curves may leave the space between the two.
+  // Half the distance, since ELAM's inner curves may leave the space between the two.
   result.uncertainty_psi = std::hypot(std::max(result.uncertainty_psi, low.uncertainty_psi), 0.5 * apart);
   result.flat = result.flat || low.flat;
   result.unknown = true;

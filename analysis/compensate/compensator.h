@@ -1,6 +1,6 @@
 // Streaming inverse ELAM for one taxel: voltages in, pressures out, direction detected from the output itself with a
 // dead band that follows the taxel's measured noise [A13]; flags where pressure is not observable. This is the plain
-// form: FrameCompensator does the same for whole frames, and is tested against it.
+// form: FrameCompensator computes the same for whole frames, and is tested against it.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace tactbench::analysis {
 
 struct Compensated {
   double pressure_psi = 0.0;
-  double uncertainty_psi = 0.0;  // standard uncertainty: from noise, and from what is not known of the history
+  double uncertainty_psi = 0.0;  // standard uncertainty: from noise, and from the unknown part of the history
   bool flat = false;             // slope of the curve too small against the noise: the estimate is weak here
   bool out_of_range = false;     // voltage outside the external loop by more than the dead band: clamped
   bool unknown = false;          // the history is not known yet: midway between its extremes
@@ -21,8 +21,9 @@ struct Compensated {
 // An output that moves by more than its noise from sample to sample is taken as it comes; one that does not is averaged
 // over up to 8 samples. Behind the furthest mean since the last turn lie three zones, as wide as that mean's noise:
 // "held" reads the current curve; further back the estimate reads the reverse curve from the extreme at once, so that
-// rise and fall are treated alike, but that curve is tentative; only beyond the dead band does it become the current
-// one. Wiggles inside leave no memory, and a slow fall is not averaged away, since the extreme never comes back.
+// rise and fall are treated in the same way, but that curve is tentative; only beyond the dead band does it become the
+// current one. Wiggles inside leave no memory, and a slow fall is not averaged away, since the extreme never comes
+// back.
 class TaxelCompensator {
  public:
   // Starts at rest at (x0, y0). Keeps a reference to `model`. Throws std::invalid_argument on negative options.

@@ -20,7 +20,7 @@ static_assert(static_cast<int>(TB_TAXEL_VALID) == kTaxelValid && static_cast<int
 struct tb_compensator {
   std::optional<FrameCompensator<float>> single;
   std::optional<FrameCompensator<double>> whole;
-  // What the caller does not ask for, and what a lost frame gives.
+  // Buffers for results that the caller does not request, and the results of a lost frame.
   std::vector<float> single_spare;
   std::vector<double> whole_spare;
   std::vector<std::uint16_t> status_spare;
@@ -39,7 +39,7 @@ struct tb_compensator {
     else
       return whole_spare;
   }
-  // Calls `act` with whichever there is.
+  // Calls `act` with the compensator of the handle's precision.
   template <class Act>
   auto with(const Act& act) {
     return single ? act(*single) : act(*whole);

@@ -1,12 +1,12 @@
-/* The frame compensator for C, and for whatever can call C (python/tactbench_compensator.py). Link or load
+/* The frame compensator for C, and for languages that can call C (python/tactbench_compensator.py). Link or load
  * libtactbench_compensator.so.1; plain C99, no other header of the project.
  *
  * Frozen contract of ABI version 1:
  * - Functions and struct members are added at ends only, never changed or taken away; status bits likewise. The library
  *   takes any struct_size that it knows: fill structs with zeros, set struct_size = sizeof of your own, then the
- * members. Zero (and a null array) means "default" wherever a member says so.
+ *   members. Zero (and a null array) means "default" where a member states one.
  * - Nothing is thrown, nothing is printed. Every function returns TB_COMPENSATOR_OK (0) or a negative code; what was
- *   refused in tb_compensator_create stands in `message`. After a refusal the state is as before.
+ *   refused in tb_compensator_create is in `message`. After a refusal the state is as before.
  * - All memory is taken in tb_compensator_create. No other function allocates, locks or calls the system.
  * - One handle belongs to one thread at a time; different handles are independent.
  * - tb_compensator_destroy(NULL) does nothing. A handle that was destroyed must not be used again, and not be destroyed
@@ -36,7 +36,7 @@ enum tb_compensator_code {
   TB_COMPENSATOR_NULL = -1,      /* a pointer that must not be null is */
   TB_COMPENSATOR_SIZE = -2,      /* a struct_size is smaller than version 1's, or a count is not the taxels' */
   TB_COMPENSATOR_VALUE = -3,     /* see the message */
-  TB_COMPENSATOR_PRECISION = -4, /* a float32 handle was asked for doubles, or the other way round */
+  TB_COMPENSATOR_PRECISION = -4, /* a call for doubles with a float32 handle, or the reverse */
   TB_COMPENSATOR_MEMORY = -5
 };
 
@@ -44,9 +44,9 @@ enum tb_compensator_code {
 enum tb_compensator_status {
   TB_TAXEL_VALID = 1,        /* computed from this frame's sample, within the model's range and validity */
   TB_TAXEL_FLAT = 2,         /* much pressure hides behind little output here: see the uncertainty */
-  TB_TAXEL_OUT_OF_RANGE = 4, /* output outside the external loop: pressure clamped, not valid */
+  TB_TAXEL_OUT_OF_RANGE = 4, /* outside the external loop: pressure clamped, not valid, no uncertainty */
   TB_TAXEL_DEAD = 8,         /* not usable by set-up: lowest pressure, uncertainty the whole span */
-  TB_TAXEL_OUTSIDE = 16,     /* conditions outside the model's validity, as the caller said: not valid */
+  TB_TAXEL_OUTSIDE = 16,     /* conditions outside the model's validity, as set by the caller: not valid */
   TB_TAXEL_UNKNOWN = 32,     /* history not known yet: midway between its extremes, see the uncertainty */
   TB_TAXEL_LOST = 64         /* no sample: the last pressure again, not valid */
 };
@@ -58,7 +58,7 @@ enum tb_compensator_flags {
 };
 
 enum tb_compensator_taxel_flags {
-  TB_TAXEL_USABLE = 1, /* else dead, stuck, unfit: the other members are not looked at */
+  TB_TAXEL_USABLE = 1, /* else dead, stuck, unfit: the other members are not read */
   TB_TAXEL_FALLING = 2 /* the output falls when the pressure rises; patterns are those of the negated output */
 };
 

@@ -5,7 +5,7 @@
 
 namespace tactbench::analysis {
 
-// Halving without branches: outputs are noise, no branch on them could be foretold.
+// Halving without branches: outputs carry noise, so branches on them could not be predicted.
 std::size_t TaxelPattern::Side::piece(double at, std::size_t near) const {
   if (y[near] <= at) {
     if (at < y[near + 1]) return near;
@@ -64,7 +64,7 @@ ComposedCurve curve_from(const TaxelPattern& p, bool ascending, double x_turn, d
   const double x_split = std::clamp(x_split_turn, c.x_turn, xu);
   c.xsp = c.xs = std::min(x0 + own.alpha_d * (x_split - x0), c.x_turn);  // (14)
   c.xmp = c.x_turn;
-  c.turn_near = p.x.size() - 2;  // the pattern's top, whatever the turn
+  c.turn_near = p.x.size() - 2;  // the pattern's top for every turn
   c.ysp = p.output(p.descending, c.xs);
   c.ys = (p.exact_outer && xu - x_split <= outer ? c.ysp / p.span : own.beta_d) * c.y_turn;  // (15)
   return c;

@@ -1,6 +1,7 @@
 // A target curve of ELAM for the fast compensator: made at a turn without allocation, read directly, or cut into the
-// linear piece that holds an output. The formulas are those of ElamCurve (models/elam.h), Eqs (13)-(39). Outputs count
-// from y0 in units of the taxel's noise here, so that no decision of a frame's loop needs the noise itself.
+// linear piece that holds an output. The formulas are those of ElamCurve (analysis/models/elam.h), Eqs (13)-(39).
+// Outputs count from y0 in units of the taxel's noise here, so that no decision of a frame's loop needs the noise
+// itself.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +11,12 @@
 
 namespace tactbench::analysis {
 
-// One taxel's patterns and parameters as the curves need them.
+// One taxel's patterns and parameters in the form that the curves need.
 struct TaxelPattern {
   struct Side {
     std::vector<double> y, slope;  // knots from y0 on; psi per noise of each piece
     [[nodiscard]] std::size_t piece(double at,
-                                    std::size_t near) const;  // the same whatever `near` is, and fast near it
+                                    std::size_t near) const;  // the result does not depend on `near`; fast near it
   };
   std::vector<double> x;
   Side ascending, descending;
@@ -28,7 +29,8 @@ struct TaxelPattern {
   double saturated = 0.0;  // a piece that rises less is a straight line [A12]
 
   [[nodiscard]] double output(const Side& side, double x_at) const;
-  [[nodiscard]] double input(const Side& side, double y_at, std::size_t& near) const;  // near: where it was found
+  [[nodiscard]] double input(const Side& side, double y_at,
+                             std::size_t& near) const;  // near: the piece in which it was found
 };
 
 struct ComposedCurve {
@@ -42,7 +44,7 @@ struct ComposedCurve {
 // `near` below: pieces of the pattern to begin a search at; results do not depend on them.
 ComposedCurve curve_from(const TaxelPattern& pattern, bool ascending, double x_turn, double y_turn, double x_split_turn,
                          const ComposedCurve& near = {});
-// The other way from where `curve` has the output y (and the pressure x, when that is known already).
+// The reverse curve from the point of `curve` with output y (and pressure x, when that is known already).
 ComposedCurve reversed(const TaxelPattern& pattern, const ComposedCurve& curve, double y);
 ComposedCurve reversed(const TaxelPattern& pattern, const ComposedCurve& curve, double y, double x,
                        const ComposedCurve& near = {});
@@ -56,8 +58,8 @@ double sensitivity(const TaxelPattern& pattern, const ComposedCurve& curve, doub
 double reverse_sensitivity(const TaxelPattern& pattern, const ComposedCurve& curve, double y, double x,
                            const ComposedCurve& near = {});
 
-// Where from < y <= to, x = at + slope * (y - from). Its ends are the knots `index` and `index` + 1 of the curve, which
-// has as many pieces as its pattern has knots. What lies below and above all of them is constant.
+// For from < y <= to, x = at + slope * (y - from). Its ends are the knots `index` and `index` + 1 of the curve, which
+// has as many pieces as its pattern has knots. Below and above all of them x is constant.
 struct CurvePiece {
   double from = 0.0, to = 0.0, at = 0.0, slope = 0.0;
   std::size_t index = 0, near = 0;

@@ -45,7 +45,7 @@ void FrameCompensator<Real>::State::face(const Place& at, bool rising) {
   std::swap(b.lowest[at.i], b.highest[at.i]);
 }
 
-// The next sample looks for its piece.
+// The next sample searches for its piece.
 template <class Real>
 void FrameCompensator<Real>::State::set_curve(const Place& at, const ComposedCurve& curve) {
   constexpr Real kUnfilled = std::numeric_limits<Real>::quiet_NaN();
@@ -80,7 +80,7 @@ void FrameCompensator<Real>::State::start_lane(std::size_t taxel, bool unknown) 
   if (!unknown) return;
   histories[taxel] = {};
   histories[taxel].other = curve_from(at.pattern, false, xu, at.pattern.span, xu);
-  // Tells nothing: an event in each frame.
+  // Not known: an event in each frame.
   b.own[i] = b.worst[i] = std::numeric_limits<Real>::quiet_NaN();
 }
 
@@ -107,7 +107,8 @@ template <class Real>
 void FrameCompensator<Real>::State::check(std::size_t samples, const Output& output) const {
   if (samples != count || output.pressure_psi.size() != count || output.uncertainty_psi.size() != count ||
       output.status.size() != count)
-    throw std::invalid_argument("frame compensator: the samples or an output are not one a taxel");
+    throw std::invalid_argument(
+        "frame compensator: the number of samples or of an output's values is not that of the taxels");
 }
 
 template <class Real>
@@ -147,7 +148,7 @@ void FrameCompensator<Real>::lost_frame(const Output& output) {
   State& s = *state_;
   s.check(s.count, output);
   if (++s.gap > s.longest_gap) reset_unknown();
-  // What comes next is taken as it comes: the output may have gone anywhere meanwhile.
+  // The next sample is taken as it comes: the output may have gone anywhere meanwhile.
   for (LaneBlock<Real>& b : s.lanes.blocks) std::fill_n(b.steps, kLanes, static_cast<Real>(kStepCeiling));
   for (std::size_t taxel = 0; taxel < s.count; ++taxel) {
     output.pressure_psi[taxel] = s.lanes.blocks[taxel / kLanes].pressure[taxel % kLanes];
@@ -161,7 +162,8 @@ void FrameCompensator<Real>::lost_frame(const Output& output) {
 template <class Real>
 std::size_t FrameCompensator<Real>::tare(std::span<const std::uint16_t> counts) {
   State& s = *state_;
-  if (counts.size() != s.count) throw std::invalid_argument("frame compensator: the samples are not one a taxel");
+  if (counts.size() != s.count)
+    throw std::invalid_argument("frame compensator: the number of samples is not that of the taxels");
   std::size_t refused = 0;
   for (std::size_t t = 0; t < counts.size(); ++t) {
     if (s.patterns[t].x.empty()) continue;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 
+#include "analysis/compensate/dispatch.h"
 #include "analysis/compensate/frame_setup.h"
 
 namespace tactbench::analysis {
@@ -17,16 +18,13 @@ namespace tactbench::analysis {
 enum TaxelBits : std::uint16_t {
   kTaxelValid = 1,       // computed from this frame's sample, within the model's range and validity
   kTaxelFlat = 2,        // the slope hides more pressure behind the noise than flat_psi: see the uncertainty
-  kTaxelOutOfRange = 4,  // output outside the external loop by more than the dead band: pressure clamped, not valid
+  kTaxelOutOfRange = 4,  // output outside the external loop by more than the dead band: pressure clamped, its
+                         // uncertainty means nothing (0 where the curve ends flat), not valid
   kTaxelDead = 8,        // not usable by its setup: lowest pressure, uncertainty the whole span
-  kTaxelOutside = 16,    // the caller said that conditions are outside the model's validity: not valid
+  kTaxelOutside = 16,    // conditions outside the model's validity, as set by the caller: not valid
   kTaxelUnknown = 32,    // history not known yet: midway between its extremes, see the uncertainty
   kTaxelLost = 64,       // no sample (frame lost, or not a finite number): the last pressure again, not valid
 };
-
-// Which machine code the frame's loop uses; results are bit for bit the same on each.
-enum class Dispatch { kBase, kAvx2, kAvx512 };
-const char* to_string(Dispatch dispatch);
 
 template <class Real>
 class FrameCompensator {
@@ -38,7 +36,7 @@ class FrameCompensator {
     std::span<std::uint16_t> status;  // TaxelBits
   };
 
-  // Allocates all that is ever needed. Throws std::invalid_argument that names the taxel and what is wrong with it.
+  // Allocates all memory. Throws std::invalid_argument that names the taxel and its error.
   explicit FrameCompensator(const FrameSetup& setup);
   ~FrameCompensator();
   FrameCompensator(FrameCompensator&&) noexcept;
@@ -54,11 +52,11 @@ class FrameCompensator {
   void lost_frame(const Output& output);
 
   void reset();          // all at rest at the lowest pressure
-  void reset_unknown();  // start from anywhere
+  void reset_unknown();  // start from any state
   // `counts` is the unloaded sensor: its outputs become those of the lowest pressure, and all are at rest there. A
-  // taxel that would move by more than tare_share of its span is left as it was. Returns how many were.
+  // taxel that would move by more than tare_share of its span is left as it was. Returns the number of such taxels.
   std::size_t tare(std::span<const std::uint16_t> counts);
-  // Temperature, rate, mount and so on are the caller's to compare with the model's validity box.
+  // The caller compares temperature, rate, mount and so on with the model's validity box.
   void set_outside_validity(bool outside);
 
   void set_dispatch(Dispatch dispatch);  // for tests; the best one that the processor has is the default
@@ -68,8 +66,6 @@ class FrameCompensator {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-[[nodiscard]] Dispatch best_dispatch();
 
 extern template class FrameCompensator<float>;
 extern template class FrameCompensator<double>;

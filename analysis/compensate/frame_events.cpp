@@ -9,7 +9,7 @@ namespace tactbench::analysis {
 
 namespace {
 
-constexpr double kUniform = 0.28867513459481288;  // 1 / sqrt(12): standard uncertainty of what lies anywhere within 1
+constexpr double kUniform = 0.28867513459481288;  // 1 / sqrt(12): standard uncertainty of a value anywhere within 1
 
 // The smallest number above.
 template <class Real>
@@ -37,7 +37,7 @@ typename FrameCompensator<Real>::State::LanePiece FrameCompensator<Real>::State:
   return {-to, -above, -from, x, -slope, Real(0), Real(0), piece};
 }
 
-// A piece's sensitivities are the larger ones of its two ends: what lies between is not observed better than that.
+// A piece's sensitivities are the larger ones of its two ends: points between are observed at least as well.
 template <class Real>
 void FrameCompensator<Real>::State::look_up(const Place& at) {
   LanePiece& here = at.t.pieces[at.t.here];
@@ -61,7 +61,7 @@ void FrameCompensator<Real>::State::show(const Place& at) {
   b.worst[i] = here.worst;
 }
 
-// The piece before the last is not kept.
+// The piece before the last is dropped.
 template <class Real>
 void FrameCompensator<Real>::State::locate(const Place& at) {
   const std::size_t near = at.t.pieces[at.t.here ^ 1].piece.near;
@@ -200,7 +200,7 @@ void FrameCompensator<Real>::State::change_piece(const Place& at) {
   show(at);
 }
 
-// The rare ones of the events.
+// The rare events.
 template <class Real>
 void FrameCompensator<Real>::State::attend_rare(const Place& at, bool turned, bool back, bool held,
                                                 const FrameResults<Real>& results) {
@@ -214,7 +214,7 @@ void FrameCompensator<Real>::State::attend_rare(const Place& at, bool turned, bo
 
 template <class Real>
 void FrameCompensator<Real>::State::attend(const FrameResults<Real>& results) {
-  // Copies, for the compiler cannot know that no result lies where they come from.
+  // Copies, since the compiler cannot know that results do not alias them.
   const FrameResults<Real> to = results;
   const Real band2 = lanes.limits.band2, hold2 = lanes.limits.hold2, flat = lanes.limits.flat;
   const std::uint16_t *const events = lanes.bits.events.data(), *const helds = lanes.bits.held.data();
@@ -225,7 +225,7 @@ void FrameCompensator<Real>::State::attend(const FrameResults<Real>& results) {
   for (std::size_t k = 0, end = lanes.bits.events.size(); k < end; k += 4) {
     std::uint64_t word = 0;
     for (std::size_t j = 0; j < 4; ++j) word |= std::uint64_t{events[k + j]} << (kLanes * j);
-    // What a large array's events need lies far away; all of it is asked for at once.
+    // A large array's data for events is far away in memory; all of it is prefetched at once.
     if (far)
       for (std::uint64_t left = word; left != 0; left &= left - 1) {
         const std::size_t taxel = k * kLanes + static_cast<std::size_t>(std::countr_zero(left));

@@ -39,18 +39,18 @@ struct alignas(64) LaneBlock {
   Real extreme[kLanes], extreme_weight[kLanes];
   Real turn[kLanes];  // the extreme less its lead
   // The piece of the current curve in which the last means lay; it holds as long as low <= mean <= high. `worst` is the
-  // larger one of the piece's own sensitivity and the reverse one. NaN until somebody asked for them.
+  // larger one of the piece's own sensitivity and the reverse one. NaN until needed.
   Real low[kLanes], high[kLanes], origin[kLanes], at[kLanes], slope[kLanes], own[kLanes], worst[kLanes];
   // The last results, for frames that are lost.
   Real pressure[kLanes], uncertainty[kLanes];
 };
 
-// CompensatorOptions as the loop wants them.
+// CompensatorOptions in the form of the loop.
 template <class Real>
 struct FrameLimits {
   Real moving, jump2, least, band2, rest2, hold2, lead, flat, counts_per_volt;
-  // What the loop computes from a mean's weight, to be read by the number of its samples where the longest mean has 8:
-  // its lowest three or four bits are the index. The same bits as computed.
+  // Values that the loop computes from a mean's weight, as tables by the number of its samples where the longest mean
+  // has 8: its lowest three or four bits are the index. The same bits as computed.
   bool has_tables = false;
   alignas(64) Real jumps2[16] = {}, step_weights[16] = {};  // of that mean: 1 + and 1 - half its weight
   alignas(64) Real next_weights[16] = {}, next_roots[16] = {}, next_leads[16] = {};  // of one with a sample more
@@ -69,7 +69,7 @@ struct LaneBits {
   Bits lost;    // the sample was not a number: state and results are as before
 };
 
-// Where results go: whole blocks.
+// Destination of the results: whole blocks.
 template <class Real>
 struct FrameResults {
   Real* pressure;
@@ -85,7 +85,7 @@ struct FrameLanes {
 };
 
 // One pass over all blocks, without a branch that depends on a sample: follows the outputs, reads the current pieces,
-// and says whose results somebody has to look at. `samples` are whole blocks.
+// and marks the taxels whose results need further work. `samples` are whole blocks.
 template <class Real, class Sample>
 using FramePass = void (*)(FrameLanes<Real>& lanes, const Sample* samples, const FrameResults<Real>& results);
 template <class Real, class Sample>

@@ -1,5 +1,5 @@
-// One level of the frame pass. frame_pass.cpp includes it once for each, and says the level's name, the bytes of its
-// vectors and the target of its functions; hence no include guard.
+// One vector level of the frame pass. frame_pass.cpp includes it once for each, and defines the level's name, the bytes
+// of its vectors and the target of its functions; hence no include guard.
 
 #define TACTBENCH_PASS_INLINE TACTBENCH_PASS_TARGET __attribute__((always_inline)) static
 
@@ -7,7 +7,7 @@ namespace tactbench::analysis {
 namespace {
 namespace TACTBENCH_PASS_LEVEL {
 
-// Vectors as GCC and clang have them, and intrinsics for what they lack.
+// Vector types of GCC and clang, and intrinsics for operations that they lack.
 template <class Real>
 struct Vectors {
   typedef Real V __attribute__((vector_size(TACTBENCH_PASS_BYTES), may_alias));
@@ -193,7 +193,7 @@ struct Pass : Vectors<Real> {
     const V pressure = load(b.at + at) + load(b.slope + at) * (mean - load(b.origin + at));
     const V sensitivity = choose(held, load(b.worst + at), load(b.own + at)), uncertainty = root_weight * sensitivity;
     const Mask outside = either(less(y, load(b.lowest + at)), less(load(b.highest + at), y));
-    // A turn lies further behind than what is held, and a NaN is not at most itself.
+    // A turn lies further behind than the held zone, and a NaN is not at most itself.
     const Mask fits = both(both(at_most(load(b.low + at), mean), at_most(mean, load(b.high + at))),
                            at_most(sensitivity, sensitivity));
     Mask event = either(no(fits), only(less(hold, behind2), taken));

@@ -27,7 +27,7 @@ TaxelPattern::Side side_of(const PatternCurve& curve, double noise_v) {
 TaxelPattern pattern_of(const FrameSetup& setup, const TaxelSetup& taxel, double noise_v) {
   const std::vector<double>&up = taxel.ascending_v, &down = taxel.descending_v;
   const std::size_t knots = setup.pressure_psi.size();
-  demand(up.size() == knots && down.size() == knots, "its patterns have not as many values as there are pressures");
+  demand(up.size() == knots && down.size() == knots, "its patterns and the pressures differ in number");
   demand(up.front() == down.front() && up.back() == down.back(), "its patterns do not meet at their ends");
   const ElamParameters& p = taxel.parameters;
   for (const double value : {p.alpha_d, p.beta_d, p.beta_a})
@@ -49,20 +49,6 @@ TaxelPattern pattern_of(const FrameSetup& setup, const TaxelSetup& taxel, double
 }
 
 }  // namespace
-
-const char* to_string(Dispatch dispatch) {
-  return dispatch == Dispatch::kAvx512 ? "avx512" : dispatch == Dispatch::kAvx2 ? "avx2" : "base";
-}
-
-Dispatch best_dispatch() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512vl"))
-    return Dispatch::kAvx512;
-  if (__builtin_cpu_supports("avx2")) return Dispatch::kAvx2;
-#endif
-  return Dispatch::kBase;
-}
 
 template <class Real>
 FrameLimits<Real>::FrameLimits(const CompensatorOptions& o, double volts_per_count)
@@ -126,7 +112,7 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
   for (std::size_t t = 0; t < padded; ++t) {
     LaneBlock<Real>& b = lanes.blocks[t / kLanes];
     const std::size_t i = t % kLanes;
-    // A lane without a taxel: nothing that it reads is an event.
+    // A lane without a taxel: no sample of it is an event.
     b.weight[i] = b.extreme_weight[i] = Real(1);
     b.low[i] = static_cast<Real>(-kFar);
     b.high[i] = static_cast<Real>(kFar);
@@ -137,7 +123,7 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
       dead.push_back(t);
       continue;
     }
-    // Half a count of rounding is noise, too, and the least there is.
+    // Half a count of rounding is noise, too, and the least possible.
     const double noise = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
     try {
       patterns[t] = pattern_of(setup, taxel, noise);

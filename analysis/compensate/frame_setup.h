@@ -1,4 +1,4 @@
-// What a frame compensator is made of: each taxel's patterns, parameters, noise and status, and the options of all.
+// Set-up of a frame compensator: each taxel's patterns, parameters, noise and status, and the common options.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 namespace tactbench::analysis {
 
 struct TaxelSetup {
-  bool usable = false;              // false (dead, stuck, saturated, unfit): the rest is not looked at
+  bool usable = false;              // false (dead, stuck, saturated, unfit): the other members are not read
   std::vector<double> ascending_v;  // pattern at FrameSetup::pressure_psi; of a falling sensor the negated output
   std::vector<double> descending_v;
   ElamParameters parameters;

@@ -1,4 +1,4 @@
-// A frame compensator from inside: vectors' memory, the curves behind it, and what the vector pass leaves to do.
+// Inside of a frame compensator: the vectors' memory, the curves behind it, and the work left by the vector pass.
 #pragma once
 
 #include "analysis/compensate/composed_curve.h"
@@ -18,7 +18,7 @@ struct FrameCompensator<Real>::State {
     [[nodiscard]] bool holds(Real mean) const { return mean >= low && mean <= high; }
     [[nodiscard]] Real along(Real mean) const { return at + slope * (mean - origin); }
   };
-  // What lies behind a taxel's lane.
+  // Data of a taxel behind its lane.
   struct Taxel {
     bool rises = true;      // the lane's outputs are the sensor's, else their negatives
     bool unknown = false;   // its history is
@@ -29,13 +29,13 @@ struct FrameCompensator<Real>::State {
     ComposedCurve curve;     // since the last remembered turn
     ComposedCurve way_back;  // from the extreme
   };
-  // Of a start from anywhere.
+  // Of a start from any state.
   struct History {
     ComposedCurve other;  // of the history that fell from the top
     Real extreme = 0, weight = 1;
     bool started = false, decided = false;
   };
-  // Of a curve's knots (CurvePiece::index), and of the two places below and above them all. NaN: not asked for yet.
+  // Of a curve's knots (CurvePiece::index), and of the two places below and above them all. NaN: not computed yet.
   struct Sensitivity {
     Real own, reverse;
   };

@@ -1,5 +1,5 @@
-// Outputs in, inputs out, sample by sample, by any hysteresis model: the comparison of models compensates with this one
-// rule. (The product's own compensator for ELAM does more: frame_compensator.h.)
+// Outputs in, inputs out, sample by sample, by any hysteresis model: models are compared by this one rule of
+// compensation. (The compensator for ELAM does more: frame_compensator.h.)
 #pragma once
 
 #include <memory>
@@ -12,7 +12,8 @@ namespace tactbench::analysis {
 // there, but only an output that went back by more than the dead band is remembered as a turn [A13].
 class InverseStream {
  public:
-  // Starts virgin. Keeps a pointer to `model`. Throws std::invalid_argument when `dead_band` is negative or not finite.
+  // Starts from a virgin state. Keeps a pointer to `model`. Throws std::invalid_argument when `dead_band` is negative
+  // or not finite.
   InverseStream(const HysteresisModel& model, double dead_band);
   // Throws std::invalid_argument when `output` is not finite; the state is then as before.
   double step(double output);

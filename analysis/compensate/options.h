@@ -1,4 +1,4 @@
-// What a compensator takes for granted about noise, turns and flat places; the same for the plain and the fast form.
+// A compensator's options on noise, turns and flat places; the same for the plain and the fast form.
 #pragma once
 
 namespace tactbench::analysis {
@@ -9,21 +9,22 @@ namespace tactbench::analysis {
 struct CompensatorOptions {
   double noise_v = 0.0;          // standard deviation of a sample
   double moving = 2.4;           // mean square of a sample's step, in noises squared, above which nothing is averaged
-  double jump_in_noises = 5.0;   // a sample so far from the mean of those before starts a new mean
-  int longest_mean = 8;          // samples: an output that does not move is averaged over so many
+  double jump_in_noises = 5.0;   // a sample this x the noise from the mean before it starts a new mean
+  int longest_mean = 8;          // samples: an output that does not move is averaged over up to this many
   double lead_in_noises = 1.75;  // the highest of many means lies above the true extreme by this x a mean's noise
   double band_in_noises =
       5.5;  // dead band = this x the mean's noise: a turn is remembered once the mean is so far back
-  double rest_in_noises = 3.0;  // an extreme so near to where the output came to rest was a sample's noise
+  double rest_in_noises =
+      3.0;  // an extreme within this x the noise of the place where the output came to rest was noise
   double hold_in_noises = 1.6;  // within this x the mean's noise of the extreme the output has not turned
   double flat_in_noises = 4.0;  // flat when an output this x the mean's noise off moves the estimate ...
   double flat_psi = 2.0;        // ... by more than this
-  double drift_share = 0.01;    // of the output's span: so far below yu a turn's split is that of a turn at xu
-  double known_psi = 0.5;       // an unknown start is over when all histories give estimates so close together
+  double drift_share = 0.01;    // of the output's span: within this of yu a turn's split is that of a turn at xu
+  double known_psi = 0.5;       // an unknown start is over when the estimates of all histories are within this
 };
 
-// The mean square of the steps is a running one over so many samples, each counted up to a ceiling, so that a halt is
-// seen soon after a fast move.
+// The mean square of the steps is a running one over this many samples, each counted up to a ceiling, so that a halt is
+// detected soon after a fast move.
 inline constexpr double kStepWindow = 24.0;
 inline constexpr double kStepCeiling = 14.0;
 // Stands for 1 / 0 where there is no noise: any step is a move.

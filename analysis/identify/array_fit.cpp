@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
+#include "analysis/statistics/numbers/moments.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -16,16 +18,16 @@ struct TaxelData {
   std::vector<TaxelBranch> branches;
 };
 
-TaxelData taxel_data(const std::vector<CommonSequence>& sequences, const ExternalLoop& loop, std::size_t width,
+TaxelData taxel_data(const std::vector<TaxelTable>& sequences, const ExternalLoop& loop, std::size_t width,
                      std::size_t taxel) {
   TaxelData data;
   data.ascending_v.reserve(loop.pressure_psi.size());
   data.descending_v.reserve(loop.pressure_psi.size());
   for (std::size_t i = 0; i < loop.pressure_psi.size(); ++i) {
-    data.ascending_v.push_back(loop.ascending_v[i * width + taxel]);
-    data.descending_v.push_back(loop.descending_v[i * width + taxel]);
+    data.ascending_v.push_back(loop.ascending[i * width + taxel]);
+    data.descending_v.push_back(loop.descending[i * width + taxel]);
   }
-  for (const CommonSequence& sequence : sequences) {
+  for (const TaxelTable& sequence : sequences) {
     for (const Branch& branch : sequence.branches) {
       TaxelBranch own;
       own.ascending = branch.ascending;
@@ -33,7 +35,7 @@ TaxelData taxel_data(const std::vector<CommonSequence>& sequences, const Externa
                               sequence.pressure_psi.begin() + branch.last + 1);
       own.volts.reserve(own.pressure_psi.size());
       for (auto i = static_cast<std::size_t>(branch.first); i <= static_cast<std::size_t>(branch.last); ++i)
-        own.volts.push_back(sequence.volts[i * width + taxel]);
+        own.volts.push_back(sequence.values[i * width + taxel]);
       data.branches.push_back(std::move(own));
     }
   }
@@ -73,18 +75,14 @@ TaxelFit fit_taxel(const TaxelData& data, const std::vector<double>& grid, doubl
   return result;
 }
 
-double mean_of_levels(const std::vector<double>& values, std::size_t first, std::size_t count) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < count; ++i) sum += values[first + i];
-  return sum / static_cast<double>(count);
-}
-
 // The mean of all outputs falls from the lowest pressure to the highest.
 bool falls(const ExternalLoop& loop, std::size_t width, double dead_v) {
   const std::size_t last = (loop.pressure_psi.size() - 1) * width;
-  const double start = 0.5 * (mean_of_levels(loop.ascending_v, 0, width) + mean_of_levels(loop.descending_v, 0, width));
-  const double end =
-      0.5 * (mean_of_levels(loop.ascending_v, last, width) + mean_of_levels(loop.descending_v, last, width));
+  const auto mean_at = [&](const std::vector<double>& volts, std::size_t first) {
+    return mean_of(std::span<const double>(volts).subspan(first, width));
+  };
+  const double start = 0.5 * (mean_at(loop.ascending, 0) + mean_at(loop.descending, 0));
+  const double end = 0.5 * (mean_at(loop.ascending, last) + mean_at(loop.descending, last));
   return start - end >= dead_v;
 }
 
@@ -100,7 +98,7 @@ std::vector<std::size_t> fitted_of(const ArrayFit& fit) {
 }
 
 // The mean over the fitted taxels as one more taxel.
-TaxelFit fit_mean(const std::vector<CommonSequence>& sequences, const ExternalLoop& loop, std::size_t width,
+TaxelFit fit_mean(const std::vector<TaxelTable>& sequences, const ExternalLoop& loop, std::size_t width,
                   const ArrayFit& fit, const ArrayFitOptions& options) {
   const std::vector<std::size_t> fitted = fitted_of(fit);
   double variance = 0.0;
@@ -110,16 +108,15 @@ TaxelFit fit_mean(const std::vector<CommonSequence>& sequences, const ExternalLo
                         "look at the frames: dead, stuck and saturated taxels are left out");
   const auto mean = [&](const std::vector<double>& volts) {
     std::vector<double> result(volts.size() / width, 0.0);
-    for (std::size_t i = 0; i < result.size(); ++i) {
-      for (const std::size_t taxel : fitted) result[i] += volts[i * width + taxel];
-      result[i] /= static_cast<double>(fitted.size());
-    }
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] = mean_of_chosen(std::span<const double>(volts).subspan(i * width, width),
+                                 std::span<const std::size_t>(fitted));
     return result;
   };
-  std::vector<CommonSequence> means;
-  for (const CommonSequence& sequence : sequences)
-    means.push_back({sequence.pressure_psi, mean(sequence.volts), sequence.branches});
-  const ExternalLoop mean_loop{loop.pressure_psi, mean(loop.ascending_v), mean(loop.descending_v)};
+  std::vector<TaxelTable> means;
+  for (const TaxelTable& sequence : sequences)
+    means.push_back({sequence.pressure_psi, mean(sequence.values), sequence.branches});
+  const ExternalLoop mean_loop{loop.pressure_psi, mean(loop.ascending), mean(loop.descending)};
   const double noise = std::sqrt(variance) / static_cast<double>(fitted.size());
   return fit_taxel(taxel_data(means, mean_loop, 1, 0), loop.pressure_psi, noise, false, options);
 }
@@ -151,7 +148,7 @@ Dataset as_modelled(Dataset dataset, const ArrayFit& fit) {
 
 ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
-  std::vector<CommonSequence> sequences(dataset.sequences.size());
+  std::vector<TaxelTable> sequences(dataset.sequences.size());
   for_each_index(sequences.size(), options.threads, [&](std::size_t i) {
     sequences[i] = bring_to_common(dataset.sequences[i], dataset.taxels(), options.common);
   });
@@ -161,9 +158,9 @@ ArrayFit fit_array(const Dataset& dataset, const ArrayFitOptions& options) {
   fit.columns = dataset.columns;
   fit.falling = falls(loop, width, options.dead_v);
   if (fit.falling) {
-    for (CommonSequence& sequence : sequences) negate(sequence.volts);
-    negate(loop.ascending_v);
-    negate(loop.descending_v);
+    for (TaxelTable& sequence : sequences) negate(sequence.values);
+    negate(loop.ascending);
+    negate(loop.descending);
   }
   fit.run = dataset.run;
   fit.origin = dataset.origin;

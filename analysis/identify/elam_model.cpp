@@ -5,15 +5,15 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/identify/elam_samples.h"
+#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/fit_data.h"
-#include "analysis/identify/genetic.h"
 #include "analysis/models/elam_hysteresis.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr int kFreeRunPasses = 4;  // elam-notes, section 3: two to four
+constexpr int kFreeRunPasses = 4;  // at most; two to four suffice
 
 std::vector<TaxelBranch> branches_in(const FitData& data) {
   std::vector<TaxelBranch> branches;

@@ -2,7 +2,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "analysis/identify/genetic.h"
+#include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/identifier.h"
 
 namespace tactbench::analysis {

@@ -40,7 +40,7 @@ ElamCurve::ElamCurve(const ElamModel& model, bool ascending, double x_turn, doub
     xsp_ = xs_;
     xmp_ = x_turn_;
     ysp_ = model.descending(xs_);
-    // (15), or likewise P_d's own share there.
+    // (15), or P_d's own share there.
     const double share = exact && xu - x_split <= near ? (ysp_ - y0) / (yu - y0) : p.beta_d;
     ys_ = y0 + share * (y_turn_ - y0);
   }

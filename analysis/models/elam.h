@@ -22,8 +22,9 @@ inline constexpr std::array<const char*, 5> kElamParameterNames = {"alpha_d", "b
 // A branch that starts within this share of the pressure span of x0 or xu is an external one.
 inline constexpr double kOuterShare = 0.01;
 
-// A pattern that rises less than this share of its span over a piece is saturated there: it was left a straight line
-// of the minimum slope, and linear between the piece's ends [A12] is the same curve without the cancellation.
+// A pattern that rises less than this share of its span over a piece is saturated there: PatternCurve made it a
+// straight line of the minimum slope, and linear between the piece's ends [A12] is the same curve without the
+// cancellation.
 inline constexpr double kSaturatedShare = 2e-9;
 
 struct ElamOptions {

@@ -87,8 +87,8 @@ std::vector<ModelParameter> ElamHysteresis::parameters() const {
   return list;
 }
 
-// Direction and split compared, Eq. (16) or (23) as one multiply-add, one look-up, its multiply-add, Eq. (17) or the
-// closing scale as another. Further pieces: a comparison each, and one map more.
+// Direction and split compared, Eq. (16) or (23) as one multiply-add, one table access, its multiply-add, Eq. (17) or
+// the closing scale as another. Further pieces: a comparison each, and one more map.
 int ElamHysteresis::operations_per_sample() const { return pieces_.splits() == 1 ? 9 : 11 + pieces_.splits(); }
 
 std::unique_ptr<ModelState> ElamHysteresis::state() const {

@@ -9,7 +9,7 @@ namespace tactbench::analysis {
 
 // Without `memory` (the paper, [A10]) a turn forgets all older ones: every branch runs to (x0, y0) or (xu, yu). With
 // it, turning points stand on a stack: a branch runs to the turning point before the last, where it closes the inner
-// loop, forgets both (wiping-out) and goes on along the branch that was left there. The closing branch is the paper's
+// loop, forgets both (wiping-out) and continues along the branch that was left there. The closing branch is the paper's
 // curve, its ordinates scaled linearly so that it meets that point.
 class ElamHysteresis final : public HysteresisModel {
  public:
@@ -25,8 +25,8 @@ class ElamHysteresis final : public HysteresisModel {
   [[nodiscard]] double x_low() const override { return model_.x0(); }
   [[nodiscard]] double x_high() const override { return model_.xu(); }
   [[nodiscard]] int operations_per_sample() const override;
-  // measured(y) within 1 % of the span from x0 or xu is that of an external branch: it stands on the external curve,
-  // whatever y, as in identification.
+  // measured(y) within 1 % of the span from x0 or xu belongs to an external branch: the state is on the external curve
+  // for every y, as in identification.
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
   // {"model": "elam", "x": [...], "ascending": [...], "descending": [...], "parameters": {...}, "options": {...}}
   // and with more than one split "pieces": {"descending_low": [...], "descending_high": [...], "ascending_low": ...}.
@@ -35,7 +35,7 @@ class ElamHysteresis final : public HysteresisModel {
   [[nodiscard]] const ElamModel& elam() const { return model_; }
   [[nodiscard]] const ElamPieces& pieces() const { return pieces_; }
   [[nodiscard]] bool memory() const { return memory_; }
-  // One split point a branch and no memory: what the streaming compensator knows.
+  // One split point a branch and no memory: the only form of the streaming compensator.
   [[nodiscard]] bool is_paper() const { return !memory_ && pieces_.splits() == 1; }
 
  private:
@@ -44,7 +44,7 @@ class ElamHysteresis final : public HysteresisModel {
   ElamPieces pieces_;
 };
 
-// Throws std::invalid_argument that says which member is missing or wrong.
+// Throws std::invalid_argument that names the missing or wrong member.
 std::unique_ptr<HysteresisModel> elam_from_json(const nlohmann::ordered_json& json);
 
 }  // namespace tactbench::analysis

@@ -25,7 +25,7 @@ ElamPiecedCurve::ElamPiecedCurve(const ElamModel& model, const ElamPieces& piece
   }
 }
 
-// Adds the knots of the next side, which ends at `end`; place(share) is where an inner one lies on the paper's curve.
+// Adds the knots of the next side, which ends at `end`; place(share) is an inner one's place on the paper's curve.
 template <class Place>
 void ElamPiecedCurve::divide(const std::vector<double>& logs, double end, const Place& place) {
   const std::size_t first = last_, count = logs.size() + 1;

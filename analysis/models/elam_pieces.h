@@ -1,5 +1,5 @@
-// ELAM with more than one split point a branch, which the conclusion of Sanchez-Duran et al., Sensors 2015, names but
-// does not write down. The parametrisation is ours, not the paper's.
+// ELAM with more than one split point a branch, which the conclusion of Sanchez-Duran et al., Sensors 2015, mentions
+// without equations. The parametrisation is ours, not the paper's.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 namespace tactbench::analysis {
 
 inline constexpr int kMostSplits = 8;
-inline constexpr double kMostPieceLog = 2.0;  // a piece is made at most e^2 times larger or smaller than its neighbours
+inline constexpr double kMostPieceLog = 2.0;  // a piece is at most e^2 times larger or smaller than its neighbours
 
 // The paper's split point stays, and each of the two sides it makes is divided again: a side with k numbers into k + 1
 // pieces, evenly in x where the curve descends and evenly in y where it ascends. Pieces of the paper's curve are then
 // resized: descending, each rises by its own weight times what it rose, ascending, each is its own weight times as
-// long, and all of a side by the common factor that leaves the side's ends where they were. So every piece is a linear
-// map of its piece of the pattern, as with one split, and the curve is monotone whatever the numbers. The numbers are
-// logarithms of the weights of the second piece on, the first one's is 0; with all of them 0 it is the paper's curve.
+// long, and all of a side by the common factor that keeps the side's ends in place. So every piece is a linear map of
+// its piece of the pattern, as with one split, and the curve is monotone for any numbers. The numbers are logarithms of
+// the weights from the second piece on, the first one's is 0; with all of them 0 it is the paper's curve.
 struct ElamPieces {
   std::vector<double> descending_low, descending_high, ascending_low, ascending_high;  // low: the side nearer x0
   [[nodiscard]] int splits() const { return 1 + static_cast<int>(descending_low.size() + descending_high.size()); }

@@ -33,7 +33,7 @@ void ElamSegment::go_on_from(ElamPoint here) {
     kind_ = Kind::kPlain;
     return;
   }
-  // A start measured beyond the end: flat, never the wrong way.
+  // A start measured beyond the end: flat, never in the wrong direction.
   if (beyond(ascending(), from_.y, to_.y)) from_.y = to_.y;
   const bool scaled = std::abs(end - base_) > smallest_rise_;
   kind_ = scaled ? Kind::kScaled : Kind::kStraight;
@@ -84,7 +84,7 @@ ElamSegment ElamState::turned(bool ascending) const {
   return again;
 }
 
-// `read` of the segment on which `value` lies when we go up or down from here, along closed loops to the outer ones.
+// `read` of the segment on which `value` lies on the way up or down from here, along closed loops to the outer ones.
 double ElamState::follow(bool up, double value, double ElamPoint::*along,
                          double (ElamSegment::*read)(double) const) const {
   std::size_t count = segments_.size();
@@ -125,7 +125,7 @@ void ElamState::go(double x) {
     if (!memory_ || up == last.ascending()) {
       last = fresh;
     } else {
-      // Whoever comes back to the branch that is left here goes on from here.
+      // A return to the branch that is left here continues from here.
       if (last.output(here_.x) != here_.y) last.go_on_from(here_);
       segments_.push_back(fresh);
     }
@@ -134,7 +134,7 @@ void ElamState::go(double x) {
   const auto closed = [&] { return segments_.size() > 2 && !beyond(up, segments_.back().to().x, x); };
   while (closed()) segments_.erase(segments_.end() - 2, segments_.end());
   here_ = {x, y};
-  // At an end of the range nothing older is remembered.
+  // At an end of the range older turning points are forgotten.
   if (x <= model_->x0()) segments_.assign(1, outer(true));
   if (x >= model_->xu()) segments_.assign(1, outer(false));
 }
@@ -152,7 +152,7 @@ void ElamState::measured(double y) {
   }
   here_.y = std::max(y, model_->y0());
   if (memory_) {
-    // Inside the loop that is remembered: it could not close otherwise.
+    // Kept inside the remembered loop, which could not close otherwise.
     const double a = segments_.back().origin.y, b = segments_.back().to().y;
     here_.y = std::clamp(y, std::min(a, b), std::max(a, b));
   }

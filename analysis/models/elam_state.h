@@ -1,4 +1,4 @@
-// Where an ELAM model stands on its way along a history, with or without return-point memory.
+// State of an ELAM model along a history, with or without return-point memory.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ struct ElamPoint {
   double x = 0.0, y = 0.0;
 };
 
-// A target curve from a turning point to where it closes a loop or ends. Its ordinates are scaled so that it meets
-// both; where it does so already it is the plain curve.
+// A target curve from a turning point to the point where it closes a loop or ends. Its ordinates are scaled so that it
+// meets both points; where it already does it is the plain curve.
 class ElamSegment {
  public:
   ElamSegment(const ElamModel& model, const ElamPieces& pieces, bool ascending, ElamPoint from, ElamPoint to);
@@ -21,7 +21,7 @@ class ElamSegment {
   [[nodiscard]] ElamPoint to() const { return to_; }
   [[nodiscard]] double output(double x) const;
   [[nodiscard]] double input(double y) const;
-  void go_on_from(ElamPoint here);  // what is left of it now runs from here to the same end
+  void go_on_from(ElamPoint here);  // the rest of it now runs from here to the same end
 
   ElamPoint origin;  // the turning point at which the loop that a branch leaves here closes
 
@@ -52,7 +52,7 @@ class ElamState final : public ModelState {
   const ElamModel* model_;
   const ElamPieces* pieces_;
   bool memory_;
-  std::vector<ElamSegment> segments_;  // directions alternate; the last is the one we are on
+  std::vector<ElamSegment> segments_;  // directions alternate; the last is the current one
   ElamPoint here_;
   bool anchored_ = false;  // measured here: any way on is a new branch
 };

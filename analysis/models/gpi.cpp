@@ -89,7 +89,7 @@ std::vector<ModelParameter> GpiModel::parameters() const {
   return list;
 }
 
-// Two envelopes (multiply, exponential looked up, multiply, subtract: 4 each), five operators (add, subtract, two
+// Two envelopes (multiply, exponential from a table, multiply, subtract: 4 each), five operators (add, subtract, two
 // comparisons), five multiply-adds and the offset.
 int GpiModel::operations_per_sample() const { return 2 * 4 + kGpiOperators * (4 + 2) + 1; }
 

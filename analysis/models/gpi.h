@@ -11,8 +11,8 @@ namespace tactbench::analysis {
 inline constexpr int kGpiOperators = 5;
 
 // y = y_low + sum of p(r_i) H_i, r_i = alpha i, p(r) = rho e^(-tau r), gamma_l(x) = a3 - a0 e^(a2 - a1 (x - x_low)),
-// gamma_r alike with b. The paper's rig has x_low = y_low = 0. a0 and a2 occur only as a0 e^a2, b alike, and (a0, a3,
-// b0, b3, alpha, 1/rho, 1/tau) share a scale: 8 of the 11 numbers are independent [A16].
+// gamma_r the same with b. The paper's rig has x_low = y_low = 0. a0 and a2 occur only as a0 e^a2, b0 and b2 the same,
+// and (a0, a3, b0, b3, alpha, 1/rho, 1/tau) share a scale: 8 of the 11 numbers are independent [A16].
 struct GpiParameters {
   double a0 = 1.0, a1 = 1.0, a2 = 0.0, a3 = 1.0;  // a0 > 0 and a3 in y, a1 > 0 in 1/x
   double b0 = 1.0, b1 = 1.0, b2 = 0.0, b3 = 1.0;  // b0 > 0 and b3 in y, b1 > 0 in 1/x

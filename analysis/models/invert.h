@@ -1,4 +1,4 @@
-// The one numeric inverse of all models that the paper gives no inverse for.
+// The numeric inverse of all models for which the paper gives none.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 namespace tactbench::analysis {
 
 // The first input at which `output` takes the value y on the way from knots.front() through the others in order
-// (rising or falling). `output` is continuous and monotone between neighbouring knots; where it is monotone altogether
-// two knots do. Never taken: the first knot whose output is nearest to y. Bisection down to neighbouring numbers, at
-// most 54 evaluations a piece: the output is then met to its slope times 2^-53 of the input.
+// (rising or falling). `output` is continuous and monotone between neighbouring knots; where it is monotone throughout,
+// two knots suffice. When y is not reached: the first knot whose output is nearest to y. Bisection down to neighbouring
+// numbers, at most 54 evaluations a piece: the output is then met to its slope times 2^-53 of the input.
 template <class Output>
 double first_crossing(const Output& output, std::span<const double> knots, double y) {
   double from = knots.front(), from_y = output(from);

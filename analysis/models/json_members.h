@@ -1,4 +1,4 @@
-// Members of a stored model, with faults that name them.
+// Members of a stored model, with errors that name them.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -53,7 +53,7 @@ std::unique_ptr<HysteresisModel> model_from_json(const nlohmann::ordered_json& j
   if (name == "poly") return PolyModel::from_json(json);
   if (name == "preisach") return PreisachModel::from_json(json);
   if (name == "monotone") return MonotoneModel::from_json(json);
-  throw std::invalid_argument("model: \"model\" is \"" + name + "\", which is none that this program knows");
+  throw std::invalid_argument("model: \"model\" is \"" + name + "\", which this program does not know");
 }
 
 std::vector<double> predict(const HysteresisModel& model, std::span<const double> inputs) {

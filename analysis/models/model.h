@@ -1,5 +1,5 @@
-// What every hysteresis model is to its users: it predicts outputs along any history of inputs and inverts it along any
-// history of outputs. x is the input (pressure in psi on the rig), y the output (volts); any units serve.
+// The interface of all hysteresis models: outputs along any history of inputs, and inputs along any history of outputs.
+// x is the input (pressure in psi on the rig), y the output (volts); any units serve.
 #pragma once
 
 #include <memory>
@@ -19,21 +19,21 @@ struct ModelParameter {
   [[nodiscard]] bool at_bound() const;  // within 1e-9 of their distance
 };
 
-// A model's memory on its way along one history. Outputs do not fall when the input rises, whatever the state.
+// A model's memory along one history. Outputs do not fall when the input rises, in any state.
 class ModelState {
  public:
   virtual ~ModelState() = default;
-  // At rest at the model's lowest input, no history.
+  // At rest at the model's lowest input, without history.
   virtual void reset() = 0;
   // The output at x when the input goes from here to x without a turn. x is clamped to the model's range.
   [[nodiscard]] virtual double output_at(double x) const = 0;
-  // The input that gives output y by going there without a turn: of several (a flat stretch) the nearest, clamped to
-  // what can be reached. output_at(input_at(y)) = y within 1e-9 of the output's span for every y that can be reached.
+  // The input that gives output y on the way there without a turn: of several (a flat stretch) the nearest, clamped to
+  // the reachable range. output_at(input_at(y)) = y within 1e-9 of the output's span for every reachable y.
   [[nodiscard]] virtual double input_at(double y) const = 0;
   // Goes to x. Throws std::invalid_argument when x is not finite; the state is then as before.
   virtual void go(double x) = 0;
   // The output here was measured as y: a branch that starts here starts at y [A9]. Models whose output is a function of
-  // the inputs alone have nothing to learn from it.
+  // the inputs alone ignore it.
   virtual void measured(double /*y*/) {}
 };
 
@@ -44,14 +44,14 @@ class HysteresisModel {
   [[nodiscard]] virtual std::vector<ModelParameter> parameters() const = 0;
   [[nodiscard]] virtual double x_low() const = 0;
   [[nodiscard]] virtual double x_high() const = 0;
-  // Additions, multiplications, comparisons and look-ups of one sample between turns, counted by hand.
+  // Additions, multiplications, comparisons and table accesses of one sample between turns, counted by hand.
   [[nodiscard]] virtual int operations_per_sample() const = 0;
   [[nodiscard]] virtual std::unique_ptr<ModelState> state() const = 0;  // keeps a pointer to the model
-  // All that model_from_json needs to make the same model, bit for bit.
+  // All members from which model_from_json makes the same model, bit for bit.
   [[nodiscard]] virtual nlohmann::ordered_json to_json() const = 0;
 };
 
-// "model" names the class. Throws std::invalid_argument that says which member is missing or wrong.
+// "model" names the class. Throws std::invalid_argument that names the missing or wrong member.
 std::unique_ptr<HysteresisModel> model_from_json(const nlohmann::ordered_json& json);
 
 // Outputs along inputs, and inputs along outputs, from a virgin state. Throw std::invalid_argument when a value is not

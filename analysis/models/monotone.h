@@ -1,4 +1,4 @@
-// A single-valued monotone curve: no hysteresis at all. What users do today, and the floor that every model has to
+// A single-valued monotone curve, without hysteresis: the usual practice today, and the floor that every model has to
 // beat.
 #pragma once
 
@@ -17,7 +17,7 @@ class MonotoneModel final : public HysteresisModel {
   [[nodiscard]] std::vector<ModelParameter> parameters() const override;  // y0, y1, ...: the knots' outputs
   [[nodiscard]] double x_low() const override { return curve_.x().front(); }
   [[nodiscard]] double x_high() const override { return curve_.x().back(); }
-  [[nodiscard]] int operations_per_sample() const override { return 3; }  // a look-up and a multiply-add
+  [[nodiscard]] int operations_per_sample() const override { return 3; }  // a table access and a multiply-add
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
   // {"model": "monotone", "x": [...], "y": [...]}
   [[nodiscard]] nlohmann::ordered_json to_json() const override;

@@ -115,7 +115,7 @@ double MpiModel::output(const Operators& operators, double u) const {
 
 std::vector<double> MpiModel::monotone_pieces(const Operators& operators, double u, double end) const {
   const bool up = end > u;
-  // An operator starts to move where its band ends; between two such places the output is a cubic.
+  // An operator starts to move at the end of its band; between two such places the output is a cubic.
   std::vector<double> starts;
   for (std::size_t i = 0; i < operators.size(); ++i) {
     const double at = up ? operators[i] + threshold(i) : operators[i];

@@ -23,9 +23,8 @@ struct MpiParameters {
 
 // The cubic of a fit may fall, and faster than the operators rise: then the output of this model falls in places where
 // the input rises (the cubic that the paper prints does so from 19 psi on). The direct model is the
-// plain formula all the same. The inverse goes the way that the output says (up when it lies above the present one,
-// down when below) to the FIRST input that gives it: outputs are always met, an input beyond a fall is read as the one
-// before it.
+// plain formula all the same. The inverse goes up when the output lies above the present one and down when below, to
+// the FIRST input that gives it: outputs are always met, an input beyond a fall is read as the one before it.
 class MpiModel final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when a number is not finite, rho < 0, or x_low >= x_high.
@@ -43,11 +42,11 @@ class MpiModel final : public HysteresisModel {
 
   using Operators = std::array<double, kMpiOperators>;                                                 // of u
   static constexpr double threshold(std::size_t i) { return static_cast<double>(i) / kMpiOperators; }  // i from 0
-  // e^(-tau (n r_i - 1)^2) / n: what rho is multiplied by.
+  // e^(-tau (n r_i - 1)^2) / n: the factor of rho.
   static Operators densities(double tau);
   static Operators moved(const Operators& before, double u);  // Eq. (4) for each operator
   [[nodiscard]] double output(const Operators& operators, double u) const;
-  // Where the output may change its sense on the way from u (with `operators` there) to `end`, both included.
+  // Places where the output may change direction on the way from u (with `operators` there) to `end`, both included.
   [[nodiscard]] std::vector<double> monotone_pieces(const Operators& operators, double u, double end) const;
 
  private:

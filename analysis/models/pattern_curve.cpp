@@ -49,7 +49,7 @@ PatternCurve::PatternCurve(std::span<const double> x, std::span<const double> y,
   y_.front() = y_first;
   y_.back() = y_last;
   bool increasing = true;
-  // Half the minimum: a curve that went through here once is taken as it is, whatever its last bits.
+  // Half the minimum: a curve that went through here before is taken unchanged, to its last bits.
   for (std::size_t i = 1; i < y_.size(); ++i)
     increasing = increasing && y_[i] - y_[i - 1] >= 0.5 * minimum * (x_[i] - x_[i - 1]) && y_[i] > y_[i - 1];
   if (increasing) return;
@@ -61,7 +61,7 @@ PatternCurve::PatternCurve(std::span<const double> x, std::span<const double> y,
   for (std::size_t i = 1; i + 1 < y_.size(); ++i) y_[i] = std::clamp(y_[i], low, high) + minimum * (x_[i] - x_.front());
   y_.back() = y_last;
   for (std::size_t i = 1; i < y_.size(); ++i)
-    if (y_[i] <= y_[i - 1]) throw std::invalid_argument("pattern curve: knots too close to tell apart");
+    if (y_[i] <= y_[i - 1]) throw std::invalid_argument("pattern curve: knots too close to be distinguished");
 }
 
 std::size_t PatternCurve::segment(double x) const {

@@ -12,7 +12,7 @@ class PatternCurve {
  public:
   PatternCurve() = default;
   // Knots x strictly increasing, y as measured. Made strictly monotone by pool-adjacent-violators with a minimum slope
-  // of 1e-9 of the span [A11]; the ends are pinned to y_first and y_last. Knots that are so already are kept bit for
+  // of 1e-9 of the span [A11]; the ends are pinned to y_first and y_last. Knots that comply already are kept bit for
   // bit. Throws std::invalid_argument when fewer than two knots, not finite, or y_last <= y_first.
   PatternCurve(std::span<const double> x, std::span<const double> y, double y_first, double y_last);
 

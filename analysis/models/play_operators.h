@@ -1,6 +1,6 @@
-// Play operators, the bricks of the Prandtl-Ishlinskii models (paper, section 3) and of the Preisach cells. Each is a
-// function of the input and of its own last output; along a monotone way the last input alone counts, so that a
-// history may be sampled as coarsely as one likes between two turns.
+// Play operators, the elements of the Prandtl-Ishlinskii models (paper, section 3) and of the Preisach cells. Each is a
+// function of the input and of its own last output; along a monotone way only the last input counts, so that a history
+// may be sampled arbitrarily coarsely between two turns.
 #pragma once
 
 #include <algorithm>

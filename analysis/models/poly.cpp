@@ -20,7 +20,7 @@ double horner(std::span<const double> c, double t) {  // c[k] t^k
   return sum;
 }
 
-// Where the polynomial changes its sign within 0..1: once at most between two neighbouring extremes.
+// Places in 0..1 where the polynomial changes its sign: at most one between two neighbouring extremes.
 std::vector<double> sign_changes(const std::vector<double>& c) {
   if (c.size() < 2) return {};
   std::vector<double> derivative;
@@ -82,7 +82,7 @@ class PolyState final : public ModelState {
     if (up == turn_.ascending && !anchored_) return turn_;
     return {up, x_, y_};
   }
-  // Where the output may change its sense on the way from here to the branch's end, both included.
+  // Places where the output may change direction on the way from here to the branch's end, both included.
   [[nodiscard]] std::vector<double> pieces(const PolyModel::Turn& turn) const {
     std::vector<double> way{x_};
     if (turn.ascending) {

@@ -1,6 +1,6 @@
 // Polynomial model (POLY): Eqs (6)-(8), (47), (48) of Sanchez-Duran et al., Sensors 2015, after Bashash and Jalili (the
-// paper's [31]): every branch is a dominant sixth-order polynomial, stretched between its turning point and the end
-// where its like converge.
+// paper's [31]): every branch is a dominant sixth-order polynomial, stretched between its turning point and the end at
+// which all branches of that direction converge.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@ struct PolyParameters {
 
 // The bracket of Eqs (6), (7) is read so that a branch starts at its turning point and ends at the converging point
 // [A1]: rising y = y1 + (yu - y1) F_a((x - x1) / (xu - x1)), falling y = y0 + (y1 - y0) F_d((x - x0) / (x1 - x0)), F
-// being f over x0..xu brought to 0..1. (x0, y0) and (xu, yu) are the measured ends of the external loop [A3]. Equal
+// being f over x0..xu scaled to 0..1. (x0, y0) and (xu, yu) are the measured ends of the external loop [A3]. Equal
 // inputs keep the direction [A8].
 //
 // A sixth-order polynomial that is fitted to a flat curve wavers: the output then falls in places where the input
-// rises. The direct model is the plain formula all the same. The inverse goes the way that the output says (up when it
-// lies above the present one, down when below) to the FIRST input that gives it: outputs are always met, an input
-// beyond a fall is read as the one before it.
+// rises. The direct model is the plain formula all the same. The inverse goes up when the output lies above the present
+// one and down when below, to the FIRST input that gives it: outputs are always met, an input beyond a fall is read as
+// the one before it.
 class PolyModel final : public HysteresisModel {
  public:
   // Throws std::invalid_argument when a number is not finite, a polynomial is the same at both ends, x_low >= x_high
@@ -38,8 +38,8 @@ class PolyModel final : public HysteresisModel {
   [[nodiscard]] double x_low() const override { return x_low_; }
   [[nodiscard]] double x_high() const override { return x_high_; }
   [[nodiscard]] int operations_per_sample() const override;
-  // measured(y) within 1 % of the span from x_low or x_high is that of an external branch: it stands on the external
-  // curve, whatever y. Elsewhere any way on is a new branch that starts at y.
+  // measured(y) within 1 % of the span from x_low or x_high belongs to an external branch: the state is on the external
+  // curve for every y. Elsewhere any continuation is a new branch that starts at y.
   [[nodiscard]] std::unique_ptr<ModelState> state() const override;
   // {"model": "poly", "x_low", "x_high", "y_low", "y_high", "a": [...], "b": [...]}
   [[nodiscard]] nlohmann::ordered_json to_json() const override;
@@ -49,7 +49,7 @@ class PolyModel final : public HysteresisModel {
     double x = 0.0, y = 0.0;
   };
   [[nodiscard]] double output(const Turn& turn, double x) const;  // Eqs (6), (7)
-  // Where f_ra or f_rd changes its sense, in 0..1 of a branch from its low end, rising.
+  // Places where f_ra or f_rd changes direction, in 0..1 of a branch from its low end, rising.
   [[nodiscard]] std::vector<double> extremes(bool ascending) const;
   [[nodiscard]] Turn external(bool ascending) const;
 

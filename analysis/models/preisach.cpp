@@ -14,7 +14,7 @@
 namespace tactbench::analysis {
 namespace {
 
-// The staircase: turning points that still count, minima rising and maxima falling, the first the low end of the range.
+// The staircase: turning points in memory, minima rising and maxima falling, the first the low end of the range.
 class PreisachState final : public ModelState {
  public:
   explicit PreisachState(const PreisachModel& model) : model_(&model) { reset(); }
@@ -42,7 +42,7 @@ class PreisachState final : public ModelState {
   };
   struct Way {
     double y;
-    std::size_t corners;  // that are left there
+    std::size_t corners;  // that remain there
     bool turned;          // it starts a branch here
   };
   // Minima are even, maxima odd: on an odd number of corners the input rises.
@@ -53,7 +53,7 @@ class PreisachState final : public ModelState {
     const bool up = x > here_.x, turned = up != rises;
     std::size_t count = corners_.size() + (turned ? 1 : 0);
     const auto corner = [&](std::size_t i) { return i < corners_.size() ? corners_[i] : here_; };
-    // Wiping out: who passes the extreme before the last forgets both.
+    // Wiping out: passing the extreme before the last removes both.
     while (count > (up ? 1U : 2U) && (up ? x >= corner(count - 2).x : x <= corner(count - 2).x)) count -= 2;
     if (!up && count == 2 && x <= corner(0).x) return {model_->y_low(), 1, turned};
     const Point last = corner(count - 1);
@@ -101,8 +101,8 @@ std::vector<ModelParameter> PreisachModel::parameters() const {
   return list;
 }
 
-// Compared with here and with the extreme before the last (2), cell and share (3), three look-ups of sums that are
-// differences of the cumulated ones taken once a cell (3), two multiply-adds (4), the corner (3) and the sum (1).
+// Compared with here and with the extreme before the last (2), cell and share (3), three table accesses to sums that
+// are differences of the cumulated ones taken once a cell (3), two multiply-adds (4), the corner (3) and the sum (1).
 int PreisachModel::operations_per_sample() const { return 16; }
 
 std::unique_ptr<ModelState> PreisachModel::state() const { return std::make_unique<PreisachState>(*this); }

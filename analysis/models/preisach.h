@@ -1,4 +1,4 @@
-// Preisach model with non-negative weights, the rival that the paper leaves out (Mayergoyz, Mathematical Models of
+// Preisach model with non-negative weights, which the paper does not compare (Mayergoyz, Mathematical Models of
 // Hysteresis, 1991; the discrete weights by least squares after Hoffmann and Sprekels). Rate-independent, with
 // return-point memory: inner loops close.
 #pragma once
@@ -8,7 +8,7 @@
 namespace tactbench::analysis {
 
 // The input range is cut into n equal intervals. Cell (i, j), j <= i, holds relays that switch on in interval i and off
-// in interval j: not at one place but spread along the cell's diagonal, on at low + (i + s) h and off at low + (j + s)
+// in interval j: not at one point but spread along the cell's diagonal, on at low + (i + s) h and off at low + (j + s)
 // h for s = 0..1. So each cell is a play operator that rises evenly over interval i and falls evenly over interval j,
 // the output is continuous and piecewise linear in the input, and cells on the diagonal are reversible.
 class PreisachModel final : public HysteresisModel {
@@ -29,8 +29,8 @@ class PreisachModel final : public HysteresisModel {
 
   static std::size_t cell(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
   [[nodiscard]] double y_low() const { return y_low_; }
-  // Everett's function: what the output gains when the input rises from `low`, a minimum, to `high`, and loses when it
-  // falls back; both within the range, 0 when high <= low. A constant number of look-ups.
+  // Everett's function: the output's rise when the input rises from `low`, a minimum, to `high`, and its fall on the
+  // way back; both within the range, 0 when high <= low. A constant number of table accesses.
   [[nodiscard]] double everett(double high, double low) const;
 
  private:

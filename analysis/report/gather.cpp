@@ -4,14 +4,13 @@
 
 #include <algorithm>
 
-#include "analysis/statistics/levels.h"
+#include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
 namespace {
 
-Dataset dataset_of(const db::RunStore& store, std::int64_t run, const ArrayFit& fit) {
-  Dataset dataset = load_dataset(store, run);
-  return fit.taxels.empty() ? dataset : as_modelled(std::move(dataset), fit);
+Dataset seen_by(const ArrayFit& fit, const Dataset& dataset) {
+  return fit.taxels.empty() ? dataset : as_modelled(dataset, fit);
 }
 
 void check_sensor(const db::RunRecord& run, const db::RunRecord& further) {
@@ -21,8 +20,8 @@ void check_sensor(const db::RunRecord& run, const db::RunRecord& further) {
                         "origins never mix: name runs of one origin");
   if (run.sensor_serial == further.sensor_serial) return;
   throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR",
-                      fmt::format("run {} is of sensor {}, run {} of {}", run.run, run.sensor_serial, further.run,
-                                  further.sensor_serial),
+                      fmt::format("run {} is of sensor {}, run {} of {}", run.run, or_not_stated(run.sensor_serial),
+                                  further.run, or_not_stated(further.sensor_serial)),
                       "a report is of one sensor: see --compare and --batch for several");
 }
 
@@ -40,14 +39,15 @@ std::vector<int> counted_taxels(const ArrayFit& fit, const Health& health) {
   return taxels;
 }
 
-void gather_run(ReportInput& input, const db::RunStore& store, std::int64_t run,
-                const std::vector<std::int64_t>& further) {
-  input.run = store.run(run);
+void gather_run(ReportInput& input, Runs& runs, std::int64_t run, const std::vector<std::int64_t>& further) {
+  const db::RunStore& store = runs.store();
+  input.run = runs.record(run);
   input.sensor = store.sensor(input.run.sensor_serial);
-  input.frame_count = store.frame_count(run);
   input.approvals = store.reports(run);
-  input.history = load_history(store, input.run);
-  const Dataset dataset = dataset_of(store, run, input.fit);
+  input.history = runs.history(run);
+  input.frame_count = input.history.frames + input.history.void_frames;
+  add_earlier_seating(input.history, store, input.run);
+  const Dataset dataset = seen_by(input.fit, runs.dataset(run));
   input.health = health_of(dataset, input.fit, !input.history.presses);
   if (!input.history.seating_v.empty() && !input.history.earlier_seating_v.empty() &&
       input.history.seating_v.size() == static_cast<std::size_t>(dataset.taxels())) {
@@ -61,9 +61,9 @@ void gather_run(ReportInput& input, const db::RunStore& store, std::int64_t run,
   const std::vector<int> taxels = counted_taxels(input.fit, input.health);
   if (!input.history.presses && !taxels.empty()) input.behaviour = behaviour_of(dataset, taxels);
   for (const std::int64_t number : further) {
-    input.further.push_back(store.run(number));
+    input.further.push_back(runs.record(number));
     check_sensor(input.run, input.further.back());
-    const Dataset other = dataset_of(store, number, input.fit);
+    const Dataset other = seen_by(input.fit, runs.dataset(number));
     if (taxels.empty() || other.taxels() != dataset.taxels()) continue;
     for (Creep& creep : creep_of(other, taxels)) input.behaviour.creep.push_back(std::move(creep));
   }

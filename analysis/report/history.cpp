@@ -59,37 +59,31 @@ std::vector<double> seating_response(const db::CheckRecord& check) {
   return response;
 }
 
-void add_seating(RunHistory& history, const db::RunStore& store, const db::RunRecord& run) {
+// Null: the run has none.
+const db::CheckRecord* newest_seating(const RunHistory& history) {
   const auto own = std::find_if(history.checks.rbegin(), history.checks.rend(),
                                 [](const db::CheckRecord& check) { return check.kind == "seating"; });
-  if (own == history.checks.rend()) return;
-  history.seating_v = seating_response(*own);
-  for (const char* verdict : {"pass", "warning"}) {
-    const std::optional<db::CheckRecord> earlier = store.last_check(run.sensor_serial, "seating", verdict, run.run);
-    if (!earlier || earlier->data.size() != own->data.size()) continue;
-    history.earlier_seating_v = seating_response(*earlier);
-    history.earlier_seating_run = earlier->run;
-    return;
-  }
+  return own == history.checks.rend() ? nullptr : &*own;
 }
 
 }  // namespace
 
-RunHistory load_history(const db::RunStore& store, const db::RunRecord& run) {
+RunHistory load_history(const StoredRun& run) {
   RunHistory history;
   history.loaded = true;
-  history.checks = store.checks(run.run);
-  for (const db::EventRecord& event : store.events(run.run)) add_event(history, event);
+  history.checks = run.checks;
+  for (const db::EventRecord& event : run.events) add_event(history, event);
+  const std::vector<db::SequenceRecord>& sequences = run.record.sequences;
   std::set<std::int64_t> voids;
-  for (const db::BranchRecord& branch : store.branches(run.run)) {
+  for (const db::BranchRecord& branch : run.branches) {
     history.presses = history.presses || branch.from_n || branch.to_n;
     if (!branch.is_void) continue;
     voids.insert(branch.branch);
-    const auto sequence = std::ranges::find(run.sequences, branch.sequence, &db::SequenceRecord::sequence);
-    history.voids.push_back({sequence == run.sequences.end() ? "" : sequence->name, branch.repeat, branch.ordinal,
+    const auto sequence = std::ranges::find(sequences, branch.sequence, &db::SequenceRecord::sequence);
+    history.voids.push_back({sequence == sequences.end() ? "" : sequence->name, branch.repeat, branch.ordinal,
                              branch.attempt, branch.void_reason});
   }
-  for (const db::FrameRecord& frame : store.frames(run.run)) {
+  for (const db::FrameRecord& frame : run.frames) {
     history.presses = history.presses || frame.wrench.has_value();
     if (voids.contains(frame.branch)) {
       ++history.void_frames;
@@ -100,8 +94,20 @@ RunHistory load_history(const db::RunStore& store, const db::RunRecord& run) {
     std::istringstream words(frame.flags);
     for (std::string word; words >> word;) ++history.flags[word];
   }
-  add_seating(history, store, run);
+  if (const db::CheckRecord* own = newest_seating(history)) history.seating_v = seating_response(*own);
   return history;
+}
+
+void add_earlier_seating(RunHistory& history, const db::RunStore& store, const db::RunRecord& run) {
+  const db::CheckRecord* own = newest_seating(history);
+  if (own == nullptr) return;
+  for (const char* verdict : {"pass", "warning"}) {
+    const std::optional<db::CheckRecord> earlier = store.last_check(run.sensor_serial, "seating", verdict, run.run);
+    if (!earlier || earlier->data.size() != own->data.size()) continue;
+    history.earlier_seating_v = seating_response(*earlier);
+    history.earlier_seating_run = earlier->run;
+    return;
+  }
 }
 
 }  // namespace tactbench::analysis

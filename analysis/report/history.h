@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "db/run_store.h"
+#include "analysis/stored_run.h"
 
 namespace tactbench::analysis {
 
@@ -44,7 +44,9 @@ struct RunHistory {
   std::int64_t earlier_seating_run = 0;
 };
 
-// Throws StoreError.
-RunHistory load_history(const db::RunStore& store, const db::RunRecord& run);
+// Of the run alone: the sensor's earlier seating is left empty.
+RunHistory load_history(const StoredRun& run);
+// Fills in earlier_seating_v and earlier_seating_run of the run's own history. Throws StoreError.
+void add_earlier_seating(RunHistory& history, const db::RunStore& store, const db::RunRecord& run);
 
 }  // namespace tactbench::analysis

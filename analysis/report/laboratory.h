@@ -5,12 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace tactbench::analysis {
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
 
-// Joins the run's instrument with this serial number; what is stated here stands before what the run stored.
-struct InstrumentNote {
-  std::string serial, certificate, calibrated_by, calibrated_on, due, note;  // dates as 2026-01-31
-};
+namespace tactbench::analysis {
 
 struct Laboratory {
   std::string laboratory, address, place;
@@ -22,8 +19,8 @@ struct Laboratory {
   std::string environment;      // temperature, humidity, where no instrument measured them
   std::string deviations;       // from the method, beside those that the run recorded
   std::string remarks;
-  std::vector<InstrumentNote> instruments;
-  std::string sha256;  // of the file; empty: there was none
+  std::vector<InstrumentNote> instruments;  // instrument_calibration.h says what counts beside what the run stored
+  std::string sha256;                       // of the file; empty: there was none
 };
 
 }  // namespace tactbench::analysis

@@ -1,10 +1,12 @@
 #include "analysis/report/report.h"
 
 #include <algorithm>
+#include <map>
 
-#include "analysis/report/more_sections.h"
-#include "analysis/report/page.h"
-#include "analysis/report/shell.h"
+#include "analysis/report/data/section_data.h"
+#include "analysis/report/page/page.h"
+#include "analysis/report/parts.h"
+#include "analysis/report/sections/sections.h"
 #include "db/run_store.h"
 
 namespace tactbench::analysis {
@@ -14,15 +16,39 @@ using html::markup;
 using html::Markup;
 using html::Text;
 
-// contract.md, "Runs": content is everything but UUID, wall-clock times, host, tags, notes. The run's own number is
+// Content (docs/rules.md, Runs) is everything but UUID, wall-clock times, host, tags, notes. The run's own number is
 // left out too: it stands before the hash, and the same run in another store has another one.
 void keep_content_only(db::RunRecord& run) {
   run.run = 0;
+  run.rest_s.reset();
   for (std::string* field : {&run.uuid, &run.started_utc, &run.ended_utc, &run.host, &run.time_zone}) field->clear();
+}
+
+// Verdicts keep to which run of the report they belong, by its place: the report's own 0, the first held out -1.
+void forget_verdicts_runs(ReportInput& content) {
+  std::map<std::int64_t, std::int64_t> places;
+  for (std::size_t i = 0; i < content.held_out.size(); ++i) {
+    std::int64_t& number = content.held_out[i].evaluation.run;
+    const auto place = -static_cast<std::int64_t>(i) - 1;
+    places.emplace(number, place);
+    number = place;
+  }
+  places[content.run.run] = 0;
+  const auto move = [&](std::int64_t& run) {
+    if (const auto known = places.find(run); known != places.end()) run = known->second;
+  };
+  for (std::vector<db::VerdictRecord>* rows : {&content.verdicts, &content.judgement.stored_worse}) {
+    for (db::VerdictRecord& verdict : *rows) {
+      move(verdict.run);
+      move(verdict.model_run);
+    }
+  }
+  for (JudgedUncertainty& uncertainty : content.judged) move(uncertainty.run);
 }
 
 ReportInput content_of(const ReportInput& input) {
   ReportInput content = input;
+  forget_verdicts_runs(content);
   keep_content_only(content.run);
   forget_run_numbers(content.more);
   for (HeldOut& held_out : content.held_out) keep_content_only(held_out.run);
@@ -49,7 +75,7 @@ struct ReportPart {
 };
 
 constexpr ReportPart kReportParts[] = {
-    {"verdicts", "Verdicts", verdict_section, false},
+    {"verdicts", "Verdicts", verdict_section, true},
     {"identification", "Identification", identification_section, true},
     {"health", "Sensor health", health_section, true, health_json},
     {"raw", "Before compensation", raw_section, false, behaviour_json},
@@ -105,7 +131,19 @@ Issue issue_of(const ReportInput& input, const std::string& number) {
 }
 
 const char* document_name(const ReportInput& input) {
-  return is_certificate(input) ? "Calibration certificate" : "Calibration report";
+  return is_certificate(input)       ? "Calibration certificate"
+         : states_uncertainty(input) ? "Calibration report"
+                                     : "Test report";
+}
+
+// The date of the run rules what was measured; that the reference fell due since then is said, and changes nothing.
+html::Text due_since_then(const ReportInput& input, const std::string& issued) {
+  const ReferenceUncertainty reference = reference_uncertainty(input.run, input.laboratory.instruments);
+  if (reference.overdue || due_state(reference.calibration, issued) != DueState::kOverdue) return Text("");
+  return Text(
+      fmt::format(" The pressure reference fell due on {}, after the measurement: it was in date when the run was "
+                  "made, which is what counts.",
+                  reference.calibration.due));
 }
 
 Markup issue_table(const ReportInput& input, const std::string& number) {
@@ -113,7 +151,7 @@ Markup issue_table(const ReportInput& input, const std::string& number) {
   const auto field = [](const html::Safe& content) { return markup("{}", content); };
   return pairs_table(
       "Issue", {{"number", field(Text(number))},
-                {"date of issue", field(html::stated(issue.issued))},
+                {"date of issue", markup("{}{}", html::stated(issue.issued), due_since_then(input, issue.issued))},
                 {"authorised by", issue.authorised_by.empty()
                                       ? markup("not stated: nobody has signed for this report")
                                       : markup("{}, {}", Text(issue.authorised_by), moment(issue.authorised_utc))},
@@ -127,13 +165,21 @@ Markup opening(const ReportInput& input, const std::string& number) {
              is_certificate(input) ? Text(fmt::format("Issued under accreditation {}.", input.laboratory.accreditation))
                                    : Text("Not issued by an accredited laboratory."));
   if (input.run.is_void())
-    out += markup("<p class=\"fail\"><span class=\"sign\">✗</span> The run was declared void by {}: {}</p>\n",
-                  Text(input.run.void_by), Text(input.run.void_reason));
+    out += markup(
+        "<p class=\"void\"><span class=\"sign\">✗</span> VOID: the run was declared void by {}: {} ({}). It counts no "
+        "more.</p>\n",
+        Text(input.run.void_by), Text(input.run.void_reason), moment(input.run.void_utc));
   out += issue_table(input, number);
   return out;
 }
 
 }  // namespace
+
+bool is_signed(const ReportInput& input, const std::string& number) {
+  return std::ranges::find(input.approvals, number, &db::ReportRecord::number) != input.approvals.end();
+}
+
+std::string signed_title_mark(const std::string& number) { return number + ", signed"; }
 
 Report render_report(const ReportInput& input) {
   std::vector<Markup> parts;
@@ -154,22 +200,24 @@ Report render_report(const ReportInput& input) {
   report.content_sha256 = content_hash(input, parts, results);
   report.number = fmt::format("{}-{}", input.run.run, report.content_sha256.substr(0, 8));
   const std::string& number = report.number;
-  report.json =
-      fmt::format("{{\"schema\":\"tactbench.report\",\"version\":1,\"number\":\"{}\",\"identification\":{},\n", number,
-                  identification_json(input));
+  report.json = fmt::format(
+      "{{\"schema\":\"tactbench.report\",\"version\":2,\"document\":\"{}\",\"number\":\"{}\","
+      "\"identification\":{},\n",
+      document_name(input), number, identification_json(input));
   report.json += results;
   report.json += '}';
 
-  Shell shell;
-  shell.document = document_name(input);
-  shell.number = number;
-  shell.simulated = is_simulated(input);
-  shell.paper = input.paper;
-  shell.opening = opening(input, number);
-  for (const ReportPart& part : kReportParts) shell.contents.emplace_back(part.id, part.title);
-  shell.main = std::move(parts);
-  shell.json = report.json;
-  report.html = page_of(shell);
+  Page page;
+  page.document = document_name(input);
+  page.number = number;
+  page.title = is_signed(input, number) ? signed_title_mark(number) : number;
+  page.simulated = is_simulated(input);
+  page.paper = input.paper;
+  page.opening = opening(input, number);
+  for (const ReportPart& part : kReportParts) page.contents.emplace_back(part.id, part.title);
+  page.main = std::move(parts);
+  page.json = report.json;
+  report.html = page_of(page);
   return report;
 }
 

@@ -3,19 +3,21 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 #include "analysis/report/history.h"
 #include "analysis/report/laboratory.h"
+#include "analysis/report/page/style.h"
 #include "analysis/report/results.h"
-#include "analysis/report/style.h"
-#include "analysis/statistics/behaviour.h"
-#include "analysis/statistics/evaluation.h"
-#include "analysis/statistics/health.h"
-#include "analysis/statistics/uncertainty.h"
-#include "analysis/statistics/verdict.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/statistics/figures/behaviour.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/sensor/health.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
@@ -27,6 +29,18 @@ struct HeldOut {
   Evaluation evaluation;
 };
 
+// What is to be known of the verdicts beside their rows; page 1 says it.
+struct JudgementNotes {
+  std::string not_judged;            // why the rows are no verdict; empty: they are one
+  std::vector<std::string> remarks;  // void runs that count all the same, held-out runs that do not
+  // Stored verdicts on these models that are worse than the rows: by other limits, or on runs that the rows leave out.
+  std::vector<db::VerdictRecord> stored_worse;
+};
+
+// What the rows and their notes come to: inconclusive where the rows are no verdict, a stored fail whatever the rows
+// say, else the worst row; none without rows.
+std::optional<Verdict> final_verdict(std::span<const db::VerdictRecord> verdicts, const JudgementNotes& notes);
+
 struct ReportInput {
   db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
@@ -34,7 +48,8 @@ struct ReportInput {
   Evaluation evaluation;  // the fit's own run; without levels: not evaluated
   std::vector<HeldOut> held_out;
   std::vector<db::RunRecord> further;  // of the same sensor, for what one run does not tell: creep, mounts, objects
-  std::vector<db::VerdictRecord> verdicts;
+  std::vector<db::VerdictRecord> verdicts;  // of each run judged, one after the other
+  JudgementNotes judgement;
   std::optional<Uncertainty> uncertainty;  // of a reading of this run's taxels
   std::vector<JudgedUncertainty> judged;   // of the figures in `verdicts`
   std::string program_version;
@@ -50,11 +65,16 @@ struct ReportInput {
 };
 
 struct Report {
-  std::string number;  // run number + first 8 hex digits of the content hash (contract.md)
+  std::string number;  // run number + first 8 hex digits of the content hash
   std::string content_sha256;
   std::string html;
   std::string json;  // the data alone, as inside the page: schema tactbench.report, version, number, data
 };
+
+// Whether `input` carries a signature for report `number`.
+bool is_signed(const ReportInput& input, const std::string& number);
+// What the title of a signed report has and no other: also a PDF keeps it.
+std::string signed_title_mark(const std::string& number);
 
 Report render_report(const ReportInput& input);
 

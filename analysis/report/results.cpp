@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/histories.h"
+#include "analysis/identify/histories.h"
 #include "analysis/models/elam_hysteresis.h"
-#include "analysis/statistics/levels.h"
+#include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/contact_results.h"
-#include "analysis/statistics/model_comparison.h"
-#include "analysis/statistics/studies.h"
-#include "analysis/statistics/usable_range.h"
+#include "analysis/statistics/figures/usable_range.h"
+#include "analysis/statistics/scoring/model_comparison.h"
+#include "analysis/statistics/studies/contact_results.h"
+#include "analysis/statistics/studies/studies.h"
 
 namespace tactbench::analysis {
 

@@ -1,13 +1,13 @@
 #include "bench/benchmarks/array.h"
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <random>
 
-#include "bench/config.h"
-#include "bench/rig.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "bench/config/config.h"
+#include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
 
 namespace tactbench::bench {
@@ -54,8 +54,7 @@ double median_scan_us() {
     (void)rig.array().read(1);
     taken.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
   }
-  std::ranges::sort(taken);
-  return taken[taken.size() / 2];
+  return analysis::quantile_of(std::move(taken), 0.5);
 }
 
 }  // namespace

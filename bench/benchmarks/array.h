@@ -1,5 +1,4 @@
-// What the simulated array costs a frame, beside plain play operators and beside the wire that carries the frame
-// (performance.md G1).
+// Cost of the simulated array a frame, against plain play operators and against the wire that carries the frame.
 #pragma once
 
 #include <vector>

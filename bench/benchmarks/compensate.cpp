@@ -11,6 +11,7 @@
 
 #include "analysis/compensate/compensator.h"
 #include "analysis/compensate/frame_compensator.h"
+#include "analysis/statistics/numbers/moments.h"
 #include "bench/benchmarks/synthetic_array.h"
 
 namespace tactbench::bench {
@@ -137,8 +138,7 @@ Latency latency(const CompensationCase& c, FrameCompensator<float>& fast, Result
                {results.pressure, results.uncertainty, results.status});
     taken[f] = std::chrono::duration<double, std::micro>(RealClock::now() - start).count();
   }
-  std::ranges::sort(taken);
-  return {taken[taken.size() / 2], taken[taken.size() * 99 / 100], taken.back()};
+  return {quantile_of(taken, 0.5), quantile_of(taken, 0.99), quantile_of(taken, 1.0)};
 }
 
 }  // namespace

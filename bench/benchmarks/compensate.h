@@ -1,4 +1,4 @@
-// What the frame compensator costs beside the plain scalar form, a bare scalar form without flags, and a pass that only
+// Cost of the frame compensator against the plain scalar form, a bare scalar form without flags, and a pass that only
 // scales counts.
 #pragma once
 
@@ -25,7 +25,7 @@ CompensationCase random_frames(std::size_t taxels, std::size_t frames);
 // The first `frames` of a case, its array laid down `times` times.
 CompensationCase tiled(const CompensationCase& from, std::size_t times, std::size_t frames);
 
-// Best of `rounds` for each, in turn; ratios with their goals (performance.md C1-C4) as figures of their own.
+// Best of `rounds` for each, in turn; ratios and their goals as figures of their own.
 std::vector<Figure> benchmark_compensate(int rounds);
 
 }  // namespace tactbench::bench

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "analysis/histories.h"
-#include "analysis/identify/elam_samples.h"
-#include "analysis/identify/genetic.h"
+#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/genetic.h"
+#include "analysis/identify/elam/lanes.h"
+#include "analysis/identify/histories.h"
 #include "analysis/identify/identifier.h"
-#include "analysis/identify/lanes.h"
 #include "bench/benchmarks/synthetic_array.h"
 
 namespace tactbench::bench {
@@ -59,20 +59,20 @@ void time_elam(FigureList& figures, const std::vector<Taxel>& taxels, int rounds
   std::vector<std::function<void()>> acts{[&] {
     for (std::size_t i = 0; i < taxels.size(); ++i) keep(plain_j(models[i], taxels[i].branches));
   }};
-  for (const LaneLevel level : lane_levels())
+  for (const Dispatch level : dispatches())
     acts.emplace_back([&taxels, level] {
-      force_lane_level(level);
+      force_lane_dispatch(level);
       identify_all(taxels);
     });
   const std::vector<double> taken = best_seconds(rounds, acts, By::kProcessor);
-  unforce_lane_level();
+  unforce_lane_dispatch();
   figures.add("plain_j", 1e6 * taken[0] / count, "us");
-  for (std::size_t i = 0; i < lane_levels().size(); ++i) {
-    const LaneLevel level = lane_levels()[i];
+  for (std::size_t i = 0; i < dispatches().size(); ++i) {
+    const Dispatch level = dispatches()[i];
     const double own = taken[i + 1];
     figures.add(fmt::format("elam_{}", to_string(level)), 1e6 * own / count, "us/taxel");
     figures.add_at_most(fmt::format("elam_{}_in_plain_j", to_string(level)), own / taken[0],
-                        level == LaneLevel::kBase ? 100.0 : 50.0);
+                        level == Dispatch::kBase ? 100.0 : 50.0);
   }
   figures.add("elam_in_plain_j_stretch_base", 50.0, "x");
   figures.add("elam_in_plain_j_stretch_avx2", 15.0, "x");

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "analysis/report/gather.h"
+#include "analysis/report/runs.h"
 #include "bench/benchmarks/synthetic_array.h"
 
 namespace tactbench::bench {
@@ -27,7 +28,8 @@ std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
   const std::int64_t run = store_run(store, dataset);
   input.fit = analysis::fit_array(dataset);
   input.evaluation = analysis::evaluate(dataset, input.fit);
-  analysis::gather_run(input, store, run);
+  analysis::Runs runs(store);
+  analysis::gather_run(input, runs, run);
   input.uncertainty = analysis::assess_uncertainty(dataset, input.fit, input.run);
   // Fitted and compared before: the page's own cost is what is measured here.
   input.more = analysis::results_of(dataset, input.fit, input.evaluation, nullptr, {});

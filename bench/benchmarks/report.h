@@ -1,4 +1,4 @@
-// What the calibration report costs beside writing its bytes (performance.md F1).
+// Cost of the calibration report against writing its bytes.
 #pragma once
 
 #include <string>

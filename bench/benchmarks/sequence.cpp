@@ -6,10 +6,10 @@
 #include <chrono>
 #include <limits>
 
-#include "bench/process_time.h"
-#include "bench/rig.h"
+#include "bench/common/process_time.h"
+#include "bench/common/utc.h"
+#include "bench/rig/rig.h"
 #include "bench/run/characterize.h"
-#include "bench/utc.h"
 
 namespace tactbench::bench {
 

@@ -1,4 +1,4 @@
-// What the run store costs beside a plain file and beside bare SQLite (performance.md D1, D2, D3, D7).
+// Cost of the run store against a plain file and against bare SQLite.
 #pragma once
 
 #include <string>

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "analysis/loop.h"
-#include "bench/utc.h"
+#include "bench/common/utc.h"
 
 namespace tactbench::bench {
 

@@ -6,15 +6,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <stdexcept>
 #include <thread>
+#include <utility>
+#include <vector>
 
-#include "bench/config.h"
-#include "bench/config_profile.h"
-#include "bench/rig.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "bench/config/config.h"
+#include "bench/config/config_profile.h"
+#include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
 #include "devices/fault.h"
 #include "devices/pressure/analog_module.h"
@@ -38,8 +40,7 @@ double median_microseconds(int times, const std::function<void()>& act) {
     act();
     taken.push_back(microseconds(RealClock::now() - start));
   }
-  std::nth_element(taken.begin(), taken.begin() + times / 2, taken.end());
-  return taken[static_cast<std::size_t>(times / 2)];
+  return analysis::quantile_of(std::move(taken), 0.5);
 }
 
 // What no driver on loopback can be quicker than: twelve bytes there and back between two threads.
@@ -117,8 +118,7 @@ double hang_up_to_fault_microseconds(int times) {
     reader.join();
     taken.push_back(microseconds(fault - start));
   }
-  std::sort(taken.begin(), taken.end());
-  return taken[taken.size() / 2];
+  return analysis::quantile_of(std::move(taken), 0.5);
 }
 
 }  // namespace

@@ -2,12 +2,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdio>
 
-#include "bench/build_info.h"
-#include "bench/cli/command_tree.h"
-#include "bench/cli/selfcheck.h"
+#include "bench/cli/night/selfcheck.h"
 #include "bench/cli/session.h"
+#include "bench/cli/words/command_tree.h"
+#include "bench/common/build_info.h"
+#include "bench/common/standard_streams.h"
+#include "db/run_store.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
 
@@ -16,7 +21,8 @@ namespace {
 constexpr const char* kFooter = R"(
 Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touched), 3 device or link,
   4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified,
-  70 internal error, 130/143 ended by a signal. Ctrl-C once: pause at the end of the branch; twice: stop now.
+  70 internal error, 128 + N ended by signal N after the safe state (129 hang-up, 130 Ctrl-C twice, 131 quit,
+  143 terminated). Ctrl-C once: pause at the end of the branch; twice: stop now.
   Every way out of a run vents, retracts, proves the safe state and keeps all frames.
 First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
 
@@ -35,15 +41,54 @@ void check_verb(const CLI::App& app, int argc, char** argv) {
       near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
-int report(const Error& error, const Session& session) {
-  if (session.json) fmt::print("{}", error_json(error));
-  fmt::print(stderr, "{}", error_text(error));
+// CLI11 misses a required option before it says that another is misspelled, which is mostly the cause.
+Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> left = app.remaining(true);
+  const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
+    return word.size() > 1 && word.front() == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0;
+  });
+  if (unknown == left.end()) {
+    return {ExitCode::kUsage, "TB-USAGE", error.what(), "command line",
+            "tactbench --help, or tactbench VERB --help, lists what is taken"};
+  }
+  const CLI::App* verb = &app;
+  std::string words = app.get_name();
+  while (!verb->get_subcommands().empty()) {
+    verb = verb->get_subcommands().back();
+    words += " " + verb->get_name();
+  }
+  std::vector<std::string> known;
+  for (const CLI::Option* option : verb->get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string name = unknown->substr(0, unknown->find('='));
+  const std::string near = sequences::nearest_word(name, known);
+  return {ExitCode::kUsage, "TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
+          near.empty() ? fmt::format("{} --help lists what is taken", words) : fmt::format("did you mean '{}'?", near)};
+}
+
+// Verbs that talk to instruments, or to a run that does.
+bool may_touch_devices(const std::string& verb) {
+  constexpr std::array kVerbs{"run",   "resume", "rig",   "devices", "live",     "demo",
+                              "pause", "stop",   "abort", "panic",   "simulate", "dead-man"};
+  return std::find(kVerbs.begin(), kVerbs.end(), verb) != kVerbs.end();
+}
+
+int report(const Error& error, const Session& session, bool devices) {
+  if (session.json) tty::print("{}", error_json(error));
+  tty::print(stderr, "{}", error_text(error, devices));
+  std::fflush(stdout);
   return static_cast<int>(error.code());
 }
 
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+  keep_standard_files();
+  const bool devices = argc > 1 && may_touch_devices(argv[1]);
+  if (devices) outlive_readers();
+  db::tell_warnings_to(
+      [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kLongestText)); });
   Session session;
   for (int i = 1; i < argc; ++i) session.json = session.json || std::string(argv[i]) == "--json";
   CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
@@ -90,11 +135,9 @@ int run_command_line(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    return report(Error(ExitCode::kUsage, "TB-USAGE", error.what(), "command line",
-                        "tactbench --help, or tactbench VERB --help, lists what is taken"),
-                  session);
+    return report(usage_error(app, error), session, devices);
   } catch (...) {
-    return report(as_error(std::current_exception()), session);
+    return report(as_error(std::current_exception()), session, devices);
   }
 }
 

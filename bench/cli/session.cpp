@@ -6,18 +6,18 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "analysis/documents/evaluation_json.h"
 #include "analysis/json_io.h"
-#include "analysis/statistics/evaluation.h"
-#include "bench/cli/named_evaluation.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "bench/reporting/named_evaluation.h"
 #include "db/record.h"
 
 namespace tactbench::bench {
 
+using analysis::Verdict;
 using nlohmann::ordered_json;
 
 void print_json(const std::string& verb, const ordered_json& body) {
@@ -25,40 +25,37 @@ void print_json(const std::string& verb, const ordered_json& body) {
   document["schema"] = "tactbench." + verb;
   document["version"] = 1;
   document.update(body);
-  fmt::print("{}\n", analysis::printable_json(document, 2));
+  tty::print("{}\n", analysis::printable_json(document, 2));
 }
 
-SplitOverrides split_overrides(const std::vector<std::string>& set) {
-  SplitOverrides split;
-  const std::string prefix = "recipe.";
-  for (const std::string& text : set) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not key=value", text), "--set " + text,
-                  "write --set table.key=value, for a recipe --set recipe.key=value");
-    }
-    const sequences::Override item{text.substr(0, equals), text.substr(equals + 1)};
-    split.all.push_back(item);
-    if (item.key.starts_with(prefix)) {
-      split.recipe.push_back({item.key.substr(prefix.size()), item.value});
-    } else {
-      split.bench.push_back(item);
-    }
+ExitCode exit_code_of(std::optional<Verdict> verdict) {
+  if (!verdict) return ExitCode::kPass;
+  switch (*verdict) {
+    case Verdict::kReportOnly:
+    case Verdict::kPass:
+    case Verdict::kConditionalPass:
+      return ExitCode::kPass;
+    case Verdict::kConditionalFail:
+    case Verdict::kInconclusive:
+      return ExitCode::kInconclusive;
+    case Verdict::kFail:
+      break;
   }
-  return split;
+  return ExitCode::kCriterionFailed;
 }
 
-ExitCode exit_code_of(const std::vector<db::VerdictRecord>& verdicts) {
-  ExitCode code = ExitCode::kPass;
-  for (const db::VerdictRecord& verdict : verdicts) {
-    if (verdict.verdict == "fail") return ExitCode::kCriterionFailed;
-    if (verdict.verdict == "inconclusive" || verdict.verdict == "conditional fail") code = ExitCode::kInconclusive;
-  }
-  return code;
+std::string shown_verdict(const std::string& word, const std::string& origin) {
+  return origin == "simulated" ? "simulated " + word : word;
+}
+std::string shown_verdict(Verdict verdict, const std::string& origin) {
+  return shown_verdict(std::string(to_string(verdict)), origin);
 }
 
-std::string shown_verdict(const std::string& verdict, const std::string& origin) {
-  return origin == "simulated" ? "simulated " + verdict : verdict;
+std::size_t verdict_columns() {
+  std::size_t longest = 0;
+  for (const Verdict verdict : analysis::kVerdicts)
+    longest = std::max(longest, shown_verdict(verdict, "simulated").size());
+  return longest + 2;
 }
 
 namespace {
@@ -71,10 +68,12 @@ std::string with_unit(double value, const std::string& unit) {
 }  // namespace
 
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
-  std::string text = fmt::format("{:<26}{:<14}{:>14}{:>14}  {}\n", "criterion", "scope", "value", "limit", "verdict");
+  std::string text =
+      fmt::format("{:>5}  {:<26}{:<14}{:>14} {:>13}  {}\n", "run", "criterion", "scope", "value", "limit", "verdict");
   for (const db::VerdictRecord& row : verdicts) {
-    text += fmt::format("{:<26}{:<14}{:>14}{:>14}  {}\n", row.criterion, row.scope, with_unit(row.value, row.unit),
-                        with_unit(row.limit, row.unit), shown_verdict(row.verdict, origin));
+    text += fmt::format("{:>5}  {}{}{:>14} {:>13}  {}\n", row.run, cell(row.criterion, 26), cell(row.scope, 14),
+                        with_unit(row.value, row.unit), with_unit(row.limit, row.unit),
+                        one_line(shown_verdict(row.verdict, origin)));
   }
   std::vector<std::string> rules;
   for (const db::VerdictRecord& row : verdicts)
@@ -85,14 +84,10 @@ std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const 
 ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
   ordered_json list = ordered_json::array();
   for (const db::VerdictRecord& row : verdicts) {
-    list.push_back({{"criterion", row.criterion},
-                    {"scope", row.scope},
-                    {"value", row.value},
-                    {"limit", row.limit},
-                    {"unit", row.unit},
-                    {"rule", row.rule},
-                    {"verdict", row.verdict},
-                    {"shown", shown_verdict(row.verdict, origin)}});
+    ordered_json json = {{"run", row.run}, {"model_run", row.model_run}};
+    json.update(analysis::verdict_json(row));
+    json["shown"] = shown_verdict(row.verdict, origin);
+    list.push_back(std::move(json));
   }
   return list;
 }
@@ -113,81 +108,9 @@ std::string figures_table(const std::vector<NamedEvaluation>& evaluations) {
 }
 
 ordered_json evaluation_json(const NamedEvaluation& named) {
-  const analysis::Evaluation& e = named.evaluation;
-  ordered_json json = {{"title", named.title},
-                       {"run", e.run},
-                       {"model_run", e.model_run},
-                       {"frames", e.frames},
-                       {"full_scale_v", e.full_scale_v},
-                       {"full_scale_psi", e.full_scale_psi},
-                       {"hysteresis_max_fs", e.hysteresis_max_fs},
-                       {"hysteresis_mean_fs", e.hysteresis_mean_fs},
-                       {"mean_error_psi", e.mean_error_psi},
-                       {"max_error_psi", e.max_error_psi},
-                       {"mean_error_observable_psi", e.mean_error_observable_psi},
-                       {"max_error_observable_psi", e.max_error_observable_psi},
-                       {"worst_taxel_mean_error_psi", e.worst_taxel_mean_error_psi},
-                       {"worst_taxel", e.worst_taxel},
-                       {"raw_distance_fs", e.raw_distance},
-                       {"comp_distance_of_mean_fs", e.comp_distance_of_mean},
-                       {"comp_distance_fs", e.comp_distance},
-                       {"comp_distance_observable_fs", e.comp_distance_observable},
-                       {"worst_taxel_distance_fs", e.worst_taxel_distance},
-                       {"worst_taxel_distance_observable_fs", e.worst_taxel_distance_observable},
-                       {"flat_share", e.flat_share}};
-  ordered_json worse = ordered_json::array();
-  for (const analysis::LevelFigures& level : e.levels) {
-    if (level.made_worse) worse.push_back(level.pressure_psi);
-  }
-  json["levels_made_worse_psi"] = worse;
-  return json;
-}
-
-ordered_json run_json(const db::RunRecord& run) {
-  ordered_json json = {{"run", run.run},
-                       {"uuid", run.uuid},
-                       {"origin", run.origin},
-                       {"state", run.state},
-                       {"outcome", db::to_string(run.outcome)},
-                       {"reason", run.reason},
-                       {"safe_state", db::to_string(run.safe_state)},
-                       {"operator", run.operator_name},
-                       {"purpose", run.purpose},
-                       {"sensor", run.sensor_serial},
-                       {"scanner", run.scanner_serial},
-                       {"bench", run.bench_id},
-                       {"seed", run.seed},
-                       {"sensor_seed", run.sensor_seed},
-                       {"started_utc", run.started_utc},
-                       {"ended_utc", run.ended_utc},
-                       {"program_version", run.program_version},
-                       {"git_commit", run.git_commit},
-                       {"content_sha256", run.content_sha256},
-                       {"tags", run.tags},
-                       {"notes", run.notes},
-                       {"void", run.is_void()}};
-  if (run.is_void()) {
-    json["void_reason"] = run.void_reason;
-    json["void_by"] = run.void_by;
-    json["void_utc"] = run.void_utc;
-  }
-  ordered_json recipes = ordered_json::array();
-  for (const db::SequenceRecord& sequence : run.sequences) {
-    recipes.push_back({{"name", sequence.name},
-                       {"sha256", sequence.recipe_sha256},
-                       {"repeats", sequence.repeats},
-                       {"frames_per_repeat", sequence.frames_per_repeat}});
-  }
-  if (!recipes.empty()) json["recipes"] = recipes;
-  ordered_json devices = ordered_json::array();
-  for (const db::DeviceRecord& device : run.devices) {
-    devices.push_back({{"role", device.role},
-                       {"model", device.model},
-                       {"serial", device.serial},
-                       {"firmware", device.firmware},
-                       {"origin", device.origin}});
-  }
-  if (!devices.empty()) json["devices"] = devices;
+  ordered_json json = {
+      {"title", named.title}, {"run", named.evaluation.run}, {"model_run", named.evaluation.model_run}};
+  json.update(analysis::evaluation_json(named.evaluation));
   return json;
 }
 
@@ -196,25 +119,24 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-void write_whole(const std::string& path, const std::string& text) {
-  namespace fs = std::filesystem;
-  std::error_code failed;
-  if (fs::path(path).has_parent_path()) fs::create_directories(fs::path(path).parent_path(), failed);
-  const std::string partial = path + ".partial";
-  std::ofstream stream(partial, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream.fail()) fs::rename(partial, path, failed);
-  if (stream.fail() || failed) {
-    throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "cannot write the file", path,
-                "check folder, space and permissions");
-  }
+void check_operator(const std::string& name) {
+  if (name.find_first_not_of(" \t\r\n") != std::string::npos) return;
+  throw Error(ExitCode::kUsage, "TB-USAGE", "--operator names nobody", "--operator", "give a name: it is recorded");
 }
 
 void add_common(CLI::App& verb, Session& session) {
   verb.add_option("--db", session.db, "run store, one SQLite file a bench")->capture_default_str();
   verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
   verb.add_flag("-q,--quiet", session.quiet, "no progress line");
+}
+
+void add_replace(CLI::App& verb, Session& session) {
+  verb.add_flag("--replace", session.replace,
+                "write over a file of another kind, too; one of the same kind is replaced anyway, a store never");
+}
+
+void add_void_too(CLI::App& verb, Session& session) {
+  verb.add_flag("--void-too", session.void_too, "take runs that were declared void, too; what comes of it says so");
 }
 
 }  // namespace tactbench::bench

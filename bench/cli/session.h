@@ -2,28 +2,32 @@
 // is the result, standard error is talk.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <iosfwd>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/error.h"
-#include "sequences/strict_toml.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "bench/common/error.h"
+#include "bench/common/for_people.h"
 
 namespace CLI {
 class App;
 }
 
-namespace tactbench::db {
-struct RunRecord;
-struct VerdictRecord;
-}  // namespace tactbench::db
-
 namespace tactbench::bench {
+
+struct NamedEvaluation;
 
 struct Session {
   bool json = false;
   bool quiet = false;
+  bool replace = false;   // --replace: bench/common/output_file.h
+  bool void_too = false;  // runs that were declared void count all the same, where the verb offers it
   std::string db = "runs.db";
   ExitCode code = ExitCode::kPass;
 };
@@ -31,20 +35,19 @@ struct Session {
 // One document on standard output, with schema "tactbench.<verb>" and version 1 in front.
 void print_json(const std::string& verb, const nlohmann::ordered_json& body);
 
-// "--set k=v": keys that start with "recipe." go to the recipes (without the prefix), all others to the bench file.
-struct SplitOverrides {
-  std::vector<sequences::Override> all, bench, recipe;
-};
-SplitOverrides split_overrides(const std::vector<std::string>& set);
-
-// "fail" outranks "inconclusive" and "conditional fail" (6), those outrank "pass".
-ExitCode exit_code_of(const std::vector<db::VerdictRecord>& verdicts);
+// The exit code that a verdict ends a verb with: 0 also without one, and where conformity is not stated.
+ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
 // The verdict's word as people read it: "simulated pass" on a simulated run.
-std::string shown_verdict(const std::string& verdict, const std::string& origin);
+std::string shown_verdict(const std::string& word, const std::string& origin);
+std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
+// Of a cell() that holds the longest of these words.
+std::size_t verdict_columns();
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 nlohmann::ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 
-nlohmann::ordered_json run_json(const db::RunRecord& run);
+// Figures of evaluations beside each other: raw, compensated, with and without unobservable levels.
+std::string figures_table(const std::vector<NamedEvaluation>& evaluations);
+nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 
 // One file a verb.
 void add_init(CLI::App& app, Session& session);
@@ -80,11 +83,15 @@ void add_dead_man(CLI::App& app, Session& session);
 // "h:mm:ss".
 std::string clock_text(double seconds);
 
-// Writes `text` to a file whole: a reader never sees half of it. Makes the folder. Throws Error TB-FILE-WRITE.
-void write_whole(const std::string& path, const std::string& text);
+// Throws Error TB-USAGE for a name that names nobody.
+void check_operator(const std::string& name);
 
 // --db, --json, -q on a verb.
 void add_common(CLI::App& verb, Session& session);
+// --replace on a verb that writes files (bench/common/output_file.h).
+void add_replace(CLI::App& verb, Session& session);
+// --void-too on a verb that rests on runs (bench/reporting/named_runs.h).
+void add_void_too(CLI::App& verb, Session& session);
 
 // Parses and runs; never throws; returns the process's exit code.
 int run_command_line(int argc, char** argv);

@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS tactbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-# The folders below share/tactbench are those of the source tree: bench/config.cpp looks into either alike.
+# The folders below share/tactbench are those of the source tree: bench/config/config.cpp looks into either alike.
 foreach(folder sequences bench/config devices/profiles)
   install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tactbench/${folder} COMPONENT program
     FILES_MATCHING PATTERN "*.toml")
@@ -11,6 +11,8 @@ endforeach()
 install(FILES bench/config/70-tactbench.rules DESTINATION lib/udev/rules.d COMPONENT program)
 install(FILES bench/install/tactbench-nightly.service bench/install/tactbench-nightly.timer
   DESTINATION lib/systemd/system COMPONENT program)
+install(FILES bench/install/tactbench.tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME tactbench.conf COMPONENT program)
+install(FILES bench/install/tactbench.sysusers.conf DESTINATION lib/sysusers.d RENAME tactbench.conf COMPONENT program)
 install(FILES bench/install/github-actions.example.yml devices/tactile/frame_server.py devices/tactile/frame_protocol.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)  # the .deb says it in its own way
@@ -40,7 +42,7 @@ install(TARGETS tactbench_compensator tactbench_compensator_shared EXPORT tactbe
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench)
-set(compensate_headers compensator_c.h frame_compensator.h frame_setup.h options.h)
+set(compensate_headers compensator_c.h dispatch.h frame_compensator.h frame_setup.h options.h)
 list(TRANSFORM compensate_headers PREPEND analysis/compensate/)
 install(FILES ${compensate_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactbench/analysis/compensate
   COMPONENT development)

@@ -9,6 +9,9 @@
 #include <functional>
 #include <numeric>
 
+#include "analysis/counted.h"
+#include "bench/config/calibration_words.h"
+#include "bench/rig/device_records.h"
 #include "bench/safety/fail_safe.h"
 #include "devices/fault.h"
 #include "devices/pressure/analog_module.h"
@@ -28,11 +31,11 @@ bool means_absent(const std::string& id) {
   return std::find(kAbsent.begin(), kAbsent.end(), id) != kAbsent.end();
 }
 
-DeviceCheck check(const std::string& role, const std::function<void(DeviceCheck&)>& look) {
+DeviceCheck check(const std::string& role, const std::function<void(DeviceCheck&)>& inspect) {
   DeviceCheck result;
   result.role = role;
   try {
-    look(result);
+    inspect(result);
   } catch (const devices::Fault& fault) {
     result.state = means_absent(fault.id()) ? State::kAbsent : State::kWrong;
     result.notes.insert(result.notes.begin(), fmt::format("{}: {}", fault.id(), fault.what()));
@@ -47,6 +50,15 @@ void complain(DeviceCheck& result, const std::string& note, const std::string& r
   result.remedy = remedy;
 }
 
+// In words; overdue is a warning, which what is wrong outranks.
+void tell_calibration(const db::DeviceRecord& record, const std::string& today, DeviceCheck& result) {
+  const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
+  result.notes.push_back(calibration_words(calibration, today));
+  if (due_state(calibration, today) != analysis::DueState::kOverdue || result.state != State::kOk) return;
+  result.state = State::kWarning;
+  result.remedy = "have it calibrated: what is measured with it until then is inconclusive";
+}
+
 std::string name_of(const devices::Identity& identity) {
   const auto stated = [](const std::string& text, const char* what) {
     return text.empty() ? std::string() : fmt::format(", {} {}", what, text);
@@ -58,7 +70,7 @@ std::string name_of(const devices::Identity& identity) {
 
 void look_at_module(Rig& rig, DeviceCheck& result) {
   result.found = name_of(rig.module().identity());
-  const auto outputs = rig.module().look();
+  const auto outputs = rig.module().read_all();
   result.reading =
       outputs.empty() ? "outputs cannot be read" : fmt::format("outputs {} counts", fmt::join(outputs, " "));
   for (const std::string& layer : fail_safe_layers(rig.config())) result.notes.push_back(layer);
@@ -82,9 +94,7 @@ void look_at_reference(Rig& rig, DeviceCheck& result, const std::string& today) 
   result.reading = fmt::format("{:.2f} psi", psi);
   if (!config.reference_independent)
     result.notes.emplace_back("the regulator's feedback: pressure not independently traceable");
-  result.notes.push_back(fmt::format("certificate {}, {}",
-                                     config.reference_certificate.empty() ? "not stated" : config.reference_certificate,
-                                     due_text(config.reference_due, today)));
+  tell_calibration(reference_record(rig.reference().identity(), config), today, result);
   if (!config.reference_correction.empty()) {
     result.notes.push_back(fmt::format("correction {:+.3f} psi, U {:.3f} psi (k = {:g}) at this reading",
                                        config.reference_correction.corrected(devices::Psi(psi)).value() - psi,
@@ -106,7 +116,7 @@ void look_at_array(Rig& rig, DeviceCheck& result) {
   if (scan.status != 0) result.notes.push_back(fmt::format("status 0x{:02X}", scan.status));
 }
 
-void look_at_stage(Rig& rig, DeviceCheck& result) {
+void look_at_stage(Rig& rig, DeviceCheck& result, const std::string& today) {
   std::vector<std::string> names, positions;
   for (const devices::ZaberIdentity& axis : rig.stage()->identify()) {
     const char letter = "xyz"[static_cast<int>(axis.axis)];
@@ -118,7 +128,8 @@ void look_at_stage(Rig& rig, DeviceCheck& result) {
     }
     names.push_back(
         fmt::format("{}: id {}, firmware {}.{:02}", letter, axis.device_id, axis.firmware / 100, axis.firmware % 100));
-    positions.push_back(fmt::format("{} {} microsteps, {:.1f} V", letter, axis.microsteps, axis.supply.value()));
+    positions.push_back(
+        fmt::format("{} {}, {:.1f} V", letter, analysis::counted(axis.microsteps, "microstep"), axis.supply.value()));
     if (!axis.complaint.empty()) {
       complain(result, fmt::format("axis {}: {}", letter, axis.complaint),
                "correct device_id in the bench file, or the chain");
@@ -127,9 +138,10 @@ void look_at_stage(Rig& rig, DeviceCheck& result) {
   result.found = fmt::format("{}{}", fmt::join(names, "; "),
                              rig.config().origin == devices::Origin::kSimulated ? " (simulated)" : "");
   result.reading = fmt::format("{}", fmt::join(positions, "; "));
+  tell_calibration(stage_record({}, 0, *rig.config().stage), today, result);
 }
 
-void look_at_force(Rig& rig, DeviceCheck& result) {
+void look_at_force(Rig& rig, DeviceCheck& result, const std::string& today) {
   devices::ForceSensor& sensor = rig.open_force();
   const devices::ForceReading reading = sensor.read(rig.config().force->records);
   result.found = fmt::format("{}, calibration {}", name_of(sensor.identity()), sensor.calibration_serial());
@@ -140,6 +152,7 @@ void look_at_force(Rig& rig, DeviceCheck& result) {
   const auto range = sensor.range();
   result.notes.push_back(fmt::format("range +-{:g} {:g} {:g} N, +-{:g} {:g} {:g} N mm", range[0], range[1], range[2],
                                      range[3], range[4], range[5]));
+  tell_calibration(force_record({sensor.identity(), {}, {}}, *rig.config().force), today, result);
   if (std::abs(force[2]) > 0.1 * range[2]) {
     result.notes.emplace_back("far from zero: something rests on the sensor, or it needs a tare");
   }
@@ -147,7 +160,12 @@ void look_at_force(Rig& rig, DeviceCheck& result) {
 
 }  // namespace
 
-const char* to_string(State state) { return state == State::kOk ? "ok" : state == State::kAbsent ? "absent" : "wrong"; }
+const char* to_string(State state) {
+  return state == State::kOk        ? "ok"
+         : state == State::kWarning ? "warning"
+         : state == State::kAbsent  ? "absent"
+                                    : "wrong";
+}
 
 std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per_count) {
   const double sum = std::accumulate(scan.counts.begin(), scan.counts.end(), 0.0);
@@ -155,11 +173,6 @@ std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per
   return fmt::format("mean {:.3f} V, highest {:.3f} V",
                      sum / static_cast<double>(scan.counts.size()) * volts_per_count.value(),
                      highest * volts_per_count.value());
-}
-
-std::string due_text(const std::string& due, const std::string& today) {
-  if (due.empty()) return "no due date stated";
-  return due < today ? "OVERDUE since " + due : "due " + due;  // ISO dates sort as text
 }
 
 std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today) {
@@ -175,9 +188,10 @@ std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today) {
     }));
   }
   all.push_back(check("tactile scanner", [&](DeviceCheck& result) { look_at_array(rig, result); }));
-  if (rig.stage() != nullptr) all.push_back(check("stage", [&](DeviceCheck& result) { look_at_stage(rig, result); }));
+  if (rig.stage() != nullptr)
+    all.push_back(check("stage", [&](DeviceCheck& result) { look_at_stage(rig, result, today); }));
   if (rig.config().force) {
-    all.push_back(check("force sensor", [&](DeviceCheck& result) { look_at_force(rig, result); }));
+    all.push_back(check("force sensor", [&](DeviceCheck& result) { look_at_force(rig, result, today); }));
   }
   return all;
 }

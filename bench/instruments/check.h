@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/rig.h"
+#include "bench/rig/rig.h"
 
 namespace tactbench::bench {
 
 struct DeviceCheck {
-  enum class State { kOk, kAbsent, kWrong };
+  enum class State { kOk, kWarning, kAbsent, kWrong };  // warning: it works, and is overdue for calibration
   std::string role;
   State state = State::kOk;
   std::string found;               // model, serial, firmware
@@ -26,8 +26,5 @@ std::vector<DeviceCheck> check_devices(Rig& rig, const std::string& today);
 
 // "mean 0.020 V, highest 0.027 V": all taxels of one scan or several.
 std::string array_summary(const devices::ScanSet& scan, devices::Volts volts_per_count);
-
-// "due 2027-01-31", "OVERDUE since 2025-01-31", "no due date stated".
-std::string due_text(const std::string& due, const std::string& today);
 
 }  // namespace tactbench::bench

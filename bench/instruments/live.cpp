@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 #include <thread>
 
 #include "analysis/compensate/frame_compensator.h"
-#include "bench/error.h"
-#include "bench/process_time.h"
-#include "bench/rig.h"
-#include "bench/run/stop_request.h"
+#include "analysis/error.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "bench/common/error.h"
+#include "bench/common/process_time.h"
+#include "bench/common/stop_request.h"
+#include "bench/rig/rig.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -36,11 +39,8 @@ analysis::FrameSetup setup_of(const analysis::ModelDocument& model, const LiveOp
   return setup;
 }
 
-double percentile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
+double percentile(const std::vector<double>& values, double share) {
+  return values.empty() ? 0.0 : analysis::quantile_of(values, share);
 }
 
 // The mean of the scans in volts.
@@ -56,7 +56,7 @@ void average(const devices::ScanSet& scan, double volts_per_count, std::vector<f
 }  // namespace
 
 LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument& model, const LiveOptions& options,
-                        const std::function<void(const LiveFrame&)>& show) {
+                        const std::function<bool(const LiveFrame&)>& show) {
   Rig rig(config);
   rig.open_array();
   devices::TactileArray& array = rig.array();
@@ -66,11 +66,19 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
                             model.rows, model.columns),
                 config.file, "give the model of this sensor");
   const double volts_per_count = array.volts_per_count().value();
-  analysis::FrameCompensator<float> compensator(setup_of(model, options, volts_per_count));
+  auto compensator = [&] {
+    try {
+      return analysis::FrameCompensator<float>(setup_of(model, options, volts_per_count));
+    } catch (const std::invalid_argument& error) {  // numbers of a model that was changed by hand
+      throw Error(ExitCode::kUsage, "TB-MODEL-COMPENSATOR", error.what(), model.source,
+                  "look at its parameters (tactbench model show), or fit it again");
+    }
+  }();
   LiveSummary summary;
   summary.other_scanner = !model.scanner_serial.empty() && array.identity().serial != model.scanner_serial;
   if (summary.other_scanner)
-    summary.outside.push_back(fmt::format("scanner {} (fitted on {})", array.identity().serial, model.scanner_serial));
+    summary.outside.push_back(fmt::format("scanner {} (fitted on {})", analysis::or_not_stated(array.identity().serial),
+                                          model.scanner_serial));
   const std::optional<analysis::Range>& box = model.validity.temperature_c;
   for (const EnvironmentReading& reading : rig.environment())
     if (box && reading.quantity == "temperature_c" && !box->contains(reading.value, analysis::kTemperatureSlack))
@@ -102,9 +110,10 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
     const double latency = microseconds_since(asked);
     summary.worst_us = std::max(summary.worst_us, latency);
     if (latencies.size() < kMostLatencies) latencies.push_back(latency);
-    show(
-        {summary.frames, std::chrono::duration<double>(asked - begun).count(), pressure, uncertainty, status, latency});
+    const double time_s = std::chrono::duration<double>(asked - begun).count();
+    const bool looked_at = show({summary.frames, time_s, pressure, uncertainty, status, latency});
     ++summary.frames;
+    if (!looked_at) break;
     rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
     // A turned clock does not wait, but who looks does.
     if (config.in_process && options.interval_s > 0.0) std::this_thread::sleep_for(seconds(options.interval_s));

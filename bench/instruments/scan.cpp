@@ -5,12 +5,12 @@
 #include <array>
 #include <cstdlib>
 
-#include "bench/error.h"
+#include "bench/common/error.h"
 #include "devices/clock.h"
 #include "devices/fault.h"
-#include "devices/wire/daqmx_api.h"
+#include "devices/wire/daqmx/daqmx_api.h"
 #include "devices/wire/hid_link.h"
-#include "devices/wire/modbus_link.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "devices/wire/serial_link.h"
 
 namespace tactbench::bench {

@@ -7,10 +7,13 @@
 #include <functional>
 #include <thread>
 
+#include "analysis/counted.h"
+#include "bench/common/for_people.h"
+#include "bench/common/process_time.h"
+#include "bench/common/standard_streams.h"
+#include "bench/common/stop_request.h"
 #include "bench/instruments/check.h"
-#include "bench/process_time.h"
-#include "bench/rig.h"
-#include "bench/run/stop_request.h"
+#include "bench/rig/rig.h"
 #include "devices/fault.h"
 #include "devices/stage/zaber_binary.h"
 
@@ -67,7 +70,7 @@ std::string stage_text(Rig& rig) {
     const devices::ZaberModel* model = devices::zaber_model(axis.device_id);
     const std::string where =
         !axis.present      ? "absent"
-        : model == nullptr ? fmt::format("{} microsteps", axis.microsteps)
+        : model == nullptr ? analysis::counted(axis.microsteps, "microstep")
                            : fmt::format("{:.4f} mm", axis.microsteps * model->full_step_mm / kDefaultResolution);
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", "xyz"[static_cast<int>(axis.axis)], where);
   }
@@ -102,12 +105,14 @@ void watch_devices(const BenchConfig& config, const WatchOptions& options) {
   Rig rig(config);
   const StopRequest stop;
   devices::ForceSensor* force = nullptr;
-  for (long done = 0; stop.signal() == 0 && (options.count == 0 || done < options.count); ++done) {
+  for (long done = 0; stop.signal() == 0 && !output_is_lost() && (options.count == 0 || done < options.count); ++done) {
     const std::string text = lines_of(rig, force, options.terminal);
-    if (options.terminal)
-      fmt::print("\x1b[H\x1b[2J{} ({}), every {:g} s, Ctrl-C ends\n", config.id,
+    if (options.terminal) {
+      tty::clear_screen();
+      tty::print("{} ({}), every {:g} s, Ctrl-C ends\n", config.id,
                  config.origin == devices::Origin::kSimulated ? "simulated" : "hardware", options.interval_s);
-    fmt::print("{}{}", text, options.terminal ? "" : "\n");
+    }
+    tty::print("{}{}", text, options.terminal ? "" : "\n");
     std::fflush(stdout);
     rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
     // A turned clock does not wait, but who looks does.

@@ -1,7 +1,7 @@
 // Live values of a bench's instruments in the terminal, read-only: `devices watch`.
 #pragma once
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 
 namespace tactbench::bench {
 

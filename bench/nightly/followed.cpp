@@ -10,10 +10,13 @@
 namespace tactbench::bench {
 namespace {
 
-void judge_figure(FollowedFigure& figure, double false_alarm, std::int64_t newest) {
+void judge_figure(FollowedFigure& figure, double false_alarm, std::int64_t newest,
+                  const std::map<std::int64_t, std::int64_t>& repeated) {
   std::vector<double> accepted, later;
-  for (std::size_t i = 0; i < figure.values.size(); ++i)
+  for (std::size_t i = 0; i < figure.values.size(); ++i) {
+    if (figure.accepted[i] && repeated.contains(figure.runs[i])) continue;
     (figure.accepted[i] ? accepted : later).push_back(figure.values[i]);
+  }
   figure.band = analysis::control_band(accepted, false_alarm);
   figure.missing = figure.runs.back() != newest;
   figure.outside =
@@ -49,9 +52,12 @@ Followed follow(const db::RunStore& store, const std::string& subject, std::size
     figure.values.push_back(record.value);
     figure.accepted.push_back(followed.baseline && std::ranges::binary_search(followed.baseline->runs, record.run));
   }
+  std::map<std::int64_t, std::int64_t> repeated;
+  if (followed.baseline) repeated = store.repeated_runs(subject, followed.baseline->runs);
+  followed.repeated = repeated.size();
   if (judged_together == 0) judged_together = std::max<std::size_t>(figures.size(), 1);
   for (auto& [name, figure] : figures) {
-    judge_figure(figure, kNightAlarm / static_cast<double>(judged_together), followed.run);
+    judge_figure(figure, kNightAlarm / static_cast<double>(judged_together), followed.run, repeated);
     followed.figures.push_back(std::move(figure));
   }
   return followed;

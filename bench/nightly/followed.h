@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/control_band.h"
+#include "analysis/statistics/figures/control_band.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -17,7 +17,7 @@ struct FollowedFigure {
   std::vector<std::int64_t> runs;  // that are not void, in order, with
   std::vector<double> values;      // what each found
   std::vector<bool> accepted;      // is it one of the baseline's
-  // Of the baseline's values; none without a baseline of at least three runs.
+  // Of the baseline's values, each measurement once; none without a baseline of at least three.
   std::optional<analysis::ControlBand> band;
   // Of the newest runs after the baseline's: at least kDriftRuns, at most twice as many.
   std::optional<analysis::MonotoneTrend> trend;
@@ -35,6 +35,7 @@ struct Followed {
   std::int64_t run = 0;                        // the newest; 0: none
   std::string origin;                          // of that run; runs of another origin are left out
   std::optional<db::BaselineRecord> baseline;  // the newest of the subject
+  std::size_t repeated = 0;                    // of its runs, those that repeat another and do not count
   std::vector<FollowedFigure> figures;         // by name
 };
 

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/report/html.h"
-#include "analysis/report/style.h"
+#include "analysis/counted.h"
+#include "analysis/report/page/html.h"
+#include "analysis/report/page/style.h"
 #include "bench/nightly/night_store.h"
 
 namespace tactbench::bench {
@@ -48,8 +49,8 @@ Markup small_plot(const FollowedFigure& figure) {
                                : 0.5 * kPlotWidth);
   };
   Markup plot =
-      markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {} runs, {} to {}</title>",
-             CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(figure.name), count,
+      markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {}, {} to {}</title>",
+             CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(figure.name), Text(analysis::counted(count, "run")),
              significant(*std::ranges::min_element(shown), 4), significant(*std::ranges::max_element(shown), 4));
   if (figure.band)
     plot += markup("<path class=\"band\" d=\"M0 {0}H{2}V{1}H0Z\"/>", y(figure.band->high), y(figure.band->low),
@@ -74,10 +75,11 @@ Markup figures_of_subject(const Followed& followed) {
       "<div class=\"wide\"><table class=\"figures\"><caption>{}{}</caption><thead><tr><th>figure</th><th "
       "class=\"n\">newest</th><th class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
       Text(followed.subject),
-      followed.baseline ? Text(fmt::format(": baseline of {} runs, {}, accepted by {} on {}",
-                                           followed.baseline->runs.size(), followed.baseline->reason,
-                                           followed.baseline->accepted_by, followed.baseline->accepted_utc))
-                        : Text(""));
+      followed.baseline
+          ? Text(fmt::format(": baseline of {}, {}, accepted by {} on {}",
+                             analysis::counted(followed.baseline->runs.size(), "run"), followed.baseline->reason,
+                             followed.baseline->accepted_by, followed.baseline->accepted_utc))
+          : Text(""));
   for (const FollowedFigure& figure : followed.figures) {
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">", Text(figure.name),
                   significant(figure.values.back(), 5));
@@ -133,7 +135,8 @@ Markup result_row(const ScenarioResult& result) {
 std::string night_page(const Suite& suite, const NightPage& night) {
   const auto red = std::ranges::count_if(night.results, [](const ScenarioResult& r) { return !r.wrong.empty(); });
   Markup page = page_start(fmt::format("Night of {}: suite {}", night.begun_utc, suite.name), true);
-  page += markup("<p>{} scenarios, {} red, {} not run. {}</p>\n</header>\n<main>\n", suite.scenarios.size(), red,
+  page += markup("<p>{}, {} red, {} not run. {}</p>\n</header>\n<main>\n",
+                 Text(analysis::counted(suite.scenarios.size(), "scenario")), red,
                  suite.scenarios.size() - night.results.size(), Text(night.program));
   page += markup(
       "<h2>Scenarios</h2>\n<div class=\"wide\"><table><thead><tr><th>scenario</th><th></th><th class=\"n\">s</th><th>"

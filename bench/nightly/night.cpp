@@ -3,21 +3,27 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <system_error>
 #include <thread>
+#include <utility>
 
-#include "bench/error.h"
-
-extern char** environ;
+#include "analysis/counted.h"
+#include "bench/common/child_process.h"
+#include "bench/common/error.h"
+#include "bench/common/output_file.h"
+#include "bench/common/private_files.h"
+#include "bench/common/stop_request.h"
 
 namespace tactbench::bench {
 namespace {
@@ -25,9 +31,11 @@ namespace {
 namespace fs = std::filesystem;
 using NightClock = std::chrono::steady_clock;
 
+constexpr std::chrono::seconds kWayOut{10};  // of a scenario that is told to end
+
 struct Child {
   std::size_t scenario = 0;
-  pid_t process = -1;
+  ChildProgram program;
   NightClock::time_point begun;
   bool killed = false;
 };
@@ -35,6 +43,19 @@ struct Child {
 std::string whole_text(const fs::path& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// What a scenario said, without the line that the night put before it.
+std::string talk_in(const fs::path& log) {
+  const std::string text = whole_text(log);
+  return text.starts_with(kTalkHead) ? text.substr(text.find('\n') + 1) : text;
+}
+
+void refuse_store_of_others(const std::string& path) {
+  std::error_code missing;
+  if (fs::file_size(path, missing) == 0 || missing || is_scenario_store(path)) return;
+  throw Error(ExitCode::kUsage, "TB-FILE-STORE", "there is a file that is no store of a night, and it is never removed",
+              path, "name another folder with --stores");
 }
 
 class Night {
@@ -55,61 +76,82 @@ class Night {
         red = red || !results_[*done]->wrong.empty();
         on_result(in_order());
       }
+      if (options_.signals != nullptr && options_.signals->signal() != 0) stop(options_.signals->signal());
     }
     return in_order();
   }
 
  private:
+  // Nobody can look at what a scenario does alone: all of them end, and the night with them.
+  [[noreturn]] void stop(int signal) {
+    for (const Child& child : children_) child.program.terminate();
+    const auto last = NightClock::now() + kWayOut;
+    for (Child& child : children_)
+      if (!child.program.ended_by(last)) child.program.kill_group();
+    children_.clear();
+    const auto done = std::ranges::count_if(results_, [](const auto& result) { return result.has_value(); });
+    throw Error(
+        signal == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated, "TB-NIGHTLY-STOPPED",
+        fmt::format("the night was ended by {} after {} of {}", signal == SIGINT ? "Ctrl-C" : "a request to terminate",
+                    done, analysis::counted(results_.size(), "scenario")),
+        suite_.file, "nothing is kept with --db of a night that did not end; start it again");
+  }
+
   [[nodiscard]] fs::path file(std::size_t scenario, const char* ending) const {
     return fs::path(options_.stores) / (suite_.scenarios[scenario].label + ending);
   }
 
+  // For nobody but the night: it lies where nothing of others does.
+  [[nodiscard]] fs::path result_file(std::size_t scenario) const {
+    return fs::path(scope_.path()) / (suite_.scenarios[scenario].label + ".json");
+  }
+
   void start(std::size_t scenario) {
-    for (const char* ending : {".db", ".db-wal", ".db-shm", ".json"}) fs::remove(file(scenario, ending));
+    for (const char* ending : {".db", ".db-wal", ".db-shm", ".db-lock"}) fs::remove(file(scenario, ending));
     const Scenario& own = suite_.scenarios[scenario];
-    std::vector<std::string> words = {
-        options_.program.empty() ? fs::read_symlink("/proc/self/exe").string() : options_.program,
-        "nightly",
-        suite_.file,
-        "--only",
-        own.name,
-        "--seed",
-        std::to_string(own.seed),
-        "--db",
-        file(scenario, ".db").string(),
-        "--result",
-        file(scenario, ".json").string()};
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, 1, file(scenario, ".log").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    posix_spawn_file_actions_adddup2(&actions, 1, 2);
-    Child child{scenario, -1, NightClock::now(), false};
-    const int failed = posix_spawn(&child.process, words.front().c_str(), &actions, nullptr, pointers.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed != 0)
+    ChildStart child;
+    child.words = {options_.program.empty() ? fs::read_symlink("/proc/self/exe").string() : options_.program,
+                   "nightly",
+                   suite_.file,
+                   "--only",
+                   own.name,
+                   "--seed",
+                   std::to_string(own.seed),
+                   "--db",
+                   file(scenario, ".db").string(),
+                   "--result",
+                   result_file(scenario).string()};
+    // A scenario is nobody's run but the night's: words to live runs do not meet it.
+    child.environment = environment_with({"TACTBENCH_RUNTIME_DIR=" + scope_.path()});
+    child.ends_with_us = true;
+    const std::string program = child.words.front(), log = file(scenario, ".log").string();
+    child.output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0644);
+    if (child.output < 0)
+      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(errno)),
+                  log, "check folder, space and permissions; a link is not followed");
+    const std::string head = fmt::format("{}{}\n", kTalkHead, own.label);  // by which the next night knows it
+    (void)!::write(child.output, head.data(), head.size());
+    try {
+      children_.push_back({scenario, ChildProgram(std::move(child)), NightClock::now(), false});
+    } catch (const std::system_error& error) {
       throw Error(ExitCode::kInternal, "TB-NIGHTLY-SPAWN",
-                  fmt::format("scenario {} could not be started: {}", own.label, std::strerror(failed)), words.front(),
+                  fmt::format("scenario {} could not be started: {}", own.label, error.code().message()), program,
                   "look at the limits of processes and memory");
-    children_.push_back(child);
+    }
   }
 
   // The scenario that ended, if one did within a short while.
   std::optional<std::size_t> wait() {
     for (auto child = children_.begin(); child != children_.end(); ++child) {
-      int status = 0;
-      if (waitpid(child->process, &status, WNOHANG) == child->process) {
-        const Child ended = *child;
+      if (const std::optional<int> status = child->program.ended()) {
+        const std::size_t scenario = child->scenario;
+        collect(*child, *status);
         children_.erase(child);
-        collect(ended, status);
-        return ended.scenario;
+        return scenario;
       }
       if (!child->killed && NightClock::now() - child->begun > std::chrono::duration<double>(options_.limit_s)) {
         child->killed = true;
-        ::kill(child->process, SIGKILL);
+        child->program.kill_group();
       }
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -118,7 +160,7 @@ class Night {
 
   void collect(const Child& child, int status) {
     const Scenario& own = suite_.scenarios[child.scenario];
-    const fs::path json = file(child.scenario, ".json");
+    const fs::path json = result_file(child.scenario);
     ScenarioResult result;
     try {
       result = result_from_json(whole_text(json));
@@ -131,7 +173,7 @@ class Night {
                                                   : fmt::format("exit code {}", WEXITSTATUS(status));
       result.wrong = {child.killed ? fmt::format("it had not ended after {:.0f} s and was killed", options_.limit_s)
                                    : fmt::format("its process ended with {} and left no result", how),
-                      whole_text(file(child.scenario, ".log"))};
+                      talk_in(file(child.scenario, ".log"))};
     }
     fs::remove(json);
     results_[child.scenario] = std::move(result);
@@ -146,6 +188,7 @@ class Night {
 
   const Suite& suite_;
   const NightOptions& options_;
+  const ScratchFolder scope_{"tactbench-night"};
   std::vector<Child> children_;
   std::vector<std::optional<ScenarioResult>> results_;
 };
@@ -155,6 +198,11 @@ class Night {
 std::vector<ScenarioResult> carry_out_night(const Suite& suite, const NightOptions& options,
                                             const std::function<void(const std::vector<ScenarioResult>&)>& on_result) {
   fs::create_directories(options.stores);
+  for (const Scenario& scenario : suite.scenarios) {
+    const std::string name = (fs::path(options.stores) / scenario.label).string();
+    check_output(name + ".log", kTalkFile, options.replace);
+    refuse_store_of_others(name + ".db");
+  }
   return Night(suite, options).carry_out(on_result);
 }
 

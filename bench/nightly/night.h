@@ -10,16 +10,22 @@
 
 namespace tactbench::bench {
 
+class StopRequest;
+
 struct NightOptions {
   int jobs = 2;
   double limit_s = 300.0;  // real time a scenario: then its process is killed and it is red
   bool stop_on_red = false;
-  std::string stores;   // folder that keeps each scenario's store as NAME.db and its talk as NAME.log
-  std::string program;  // that carries out `nightly SUITE --only NAME --result FILE`; empty: this one
+  std::string stores;                    // folder that keeps each scenario's store as NAME.db and its talk as NAME.log
+  std::string program;                   // that carries out `nightly SUITE --only NAME --result FILE`; empty: this one
+  const StopRequest* signals = nullptr;  // that end it; null: none is looked at
+  bool replace = false;                  // a NAME.log that is no night's, too
 };
 
-// `on_result` is told of each result as it comes in. Scenarios that were not reached are missing at the end. Throws
-// Error TB-NIGHTLY-SPAWN when no process can be started.
+// `on_result` is told of each result as it comes in. Scenarios that were not reached are missing at the end. Ctrl-C
+// and a request to terminate end all that runs. Throws Error TB-NIGHTLY-STOPPED then, TB-NIGHTLY-SPAWN when no process
+// can be started, TB-FILE-WRITE. Stores and talk of an earlier night are replaced; before anything is, TB-FILE-STORE
+// for a NAME.db that no night made, TB-FILE-EXISTS for such a NAME.log.
 std::vector<ScenarioResult> carry_out_night(const Suite& suite, const NightOptions& options,
                                             const std::function<void(const std::vector<ScenarioResult>&)>& on_result);
 

@@ -9,15 +9,18 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
-#include "analysis/statistics/evaluation.h"
-#include "analysis/statistics/figures.h"
-#include "analysis/statistics/rig_figures.h"
-#include "bench/cli/evaluation.h"
-#include "bench/cli/named_evaluation.h"
-#include "bench/config.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/figures.h"
+#include "analysis/statistics/figures/limits.h"
+#include "analysis/statistics/figures/rig_figures.h"
+#include "bench/common/error.h"
+#include "bench/common/overrides.h"
+#include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/reporting/evaluation.h"
 #include "bench/run/characterize.h"
 #include "bench/run/recipe_check.h"
-#include "bench/utc.h"
 #include "db/run_store.h"
 #include "sequences/recipe.h"
 
@@ -25,12 +28,18 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::uint64_t kHeldOutSeeds = 1'000'000;  // apart from those of a suite with many seeds
+constexpr const char* kSpecimenNote = "simulated array of the nightly suite";
+constexpr const char* kNightOperator = "nightly";
 
 db::SensorRecord add_specimen(const Scenario& scenario, db::RunStore& store) {
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
-  db::SensorRecord sensor{
-      fmt::format("SIM-{:04}", scenario.sensor_seed), type.name, type.text, db::sha256_hex(type.text), "",
-      "simulated array of the nightly suite",         utc_now()};
+  db::SensorRecord sensor{fmt::format("SIM-{:04}", scenario.sensor_seed),
+                          type.name,
+                          type.text,
+                          db::sha256_hex(type.text),
+                          "",
+                          kSpecimenNote,
+                          utc_now()};
   store.add_sensor(sensor);
   return sensor;
 }
@@ -50,29 +59,48 @@ bool run_once(const Scenario& scenario, const std::vector<std::string>& set, std
   request.overrides = overrides.all;
   request.sensor = sensor;
   request.sensor_type = parse_sensor_type(sensor.type_toml, "sensor type");
-  request.operator_name = "nightly";
+  request.operator_name = kNightOperator;
   request.purpose = "nightly: " + scenario.name;
   request.assume_yes = true;
+  request.attended = false;
   Progress progress(Progress::Mode::kQuiet);
   const RunResult run = characterize(request, store, progress);
   result.runs.push_back({run.run, db::to_string(run.outcome), run.error ? run.error->id() : "", db::to_string(run.safe),
                          run.content_sha256});
   result.figures["frames"] += run.frames;
   result.figures["branches_redone"] += run.branches_redone;
-  for (const db::FrameRecord& frame : store.frames(run.run))
-    result.figures["flagged_frames"] += frame.flags.empty() ? 0.0 : 1.0;
+  if (store.frame_count(run.run) > 0)
+    result.figures["flagged_frames"] += static_cast<double>(store.flagged_frame_count(run.run));
   return run.outcome == db::Outcome::kCompleted;
 }
 
+// The worst word of each criterion over the runs judged.
+std::map<std::string, std::string> words_of(const std::vector<db::VerdictRecord>& verdicts) {
+  std::map<std::string, std::vector<db::VerdictRecord>> rows;
+  for (const db::VerdictRecord& verdict : verdicts)
+    rows[verdict.scope == "array" ? verdict.criterion : verdict.criterion + " " + verdict.scope].push_back(verdict);
+  std::map<std::string, std::string> words;
+  for (const auto& [name, own] : rows) words[name] = analysis::verdict_word(analysis::overall_verdict(own));
+  return words;
+}
+
 void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result) {
-  const analysis::ArrayFit fit = fit_run(store, result.runs.front().run);
   std::vector<std::int64_t> held_out;
-  if (scenario.has_held_out) held_out.push_back(result.runs.back().run);
-  const std::vector<NamedEvaluation> evaluations = evaluate_runs(store, fit, held_out);
-  const analysis::Evaluation& e = judged(evaluations);
-  for (const db::VerdictRecord& verdict : judge_and_store(store, fit, e, "nightly-limits.toml"))
-    result.verdicts[verdict.scope == "array" ? verdict.criterion : verdict.criterion + " " + verdict.scope] =
-        verdict.verdict;
+  for (std::size_t i = 1; i < result.runs.size(); ++i) held_out.push_back(result.runs[i].run);
+  if (scenario.void_held_out) store.void_run(held_out.front(), "by the scenario", "nightly", utc_now());
+  analysis::Runs runs(store);
+  const analysis::ArrayFit fit = fit_run(store, runs.dataset(result.runs.front().run));
+  const std::vector<NamedEvaluation> evaluations = evaluate_runs(runs, fit, held_out);
+  const std::size_t shown = scenario.held_out.empty() ? 0 : scenario.void_held_out ? evaluations.size() - 1 : 1;
+  const analysis::Evaluation& e = evaluations[shown].evaluation;
+  if (scenario.own_run) {
+    result.verdicts = words_of(judge_anew(runs, fit, e, read_limits(find_config(scenario.limits))));
+  } else if (!held_out.empty()) {
+    const std::vector<db::VerdictRecord> verdicts =
+        judge_and_store(store, runs, fit, evaluations, scenario.limits).verdicts;
+    result.verdicts = words_of(verdicts);
+    result.verdicts["overall"] = analysis::verdict_word(analysis::overall_verdict(verdicts));
+  }
   for (std::size_t taxel = 0; taxel < fit.taxels.size(); ++taxel)
     if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted)
       result.taxels[to_string(fit.taxels[taxel].status)].push_back(static_cast<int>(taxel));
@@ -81,8 +109,10 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
 
 // A run that is not fitted shows the rig that made it.
 void look_at_rig(const db::RunStore& store, ScenarioResult& result) {
-  result.figures.merge(analysis::chamber_figures(store, result.runs.back().run));
-  result.figures.merge(analysis::press_figures(store, result.runs.back().run));
+  const analysis::StoredRun run = analysis::read_run(store, store.run(result.runs.back().run));
+  result.figures["instruments"] = static_cast<double>(run.record.devices.size());
+  result.figures.merge(analysis::chamber_figures(run));
+  result.figures.merge(analysis::press_figures(run));
 }
 
 void compare(const std::string& what, const std::string& wanted, const std::string& came,
@@ -102,10 +132,13 @@ ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
   db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
   const db::SensorRecord sensor = add_specimen(scenario, store);
   bool completed = run_once(scenario, scenario.set, scenario.seed, sensor, store, result);
-  if (completed && scenario.has_held_out) {
+  std::uint64_t seed = scenario.seed;
+  for (const std::vector<std::string>& own : scenario.held_out) {
+    if (!completed) break;
     std::vector<std::string> set = scenario.set;
-    set.insert(set.end(), scenario.held_out.begin(), scenario.held_out.end());
-    completed = run_once(scenario, set, scenario.seed + kHeldOutSeeds, sensor, store, result);
+    set.insert(set.end(), own.begin(), own.end());
+    seed += kHeldOutSeeds;
+    completed = run_once(scenario, set, seed, sensor, store, result);
   }
   if (completed) {
     try {
@@ -118,6 +151,16 @@ ScenarioResult carry_out(const Scenario& scenario, const std::string& path) {
   for (std::string& line : differences(scenario, result)) result.wrong.push_back(std::move(line));
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return result;
+}
+
+bool is_scenario_store(const std::string& store) try {
+  const db::RunStore found = db::RunStore::open_read_only(store);
+  return std::ranges::all_of(found.sensors(), [](const auto& sensor) { return sensor.note == kSpecimenNote; }) &&
+         std::ranges::all_of(found.runs(), [](const auto& run) {
+           return run.operator_name == kNightOperator && run.tags.empty() && run.notes.empty();
+         });
+} catch (const db::StoreError&) {
+  return false;
 }
 
 std::vector<std::string> differences(const Scenario& scenario, const ScenarioResult& result) {

@@ -22,7 +22,7 @@ struct ScenarioResult {
   std::string compared;              // with the last night with the same seed; empty: not asked
   std::vector<ScenarioRun> runs;
   std::map<std::string, double> figures;           // of what was judged; unit in the name
-  std::map<std::string, std::string> verdicts;     // criterion, or "mismatch 40 psi up" -> word
+  std::map<std::string, std::string> verdicts;     // criterion, "mismatch 40 psi up", "overall" -> word
   std::map<std::string, std::vector<int>> taxels;  // status -> taxels that are not fitted
   double seconds = 0.0;                            // real time
 };
@@ -30,6 +30,10 @@ struct ScenarioResult {
 // `store`: the file the runs go to, made. Never throws for what the rig does; Error and FileError for a scenario that
 // asks for what does not exist.
 ScenarioResult carry_out(const Scenario& scenario, const std::string& store);
+
+// Whether `store` is a file that carry_out() left, whole or not: all in it is a scenario's, and nobody tagged or noted
+// anything, as keep_night() does.
+bool is_scenario_store(const std::string& store);
 
 // Lines about where `result` differs from what `scenario` says must come out.
 std::vector<std::string> differences(const Scenario& scenario, const ScenarioResult& result);

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "sequences/strict_toml.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "sequences/toml/strict_toml.h"
 
 namespace tactbench::bench {
 namespace {
@@ -40,9 +41,12 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   scenario.recipes = table.texts("recipes");
   if (scenario.recipes.empty()) scenario.recipes = {"descending", "ascending"};
   scenario.set = table.texts("set");
-  scenario.has_held_out = table.has("held_out");
-  scenario.held_out = table.texts("held_out");
+  for (const char* key : {"held_out", "held_out_2"})
+    if (table.has(key)) scenario.held_out.push_back(table.texts(key));
+  scenario.void_held_out = table.boolean("void_held_out", false);
+  scenario.own_run = table.boolean("own_run", false);
   scenario.fits = table.boolean("fits", true);
+  scenario.limits = table.text("limits", scenario.limits);
   scenario.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, kLargestSeed));
   scenario.sensor_seed = static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kLargestSeed));
   scenario.outcome = table.word("outcome", scenario.outcome, {"completed", "stopped", "aborted", "failed"});
@@ -57,11 +61,18 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   }
   const TomlTable verdicts = table.table("verdicts");
   for (const std::string& criterion : verdicts.keys())
-    scenario.verdicts[criterion] = verdicts.word(criterion, {"pass", "fail", "inconclusive"});
+    scenario.verdicts[criterion] = verdicts.word(criterion, analysis::verdict_words());
   const TomlTable figures = table.table("figures");
   for (const std::string& figure : figures.keys()) scenario.figures[figure] = figures.span(figure, {});
   if (!scenario.fits && !(scenario.taxels.empty() && scenario.verdicts.empty()))
     table.fail("fits", "verdicts and taxels come from a fit, and fits = false", "leave them out, or let it fit");
+  if (scenario.own_run && !scenario.held_out.empty())
+    table.fail("own_run", "the fit's own run is held against the limits, and so are held-out runs", "leave one out");
+  if (!scenario.verdicts.empty() && scenario.held_out.empty() && !scenario.own_run)
+    table.fail("verdicts", "no run but the fit's own is there to be judged",
+               "add held_out, or own_run = true to hold the own figures against the limits");
+  if (scenario.void_held_out && scenario.held_out.empty())
+    table.fail("void_held_out", "there is no held-out run to be declared void", "add held_out");
   for (const TomlTable* part : {&taxels, &verdicts, &figures}) part->finish();
   table.finish();
   return scenario;

@@ -14,19 +14,22 @@ struct Scenario {
   std::string name, about;  // name: letters, digits and hyphens; unique in its suite
   std::string label;        // the name; with several seeds the seed, too
   std::string bench = "simulated.toml";
-  std::vector<std::string> recipes;   // names of shipped ones or files
-  std::vector<std::string> set;       // as --set of the verb run
-  std::vector<std::string> held_out;  // a second run that the models never see, with these beside `set`
-  bool has_held_out = false;
-  bool fits = true;  // the runs are fitted and judged
+  std::vector<std::string> recipes;  // names of shipped ones or files
+  std::vector<std::string> set;      // as --set of the verb run
+  // Further runs that the models never see, each with its own beside `set`: judged, the worst one counts.
+  std::vector<std::vector<std::string>> held_out;
+  bool void_held_out = false;  // the first of them is declared void before anything is judged
+  bool own_run = false;        // the figures of the fit's own run are held against the limits: no verdict on the sensor
+  bool fits = true;            // the runs are fitted and judged
+  std::string limits = "nightly-limits.toml";  // that the verdicts are by
   std::uint64_t seed = 1, sensor_seed = 1;
 
   // What must come out.
   std::string outcome = "completed";  // of the last run
   std::string error;                  // its stable identifier; empty: none
   std::string safe = "verified";
-  std::map<std::string, std::vector<int>> taxels;            // status -> exactly these, row-major from 0; absent: none
-  std::map<std::string, std::string> verdicts;               // criterion -> word; "mismatch" is each of its scopes
+  std::map<std::string, std::vector<int>> taxels;  // status -> exactly these, row-major from 0; absent: none
+  std::map<std::string, std::string> verdicts;  // criterion -> worst word; "mismatch" is each of its scopes; "overall"
   std::map<std::string, std::pair<double, double>> figures;  // name -> [low, high]
 };
 

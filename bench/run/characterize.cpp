@@ -4,15 +4,23 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
-#include "bench/config.h"
-#include "bench/rig.h"
+#include "analysis/counted.h"
+#include "analysis/whole_file.h"
+#include "bench/common/utc.h"
+#include "bench/config/calibration_words.h"
+#include "bench/config/config.h"
+#include "bench/config/config_calibration.h"
+#include "bench/guard/trip.h"
+#include "bench/rig/rig.h"
 #include "bench/run/conductor.h"
-#include "bench/run/control_socket.h"
+#include "bench/run/control/control_socket.h"
+#include "bench/run/control/locks.h"
+#include "bench/run/dead_man_news.h"
 #include "bench/run/ending.h"
 #include "bench/run/recipe_check.h"
 #include "bench/run/resume.h"
@@ -20,9 +28,7 @@
 #include "bench/run/set_up.h"
 #include "bench/run/time_estimate.h"
 #include "bench/safety/fail_safe.h"
-#include "bench/safety/trip.h"
 #include "bench/simulation/plant.h"
-#include "bench/utc.h"
 #include "devices/fault.h"
 #include "sequences/recipe.h"
 
@@ -32,9 +38,9 @@ namespace {
 
 void load_specimen(Rig& rig, const std::string& file) {
   if (file.empty() || rig.plant() == nullptr || !std::filesystem::exists(file)) return;
-  std::ifstream stream(file);
+  constexpr std::size_t kLargestState = 256'000'000;  // bytes; 64 x 64 taxels need about a hundredth
   try {
-    rig.plant()->set_specimen_state(std::string(std::istreambuf_iterator<char>(stream), {}));
+    rig.plant()->set_specimen_state(analysis::whole_file(file, {kLargestState}, "TB-SPECIMEN-STATE", ""));
   } catch (const std::exception& error) {
     throw Error(ExitCode::kUsage, "TB-SPECIMEN-STATE", fmt::format("not a specimen state: {}", error.what()), file,
                 "give a file that --specimen-state wrote for this sensor seed, or a new name");
@@ -67,11 +73,12 @@ BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>&
 }
 
 // One run from its row to its end. Each part of the way out is bounded in time and none stops the next.
-class Life {
+class RunLifecycle {
  public:
-  Life(const RunRequest& request, db::RunStore& store, Progress& progress)
-      : request_(request), store_(store), progress_(progress), notify_(request.on_event) {
+  RunLifecycle(const RunRequest& request, db::RunStore& store, Progress& progress)
+      : request_(request), store_(store), progress_(progress), notify_(request.on_event), lock_(store.path()) {
     check_recipes(request.recipes, request.bench);
+    refuse_placeholders(request.bench);
     check_geometry(request);
     refuse_tripped(request.bench);
     work_.recipes = request.recipes;
@@ -80,13 +87,17 @@ class Life {
     work_.estimate = request.estimate;
     work_.assume_yes = request.assume_yes;
     work_.label = request.label;
+    if (!request.attended) control_.end_by_first_interrupt();
     if (request.resume != 0) {
+      lock_.take_again(request.resume);
       ResumePoint point = reopen(store, request.resume, request.recipes, work_.steps);
       result_.run = request.resume;
+      frames_before_ = store.frame_count(request.resume);
       offset_ = point.offset;
       work_.done = std::move(point.done);
     } else {
       result_.run = store.begin_run(record_of(request));
+      lock_.take_new(result_.run);
       if (const auto rest = rest_of_sensor(store, request.sensor.serial, result_.run)) {
         store.set_rest(result_.run, *rest);
       }
@@ -94,12 +105,13 @@ class Life {
     if (request.on_begun) request.on_begun(result_.run);
   }
 
-  RunResult live() {
+  RunResult execute() {
     try {
       set_up();
       conductor_->run();
       if (conductor_) conductor_->press_steps().register_mount(request_.sensor_type.pitch_mm, baseline_);
       record_environment(*rig_, *recorder_);
+      control_.finish(signals_);
     } catch (...) {
       ending_.by_exception(place());
     }
@@ -116,11 +128,18 @@ class Life {
     if (rig_ && request_.on_rig) request_.on_rig(*rig_, which);
   }
 
-  [[nodiscard]] std::string place() const {
-    return fmt::format("run {}, after frame {}", result_.run, recorder_ ? recorder_->frames() : 0);
-  }
+  [[nodiscard]] std::string place() const { return fmt::format("run {}, after frame {}", result_.run, frames_kept()); }
+  [[nodiscard]] std::int64_t frames_kept() const { return frames_before_ + (recorder_ ? recorder_->frames() : 0); }
 
   void set_up() {
+    RunStatus status;
+    status.run = result_.run;
+    status.store = std::filesystem::absolute(store_.path()).string();  // who asks may be elsewhere
+    control_.publish(status);
+    control_.on_panic([this] {
+      if (DeadManProcess* const dead_man = dead_man_) dead_man->fire();
+    });
+    socket_ = std::make_unique<ControlSocket>(request_.bench, control_, result_.run, request_.bench_name);
     rig_ = std::make_unique<Rig>(with_object(request_.bench, request_.recipes));
     recorder_ = std::make_unique<Recorder>(store_, result_.run, rig_->clock(), offset_);
     rig_->guard().set_run(result_.run);
@@ -134,24 +153,14 @@ class Life {
     moment(RigMoment::kMade);
     rig_->open();
     moment(RigMoment::kOpened);
+    dead_man_ = rig_->dead_man();
     if (rig_->dead_man() != nullptr) rig_->dead_man()->name_run(result_.run);
-    const db::RunRecord begun = store_.run(result_.run);
-    if (!begun.devices.empty()) {
-      check_same_devices(begun, rig_->devices());
-    } else {  // a new run, or one that died before it knew its devices
-      store_.set_devices(result_.run, rig_->devices());
-    }
-    control_.on_panic([this] {
-      if (rig_->dead_man() != nullptr) rig_->dead_man()->fire();
-    });
-    socket_ = std::make_unique<ControlSocket>(request_.bench, control_);
+    keep_devices();
+    control_.poll(signals_);  // what was asked while the devices opened
     for (const std::string& layer : fail_safe_layers(request_.bench)) recorder_->event("fail-safe", "", layer);
     record_environment(*rig_, *recorder_);
     check_scanner(request_, rig_->array().identity().serial);
     baseline_ = sequencer_->read_baseline();
-    RunStatus status;
-    status.run = result_.run;
-    status.store = store_.path();
     conductor_ = std::make_unique<Conductor>(*sequencer_, *recorder_, control_, progress_, notify_, std::move(work_),
                                              baseline_, status);
     conductor_->set_state(RunState::kRunning, "devices open, chamber unloaded");
@@ -163,6 +172,14 @@ class Life {
         conductor_->suspend(suspended);
       }
     }
+  }
+
+  void keep_devices() {
+    if (needs_press(request_.recipes)) rig_->name_press_instruments();
+    const std::vector<db::DeviceRecord> devices = rig_->devices();
+    bench::keep_devices(store_, result_.run, devices);
+    for (const std::string& line : calibration_warnings(request_.bench, devices, utc_now().substr(0, 10)))
+      recorder_->event("warning", "TB-CALIBRATION", line);
   }
 
   // A store that cannot be written ends the run by its next frame or step; it never holds up a command.
@@ -185,6 +202,7 @@ class Life {
     if (sequencer_) {
       (void)sequencer_->times().start(Spent::kTeardown);
       result_.time_spent = sequencer_->times().text();
+      result_.waiting_seconds = sequencer_->times().seconds(Spent::kWaiting);
     }
     result_.process_seconds = devices::in_seconds(rig_->clock().now());
     if (ending_.error()) return;
@@ -199,6 +217,7 @@ class Life {
     const devices::SteadyClock no_rig_clock;
     if (!recorder_) recorder_ = std::make_unique<Recorder>(store_, result_.run, no_rig_clock, offset_);
     result_.frames = recorder_->frames();
+    result_.frames_kept = frames_kept();
     result_.most_exchanges_a_step = recorder_->most_exchanges();
     result_.store_seconds = recorder_->store_seconds();
     result_.branches_redone = conductor_ ? conductor_->redone() : 0;
@@ -219,9 +238,9 @@ class Life {
       if (!ending_.error()) ending_.by_exception(place());
     }
     if (const std::optional<Error>& error = ending_.error()) {
-      const std::string kept = fmt::format("{}; run {} kept with {} frames", proof_.text, result_.run, result_.frames);
-      const ExitCode code = safe ? error->code() : ExitCode::kUnsafe;
-      result_.error = Error(code, error->id(), error->what(), error->where(), error->remedy(), kept);
+      const std::string kept = fmt::format("{}; run {} kept with {}", proof_.text, result_.run,
+                                           analysis::counted(result_.frames_kept, "frame"));
+      result_.error = error->with_rig_state(kept, safe);
     }
     notify_.tell(ending_.error() ? "failed" : "done", result_.run, reason);
   }
@@ -231,6 +250,7 @@ class Life {
       recorder_->event("relays", "",
                        fmt::format("closed {} times, row by row", fmt::join(rig_->relay_operations(), " ")));
     }
+    if (rig_) record_dead_man_news(*rig_, *recorder_, progress_);
     ending_.write(*recorder_);
     if (!result_.time_spent.empty()) recorder_->event("time", "", result_.time_spent);
     if (conductor_) {
@@ -251,12 +271,15 @@ class Life {
   Control control_;
   Ending ending_{control_, signals_};
   Work work_;
+  const RunLock lock_;  // of the run in its store
   devices::Nanoseconds offset_{0};
+  std::int64_t frames_before_ = 0;  // of a run that was opened again
   RunResult result_;
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<Sequencer> sequencer_;
   std::unique_ptr<Conductor> conductor_;
+  std::atomic<DeadManProcess*> dead_man_{nullptr};  // the rig's, for who panics
   std::unique_ptr<ControlSocket> socket_;
   Baseline baseline_;
   SafeProof proof_;
@@ -266,7 +289,7 @@ class Life {
 }  // namespace
 
 RunResult characterize(const RunRequest& request, db::RunStore& store, Progress& progress) {
-  return Life(request, store, progress).live();
+  return RunLifecycle(request, store, progress).execute();
 }
 
 }  // namespace tactbench::bench

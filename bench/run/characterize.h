@@ -2,7 +2,7 @@
 // setup, steps, and a way out that always proves the safe state and says why the run ended.
 #pragma once
 
-#include "bench/run/progress.h"
+#include "bench/run/control/progress.h"
 #include "bench/run/run_request.h"
 #include "db/run_store.h"
 

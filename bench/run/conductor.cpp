@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "bench/error.h"
-#include "bench/process_time.h"
-#include "bench/run/conditioning.h"
+#include "analysis/counted.h"
+#include "bench/common/error.h"
+#include "bench/common/process_time.h"
+#include "bench/run/dead_man_news.h"
+#include "bench/run/watch/conditioning.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -99,7 +101,7 @@ void Conductor::branch(const BranchSpan& span) {
       recorder_.event("branch-broken", "TB-BRANCH-BROKEN", what);
       give_up("TB-BRANCH-BROKEN: " + path.what);
       if (broken++ >= recipe.guard.redo) {
-        throw Fault("TB-BRANCH-BROKEN", "sequencer", fmt::format("{}, {} times", what, broken),
+        throw Fault("TB-BRANCH-BROKEN", "sequencer", fmt::format("{}, {}", what, analysis::counted(broken, "time")),
                     "see the traces of the void branches: a leak, an overshooting valve or a tolerance below the "
                     "noise; the recipe's [guard] table has tolerance_psi, redo and on_broken");
       }
@@ -211,8 +213,8 @@ void Conductor::fail_fast(const Step& step) {
   const bool weak = mean < limits.least_response_v;
   if (!weak && (limits.most_dead_taxels < 0 || dead <= limits.most_dead_taxels)) return;
   throw Error(ExitCode::kCriterionFailed, "TB-RUN-HOPELESS",
-              fmt::format("at the first {:.0f} psi the array answers with {:.3f} V on average and {} taxels not at all",
-                          step.setpoint.value(), mean, dead),
+              fmt::format("at the first {:.0f} psi the array answers with {:.3f} V on average and {} not at all",
+                          step.setpoint.value(), mean, analysis::counted(dead, "taxel")),
               fmt::format("recipe '{}' [limits]", recipe.name),
               "check seating, connector and membrane; the limits are least_response_v and most_dead_taxels");
 }
@@ -232,6 +234,8 @@ void Conductor::set_state(RunState state, const std::string& reason) {
 
 // A pause that was asked for shows at once, and so does its being taken back.
 void Conductor::listen() {
+  record_dead_man_news(sequencer_.rig(), recorder_, progress_);
+  check_dead_man(sequencer_.rig());
   if (control_.pause_wanted() && recorder_.state() == RunState::kRunning) {
     set_state(RunState::kPausing, "asked by " + control_.who());
     progress_.note("pausing at the end of this branch; Ctrl-C (or `tactbench stop`) ends the run now");

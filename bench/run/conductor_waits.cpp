@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "bench/error.h"
-#include "bench/process_time.h"
+#include "bench/common/error.h"
+#include "bench/common/process_time.h"
 #include "bench/run/conductor.h"
 #include "devices/fault.h"
 
@@ -84,6 +84,7 @@ void Conductor::prompt(const sequences::Step& step) {
     return;
   }
   vent("for the operator");
+  status_.question = step.text;
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, "for the operator");
   set_state(RunState::kPaused, "operator: " + step.text);
   const bool terminal = isatty(STDIN_FILENO) == 1;
@@ -100,6 +101,7 @@ void Conductor::prompt(const sequences::Step& step) {
       while (!answered && ::read(STDIN_FILENO, &byte, 1) == 1) answered = byte == '\n';
     }
   }
+  status_.question.clear();
   recover();
   set_state(RunState::kRunning, "the operator has answered: " + step.text);
 }

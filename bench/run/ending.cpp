@@ -2,35 +2,34 @@
 
 #include <fmt/format.h>
 
-#include <csignal>
-
 namespace tactbench::bench {
 
 namespace {
 
 Error error_of(const Leave& leave, const std::string& where) {
-  if (leave.word != Word::kStop) {
-    const bool panic = leave.word == Word::kPanic;
-    return {ExitCode::kStopped, panic ? "TB-RUN-PANIC" : "TB-RUN-ABORTED",
-            fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where,
-            "look at the rig before the next run; the frames so far are kept"};
+  if (leave.command != Command::kStop) {
+    const bool panic = leave.command == Command::kPanic;
+    return Error(ExitCode::kStopped, panic ? "TB-RUN-PANIC" : "TB-RUN-ABORTED",
+                 fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where,
+                 "look at the rig before the next run; the frames so far are kept")
+        .by_word();
   }
-  const ExitCode code = leave.signal == SIGINT ? ExitCode::kInterrupted
-                        : leave.signal != 0    ? ExitCode::kTerminated
-                                               : ExitCode::kStopped;
-  return {code, "TB-RUN-STOPPED", "stopped by " + leave.who, where,
-          "the frames so far are kept; `tactbench resume` goes on with the branch that was under way"};
+  return Error(leave.signal != 0 ? code_of_signal(leave.signal) : ExitCode::kStopped, "TB-RUN-STOPPED",
+               "stopped by " + leave.who, where,
+               "the frames so far are kept; `tactbench resume` goes on with the branch that was under way")
+      .by_word();
 }
 
 bool word_wins(const Leave& leave, const Error& met) {
-  return leave.word == Word::kPanic || met.code() == ExitCode::kDevice;
+  return leave.command == Command::kPanic || met.code() == ExitCode::kDevice;
 }
 
 // 7 outranks all other exit codes.
 Error with_fault(const Error& word, const Error& met) {
   const ExitCode code = met.code() == ExitCode::kUnsafe ? ExitCode::kUnsafe : word.code();
-  return {code, word.id(), fmt::format("{}; met on the way out: {}", word.what(), met.id()), word.where(),
-          word.remedy()};
+  return Error(code, word.id(), fmt::format("{}; met on the way out: {}", word.what(), met.id()), word.where(),
+               word.remedy())
+      .by_word();
 }
 
 }  // namespace
@@ -39,17 +38,18 @@ void Ending::by_exception(const std::string& where) {
   try {
     throw;
   } catch (const Leave& leave) {
-    heard_ = leave.word;
+    heard_ = leave.command;
     error_ = error_of(leave, where);
   } catch (...) {
     const Error met = as_error(std::current_exception(), where);
     met_store_ = met_store_ || met.code() == ExitCode::kStore;
     const std::optional<Leave> leave = control_.asked(signals_);
     if (!leave || !word_wins(*leave, met)) {
+      heard_.reset();
       error_ = met;
       return;
     }
-    heard_ = leave->word;
+    heard_ = leave->command;
     met_ = met;
     error_ = with_fault(error_of(*leave, where), met);
   }
@@ -61,9 +61,10 @@ void Ending::by(const Error& error) {
 
 void Ending::hear_last_words(const std::string& where) {
   const std::optional<Leave> leave = control_.close(signals_);
-  if (!leave || leave->word == heard_) return;
+  if (!leave || leave->command == heard_) return;
   const Error word = error_of(*leave, where);
-  if (!error_ && leave->word != Word::kStop) {
+  if (!error_ && leave->command != Command::kStop) {
+    heard_ = leave->command;
     error_ = word;
   } else {
     last_word_ = word;
@@ -72,9 +73,8 @@ void Ending::hear_last_words(const std::string& where) {
 
 db::Outcome Ending::outcome() const {
   if (!error_) return db::Outcome::kCompleted;
-  if (error_->id() == "TB-RUN-STOPPED") return db::Outcome::kStopped;
-  const bool by_word = error_->id() == "TB-RUN-ABORTED" || error_->id() == "TB-RUN-PANIC";
-  return by_word || error_->code() == ExitCode::kStopped ? db::Outcome::kAborted : db::Outcome::kFailed;
+  if (heard_) return *heard_ == Command::kStop ? db::Outcome::kStopped : db::Outcome::kAborted;
+  return error_->code() == ExitCode::kStopped ? db::Outcome::kAborted : db::Outcome::kFailed;
 }
 
 void Ending::write(Recorder& recorder) const {

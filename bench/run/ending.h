@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "bench/error.h"
-#include "bench/run/control.h"
+#include "bench/common/error.h"
+#include "bench/common/stop_request.h"
+#include "bench/run/control/control.h"
 #include "bench/run/recorder.h"
-#include "bench/run/stop_request.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -40,7 +40,7 @@ class Ending {
   std::optional<Error> error_;
   std::optional<Error> met_;        // the fault beside the word that ended the run
   std::optional<Error> last_word_;  // taken, and not what ended the run
-  std::optional<Word> heard_;       // what ended the run, if a word
+  std::optional<Command> heard_;    // the command that ended the run, if any
   bool met_store_ = false;
 };
 

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
 #include <limits>
+#include <set>
 
-#include "bench/error.h"
+#include "bench/common/error.h"
 #include "bench/run/stage_steps.h"
 
 namespace tactbench::bench {
@@ -16,7 +19,7 @@ using sequences::RecipeKind;
 
 namespace {
 
-// Levels in kPa and bar are brought to psi: 60 psi said in kPa may come back a rounding above.
+// Levels in kPa and bar are converted to psi: 60 psi written in kPa may convert back slightly above 60.
 constexpr double kRounding = 1e-9;
 
 Margin axis_margin(const char* name, double lowest, double highest, const devices::ZaberAxisOptions& axis) {
@@ -109,6 +112,35 @@ std::vector<std::string> devices_needed(const std::vector<Recipe>& recipes) {
     for (const sequences::Suspension& item : recipe.suspend) need(item.quantity.c_str());
   }
   return names;
+}
+
+std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& steps, const analysis::Limits& limits) {
+  // In millionths of a psi, as verdicts are looked up: up and down a level may differ by a rounding.
+  const auto key = [](double psi) { return std::llround(1e6 * psi); };
+  std::set<long long> up, down, both;
+  for (const sequences::Step& step : steps) {
+    if (step.kind != sequences::StepKind::kMeasure) continue;
+    const double level = step.setpoint.value(), from = step.branch_from.value(), to = step.branch_to.value();
+    const bool turns = key(level) == key(from) || key(level) == key(to);
+    if (turns || to > from) up.insert(key(level));
+    if (turns || to < from) down.insert(key(level));
+  }
+  std::set_intersection(up.begin(), up.end(), down.begin(), down.end(), std::inserter(both, both.end()));
+  std::vector<LackingLevel> lacking;
+  for (const analysis::Limits::Mismatch& mismatch : limits.mismatch) {
+    const auto above = both.lower_bound(key(mismatch.pressure_psi));
+    if (above != both.end() && *above == key(mismatch.pressure_psi)) continue;
+    LackingLevel& level = lacking.emplace_back();
+    level.pressure_psi = mismatch.pressure_psi;
+    if (above != both.begin()) level.nearest_psi.push_back(1e-6 * static_cast<double>(*std::prev(above)));
+    if (above != both.end()) level.nearest_psi.push_back(1e-6 * static_cast<double>(*above));
+  }
+  return lacking;
+}
+
+bool needs_press(const std::vector<Recipe>& recipes) {
+  return std::any_of(recipes.begin(), recipes.end(),
+                     [](const Recipe& recipe) { return recipe.kind == RecipeKind::kPress; });
 }
 
 void check_recipes(const std::vector<Recipe>& recipes, const BenchConfig& bench) {

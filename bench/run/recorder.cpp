@@ -1,5 +1,5 @@
 #include "bench/run/recorder.h"
-#include "bench/utc.h"
+#include "bench/common/utc.h"
 
 #include <algorithm>
 #include <chrono>

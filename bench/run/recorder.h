@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/run/run_state.h"
+#include "bench/run/control/run_state.h"
 #include "db/run_store.h"
 #include "devices/pressure/pressure_source.h"
 #include "devices/tactile/tactile_array.h"
@@ -36,7 +36,7 @@ class Recorder {
   void void_branch(const std::string& reason);                            // the open one; nothing when none is open
   void void_repeat(int sequence, int repeat, const std::string& reason);  // all its branches so far
   void close_branch() { branch_ = 0; }
-  // One look at the pressures, kept until the next frame is stored with all of them.
+  // One reading of the pressures, kept until the next frame is stored with all of them.
   void poll(devices::Psi setpoint, const devices::PressureReading& feedback, const devices::PressureReading& reference);
   void frame(const sequences::Step& step, const StepReadings& readings);
   void event(const std::string& kind, const std::string& id, const std::string& detail);

@@ -6,9 +6,9 @@
 #include <map>
 #include <utility>
 
-#include "bench/error.h"
-#include "bench/process_time.h"
-#include "bench/utc.h"
+#include "bench/common/error.h"
+#include "bench/common/process_time.h"
+#include "bench/common/utc.h"
 
 namespace tactbench::bench {
 

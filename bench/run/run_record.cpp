@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
-#include "bench/build_info.h"
+#include "bench/common/build_info.h"
+#include "bench/common/utc.h"
 #include "bench/run/recorder.h"
 #include "bench/run/resume.h"
-#include "bench/utc.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
 #include "sequences/recipe.h"
@@ -114,6 +114,20 @@ void check_same_devices(const db::RunRecord& begun, const std::vector<db::Device
         "TB-RESUME-DEVICES", before.role,
         fmt::format("run {} began with {} '{}', which is not there now", begun.run, before.model, before.serial),
         "connect the device that the run began with, or start a new run");
+  }
+}
+
+void keep_devices(db::RunStore& store, std::int64_t run, const std::vector<db::DeviceRecord>& devices) {
+  const db::RunRecord begun = store.run(run);
+  if (!begun.devices.empty()) return check_same_devices(begun, devices);
+  try {
+    store.set_devices(run, devices);  // a new run, or one that died before it knew its devices
+  } catch (const db::StoreError& error) {
+    if (error.id() != "TB-STORE-TOO-LONG" && error.id() != "TB-STORE-NOT-TEXT") throw;
+    throw devices::Fault(
+        "TB-DEVICE-NAME", "instruments", error.what(),
+        "it answers nonsense, or another device does: check wiring, address and firmware, and what the "
+        "bench file calls it");
   }
 }
 

@@ -1,4 +1,4 @@
-// What is asked of a run, and how it ended.
+// The request for a run, and its result.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,19 @@
 #include <string>
 #include <vector>
 
-#include "bench/config.h"
-#include "bench/error.h"
+#include "bench/common/error.h"
+#include "bench/config/config.h"
 #include "db/record.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {
 
+class MachineName;
 class Rig;
 class TimeEstimate;
 
-// When tests look at a simulated rig, or break it: before it is opened, before the unloaded frame, before it is made
-// safe, and last of all, the row closed.
+// Moments at which tests inspect a simulated rig, or break it: before it is opened, before the unloaded frame, before
+// it is made safe, and last of all with the row closed.
 enum class RigMoment { kMade, kOpened, kTearingDown, kLeft };
 
 struct RunRequest {
@@ -30,14 +31,16 @@ struct RunRequest {
   std::vector<sequences::Override> overrides;  // as given, stored
   std::string specimen_state_file;             // simulation: read at the start if it exists, written at the end
   std::string label = "run";                   // of the progress line
-  std::int64_t resume = 0;                     // a run of the store to go on with; 0: a new one
-  std::string on_event;                        // command told of done, failed, waiting; empty: none
+  std::int64_t resume = 0;                     // a run of the store to continue; 0: a new one
+  std::string on_event;                        // command for the events done, failed, waiting; empty: none
   bool assume_yes = false;                     // operator prompts answer themselves
   bool check_seating = true;
-  const TimeEstimate* estimate = nullptr;               // of time left; null: by the pace
-  std::function<void(const sequences::Step&)> on_step;  // told of each step; may be empty
-  std::function<void(std::int64_t)> on_begun;           // told of the run's number once it has its row; may be empty
-  std::function<void(Rig&, RigMoment)> on_rig;          // alike
+  bool attended = true;                     // somebody can resume it after a pause; else the first Ctrl-C ends it
+  const MachineName* bench_name = nullptr;  // that the caller holds (BenchLock); null: the run takes one itself
+  const TimeEstimate* estimate = nullptr;   // of time left; null: by the pace
+  std::function<void(const sequences::Step&)> on_step;  // called with each step; may be empty
+  std::function<void(std::int64_t)> on_begun;   // called with the run's number once its row exists; may be empty
+  std::function<void(Rig&, RigMoment)> on_rig;  // called at each RigMoment; may be empty
 };
 
 struct RunResult {
@@ -45,12 +48,14 @@ struct RunResult {
   db::Outcome outcome = db::Outcome::kIncomplete;
   db::SafeState safe = db::SafeState::kUnknown;
   std::string safe_text;
-  int frames = 0;  // stored by this process
+  int frames = 0;                // stored by this process
+  std::int64_t frames_kept = 0;  // of the run in the store, those of earlier processes too
   int most_exchanges_a_step = 0;
   int branches_redone = 0;
   double process_seconds = 0.0;
-  double store_seconds = 0.0;  // real
-  std::string time_spent;      // where the process time went, for people
+  double waiting_seconds = 0.0;  // of process_seconds: for people and conditions
+  double store_seconds = 0.0;    // real
+  std::string time_spent;        // where the process time went, for people
   std::string content_sha256;
   std::optional<Error> error;  // why it did not complete; carries the exit code and the rig's state
 };

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "analysis/json_io.h"
-#include "analysis/statistics/seating.h"
-#include "bench/error.h"
-#include "bench/run/progress.h"
+#include "analysis/statistics/sensor/seating.h"
+#include "bench/common/error.h"
+#include "bench/run/control/progress.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -124,7 +124,7 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
   if (failed.empty()) return;
   throw Error(ExitCode::kCriterionFailed, "TB-SEATING", fmt::format("{}", fmt::join(failed, "; ")),
               fmt::format("sensor {}, seating check at {:.1f} psi", request.sensor.serial, now.pressure_psi),
-              "seat the sensor and its connector anew; if it sits as it should, --no-seating runs without this check");
+              "seat the sensor and its connector anew; `tactbench runs show` has what the check saw");
 }
 
 }  // namespace tactbench::bench

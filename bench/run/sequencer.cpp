@@ -8,7 +8,8 @@
 #include <limits>
 #include <thread>
 
-#include "bench/process_time.h"
+#include "bench/common/process_time.h"
+#include "bench/safety/ramp.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -20,8 +21,7 @@ using sequences::Step;
 
 namespace {
 
-constexpr double kRampTick = 0.1;         // s of process time between two set-points of a ramp
-constexpr double kConditionsEvery = 5.0;  // s of process time between two looks at the surroundings
+constexpr double kConditionsEvery = 5.0;  // s of process time between two readings of the surroundings
 
 }  // namespace
 
@@ -105,24 +105,20 @@ void Sequencer::ramp(const Step& step) {
   const SafetyLimits& limits = rig_.config().limits;
   const double rate =
       step.ramp_psi_per_s > 0.0 ? std::min(step.ramp_psi_per_s, limits.rate_psi_per_s) : limits.rate_psi_per_s;
-  const double tick_psi = std::min(rate * kRampTick, limits.step_psi);
   readings_.commanded_at = readings_.in_band_since = rig_.clock().now();
-  bool moved = false;
-  for (;;) {
-    const double left = (step.setpoint - setpoint_).value();
-    const bool last = std::abs(left) <= tick_psi * (1.0 + 1e-9);
+  RampHooks hooks;
+  hooks.before = [&](const RampTick& tick) {
     // The last tick of a long way is taken from rest: its overshoot is then that of a small step.
-    if (last && moved && step.settle) wait_until(rig_.clock().now() + seconds(rig_.config().settling.landing_s));
+    const bool lands = tick.last && !tick.first && step.settle;
+    if (lands) wait_until(rig_.clock().now() + seconds(rig_.config().settling.landing_s));
     if (rig_.clock().now() - polled_ > seconds(0.5 * limits.stale_s)) poll();  // the guard wants fresh witnesses
-    moved = true;
-    setpoint_ = last ? step.setpoint : setpoint_ + Psi(std::copysign(tick_psi, left));
-    readings_.setpoint_counts = rig_.source().command(setpoint_);
-    if (last && step.settle) return;
-    const double share = last ? std::abs(left) / tick_psi : 1.0;
-    wait_until(rig_.clock().now() + seconds(kRampTick * share));
+  };
+  hooks.after = [&](const RampTick& tick) {
+    if (tick.last && step.settle) return;
+    wait_until(rig_.clock().now() + seconds(tick.seconds));
     poll();
-    if (last) return;
-  }
+  };
+  readings_.setpoint_counts = ramp_to(rig_, step.setpoint, setpoint_, ramp_tick_psi(limits, rate), hooks);
 }
 
 void Sequencer::settle(const Step& step) {
@@ -132,8 +128,8 @@ void Sequencer::settle(const Step& step) {
   const Nanoseconds start = clock.now();
   const Nanoseconds deadline = start + seconds(settling.timeout_s);
   const Nanoseconds feed = rig_.config().regulator.feed_interval;
-  // The first look when the first feeding is due, then a few quick ones while a small step arrives; a long way is
-  // watched only as often as the module is fed, to spare exchanges.
+  // The first reading when the first feeding is due, then a few quick ones while a small step arrives; a long way is
+  // read only as often as the module is fed, to spare exchanges.
   constexpr int kQuickPolls = 4;
   double last_reference = std::numeric_limits<double>::infinity();
   for (int polls = 0;; ++polls) {
@@ -165,11 +161,11 @@ void Sequencer::dwell(const Step& step) {
   const Nanoseconds feed = rig_.config().regulator.feed_interval;
   const Nanoseconds every = settling.trace_s > 0.0 ? std::min(feed, seconds(settling.trace_s)) : feed;
   const Nanoseconds end = (step.hold ? last_frame_ : readings_.in_band_since) + seconds(step.dwell_s);
-  Nanoseconds looked = rig_.clock().now();
+  Nanoseconds polled = rig_.clock().now();
   while (rig_.clock().now() < end) {
-    wait_until(std::min({end, rig_.source().last_fed() + feed, looked + every}));
+    wait_until(std::min({end, rig_.source().last_fed() + feed, polled + every}));
     poll();
-    looked = rig_.clock().now();
+    polled = rig_.clock().now();
     const double miss = std::abs((readings_.feedback.pressure - step.setpoint).value());
     left_band_ = left_band_ || (step.settle && miss > settling.band_psi);
   }
@@ -213,7 +209,7 @@ void Sequencer::check_agreement() {
   const Nanoseconds now = rig_.clock().now();
   if (!disagree_since_) disagree_since_ = now;
   if (now - *disagree_since_ < seconds(limits.disagreement_s)) return;
-  throw Fault("TB-CHAMBER-DISAGREE", "chamber",
+  throw Fault(devices::Cause::kLimit, "TB-CHAMBER-DISAGREE", "chamber",
               fmt::format("the regulator's feedback reads {:.2f} psi and the reference {:.2f} psi, apart for {:.1f} s",
                           readings_.feedback.pressure.value(), readings_.reference.pressure.value(),
                           devices::in_seconds(now - *disagree_since_)),
@@ -227,8 +223,8 @@ void Sequencer::check_conditions() {
   if (const std::optional<Suspended> suspended = suspension_.tripped(rig_.environment())) throw *suspended;
 }
 
-void Sequencer::look() {
-  control_.look(signals_);
+void Sequencer::poll_commands() {
+  control_.poll(signals_);
   if (listener_) listener_();
 }
 
@@ -237,7 +233,7 @@ void Sequencer::wait_until(Nanoseconds time) {
   const Nanoseconds slice = seconds(rig_.config().in_process ? 0.5 : 0.1 * rig_.config().rate);
   do {
     clock.wait_until(std::min(time, clock.now() + slice));
-    look();
+    poll_commands();
   } while (clock.now() < time);
   if (clock.now() > step_deadline_) {
     throw Fault("TB-STEP-TIMEOUT", "sequencer", fmt::format("a step took longer than {:g} s", recipe_->step_timeout_s),
@@ -262,7 +258,7 @@ void Sequencer::idle() {
   const Nanoseconds end = rig_.clock().now() + kTurn;
   while (rig_.clock().now() < end) {
     rig_.clock().wait_until(std::min(end, rig_.clock().now() + seconds(0.1 * rig_.config().rate)));
-    look();
+    poll_commands();
   }
   poll();
 }

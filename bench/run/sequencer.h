@@ -7,14 +7,14 @@
 #include <optional>
 #include <string>
 
-#include "bench/rig.h"
-#include "bench/run/branch_guard.h"
-#include "bench/run/control.h"
+#include "bench/common/stop_request.h"
+#include "bench/rig/rig.h"
+#include "bench/run/control/control.h"
 #include "bench/run/recorder.h"
-#include "bench/run/stop_request.h"
-#include "bench/run/stuck_rows.h"
-#include "bench/run/suspension.h"
 #include "bench/run/time_spent.h"
+#include "bench/run/watch/branch_guard.h"
+#include "bench/run/watch/stuck_rows.h"
+#include "bench/run/watch/suspension.h"
 #include "bench/safety/safe_state.h"
 #include "sequences/recipe.h"
 
@@ -51,9 +51,9 @@ class Sequencer {
   void hold_vented(double duration_s);
   [[nodiscard]] const SuspensionWatch& conditions() const { return suspension_; }
 
-  // A word or a signal has asked for the end, which the next wait will find.
+  // A command or a signal has asked for the end, which the next wait will find.
   [[nodiscard]] bool leaving() const { return control_.asked(signals_).has_value(); }
-  // Called after each look at words and signals.
+  // Called after each poll of commands and signals.
   void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
   [[nodiscard]] TimeSpent& times() { return times_; }
   [[nodiscard]] Rig& rig() { return rig_; }
@@ -66,10 +66,10 @@ class Sequencer {
   void dwell(const sequences::Step& step);
   void poll();  // feeds when due, reads both witnesses, keeps the trace
   void check_agreement();
-  void check_array();  // against a scanner that tells what it told before
+  void check_array();  // against a scanner that repeats its last scan
   void add_flag(const std::string& flag);
   void check_conditions();
-  void look();
+  void poll_commands();
   Rig& rig_;
   Recorder& recorder_;
   Control& control_;

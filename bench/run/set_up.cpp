@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "analysis/json_io.h"
-#include "bench/process_time.h"
-#include "bench/run/progress.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "bench/common/process_time.h"
+#include "bench/run/control/progress.h"
 #include "bench/run/seating.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
@@ -18,12 +17,8 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr double kLookEvery = 15.0;  // s between two unloaded frames of the warm-up
+constexpr double kPollInterval = 15.0;  // s between two unloaded frames of the warm-up
 constexpr double kConverterRange = 65535.0;
-
-double mean_of(const Baseline& frame) {
-  return std::accumulate(frame.begin(), frame.end(), 0.0) / static_cast<double>(std::max<std::size_t>(1, frame.size()));
-}
 
 // Until the unloaded output drifts less than asked, or the time is up. The newest unloaded frame; `cold` where there is
 // nothing to wait for.
@@ -34,13 +29,13 @@ Baseline warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::Warm
   std::vector<double> drifts;
   std::string flags;
   Baseline frame = baseline_of(sequencer.read_array(flags));
-  double before = mean_of(frame);
+  double before = analysis::mean_of(frame);
   bool calm = false;
   while (!calm && rig.clock().now() - start < seconds(rule.at_most_s)) {
-    sequencer.hold_vented(kLookEvery);
+    sequencer.hold_vented(kPollInterval);
     frame = baseline_of(sequencer.read_array(flags));
-    const double now = mean_of(frame);
-    drifts.push_back(100.0 * std::abs(now - before) / kConverterRange * 60.0 / kLookEvery);
+    const double now = analysis::mean_of(frame);
+    drifts.push_back(100.0 * std::abs(now - before) / kConverterRange * 60.0 / kPollInterval);
     before = now;
     calm = drifts.back() < rule.drift_percent_per_min;
   }

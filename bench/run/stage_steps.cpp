@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
-#include "bench/error.h"
+#include "bench/common/error.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "bench/run/press.h"
-#include "bench/run/press_preflight.h"
+#include "bench/run/press/press.h"
+#include "bench/run/press/press_preflight.h"
+#include "bench/run/press/registration.h"
 #include "bench/run/recorder.h"
-#include "bench/run/registration.h"
 #include "bench/run/sequencer.h"
 
 namespace tactbench::bench {

@@ -1,12 +1,14 @@
 #include "bench/run/time_estimate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
+#include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "analysis/statistics/numbers/student.h"
 #include "bench/run/run_record.h"
+#include "bench/run/watch/lost_time.h"
 
 namespace tactbench::bench {
 
@@ -31,23 +33,15 @@ double at(const std::vector<std::pair<double, double>>& line, double x) {
 TimeBand band_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  const auto quantile = [&](double share) {
-    const double place = share * static_cast<double>(n - 1);
-    const auto low = static_cast<std::size_t>(place);
-    const double next = values[std::min(low + 1, n - 1)];
-    return values[low] + (next - values[low]) * (place - static_cast<double>(low));
-  };
-  const double middle = quantile(0.5);
-  double down = middle - quantile(0.1), up = quantile(0.9) - middle;
+  const double middle = analysis::quantile_between(values, 0.5);
+  double down = middle - analysis::quantile_between(values, 0.1), up = analysis::quantile_between(values, 0.9) - middle;
   if (n < 10) {
-    constexpr std::array<double, 8> kStudent90 = {3.078, 1.886, 1.638, 1.533, 1.476, 1.440, 1.415, 1.397};
-    constexpr double kNormal90 = 1.2816, kOneRunSpread = 0.05;
+    constexpr double kOneRunSpread = 0.05;
     const double count = static_cast<double>(n);
-    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
-    double squares = 0.0;
-    for (const double value : values) squares += (value - mean) * (value - mean);
-    const double half = n == 1 ? kNormal90 * std::sqrt(2.0) * kOneRunSpread * middle
-                               : kStudent90[n - 2] * std::sqrt(squares / (count - 1.0) * (1.0 + 1.0 / count));
+    const double half =
+        n == 1 ? analysis::student_quantile(0.9, analysis::kInfiniteDof) * std::sqrt(2.0) * kOneRunSpread * middle
+               : analysis::student_quantile(0.9, count - 1.0) *
+                     std::sqrt(analysis::sample_variance(values) * (1.0 + 1.0 / count));
     down = up = half;
   }
   constexpr double kLeastSpread = 0.005;
@@ -82,9 +76,10 @@ std::int64_t end_of(const db::RunStore& store, std::int64_t run, int sequence, s
 
 sequences::TimeModel time_model(const BenchConfig& bench) {
   sequences::TimeModel model;
-  // A small step is in band at the second look: one feeding and one poll after the command.
+  // A small step is in band at the second reading: one feeding and one poll after the command.
   model.rise_psi_per_s = model.fall_psi_per_s = bench.limits.rate_psi_per_s;
   model.settle_s = devices::in_seconds(bench.regulator.feed_interval) + bench.settling.poll_s;
+  model.prompt_s = 0.0;
   return model;
 }
 
@@ -104,6 +99,7 @@ TimeEstimate::TimeEstimate(const std::vector<Recipe>& recipes, const std::vector
       part.first_step = since_frame = i;
       frames = 0;
     }
+    part.prompts += steps[i].kind == sequences::StepKind::kPrompt ? 1 : 0;
     frames_done_[i] = frames;
     if (!takes_frame(steps[i])) continue;
     // What comes before a frame counts as parts of it.
@@ -140,15 +136,23 @@ void TimeEstimate::learn(const db::RunStore& store, const std::string& bench_id,
         tail && tail->sequence == stored.sequence ? last : end_of(store, stored.run, stored.sequence, last);
     const std::optional<db::FrameTime> first = before == 0 ? std::nullopt : store.frame_time(stored.run, before);
     const std::int64_t began = first ? first->time_ns : 0;
+    const std::vector<LostTime> lost = lost_times(store, stored.run, last);
+    const auto lost_until = [&](std::int64_t position) {
+      std::int64_t sum = 0;
+      for (const LostTime& one : lost) sum += one.position > before && one.position <= position ? one.ns : 0;
+      return sum;
+    };
     Past past;
     past.elapsed.emplace_back(0.0, 0.0);
     const int samples = remaining_too ? kSamples : 1;
     for (int i = 1; i <= samples; ++i) {
-      const std::optional<db::FrameTime> frame = store.frame_time(stored.run, before + (end - before) * i / samples);
+      const std::int64_t position = before + (end - before) * i / samples;
+      const std::optional<db::FrameTime> frame = store.frame_time(stored.run, position);
       if (!frame || frame->is_void || frame->sequence != stored.sequence) continue;
       const double done = static_cast<double>(frame->repeat) * stored.frames_per_repeat + frame->ordinal + 1;
       if (done <= past.elapsed.back().first) continue;
-      past.elapsed.emplace_back(done, devices::in_seconds(devices::Nanoseconds(frame->time_ns - began)));
+      past.elapsed.emplace_back(
+          done, devices::in_seconds(devices::Nanoseconds(frame->time_ns - began - lost_until(position))));
     }
     if (past.elapsed.size() < 2) continue;
     for (Part& part : parts_) {
@@ -182,6 +186,7 @@ TimeBand TimeEstimate::sum(std::size_t first_part, std::size_t last_part, std::s
     down += (band.p50_s - band.p10_s) * (band.p50_s - band.p10_s);
     up += (band.p90_s - band.p50_s) * (band.p90_s - band.p50_s);
     all.runs = i == first_part ? band.runs : std::min(all.runs, band.runs);
+    all.prompts += i == first_part && steps_done > 0 ? 0 : parts_[i].prompts;
   }
   all.p10_s = all.p50_s - std::sqrt(down);
   all.p90_s = all.p50_s + std::sqrt(up);

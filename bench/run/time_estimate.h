@@ -1,5 +1,6 @@
-// How long a run will take and how much of it is left: learned from completed runs of the same recipes on the same
-// bench, by the model of sequences/estimate.h where there are none. Always a band.
+// How long a run will work and how much of it is left: learned from completed runs of the same recipes on the same
+// bench, by the model of sequences/estimate.h where there are none. Always a band. Waiting for people and conditions is
+// no part of it (lost_time.h): prompts are counted beside it.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 #include "db/run_store.h"
 #include "sequences/estimate.h"
 
@@ -18,7 +19,8 @@ sequences::TimeModel time_model(const BenchConfig& bench);
 
 struct TimeBand {  // a tenth of the runs is expected to be shorter than p10, a tenth longer than p90
   double p10_s = 0.0, p50_s = 0.0, p90_s = 0.0;
-  int runs = 0;  // fewest that any of the recipes learned from; 0: at least one is by the model
+  int runs = 0;     // fewest that any of the recipes learned from; 0: at least one is by the model
+  int prompts = 0;  // to the operator, beside it
 };
 
 class TimeEstimate {
@@ -45,6 +47,7 @@ class TimeEstimate {
     std::string sha256;
     int repeats = 0, frames_per_repeat = 0;
     std::size_t first_step = 0, steps = 0;
+    int prompts = 0;
     std::vector<Past> past;
   };
   [[nodiscard]] TimeBand of_part(const Part& part, std::size_t steps_done) const;

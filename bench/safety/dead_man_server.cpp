@@ -7,21 +7,24 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "analysis/json_io.h"
-#include "bench/config.h"
-#include "bench/error.h"
-#include "bench/process_time.h"
-#include "bench/rig.h"
-#include "bench/run/locks.h"
-#include "bench/safety/dead_man.h"
-#include "bench/safety/dead_man_process.h"
+#include "bench/common/error.h"
+#include "bench/common/for_people.h"
+#include "bench/common/process_time.h"
+#include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/guard/dead_man.h"
+#include "bench/guard/dead_man_process.h"
+#include "bench/guard/trip.h"
+#include "bench/rig/rig.h"
+#include "bench/run/control/locks.h"
 #include "bench/safety/safe_state.h"
-#include "bench/safety/trip.h"
-#include "bench/utc.h"
 #include "devices/fault.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/stage/zaber_retreat.h"
@@ -36,8 +39,9 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr Nanoseconds kFirstPacket = std::chrono::seconds(10);
-constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);       // below what its starter waits
-constexpr Nanoseconds kProbe = std::chrono::seconds(5);             // an idle connection is shown to live this often
+constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);  // below what its starter waits
+constexpr Nanoseconds kLongestWait = std::chrono::seconds(5);
+constexpr Nanoseconds kSeldom = std::chrono::seconds(5);
 constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to whatever was asked last
 constexpr Nanoseconds kBackOff = std::chrono::seconds(10);
 constexpr int kDeadManTries = 2;
@@ -53,26 +57,38 @@ BenchConfig read_description(devices::DescriptorChannel& channel) {
   return config;
 }
 
+// Time between two readings of the module. Each reading is a sign of life to a watchdog that counts any request as one,
+// as a module's own page may have set it: such a module is read so seldom that the watchdog still runs out when nobody
+// writes.
+Nanoseconds poll_interval(const BenchConfig& config) {
+  const bool may_feed = config.watchdog_s <= 0.0 && !config.module.profile.fail_safe.layers.empty();
+  return may_feed ? kSeldom : seconds(config.dead_man.timeout_s);
+}
+
 class Server {
  public:
   Server(devices::DescriptorChannel& channel, const BenchConfig& config)
       : channel_(channel), config_(config), rig_(config) {
-    if (!is_rtu()) probe();  // an RTU line has one user at a time: it is opened when needed
+    if (!is_rtu()) read_module();  // an RTU line has one user at a time: it is opened when needed
   }
+  ~Server() { stop_reading(); }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
   int serve() {
+    if (!is_rtu()) reading_ = std::thread([this] { keep_reading(); });
     const DeadMan fresh(seconds(config_.dead_man.timeout_s));
     DeadMan dead_man = fresh;
     dead_man.feed(now());
-    Nanoseconds next_probe = now() + kProbe;
     for (;;) {
       bool fed = false;
-      auto packet = channel_.receive(std::clamp(dead_man.left(now()), Nanoseconds(0), kProbe));
+      auto packet = channel_.receive(std::clamp(dead_man.left(now()), Nanoseconds(0), kLongestWait));
       // What waits counts as said now: a dead-man that was itself held up must not blame the sequencer, which judges
       // itself whether it stood still.
       for (; packet; packet = channel_.receive(Nanoseconds(0))) {
         if (packet->text == "goodbye") return 0;
         if (packet->text == "fire") return fire("told to", false);
+        if (packet->text == "feed") (void)channel_.send("fed");
         if (packet->text == "line") hand_line_over();
         if (packet->text.starts_with("run ")) run_ = std::stoll(packet->text.substr(4));
         fed = true;
@@ -85,23 +101,43 @@ class Server {
         return fire(fmt::format("the sequencer gave no sign of life for {:g} ms", 1000.0 * config_.dead_man.timeout_s),
                     false);
       }
-      if (is_rtu() || now() < next_probe) continue;
-      try {
-        probe();
-      } catch (const devices::Fault&) {  // firing connects anew
-      }
-      dead_man = fresh;
-      dead_man.feed(now());
-      next_probe = now() + kProbe;
     }
   }
 
  private:
   [[nodiscard]] bool is_rtu() const { return !config_.module.endpoint.serial_port.empty(); }
 
-  void probe() {
-    (void)rig_.module().look();
+  void read_module() {
+    (void)rig_.module().read_all();
     (void)rig_.source().feedback();
+  }
+
+  // In a thread of its own: an exchange that nobody answers must not keep the sequencer waiting for its answers.
+  void keep_reading() {
+    const Nanoseconds pause = poll_interval(config_);
+    for (bool blind = false;;) {
+      {
+        std::unique_lock lock(mutex_);
+        if (wake_.wait_for(lock, pause, [this] { return stop_; })) return;
+      }
+      try {
+        read_module();
+        if (blind) (void)channel_.send("sees");
+        blind = false;
+      } catch (const std::exception& error) {  // firing connects anew
+        blind = true;
+        (void)channel_.send(fmt::format("blind: {}", error.what()));
+      }
+    }
+  }
+
+  void stop_reading() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    if (reading_.joinable()) reading_.join();
   }
 
   void hand_line_over() {
@@ -126,6 +162,7 @@ class Server {
       stage_s = devices::in_seconds(now() - start);
     });
     SafeProof proof;
+    stop_reading();  // the connection is this thread's from now on
     if (is_rtu()) std::this_thread::sleep_for(kRtuSilence);
     for (int i = 0; i < kDeadManTries && proof.state != db::SafeState::kVerified; ++i) proof = make_safe(rig_, {});
     const double pressure_s = devices::in_seconds(now() - start);
@@ -135,7 +172,7 @@ class Server {
     const std::string stage_text = stage_used_ ? stage.text : "stage not in use";
     const std::string what = fmt::format("dead-man fired ({}); {} after {:.2f} s; {} after {:.2f} s", why, proof.text,
                                          pressure_s, stage_text, stage_s);
-    fmt::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
+    tty::print(stderr, "tactbench: bench '{}': {}\n", config_.id, what);
     const TripFile trip(config_.id);
     const bool latched = !(gone && safe);
     if (latched) (void)trip.store({kDeadManFired, what, run_, {}});
@@ -155,7 +192,7 @@ class Server {
     try {
       write_durably(trip.dead_man_path(), analysis::printable_json(json, 2) + "\n");
     } catch (const std::exception& error) {
-      fmt::print(stderr, "tactbench: dead-man's record: {}\n", error.what());
+      tty::print(stderr, "tactbench: dead-man's record: {}\n", error.what());
     }
   }
 
@@ -182,6 +219,10 @@ class Server {
   std::unique_ptr<devices::ByteStream> line_;  // as opened for the sequencer
   bool stage_used_ = false;
   std::int64_t run_ = 0;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stop_ = false;
+  std::thread reading_;  // until the dead-man fires
 };
 
 }  // namespace
@@ -190,13 +231,12 @@ int serve_dead_man(int socket) {
   // Ahead of the sequencer where that is allowed, so that a busy computer does not look like a dead one.
   (void)::setpriority(PRIO_PROCESS, 0, -10);
   devices::DescriptorChannel channel(socket);
-  std::unique_ptr<FileLock> lock;
+  std::unique_ptr<MachineName> lock;
   std::unique_ptr<Server> server;
   try {
     const BenchConfig config = read_description(channel);
-    lock = std::make_unique<FileLock>(dead_man_lock(config.id, kEarlierEnds));
+    lock = std::make_unique<MachineName>(dead_man_name(config.id, kEarlierEnds));
     if (!lock->held()) throw std::runtime_error("an earlier one (" + lock->owner() + ") still makes the bench safe");
-    lock->write_owner(fmt::format("pid {}", getpid()));
     server = std::make_unique<Server>(channel, config);
   } catch (const std::exception& error) {
     (void)channel.send(error.what());

@@ -11,9 +11,12 @@ std::vector<std::string> fail_safe_layers(const BenchConfig& config) {
   if (!config.in_process && config.dead_man.enabled) {
     lines.push_back(fmt::format(
         "dead-man in a process of its own: fires when the program is gone, stands still for {:g} ms or gets no further "
-        "for {:g} ms; vents over its own connection{}",
+        "for {:g} ms; vents over its own connection{}{}",
         1000.0 * config.dead_man.timeout_s, 1000.0 * config.dead_man.progress_s,
-        config.stage ? fmt::format(", stops the stage and backs z off by {:g} mm", config.dead_man.back_off_mm) : ""));
+        config.stage ? fmt::format(", stops the stage and backs z off by {:g} mm", config.dead_man.back_off_mm) : "",
+        !config.module.endpoint.serial_port.empty() ? ""  // one line, which the sequencer reads
+        : config.dead_man.blind_ends                ? "; when it cannot reach the module any more the run ends"
+                                                    : "; when it cannot reach the module any more the run is warned"));
   } else if (!config.in_process) {
     lines.emplace_back("WARNING: [dead_man] enabled = false: nothing makes safe when the program dies but the module");
   }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 
 namespace tactbench::bench {
 

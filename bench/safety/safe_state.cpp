@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <optional>
+#include <utility>
 
-#include "bench/process_time.h"
-#include "bench/run/retract.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "bench/common/process_time.h"
+#include "bench/safety/retract.h"
 
 namespace tactbench::bench {
 
@@ -51,9 +52,8 @@ std::optional<bool> array_at_baseline(Rig& rig, const Baseline& baseline) {
   try {
     Baseline rise = baseline_of(rig.array().read(1));
     for (std::size_t i = 0; i < rise.size(); ++i) rise[i] -= baseline.at(i);
-    const auto middle = rise.begin() + static_cast<std::ptrdiff_t>(rise.size() / 2);
-    std::nth_element(rise.begin(), middle, rise.end());
-    return *middle < 0.02 * 65535.0;  // below it, it was the unloaded frame that still relaxed
+    const double middle = analysis::quantile_of(std::move(rise), 0.5);
+    return middle < 0.02 * 65535.0;  // below it, it was the unloaded frame that still relaxed
   } catch (const std::exception&) {
     return std::nullopt;
   }

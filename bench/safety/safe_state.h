@@ -1,11 +1,11 @@
-// The safe state, brought about and proved (contract.md, "Safe"): vented, and pressure below the safe limit by two
+// The safe state, brought about and proved (docs/rules.md): vented, and pressure below the safe limit by two
 // witnesses. What cannot be reached is reported unverified.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "bench/rig.h"
+#include "bench/rig/rig.h"
 #include "db/record.h"
 
 namespace tactbench::bench {

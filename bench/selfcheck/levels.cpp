@@ -5,8 +5,8 @@
 #include <random>
 
 #include "analysis/compensate/frame_compensator.h"
-#include "analysis/identify/identify.h"
-#include "analysis/identify/lanes.h"
+#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/lanes.h"
 #include "analysis/models/elam_hysteresis.h"
 #include "bench/benchmarks/synthetic_array.h"
 #include "bench/selfcheck/selfcheck.h"
@@ -20,11 +20,11 @@ using namespace analysis;
 constexpr int kLevelRows = 3, kLevelColumns = 4;
 
 // The parameters of all taxels of a small array with noise, as bytes.
-std::string fitted_on(LaneLevel level, const Dataset& dataset) {
+std::string fitted_on(Dispatch level, const Dataset& dataset) {
   struct Unforced {
-    ~Unforced() { unforce_lane_level(); }
+    ~Unforced() { unforce_lane_dispatch(); }
   } unforced;
-  force_lane_level(level);
+  force_lane_dispatch(level);
   std::string bytes;
   for (const TaxelFit& taxel : fit_array(dataset).taxels) {
     const ElamParameters& p = taxel.fit.model.parameters;
@@ -109,9 +109,9 @@ SelfcheckAnswer same_frames() {
 SelfcheckLines check_dispatch_levels() {
   SelfcheckLines lines;
   const Dataset dataset = synthetic_dataset(kLevelRows, kLevelColumns, 1);
-  const std::string base = fitted_on(LaneLevel::kBase, dataset);
-  for (const LaneLevel level : lane_levels()) {
-    if (level == LaneLevel::kBase) continue;
+  const std::string base = fitted_on(Dispatch::kBase, dataset);
+  for (const Dispatch level : dispatches()) {
+    if (level == Dispatch::kBase) continue;
     lines.push_back(selfchecked(
         "dispatch", fmt::format("identification of {} taxels, base against {}", dataset.taxels(), to_string(level)),
         "the same bits", [&]() -> SelfcheckAnswer {

@@ -8,9 +8,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <thread>
 
-#include "bench/build_info.h"
+#include "bench/common/build_info.h"
+#include "bench/common/utc.h"
 #include "bench/selfcheck/selfcheck.h"
-#include "bench/utc.h"
 #include "db/library_versions.h"
 #include "devices/library_versions.h"
 #include "sequences/library_versions.h"

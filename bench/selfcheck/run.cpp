@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include "bench/cli/evaluation.h"
-#include "bench/cli/verify.h"
+#include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/reporting/evaluation.h"
+#include "bench/reporting/verification.h"
 #include "bench/run/characterize.h"
 #include "bench/selfcheck/selfcheck.h"
-#include "bench/utc.h"
 
 namespace tactbench::bench {
 
@@ -52,7 +53,7 @@ SelfcheckLines check_simulated_run(const std::string& folder) {
   lines.push_back(selfchecked("run", "its 256 taxels fitted and stored, then verified from the raw frames",
                               "content as stored, fit equal", [&]() -> SelfcheckAnswer {
                                 db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
-                                (void)fit_run(store, run);
+                                (void)fit_run(store, analysis::load_dataset(store, run));
                                 const RunVerification verified = verify_run(store, run);
                                 const bool good = verified.content.holds() && verified.first_difference.empty() &&
                                                   verified.results.size() == 1 && verified.results.front().recomputed;

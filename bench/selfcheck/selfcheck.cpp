@@ -7,10 +7,10 @@
 namespace tactbench::bench {
 
 SelfcheckLine selfchecked(const std::string& area, const std::string& what, const std::string& expected,
-                          const std::function<SelfcheckAnswer()>& look) {
+                          const std::function<SelfcheckAnswer()>& check) {
   SelfcheckLine line{area, what, expected, {}, false};
   try {
-    const SelfcheckAnswer answer = look();
+    const SelfcheckAnswer answer = check();
     line.found = answer.found;
     line.pass = answer.pass;
   } catch (const std::exception& error) {

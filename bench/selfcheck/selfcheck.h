@@ -22,11 +22,11 @@ struct SelfcheckAnswer {
 };
 // A check that throws has failed; what it threw is what was found.
 SelfcheckLine selfchecked(const std::string& area, const std::string& what, const std::string& expected,
-                          const std::function<SelfcheckAnswer()>& look);
+                          const std::function<SelfcheckAnswer()>& check);
 
 // ELAM, GPI, MPI and POLY, each fitted to data without noise that one of its kind made: the model comes out again.
 SelfcheckLines check_known_fits();
-// direct(inverse(y)) = y along random histories, 1e-9 of the output's span (models/model.h).
+// direct(inverse(y)) = y along random histories, 1e-9 of the output's span (analysis/models/model.h).
 SelfcheckLines check_round_trips();
 // The same bits on every level of vector code that this machine has.
 SelfcheckLines check_dispatch_levels();

@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "bench/common/utc.h"
 #include "bench/selfcheck/selfcheck.h"
-#include "bench/utc.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {

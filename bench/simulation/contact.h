@@ -1,12 +1,12 @@
 // Contact mechanics of the second platform: an object under the z stage presses through a fabric layer on the array.
-// Pure physics in process time; equations in bench/simulation/README. Invented constants but for the array's pitch,
+// Pure physics in process time; equations in bench/simulation/README.md. Invented constants but for the array's pitch,
 // not compared with hardware.
 #pragma once
 
 #include <array>
 #include <vector>
 
-#include "bench/simulation/contact_options.h"
+#include "bench/config/contact_options.h"
 
 namespace tactbench::bench {
 

@@ -8,45 +8,45 @@
 namespace tactbench::bench {
 namespace {
 
+using devices::InjectedFault;
 using devices::Nanoseconds;
-using devices::Trouble;
 
 struct Kind {
   const char* word;
   double usual_value;
   std::optional<Instrument> instrument;  // whose answers it spoils
-  Trouble trouble;
+  InjectedFault injected;
 };
 
 constexpr std::array<Kind, kFaultKinds> kKinds{{
-    {"valve_stuck", 0.0, std::nullopt, Trouble::kNone},
-    {"leak", 5.0, std::nullopt, Trouble::kNone},
-    {"overshoot", 2.0, std::nullopt, Trouble::kNone},
-    {"supply_lost", 0.2, std::nullopt, Trouble::kNone},
-    {"regulator_unpowered", 0.0, std::nullopt, Trouble::kNone},
-    {"feedback_offset", 10.0, std::nullopt, Trouble::kNone},
-    {"reference_offset", 10.0, std::nullopt, Trouble::kNone},
-    {"module_silent", 0.0, Instrument::kModule, Trouble::kSilent},
-    {"module_late", 0.0, Instrument::kModule, Trouble::kLate},
-    {"module_corrupt", 0.0, Instrument::kModule, Trouble::kCorrupt},
-    {"module_stale", 0.0, Instrument::kModule, Trouble::kStale},
-    {"module_exception", 0.0, Instrument::kModule, Trouble::kRefused},
-    {"module_unplugged", 0.0, Instrument::kModule, Trouble::kUnplugged},
-    {"stage_stalled", 0.0, std::nullopt, Trouble::kNone},
-    {"stage_silent", 0.0, Instrument::kStage, Trouble::kSilent},
-    {"stage_late", 0.0, Instrument::kStage, Trouble::kLate},
-    {"stage_corrupt", 0.0, Instrument::kStage, Trouble::kCorrupt},
-    {"stage_torn", 0.0, Instrument::kStage, Trouble::kTorn},
-    {"stage_unplugged", 0.0, Instrument::kStage, Trouble::kUnplugged},
-    {"force_saturated", 0.0, Instrument::kForce, Trouble::kSaturated},
-    {"force_stale", 0.0, Instrument::kForce, Trouble::kStale},
-    {"force_silent", 0.0, Instrument::kForce, Trouble::kSilent},
-    {"row_stuck", 0.0, std::nullopt, Trouble::kNone},
-    {"scanner_silent", 0.0, Instrument::kScanner, Trouble::kSilent},
-    {"scanner_stale", 0.0, Instrument::kScanner, Trouble::kStale},
-    {"scanner_corrupt", 0.0, Instrument::kScanner, Trouble::kCorrupt},
-    {"scanner_torn", 0.0, Instrument::kScanner, Trouble::kTorn},
-    {"scanner_unplugged", 0.0, Instrument::kScanner, Trouble::kUnplugged},
+    {"valve_stuck", 0.0, std::nullopt, InjectedFault::kNone},
+    {"leak", 5.0, std::nullopt, InjectedFault::kNone},
+    {"overshoot", 2.0, std::nullopt, InjectedFault::kNone},
+    {"supply_lost", 0.2, std::nullopt, InjectedFault::kNone},
+    {"regulator_unpowered", 0.0, std::nullopt, InjectedFault::kNone},
+    {"feedback_offset", 10.0, std::nullopt, InjectedFault::kNone},
+    {"reference_offset", 10.0, std::nullopt, InjectedFault::kNone},
+    {"module_silent", 0.0, Instrument::kModule, InjectedFault::kSilent},
+    {"module_late", 0.0, Instrument::kModule, InjectedFault::kLate},
+    {"module_corrupt", 0.0, Instrument::kModule, InjectedFault::kCorrupt},
+    {"module_stale", 0.0, Instrument::kModule, InjectedFault::kStale},
+    {"module_exception", 0.0, Instrument::kModule, InjectedFault::kRefused},
+    {"module_unplugged", 0.0, Instrument::kModule, InjectedFault::kUnplugged},
+    {"stage_stalled", 0.0, std::nullopt, InjectedFault::kNone},
+    {"stage_silent", 0.0, Instrument::kStage, InjectedFault::kSilent},
+    {"stage_late", 0.0, Instrument::kStage, InjectedFault::kLate},
+    {"stage_corrupt", 0.0, Instrument::kStage, InjectedFault::kCorrupt},
+    {"stage_torn", 0.0, Instrument::kStage, InjectedFault::kTorn},
+    {"stage_unplugged", 0.0, Instrument::kStage, InjectedFault::kUnplugged},
+    {"force_saturated", 0.0, Instrument::kForce, InjectedFault::kSaturated},
+    {"force_stale", 0.0, Instrument::kForce, InjectedFault::kStale},
+    {"force_silent", 0.0, Instrument::kForce, InjectedFault::kSilent},
+    {"row_stuck", 0.0, std::nullopt, InjectedFault::kNone},
+    {"scanner_silent", 0.0, Instrument::kScanner, InjectedFault::kSilent},
+    {"scanner_stale", 0.0, Instrument::kScanner, InjectedFault::kStale},
+    {"scanner_corrupt", 0.0, Instrument::kScanner, InjectedFault::kCorrupt},
+    {"scanner_torn", 0.0, Instrument::kScanner, InjectedFault::kTorn},
+    {"scanner_unplugged", 0.0, Instrument::kScanner, InjectedFault::kUnplugged},
 }};
 
 const Kind& of(FaultKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
@@ -142,12 +142,12 @@ std::optional<double> Faults::take(FaultKind kind, Nanoseconds time) {
   return entry->plan.value;
 }
 
-Trouble Faults::trouble(Instrument instrument, Nanoseconds time) {
-  if (!any()) return Trouble::kNone;
+InjectedFault Faults::injected(Instrument instrument, Nanoseconds time) {
+  if (!any()) return InjectedFault::kNone;
   for (std::size_t i = 0; i < kKinds.size(); ++i) {
-    if (kKinds[i].instrument == instrument && take(static_cast<FaultKind>(i), time)) return kKinds[i].trouble;
+    if (kKinds[i].instrument == instrument && take(static_cast<FaultKind>(i), time)) return kKinds[i].injected;
   }
-  return Trouble::kNone;
+  return InjectedFault::kNone;
 }
 
 Faults::Window Faults::last(FaultKind kind, Nanoseconds time) const {

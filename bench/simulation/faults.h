@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "bench/simulation/planned_fault.h"
+#include "bench/config/planned_fault.h"
 #include "devices/clock.h"
-#include "devices/trouble.h"
+#include "devices/fault_injection.h"
 
 namespace tactbench::bench {
 
@@ -32,8 +32,8 @@ class Faults {
   [[nodiscard]] std::optional<double> active(FaultKind kind, devices::Nanoseconds time) const;
   // The same, and counts as one of its times.
   std::optional<double> take(FaultKind kind, devices::Nanoseconds time);
-  // How the instrument's answer to a request at `time` is spoilt; counts.
-  devices::Trouble trouble(Instrument instrument, devices::Nanoseconds time);
+  // How the instrument's reply to a request at `time` is corrupted; counts as one of its times.
+  devices::InjectedFault injected(Instrument instrument, devices::Nanoseconds time);
   struct Window {
     std::optional<devices::Nanoseconds> from, until;
     double value = 0.0;

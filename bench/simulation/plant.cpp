@@ -150,11 +150,11 @@ void Plant::clear(FaultKind kind) {
   faults_.clear(kind, clock_.now());
 }
 
-devices::Trouble Plant::trouble(Instrument instrument) {
-  if (!faults_.any()) return devices::Trouble::kNone;
+devices::InjectedFault Plant::injected(Instrument instrument) {
+  if (!faults_.any()) return devices::InjectedFault::kNone;
   const std::lock_guard lock(mutex_);
   advance_to(clock_.now());  // faults that wait for a load
-  return faults_.trouble(instrument, clock_.now());
+  return faults_.injected(instrument, clock_.now());
 }
 
 devices::Newtons Plant::true_force() {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/config/plant_options.h"
 #include "bench/simulation/chamber.h"
 #include "bench/simulation/contact.h"
 #include "bench/simulation/faults.h"
-#include "bench/simulation/plant_options.h"
 #include "bench/simulation/specimen.h"
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
@@ -30,7 +30,6 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
 
   void drive(devices::Volts command, devices::Nanoseconds hold_until, devices::Volts fallback) override;
   void dump(bool open) override;
-  void set_dump_valve(bool open) { dump(open); }
   // Monitor output: what the regulator believes, 0-10 V over its span. Noise included; not clipped.
   [[nodiscard]] devices::Volts feedback() override;
   // The truth with the transducer's noise, 0-10 V over its span; not clipped.
@@ -53,7 +52,7 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   void inject(FaultKind kind, std::optional<double> value = std::nullopt, long times = 0);
   void clear(FaultKind kind);
   // What the simulated ends ask for each request.
-  [[nodiscard]] devices::Trouble trouble(Instrument instrument);
+  [[nodiscard]] devices::InjectedFault injected(Instrument instrument);
   [[nodiscard]] const Faults& faults() const { return faults_; }
 
   // Truth, for tests and reports on the simulation; never seen by drivers.

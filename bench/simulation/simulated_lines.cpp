@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "bench/config_modbus.h"
-#include "bench/config_profile.h"
+#include "bench/config/config_modbus.h"
+#include "bench/config/config_profile.h"
 
 namespace tactbench::bench {
 
@@ -60,7 +60,7 @@ SimulatedLines::SimulatedLines(BenchConfig& config, Plant& plant, const devices:
                                                                          }});
   }
   devices::SimulatedModuleFaults faults = config.simulation->module_faults;
-  faults.trouble = [&plant] { return plant.trouble(Instrument::kModule); };
+  faults.inject = [&plant] { return plant.injected(Instrument::kModule); };
   serve(std::move(shared.units), shared.endpoints, plant, clock, faults);
   for (Line& line : others) serve(std::move(line.units), line.endpoints, plant, clock, {});
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 #include "bench/simulation/plant.h"
 #include "devices/pressure/simulated_module.h"
 

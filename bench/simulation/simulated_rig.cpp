@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/common/private_files.h"
 #include "devices/fault.h"
 
 namespace tactbench::bench {
@@ -14,7 +15,7 @@ namespace {
 
 // A private folder (mode 0700) for socket files.
 std::string make_socket_folder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "tactbench-XXXXXX").string();
+  std::string pattern = temporary_folder() + "/tactbench-XXXXXX";
   if (mkdtemp(pattern.data()) == nullptr) {
     throw devices::Fault("TB-SIM-LISTEN", "simulated rig", "cannot make a temporary folder at " + pattern,
                          "check that the folder for temporary files exists and can be written (TMPDIR)");
@@ -76,8 +77,8 @@ SimulatedRig::~SimulatedRig() {
   std::filesystem::remove_all(socket_folder_, ignored);
 }
 
-devices::TroubleSource SimulatedRig::trouble_of(Instrument instrument) {
-  return [this, instrument] { return plant_.trouble(instrument); };
+devices::FaultInjector SimulatedRig::injector_of(Instrument instrument) {
+  return [this, instrument] { return plant_.injected(instrument); };
 }
 
 void SimulatedRig::serve_scanner(BenchConfig& config) {
@@ -92,7 +93,7 @@ void SimulatedRig::serve_scanner(BenchConfig& config) {
     identity.firmware = "sim-1";
     config.scanner_socket = socket_folder_ + "/scanner";
     devices::SimulatedScannerFaults faults = simulation.scanner_faults;
-    faults.trouble = trouble_of(Instrument::kScanner);
+    faults.inject = injector_of(Instrument::kScanner);
     scanner_ = std::make_unique<devices::SimulatedScanner>(config.scanner_socket, identity, plant_, clock_, faults);
     served_.push_back({"tactile scanner, HID reports over SOCK_SEQPACKET", config.scanner_socket});
   }
@@ -105,7 +106,7 @@ void SimulatedRig::serve_scanner(BenchConfig& config) {
     options.description.serial = simulation.scanner_serial;
     options.description.firmware = "sim-1";
     options.port = config.simulation->frame_source_port;
-    options.faults.trouble = trouble_of(Instrument::kScanner);
+    options.faults.inject = injector_of(Instrument::kScanner);
     frame_source_ = std::make_unique<devices::SimulatedFrameSource>(options, plant_, clock_);
     config.frame_source.address = fmt::format("tcp:127.0.0.1:{}", frame_source_->port());
     served_.push_back({"tactile scanner, frame-source protocol over TCP", config.frame_source.address});
@@ -121,7 +122,7 @@ void SimulatedRig::serve_stage(BenchConfig& config) {
     options.devices[axis].number = config.stage->options.axes[axis].device;
   }
   devices::SimulatedChainFaults faults;
-  faults.trouble = trouble_of(Instrument::kStage);
+  faults.inject = injector_of(Instrument::kStage);
   faults.stall = [this] {  // not through the plant, which may hold its lock and ask the chain
     const Faults::Window window = plant_.faults().last(FaultKind::kStageStalled, clock_.now());
     devices::ChainStall stall{window.from, window.until, std::nullopt};
@@ -142,7 +143,7 @@ void SimulatedRig::serve_force(BenchConfig& config) {
     options.rdt_port = force.net.port;
     options.http_port = force.net.http_port;
     options.page = net_page(force.serial);
-    options.faults.trouble = trouble_of(Instrument::kForce);
+    options.faults.inject = injector_of(Instrument::kForce);
     net_ft_ = std::make_unique<devices::SimulatedNetFt>(options, plant_);
     force.net.host = "127.0.0.1";
     force.net.port = net_ft_->rdt_port();
@@ -153,7 +154,7 @@ void SimulatedRig::serve_force(BenchConfig& config) {
   }
   if (force.kind == ForceKind::kDigital || free_running_) {
     devices::SimulatedDigitalFtFaults faults;
-    faults.trouble = trouble_of(Instrument::kForce);
+    faults.inject = injector_of(Instrument::kForce);
     digital_ft_ = std::make_unique<devices::SimulatedDigitalFt>(digital_calibration(force.serial), plant_, faults);
     force.address.port = digital_ft_->path();
     served_.push_back({"Nano17, Digital F/T (RS-485)", digital_ft_->path()});

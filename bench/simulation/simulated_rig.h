@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 #include "bench/simulation/plant.h"
 #include "bench/simulation/simulated_lines.h"
 #include "devices/force/simulated_digital_ft.h"
@@ -34,7 +34,7 @@ class SimulatedRig {
   [[nodiscard]] const std::vector<Served>& served() const { return served_; }
 
  private:
-  devices::TroubleSource trouble_of(Instrument instrument);
+  devices::FaultInjector injector_of(Instrument instrument);
   void serve_scanner(BenchConfig& config);
   void serve_stage(BenchConfig& config);
   void serve_force(BenchConfig& config);

@@ -1,6 +1,6 @@
-// The simulated sensor: 16 x 16 piezoresistive taxels outside every class that we fit (rate-dependent, creeping,
-// non-congruent minor loops, first-cycle conditioning), so that a fit is never marked by itself. bench/README states
-// its nature. Pure physics in process time: no wire, no clock, no thread.
+// The simulated sensor: 16 x 16 piezoresistive taxels outside every class of model that is fitted (rate-dependent,
+// creeping, non-congruent minor loops, first-cycle conditioning), so that no fit is judged on its own model. Equations
+// and measured figures: bench/simulation/README.md. Pure physics in process time: no wire, no clock, no thread.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/simulation/specimen_options.h"
+#include "bench/config/specimen_options.h"
 
 namespace tactbench::bench {
 
@@ -23,7 +23,7 @@ class Specimen {
   Specimen& operator=(const Specimen&) = delete;
 
   // Holds the chamber at `pressure_psi` for `seconds` (> 0): plays, creep and conditioning move. The result of a ramp
-  // depends on how finely it is cut into calls; Plant cuts it alike every time.
+  // depends on how finely it is cut into calls; Plant cuts it the same way every time.
   // `contact_psi`, a value a taxel or empty, is what an object adds to the chamber's pressure: it does not pass the
   // membrane, and does not condition the film, which takes a load on the whole array.
   void advance(double pressure_psi, double seconds, std::span<const double> contact_psi = {});

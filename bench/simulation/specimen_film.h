@@ -1,5 +1,5 @@
-// Inside of the specimen: what was made (Make, fixed by the sensor seed), what the film remembers (Memory) and the
-// physics between them. Structure of arrays over taxels; equations in bench/README, "The specimen".
+// Inside of the specimen: its constants (Make, fixed by the sensor seed), the film's memory (Memory) and the physics
+// between them. Structure of arrays over taxels; equations in bench/simulation/README.md.
 #pragma once
 
 #include <array>

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <pugixml.hpp>
@@ -16,7 +17,7 @@ namespace {
 constexpr std::size_t kLargestFile = std::size_t{1} << 20U;
 constexpr double kLargestRatedLoad = 1e9;
 
-// Reads one file; every complaint names it and the element.
+// Reads one file; every fault names the file and the element.
 class CalibrationReader {
  public:
   explicit CalibrationReader(const std::string& where) : where_(where) {}
@@ -35,7 +36,7 @@ class CalibrationReader {
   [[nodiscard]] double number(const pugi::xml_node& node, const char* name, const char* otherwise = "") const {
     const std::string written = node.attribute(name) || *otherwise == '\0' ? text(node, name) : otherwise;
     const auto value = finite_number(written);
-    if (!value) fail(fmt::format("{} {}: '{}' is no number", title(node), name, written));
+    if (!value) fail(fmt::format("{} {}: '{}' is not a number", title(node), name, written));
     return *value;
   }
 
@@ -50,7 +51,7 @@ class CalibrationReader {
   [[nodiscard]] pugi::xml_node only(const pugi::xml_node& parent, const char* name, bool required) const {
     const auto node = parent.child(name);
     if (!node && required) fail(fmt::format("{} holds no {}", *parent.name() == '\0' ? "it" : parent.name(), name));
-    if (node && node.next_sibling(name)) fail(fmt::format("{} stands there more than once", name));
+    if (node && node.next_sibling(name)) fail(fmt::format("{} is present more than once", name));
     return node;
   }
 
@@ -62,12 +63,12 @@ class CalibrationReader {
       std::size_t row = 0;
       while (row < 6 && name != kAxisNames[row]) ++row;
       if (row == 6) fail(fmt::format("{} is named '{}', not one of Fx Fy Fz Tx Ty Tz", element, name));
-      if (seen[row]) fail(fmt::format("{} {} stands there twice", element, name));
+      if (seen[row]) fail(fmt::format("{} {} is present twice", element, name));
       seen[row] = true;
       axes[row] = {six(node), number(node, "scale", "1"), number(node, "max")};
       if (axes[row].scale == 0.0) fail(fmt::format("{} scale is 0", title(node)));
       if (!(axes[row].max > 0.0 && axes[row].max < kLargestRatedLoad)) {
-        fail(fmt::format("{} max is {:g}, no sensible range", title(node), axes[row].max));
+        fail(fmt::format("{} max is {:g}, not a valid range", title(node), axes[row].max));
       }
     }
     for (std::size_t row = 0; row < 6; ++row) {
@@ -118,7 +119,7 @@ AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& wh
   if (xml.size() > kLargestFile) reader.fail(fmt::format("it has {} bytes, at most {}", xml.size(), kLargestFile));
   pugi::xml_document document;
   const auto parsed = document.load_buffer(xml.data(), xml.size());
-  if (!parsed) reader.fail(fmt::format("it is no XML: {} at byte {}", parsed.description(), parsed.offset));
+  if (!parsed) reader.fail(fmt::format("it is not XML: {} at byte {}", parsed.description(), parsed.offset));
   const auto sensor = reader.only(document, "FTSensor", true);
   const auto node = reader.only(sensor, "Calibration", true);
 
@@ -151,6 +152,10 @@ AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& wh
 }
 
 AtiCalibration read_ati_calibration(const std::string& path) {
+  std::error_code unknown;
+  if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) {
+    CalibrationReader(path).fail("it is not a regular file");
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) CalibrationReader(path).fail("it cannot be opened");
   std::string text(kLargestFile + 1, '\0');

@@ -41,13 +41,13 @@ struct AtiCalibration {
   std::array<AtiAxis, 6> axes{};  // Fx, Fy, Fz, Tx, Ty, Tz
   AtiTransform basic;
   std::optional<AtiTemperature> temperature;
-  // Version 1.1: the final rows, basic transform included, which the file's own header tells users to take.
+  // Version 1.1: the final rows, basic transform included; the ones to use according to the file's own header.
   std::optional<std::array<AtiAxis, 6>> user_axes;
   bool operator==(const AtiCalibration&) const = default;
 };
 
-// `where` names the text in faults. Throws Fault TB-FORCE-CALIBRATION: what is missing, double, or no number, and
-// where.
+// `where` names the text in faults. Throws Fault TB-FORCE-CALIBRATION, naming the missing, duplicate or non-numeric
+// element.
 AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& where);
 // As above from a file of up to 1 MiB.
 AtiCalibration read_ati_calibration(const std::string& path);

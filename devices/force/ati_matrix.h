@@ -1,5 +1,5 @@
-// The matrices that an ATI calibration gives: from gauge volts to newtons and N*mm, and from one frame to another. Not
-// verified on hardware.
+// The matrices of an ATI calibration: from gauge volts to newtons and N*mm, and from one frame to another. Not verified
+// on hardware.
 #pragma once
 
 #include <Eigen/Core>

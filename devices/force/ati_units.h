@@ -17,13 +17,13 @@ inline constexpr std::array<const char*, 6> kAxisNames{"Fx", "Fy", "Fz", "Tx", "
 [[nodiscard]] std::optional<double> newton_millimetres_in(std::string_view unit);
 [[nodiscard]] std::optional<double> millimetres_in(std::string_view unit);
 [[nodiscard]] std::optional<double> degrees_in(std::string_view unit);
-// What one may write, for a fault's text.
+// The known names, for a fault's text.
 [[nodiscard]] std::string known_force_units();
 [[nodiscard]] std::string known_torque_units();
 
-// The whole text, blanks around it apart, as one finite number with a decimal point in any locale; empty otherwise.
+// The whole text, without blanks around it, as one finite number with a decimal point in any locale; empty otherwise.
 [[nodiscard]] std::optional<double> finite_number(std::string_view text);
-// Exactly six such numbers parted by blanks and by `separator`; empty otherwise.
+// Exactly six such numbers separated by blanks and by `separator`; empty otherwise.
 [[nodiscard]] std::optional<std::array<double, 6>> six_numbers(std::string_view text, char separator = ' ');
 
 }  // namespace tactbench::devices

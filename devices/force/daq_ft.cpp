@@ -44,9 +44,9 @@ DaqFt::Means DaqFt::acquire(int records, const Vector6& bias) {
   if (samples.samples != records || static_cast<std::size_t>(samples.channels) != channels ||
       samples.volts.size() != channels * static_cast<std::size_t>(records)) {
     throw Fault("TB-FORCE-PROTOCOL", kForceDevice,
-                fmt::format("{} samples of {} channels were asked of {}, {} of {} came", records, channels,
+                fmt::format("{} samples of {} channels were requested from {}, {} of {} came", records, channels,
                             source_->identity().model, samples.samples, samples.channels),
-                "Try again; if it stays, the analog input card does not do what its driver says.");
+                "Try again; if it persists, the analog input card does not do what its driver reports.");
   }
   Means means{{}, Vector6::Zero()};
   means.reading.records = records;
@@ -57,11 +57,11 @@ DaqFt::Means DaqFt::acquire(int records, const Vector6& bias) {
   for (std::size_t sample = 0; sample < static_cast<std::size_t>(records); ++sample) {
     const double* row = samples.volts.data() + sample * channels;
     for (int gauge = 0; gauge < 6; ++gauge) {
-      if (std::abs(row[gauge]) < limit) continue;  // NaN is no voltage either
+      if (std::abs(row[gauge]) < limit) continue;  // NaN is not a voltage either
       throw Fault("TB-FORCE-SATURATED", kForceDevice,
                   fmt::format("gauge G{} of transducer {} reads {:.4g} V, at or beyond {:.4g} V", gauge,
                               calibration_.serial, row[gauge], limit),
-                  "Take the load off; if it stays, a gauge, its wire or the transducer's supply is broken.");
+                  "Take the load off; if it persists, a gauge, its wire or the transducer's supply is broken.");
     }
     const Vector6 gauges = Vector6::Map(row);
     raw += gauges;

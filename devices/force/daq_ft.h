@@ -1,5 +1,5 @@
-// Driver of the ATI DAQ F/T: six gauge voltages from any GaugeSource, made a wrench by the transducer's .cal file. Not
-// verified on hardware.
+// Driver of the ATI DAQ F/T: six gauge voltages from any GaugeSource, converted to a wrench by the transducer's .cal
+// file. Not verified on hardware.
 #pragma once
 
 #include <memory>

@@ -17,10 +17,10 @@ DaqmxGauges::DaqmxGauges(DaqmxGaugesOptions options, Clock& clock)
   inputs_.add_voltages(options_.channels, options_.terminal, options_.range);
   channels_ = inputs_.channels();
   if (channels_ == 6 || channels_ == 7) return;
-  throw Fault(
-      "TB-DAQMX-CHANNELS", options_.device,
-      fmt::format("a DAQ F/T has six gauges and may have a thermistor; {} are {} inputs", options_.channels, channels_),
-      "Correct the channels in the bench file.");
+  throw Fault("TB-DAQMX-CHANNELS", options_.device,
+              fmt::format("a DAQ F/T has six gauges and may have a thermistor; {} makes {} inputs", options_.channels,
+                          channels_),
+              "Correct the channels in the bench file.");
 }
 
 GaugeSamples DaqmxGauges::read(int samples) {

@@ -6,7 +6,7 @@
 
 #include "devices/force/gauge_source.h"
 #include "devices/force/options.h"
-#include "devices/wire/daqmx_api.h"
+#include "devices/wire/daqmx/daqmx_api.h"
 
 namespace tactbench::devices {
 

@@ -38,9 +38,9 @@ DigitalFt::DigitalFt(std::unique_ptr<ByteStream> stream, DigitalFtOptions option
     if (value == calibration_.gains_and_offsets[i]) continue;
     throw Fault(
         "TB-FORCE-CALIBRATION", kForceDevice,
-        fmt::format("the sensor on {} runs with {} of gauge G{} at {}, its calibration wants {}",
+        fmt::format("the sensor on {} runs with {} of gauge G{} at {}, its calibration requires {}",
                     stream_->description(), i < 6 ? "gain" : "offset", i % 6, value, calibration_.gains_and_offsets[i]),
-        "Load the calibration in the sensor anew with the maker's program.");
+        "Load the calibration into the sensor again with the maker's program.");
   }
   for (int row = 0; row < 6; ++row) {
     const auto index = static_cast<std::size_t>(row);
@@ -64,7 +64,7 @@ void DigitalFt::timed_out(const std::string& asked, const std::string& came, Nan
               "Check the sensor's power, the RS-485 wires, and the port's rate and parity in the bench file.");
 }
 
-// Jams the line until the sensor hears it and falls quiet. Bounded.
+// Jams the line until the sensor receives it and stops sending. Bounded.
 void DigitalFt::stop() {
   const auto end = std::chrono::steady_clock::now() + kLongestStop;
   const std::vector<std::uint8_t> jam(kJamBytes, 0xFF);
@@ -72,13 +72,13 @@ void DigitalFt::stop() {
   do {
     stream_->write(jam);
     auto calm = std::chrono::steady_clock::now() + options_.quiet;
-    // A full buffer may still hold much: what comes within the quiet time starts it anew, a few times.
+    // A full buffer may still hold much: bytes that come within the quiet time restart it, a few times.
     for (int part = 0; part < 64; ++part) {
       if (stream_->read(sink, left_until(calm)) == 0) return;
       calm = std::chrono::steady_clock::now() + options_.quiet;
     }
   } while (std::chrono::steady_clock::now() < end);
-  timed_out("asking the stream to stop", "it goes on", kLongestStop);
+  timed_out("asking the stream to stop", "it continues", kLongestStop);
 }
 
 std::vector<std::uint8_t> DigitalFt::answer(std::size_t size, const std::string& asked) {
@@ -95,7 +95,7 @@ std::vector<std::uint8_t> DigitalFt::answer(std::size_t size, const std::string&
   const bool refused = rtu_frame_is_whole(bytes) && (bytes[1] & 0x80U) != 0;
   throw Fault("TB-FORCE-PROTOCOL", kForceDevice,
               fmt::format("{} of the sensor on {}: {}", asked, stream_->description(),
-                          refused ? fmt::format("refused with exception {}", bytes[2]) : "a damaged answer came"),
+                          refused ? fmt::format("refused with exception {}", bytes[2]) : "a damaged reply came"),
               "Check the RS-485 wires and their termination, and the unit number in the bench file.");
 }
 
@@ -132,7 +132,7 @@ ForceReading DigitalFt::measure(int records, const Wrench& bias) {
     if (!fault.id().starts_with("TB-SERIAL")) stop();  // the next reading needs a quiet line
     if (fault.id() != "TB-FORCE-STATUS") throw;
     const auto status = read_registers(kStatusRegister, 1);
-    throw Fault(fault.id(), fault.device(),
+    throw Fault(fault.cause(), fault.id(), fault.device(),
                 fmt::format("{}; its status register is 0x{:02X}{:02X}", fault.what(), status[0], status[1]),
                 fault.remedy());
   }
@@ -185,17 +185,16 @@ void DigitalFt::take(const DigitalSample& sample, const Wrench& bias, Vector6& s
   if (sample.error) {
     throw Fault("TB-FORCE-STATUS", kForceDevice,
                 fmt::format("the sensor on {} reports an error with a sample", stream_->description()),
-                "Switch the sensor off and on; if it stays, the transducer or its cable is broken.");
+                "Switch the sensor off and on; if it persists, the transducer or its cable is broken.");
   }
   Vector6 gauges;
   for (int i = 0; i < 6; ++i) {
     const std::int16_t gauge = sample.gauges[static_cast<std::size_t>(i)];
     using Limits = std::numeric_limits<std::int16_t>;
     if (gauge == Limits::min() || gauge == Limits::max()) {
-      throw Fault(
-          "TB-FORCE-SATURATED", kForceDevice,
-          fmt::format("gauge G{} of the sensor on {} stands at its limit ({})", i, stream_->description(), gauge),
-          "Take the load off; if it stays, a gauge or its wire is broken.");
+      throw Fault("TB-FORCE-SATURATED", kForceDevice,
+                  fmt::format("gauge G{} of the sensor on {} is at its limit ({})", i, stream_->description(), gauge),
+                  "Take the load off; if it persists, a gauge or its wire is broken.");
     }
     gauges[i] = gauge;
   }

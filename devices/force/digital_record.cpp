@@ -134,7 +134,7 @@ DigitalCalibration decode_digital_calibration(std::span<const std::uint8_t> byte
   const auto fail = [](const std::string& what) {
     throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
                 fmt::format("reading the calibration in the Digital F/T's registers: {}", what),
-                "Read again; if it stays, the sensor holds no calibration that this program knows.");
+                "Read again; if it persists, the sensor holds no calibration that this program knows.");
   };
   if (bytes.size() != kDigitalCalibrationBytes) {
     fail(fmt::format("{} bytes, not {}", bytes.size(), kDigitalCalibrationBytes));
@@ -159,7 +159,7 @@ DigitalCalibration decode_digital_calibration(std::span<const std::uint8_t> byte
   calibration.counts_per_force = static_cast<std::int32_t>(walk.number(4));
   calibration.counts_per_torque = static_cast<std::int32_t>(walk.number(4));
   for (std::uint16_t& value : calibration.gains_and_offsets) value = static_cast<std::uint16_t>(walk.number(2));
-  if (!finite) fail("its matrix holds what is no number");
+  if (!finite) fail("its matrix holds a value that is not a number");
   if (!ranged) fail("its ranges are not above 0");
   if (calibration.counts_per_force < 1 || calibration.counts_per_torque < 1) {
     fail(fmt::format("{} counts per force unit, {} per torque unit", calibration.counts_per_force,

@@ -5,7 +5,7 @@
 //   error and whose bits 0-6 are the sum of the twelve bytes, modulo 128.
 // Calibration, 338 bytes (169 registers from 0x00E3): serial[8], part[32], family[4], date[20], f32 matrix[6][6], u8
 //   force unit, u8 torque unit, f32 range[6], i32 counts per force, i32 counts per torque, u16 gain[6], u16 offset[6],
-//   48 bytes that nobody needs. All big-endian (the order of a value's two registers is not verified).
+//   48 unused bytes. All big-endian (the order of a value's two registers is not verified).
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/wire/modbus_crc.h"
+#include "devices/wire/modbus/modbus_crc.h"
 
 namespace tactbench::devices {
 
@@ -54,7 +54,7 @@ struct DigitalCalibration {
 };
 std::array<std::uint8_t, kDigitalCalibrationBytes> encode(const DigitalCalibration& calibration);
 // Throws Fault TB-FORCE-CALIBRATION: length, unknown units, counts or ranges not above 0, numbers not finite.
-// `low_word_first` turns round the two registers of every 32-bit value.
+// `low_word_first` swaps the two registers of every 32-bit value.
 DigitalCalibration decode_digital_calibration(std::span<const std::uint8_t> bytes, bool low_word_first = false);
 
 }  // namespace tactbench::devices

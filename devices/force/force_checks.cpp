@@ -23,7 +23,7 @@ Wrench operator-(const Wrench& wrench, const Wrench& bias) {
 void check_records(int records) {
   if (records >= 1 && records <= kMostForceRecords) return;
   throw Fault("TB-FORCE-RECORDS", kForceDevice,
-              fmt::format("a reading of {} records was asked for; 1 to {} can be had", records, kMostForceRecords),
+              fmt::format("a reading of {} records was requested; 1 to {} are possible", records, kMostForceRecords),
               "Correct the number of force records to average.");
 }
 
@@ -44,8 +44,8 @@ void check_overload(const Wrench& load, const SixAxes& range, double share) {
 void check_serial(const std::string& asked, const std::string& found, const std::string& where) {
   if (asked.empty() || asked == found) return;
   throw Fault("TB-FORCE-SERIAL", kForceDevice,
-              fmt::format("the calibration of transducer '{}' was asked for, {} has that of '{}'", asked, where, found),
-              "Connect the transducer meant, or correct its serial number in the bench file.");
+              fmt::format("the calibration of transducer '{}' was expected, {} has that of '{}'", asked, where, found),
+              "Connect the right transducer, or correct its serial number in the bench file.");
 }
 
 }  // namespace tactbench::devices

@@ -1,4 +1,4 @@
-// What every force driver checks and computes alike: the number of records, the load against the rated range, means.
+// Checks and means that all force drivers share: number of records, load against the rated range, serial number.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ Wrench operator-(const Wrench& wrench, const Wrench& bias);
 void check_records(int records);
 // `load`, in the frame of `range` (N, N*mm), against share * range of each axis. Throws Fault TB-FORCE-OVERLOAD.
 void check_overload(const Wrench& load, const SixAxes& range, double share);
-// Throws Fault TB-FORCE-SERIAL when a serial number is asked for (not empty) and another one is found.
+// Throws Fault TB-FORCE-SERIAL when a serial number is expected (not empty) and another one is found.
 void check_serial(const std::string& asked, const std::string& found, const std::string& where);
 
 }  // namespace tactbench::devices

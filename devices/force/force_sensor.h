@@ -1,5 +1,5 @@
-// A six-axis force and torque sensor (ATI Nano17) behind any of its interfaces: one call, one averaged reading, raw
-// counts or gauge voltages kept beside the scaled wrench.
+// A six-axis force and torque sensor (ATI Nano17) behind any of its interfaces. One call gives one averaged reading
+// with the raw counts or gauge voltages beside the scaled wrench.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct ForceReading {
   int records = 0;                        // how many were averaged
   std::uint32_t status = 0;               // of all records, or-ed; 0: healthy
   std::uint64_t lost = 0, reordered = 0;  // records, since the sensor was opened
-  Nanoseconds time{0};                    // process time when the reading was asked for
+  Nanoseconds time{0};                    // process time when the reading was requested
   std::optional<double> thermistor_v;  // DAQ with a thermistor: its mean, without which the raw volts cannot be scaled
 };
 
@@ -33,16 +33,16 @@ inline constexpr int kMostForceRecords = 100'000;
 class ForceSensor {
  public:
   virtual ~ForceSensor() = default;
-  // Asks for `records` fresh records and averages them; nothing that waited in a queue is used. Bounded by the reply
-  // timeout. Throws Fault TB-FORCE-TIMEOUT, TB-FORCE-STATUS (the sensor reports an error: bits named), TB-FORCE-STALL
+  // Requests `records` fresh records and averages them; nothing from a queue is used. Bounded by the reply timeout.
+  // Throws Fault TB-FORCE-TIMEOUT, TB-FORCE-STATUS (the sensor reports an error; the bits are named), TB-FORCE-STALL
   // (its counter stands still), TB-FORCE-SATURATED (a converter at its limit: the values mean nothing),
-  // TB-FORCE-OVERLOAD (an axis of any record beyond the calibration's range, software bias removed: which, how
-  // far), TB-FORCE-PROTOCOL (what came is no record), TB-FORCE-RECORDS (1 to 100 000 can be asked for), and the
+  // TB-FORCE-OVERLOAD (an axis of any record beyond the calibration's range after software bias, naming axis and
+  // amount), TB-FORCE-PROTOCOL (a reply that is not a record), TB-FORCE-RECORDS (outside 1 to 100 000), and the
   // transport's own (TB-UDP-LOST, TB-SERIAL-LOST, a gauge source's).
   [[nodiscard]] virtual ForceReading read(int records) = 0;
-  // Takes the mean of `records` as zero from now on (software bias; raw values stay raw). Returns what was removed. To
-  // be called without load: an unloaded transducer's offset can be a good part of the range, and overload is judged
-  // from here.
+  // Takes the mean of `records` as zero from now on (software bias; raw values stay raw). Returns the removed wrench.
+  // To be called without load: an unloaded transducer's offset can be a good part of the range, and overload is judged
+  // relative to it.
   virtual Wrench bias(int records) = 0;
   // Rated range of each axis, N and N*mm, of the calibration fitted: Fx, Fy, Fz, Tx, Ty, Tz.
   [[nodiscard]] virtual std::array<double, 6> range() const = 0;
@@ -51,7 +51,7 @@ class ForceSensor {
   [[nodiscard]] virtual Identity identity() const = 0;
 };
 
-// What a simulated force sensor asks of physics, from its own thread while the clock stands still.
+// Interface from a simulated force sensor to the physics; called from the sensor's thread while the clock stands still.
 class ForcePort {
  public:
   virtual ~ForcePort() = default;

@@ -1,5 +1,5 @@
-// Where a DAQ F/T's gauge voltages come from: six strain gauges and, where the transducer has one, a thermistor as
-// the seventh channel. The real side is NI-DAQmx; the driver above (daq_ft.h) does not know which.
+// Source of a DAQ F/T's gauge voltages: six strain gauges and, where the transducer has one, a thermistor as the
+// seventh channel. The real source is NI-DAQmx; the driver above (daq_ft.h) does not distinguish.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 namespace tactbench::devices {
 
 struct GaugeSamples {
-  int samples = 0;            // as asked for
+  int samples = 0;            // as requested
   int channels = 0;           // 6, or 7: the thermistor last
   std::vector<double> volts;  // samples x channels, row-major, oldest sample first; finite
-  Nanoseconds time{0};        // process time when the first sample was asked for
+  Nanoseconds time{0};        // process time when the first sample was requested
 };
 
 class GaugeSource {
  public:
   virtual ~GaugeSource() = default;
-  // Acquires `samples` (at least 1) fresh samples of all channels; nothing that waited in a buffer is used. Bounded by
-  // the source's own timeout. Throws the source's own Faults, which the driver above passes on.
+  // Acquires `samples` (at least 1) fresh samples of all channels; nothing from a buffer is used. Bounded by the
+  // source's own timeout. Throws the source's own Faults, which the driver above passes on.
   [[nodiscard]] virtual GaugeSamples read(int samples) = 0;
-  // The same for the life of the source: 6, or 7 when the thermistor is wired too.
+  // Constant for the life of the source: 6, or 7 when the thermistor is wired too.
   [[nodiscard]] virtual int channels() const = 0;
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
   // The interface card, not the transducer.

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "devices/fault.h"
@@ -18,6 +18,7 @@ namespace {
 // A burst of that many datagrams fits the receive buffer that Linux gives by default (about 270 of this size).
 constexpr int kRequestRecords = 100;
 constexpr int kSettingAttempts = 3;
+constexpr std::size_t kLongestPageFile = 1'000'000;  // bytes; an instrument's has a few thousand
 
 NetFtPage configuration(const NetFtOptions& options, Clock& clock) {
   if (options.page_file.empty()) {
@@ -25,14 +26,19 @@ NetFtPage configuration(const NetFtOptions& options, Clock& clock) {
     return parse_netft_page(http_get(page, kForceDevice, clock),
                             fmt::format("http://{}:{}{}", page.host, page.port, page.path));
   }
-  std::ifstream file(options.page_file, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
+  std::error_code unknown;
+  std::ifstream file;
+  std::string text(kLongestPageFile, '\0');
+  if (std::filesystem::is_regular_file(options.page_file, unknown)) file.open(options.page_file, std::ios::binary);
+  if (file.is_open()) file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!file.is_open() || file.bad() || file.gcount() == 0) {
     throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
-                fmt::format("reading the configuration {}: it cannot be read or is empty", options.page_file),
+                fmt::format("reading the configuration {}: it is not a regular file, is empty or cannot be read",
+                            options.page_file),
                 "Correct the path in the bench file, or leave it out to ask the sensor.");
   }
-  return parse_netft_page(text.str(), options.page_file);
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return parse_netft_page(text, options.page_file);
 }
 
 }  // namespace
@@ -47,7 +53,7 @@ NetFt::NetFt(NetFtOptions options, Clock& clock)
   if (!told) {
     throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
                 fmt::format("the configuration of the sensor at {} names no range (cfgmr)", link_.peer()),
-                "Give the calibration's six ranges in the bench file: without them no overload is seen.");
+                "Give the calibration's six ranges in the bench file: without them no overload is detected.");
   }
   range_ = *told;
 }
@@ -99,12 +105,12 @@ void NetFt::request(int records, Sum& sum) {
     if (came == 0) break;  // silence, not loss
   }
   throw Fault("TB-FORCE-TIMEOUT", kForceDevice,
-              fmt::format("asking {} records of the sensor at {}: {} came, waiting up to {:g} ms", records,
-                          link_.peer(), records - missing, in_milliseconds(limit)),
+              fmt::format("requesting {} record{} from the sensor at {}: {} came within {:g} ms", records,
+                          records == 1 ? "" : "s", link_.peer(), records - missing, in_milliseconds(limit)),
               "Check the sensor's power and network cable, and that RDT is enabled in its configuration.");
 }
 
-// One request; returns how many fresh records came before `limit`.
+// One request; returns the number of fresh records that came before `limit`.
 int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
   // After a request that did not end well its records may still be on their way: to a port that is no longer ours.
   if (!std::exchange(settled_, false)) link_.renew();
@@ -132,14 +138,14 @@ int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
           fmt::format("a datagram of {} bytes came from {}; a record has {}", size, link_.peer(), kRdtRecordBytes),
           "Check that the port is the sensor's RDT port and that its RDT buffer size is 1.");
     }
-    // Differences of counters that wrap. What is not newer than the last reading is a straggler of it, or the sensor
-    // stands still: then no record is newer.
+    // Differences of counters that wrap. A record that is not newer than the last reading belongs to it, or the
+    // sensor's counter stands still: then no record is newer.
     if (before && static_cast<std::int32_t>(record->ft_sequence - *before) <= 0) {
       if (++old == records) stalled(*before);
       continue;
     }
     const bool behind = !seen.empty() && record->rdt_sequence < *seen.rbegin();
-    if (!seen.insert(record->rdt_sequence).second) continue;  // the network has doubled it
+    if (!seen.insert(record->rdt_sequence).second) continue;  // the network has duplicated it
     if (behind) ++reordered_;
     if (!samples.insert(record->ft_sequence).second) stalled(record->ft_sequence);
     if (came == 0 || static_cast<std::int32_t>(record->ft_sequence - *newest_) > 0) newest_ = record->ft_sequence;
@@ -151,11 +157,11 @@ int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
 }
 
 void NetFt::stalled(std::uint32_t sample) {
-  newest_.reset();  // a sensor that has started anew counts from the beginning: the next reading goes with it
-  throw Fault(
-      "TB-FORCE-STALL", kForceDevice,
-      fmt::format("asking records of the sensor at {}: its sample counter does not go beyond {}", link_.peer(), sample),
-      "The sensor repeats itself or has started anew: look at its status page, switch it off and on.");
+  newest_.reset();  // a sensor that has restarted counts from the beginning: the next reading accepts that
+  throw Fault("TB-FORCE-STALL", kForceDevice,
+              fmt::format("requesting records from the sensor at {}: its sample counter does not go beyond {}",
+                          link_.peer(), sample),
+              "The sensor repeats itself or has restarted: check its status page, switch it off and on.");
 }
 
 void NetFt::take(const RdtRecord& record, Sum& sum) const {
@@ -164,8 +170,8 @@ void NetFt::take(const RdtRecord& record, Sum& sum) const {
     throw Fault(saturated ? "TB-FORCE-SATURATED" : "TB-FORCE-STATUS", kForceDevice,
                 fmt::format("the sensor at {} reports status 0x{:08X}: {}", link_.peer(), record.status,
                             rdt_status_text(record.status)),
-                saturated ? "Take the load off; if it stays, a gauge or the transducer's cable is broken."
-                          : "Look at the sensor's status page; switch it off and on.");
+                saturated ? "Take the load off; if it persists, a gauge or the transducer's cable is broken."
+                          : "Check the sensor's status page; switch it off and on.");
   }
   SixAxes counts{};
   for (std::size_t i = 0; i < 6; ++i) {

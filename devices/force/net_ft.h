@@ -1,5 +1,5 @@
-// Driver of the ATI Net F/T (and its kin) over RDT: every reading is requested with a count, over UDP; what the counts
-// mean comes from the sensor's page netftapi2.xml. Not verified on hardware.
+// Driver of the ATI Net F/T (and related sensors) over RDT: every reading is requested with a count, over UDP; the
+// scale of the counts comes from the sensor's page netftapi2.xml. Not verified on hardware.
 #pragma once
 
 #include <optional>
@@ -16,11 +16,11 @@ namespace tactbench::devices {
 
 class NetFt final : public ForceSensor {
  public:
-  // Reads the page, asks no record. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-HTTP-*, TB-UDP-OPEN.
+  // Reads the page, requests no record. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-HTTP-*, TB-UDP-OPEN.
   NetFt(NetFtOptions options, Clock& clock);
-  // In requests of up to 100 records. Records that do not come are asked for anew twice, from another local port, so
-  // that late ones are never taken for answers. Bounded by three times (reply timeout + the records' time) a request.
-  // A tripped threshold monitor is not an error: it stands in the reading's status.
+  // In requests of up to 100 records. Missing records are requested again twice, from another local port, so that late
+  // ones are never taken for replies. Bounded by three times (reply timeout + the records' time) a request. A tripped
+  // threshold monitor is not an error: it is in the reading's status.
   [[nodiscard]] ForceReading read(int records) override;
   // Kept here, not in the sensor: raw counts stay what the sensor measures.
   Wrench bias(int records) override;

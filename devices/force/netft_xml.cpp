@@ -13,12 +13,12 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr std::size_t kLargestPage = std::size_t{1} << 18U;
+constexpr std::size_t kLargestDocument = std::size_t{1} << 18U;
 constexpr double kLargestRange = 1e9;
 
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
   throw Fault("TB-FORCE-CALIBRATION", "force sensor", fmt::format("reading the configuration {}: {}", where, what),
-              "Open netftapi2.xml of the sensor in a browser and compare, or choose its configuration anew there.");
+              "Open netftapi2.xml of the sensor in a browser and compare, or select its configuration again there.");
 }
 
 // The text of the one element of that name; empty when there is none and none is needed.
@@ -37,7 +37,7 @@ std::string only(const pugi::xml_document& document, const std::string& where, c
   } finder(name);
   pugi::xml_node root = document.document_element();
   root.traverse(finder);
-  if (finder.count > 1) fail(where, fmt::format("{} stands there more than once", name));
+  if (finder.count > 1) fail(where, fmt::format("{} is present more than once", name));
   constexpr const char* kSpaces = " \t\r\n";
   const auto begin = finder.text.find_first_not_of(kSpaces);
   if (begin != std::string::npos) {
@@ -70,10 +70,11 @@ std::optional<std::array<double, 6>> NetFtPage::range_n_nmm() const {
 }
 
 NetFtPage parse_netft_page(std::string_view xml, const std::string& where) {
-  if (xml.size() > kLargestPage) fail(where, fmt::format("it has {} bytes, at most {}", xml.size(), kLargestPage));
+  if (xml.size() > kLargestDocument)
+    fail(where, fmt::format("it has {} bytes, at most {}", xml.size(), kLargestDocument));
   pugi::xml_document document;
   const auto parsed = document.load_buffer(xml.data(), xml.size());
-  if (!parsed) fail(where, fmt::format("it is no XML: {} at byte {}", parsed.description(), parsed.offset));
+  if (!parsed) fail(where, fmt::format("it is not XML: {} at byte {}", parsed.description(), parsed.offset));
   const auto text = [&](const char* name, bool required) { return only(document, where, name, required); };
 
   NetFtPage page;
@@ -89,7 +90,7 @@ NetFtPage parse_netft_page(std::string_view xml, const std::string& where) {
     fail(where, fmt::format("scfgtu '{}' is unknown; known: {}", page.torque_unit, known_torque_units()));
   }
   for (const double factor : {page.newtons_per_count(), page.newton_millimetres_per_count()}) {
-    if (!std::isnormal(factor)) fail(where, "cfgcpf or cfgcpt is no sensible number of counts");
+    if (!std::isnormal(factor)) fail(where, "cfgcpf or cfgcpt is not a valid number of counts");
   }
   page.calibration_serial = text("cfgcalsn", false);
   page.box_serial = text("mfgdigsn", false);
@@ -102,7 +103,7 @@ NetFtPage parse_netft_page(std::string_view xml, const std::string& where) {
     if (!page.range) fail(where, fmt::format("cfgmr '{}' are not six numbers", ranges));
     for (const double value : *page.range) {
       if (!(value > 0.0 && value < kLargestRange))
-        fail(where, fmt::format("cfgmr '{}' holds a senseless range", ranges));
+        fail(where, fmt::format("cfgmr '{}' holds an invalid range", ranges));
     }
   }
   return page;

@@ -1,9 +1,9 @@
-// The Net F/T's own page netftapi2.xml: what its counts mean. Text to values and back, no I/O.
+// The Net F/T's own page netftapi2.xml: the scale of its counts. Text to values and back, no I/O.
 //
-// Elements, wherever they stand below the root: prodname, cfgcpf and cfgcpt (counts per force and torque unit), scfgfu
+// Elements, anywhere below the root: prodname, cfgcpf and cfgcpt (counts per force and torque unit), scfgfu
 // and scfgtu (units), each exactly once; cfgcalsn (calibration's serial), cfgmr (ranges of six axes in these units,
-// parted by semicolons), comrdtrate (records a second), mfgdigsn and mfgdigver (the box's serial and firmware), each at
-// most once. What is optional was seen on one sensor's page only (not verified on hardware).
+// separated by semicolons), comrdtrate (records a second), mfgdigsn and mfgdigver (the box's serial and firmware), each
+// at most once. The optional ones were seen on one sensor's page only (not verified on hardware).
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct NetFtPage {
   std::string force_unit = "N";
   std::string torque_unit = "Nmm";
   std::optional<std::array<double, 6>> range;  // as written: force_unit and torque_unit, each above 0
-  double records_per_second = 7000.0;          // above 0; 7000 where the page does not say
+  double records_per_second = 7000.0;          // above 0; 7000 where the page does not state it
   bool operator==(const NetFtPage&) const = default;
 
   [[nodiscard]] double newtons_per_count() const;
@@ -31,7 +31,8 @@ struct NetFtPage {
   [[nodiscard]] std::optional<std::array<double, 6>> range_n_nmm() const;
 };
 
-// `where` names the page in faults. Throws Fault TB-FORCE-CALIBRATION: what is missing, double or senseless.
+// `where` names the page in faults. Throws Fault TB-FORCE-CALIBRATION, naming the missing, duplicate or invalid
+// element.
 NetFtPage parse_netft_page(std::string_view xml, const std::string& where);
 std::string format_netft_page(const NetFtPage& page);
 

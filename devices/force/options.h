@@ -1,4 +1,4 @@
-// What a bench file says of the force sensor: an ATI transducer behind its Net, DAQ or Digital interface.
+// Options of the force sensor, as a bench file states them: an ATI transducer behind its Net, DAQ or Digital interface.
 #pragma once
 
 #include <array>
@@ -20,17 +20,17 @@ struct NetFtOptions {
   std::string host = "192.168.1.1";  // in numbers
   int port = 49152;
   int http_port = 80;
-  std::string page_file;         // a kept netftapi2.xml, read instead of asking for it; empty: ask
+  std::string page_file;         // a saved netftapi2.xml, read instead of the sensor's page; empty: read the sensor's
   std::string expected_serial;   // of the calibration; empty: any
-  std::optional<SixAxes> range;  // N, N*mm; where the page does not tell it
+  std::optional<SixAxes> range;  // N, N*mm; where the page does not state it
   double overload_share = 1.0;   // of the range
   Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the time that the records themselves take
   Nanoseconds page_timeout = std::chrono::seconds(3);
   Origin origin = Origin::kHardware;
 };
 
-// Where another frame lies, seen from the first: displaced along the first frame's axes, then turned about x, then the
-// new y, then the new z.
+// Position of another frame relative to the first: displaced along the first frame's axes, then turned about x, then
+// the new y, then the new z.
 struct AtiTransform {
   std::array<double, 3> displacement_mm{};
   std::array<double, 3> rotation_deg{};

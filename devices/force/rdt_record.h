@@ -51,7 +51,7 @@ std::array<std::uint8_t, kRdtRecordBytes> encode(const RdtRecord& record);
 // Empty when the length is not 36.
 [[nodiscard]] std::optional<RdtRecord> decode_rdt_record(std::span<const std::uint8_t> bytes);
 
-// True when the status says that the record is not to be used: anything but a tripped monitor.
+// True when the status marks the record as unusable: anything but a tripped monitor.
 [[nodiscard]] bool rdt_status_is_error(std::uint32_t status);
 // The bits set, highest first: "error summary, saturation or A/D error".
 [[nodiscard]] std::string rdt_status_text(std::uint32_t status);

@@ -14,8 +14,8 @@
 
 #include "devices/fault.h"
 #include "devices/force/ati_matrix.h"
-#include "devices/wire/end_at_work.h"
-#include "devices/wire/pseudo_terminal.h"
+#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/pseudo_terminal.h"
 
 namespace tactbench::devices {
 namespace {
@@ -80,7 +80,7 @@ class SimulatedDigitalFt::Server {
     if (got <= 0) return;
     received_.insert(received_.end(), bytes.begin(), bytes.begin() + got);
     if (streaming_) {
-      if (received_.size() < kSentJamBytes) return;  // only a jam is heard
+      if (received_.size() < kSentJamBytes) return;  // only a jam is received
       streaming_ = false;
       received_.clear();
     }
@@ -88,7 +88,7 @@ class SimulatedDigitalFt::Server {
     }
   }
 
-  // Takes the first request, or a byte that begins none; false: more has to come.
+  // Takes the first request, or a byte that begins none; false: more bytes are needed.
   bool answer() {
     const std::size_t size = received_.size() < 2 ? 2 : received_[1] == 3 ? kReadBytes : received_[1] == 0x46 ? 5 : 1;
     if (received_[0] != kUnit || size == 1) {
@@ -123,7 +123,7 @@ class SimulatedDigitalFt::Server {
 
   void reply(const std::vector<std::uint8_t>& body) { send(rtu_frame(body)); }
 
-  // A line that nobody reads loses what does not fit.
+  // A line that nobody reads drops what does not fit.
   void send(std::span<const std::uint8_t> bytes) const {
     [[maybe_unused]] const ssize_t sent = ::write(line_.master(), bytes.data(), bytes.size());
   }
@@ -136,15 +136,15 @@ class SimulatedDigitalFt::Server {
     const long number = samples_++;
     if (faults_.silent_after_samples >= 0 && number >= faults_.silent_after_samples) return;
     DigitalSample sample = sample_;
-    sample.error = number == faults_.error_sample || trouble_ == Trouble::kSaturated;
+    sample.error = number == faults_.error_sample || injected_ == InjectedFault::kSaturated;
     const auto bytes = encode(sample);
     send(number == faults_.damaged_sample ? std::span(bytes).subspan(1) : std::span(bytes));
   }
 
   bool measure() {
     until_wrench_ = kSamplesPerWrench - 1;
-    trouble_ = faults_.trouble ? faults_.trouble() : Trouble::kNone;
-    if (trouble_ == Trouble::kSilent) return false;
+    injected_ = faults_.inject ? faults_.inject() : InjectedFault::kNone;
+    if (injected_ == InjectedFault::kSilent) return false;
     try {
       const Wrench wrench = port_.wrench();
       Vector6 loads;
@@ -172,7 +172,7 @@ class SimulatedDigitalFt::Server {
   bool streaming_ = false;
   int until_wrench_ = 0;
   long samples_ = 0;
-  Trouble trouble_ = Trouble::kNone;
+  InjectedFault injected_ = InjectedFault::kNone;
   DigitalSample sample_;
   EndAtWork work_;
   std::thread thread_;

@@ -1,33 +1,33 @@
-// The Digital F/T's side of the wire on a pseudo-terminal: calibration registers and a stream paced in real time,
-// asking a ForcePort for the wrench.
+// Simulated Digital F/T on a pseudo-terminal: calibration registers and a stream paced in real time; the wrench comes
+// from a ForcePort.
 #pragma once
 
 #include <memory>
 #include <string>
 
+#include "devices/fault_injection.h"
 #include "devices/force/digital_record.h"
 #include "devices/force/force_sensor.h"
-#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
 struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by default; samples count from 0
   long silent_after_samples = -1;
-  long damaged_sample = -1;    // loses a byte
-  long error_sample = -1;      // carries the status error
-  TroubleSource trouble = {};  // of 100 samples at once: silent, saturated (the status error)
+  long damaged_sample = -1;   // loses a byte
+  long error_sample = -1;     // carries the status error
+  FaultInjector inject = {};  // of 100 samples at once: silent, saturated (the status error)
 };
 
 class SimulatedDigitalFt {
  public:
-  // The wrench is asked for once at each start of the stream and then every 100 samples, since how many samples go
-  // before the stop arrives is a matter of real time. The calibration's matrix must be invertible. Throws Fault
+  // The wrench is requested once at each start of the stream and then every 100 samples, since the number of samples
+  // sent before the stop arrives depends on real time. The calibration's matrix must be invertible. Throws Fault
   // TB-SIM-LISTEN.
   SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port, SimulatedDigitalFtFaults faults = {});
   ~SimulatedDigitalFt();  // stops the thread, bounded
   SimulatedDigitalFt(const SimulatedDigitalFt&) = delete;
   SimulatedDigitalFt& operator=(const SimulatedDigitalFt&) = delete;
-  [[nodiscard]] const std::string& path() const;  // what a client opens
+  [[nodiscard]] const std::string& path() const;  // the path that a client opens
 
  private:
   class Server;

@@ -18,9 +18,9 @@
 #include "devices/fault.h"
 #include "devices/force/force_checks.h"
 #include "devices/force/rdt_record.h"
-#include "devices/wire/end_at_work.h"
-#include "devices/wire/loopback.h"
-#include "devices/wire/page_server.h"
+#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/page_server.h"
 
 namespace tactbench::devices {
 namespace {
@@ -99,9 +99,9 @@ class SimulatedNetFt::Server {
     socklen_t size = sizeof client;
     const ssize_t got =
         ::recvfrom(rdt_.socket, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&client), &size);
-    if (got < 0) return;  // an earlier client is gone, or nothing is there after all
+    if (got < 0) return;  // an earlier client is gone, or there was nothing to read
     const auto request = decode_rdt_request(std::span(bytes).first(static_cast<std::size_t>(got)));
-    if (!request) return;  // the sensor is silent to what it does not know
+    if (!request) return;  // the sensor does not answer unknown requests
     switch (request->command) {
       case RdtCommand::kStartRealtime:
       case RdtCommand::kStartBuffered:
@@ -124,7 +124,7 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // All counted records at once: process time stands still while they are asked for.
+  // All counted records at once: process time stands still while they are requested.
   void answer(const sockaddr_in& client, std::uint32_t count) {
     std::uint32_t sequence = 0;
     while (sequence < count) {
@@ -134,7 +134,7 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // Sends what is due by now. A thread that was held up leaves out what it missed, as the numbers then show.
+  // Sends the records that are due. A thread that was held up leaves out those it missed; the sequence numbers show it.
   void keep_pace() {
     const SteadyTime time = now();
     if (time - due(endless_->sent) > std::chrono::seconds(1)) {
@@ -169,8 +169,8 @@ class SimulatedNetFt::Server {
   // Records `sequence + 1` and on of a stream, in one call; false when the client cannot be reached.
   bool send(const sockaddr_in& client, std::uint32_t sequence, std::uint32_t count) {
     const SimulatedNetFtFaults& faults = options_.faults;
-    const Trouble trouble = faults.trouble ? faults.trouble() : Trouble::kNone;
-    if (trouble == Trouble::kSilent) return true;
+    const InjectedFault injected = faults.inject ? faults.inject() : InjectedFault::kNone;
+    if (injected == InjectedFault::kSilent) return true;
     packets_.clear();
     std::optional<RdtBytes> held;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -178,9 +178,9 @@ class SimulatedNetFt::Server {
       const auto loads = measure();
       if (!loads || (faults.silent_after_records >= 0 && number >= faults.silent_after_records)) continue;
       const bool stands = faults.stall_from_record >= 0 && number >= faults.stall_from_record;
-      if (!stands && trouble != Trouble::kStale) ++sample_;
+      if (!stands && injected != InjectedFault::kStale) ++sample_;
       if (number == faults.drop_record) continue;
-      const bool bad = number == faults.status_record || trouble == Trouble::kSaturated;
+      const bool bad = number == faults.status_record || injected == InjectedFault::kSaturated;
       RdtRecord record{sequence + i + 1, sample_, bad ? faults.status_bits : 0, {}};
       for (std::size_t axis = 0; axis < 6; ++axis) record.counts[axis] = counts((*loads)[axis] - bias_[axis]);
       if (number == faults.late_record) {

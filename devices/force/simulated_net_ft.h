@@ -1,13 +1,13 @@
-// The Net F/T's side of the wire on loopback: RDT over UDP and the page netftapi2.xml over HTTP, asking a ForcePort for
-// the wrench. A counted request is answered at once, an endless one is paced in real time.
+// Simulated Net F/T on loopback: RDT over UDP and the page netftapi2.xml over HTTP; the wrench comes from a ForcePort.
+// A counted request is answered at once, an endless one is paced in real time.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 
+#include "devices/fault_injection.h"
 #include "devices/force/force_sensor.h"
 #include "devices/force/netft_xml.h"
-#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
@@ -18,21 +18,21 @@ struct SimulatedNetFtFaults {      // test and nightly switches, all off by defa
   long stall_from_record = -1;     // the F/T sequence stands still from that one on
   long status_record = -1;         // that one carries status_bits
   std::uint32_t status_bits = 0x80020000U;
-  TroubleSource trouble = {};  // of up to 64 records at once: silent, stale (the F/T sequence stands still), saturated
+  FaultInjector inject = {};  // of up to 64 records at once: silent, stale (the F/T sequence stands still), saturated
 };
 
 struct SimulatedNetFtOptions {
   int rdt_port = 0;   // 0: the system chooses
   int http_port = 0;  // 0: the system chooses
-  NetFtPage page;     // what it serves and how it counts; endless streams run at records_per_second
+  NetFtPage page;     // the page served, with the scale of the counts; endless streams run at records_per_second
   SimulatedNetFtFaults faults;
 };
 
 class SimulatedNetFt {
  public:
-  // Listens on 127.0.0.1. Sends only to who has asked, one client at a time (the last to ask). Bias and stop are done;
-  // buffered and multi-unit start are taken for a real-time start. No monitor ever trips, so that the latch has nothing
-  // to reset. Throws Fault TB-SIM-LISTEN.
+  // Listens on 127.0.0.1. Sends only on request, to one client at a time (the last to ask). Bias and stop are carried
+  // out; buffered and multi-unit start are taken as a real-time start. No monitor ever trips, so that the latch has
+  // nothing to reset. Throws Fault TB-SIM-LISTEN.
   SimulatedNetFt(SimulatedNetFtOptions options, ForcePort& port);
   ~SimulatedNetFt();  // stops the thread, bounded
   SimulatedNetFt(const SimulatedNetFt&) = delete;

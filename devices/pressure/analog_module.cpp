@@ -13,7 +13,7 @@
 namespace tactbench::devices {
 namespace {
 
-// Between two readings of an output that has not yet followed.
+// Pause between two readings of an output that has not yet followed.
 constexpr Nanoseconds kReadbackPoll = std::chrono::milliseconds(20);
 
 constexpr const char* kModuleDevice = "analog module";
@@ -49,7 +49,7 @@ void AnalogModule::prepare() {
   outputs_.resize(size(profile_.outputs.channels), counts(Volts(0.0)));
 }
 
-std::vector<std::uint16_t> AnalogModule::look() {
+std::vector<std::uint16_t> AnalogModule::read_all() {
   refresh();
   return profile_.outputs.channels > 0 && profile_.outputs.readback != 0 ? read_outputs()
                                                                          : std::vector<std::uint16_t>();
@@ -76,8 +76,8 @@ void AnalogModule::feed() {
   send_outputs(outputs_);
 }
 
-// A watchdog that still ran from before and fell back while other instruments were opened has cut nothing off: nothing
-// was commanded yet, and it is set up anew.
+// A watchdog that still ran from an earlier run and fell back while other instruments were opened has interrupted
+// nothing: nothing was commanded yet, and it is set up again.
 void AnalogModule::send_first(const std::vector<std::uint16_t>& image) {
   try {
     send_outputs(image);
@@ -96,7 +96,7 @@ void AnalogModule::write_image(std::vector<std::uint16_t> image) {
   } else {
     send_outputs(image);
   }
-  image.swap(outputs_);  // `image` now keeps what stood before
+  image.swap(outputs_);  // `image` now keeps the previous outputs
   try {
     const Nanoseconds deadline = clock_.now() + profile_.outputs.deadline;
     while (profile_.outputs.readback != 0 && clock_.now() < deadline && !same(read_outputs(), outputs_)) {
@@ -158,7 +158,7 @@ void AnalogModule::verify_outputs() {
   const std::vector<std::uint16_t> stands = read_outputs();
   if (same(stands, outputs_)) return;
   throw Fault("TB-MODULE-READBACK", kModuleDevice,
-              fmt::format("reading the outputs of {} back: counts {} were written, {} stand there", link_.peer(),
+              fmt::format("reading the outputs of {} back: counts {} were written, {} were read", link_.peer(),
                           fmt::join(outputs_, " "), fmt::join(stands, " ")),
               "Another program may be writing to the module: stop it. Otherwise check the profile in the bench file.");
 }
@@ -225,7 +225,7 @@ bool AnalogModule::zero_outputs() noexcept {
         }
         last_write_time_ = time;
       } catch (const Fault& fault) {
-        // A module whose watchdog has tripped refuses the write, but stands at zero: the reading decides.
+        // A module whose watchdog has tripped refuses the write, but its output is zero: the reading decides.
         if (fault.id() != "TB-MODBUS-EXCEPTION") throw;
       }
       // Without a way to read back, the acknowledged write is all there is.

@@ -11,8 +11,8 @@
 #include "devices/fault.h"
 #include "devices/pressure/module_profile.h"
 #include "devices/units.h"
-#include "devices/wire/modbus_link.h"
-#include "devices/wire/modbus_value.h"
+#include "devices/wire/modbus/modbus_link.h"
+#include "devices/wire/modbus/modbus_value.h"
 
 namespace tactbench::devices {
 
@@ -23,16 +23,17 @@ class AnalogModule {
   // On the line of another module.
   AnalogModule(ModuleProfile profile, const AnalogModule& line_of, int unit, Clock& clock, Origin origin);
 
-  // Makes the module writable and forgets what was written before: the next feeding writes 0 V unless a command came.
+  // Makes the module writable and discards earlier writes: the next feeding writes 0 V unless a command came.
   // Beckhoff: clears a fallback of an earlier run (0xBECF, 0xAFFE to 0x1121; not verified on hardware), then sets and
   // verifies by reading: 0x1124 = 0 (more than one writer), 0x1122 = 0 (fed by writes only), 0x1120 = the watchdog
   // time, 1 ms to 1 min. Moxa: clears a channel's safe mode and verifies that. Throws Fault TB-MODULE-WATCHDOG when a
-  // register does not read back or a time was asked of a module without a watchdog.
+  // register does not read back or a time was given for a module without a watchdog.
   void bring_up();
-  // Reads inputs and outputs and writes nothing; returns the counts that stand at the outputs (empty: not told).
-  std::vector<std::uint16_t> look();
+  // Reads inputs and outputs and writes nothing; returns the counts at the outputs (empty: the module cannot read
+  // back).
+  std::vector<std::uint16_t> read_all();
   // Writes the output word, reads the inputs (in the same exchange with FC 23), then reads the output back. Throws
-  // Fault TB-MODULE-READBACK when another value stands there after the profile's deadline, TB-MODULE-WATCHDOG when
+  // Fault TB-MODULE-READBACK when the output has another value after the profile's deadline, TB-MODULE-WATCHDOG when
   // the module refuses because its watchdog has fallen back since bring_up(): only bring_up() makes it writable again.
   void write(int output, std::uint16_t counts);
   // Reads the last written outputs back, then rewrites them and reads the inputs: feeds the watchdog. Reading first
@@ -44,7 +45,7 @@ class AnalogModule {
   // Reads the input image (one exchange) unless it is at most `max_age` old. Throws Fault TB-MODULE-INPUT when a
   // status word names a channel out of range.
   void refresh(Nanoseconds max_age = Nanoseconds(0));
-  void forget_image() { image_time_ = Nanoseconds(-1); }  // the next refresh() reads anew
+  void forget_image() { image_time_ = Nanoseconds(-1); }  // the next refresh() reads again
 
   [[nodiscard]] RegisterValue input(int channel) const;   // of the last image
   [[nodiscard]] std::uint16_t output(int channel) const;  // raw counts last written and read back
@@ -58,8 +59,8 @@ class AnalogModule {
   [[nodiscard]] Identity identity() const;
   [[nodiscard]] const ModuleProfile& profile() const { return profile_; }
   [[nodiscard]] const ModbusLink& link() const { return link_; }
-  // Writes 0 V to every output and reads it back, connecting anew once if need be: at most two attempts of two
-  // exchanges. True: every output read back as 0 V.
+  // Writes 0 V to every output and reads it back, reconnecting once if needed: at most two attempts of two exchanges.
+  // True: every output read back as 0 V.
   [[nodiscard]] bool zero_outputs() noexcept;
   // The dump valve on the profile's coil (FC 5, energised = closed). Both do nothing without such a valve. close_dump()
   // writes only when the valve is not known to be closed and throws Fault; open_dump() tries twice. True: the module

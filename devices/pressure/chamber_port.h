@@ -1,4 +1,4 @@
-// What the simulated analog module asks of physics. Implemented by bench/simulation. All calls come from the
+// Interface from the simulated analog module to the physics, implemented by bench/simulation. All calls come from the
 // simulated module's thread while the clock stands still.
 #pragma once
 

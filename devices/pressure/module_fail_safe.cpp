@@ -35,7 +35,7 @@ void AnalogModule::set_watchdog() {
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(watchdog_).count();
   if (safe.watchdog_address < 0 || milliseconds < 1 || milliseconds > 60'000) {
     throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
-                fmt::format("a watchdog of {} ms was asked of {}, which {}", milliseconds, link_.peer(),
+                fmt::format("a watchdog of {} ms was requested of {}, which {}", milliseconds, link_.peer(),
                             safe.watchdog_address < 0 ? "has none" : "takes 1 to 60000 ms"),
                 "Correct the watchdog time in the bench file, or choose a module with a watchdog.");
   }
@@ -69,8 +69,8 @@ void AnalogModule::clear_safe_mode() {
   for (int i = 0; i < profile_.outputs.channels; ++i) link_.write_coil(safe.safe_mode_clear_address + i, true);
   if (!in_safe_mode()) return;
   throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
-              fmt::format("{} stays in its safe mode when told to leave it", link_.peer()),
-              "Look at the module's own page for what holds it there (host connection watchdog), then start anew.");
+              fmt::format("{} stays in its safe mode when ordered to leave it", link_.peer()),
+              "Check the module's own page for the cause (host connection watchdog), then start again.");
 }
 
 std::uint16_t AnalogModule::fallbacks() {
@@ -87,7 +87,7 @@ void AnalogModule::blame_watchdog(const Fault& fault, Nanoseconds time) {
   throw Fault("TB-MODULE-WATCHDOG", kFailSafeDevice,
               fmt::format("{}; its watchdog ({:g} ms) has fallen back since the start, the last write is {:g} ms old",
                           fault.what(), in_milliseconds(watchdog_), in_milliseconds(time - last_write_time_)),
-              "The outputs stand at zero. Find out why the set-point was not rewritten in time, then start anew.");
+              "The outputs are at zero. Find out why the set-point was not rewritten in time, then start again.");
 }
 
 }  // namespace tactbench::devices

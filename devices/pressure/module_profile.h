@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "devices/clock.h"
-#include "devices/wire/modbus_value.h"
+#include "devices/wire/modbus/modbus_value.h"
 
 namespace tactbench::devices {
 
@@ -15,7 +15,7 @@ struct ModuleOutputs {
   int function = 16;        // 6, 16, or 23 (which reads the inputs in the same exchange)
   int address = 0;          // zero-based, of channel 0; one word a channel
   int channels = 0;         // 0: the module has no outputs
-  int readback = 3;         // function that reads what stands at `address`; 0: none
+  int readback = 3;         // function that reads the outputs back at `address`; 0: none
   int dead_band = 0;        // counts by which the reading may differ from what was written
   Nanoseconds deadline{0};  // how long after writing the reading may differ; 0: not at all
   LinearScale volts{0, 32767, 0, 10};
@@ -32,9 +32,9 @@ struct ModuleInputs {
 };
 
 struct ModuleFailSafe {
-  std::vector<std::string> layers;   // in words, as preflight prints them; empty: none known
+  std::vector<std::string> layers;   // as preflight prints them; empty: none known
   int watchdog_address = -1;         // Beckhoff: 0x1120 time, +1 reset, +2 type, +3 fallback, +4 write lock; -1: none
-  int fallbacks_address = -1;        // Beckhoff 0x1021: how often the watchdog fell back; -1: not told
+  int fallbacks_address = -1;        // Beckhoff 0x1021: how often the watchdog fell back; -1: not reported
   int safe_mode_address = -1;        // Moxa: discrete inputs, one an output: the channel stands in safe mode; -1: none
   int safe_mode_clear_address = -1;  // Moxa: coils that clear it
 };

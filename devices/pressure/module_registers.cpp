@@ -43,13 +43,13 @@ ModuleRegisters::ModuleRegisters(SimulatedUnit unit, ChamberPort& chamber, const
 
 void ModuleRegisters::turn() {
   if (watchdog_at_ < 0 || !armed_ || settings_[kWatchdogType] == kOff || clock_.now() < deadline_) return;
-  // The port was told at the last write when and to what it falls; here only the registers follow.
+  // The port was given time and value of the fall at the last write; here only the registers follow.
   armed_ = false;
   tripped_ = true;
   ++fallbacks_;
   if (settings_[kFallback] != kFallToZero) return;
   std::fill(outputs_.begin(), outputs_.end(), zero_counts(out_));
-  if (unit_.profile.dump_coil >= 0) chamber_.dump(true);  // late, at the next request: the port is told no time
+  if (unit_.profile.dump_coil >= 0) chamber_.dump(true);  // late, at the next request: the port is given no time
 }
 
 bool ModuleRegisters::outputs_hold(int address, std::size_t count) const {
@@ -177,7 +177,7 @@ Refusal ModuleRegisters::write_setting(int offset, std::uint16_t value) {
   const std::uint16_t most = which == kTime ? 60'000 : which == kWatchdogType ? kOff : which == kFallback ? kFreeze : 1;
   if (value > most || (which == kTime && value == 0)) return Refusal::kValue;
   settings_[which] = value;
-  if (armed_ && which != kWatchdogWriteLock) {  // a changed watchdog starts its time anew
+  if (armed_ && which != kWatchdogWriteLock) {  // a changed watchdog restarts its time
     deadline_ = clock_.now() + std::chrono::milliseconds(settings_[kTime]);
     drive();
   }

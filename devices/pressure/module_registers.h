@@ -1,5 +1,5 @@
-// What stands behind one unit of the simulated module's wire: outputs and inputs where the profile puts them, the
-// EK9000's watchdog on process time and its write lock, Moxa's safe mode, further quantities. No sockets; used by
+// Register map of one unit of the simulated module: outputs and inputs where the profile puts them, the EK9000's
+// watchdog on process time and its write lock, Moxa's safe mode, further quantities. No sockets; used by
 // simulated_module.cpp alone.
 //
 // Beckhoff: read 0x1020 watchdog time left in ms, 0x1021 fallbacks so far, 0x1022 connections, 0x1120-0x1124 (FC 3);
@@ -34,7 +34,7 @@ class ModuleRegisters {
 
   // Lets the watchdog fall back when its time is over; to be called before each request.
   void turn();
-  // `function` is 3 (also for FC 23) or 4; `client` is who asks (the watchdog knows its master).
+  // `function` is 3 (also for FC 23) or 4; `client` is the asking client (the watchdog has one master).
   [[nodiscard]] Refusal check_read(int function, int address, std::size_t count) const;
   [[nodiscard]] Refusal read(int client, int function, int address, std::span<std::uint16_t> into);
   [[nodiscard]] Refusal write(int client, int address, std::span<const std::uint16_t> values);

@@ -1,5 +1,5 @@
-// What a bench file says of the pressure side beside the module's profile: regulator, reference transducer or gauge,
-// and what is broken in a simulated module.
+// Options of the pressure side beside the module's profile, as a bench file states them: regulator, reference
+// transducer or gauge, and the faults of a simulated module.
 #pragma once
 
 #include <chrono>
@@ -8,17 +8,18 @@
 
 #include "devices/clock.h"
 #include "devices/device.h"
-#include "devices/trouble.h"
+#include "devices/fault_injection.h"
 #include "devices/units.h"
-#include "devices/wire/modbus_value.h"
+#include "devices/wire/modbus/modbus_value.h"
 
 namespace tactbench::devices {
 
-struct LinearSpan {  // pressure = low + (voltage - volts_low) / (volts_high - volts_low) * (high - low)
+struct LinearSpan {  // LinearScale with the quantities' types: volts_low is low, volts_high is high
   Volts volts_low{0.0};
   Volts volts_high{10.0};
   Psi low{0.0};
   Psi high{0.0};
+  [[nodiscard]] LinearScale scale() const { return {volts_low.value(), volts_high.value(), low.value(), high.value()}; }
   [[nodiscard]] Psi pressure(Volts volts) const;
   [[nodiscard]] Volts voltage(Psi pressure) const;
 };
@@ -59,7 +60,7 @@ struct GaugeOptions {
   Origin origin = Origin::kHardware;
 };
 
-// What a certificate says: at `reading` add `correction`; expanded uncertainty U of the corrected value with coverage
+// A certificate's table: at `reading` add `correction`; expanded uncertainty U of the corrected value with coverage
 // factor k. Between points linear, beyond them the last one's.
 struct PressureCorrection {
   std::vector<double> reading_psi, correction_psi, expanded_uncertainty_psi;  // equally long; readings rise
@@ -72,8 +73,8 @@ struct PressureCorrection {
 struct SimulatedModuleFaults {      // test and nightly switches, all off by default
   long silent_after_requests = -1;  // answers that many requests, then none (the connection stays open)
   long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
-  TroubleSource trouble = {};  // silent, late, corrupt, stale, refused (failure); unplugged: TCP closes connections
-                               // when asked, a serial line is silent
+  FaultInjector inject = {};  // silent, late, corrupt, stale, refused (failure); unplugged: TCP closes connections
+                              // when asked, a serial line is silent
 };
 
 }  // namespace tactbench::devices

@@ -53,7 +53,7 @@ RegisterValue read_quantity(ModbusLink& link, const ModbusQuantity& quantity) {
   value.value = quantity.scale.physical(value.value);
   if (std::isfinite(value.value)) return value;
   throw Fault("TB-MODBUS-VALUE", link.peer(),
-              fmt::format("register 0x{:04X} of {} holds no number", quantity.address, link.peer()),
+              fmt::format("register 0x{:04X} of {} does not hold a number", quantity.address, link.peer()),
               "Check type, word order and address in the bench file, and that the instrument reports no error.");
 }
 

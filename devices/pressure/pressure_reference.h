@@ -9,7 +9,7 @@
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/options.h"
 #include "devices/pressure/pressure_source.h"
-#include "devices/wire/modbus_value.h"
+#include "devices/wire/modbus/modbus_value.h"
 
 namespace tactbench::devices {
 

@@ -1,4 +1,4 @@
-// Roles around the chamber: the source that sets pressure and the independent reference that measures it.
+// Roles around the chamber: the source sets the pressure, the independent reference measures it.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace tactbench::devices {
 
 struct PressureReading {
   Psi pressure;
-  Volts voltage;            // 0 where the instrument tells pressure itself
-  std::int32_t counts = 0;  // as it came; of a float the bit pattern
+  Volts voltage;            // 0 where the instrument reports pressure itself
+  std::int32_t counts = 0;  // as read; of a float the bit pattern
   Nanoseconds time{0};
 };
 

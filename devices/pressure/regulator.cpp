@@ -12,7 +12,7 @@ namespace tactbench::devices {
 void check_channel(const char* device, const char* what, int channel, int channels) {
   if (channel >= 0 && channel < channels) return;
   throw Fault("TB-MODULE-CHANNEL", device,
-              fmt::format("{} channel {} of the {} was asked for, the module has {}", what, channel, device, channels),
+              fmt::format("{} channel {} of the {} was requested, the module has {}", what, channel, device, channels),
               "Correct the channel (counted from 0) in the bench file.");
 }
 
@@ -24,13 +24,8 @@ void check_span(const char* device, const LinearSpan& span) {
               "Correct the span in the bench file.");
 }
 
-Psi LinearSpan::pressure(Volts volts) const {
-  return low + (high - low) * ((volts - volts_low) / (volts_high - volts_low));
-}
-
-Volts LinearSpan::voltage(Psi pressure) const {
-  return volts_low + (volts_high - volts_low) * ((pressure - low) / (high - low));
-}
+Psi LinearSpan::pressure(Volts volts) const { return Psi(scale().physical(volts.value())); }
+Volts LinearSpan::voltage(Psi pressure) const { return Volts(scale().raw(pressure.value())); }
 
 Regulator::Regulator(AnalogModule& output, AnalogModule& input, RegulatorOptions options, Clock& clock)
     : output_(output), input_(input), options_(std::move(options)), clock_(clock) {
@@ -40,7 +35,7 @@ Regulator::Regulator(AnalogModule& output, AnalogModule& input, RegulatorOptions
   check_span("regulator", options_.feedback_span);
 }
 
-// What the module does after a failed exchange is not known: nothing more is written before the next arm().
+// The module's state after a failed exchange is not known: nothing more is written before the next arm().
 template <class Act>
 void Regulator::or_disarm(Act&& act) {
   try {
@@ -63,8 +58,8 @@ std::uint16_t Regulator::command(Psi pressure) {
   const Volts volts = options_.command_span.voltage(pressure);
   const bool reachable = volts >= Volts(scale.low) && volts <= Volts(scale.high);
   if (!allowed || !reachable) {
-    throw Fault("TB-CHAMBER-LIMIT", "regulator",
-                fmt::format("{:g} psi was asked for, {}; nothing was sent", pressure.value(),
+    throw Fault(Cause::kLimit, "TB-CHAMBER-LIMIT", "regulator",
+                fmt::format("{:g} psi was requested, {}; nothing was sent", pressure.value(),
                             allowed ? fmt::format("which needs {:g} V of an output of {:g} to {:g} V", volts.value(),
                                                   scale.low, scale.high)
                                     : fmt::format("allowed is 0 to {:g} psi", options_.command_limit.value())),
@@ -73,7 +68,7 @@ std::uint16_t Regulator::command(Psi pressure) {
   if (!armed_) {
     throw Fault(
         "TB-CHAMBER-NOT-ARMED", "regulator",
-        fmt::format("{:g} psi was asked for while the regulator is not armed; nothing was sent", pressure.value()),
+        fmt::format("{:g} psi was requested while the regulator is not armed; nothing was sent", pressure.value()),
         "Arm it first; a failed exchange disarms it.");
   }
   const std::uint16_t counts = output_.counts(volts);
@@ -102,7 +97,7 @@ PressureReading Regulator::feedback() {
 }
 
 bool Regulator::vent() noexcept {
-  input_.forget_image();  // what it showed is from before
+  input_.forget_image();  // its readings are older than this
   const bool zeroed = output_.zero_outputs();
   return output_.open_dump() && zeroed;
 }

@@ -1,5 +1,5 @@
-// Pneumax 171E2N.T.D.0009 (0-9 bar for 0-10 V, monitor output alike) on an output and an input of analog modules. Not
-// verified on hardware.
+// Pneumax 171E2N.T.D.0009 (0-9 bar for 0-10 V, monitor output the same) on an output and an input of analog modules.
+// Not verified on hardware.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace tactbench::devices {
 
-// Feedback and reference may stand in one input image; a reading this young serves both. Far below any settling time.
+// Feedback and reference may be in one input image; a reading this young serves both. Far below any settling time.
 inline constexpr Nanoseconds kSameImage = std::chrono::microseconds(500);
 
 // Throw Fault TB-MODULE-CHANNEL and TB-MODULE-SPAN, naming `device`.

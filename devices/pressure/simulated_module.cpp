@@ -23,8 +23,8 @@ constexpr std::size_t kHeaderBytes = 7;  // MBAP: transaction, protocol, length 
 
 }  // namespace
 
-// libmodbus listens and answers. Requests are gathered here, a socket read each, since modbus_receive() would let a
-// client that sends half a request hold up all others.
+// libmodbus listens and answers. Requests are gathered here, one socket read each: in modbus_receive() a client that
+// sends half a request would hold up all others.
 class SimulatedModule::TcpServer final : public SimulatedModule::Server {
  public:
   TcpServer(std::vector<SimulatedUnit> units, int port, ChamberPort& chamber, const Clock& clock,
@@ -78,7 +78,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
     }
   }
 
-  // Who has hung up is seen before any other's request, as it happened: the write lock passes on with that.
+  // A client that has hung up is handled before any other's request, in the order of events: the write lock passes on.
   void bury() {
     for (Client& client : clients_) {
       pollfd descriptor{client.socket, POLLRDHUP, 0};
@@ -104,7 +104,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
     disconnected(client.number);
   }
 
-  // The listener first: whoever sees the connection break must not get a new one.
+  // The listener first: a client that sees the connection break must not get a new one.
   void die() {
     if (listener_ >= 0) ::close(std::exchange(listener_, -1));
     for (Client& client : clients_) drop(client);

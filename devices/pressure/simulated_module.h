@@ -1,6 +1,6 @@
-// The module's side of the wire: a real Modbus server (libmodbus) on loopback TCP or, as RTU, on a pseudo-terminal,
-// with the register map of one or several units, watchdog on process time, asking a ChamberPort for volts. Any client
-// may talk to it (FC 2, 3, 4, 5, 6, 16, 23).
+// Simulated analog module: a real Modbus server (libmodbus) on loopback TCP or, as RTU, on a pseudo-terminal, with the
+// register map of one or several units and the watchdog on process time; volts come from a ChamberPort. For any client
+// (FC 2, 3, 4, 5, 6, 16, 23).
 #pragma once
 
 #include <functional>
@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "devices/clock.h"
+#include "devices/fault_injection.h"
 #include "devices/pressure/chamber_port.h"
 #include "devices/pressure/module_profile.h"
 #include "devices/pressure/options.h"
-#include "devices/trouble.h"
 
 namespace tactbench::devices {
 

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "devices/wire/modbus_crc.h"
+#include "devices/wire/modbus/modbus_crc.h"
 
 namespace tactbench::devices {
 namespace {
@@ -63,7 +63,7 @@ bool SimulatedModule::RtuServer::attend() {
     const auto frame = std::span<const std::uint8_t>(received_).first(size);
     const std::uint16_t crc = crc16_modbus(frame.first(size - 2));
     if (frame[size - 2] != (crc & 0xFFU) || frame[size - 1] != crc >> 8U) {
-      received_.clear();  // a damaged request is not answered, and where the next begins only silence tells
+      received_.clear();  // a damaged request is not answered, and only silence marks where the next one begins
       return true;
     }
     if (answer(kOnlyClient, terminal_.master(), frame, 0, 2) == Answer::kDie) return false;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "devices/pressure/simulated_server.h"
-#include "devices/wire/pseudo_terminal.h"
+#include "devices/wire/ends/pseudo_terminal.h"
 
 namespace tactbench::devices {
 

@@ -66,31 +66,31 @@ SimulatedModule::Server::Answer SimulatedModule::Server::answer(int client, int 
   const long number = requests_++;
   if (faults_.dead_after_requests >= 0 && number >= faults_.dead_after_requests) return Answer::kDie;
   if (faults_.silent_after_requests >= 0 && number >= faults_.silent_after_requests) return Answer::kNone;
-  trouble_ = faults_.trouble ? faults_.trouble() : Trouble::kNone;
-  if (trouble_ == Trouble::kUnplugged) return Answer::kBroken;
-  if (trouble_ == Trouble::kSilent) return Answer::kNone;
+  injected_ = faults_.inject ? faults_.inject() : InjectedFault::kNone;
+  if (injected_ == InjectedFault::kUnplugged) return Answer::kBroken;
+  if (injected_ == InjectedFault::kSilent) return Answer::kNone;
   Refusal refusal = Refusal::kFailure;
   try {
     for (const auto& each : units_) each->turn();
-    if (trouble_ != Trouble::kRefused) {
+    if (injected_ != InjectedFault::kRefused) {
       refusal = carry_out(**unit, client, frame.subspan(header + 1, frame.size() - header - 1 - trailer));
     }
   } catch (...) {
-    // The port failed: to the client that is a failing device.
+    // The port failed: for the client the device fails.
   }
   if (late_client_ == client && !late_.empty()) {
     if (::write(descriptor, late_.data(), late_.size()) < 0) return Answer::kBroken;
     late_.clear();
   }
-  if (trouble_ == Trouble::kLate || trouble_ == Trouble::kCorrupt) {
+  if (injected_ == InjectedFault::kLate || injected_ == InjectedFault::kCorrupt) {
     std::vector<std::uint8_t> bytes = catch_reply(frame, refusal);
-    if (trouble_ == Trouble::kLate) {
+    if (injected_ == InjectedFault::kLate) {
       late_client_ = client;
       late_ = std::move(bytes);
       return Answer::kNone;
     }
     if (bytes.size() > header + 1)
-      bytes[header + 1] ^= 0x10U;  // the function code: seen on TCP too, which has no check sum of its own
+      bytes[header + 1] ^= 0x10U;  // the function code: detected on TCP too, which has no checksum of its own
     return ::write(descriptor, bytes.data(), bytes.size()) >= 0 ? Answer::kSent : Answer::kBroken;
   }
   modbus_set_socket(modbus_, descriptor);
@@ -114,7 +114,7 @@ std::vector<std::uint8_t> SimulatedModule::Server::catch_reply(std::span<const s
   return bytes;
 }
 
-// Does what the request asks and leaves what is to be answered in the mapping, from which libmodbus answers.
+// Carries out the request and leaves the values to be answered in the mapping, from which libmodbus answers.
 Refusal SimulatedModule::Server::carry_out(ModuleRegisters& registers, int client, std::span<const std::uint8_t> pdu) {
   const int function = pdu[0];
   if (function != 2 && function != 3 && function != 4 && function != 5 && function != 6 && function != 16 &&
@@ -160,7 +160,7 @@ Refusal SimulatedModule::Server::carry_out(ModuleRegisters& registers, int clien
 
 Refusal SimulatedModule::Server::read(ModuleRegisters& registers, int client, int function, int address,
                                       std::size_t count) {
-  if (trouble_ == Trouble::kStale) return Refusal::kNone;  // the mapping holds what was read before
+  if (injected_ == InjectedFault::kStale) return Refusal::kNone;  // the mapping holds the values read before
   std::uint16_t values[MODBUS_MAX_READ_REGISTERS];
   const Refusal refusal = registers.read(client, function, address, std::span(values, count));
   std::uint16_t* table = function == 4 ? mapping_->tab_input_registers : mapping_->tab_registers;
@@ -169,7 +169,7 @@ Refusal SimulatedModule::Server::read(ModuleRegisters& registers, int client, in
 }
 
 Refusal SimulatedModule::Server::read_bits(const ModuleRegisters& registers, int address, std::size_t count) {
-  if (trouble_ == Trouble::kStale) return Refusal::kNone;
+  if (injected_ == InjectedFault::kStale) return Refusal::kNone;
   std::vector<std::uint8_t> bits(count);
   const Refusal refusal = registers.read_bits(address, bits);
   if (refusal == Refusal::kNone) std::copy(bits.begin(), bits.end(), mapping_->tab_input_bits + address);

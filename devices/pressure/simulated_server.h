@@ -1,4 +1,4 @@
-// What the simulated module's TCP and RTU servers share: units, the carrying out of a request, faults. libmodbus builds
+// Common part of the simulated module's TCP and RTU servers: units, carrying out a request, faults. libmodbus builds
 // the answers. Used by simulated_module*.cpp alone.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "devices/pressure/module_registers.h"
-#include "devices/wire/end_at_work.h"
+#include "devices/wire/ends/end_at_work.h"
 
 namespace tactbench::devices {
 
@@ -51,7 +51,7 @@ class SimulatedModule::Server {
   Refusal carry_out(ModuleRegisters& registers, int client, std::span<const std::uint8_t> pdu);
   Refusal read(ModuleRegisters& registers, int client, int function, int address, std::size_t count);
   Refusal write(ModuleRegisters& registers, int client, int address, std::span<const std::uint8_t> bytes);
-  // What modbus_reply would send, to be spoilt.
+  // The bytes that modbus_reply would send, to be corrupted.
   std::vector<std::uint8_t> catch_reply(std::span<const std::uint8_t> frame, Refusal refusal);
   int reply(std::span<const std::uint8_t> frame, Refusal refusal);
   Refusal read_bits(const ModuleRegisters& registers, int address, std::size_t count);
@@ -59,7 +59,7 @@ class SimulatedModule::Server {
   SimulatedModuleFaults faults_;
   modbus_mapping_t* mapping_ = nullptr;
   long requests_ = 0;
-  Trouble trouble_ = Trouble::kNone;  // of the request being answered
+  InjectedFault injected_ = InjectedFault::kNone;  // of the request being answered
   int late_client_ = -1;
   std::vector<std::uint8_t> late_;
   std::thread thread_;

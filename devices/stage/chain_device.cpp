@@ -44,25 +44,26 @@ ChainDevice::ChainDevice(const ChainDeviceOptions& options) : options_(options),
                {kHomeOffset, 0},
                {kAlias, 0},
                {kLock, 0}};
-  motion_ = {Ramp(std::round(options.stands_at.value() / microstep)), Nanoseconds(0), microstep, 0.0, std::nullopt};
+  motion_ = {MotionProfile(std::round(options.stands_at.value() / microstep)), Nanoseconds(0), microstep, 0.0,
+             std::nullopt};
   power_up();
 }
 
 // The counter starts at 0 wherever the device stands; home status is lost, settings stay.
 void ChainDevice::power_up() {
   settings_[kMode] &= ~kZaberHomed;
-  zero_ = motion_.ramp.end();
+  zero_ = motion_.profile.end();
 }
 
 bool ChainDevice::hears(std::uint8_t device) const {
   return device == 0 || device == number_ || (device == setting(kAlias) && setting(kAlias) != 0);
 }
 
-double ChainDevice::believed(Nanoseconds now) const { return motion_.ramp.position(seconds(now - motion_.began)); }
-double ChainDevice::velocity(Nanoseconds now) const { return motion_.ramp.velocity(seconds(now - motion_.began)); }
+double ChainDevice::believed(Nanoseconds now) const { return motion_.profile.position(seconds(now - motion_.began)); }
+double ChainDevice::velocity(Nanoseconds now) const { return motion_.profile.velocity(seconds(now - motion_.began)); }
 
 double ChainDevice::Motion::true_steps(Nanoseconds time) const {
-  return stuck ? *stuck : ramp.position(seconds(time - began)) - slipped;
+  return stuck ? *stuck : profile.position(seconds(time - began)) - slipped;
 }
 
 void ChainDevice::remember(Nanoseconds now) {
@@ -79,7 +80,7 @@ void ChainDevice::free(Nanoseconds now) {
   if (!motion_.stuck) return;
   remember(now);
   motion_.slipped = believed(now) - *std::exchange(motion_.stuck, std::nullopt);
-  // Its home sensor has not come yet: it goes on until there.
+  // It has not reached its home sensor yet and continues until there.
   if (under_way_ && under_way_->command == kHome) go_home(ZaberFrame(*under_way_), velocity(now), now);
 }
 
@@ -95,7 +96,7 @@ Millimetres ChainDevice::position(Nanoseconds time) const {
 
 bool ChainDevice::at_rest_since(Nanoseconds time) const {
   const bool before = past_.empty() || time >= past_.back().first;
-  return before && (motion_.stuck || time >= after(motion_.began, motion_.ramp.duration()));
+  return before && (motion_.stuck || time >= after(motion_.began, motion_.profile.duration()));
 }
 
 void ChainDevice::say(ZaberCommand command, std::int32_t data, std::uint8_t id,
@@ -106,23 +107,23 @@ void ChainDevice::say(ZaberCommand command, std::int32_t data, std::uint8_t id,
 
 std::optional<Nanoseconds> ChainDevice::due() const {
   if (!under_way_) return std::nullopt;
-  const Nanoseconds end = after(motion_.began, motion_.ramp.duration());
+  const Nanoseconds end = after(motion_.began, motion_.profile.duration());
   return (setting(kMode) & kZaberMoveTracking) != 0 ? std::min(end, next_tracking_) : end;
 }
 
 void ChainDevice::run(Nanoseconds now, std::vector<ZaberFrame>& replies) {
   if (!under_way_) return;
-  const Nanoseconds end = after(motion_.began, motion_.ramp.duration());
+  const Nanoseconds end = after(motion_.began, motion_.profile.duration());
   if ((setting(kMode) & kZaberMoveTracking) != 0) {
     for (; next_tracking_ <= std::min(now, end); next_tracking_ += kTracking) {
       say(kMoveTracking, counter(next_tracking_), 0, replies);
     }
   }
   if (now < end) return;
-  if (under_way_->command == kHome && motion_.stuck) return;  // no home sensor to be seen
+  if (under_way_->command == kHome && motion_.stuck) return;  // it never reaches its home sensor
   const ZaberFrame done = *std::exchange(under_way_, std::nullopt);
   if (done.command == kHome) {
-    zero_ = motion_.ramp.end();
+    zero_ = motion_.profile.end();
     settings_[kMode] |= kZaberHomed;
   }
   if (done.command == kConstantSpeed) {
@@ -132,9 +133,9 @@ void ChainDevice::run(Nanoseconds now, std::vector<ZaberFrame>& replies) {
   }
 }
 
-void ChainDevice::begin(const ZaberFrame& frame, Ramp ramp, Nanoseconds now) {
+void ChainDevice::begin(const ZaberFrame& frame, MotionProfile profile, Nanoseconds now) {
   remember(now);
-  motion_.ramp = std::move(ramp);
+  motion_.profile = std::move(profile);
   motion_.began = now;
   next_tracking_ = now + kTracking;
   under_way_ = frame;
@@ -170,7 +171,7 @@ double ChainDevice::acceleration() const {
 void ChainDevice::go_home(const ZaberFrame& frame, double pace, Nanoseconds now) {
   const double speed = kDeviceSpeedUnit * std::max(setting(kHomeSpeed), 1);
   const double home = setting(kHomeOffset) + motion_.slipped;
-  begin(frame, Ramp::to(believed(now), pace, home, speed, acceleration()), now);
+  begin(frame, MotionProfile::to(believed(now), pace, home, speed, acceleration()), now);
 }
 
 void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
@@ -178,7 +179,7 @@ void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
   const double pace = velocity(now);
   const double speed = kDeviceSpeedUnit * std::max(setting(kTargetSpeed), 1);
   const auto go = [&](double target, double at) {
-    begin(frame, Ramp::to(place, pace, target, at, acceleration()), now);
+    begin(frame, MotionProfile::to(place, pace, target, at, acceleration()), now);
   };
   switch (frame.command) {
     case kHome:
@@ -190,10 +191,10 @@ void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
     case kMoveToStoredPosition:
       return go(zero_ + stored_[static_cast<std::size_t>(frame.data)], speed);
     case kConstantSpeed:
-      if (frame.data == 0) return begin(frame, Ramp::to_rest(place, pace, acceleration()), now);
+      if (frame.data == 0) return begin(frame, MotionProfile::to_rest(place, pace, acceleration()), now);
       return go(frame.data > 0 ? zero_ + setting(kMaximumPosition) : zero_, kDeviceSpeedUnit * std::abs(frame.data));
     default:
-      return begin(frame, Ramp::to_rest(place, pace, acceleration()), now);
+      return begin(frame, MotionProfile::to_rest(place, pace, acceleration()), now);
   }
 }
 
@@ -208,7 +209,7 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
   const bool homed = (setting(kMode) & kZaberHomed) != 0;
   switch (frame.command) {
     case kReset:
-      begin(frame, Ramp(believed(now)), now);
+      begin(frame, MotionProfile(believed(now)), now);
       under_way_.reset();
       return power_up();
     case kHome:

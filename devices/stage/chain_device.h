@@ -1,4 +1,4 @@
-// One simulated T-Series device: its settings, its motion in process time and what it answers, without a wire
+// One simulated T-Series device: its settings, its motion in process time and its replies, without a wire
 // (simulated_chain.h has that). Rules and errors as in the manual of firmware 5; not compared with hardware.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "devices/clock.h"
-#include "devices/stage/ramp.h"
+#include "devices/stage/motion_profile.h"
 #include "devices/stage/zaber_binary.h"
 #include "devices/units.h"
 
@@ -27,7 +27,7 @@ struct ChainDeviceOptions {
   std::int32_t home_speed = 2922;
   std::int32_t acceleration = 111;
   std::int32_t mode = 0;
-  bool refuses_stop_while_homing = false;  // what a real unit does is not known
+  bool refuses_stop_while_homing = false;  // a real unit's behaviour is not known
 };
 
 class ChainDevice {
@@ -38,16 +38,16 @@ class ChainDevice {
   // Carries out one instruction at `now`, which never goes backward; answers go to `replies`. `place` counts from 1 at
   // the computer's end of the cable.
   void receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place, std::vector<ZaberFrame>& replies);
-  // What the device says of its own accord up to `now`: the end of a move, tracking, a limit.
+  // The replies that the device sends unasked up to `now`: the end of a move, tracking, a limit.
   void run(Nanoseconds now, std::vector<ZaberFrame>& replies);
-  // When run() has something to say next.
+  // When run() has its next reply to send.
   [[nodiscard]] std::optional<Nanoseconds> due() const;
   // In message-id mode data has 24 bits and the id goes out.
   [[nodiscard]] bool message_ids() const { return (setting(ZaberCommand::kMode) & kZaberMessageIds) != 0; }
   // From the home sensor, now or at an earlier time, back to the last 256 changes of motion.
   [[nodiscard]] Millimetres position(Nanoseconds time) const;
   [[nodiscard]] bool at_rest_since(Nanoseconds time) const;
-  // The axis sticks from `now` on while the device, which has no encoder, takes its motor to be turning: moves end as
+  // The axis sticks from `now` on while the device, which has no encoder, counts its motor as turning: moves end as
   // if done, homing does not. free() lets it go from where it stuck.
   void stick(Nanoseconds now);
   void free(Nanoseconds now);
@@ -55,14 +55,14 @@ class ChainDevice {
 
  private:
   struct Motion {
-    Ramp ramp;  // of the motor, microsteps
+    MotionProfile profile;  // of the motor, microsteps
     Nanoseconds began{0};
     double mm_per_step = 0.0;
     double slipped = 0.0;         // steps that the axis did not follow
     std::optional<double> stuck;  // where, from the home sensor
     [[nodiscard]] double true_steps(Nanoseconds time) const;
   };
-  using Reply = std::optional<std::int32_t>;  // the data; none: nothing to answer now
+  using Reply = std::optional<std::int32_t>;  // the data; none: no reply now
   void power_up();
   void remember(Nanoseconds now);  // the motion up to now, before it changes
   void go_home(const ZaberFrame& frame, double pace, Nanoseconds now);
@@ -72,9 +72,9 @@ class ChainDevice {
   void change_setting(ZaberCommand command, std::int32_t data, Nanoseconds now);
   [[nodiscard]] std::int32_t error_of_move(const ZaberFrame& frame, Nanoseconds now) const;
   void move(const ZaberFrame& frame, Nanoseconds now);
-  void begin(const ZaberFrame& frame, Ramp ramp, Nanoseconds now);
+  void begin(const ZaberFrame& frame, MotionProfile profile, Nanoseconds now);
   [[nodiscard]] std::int32_t memory(std::int32_t data);
-  [[nodiscard]] std::int32_t counter(Nanoseconds now) const;  // what the device takes for its position
+  [[nodiscard]] std::int32_t counter(Nanoseconds now) const;  // the position that the device counts
   [[nodiscard]] double believed(Nanoseconds now) const;       // microsteps that the motor was given
   [[nodiscard]] double velocity(Nanoseconds now) const;
   void say(ZaberCommand command, std::int32_t data, std::uint8_t id, std::vector<ZaberFrame>& replies) const;
@@ -86,7 +86,7 @@ class ChainDevice {
   std::array<std::int32_t, 16> stored_{};
   std::array<std::int32_t, 128> memory_{};
   Motion motion_;
-  std::deque<std::pair<Nanoseconds, Motion>> past_;  // until when, which
+  std::deque<std::pair<Nanoseconds, Motion>> past_;  // each motion with the time of its end
   Nanoseconds next_tracking_{0};
   double zero_ = 0.0;                    // counter = believed - zero
   std::optional<ZaberFrame> under_way_;  // the instruction that the motion belongs to

@@ -1,4 +1,4 @@
-// The settings of a simulated T-Series device: what is refused with which error, and what a change brings along.
+// The settings of a simulated T-Series device: which error refuses which value, and the effects of a change.
 #include <bit>
 #include <cmath>
 
@@ -29,7 +29,7 @@ std::int32_t ChainDevice::error_of_setting(ZaberCommand command, std::int32_t da
     case kAcceleration:
       return within(0, highest_speed);
     case kMaximumPosition:
-      // Firmware 5.21 and 5.22 refuse a maximum below where they stand.
+      // Firmware 5.21 and 5.22 refuse a maximum below the present position.
       if (options_.firmware < 523 && data < counter(now)) return own;
       return within(0, 16777215);
     case kMaximumRelativeMove:
@@ -56,7 +56,7 @@ void ChainDevice::change_setting(ZaberCommand command, std::int32_t data, Nanose
   if (command == kResolution) {
     const double finer = static_cast<double>(data) / setting(kResolution);
     remember(now);
-    motion_.ramp = Ramp(std::round(motion_.ramp.end() * finer));
+    motion_.profile = MotionProfile(std::round(motion_.profile.end() * finer));
     motion_.began = now;
     motion_.mm_per_step = full_step_mm_ / data;
     motion_.slipped *= finer;

@@ -1,4 +1,4 @@
-// What a bench file says of the stage: three Zaber T-Series actuators on one daisy chain.
+// Options of the stage, as a bench file states them: three Zaber T-Series actuators on one daisy chain.
 #pragma once
 
 #include <array>
@@ -22,17 +22,17 @@ struct ZaberAxisOptions {
   Millimetres high{60.0};
   MillimetresPerSecond maximum_speed{4.0};  // also taken when a move names none
   Nanoseconds home_timeout = std::chrono::seconds(120);
-  std::string serial;  // the device cannot be asked for it
+  std::string serial;  // the device does not report it
 };
 
 struct ZaberStageOptions {
   std::array<ZaberAxisOptions, kAxes> axes;
   bool renumber = false;  // arm() numbers the devices 1, 2, 3 from the computer's end first
   bool knob_off = true;
-  Nanoseconds reply_timeout = std::chrono::milliseconds(300);  // real; a question is asked twice before it is a fault
+  Nanoseconds reply_timeout = std::chrono::milliseconds(300);  // real; a query is sent twice before it is a fault
   Nanoseconds frame_silence = std::chrono::milliseconds(40);
-  Nanoseconds poll_interval = std::chrono::milliseconds(100);  // process time between two questions during a move
-  Nanoseconds move_margin = std::chrono::seconds(2);           // added to what a move should take
+  Nanoseconds poll_interval = std::chrono::milliseconds(100);  // process time between two queries during a move
+  Nanoseconds move_margin = std::chrono::seconds(2);           // added to the expected time of a move
   Nanoseconds halt_timeout = std::chrono::seconds(2);
   Origin origin = Origin::kHardware;
 };

@@ -11,14 +11,13 @@
 #include <utility>
 
 #include "devices/fault.h"
-#include "devices/wire/end_at_work.h"
-#include "devices/wire/stream_end.h"
+#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/stream_end.h"
 
 namespace tactbench::devices {
 namespace {
 
 constexpr Nanoseconds kRenumbering = std::chrono::milliseconds(500);  // deaf meanwhile
-constexpr std::size_t kCutBytes = 3;
 
 ChainDeviceOptions device(std::int32_t id, std::uint8_t number) {
   ChainDeviceOptions options;
@@ -94,7 +93,7 @@ class SimulatedChain::Server {
   std::uint64_t bytes_ = 0;
   std::vector<ZaberFrame> log_;
   std::optional<std::pair<ZaberCommand, std::int32_t>> refusal_;
-  std::vector<ZaberFrame> injected_;
+  std::vector<ZaberFrame> extra_frames_;
 
  private:
   // The 10 ms in which the bytes of a frame must follow one another are real time: a client's pause is real.
@@ -105,9 +104,9 @@ class SimulatedChain::Server {
       pollfd descriptors[] = {{wake_, POLLIN, 0}, {end_.descriptor(), POLLIN, 0}};
       work_.wait(descriptors, patience());
       const bool asked = (descriptors[1].revents & POLLIN) != 0;
-      const Trouble trouble = asked && faults_.trouble ? faults_.trouble() : Trouble::kNone;
+      const InjectedFault injected = asked && faults_.inject ? faults_.inject() : InjectedFault::kNone;
       const std::lock_guard lock(mutex_);
-      trouble_ = trouble;
+      injected_ = injected;
       follow_stall();
       if (descriptors[0].revents != 0 && !obey()) return;
       if (options_.free_running) say_what_is_due();
@@ -115,7 +114,7 @@ class SimulatedChain::Server {
     }
   }
 
-  // The motion is changed at the times themselves, as the position back then may be asked for later.
+  // The motion is changed at the times themselves, as a past position may be requested later.
   void follow_stall() {
     if (!faults_.stall) return;
     const ChainStall stall = faults_.stall();
@@ -155,7 +154,7 @@ class SimulatedChain::Server {
     try {
       if (wanted == Order::kPlugIn) plug_in();
     } catch (const Fault&) {
-      // It stays unplugged, which who opens it is told.
+      // It stays unplugged; opening it fails with the reason.
     }
     done_.notify_all();
     return wanted != Order::kStop;
@@ -181,13 +180,13 @@ class SimulatedChain::Server {
     const auto number = static_cast<long>(log_.size());
     log_.push_back(decode(bytes));
     const bool unplugged = faults_.unplug_after_requests >= 0 && number >= faults_.unplug_after_requests;
-    if (unplugged || trouble_ == Trouble::kUnplugged) return end_.hang_up();
+    if (unplugged || injected_ == InjectedFault::kUnplugged) return end_.hang_up();
     const Nanoseconds now = clock_.now();
     if (now < deaf_until_) return;
     silent_ = faults_.silent_after_requests >= 0 && number >= faults_.silent_after_requests;
-    silent_ = silent_ || trouble_ == Trouble::kSilent;
+    silent_ = silent_ || injected_ == InjectedFault::kSilent;
     say_what_is_due();
-    for (const ZaberFrame& frame : std::exchange(injected_, {})) reply(encode(frame));
+    for (const ZaberFrame& frame : std::exchange(extra_frames_, {})) reply(encode(frame));
     if (bytes[0] == 0 && log_.back().command == ZaberCommand::kRenumber) deaf_until_ = now + kRenumbering;
     for (std::size_t i = 0; i < devices_.size(); ++i) hand_to(i, bytes, now);
   }
@@ -226,9 +225,9 @@ class SimulatedChain::Server {
   void reply(ZaberBytes bytes) {
     const long number = replies_++;
     if (silent_) return;
-    if (number == faults_.corrupt_reply || trouble_ == Trouble::kCorrupt) bytes[0] ^= 0x40U;
-    if (number == faults_.cut_reply || trouble_ == Trouble::kTorn) return end_.send(std::span(bytes).first(kCutBytes));
-    if (number == faults_.late_reply || (trouble_ == Trouble::kLate && !late_)) {
+    if (number == faults_.corrupt_reply || injected_ == InjectedFault::kCorrupt) bytes[0] ^= 0x40U;
+    if (number == faults_.cut_reply || injected_ == InjectedFault::kTorn) return end_.send(std::span(bytes).first(3));
+    if (number == faults_.late_reply || (injected_ == InjectedFault::kLate && !late_)) {
       late_ = bytes;
       return;
     }
@@ -247,7 +246,7 @@ class SimulatedChain::Server {
   std::optional<ZaberBytes> late_;
   long replies_ = 0;
   bool silent_ = false;
-  Trouble trouble_ = Trouble::kNone;  // of the requests being read
+  InjectedFault injected_ = InjectedFault::kNone;  // of the requests being read
   std::optional<Nanoseconds> stuck_from_;
   Order order_ = Order::kNone;
   std::condition_variable done_;
@@ -294,7 +293,7 @@ void SimulatedChain::refuse_next(ZaberCommand command, std::int32_t error) {
 
 void SimulatedChain::inject(const ZaberFrame& frame) {
   const std::lock_guard lock(server_->mutex_);
-  server_->injected_.push_back(frame);
+  server_->extra_frames_.push_back(frame);
 }
 
 }  // namespace tactbench::devices

@@ -1,5 +1,5 @@
-// The stage's side of the wire: a daisy chain of simulated T-Series devices on a pseudo-terminal or a socket, moving
-// in process time. It never turns the clock. Any client may talk to it.
+// Simulated stage: a daisy chain of T-Series devices on a pseudo-terminal or a socket, moving in process time. It never
+// turns the clock. For any client.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "devices/clock.h"
+#include "devices/fault_injection.h"
 #include "devices/stage/chain_device.h"
 #include "devices/stage/stage_view.h"
-#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
@@ -40,8 +40,8 @@ struct SimulatedChainFaults {       // test and nightly switches, all off by def
   long corrupt_reply = -1;                 // that reply comes with another device's number
   long cut_reply = -1;                     // of that reply only three bytes come
   long late_reply = -1;                    // that reply comes after the one that follows it
-  TroubleSource trouble = {};              // silent, late, corrupt, torn; unplugged hangs up
-  std::function<ChainStall()> stall = {};  // asked at any time, under the chain's lock
+  FaultInjector inject = {};               // silent, late, corrupt, torn; unplugged hangs up
+  std::function<ChainStall()> stall = {};  // called at any time, under the chain's lock
 };
 
 class SimulatedChain final : public StageView {
@@ -57,10 +57,10 @@ class SimulatedChain final : public StageView {
   [[nodiscard]] bool at_rest_since(Nanoseconds time) const override;
   [[nodiscard]] std::string address() const;  // what open_serial() takes
   [[nodiscard]] std::uint64_t bytes_received() const;
-  [[nodiscard]] std::vector<ZaberFrame> requests() const;  // all that came whole, as sent with message ids
+  [[nodiscard]] std::vector<ZaberFrame> requests() const;  // all complete ones, as sent with message ids
 
-  // What may happen at any time; callable from any thread.
-  void unplug();   // returns once the client has lost the wire; the devices keep power and go on moving
+  // Events that may happen at any time; callable from any thread.
+  void unplug();   // returns once the client has lost the wire; the devices keep power and continue moving
   void plug_in();  // a pseudo-terminal then has a new address
   void power_cycle();
   void refuse_next(ZaberCommand command, std::int32_t error);  // the next such instruction, by whichever device

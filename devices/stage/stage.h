@@ -33,13 +33,13 @@ class Stage : public Actuator {
   virtual void start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) = 0;
   // Moves at constant speed until stop() or a limit. Refused on an axis that is not homed.
   virtual void start_speed(Axis axis, MillimetresPerSecond speed) = 0;
-  // Blocks until the axis stands; returns where. Bounded by the longest time that the move may take.
+  // Blocks until the axis stands; returns its position. Bounded by the longest time that the move may take.
   virtual Millimetres wait(Axis axis) = 0;
   virtual Millimetres stop(Axis axis) = 0;  // decelerates, blocks until it stands
   [[nodiscard]] virtual AxisState state(Axis axis) = 0;
   // Stops every axis; bounded in time, callable twice and in any state, from any thread, armed or not. True: every
-  // axis answered that it stands. Whoever waits for a move gets a fault, and so does every command until arm(): none
-  // that was on its way may start an axis again.
+  // axis answered that it stands. A thread that waits for a move gets a fault, and so does every command until arm():
+  // none that was on its way may start an axis again.
   [[nodiscard]] virtual bool halt() noexcept = 0;
   [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one an axis
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;

@@ -1,4 +1,4 @@
-// What the plant asks a simulated stage: where its axes really are.
+// The plant's view of a simulated stage: the true positions of its axes.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace tactbench::devices {
 class StageView {
  public:
   virtual ~StageView() = default;
-  // Distance from the home sensor at clock.now(), whatever the device believes. Callable from any thread.
+  // Distance from the home sensor at clock.now(), whatever the device counts. Callable from any thread.
   [[nodiscard]] virtual Millimetres position(Axis axis) const = 0;
   // The same for x, y, z at `time`, which lies not after clock.now() and not before the last 256 changes of motion.
   [[nodiscard]] virtual std::array<Millimetres, kAxes> places(Nanoseconds time) const = 0;

@@ -135,7 +135,7 @@ ZaberBytes encode_without_id(const ZaberFrame& frame) {
 ZaberBytes encode(const ZaberFrame& frame) {
   if (frame.data < kZaberDataMin || frame.data > kZaberDataMax) {
     throw Fault("TB-STAGE-DATA", fmt::format("stage device {}", frame.device),
-                fmt::format("{} with data {} was asked for, which needs more than 24 bits; nothing was sent",
+                fmt::format("{} with data {} was requested, which needs more than 24 bits; nothing was sent",
                             name(frame.command), frame.data),
                 "Correct the stage's travel and limits in the bench file.");
   }

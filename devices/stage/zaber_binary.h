@@ -76,13 +76,13 @@ inline constexpr std::int32_t kZaberBusy = 255;  // the error code, not the comm
 
 using ZaberBytes = std::array<std::uint8_t, kZaberFrameBytes>;
 
-// One instruction or reply as it stands with message ids: 24 bits of data and the id in the last byte. Without
+// One instruction or reply with message ids: 24 bits of data and the id in the last byte. Without
 // message ids the data has 32 bits; values that fit in 24 read the same, `id` then being 0 or, below zero, 255.
 struct ZaberFrame {
   std::uint8_t device = 0;  // 0: all
   ZaberCommand command = ZaberCommand::kReset;
   std::int32_t data = 0;
-  std::uint8_t id = 0;  // 0: nobody asked
+  std::uint8_t id = 0;  // 0: unasked
   bool operator==(const ZaberFrame&) const = default;
 };
 
@@ -96,7 +96,7 @@ struct ZaberFrame {
 [[nodiscard]] std::string name(ZaberCommand command);  // "move absolute (20)"
 [[nodiscard]] std::string zaber_error_text(std::int32_t code);
 
-// Cuts a stream of bytes in frames. There is no start byte and no checksum: an incomplete frame is dropped after
+// Cuts a stream of bytes into frames. There is no start byte and no checksum: an incomplete frame is dropped after
 // `silence`, which is the only way back in step.
 class ZaberParser {
  public:
@@ -120,7 +120,7 @@ struct ZaberModel {
   std::int32_t device_id = 0;
   std::string_view name;
   double full_step_mm = 0.0;
-  Millimetres travel;                  // recollected, not read in a source: configure it
+  Millimetres travel;                  // from memory, not read in a source: configure it
   MillimetresPerSecond maximum_speed;  // likewise
 };
 

@@ -56,7 +56,7 @@ std::optional<ZaberFrame> ZaberLine::ask_plainly(std::uint8_t device, ZaberComma
   send_plainly(device, command, data);
   return await(
       [&](const ZaberFrame& frame) {
-        // A setting that is returned comes under its own number.
+        // A returned setting comes under its own number.
         const bool returned =
             command == ZaberCommand::kReturnSetting && static_cast<std::int32_t>(frame.command) == data;
         return frame.device == device && frame.id == 0 &&

@@ -1,5 +1,5 @@
-// A daisy chain's line: instructions out, replies matched by device number and message id. Everything else that comes
-// goes to a listener. Waits in real time; knows nothing of axes.
+// A daisy chain's line: instructions out, replies matched by device number and message id. All other frames go to a
+// listener. Waits in real time; knows nothing of axes.
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@ class ZaberLine {
   // `silence` after which half a reply is dropped: more than the devices' own 10 ms, since a USB adapter holds bytes
   // back (FTDI: 16 ms).
   ZaberLine(std::unique_ptr<ByteStream> stream, Nanoseconds reply_timeout, Nanoseconds silence, Listener others);
-  // Lets the devices drop half a frame that somebody left on the line, and throws away what waits to be read. Blocks
-  // 12 ms.
+  // Lets the devices drop half a frame that was left on the line, and discards unread bytes. Blocks 12 ms.
   void settle();
-  // Sends with a message id that nobody else gets before release(): the reply, a move's end say, goes to the listener.
+  // Sends with a message id that is not used again before release(): the reply, for instance a move's end, goes to the
+  // listener.
   std::uint8_t send(std::uint8_t device, ZaberCommand command, std::int32_t data);
   void release(std::uint8_t id) { held_[id] = false; }
-  // Sends and waits for the reply, an error's too; none when nothing came within the reply timeout.
+  // Sends and waits for the reply, which may be an error; none when nothing came within the reply timeout.
   [[nodiscard]] std::optional<ZaberFrame> ask(std::uint8_t device, ZaberCommand command, std::int32_t data);
-  // The same without message id, for devices whose mode is not known: the reply is known by its command. The data must
-  // not be negative.
+  // The same without message id, for devices whose mode is not known: the reply is recognised by its command. The data
+  // must not be negative.
   [[nodiscard]] std::optional<ZaberFrame> ask_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data);
   void send_plainly(std::uint8_t device, ZaberCommand command, std::int32_t data);
   // Numbers all devices from the computer's end and waits until `devices` have answered, at most `timeout`.

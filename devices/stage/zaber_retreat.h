@@ -1,5 +1,5 @@
-// What a dead-man does to the stage, by itself and with nothing but a line: stop every axis, then move z away from the
-// specimen. Needs no armed driver and no message ids. Not verified on hardware.
+// The dead-man's retreat of the stage over a line alone: stop every axis, then move z away from the specimen. Needs no
+// armed driver and no message ids. Not verified on hardware.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace tactbench::devices {
 
 struct ZaberRetreat {
   bool stands = false;      // every axis answered that it stands
-  bool backed_off = false;  // z stands further from the specimen by what was asked, or at its home
+  bool backed_off = false;  // z is farther from the specimen by the distance ordered, or at its home
   std::string text;         // "stage stands; z from 31.50 to 26.50 mm"
 };
 

@@ -13,18 +13,18 @@ namespace {
 
 using enum ZaberCommand;
 
-constexpr double kMoveFactor = 1.25;  // of the time a move should take
+constexpr double kMoveFactor = 1.25;  // of the expected time of a move
 
 Nanoseconds from_seconds(double seconds) {
   return std::chrono::ceil<Nanoseconds>(std::chrono::duration<double>(seconds));
 }
 
-// What happened to the chain after these is not known: commands wait for arm().
+// The chain's state after these is not known: commands wait for arm().
 bool breaks_link(const Fault& fault) { return fault.id().starts_with("TB-SERIAL") || fault.id() == "TB-STAGE-TIMEOUT"; }
 
 }  // namespace
 
-// Takes the line for one short action, so that halt() waits for little; a halt that waits goes first.
+// Takes the line for one short action, so that halt() waits briefly; a waiting halt goes first.
 template <class Action>
 auto ZaberStage::exclusively(Action action) {
   check_armed();
@@ -41,7 +41,7 @@ auto ZaberStage::exclusively(Action action) {
 void ZaberStage::check_halt() const {
   if (halting_ > 0 || halted_) {
     throw Fault("TB-STAGE-HALTED", "stage", "a command was given to the stage after it was halted; nothing was sent",
-                "Find out why it was halted, then arm the stage anew.");
+                "Find out why it was halted, then arm the stage again.");
   }
 }
 
@@ -54,8 +54,8 @@ void ZaberStage::check_armed() const {
 
 void ZaberStage::refuse_target(Axis axis, const std::string& asked) const {
   throw Fault(
-      "TB-STAGE-LIMIT", title(axis),
-      fmt::format("{}: {} was asked for, allowed is {:g} to {:g} mm at up to {:g} mm/s; nothing was sent", title(axis),
+      Cause::kLimit, "TB-STAGE-LIMIT", title(axis),
+      fmt::format("{}: {} was requested, allowed is {:g} to {:g} mm at up to {:g} mm/s; nothing was sent", title(axis),
                   asked, option(axis).low.value(), option(axis).high.value(), option(axis).maximum_speed.value()),
       "Correct the recipe, or the stage's limits in the bench file.");
 }
@@ -77,7 +77,7 @@ std::int32_t ZaberStage::speed_data(Axis axis, MillimetresPerSecond speed) {
   return *data;
 }
 
-// A device that lost power meanwhile lost its home too, so it is asked before each move.
+// A device that lost power lost its home too, so its status is read before each move.
 void ZaberStage::check_homed(Axis axis, bool ask_device) {
   if (ask_device) record(axis).homed = (setting(axis, kMode) & kZaberHomed) != 0;
   if (record(axis).homed) return;
@@ -93,7 +93,7 @@ void ZaberStage::end_motion(Axis axis) {
 }
 
 void ZaberStage::begin(Axis axis, ZaberCommand command, std::int32_t data, Nanoseconds expected, Nanoseconds longest) {
-  end_motion(axis);  // the new instruction takes the place of the old, which is not answered any more
+  end_motion(axis);  // the new instruction replaces the old one, which is no longer answered
   Motion motion;
   motion.command = command;
   motion.expected = clock_.now() + expected;
@@ -112,7 +112,7 @@ void ZaberStage::start(Axis axis, ZaberCommand command, std::int32_t data, std::
     one.target_speed = 0;
     one.target_speed = ask(axis, kTargetSpeed, speed);
   }
-  // Trapezoid: distance / v + v / a; twice v / a more when it must turn round first.
+  // Trapezoid: distance / v + v / a; twice v / a more when it must reverse first.
   const double v = one.units.speed(speed).value();
   const double ramp =
       std::max(v, option(axis).maximum_speed.value()) / one.units.acceleration_mm_per_s2(one.acceleration);
@@ -121,7 +121,7 @@ void ZaberStage::start(Axis axis, ZaberCommand command, std::int32_t data, std::
   begin(axis, command, data, from_seconds(takes),
         from_seconds(kMoveFactor * (takes + 2.0 * ramp)) + options_.move_margin);
   one.motion->target = target;
-  (void)follow(axis);  // a refusal comes before the answer to the question that follows
+  (void)follow(axis);  // a refusal comes before the reply to the next query
 }
 
 void ZaberStage::start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) {
@@ -165,7 +165,7 @@ void ZaberStage::start_speed(Axis axis, MillimetresPerSecond speed) {
   });
 }
 
-// One question about a motion under way. True: it has ended, and the record says where.
+// One query about a motion under way. True: it has ended, and the record holds the position.
 bool ZaberStage::follow(Axis axis) {
   Record& one = record(axis);
   if (!one.motion) return true;
@@ -175,7 +175,7 @@ bool ZaberStage::follow(Axis axis) {
     if (clock_.now() < motion.deadline) return false;
     end_motion(axis);
     line_->send_plainly(option(axis).device, kStop, 0);
-    (void)ask(axis, kStatus);  // an answer means that the stop was read
+    (void)ask(axis, kStatus);  // a reply means that the stop was read
     throw Fault("TB-STAGE-OVERDUE", title(axis),
                 fmt::format("{}: {} should have ended by now and has not (status {}); a stop was sent", title(axis),
                             name(motion.command), status),
@@ -185,18 +185,18 @@ bool ZaberStage::follow(Axis axis) {
     const bool again = motion.command == kStop && motion.reply->data == kZaberBusy && clock_.now() < motion.deadline;
     end_motion(axis);
     if (!again) refuse(axis, motion.command, motion.reply->data);
-    // A device that homes may refuse to stop: asked until it stands. Not verified on hardware.
+    // A homing device may refuse to stop: ordered again until it stands. Not verified on hardware.
     begin(axis, kStop, 0, Nanoseconds(0), motion.deadline - clock_.now());
     return false;
   }
-  // Idle without a reply: the reply was lost on the way, so the device is asked where it stands.
+  // Idle without a reply: the reply was lost on the way, so the position is read from the device.
   one.microsteps = motion.reply ? motion.reply->data : ask(axis, kPosition);
   end_motion(axis);
   if (motion.target && one.microsteps != *motion.target) {
     throw Fault("TB-STAGE-ASTRAY", title(axis),
                 fmt::format("{} was sent to {:g} mm and stands at {:g} mm", title(axis),
                             one.units.position(*motion.target).value(), one.units.position(one.microsteps).value()),
-                "Check that nothing blocks the axis and nobody else moves it; home it again.");
+                "Check that nothing blocks the axis and no other program moves it; home it again.");
   }
   return true;
 }
@@ -206,7 +206,7 @@ Millimetres ZaberStage::wait(Axis axis) {
     Nanoseconds next{0};
     const bool ended = exclusively([&] {
       if (follow(axis)) return true;
-      // Often while far from the expected end, and again right at it.
+      // Polled often while far from the expected end, and again right at it.
       const Nanoseconds now = clock_.now();
       next = now + std::clamp(record(axis).motion->expected - now, options_.poll_interval / 8, options_.poll_interval);
       return false;
@@ -231,7 +231,7 @@ bool ZaberStage::send_home(Axis axis) noexcept {
     armed_ = false;
     try {
       open();
-      // The answer comes at the end of the way. The wait lets the order arrive before a turned clock goes on.
+      // The reply comes at the end of the way. The wait lets the order arrive before a turned clock advances.
       (void)line_->ask_plainly(option(axis).device, kHome, 0);
       clock_.reply_lost(options_.reply_timeout);
     } catch (...) {

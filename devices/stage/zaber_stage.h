@@ -1,5 +1,5 @@
 // Driver of three Zaber T-Series actuators on one daisy chain (firmware 5, binary protocol, message ids on). Not
-// verified on hardware; stopping while homing least of all: what a real unit answers is not known.
+// verified on hardware; in particular a real unit's reply to a stop while homing is not known.
 #pragma once
 
 #include <array>
@@ -34,21 +34,21 @@ struct ZaberIdentity {
 class ZaberStage final : public Stage {
  public:
   using Factory = std::function<std::unique_ptr<ByteStream>()>;
-  // The factory opens the line anew at each arm(). All functions but halt(), armed() and exchanges() belong to the
+  // The factory opens the line again at each arm(). All functions but halt(), armed() and exchanges() belong to the
   // sequencer's thread.
   ZaberStage(Factory open, ZaberStageOptions options, Clock& clock);
-  // Reads who is there, sets the mode (writes only what differs), reads home status, positions and settings. Moves
+  // Identifies the devices, sets the mode (writes only what differs), reads home status, positions and settings. Moves
   // nothing. Faults: TB-SERIAL-*, TB-STAGE-TIMEOUT, TB-STAGE-WRONG-DEVICE, TB-STAGE-REFUSED.
   void arm() override;
   void disarm() noexcept override;
   [[nodiscard]] bool armed() const override { return armed_; }
   void home(Axis axis) override;
   void start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) override;
-  // Refused while the axis moves (TB-STAGE-MOVING): from where is not known.
+  // Refused while the axis moves (TB-STAGE-MOVING): the starting position is not known.
   void start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) override;
   // Ends at the axis' limit, where the device's own limit lies further out too.
   void start_speed(Axis axis, MillimetresPerSecond speed) override;
-  // Beside the faults of the wire: TB-STAGE-OVERDUE (a stop was sent), TB-STAGE-ASTRAY when it stands elsewhere.
+  // Faults beside those of the wire: TB-STAGE-OVERDUE (a stop was sent), TB-STAGE-ASTRAY when it stands elsewhere.
   Millimetres wait(Axis axis) override;
   Millimetres stop(Axis axis) override;
   [[nodiscard]] AxisState state(Axis axis) override;
@@ -56,12 +56,13 @@ class ZaberStage final : public Stage {
   // the exchange under way, then twice opening, halt timeout and two reply timeouts an axis. Under a turned clock only
   // the thread that armed can see axes come to rest; from another one the answer is false while they slow down.
   [[nodiscard]] bool halt() noexcept override;
-  // Last resort of a stage whose replies are lost: tells the axis to go home and waits a reply timeout for it
-  // to have heard. Disarms. True: sent.
+  // Last resort for a stage whose replies are lost: orders the axis home and waits one reply timeout, so that the order
+  // arrives. Disarms. True: sent.
   bool send_home(Axis axis) noexcept;
   [[nodiscard]] std::vector<Identity> identities() const override;
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
-  // For `devices check`: asks, and changes nothing; works armed or not. Throws only the wire's faults.
+  // Reads, and changes nothing on the devices; works armed or not. identities() has the firmware of each axis that
+  // answered from then on. Throws only the wire's faults.
   [[nodiscard]] std::vector<ZaberIdentity> identify();
 
  private:
@@ -82,7 +83,7 @@ class ZaberStage final : public Stage {
     std::int32_t target_speed = 0;
     std::int32_t microsteps = 0;
     bool homed = false;
-    std::optional<std::int32_t> complaint;  // an error that the device sent of its own accord
+    std::optional<std::int32_t> complaint;  // an error that the device sent unasked
     std::optional<Motion> motion;
   };
 

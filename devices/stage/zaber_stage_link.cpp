@@ -1,4 +1,4 @@
-// ZaberStage's talk with the chain: questions, arming, identification, halt.
+// ZaberStage's exchanges with the chain: queries, arming, identification, halt.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -75,7 +75,7 @@ std::int32_t ZaberStage::asked(Axis axis, ZaberCommand command, std::int32_t dat
     for (const Axis other : kAll) {
       if (const auto complaint = std::exchange(record(other).complaint, std::nullopt)) {
         throw Fault("TB-STAGE-REFUSED", title(other),
-                    fmt::format("{} reports of its own accord: {}", title(other), zaber_error_text(*complaint)),
+                    fmt::format("{} reports unasked: {}", title(other), zaber_error_text(*complaint)),
                     "Check the stage's supply and that nothing blocks it.");
       }
     }
@@ -84,7 +84,7 @@ std::int32_t ZaberStage::asked(Axis axis, ZaberCommand command, std::int32_t dat
     clock_.reply_lost(options_.reply_timeout);
   }
   throw Fault("TB-STAGE-TIMEOUT", title(axis),
-              fmt::format("{} was asked for {} {} times and did not answer within {:g} s each", title(axis),
+              fmt::format("{} was queried for {} {} times and did not answer within {:g} s each", title(axis),
                           name(command), kAttempts, std::chrono::duration<double>(options_.reply_timeout).count()),
               "Check the stage's power, the cable and the device numbers in the bench file.");
 }
@@ -110,7 +110,7 @@ void ZaberStage::renumber() {
 void ZaberStage::arm() {
   const std::lock_guard lock(mutex_);
   turner_ = std::this_thread::get_id();
-  drop();  // whatever was under way is forgotten; nothing is sent again
+  drop();  // motions under way are discarded; nothing is sent again
   halted_ = false;
   try {
     open();
@@ -148,7 +148,7 @@ void ZaberStage::arm(Axis axis) {
   const ZaberModel* model = zaber_model(found.device_id);
   if (model == nullptr) {
     throw Fault("TB-STAGE-WRONG-DEVICE", title(axis),
-                fmt::format("{}: device id {} is none whose units are known", title(axis), found.device_id),
+                fmt::format("{}: the units of device id {} are not known", title(axis), found.device_id),
                 "Use a T-NA08A or T-LA device.");
   }
   const std::int32_t resolution = setting(axis, kResolution);
@@ -158,7 +158,7 @@ void ZaberStage::arm(Axis axis) {
   one.acceleration = setting(axis, kAcceleration);
   one.target_speed = setting(axis, kTargetSpeed);
   if (found.status != kZaberIdle) {
-    // Somebody else's move: waited for, not taken over.
+    // Another program's move: waited for, not taken over.
     one.motion = Motion{};
     one.motion->deadline = one.motion->expected = clock_.now() + option(axis).home_timeout;
   }
@@ -196,7 +196,13 @@ std::vector<ZaberIdentity> ZaberStage::identify() {
   std::vector<ZaberIdentity> found;
   try {
     open();
-    for (const Axis axis : kAll) found.push_back(identify(axis));
+    for (const Axis axis : kAll) {
+      clock_.wait_until(clock_.now());  // feeds who watches this program: an axis that is not there takes long
+      found.push_back(identify(axis));
+      if (!found.back().present) continue;
+      record(axis).device_id = found.back().device_id;
+      record(axis).firmware = found.back().firmware;
+    }
   } catch (...) {
     drop();
     throw;
@@ -257,7 +263,7 @@ bool ZaberStage::stop_all() {
       const auto reply = line_->ask_plainly(option(axis).device, kStatus, 0);
       if (!reply) ++unanswered[i];
       stands[i] = reply && reply->command == kStatus && reply->data == kZaberIdle;
-      // A device that homes may refuse to stop (255, busy): asked again until it stands. Not verified on hardware.
+      // A homing device may refuse to stop (255, busy): ordered again until it stands. Not verified on hardware.
       if (reply && !stands[i] && reply->data != kZaberStopping) line_->send_plainly(option(axis).device, kStop, 0);
       more = more || !stands[i];
     }

@@ -22,7 +22,7 @@ void require_geometry(bool holds, const std::string& what) {
               "Correct channels, lines, rows and columns in the bench file.");
 }
 
-// The driver's refusal in this interface's words; what is of no concern here stays as it is.
+// The driver's refusal as a fault of this interface; other faults stay as they are.
 [[noreturn]] void rethrow(const Fault& fault) {
   const auto* error = dynamic_cast<const DaqmxError*>(&fault);
   const char* id = fault.id() == "TB-DAQMX-SHORT" ? "TB-SCANNER-CORRUPT"
@@ -46,17 +46,17 @@ DaqmxScanner::DaqmxScanner(DaqmxScannerOptions options, Clock& clock)
   require_geometry(options_.rows > 0 && options_.columns > 0 && options_.samples_per_row > 0 &&
                        options_.sample_rate_hz > 0 && options_.range.value() > 0,
                    "rows, columns, samples, rate and range are above 0");
-  // Relays first: whatever fails after this, they are open.
+  // Relays first: after this they are open, whatever fails.
   relays_.add_output_lines(options_.row_lines);
   const int lines = relays_.channels();
   require_geometry(lines == options_.rows,
-                   fmt::format("{} rows need as many lines; {} are {}", options_.rows, options_.row_lines, lines));
+                   fmt::format("{} rows need as many lines; {} makes {}", options_.rows, options_.row_lines, lines));
   levels_.resize(static_cast<std::size_t>(options_.rows));
   relay_operations_.resize(static_cast<std::size_t>(options_.rows));
   set_relays(-1);
   inputs_.add_voltages(options_.column_channels, options_.terminal, options_.range);
   const int channels = inputs_.channels();
-  require_geometry(channels == options_.columns, fmt::format("{} columns need as many analog inputs; {} are {}",
+  require_geometry(channels == options_.columns, fmt::format("{} columns need as many analog inputs; {} makes {}",
                                                              options_.columns, options_.column_channels, channels));
   volts_.resize(static_cast<std::size_t>(options_.columns) * static_cast<std::size_t>(options_.samples_per_row));
   inputs_.finite_samples(options_.sample_rate_hz, options_.samples_per_row);
@@ -81,7 +81,7 @@ void DaqmxScanner::open_relays() noexcept {
   try {
     set_relays(-1);
   } catch (const std::exception&) {
-    // Another failure has brought us here, and is told.
+    // The failure that led here is reported.
   }
 }
 

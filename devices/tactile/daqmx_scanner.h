@@ -1,4 +1,4 @@
-// The paper's own scanner: the 16 columns on analog inputs of an NI USB-6259, the 16 rows closed one after the other by
+// The paper's own scanner: the 16 columns on analog inputs of an NI USB-6259, the 16 rows closed in turn by
 // electro-mechanical relays on digital lines (paper section 2). Not verified on hardware.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 #include "devices/tactile/options.h"
 #include "devices/tactile/tactile_array.h"
-#include "devices/wire/daqmx_api.h"
+#include "devices/wire/daqmx/daqmx_api.h"
 
 namespace tactbench::devices {
 
@@ -17,21 +17,21 @@ namespace tactbench::devices {
 // range below 0 V, which is wiring and not noise.
 class DaqmxScanner final : public TactileArray {
  public:
-  // Opens all relays. Throws the faults of DaqmxApi, and TB-SCANNER-GEOMETRY where channels and lines are not as many
-  // as columns and rows.
+  // Opens all relays. Throws the faults of DaqmxApi, and TB-SCANNER-GEOMETRY where the numbers of channels and lines
+  // are not those of columns and rows.
   DaqmxScanner(DaqmxScannerOptions options, Clock& clock);
   ~DaqmxScanner() override;  // opens all relays
   DaqmxScanner(const DaqmxScanner&) = delete;
   DaqmxScanner& operator=(const DaqmxScanner&) = delete;
 
-  // The settling time is process time: a turned clock is turned by it, rows x settle a scan. The relays are all open
+  // The settling time is process time: a turned clock advances by rows x settle a scan. The relays are all open
   // when this returns or throws. Also throws TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-CORRUPT (samples lost).
   // Device time is process time, for the card has no clock to ask.
   [[nodiscard]] ScanSet read(int scans) override;
   [[nodiscard]] int rows() const override { return options_.rows; }
   [[nodiscard]] int columns() const override { return options_.columns; }
   [[nodiscard]] Volts volts_per_count() const override { return options_.range * (1.0 / 65535.0); }
-  // Writes and acquisitions asked of the driver.
+  // Writes and acquisitions requested from the driver.
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
   [[nodiscard]] Identity identity() const override;
   // How often each row's relay has closed since this was made: relays wear out.

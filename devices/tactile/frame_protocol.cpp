@@ -42,7 +42,7 @@ void put_text(Bytes& bytes, const std::string& text) {
   bytes.insert(bytes.end(), text.begin(), text.end());
 }
 
-// Takes values off the front; `failed` once something was missing or wrong.
+// Reads values from the front; `failed` once a value was missing or wrong.
 struct PayloadReader {
   std::span<const std::uint8_t> rest;
   bool failed = false;
@@ -106,7 +106,7 @@ bool good(const Frame& f) {
 }
 bool good(const Error& e) { return good_text(e.text); }
 
-// What has no payload.
+// Messages without payload.
 template <class Empty>
 void write(Bytes&, const Empty&) {}
 void write(Bytes& bytes, const Identify& i) { put(bytes, i.version); }
@@ -183,7 +183,8 @@ std::uint32_t crc32(std::span<const std::uint8_t> bytes) {
 
 std::vector<std::uint8_t> encode(const Message& message) {
   if (!std::visit([](const auto& body) { return good(body); }, message.body)) {
-    throw std::invalid_argument("a frame-source message breaks a bound of the protocol (sides, counts, scale or text)");
+    throw std::invalid_argument(
+        "a frame-source message exceeds a bound of the protocol (sides, counts, scale or text)");
   }
   Bytes payload;
   std::visit([&](const auto& body) { write(payload, body); }, message.body);

@@ -18,11 +18,11 @@ inline constexpr std::size_t kHeaderBytes = 12;
 inline constexpr std::size_t kChecksumBytes = 4;
 inline constexpr std::size_t kMaxPayload = 18 + 2 * std::size_t{kMaxSide} * kMaxSide;  // a frame of 256 x 256
 
-struct Identify {  // client: who are you
+struct Identify {  // client: asks for the source's description
   std::uint16_t version = kVersion;
   bool operator==(const Identify&) const = default;
 };
-struct Scan {  // client: one fresh frame, please
+struct Scan {  // client: asks for one fresh frame
   bool operator==(const Scan&) const = default;
 };
 struct Subscribe {  // client: frames at the source's own rate until Unsubscribe
@@ -40,13 +40,13 @@ struct Description {  // source, to Identify
 };
 struct Frame {  // source, to Scan, and again and again to Subscribe
   std::uint64_t device_time_us = 0;
-  std::uint32_t counter = 0;  // one more with each frame that the source has made, for whomever; wraps
+  std::uint32_t counter = 0;  // one more with each frame that the source has made, for any client; wraps
   std::uint8_t status = 0;    // bits as in scan_report.h
   std::uint16_t rows = 0, columns = 0;
   std::vector<std::uint16_t> counts;  // rows x columns, row-major
   bool operator==(const Frame&) const = default;
 };
-struct Done {  // source, to Unsubscribe: no more frames follow
+struct Done {  // source, to Unsubscribe: no further frames follow
   bool operator==(const Done&) const = default;
 };
 enum class ErrorCode : std::uint16_t {
@@ -57,7 +57,7 @@ enum class ErrorCode : std::uint16_t {
   kDevice = 5
 };
 struct Error {
-  ErrorCode code = ErrorCode::kDevice;  // other values are passed on as they come
+  ErrorCode code = ErrorCode::kDevice;  // other values are passed on unchanged
   std::string text;
   bool operator==(const Error&) const = default;
 };
@@ -73,7 +73,7 @@ struct Message {
 // check value of "123456789" is 0xCBF43926.
 std::uint32_t crc32(std::span<const std::uint8_t> bytes);
 
-// Throws std::invalid_argument when the body breaks a bound above.
+// Throws std::invalid_argument when the body exceeds a bound above.
 std::vector<std::uint8_t> encode(const Message& message);
 
 // A message whose frame, length and CRC are sound; its type may be unknown and its payload wrong.
@@ -87,13 +87,13 @@ struct Packet {
 [[nodiscard]] std::optional<Message> decode(const Packet& packet);
 
 // Cuts a byte stream into packets, however the bytes arrive. A wrong magic, length or CRC breaks the stream for good:
-// what follows cannot be trusted, so the connection has to be closed. Never holds more than was fed to it.
+// later bytes cannot be trusted, so the connection has to be closed. Never holds more than was fed to it.
 class Parser {
  public:
   void feed(std::span<const std::uint8_t> bytes);
-  // The next whole packet; empty: feed more, or broken.
+  // The next complete packet; empty: feed more, or broken.
   [[nodiscard]] std::optional<Packet> next();
-  // What is wrong with the stream, e.g. "CRC"; empty while all is well.
+  // The stream's error, e.g. "CRC"; empty without one.
   [[nodiscard]] const std::string& broken() const { return broken_; }
 
  private:

@@ -16,9 +16,9 @@ namespace {
 
 namespace protocol = frame_protocol;
 constexpr const char* kSourceDevice = "tactile scanner";
-constexpr int kMostStale = 10'000;  // a source that never rests must not hold us
+constexpr int kMostStale = 10'000;  // bounds the wait for a source that never stops sending
 
-// Runs `talk`; a stream that is gone becomes this room's word for it.
+// Runs `talk`; a lost stream becomes TB-SCANNER-LOST.
 template <class Talk>
 auto with_source(Talk&& talk) {
   try {
@@ -27,7 +27,7 @@ auto with_source(Talk&& talk) {
     if (!fault.id().starts_with("TB-SERIAL-")) throw;
     const bool slow = fault.id() == "TB-SERIAL-TIMEOUT";
     throw Fault(slow ? "TB-SCANNER-TIMEOUT" : "TB-SCANNER-LOST", kSourceDevice,
-                fmt::format("the frame source {}: {}", slow ? "does not listen" : "is gone", fault.what()),
+                fmt::format("the frame source {}: {}", slow ? "takes no bytes" : "is gone", fault.what()),
                 fault.remedy());
   }
 }
@@ -42,28 +42,28 @@ FrameSource::FrameSource(FrameSourceOptions options, Clock& clock) : options_(st
 void FrameSource::identify() {
   const auto answer = exchange(protocol::Identify{}, "its identity");
   const auto* description = std::get_if<protocol::Description>(&answer.body);
-  if (description == nullptr) corrupt("asked for its identity it answers something else");
+  if (description == nullptr) corrupt("its reply to the request for its identity is of another kind");
   described_ = *description;
   if (described_.version != protocol::kVersion) {
     corrupt(fmt::format("it speaks version {} of the protocol, not {}", described_.version, protocol::kVersion));
   }
   if (described_.rows != options_.rows || described_.columns != options_.columns) {
     throw Fault("TB-SCANNER-GEOMETRY", kSourceDevice,
-                fmt::format("a scanner of {} x {} taxels was asked for, {} says {} x {}", options_.rows,
+                fmt::format("a scanner of {} x {} taxels is configured, {} reports {} x {}", options_.rows,
                             options_.columns, stream_->description(), described_.rows, described_.columns),
-                "Correct rows and columns in the sensor file, or connect the scanner meant.");
+                "Correct rows and columns in the sensor file, or connect the right scanner.");
   }
   if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
     throw Fault("TB-SCANNER-SERIAL", kSourceDevice,
-                fmt::format("scanner '{}' was asked for, '{}' answers on {}", options_.expected_serial,
+                fmt::format("scanner '{}' is configured, '{}' answers on {}", options_.expected_serial,
                             described_.serial, stream_->description()),
-                "Connect the scanner meant, or correct its serial in the bench file.");
+                "Connect the right scanner, or correct its serial in the bench file.");
   }
 }
 
 void FrameSource::corrupt(const std::string& what) const {
   throw Fault("TB-SCANNER-CORRUPT", kSourceDevice, fmt::format("frame source {}: {}", stream_->description(), what),
-              "Connect anew; when it comes back, hold the source against frame_protocol.md.");
+              "Reconnect; if it recurs, check the source against frame_protocol.md.");
 }
 
 std::optional<protocol::Message> FrameSource::next_message(Nanoseconds timeout) {
@@ -73,7 +73,7 @@ std::optional<protocol::Message> FrameSource::next_message(Nanoseconds timeout) 
     if (const auto packet = parser_.next()) {
       auto message = protocol::decode(*packet);
       if (!message) {
-        corrupt(fmt::format("a message of type 0x{:02x} with {} bytes is not of the protocol", packet->type,
+        corrupt(fmt::format("a message of type 0x{:02x} with {} bytes is not in the protocol", packet->type,
                             packet->payload.size()));
       }
       return message;
@@ -89,7 +89,7 @@ std::optional<protocol::Message> FrameSource::next_message(Nanoseconds timeout) 
 protocol::Message FrameSource::exchange(const protocol::Body& request, const std::string& asked) {
   for (int stale = 0; stale < kMostStale && next_message(Nanoseconds(0)); ++stale) {
   }
-  if (next_tag_ == 0) ++next_tag_;  // tag 0 speaks of damage
+  if (next_tag_ == 0) ++next_tag_;  // tag 0 means damage
   const std::uint16_t tag = next_tag_++;
   stream_->write(protocol::encode({tag, request}));
   ++exchanges_;
@@ -97,13 +97,13 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
   for (;;) {
     auto answer = next_message(left_until(end));
     if (!answer) break;
-    // An error with tag 0 speaks of a request that the source could not read.
+    // An error with tag 0 is about a request that the source could not read.
     const auto* error = std::get_if<protocol::Error>(&answer->body);
     if (error != nullptr && (answer->tag == tag || answer->tag == 0)) {
       throw Fault("TB-SCANNER-REFUSED", kSourceDevice,
                   fmt::format("asking {} {}: error {} '{}'", stream_->description(), asked,
                               static_cast<int>(error->code), error->text),
-                  "See what the source's own program says.");
+                  "Check the messages of the source's own program.");
     }
     if (answer->tag == tag) return *std::move(answer);
     if (left_until(end) == Nanoseconds(0)) break;
@@ -112,7 +112,7 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
   throw Fault("TB-SCANNER-TIMEOUT", kSourceDevice,
               fmt::format("asking {} {}: no answer within {:g} ms", stream_->description(), asked,
                           in_milliseconds(options_.frame_timeout)),
-              "Check the source's program and the network, then start anew.");
+              "Check the source's program and the network, then start again.");
 }
 
 ScanSet FrameSource::read(int scans) {
@@ -132,7 +132,7 @@ ScanSet FrameSource::read(int scans) {
 void FrameSource::read_scan(ScanSet& set, int index) {
   const auto answer = exchange(protocol::Scan{}, fmt::format("for scan {}", index));
   const auto* frame = std::get_if<protocol::Frame>(&answer.body);
-  if (frame == nullptr) corrupt("asked for a scan it answers something else");
+  if (frame == nullptr) corrupt("its reply to the request for a scan is of another kind");
   if (frame->rows != set.rows || frame->columns != set.columns) {
     corrupt(fmt::format("a frame of {} x {} taxels came, the array has {} x {}", frame->rows, frame->columns, set.rows,
                         set.columns));
@@ -140,7 +140,7 @@ void FrameSource::read_scan(ScanSet& set, int index) {
   if (last_counter_) {
     const std::uint32_t ahead = frame->counter - *last_counter_;  // modulo 2^32
     if (ahead == 0 || ahead > 0x7FFF'FFFFU) {
-      corrupt(fmt::format("asked for a fresh frame it sent frame {} after frame {}: it came twice, or is old",
+      corrupt(fmt::format("on a request for a fresh frame it sent frame {} after frame {}: it came twice, or is old",
                           frame->counter, *last_counter_));
     }
     skipped_ += ahead - 1;

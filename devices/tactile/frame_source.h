@@ -15,24 +15,25 @@ namespace tactbench::devices {
 
 class FrameSource final : public TactileArray {
  public:
-  // Connects and asks the source who it is. Throws Fault TB-SCANNER-LOST (no connection), TB-SCANNER-TIMEOUT,
-  // TB-SCANNER-CORRUPT (what answers does not speak the protocol), TB-SCANNER-GEOMETRY, TB-SCANNER-SERIAL. To
+  // Connects and identifies the source. Throws Fault TB-SCANNER-LOST (no connection), TB-SCANNER-TIMEOUT,
+  // TB-SCANNER-CORRUPT (the replies are not of the protocol), TB-SCANNER-GEOMETRY, TB-SCANNER-SERIAL. To
   // reconnect, make a new one.
   FrameSource(FrameSourceOptions options, Clock& clock);
-  // Also throws Fault TB-SCANNER-REFUSED (the source answers an error: its text). After TB-SCANNER-LOST and after
-  // damage to the stream every further read fails the same way. ScanSet's device time is the low 32 bits.
+  // Also throws Fault TB-SCANNER-REFUSED (the source replied with an error; the message is the source's). After
+  // TB-SCANNER-LOST and after damage to the stream every further read fails the same way. ScanSet's device time is the
+  // low 32 bits.
   [[nodiscard]] ScanSet read(int scans) override;
   [[nodiscard]] int rows() const override { return options_.rows; }
   [[nodiscard]] int columns() const override { return options_.columns; }
   [[nodiscard]] Volts volts_per_count() const override { return Volts(described_.volts_per_count); }
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
   [[nodiscard]] Identity identity() const override;
-  // Frames that the source made and that we did not see, by its counter: another client asked for them, or they were
-  // lost before they reached us. A frame that comes twice is Fault TB-SCANNER-CORRUPT.
+  // Frames that the source made and that did not arrive here, by its counter: another client asked for them, or they
+  // were lost on the way. A frame that comes twice is Fault TB-SCANNER-CORRUPT.
   [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
  private:
-  // Sends the request and returns the answer to it; answers to older requests are passed over.
+  // Sends the request and returns the answer to it; answers to older requests are ignored.
   frame_protocol::Message exchange(const frame_protocol::Body& request, const std::string& asked);
   std::optional<frame_protocol::Message> next_message(Nanoseconds timeout);
   void identify();

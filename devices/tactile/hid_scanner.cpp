@@ -19,7 +19,7 @@ using Buffer = std::array<std::uint8_t, kScanReportBytes + 1>;  // one more show
 
 [[noreturn]] void corrupt(const ReportLink& link, const std::string& what) {
   throw Fault("TB-SCANNER-CORRUPT", kHidDevice, fmt::format("{}, on {}", what, link.description()),
-              "Read again; when it comes back, check the scanner's cable and its firmware.");
+              "Read again; if it recurs, check the scanner's cable and its firmware.");
 }
 
 // Real time: waiting on a wire is real, whatever the process clock does.
@@ -32,7 +32,7 @@ class Deadline {
   RealTime end_;
 };
 
-// Runs `talk`; a transport that is gone becomes this room's word for it.
+// Runs `talk`; a lost transport becomes TB-SCANNER-LOST.
 template <class Talk>
 void with_scanner(Talk&& talk) {
   try {
@@ -59,18 +59,19 @@ HidScanner::HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions optio
   const bool sane = std::isfinite(described_.volts_per_count) && described_.volts_per_count > 0.0F;
   if (described_.rows != options_.rows || described_.columns != options_.columns || options_.rows < 1 ||
       options_.columns < 1 || options_.columns > kScanColumns || !sane) {
-    throw Fault("TB-SCANNER-GEOMETRY", kHidDevice,
-                fmt::format("a scanner of {} x {} taxels was asked for (columns up to {}), {} says {} x {} with {:g} V "
-                            "per count",
-                            options_.rows, options_.columns, kScanColumns, link_->description(), described_.rows,
-                            described_.columns, described_.volts_per_count),
-                "Correct rows and columns in the sensor file, or connect the scanner meant.");
+    throw Fault(
+        "TB-SCANNER-GEOMETRY", kHidDevice,
+        fmt::format("a scanner of {} x {} taxels is configured (columns up to {}), {} reports {} x {} with {:g} V "
+                    "per count",
+                    options_.rows, options_.columns, kScanColumns, link_->description(), described_.rows,
+                    described_.columns, described_.volts_per_count),
+        "Correct rows and columns in the sensor file, or connect the right scanner.");
   }
   if (!options_.expected_serial.empty() && described_.serial != options_.expected_serial) {
     throw Fault("TB-SCANNER-SERIAL", kHidDevice,
-                fmt::format("scanner '{}' was asked for, '{}' answers on {}", options_.expected_serial,
+                fmt::format("scanner '{}' is configured, '{}' answers on {}", options_.expected_serial,
                             described_.serial, link_->description()),
-                "Connect the scanner meant, or correct its serial in the bench file.");
+                "Connect the right scanner, or correct its serial in the bench file.");
   }
 }
 
@@ -87,14 +88,14 @@ void HidScanner::timed_out(const std::string& asked, const std::string& came) {
   throw Fault("TB-SCANNER-TIMEOUT", kHidDevice,
               fmt::format("{} of {}: {} within {:g} ms", asked, link_->description(), came,
                           in_milliseconds(options_.frame_timeout)),
-              "Check the scanner's power and cable, then start anew.");
+              "Check the scanner's power and cable, then start again.");
 }
 
 void HidScanner::identify() {
   const std::uint16_t tag = send(ScanCommand::kIdentify);
   const Deadline deadline(options_.frame_timeout);
   Buffer buffer{};
-  // What does not decode here may be the end of an older conversation: only the answer counts.
+  // A report that does not decode here may belong to an older exchange: only the answer counts.
   while (const std::size_t size = link_->read(buffer, deadline.left())) {
     const auto report = decode_identity(std::span(buffer).first(size));
     if (report && report->tag == tag) {

@@ -14,7 +14,7 @@ namespace tactbench::devices {
 
 class HidScanner final : public TactileArray {
  public:
-  // Asks the scanner who it is. Throws Fault TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-GEOMETRY,
+  // Identifies the scanner. Throws Fault TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-GEOMETRY,
   // TB-SCANNER-SERIAL.
   HidScanner(std::unique_ptr<ReportLink> link, HidScannerOptions options, Clock& clock);
   [[nodiscard]] ScanSet read(int scans) override;

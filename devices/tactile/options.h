@@ -1,5 +1,5 @@
-// What a bench file says of the scanner: an HID scanner, the paper's relays on an NI card, or a frame source; and what
-// is broken in a simulated one.
+// Options of the scanner, as a bench file states them: an HID scanner, the paper's relays on an NI card, or a frame
+// source; and the faults of a simulated one.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@
 
 #include "devices/clock.h"
 #include "devices/device.h"
-#include "devices/trouble.h"
+#include "devices/fault_injection.h"
 #include "devices/units.h"
 #include "devices/wire/options.h"
 
@@ -56,7 +56,7 @@ struct SimulatedScannerFaults {  // test and nightly switches, all off by defaul
   long corrupt_scan = -1;        // flips a bit in one report of that scan (0-based)
   long drop_report_scan = -1;    // leaves one report of that scan out
   long unplug_after_scans = -1;  // closes the socket
-  TroubleSource trouble = {};    // silent, stale, corrupt, torn (a report is missing); unplugged: connections close
+  FaultInjector inject = {};     // silent, stale, corrupt, torn (a report is missing); unplugged: connections close
 };
 
 }  // namespace tactbench::devices

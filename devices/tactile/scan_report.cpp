@@ -66,7 +66,7 @@ bool zeros(std::span<const std::uint8_t> bytes, std::size_t from, std::size_t to
                      [](std::uint8_t byte) { return byte == 0; });
 }
 
-// The CRC stands in the last two bytes and covers all before it.
+// The CRC is in the last two bytes and covers all bytes before it.
 void seal(std::span<std::uint8_t> bytes) { put16(bytes, bytes.size() - 2, crc16_ccitt(bytes.first(bytes.size() - 2))); }
 
 bool intact(std::span<const std::uint8_t> bytes, std::size_t size, std::uint8_t id) {

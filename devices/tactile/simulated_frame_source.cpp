@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "devices/fault.h"
-#include "devices/wire/end_at_work.h"
-#include "devices/wire/loopback.h"
+#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/loopback.h"
 
 namespace tactbench::devices {
 namespace {
@@ -70,7 +70,7 @@ class SimulatedFrameSource::Server {
   struct Subscriber {
     int socket = -1;
     protocol::Parser parser;
-    std::vector<std::uint8_t> unsent;           // while any, no request of this client is read
+    std::vector<std::uint8_t> unsent;           // while not empty, no request of this client is read
     bool closing = false;                       // once all is sent
     std::optional<std::uint16_t> subscription;  // its tag
   };
@@ -162,9 +162,9 @@ class SimulatedFrameSource::Server {
       put(client, {packet.tag, protocol::Error{code, text}});
     };
     const auto request = protocol::decode(packet);
-    trouble_ = options_.faults.trouble ? options_.faults.trouble() : Trouble::kNone;
-    if (trouble_ == Trouble::kUnplugged) client.closing = true;
-    if (trouble_ == Trouble::kUnplugged || trouble_ == Trouble::kSilent) return;
+    injected_ = options_.faults.inject ? options_.faults.inject() : InjectedFault::kNone;
+    if (injected_ == InjectedFault::kUnplugged) client.closing = true;
+    if (injected_ == InjectedFault::kUnplugged || injected_ == InjectedFault::kSilent) return;
     if (!protocol::known_type(packet.type) || packet.type >= 0x80) {
       error(protocol::ErrorCode::kUnknownType, "not a request of this protocol");
     } else if (!request) {
@@ -201,7 +201,7 @@ class SimulatedFrameSource::Server {
     const auto& faults = options_.faults;
     const long number = scans_++;
     if (faults.silent_after_scans >= 0 && number >= faults.silent_after_scans) return;
-    if (number != faults.repeat_scan && trouble_ != Trouble::kStale && !make_frame()) {
+    if (number != faults.repeat_scan && injected_ != InjectedFault::kStale && !make_frame()) {
       put(client, {tag, protocol::Error{protocol::ErrorCode::kDevice, "the array does not answer"}});
       return;
     }
@@ -209,15 +209,15 @@ class SimulatedFrameSource::Server {
     const std::size_t begin = client.unsent.size();
     put(client, {tag, last_});
     const std::size_t middle = begin + (client.unsent.size() - begin) / 2;
-    if (number == faults.corrupt_scan || trouble_ == Trouble::kCorrupt) client.unsent[middle] ^= 0x10U;
+    if (number == faults.corrupt_scan || injected_ == InjectedFault::kCorrupt) client.unsent[middle] ^= 0x10U;
     if (number == faults.double_scan) put(client, {tag, last_});
-    if (number == faults.cut_scan || trouble_ == Trouble::kTorn) {
+    if (number == faults.cut_scan || injected_ == InjectedFault::kTorn) {
       client.unsent.resize(middle);
       client.closing = true;
     }
   }
 
-  // One frame to each subscriber that has taken the one before; whoever is slow sees the counter jump.
+  // One frame to each subscriber that has taken the one before; a slow one sees the counter jump.
   void publish() {
     next_frame_ = std::max(next_frame_ + period_, Real::now());
     if (!make_frame()) return;
@@ -238,7 +238,7 @@ class SimulatedFrameSource::Server {
   std::vector<std::uint8_t> status_;
   std::uint32_t counter_ = 0;
   long scans_ = 0;
-  Trouble trouble_ = Trouble::kNone;  // of the request being answered
+  InjectedFault injected_ = InjectedFault::kNone;  // of the request being answered
   int listener_ = -1;
   int stop_ = -1;
   std::vector<Subscriber> clients_;

@@ -1,5 +1,5 @@
-// The source's side of the frame-source protocol: a TCP server on 127.0.0.1 asking a TactilePort for counts. Answers
-// only when asked, but for clients that subscribe: they get frames in real time.
+// Simulated source of the frame-source protocol: a TCP server on 127.0.0.1; counts come from a TactilePort. Answers
+// only requests, but clients that subscribe get frames in real time.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ struct SimulatedFrameSourceFaults {  // test and nightly switches, all off by de
   long repeat_scan = -1;             // answers with the frame before, under the new tag
   long double_scan = -1;             // sends the answer twice
   long cut_scan = -1;                // sends half the answer, then closes the connection
-  TroubleSource trouble = {};        // silent, stale, corrupt, torn (as cut_scan); unplugged: connections close
+  FaultInjector inject = {};         // silent, stale, corrupt, torn (as cut_scan); unplugged: connections close
 };
 
 struct SimulatedFrameSourceOptions {
@@ -30,7 +30,7 @@ struct SimulatedFrameSourceOptions {
 class SimulatedFrameSource {
  public:
   // Serves up to 16 clients. Throws Fault TB-SIM-LISTEN; std::invalid_argument for a description that the protocol
-  // does not hold.
+  // cannot carry.
   SimulatedFrameSource(SimulatedFrameSourceOptions options, TactilePort& port, const Clock& clock);
   ~SimulatedFrameSource();  // stops the thread, bounded
   SimulatedFrameSource(const SimulatedFrameSource&) = delete;

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "devices/fault.h"
-#include "devices/wire/end_at_work.h"
+#include "devices/wire/ends/end_at_work.h"
 
 namespace tactbench::devices {
 
@@ -64,7 +64,7 @@ class SimulatedScanner::Server {
                 "Choose another path, in a folder that exists.");
   }
 
-  // A socket file that nobody listens on was left by a program that was killed.
+  // A socket file without a listener was left by a program that was killed.
   static bool abandoned(const sockaddr_un& address) {
     const int probe = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (probe < 0) return false;
@@ -106,11 +106,11 @@ class SimulatedScanner::Server {
       ::close(std::exchange(listener_, -1));
       return false;
     }
-    trouble_ = faults_.trouble ? faults_.trouble() : Trouble::kNone;
-    if (trouble_ == Trouble::kUnplugged) return false;
-    if (trouble_ == Trouble::kSilent) return true;
+    injected_ = faults_.inject ? faults_.inject() : InjectedFault::kNone;
+    if (injected_ == InjectedFault::kUnplugged) return false;
+    if (injected_ == InjectedFault::kSilent) return true;
     const auto command = decode_command(std::span(bytes, static_cast<std::size_t>(got)));
-    if (!command) return true;  // a damaged command is no command
+    if (!command) return true;  // a damaged command is ignored
     if (command->command == ScanCommand::kIdentify) {
       identity_.tag = command->tag;
       const auto report = encode(identity_);
@@ -123,7 +123,7 @@ class SimulatedScanner::Server {
     const long number = scans_++;
     if (faults_.silent_after_scans >= 0 && number >= faults_.silent_after_scans) return true;
     try {
-      if (trouble_ != Trouble::kStale) port_.scan(counts_, status_);
+      if (injected_ != InjectedFault::kStale) port_.scan(counts_, status_);
     } catch (...) {
       return true;  // physics failed: the scanner falls silent
     }
@@ -137,12 +137,12 @@ class SimulatedScanner::Server {
       reports_[row] = encode(report);
     }
     ++frame_;
-    if (number == faults_.corrupt_scan || trouble_ == Trouble::kCorrupt) reports_[middle][20] ^= 0x10U;
-    const bool torn = number == faults_.drop_report_scan || trouble_ == Trouble::kTorn;
+    if (number == faults_.corrupt_scan || injected_ == InjectedFault::kCorrupt) reports_[middle][20] ^= 0x10U;
+    const bool torn = number == faults_.drop_report_scan || injected_ == InjectedFault::kTorn;
     return send_rows(torn ? middle : reports_.size());
   }
 
-  // All rows in one call, so that the reader wakes once for a scan rather than once a row.
+  // All rows in one call, so that the reader wakes once a scan rather than once a row.
   bool send_rows(std::size_t left_out) {
     parts_.clear();
     for (std::size_t row = 0; row < reports_.size(); ++row) {
@@ -169,7 +169,7 @@ class SimulatedScanner::Server {
   TactilePort& port_;
   const Clock& clock_;
   SimulatedScannerFaults faults_;
-  Trouble trouble_ = Trouble::kNone;  // of the command being answered
+  InjectedFault injected_ = InjectedFault::kNone;  // of the command being answered
   int client_ = -1;
   int listener_ = -1;
   int stop_ = -1;

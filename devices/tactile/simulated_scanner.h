@@ -1,5 +1,5 @@
-// The scanner's side of the wire: a SOCK_SEQPACKET server answering the reports of scan_report.h, asking a
-// TactilePort for counts. Sends only when asked.
+// Simulated scanner: a SOCK_SEQPACKET server of the reports in scan_report.h; counts come from a TactilePort. Sends
+// only on request.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 #include <string>
 
 #include "devices/clock.h"
+#include "devices/fault_injection.h"
 #include "devices/tactile/options.h"
 #include "devices/tactile/scan_report.h"
-#include "devices/trouble.h"
 
 namespace tactbench::devices {
 
-// What the simulated scanner asks of physics, from the scanner's thread while the clock stands still.
+// Interface from the simulated scanner to the physics; called from the scanner's thread while the clock stands still.
 class TactilePort {
  public:
   virtual ~TactilePort() = default;

@@ -1,4 +1,4 @@
-// A tactile array behind its scanner: one call, one set of K scans of all taxels, raw counts.
+// A tactile array behind its scanner. One call gives one set of K scans of all taxels, as raw counts.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,13 @@ struct ScanSet {
   std::vector<std::uint32_t> frame_counters;  // K: the scanner's own
   std::uint32_t device_time_us = 0;           // scanner's clock at the first report of the first scan
   std::uint8_t status = 0;                    // all report status bytes, or-ed
-  Nanoseconds time{0};                        // process time when the first scan was asked for
+  Nanoseconds time{0};                        // process time when the first scan was requested
 };
 
 class TactileArray {
  public:
   virtual ~TactileArray() = default;
-  // Requests K fresh scans one after the other; nothing that waited in a queue is used. Bounded by the scanner's
+  // Requests K fresh scans one after the other; nothing from a queue is used. Bounded by the scanner's
   // frame timeout times K. Throws Fault TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-CORRUPT.
   [[nodiscard]] virtual ScanSet read(int scans) = 0;
   [[nodiscard]] virtual int rows() const = 0;

@@ -67,7 +67,7 @@ std::optional<ChannelPacket> DescriptorChannel::receive(Nanoseconds timeout) {
   message.msg_controllen = control.size();
   const ssize_t got = ::recvmsg(socket_, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
-  if (got <= 0) {  // nobody sends an empty packet
+  if (got <= 0) {  // an empty packet is never sent
     closed_ = true;
     return std::nullopt;
   }

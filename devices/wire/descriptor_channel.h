@@ -1,4 +1,4 @@
-// One end of a local socket pair on which two processes exchange short packets, a descriptor riding along if need be
+// One end of a local socket pair on which two processes exchange short packets, with a descriptor attached if needed
 // (SCM_RIGHTS). Every descriptor is closed on exec. Any thread may send; one thread receives.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace tactbench::devices {
 
 struct ChannelPacket {
   std::string text;
-  int descriptor = -1;  // owned by who received it; -1: none came
+  int descriptor = -1;  // owned by the receiver; -1: none came
 };
 
 class DescriptorChannel {
@@ -21,13 +21,13 @@ class DescriptorChannel {
   ~DescriptorChannel();
   DescriptorChannel(const DescriptorChannel&) = delete;
   DescriptorChannel& operator=(const DescriptorChannel&) = delete;
-  // Two sockets, SOCK_SEQPACKET: packets stay whole, and the end of one side is seen by the other. Throws Fault
+  // Two sockets, SOCK_SEQPACKET: packets stay whole, and the other side detects when one ends. Throws Fault
   // TB-CHANNEL.
   static std::pair<int, int> make_pair();
 
   // False when the other side is gone or takes nothing. Never blocks, raises no signal.
   bool send(const std::string& text, int descriptor = -1) const noexcept;
-  // The next packet, none when none came within `timeout` or the other side is gone (closed() then says so).
+  // The next packet; none when none came within `timeout` or the other side is gone (then closed() is true).
   [[nodiscard]] std::optional<ChannelPacket> receive(Nanoseconds timeout);
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] int socket() const { return socket_; }

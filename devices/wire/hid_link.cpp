@@ -37,7 +37,7 @@ class HidLink final : public ReportLink {
     throw Fault(
         "TB-HID-WRITE", description_,
         fmt::format("sending a report of {} bytes to {}: {}", report.size(), description_, narrow(hid_error(device_))),
-        "Plug the scanner in again and start anew.");
+        "Plug the scanner in again and start again.");
   }
 
   std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) override {
@@ -64,12 +64,13 @@ class HidLink final : public ReportLink {
   std::string description() const override { return description_; }
 
  private:
-  static constexpr std::size_t kDrainLimit = 10'000;  // the kernel keeps 63; a sender that never rests must not hold us
+  static constexpr std::size_t kDrainLimit =
+      10'000;  // the kernel keeps 63; bounds the wait for a sender that never stops
 
   [[noreturn]] void lost() const {
     throw Fault("TB-HID-LOST", description_,
                 fmt::format("reading a report from {}: {}", description_, narrow(hid_error(device_))),
-                "Plug the scanner in again and start anew.");
+                "Plug the scanner in again and start again.");
   }
 
   hid_device* device_;

@@ -52,14 +52,14 @@ class Exchange {
       if (sent > 0) {
         request.remove_prefix(static_cast<std::size_t>(sent));
       } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-        wait(POLLOUT, "TB-HTTP-TIMEOUT", "the request is not taken");
+        wait(POLLOUT, "TB-HTTP-TIMEOUT", "the request is not accepted");
       } else if (errno != EINTR) {
         fail("TB-HTTP-ANSWER", std::strerror(errno));
       }
     }
   }
 
-  // Until the other side closes, or `complete` says that all is there.
+  // Until the other side closes, or `complete` is true of the text so far.
   template <class Complete>
   std::string receive(Complete&& complete) {
     std::string text;
@@ -70,7 +70,7 @@ class Exchange {
       if (got > 0) {
         text.append(part.data(), static_cast<std::size_t>(got));
         if (text.size() > page_.largest) fail("TB-HTTP-ANSWER", fmt::format("more than {} bytes", page_.largest));
-        // The deadline holds for a server that never rests too.
+        // The deadline holds for a server that never stops sending, too.
         if (std::chrono::steady_clock::now() < end_) continue;
         wait(POLLIN, "TB-HTTP-TIMEOUT", "the answer does not end");
       } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
@@ -84,7 +84,7 @@ class Exchange {
 
   [[noreturn]] void fail(const char* id, const std::string& what) const {
     throw Fault(id, device_,
-                fmt::format("asking http://{}:{}{} of {}: {}", page_.host, page_.port, page_.path, device_, what),
+                fmt::format("reading http://{}:{}{} of {}: {}", page_.host, page_.port, page_.path, device_, what),
                 "Open that address in a browser; check power, network cable, address and port in the bench file.");
   }
 
@@ -133,7 +133,7 @@ std::string http_get(const HttpPage& page, const std::string& device, Clock& clo
   });
   const std::string status = text.substr(0, std::min(text.find("\r\n"), std::size_t{80}));
   if (!text.starts_with("HTTP/1.") || text.find(kHeaderEnd) == std::string::npos) {
-    exchange.fail("TB-HTTP-ANSWER", fmt::format("{} bytes that are no HTTP answer came", text.size()));
+    exchange.fail("TB-HTTP-ANSWER", fmt::format("{} bytes that are not an HTTP answer came", text.size()));
   }
   if (text.size() < 12 || text.substr(8, 4) != " 200") {
     exchange.fail("TB-HTTP-ANSWER", fmt::format("the answer is '{}'", status));

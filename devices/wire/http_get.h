@@ -1,5 +1,5 @@
-// One small page of a device's built-in web server, by HTTP/1.0. Our own forty lines rather than a library: Beast would
-// bring its headers into this room for one fixed request, and every step here has the deadline that the room asks for.
+// One small page of a device's built-in web server, by HTTP/1.0. Not by a library: Beast would bring its headers into
+// this room for one fixed request, and every step here has the deadline that the room requires.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct HttpPage {
 };
 
 // The body of the answer "200". Returns or throws within `timeout`. Throws Fault TB-HTTP-OPEN (no address, refused, no
-// connection in time), TB-HTTP-TIMEOUT, TB-HTTP-ANSWER (other status, too large, cut short, no HTTP).
+// connection in time), TB-HTTP-TIMEOUT, TB-HTTP-ANSWER (other status, too large, cut short, not HTTP).
 [[nodiscard]] std::string http_get(const HttpPage& page, const std::string& device, Clock& clock);
 
 }  // namespace tactbench::devices

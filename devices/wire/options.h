@@ -1,4 +1,5 @@
-// How a bench file says where an instrument is: a Modbus unit, a serial port, a HID device, inputs of an NI card.
+// Addresses of instruments, as a bench file states them: a Modbus unit, a serial port, a HID device, inputs of an NI
+// card.
 #pragma once
 
 #include <chrono>
@@ -19,8 +20,8 @@ struct ModbusEndpoint {
   char parity = 'N';             // N, E or O
   int stop_bits = 1;
   Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
-  // RTU: whom the port is kept from while open. A dead-man has to get at the line of a program that stands still: the
-  // program then leaves `exclusive` away (its lock keeps its like out all the same), the dead-man both.
+  // RTU: protection of the open port against other programs. A dead-man has to reach the line of a program that hangs:
+  // the program then sets no `exclusive` (its lock still keeps other tactbench programs out), the dead-man neither.
   bool lock = true;       // flock()
   bool exclusive = true;  // TIOCEXCL
 };

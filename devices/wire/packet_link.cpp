@@ -71,9 +71,9 @@ class PacketLink final : public ReportLink {
   std::string description() const override { return "packet socket " + path_; }
 
  private:
-  static constexpr std::size_t kDrainLimit = 100'000;  // a sender that never rests must not hold us
+  static constexpr std::size_t kDrainLimit = 100'000;  // bounds the wait for a sender that never stops
 
-  // Takes all that waits, up to a batch, in one call: a scan is 16 packets.
+  // Takes all waiting packets, up to a batch, in one call: a scan is 16 packets.
   void fetch() {
     if (gone_) lost("closed by the other side");
     next_ = filled_ = 0;
@@ -94,7 +94,7 @@ class PacketLink final : public ReportLink {
 
   [[noreturn]] void lost(const char* why) const {
     throw Fault("TB-HID-LOST", description(), fmt::format("reading a report from {}: {}", description(), why),
-                "Plug the scanner in again (or start its program) and start anew.");
+                "Plug the scanner in again (or start its program) and start again.");
   }
 
   int socket_;
@@ -121,7 +121,7 @@ std::unique_ptr<ReportLink> open_packet_link(const std::string& path) {
   std::copy(path.begin(), path.end(), address.sun_path);
   const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) fail_open_packets(path, std::strerror(errno));
-  // Non-blocking: a listener whose queue is full refuses at once (EAGAIN) instead of holding us.
+  // Non-blocking: a listener whose queue is full refuses at once (EAGAIN) instead of blocking.
   if (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error = errno;
     ::close(socket);

@@ -1,5 +1,5 @@
 // A transport of numbered HID reports. The real side is hidapi on hidraw (hid_link.h); the simulated side is a local
-// SOCK_SEQPACKET socket (packet_link.h). The drivers above do not know which.
+// SOCK_SEQPACKET socket (packet_link.h). The drivers above do not distinguish.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class ReportLink {
   // Waits for one report; 0 when none came before `timeout`. Retries EINTR. Throws Fault TB-HID-LOST when the device
   // is gone (the link never recovers: make a new one).
   [[nodiscard]] virtual std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) = 0;
-  // Throws away whatever waits in the queue, so that no stale report is used; returns how many.
+  // Discards the reports in the queue, so that no stale one is used; returns their number.
   virtual std::size_t drain() = 0;
   [[nodiscard]] virtual std::string description() const = 0;
 };

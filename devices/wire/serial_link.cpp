@@ -49,12 +49,12 @@ class SerialLink final : public ByteStream {
       throw Fault("TB-SERIAL-TIMEOUT", name_,
                   fmt::format("sending {} bytes to {}: {} were taken within {} ms", bytes.size(), name_,
                               static_cast<int>(sent), kWriteMilliseconds),
-                  "Check the cable and that nothing holds the line.");
+                  "Check the cable and that no other device holds the line.");
     }
   }
 
-  // sp_blocking_read() spins on a port that is gone and then reports silence; poll() waits without, and a read that
-  // brings nothing is probed.
+  // sp_blocking_read() spins on a lost port and then reports silence; poll() waits without spinning, and after an empty
+  // read the port is probed.
   std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) override {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
     for (auto left = timeout;; left = deadline - std::chrono::steady_clock::now()) {
@@ -83,7 +83,7 @@ class SerialLink final : public ByteStream {
  private:
   [[noreturn]] void lost(const char* doing, const std::string& why) const {
     throw Fault("TB-SERIAL-LOST", name_, fmt::format("{} serial port {}: {}", doing, name_, why),
-                "Plug the instrument in again and connect anew.");
+                "Plug the instrument in again and reconnect.");
   }
 
   Port port_;
@@ -195,7 +195,8 @@ std::unique_ptr<ByteStream> open_serial(const SerialAddress& address) {
   if (result != SP_OK) fail_open(name, reason(result));
   int handle = -1;
   sp_get_port_handle(port.get(), &handle);
-  // From here the link closes the port, whatever fails. flock() keeps our like out, TIOCEXCL everyone but root.
+  // From here the link closes the port, whatever fails. flock() keeps other tactbench programs out, TIOCEXCL all but
+  // root.
   auto link = std::make_unique<SerialLink>(std::move(port), handle, name);
   if (::flock(handle, LOCK_EX | LOCK_NB) != 0) busy(name);
   ::ioctl(handle, TIOCEXCL);

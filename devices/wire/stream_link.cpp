@@ -98,11 +98,11 @@ class StreamLink final : public ByteStream {
   int descriptor() const override { return descriptor_.get(); }
 
  private:
-  static constexpr std::size_t kDiscardLimit = 1U << 20U;  // a sender that never rests must not hold us
+  static constexpr std::size_t kDiscardLimit = 1U << 20U;  // bounds the wait for a sender that never stops
 
   [[noreturn]] void lost(const char* doing, const char* why) const {
     throw Fault("TB-SERIAL-LOST", address_, fmt::format("{} {}: {}", doing, address_, why),
-                "Plug the instrument in again (or start its program) and connect anew.");
+                "Plug the instrument in again (or start its program) and reconnect.");
   }
 
   Descriptor descriptor_;
@@ -116,8 +116,8 @@ class StreamLink final : public ByteStream {
               "Check that the instrument or its simulator runs and that the address in the bench file is its own.");
 }
 
-// O_NOCTTY: the terminal must not become ours and hang us up. flock() alone keeps a second client out: TIOCEXCL would
-// stay set after a killed client, since the simulated end keeps the terminal open.
+// O_NOCTTY: the terminal must not become the controlling one, which could hang up this program. flock() alone keeps a
+// second client out: TIOCEXCL would stay set after a killed client, since the simulated end keeps the terminal open.
 Descriptor open_pty(const std::string& path) {
   Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (opened.get() < 0) fail_open_stream(path, std::strerror(errno));
@@ -133,11 +133,11 @@ Descriptor open_pty(const std::string& path) {
   settings.c_cc[VMIN] = 1;
   settings.c_cc[VTIME] = 0;
   if (::tcsetattr(opened.get(), TCSANOW, &settings) != 0) fail_open_stream(path, std::strerror(errno));
-  ::tcflush(opened.get(), TCIFLUSH);  // replies that the client before us left
+  ::tcflush(opened.get(), TCIFLUSH);  // replies left by an earlier client
   return opened;
 }
 
-// -1 when the other end refused or did not answer in time; `why` then says so.
+// -1 when the other end refused or did not answer in time; `why` then holds the reason.
 int connect_within(int domain, const sockaddr* address, socklen_t size, Nanoseconds timeout, std::string& why) {
   const int socket = ::socket(domain, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   int error = socket < 0 ? errno : 0;

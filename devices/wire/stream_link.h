@@ -12,14 +12,14 @@ namespace tactbench::devices {
 // "unix:PATH".
 [[nodiscard]] bool is_stream_address(const std::string& address);
 
-// Opens `address`; a connection that is not there within `timeout` is a fault (resolving a host's name comes on top).
-// What waited to be read is thrown away. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another ByteStream
+// Opens `address`; a connection not made within `timeout` is a fault (resolving a host's name takes further time).
+// Unread bytes are discarded. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another ByteStream
 // holds the pseudo-terminal. Each write() takes at most `timeout`.
 [[nodiscard]] std::unique_ptr<ByteStream> open_stream(const std::string& address,
                                                       Nanoseconds timeout = std::chrono::seconds(2));
 
-// A stream over a descriptor that somebody else has opened and set up (a serial port, a pseudo-terminal, a socket), not
-// blocking; closes it at its end. `address` names it in faults.
+// A stream over a descriptor that was opened and set up elsewhere (a serial port, a pseudo-terminal, a socket), not
+// blocking; closes it in its destructor. `address` names it in faults.
 [[nodiscard]] std::unique_ptr<ByteStream> adopt_stream(int descriptor, const std::string& address,
                                                        Nanoseconds timeout = std::chrono::seconds(2));
 

@@ -16,7 +16,7 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr std::size_t kDrainLimit = 100'000;  // a sender that never rests must not hold us
+constexpr std::size_t kDrainLimit = 100'000;  // bounds the wait for a sender that never stops
 
 bool is_nothing_yet(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
@@ -61,7 +61,7 @@ std::size_t UdpLink::receive(std::span<std::uint8_t> into, Nanoseconds timeout) 
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
     const ssize_t got = ::recv(socket_, into.data(), into.size(), MSG_DONTWAIT);
-    if (got > 0) return static_cast<std::size_t>(got);  // an empty datagram says nothing
+    if (got > 0) return static_cast<std::size_t>(got);  // an empty datagram is ignored
     if (got < 0 && !is_nothing_yet(errno)) fail("TB-UDP-LOST", "receiving from", errno);
     const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : timeout;
     if (left <= Nanoseconds(0) || wait_for(socket_, POLLIN, left) == 0) return 0;
@@ -81,7 +81,7 @@ std::size_t UdpLink::drain() {
 
 void UdpLink::fail(const char* id, const std::string& doing, int error) const {
   throw Fault(id, device_, fmt::format("{} {} at {}: {}", doing, device_, peer_, std::strerror(error)),
-              error == ECONNREFUSED ? "Nobody listens there: check address and port in the bench file."
+              error == ECONNREFUSED ? "No program listens there: check address and port in the bench file."
                                     : "Check power, network cable and address of the device.");
 }
 

@@ -1,5 +1,5 @@
-// Datagrams to and from one peer: a connected UDP socket, so that the kernel drops what others send and reports a port
-// at which nobody listens.
+// Datagrams to and from one peer: a connected UDP socket, so that the kernel drops datagrams of others and reports a
+// port without a listener.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,20 @@ namespace tactbench::devices {
 
 class UdpLink {
  public:
-  // `host` in numbers. Throws Fault TB-UDP-OPEN; whether somebody listens shows only at receive().
+  // `host` in numbers. Throws Fault TB-UDP-OPEN; a missing listener shows only at receive().
   UdpLink(const std::string& host, int port, std::string device);
   ~UdpLink();
   UdpLink(const UdpLink&) = delete;
   UdpLink& operator=(const UdpLink&) = delete;
 
-  // A new socket on another local port: what is still on its way to the old one never arrives. Throws TB-UDP-OPEN.
+  // A new socket on another local port: datagrams still on their way to the old one never arrive. Throws TB-UDP-OPEN.
   void renew();
   // Throws Fault TB-UDP-LOST.
   void send(std::span<const std::uint8_t> datagram);
   // Waits in real time for one datagram; 0 when none came before `timeout`. A datagram larger than `into` is cut to
-  // its size. Throws Fault TB-UDP-LOST when the peer's host says that nobody listens, or the interface is gone.
+  // its size. Throws Fault TB-UDP-LOST when the peer's host reports no listener, or the interface is gone.
   [[nodiscard]] std::size_t receive(std::span<std::uint8_t> into, Nanoseconds timeout);
-  // Throws away what waits (100 000 datagrams at most) and forgets an old error; returns how many.
+  // Discards waiting datagrams (100 000 at most) and an old error; returns their number.
   std::size_t drain();
   [[nodiscard]] const std::string& peer() const { return peer_; }
 

@@ -4,13 +4,13 @@
 
 #include <cerrno>
 
-#include "devices/wire/end_at_work.h"
+#include "devices/wire/ends/end_at_work.h"
 
 namespace tactbench::devices {
 namespace {
 
-constexpr Nanoseconds kTurn = std::chrono::milliseconds(1);       // between two looks at the ends
-constexpr Nanoseconds kLongestHeldUp = std::chrono::seconds(20);  // an end that works for ever is a defect
+constexpr Nanoseconds kTurn = std::chrono::milliseconds(1);       // between two polls of the ends
+constexpr Nanoseconds kLongestHeldUp = std::chrono::seconds(20);  // an end that never finishes is a defect
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Nanoseconds left_until(RealTime end) {
 short wait_for(int descriptor, short events, Nanoseconds timeout) {
   const RealTime deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
-    // No end at work, and then nothing to read: in this order, since an answer comes before its end rests.
+    // First no end at work, then nothing to read: in this order, since an end answers before it stops working.
     const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : Nanoseconds(0);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
     const timespec span{seconds.count(), (left - seconds).count()};

@@ -1,5 +1,5 @@
-// Waiting for a descriptor in real time, bounded, interrupted calls retried. A time-out runs on while a simulated end
-// of this process still owes an answer (end_at_work.h).
+// Waiting for a descriptor in real time, bounded, interrupted calls retried. A timeout is extended while a simulated
+// end of this process still owes an answer (end_at_work.h).
 #pragma once
 
 #include <chrono>
@@ -10,11 +10,11 @@ namespace tactbench::devices {
 
 using RealTime = std::chrono::steady_clock::time_point;
 
-// Real time until `end`; 0: it has passed, and nothing may come any more.
+// Real time until `end`; 0: it has passed, and no simulated end owes an answer.
 [[nodiscard]] Nanoseconds left_until(RealTime end);
 
-// Blocks until poll() reports one of `events`, a hang-up or an error, at most `timeout`; 0 only looks. Returns poll's
-// revents; 0 at the timeout.
+// Blocks until poll() reports one of `events`, a hang-up or an error, at most `timeout`; 0 only polls once. Returns
+// poll's revents; 0 at the timeout.
 [[nodiscard]] short wait_for(int descriptor, short events, Nanoseconds timeout);
 
 }  // namespace tactbench::devices

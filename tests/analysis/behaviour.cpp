@@ -1,5 +1,5 @@
 // Raw behaviour against hand-made loops whose figures are known.
-#include "analysis/statistics/behaviour.h"
+#include "analysis/statistics/figures/behaviour.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

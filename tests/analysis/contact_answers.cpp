@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/contact_results.h"
+#include "analysis/statistics/studies/contact_results.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

@@ -1,11 +1,11 @@
 // Arrays under objects, and where the inverse is well-conditioned, on shapes whose answer is known.
-#include "analysis/statistics/contact_results.h"
+#include "analysis/statistics/studies/contact_results.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "analysis/statistics/usable_range.h"
+#include "analysis/statistics/figures/usable_range.h"
 
 using namespace tactbench::analysis;
 
@@ -44,7 +44,7 @@ TEST_CASE("a registration takes stage positions to taxels") {
 namespace {
 
 // Straight loops, 0.05 V/psi; the second taxel flat above 40 psi on the way down.
-ArrayFit straight_fit() {
+ArrayFit two_taxel_fit() {
   ArrayFit fit;
   fit.rows = 1;
   fit.columns = 2;
@@ -75,7 +75,7 @@ ArrayFit straight_fit() {
 }  // namespace
 
 TEST_CASE("usable range: a flat place is found, by noise and by model error") {
-  const UsableRange range = usable_range(straight_fit());
+  const UsableRange range = usable_range(two_taxel_fit());
   CHECK(range.taxels == 2);
   // 4 x 2 mV over 0.05 V/psi.
   CHECK(range.loading.resolved_share == std::vector<double>(7, 1.0));
@@ -90,7 +90,7 @@ TEST_CASE("usable range: a flat place is found, by noise and by model error") {
 }
 
 TEST_CASE("an array under an object, read raw and compensated") {
-  const ArrayFit fit = straight_fit();
+  const ArrayFit fit = two_taxel_fit();
   PressRun run;
   run.run = 9;
   run.origin = "simulated";

@@ -1,5 +1,5 @@
 // Control bands and trends against published and exactly computed values, and the promised rate of false alarms.
-#include "analysis/statistics/control_band.h"
+#include "analysis/statistics/figures/control_band.h"
 
 #include <array>
 #include <catch2/catch.hpp>
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/statistics/student.h"
+#include "analysis/statistics/numbers/student.h"
 
 using namespace tactbench::analysis;
 

@@ -1,5 +1,5 @@
 // Creep in the budget: shares by hand from outputs by formula, and what keeps them from being assessed.
-#include "analysis/statistics/creep_effect.h"
+#include "analysis/statistics/figures/creep_effect.h"
 
 #include <catch2/catch.hpp>
 
@@ -32,7 +32,7 @@ TEST_CASE("creep is the change of the output from the calibration's time to the 
   REQUIRE(effect.levels.size() == 1);
   CHECK(effect.read_after_s == 2.0);
   CHECK(effect.to_s == Approx(200.0));
-  CHECK_FALSE(effect.carried_back);
+  CHECK_FALSE(effect.extrapolated_back);
   CHECK(effect.levels[0].up);
   // 1 % a decade of the output at 1 s, over the output at 2 s.
   const double expected = 0.01 * (end_decades(200.0) - std::log10(2.0)) / (1.0 + 0.01 * std::log10(2.0));
@@ -60,7 +60,7 @@ TEST_CASE("a reading between two frames, a moving reference and a hold that begi
   late.from_s = 20.0;
   late.frames = 91;  // to 200 s
   const CreepEffect carried = effect_of(example, {hold_run(example, late)});
-  CHECK(carried.carried_back);
+  CHECK(carried.extrapolated_back);
   const double seen = 0.01 * (end_decades(200.0) - std::log10(20.0)) / (1.0 + 0.01 * std::log10(20.0));
   CHECK(carried.share(2, 40.0, true) == Approx(2.0 * seen).epsilon(1e-9));  // two decades, one of them seen
   CHECK_THAT(carried.in_words(), Catch::Contains("extended on the logarithm of time"));

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "analysis/statistics/studies.h"
+#include "analysis/statistics/studies/studies.h"
 
 using namespace tactbench::analysis;
 

@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
-#include "analysis/identify/repeats.h"
+#include "analysis/identify/elam/repeats.h"
 #include "analysis/models/monotone.h"
-#include "analysis/statistics/drift.h"
-#include "analysis/statistics/score.h"
+#include "analysis/statistics/scoring/score.h"
+#include "analysis/statistics/sensor/drift.h"
 
 using namespace tactbench::analysis;
 

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/figures/evaluation.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

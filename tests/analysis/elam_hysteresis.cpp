@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "analysis/identify/elam/identify.h"
 #include "analysis/identify/fit_data.h"
-#include "analysis/identify/identify.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -14,7 +14,7 @@ using namespace synthetic;
 namespace {
 
 // A loop with any rises from (5, 0.2) on, now and then with a saturated top, and any parameters.
-ElamModel any_model(Random& random, bool saturated) {
+ElamModel model_drawn(Random& random, bool saturated) {
   Loop loop;
   double up = 0.2, down = 0.2;
   for (int i = 0; i <= 31; ++i) {
@@ -48,7 +48,7 @@ std::vector<double> walk(ModelState& state, std::initializer_list<double> turns)
   return outputs;
 }
 
-History history_of(const std::vector<double>& levels, const ElamHysteresis& plant) {
+History history_through(const std::vector<double>& levels, const ElamHysteresis& plant) {
   History history;
   const auto state = plant.state();
   for (const double x : levels) {
@@ -66,7 +66,7 @@ TEST_CASE("ELAM undoes itself along 1000 random histories with interrupted branc
   for (const bool memory : {false, true}) {
     Random random(21);
     for (int trial = 0; trial < 1000; ++trial) {
-      const ElamHysteresis model(any_model(random, trial % 5 == 0), memory);
+      const ElamHysteresis model(model_drawn(random, trial % 5 == 0), memory);
       const ElamModel& elam = model.elam();
       const double span = elam.yu() - elam.y0(), mean_slope = span / (elam.xu() - elam.x0());
       const auto state = model.state();
@@ -91,7 +91,7 @@ TEST_CASE("ELAM undoes itself along 1000 random histories with interrupted branc
 TEST_CASE("ELAM's outputs never fall when the input rises and meet the ends of the loop") {
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
-    const ElamHysteresis model(any_model(random, trial % 5 == 0), trial % 2 == 0);
+    const ElamHysteresis model(model_drawn(random, trial % 5 == 0), trial % 2 == 0);
     const ElamModel& elam = model.elam();
     const auto state = model.state();
     for (int step = 0; step < 20; ++step) {
@@ -112,7 +112,7 @@ TEST_CASE("ELAM's outputs never fall when the input rises and meet the ends of t
 TEST_CASE("in paper mode ELAM goes along the paper's curves bit for bit") {
   Random random(8);
   for (int trial = 0; trial < 100; ++trial) {
-    const ElamHysteresis model(any_model(random, trial % 5 == 0));
+    const ElamHysteresis model(model_drawn(random, trial % 5 == 0));
     const ElamModel& elam = model.elam();
     const auto state = model.state();
     ElamCurve curve(elam, true, elam.x0(), elam.y0());
@@ -185,7 +185,7 @@ TEST_CASE("a measured turning point is where the next branch starts") {
 TEST_CASE("an ELAM model goes through its JSON text bit for bit") {
   Random random(3);
   for (int trial = 0; trial < 50; ++trial) {
-    const ElamHysteresis model(any_model(random, trial % 5 == 0), trial % 2 == 0);
+    const ElamHysteresis model(model_drawn(random, trial % 5 == 0), trial % 2 == 0);
     const std::string text = model.to_json().dump();
     const auto again = elam_from_json(nlohmann::ordered_json::parse(text));
     CHECK(again->to_json().dump() == text);
@@ -240,7 +240,7 @@ TEST_CASE("identification behind the common interface is the taxels' own") {
   FitData data{{}, truth.elam().ascending, truth.elam().descending};
   std::vector<TaxelBranch> branches;
   for (const auto* turns : {&kDescendingTurns, &kAscendingTurns}) {
-    data.histories.push_back(history_of(levels_of(*turns), truth));
+    data.histories.push_back(history_through(levels_of(*turns), truth));
     History& history = data.histories.back();
     for (double& y : history.y) y += noise(engine);
     for (const Branch& branch : history.branches)
@@ -268,7 +268,7 @@ TEST_CASE("a joint free-run fit is not worse along its own way than the separate
   std::mt19937 engine(4);
   std::normal_distribution<double> noise(0.0, 0.03);
   FitData data{{}, truth.elam().ascending, truth.elam().descending};
-  data.histories.push_back(history_of(levels_of({0, 60, 0, 50, 10, 40, 20, 50, 0, 60, 20, 50, 30, 60, 0}), truth));
+  data.histories.push_back(history_through(levels_of({0, 60, 0, 50, 10, 40, 20, 50, 0, 60, 20, 50, 30, 60, 0}), truth));
   for (double& y : data.histories[0].y) y += noise(engine);
   IdentifyOptions options;
   const ModelFit separate = identify_elam(data, options);

@@ -1,5 +1,5 @@
 // What a search looks at: J told apart exactly, and long data thinned without falling in step with them.
-#include "analysis/identify/elam_samples.h"
+#include "analysis/identify/elam/elam_samples.h"
 
 #include <catch2/catch.hpp>
 

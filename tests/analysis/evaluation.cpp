@@ -1,11 +1,11 @@
 // Figures of synthetic arrays; those whose answer is known on paper stand in evaluation_answers.cpp.
-#include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/figures/evaluation.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "analysis/statistics/verdict.h"
+#include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

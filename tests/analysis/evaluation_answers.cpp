@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "analysis/report/results.h"
-#include "analysis/statistics/evaluation.h"
-#include "analysis/statistics/sweep_errors.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/sweep_errors.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

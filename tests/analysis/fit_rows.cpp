@@ -1,5 +1,5 @@
 // What `verify` calls equal, and what it names first.
-#include "analysis/identify/fit_rows.h"
+#include "analysis/identify/stored/fit_rows.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

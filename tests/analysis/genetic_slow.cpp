@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 
-#include "analysis/identify/genetic.h"
+#include "analysis/identify/elam/genetic.h"
 #include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;

@@ -1,5 +1,5 @@
 // Which taxels are not well, and swapped lines.
-#include "analysis/statistics/health.h"
+#include "analysis/statistics/sensor/health.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What the bench promises: a second run of the same sensor, compensated with the models of the first.
 #include <catch2/catch.hpp>
 
-#include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/figures/evaluation.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

@@ -1,4 +1,4 @@
-#include "analysis/histories.h"
+#include "analysis/identify/histories.h"
 
 #include <catch2/catch.hpp>
 
@@ -105,6 +105,6 @@ TEST_CASE("a sequence that is not there is refused with those that are") {
     FAIL("accepted");
   } catch (const AnalysisError& error) {
     CHECK(error.id() == "TB-MODEL-SEQUENCE");
-    CHECK_THAT(error.what(), Catch::Contains("descending, ascending"));
+    CHECK_THAT(error.what(), Catch::Contains("\"descending\", \"ascending\""));
   }
 }

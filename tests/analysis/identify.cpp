@@ -1,9 +1,9 @@
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "analysis/statistics/evaluation.h"
+#include "analysis/statistics/figures/evaluation.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

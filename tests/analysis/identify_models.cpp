@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/identifier.h"
-#include "analysis/identify/nnls.h"
+#include "analysis/identify/rivals/nnls.h"
 #include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/models.h"
 

@@ -1,7 +1,7 @@
 // The fast search against an exhaustive one that shares only the samples and the model with it.
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 #include "tests/analysis/support/exhaustive_reference.h"
 #include "tests/analysis/support/synthetic.h"
 
@@ -48,16 +48,16 @@ void compare(const Kind& kind, int rows, Tally& tally) {
         if (kind.clip > 0.0)
           repeat.volts[i] = std::min(
               repeat.volts[i], (kind.clip + 0.02 * static_cast<double>(i % width % 5)) * array.taxels[i % width].yu());
-  std::vector<CommonSequence> sequences;
+  std::vector<TaxelTable> sequences;
   for (const SequenceData& sequence : data.sequences) sequences.push_back(bring_to_common(sequence, data.taxels()));
   const ExternalLoop loop = external_loop(sequences, data.taxels());
   for (std::size_t taxel = 0; taxel < width; ++taxel) {
-    const std::vector<double> up = taxel_of(loop.ascending_v, width, taxel);
-    const std::vector<double> down = taxel_of(loop.descending_v, width, taxel);
+    const std::vector<double> up = taxel_of(loop.ascending, width, taxel);
+    const std::vector<double> down = taxel_of(loop.descending, width, taxel);
     const double y0 = 0.5 * (up.front() + down.front()), yu = 0.5 * (up.back() + down.back());
     std::vector<TaxelBranch> branches;
-    for (const CommonSequence& sequence : sequences) {
-      const std::vector<double> volts = taxel_of(sequence.volts, width, taxel);
+    for (const TaxelTable& sequence : sequences) {
+      const std::vector<double> volts = taxel_of(sequence.values, width, taxel);
       for (const Branch& branch : sequence.branches)
         branches.push_back(
             {branch.ascending,

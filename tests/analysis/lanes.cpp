@@ -1,10 +1,10 @@
-#include "analysis/identify/lanes.h"
+#include "analysis/identify/elam/lanes.h"
 
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <random>
 
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;
@@ -74,7 +74,7 @@ double plain_j(const ElamModel& model, std::span<const CurveSamples> curves, boo
 }
 
 struct Unforce {
-  ~Unforce() { unforce_lane_level(); }
+  ~Unforce() { unforce_lane_dispatch(); }
 };
 
 }  // namespace
@@ -88,9 +88,9 @@ TEST_CASE("lanes say what the plain model says, on every level the same bits") {
       const LaneProblem up = lane_problem(e.model, e.samples.ascending, true);
       CHECK(up.table.uniform() == uniform);
       std::vector<Answers> answers;
-      for (const LaneLevel level : lane_levels()) {
-        force_lane_level(level);
-        CHECK(lane_level() == level);
+      for (const Dispatch level : dispatches()) {
+        force_lane_dispatch(level);
+        CHECK(lane_dispatch() == level);
         Answers& own = answers.emplace_back(up);
         lane_descending(down, own.alpha, own.descending, own.beta);
         lane_ascending(own.lanes, kCandidates, Gradient::kNone);
@@ -132,8 +132,8 @@ TEST_CASE("a fit is the same bit for bit on every level") {
   for (const double top : {9.0, 2.9}) {
     const Example e = example(true, top);
     std::vector<ElamParameters> found;
-    for (const LaneLevel level : lane_levels()) {
-      force_lane_level(level);
+    for (const Dispatch level : dispatches()) {
+      force_lane_dispatch(level);
       ElamModel model = e.model;
       fit_descending(model, e.samples.descending);
       fit_ascending(model, e.samples.ascending);

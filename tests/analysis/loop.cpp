@@ -44,21 +44,21 @@ TEST_CASE("outputs move to the set-point by the slope of their own branch") {
     repeat.volts.push_back(2.0 * (level - 0.2) - 4.0);
   }
   sequence.repeats = {repeat, repeat};
-  const CommonSequence moved = bring_to_common(sequence, 1);
-  CHECK(moved.volts[1] == Approx(2.0));
-  CHECK(moved.volts[2] == Approx(4.0));  // the turning sample belongs to the rise that reached it
-  CHECK(moved.volts[4] == Approx(-4.0));
+  const TaxelTable moved = bring_to_common(sequence, 1);
+  CHECK(moved.values[1] == Approx(2.0));
+  CHECK(moved.values[2] == Approx(4.0));  // the turning sample belongs to the rise that reached it
+  CHECK(moved.values[4] == Approx(-4.0));
   CHECK(moved.pressure_psi == std::vector<double>{0, 2, 4, 2, 0});
-  const CommonSequence left = bring_to_common(sequence, 1, {.move_to_setpoint = false});
-  CHECK(left.volts[1] == Approx(2.1));
+  const TaxelTable left = bring_to_common(sequence, 1, {.move_to_setpoint = false});
+  CHECK(left.values[1] == Approx(2.1));
   CHECK(left.pressure_psi[3] == Approx(1.8));
 }
 
 TEST_CASE("repeats are averaged, chosen, and must be alike") {
   SequenceData sequence{"s", {}};
   for (const double v : {1.0, 2.0, 6.0}) sequence.repeats.push_back({steps_of({0, 2, 0}), {v, v, v}});
-  CHECK(bring_to_common(sequence, 1).volts[1] == Approx(3.0));
-  CHECK(bring_to_common(sequence, 1, {.first_repeat = 2}).volts[1] == Approx(6.0));
+  CHECK(bring_to_common(sequence, 1).values[1] == Approx(3.0));
+  CHECK(bring_to_common(sequence, 1, {.first_repeat = 2}).values[1] == Approx(6.0));
   CHECK_THROWS_AS(bring_to_common(sequence, 1, {.first_repeat = 3}), AnalysisError);
   sequence.repeats[1].steps[1].setpoint_psi = 3.0;
   CHECK_THROWS_AS(bring_to_common(sequence, 1), AnalysisError);
@@ -66,31 +66,31 @@ TEST_CASE("repeats are averaged, chosen, and must be alike") {
 
 TEST_CASE("the external loop is the mean of the full sweeps only") {
   const std::vector<double> levels{0, 10, 20, 10, 0, 10, 0, 10, 20, 10, 0};
-  CommonSequence common;
+  TaxelTable common;
   common.pressure_psi = levels;
   common.branches = branches_along(levels);
   //             up 1        down 1  inner    up 2      down 2
-  common.volts = {0, 1, 5, 2, 0, 9, 0, 3, 7, 6, 0};
+  common.values = {0, 1, 5, 2, 0, 9, 0, 3, 7, 6, 0};
   const ExternalLoop loop = external_loop(std::vector{common}, 1);
   CHECK(loop.pressure_psi == std::vector<double>{0, 10, 20});
-  CHECK(loop.ascending_v == std::vector<double>{0, 2, 6});
-  CHECK(loop.descending_v == std::vector<double>{0, 4, 6});
+  CHECK(loop.ascending == std::vector<double>{0, 2, 6});
+  CHECK(loop.descending == std::vector<double>{0, 4, 6});
 }
 
 TEST_CASE("sweeps at slightly different measured pressures come onto one grid") {
-  CommonSequence common;
+  TaxelTable common;
   common.pressure_psi = {0.0, 10.2, 20.0, 9.8, 0.0};
   common.branches = branches_along(std::vector<double>{0, 10, 20, 10, 0});
-  common.volts = {0.0, 10.2, 20.0, 9.8, 0.0};  // v = p
+  common.values = {0.0, 10.2, 20.0, 9.8, 0.0};  // v = p
   const ExternalLoop loop = external_loop(std::vector{common}, 1);
-  CHECK(loop.descending_v[1] == Approx(10.2));
+  CHECK(loop.descending[1] == Approx(10.2));
 }
 
 TEST_CASE("no full sweep is an error that says which") {
-  CommonSequence common;
+  TaxelTable common;
   common.pressure_psi = {0, 10, 20, 10};
   common.branches = branches_along(common.pressure_psi);
-  common.volts = {0, 1, 2, 1};
+  common.values = {0, 1, 2, 1};
   try {
     external_loop(std::vector{common}, 1);
     FAIL("accepted");

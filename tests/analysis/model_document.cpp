@@ -1,11 +1,11 @@
-#include "analysis/identify/model_document.h"
+#include "analysis/identify/stored/model_document.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "analysis/compensate/inverse_stream.h"
-#include "analysis/statistics/drift.h"
-#include "analysis/statistics/model_score.h"
+#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/sensor/drift.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

@@ -91,7 +91,7 @@ TEST_CASE("models: GPI and MPI are the sums of Eqs (2) and (5)") {
   CHECK(same);
 }
 
-TEST_CASE("models: POLY's branches start where they turned and end where their like converge") {
+TEST_CASE("POLY: a branch starts at its turning point and ends at the converging point") {
   const PolyModel poly = rising_poly();
   const auto state = poly.state();
   CHECK(state->output_at(60.0) == Approx(3.49));

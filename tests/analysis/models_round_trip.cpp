@@ -1,4 +1,5 @@
-// The two round trips that every model promises (models/model.h), on random histories with interrupted branches.
+// The two round trips that every model promises (analysis/models/model.h), on random histories with interrupted
+// branches.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

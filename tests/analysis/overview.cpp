@@ -1,5 +1,5 @@
 // Pages on several runs: well-formed, inert, the JSON's figures, outliers, ranks.
-#include "analysis/report/overview.h"
+#include "analysis/report/overview/overview.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -70,7 +70,7 @@ TEST_CASE("a batch page counts, ranks, marks outliers and draws limits") {
   require_well_formed(report.html);
   require_inert(report.html);
   CHECK(report.html == render_batch(runs).html);
-  CHECK(contains(report.html, "7 of 8 judged, 87.5 %"));
+  CHECK(contains(report.html, "7 of 8 sensors, 87.5 %"));
   CHECK(contains(report.html, "&lt;script&gt;, run 20: compensated: mean error, psi"));
   CHECK(report.html.find("<th scope=\"row\">S-0</th>") < report.html.find("<th scope=\"row\">S-6</th>"));
   CHECK(count(report.html, "mean error, psi, number of runs</title>") == 1);

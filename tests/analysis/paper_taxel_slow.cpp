@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <map>
 
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 #include "tests/analysis/support/fit_samples.h"
 #include "tests/analysis/support/models.h"
 

@@ -1,7 +1,7 @@
 // A regulator's own hysteresis is not the sensor's.
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

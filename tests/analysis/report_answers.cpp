@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "analysis/report/history.h"
-#include "analysis/report/page.h"
-#include "analysis/statistics/health.h"
-#include "analysis/statistics/reference_uncertainty.h"
-#include "analysis/statistics/seating.h"
-#include "analysis/statistics/studies.h"
+#include "analysis/report/parts.h"
+#include "analysis/statistics/sensor/health.h"
+#include "analysis/statistics/sensor/seating.h"
+#include "analysis/statistics/studies/studies.h"
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
@@ -20,6 +20,15 @@ using namespace tactbench::tests;
 namespace {
 
 const double nothing = std::numeric_limits<double>::quiet_NaN();
+
+// With the sensor's seating before it.
+RunHistory whole_history(const db::RunStore& store, std::int64_t run) {
+  const db::RunRecord record = store.run(run);
+  RunHistory history = load_history(read_run(store, record));
+  CHECK(history.earlier_seating_v.empty());
+  add_earlier_seating(history, store, record);
+  return history;
+}
 
 }  // namespace
 
@@ -76,7 +85,7 @@ TEST_CASE("a run's way is counted by frames that count, that carry a flag, and t
   // Two taxels, unloaded then loaded: 100 to 300 and 50 to 450 counts of 0.1 mV.
   store.append_check(begun.run,
                      {begun.run, 4, "seating", "pass", R"({"volts_per_count":0.0001})", {100, 50, 300, 450}});
-  const RunHistory history = load_history(store, store.run(begun.run));
+  const RunHistory history = whole_history(store, begun.run);
   CHECK(history.frames == 3);
   CHECK(history.flagged == 2);
   CHECK(history.void_frames == 2);
@@ -91,7 +100,7 @@ TEST_CASE("a run's way is counted by frames that count, that carry a flag, and t
   const auto next_run = [&](const char* verdict, std::vector<double> data) {
     const std::int64_t run = store.begin_run(example_run());
     store.append_check(run, {run, 4, "seating", verdict, R"({"volts_per_count":0.0001})", std::move(data)});
-    return load_history(store, store.run(run));
+    return whole_history(store, run);
   };
   CHECK(next_run("fail", {100, 50, 200, 150}).earlier_seating_run == begun.run);
   const RunHistory last = next_run("pass", {100, 50, 400, 250});

@@ -3,9 +3,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "analysis/report/html.h"
+#include "analysis/report/page/html.h"
 #include "analysis/report/report.h"
 #include "tests/analysis/report_example.h"
+#include "tests/analysis/report_page.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -13,12 +14,6 @@ using namespace tactbench::analysis;
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-nlohmann::json data_of(const std::string& page) {
-  const std::string open = "id=\"report-data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
-}
 
 // `text` without its tags.
 std::string untagged(const std::string& text) {
@@ -59,8 +54,9 @@ std::string percent(const nlohmann::json& share, int digits) {
 
 TEST_CASE("the per-level table prints the levels of the JSON, rounded") {
   const Report report = render_report(example::example_input());
-  const auto data = data_of(report.html);
+  const auto data = nlohmann::json::parse(data_text(report.html));
   CHECK(data["schema"] == "tactbench.report");
+  CHECK(data["version"] == 2);
   CHECK(data["number"] == report.number);
   const auto& levels = data["results"]["evaluation"]["levels"];
   REQUIRE(levels.size() == 31);
@@ -68,14 +64,14 @@ TEST_CASE("the per-level table prints the levels of the JSON, rounded") {
     const auto row = row_of(report.html, "Levels of the external loop", html::fixed(level["pressure_psi"], 1).value);
     REQUIRE(row.size() == 14);
     CHECK(row[1] == html::kilopascals(level["pressure_psi"], 1).value);
-    CHECK(row[4] == percent(level["raw_std_up"], 2));
-    CHECK(row[5] == percent(level["raw_std_down"], 2));
-    CHECK(row[6] == percent(level["raw_distance"], 2));
-    CHECK(row[7] == percent(level["comp_std_up"], 2));
-    CHECK(row[8] == percent(level["comp_std_down"], 2));
-    CHECK(row[9] == percent(level["comp_distance"], 2));
-    CHECK(row[10] == percent(level["comp_distance_observable"], 2));
-    CHECK(row[11] == percent(level["worst_taxel_distance"], 2));
+    CHECK(row[4] == percent(level["raw_std_up_fs"], 2));
+    CHECK(row[5] == percent(level["raw_std_down_fs"], 2));
+    CHECK(row[6] == percent(level["raw_distance_fs"], 2));
+    CHECK(row[7] == percent(level["comp_std_up_fs"], 2));
+    CHECK(row[8] == percent(level["comp_std_down_fs"], 2));
+    CHECK(row[9] == percent(level["comp_distance_fs"], 2));
+    CHECK(row[10] == percent(level["comp_distance_observable_fs"], 2));
+    CHECK(row[11] == percent(level["worst_taxel_distance_fs"], 2));
     CHECK(row[12] == std::to_string(level["flat_taxels"].get<int>()));
     const bool worse = level["made_worse"] || level["std_up_made_worse"] || level["std_down_made_worse"];
     CHECK((row[13].find("▲ worse") == 0) == worse);
@@ -104,18 +100,18 @@ TEST_CASE("a level made worse is marked where it is, as in the paper's own table
 TEST_CASE("frames strips print std and distance of the levels that they show") {
   const ReportInput input = example::example_input();
   const Report report = render_report(input);
-  const auto levels = data_of(report.html)["results"]["evaluation"]["levels"];
-  const auto frames = data_of(report.html)["results"]["frames"];
+  const auto levels = nlohmann::json::parse(data_text(report.html))["results"]["evaluation"]["levels"];
+  const auto frames = nlohmann::json::parse(data_text(report.html))["results"]["frames"];
   const auto raw = row_of(report.html, "Before compensation: output voltage", "mean/FS, %");
   const auto compensated = row_of(report.html, "After compensation: pressure", "mean/FS, %");
   const std::vector<std::size_t> shown = {2, 5, 10, 15, 20, 25, 30};
   REQUIRE(raw.size() == shown.size() + 1);
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    CHECK(raw[i + 1] == percent(levels[shown[i]]["raw_distance"], 1));
-    CHECK(compensated[i + 1] == percent(levels[shown[i]]["comp_distance"], 1));
+    CHECK(raw[i + 1] == percent(levels[shown[i]]["raw_distance_fs"], 1));
+    CHECK(compensated[i + 1] == percent(levels[shown[i]]["comp_distance_fs"], 1));
   }
   // The frames in the JSON give the printed mismatch again.
-  const double full_scale = data_of(report.html)["results"]["evaluation"]["full_scale_v"];
+  const double full_scale = nlohmann::json::parse(data_text(report.html))["results"]["evaluation"]["full_scale_v"];
   const auto std_up = row_of(report.html, "Before compensation: output voltage", "std/FS, %");
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto values = frames[shown[i]]["raw_up_v"].get<std::vector<double>>();
@@ -125,7 +121,7 @@ TEST_CASE("frames strips print std and distance of the levels that they show") {
 
 TEST_CASE("model, loops, hysteresis, verdicts and held-out tables print the JSON's figures") {
   const Report report = render_report(example::example_input());
-  const auto results = data_of(report.html)["results"];
+  const auto results = nlohmann::json::parse(data_text(report.html))["results"];
   const auto& evaluation = results["evaluation"];
   const auto hysteresis = row_of(report.html, "Hysteresis error", "mean taxel, as in Loops and Levels");
   CHECK(hysteresis[1] == percent(evaluation["hysteresis_max_fs"], 1));
@@ -169,9 +165,9 @@ TEST_CASE("model, loops, hysteresis, verdicts and held-out tables print the JSON
   const auto held_out =
       row_of(report.html, "Compensation of this and other runs", "after: |up − down|, mean over taxels, % FS");
   REQUIRE(held_out.size() == 5);
-  CHECK(held_out[1] == percent(evaluation["comp_distance"], 2));
+  CHECK(held_out[1] == percent(evaluation["comp_distance_fs"], 2));
   for (std::size_t i = 0; i < 3; ++i)
-    CHECK(held_out[i + 2] == percent(results["held_out"][i]["evaluation"]["comp_distance"], 2));
+    CHECK(held_out[i + 2] == percent(results["held_out"][i]["evaluation"]["comp_distance_fs"], 2));
 
   const auto verdict = row_of(report.html, "Criteria", "distance of mean");
   CHECK(verdict[2] == percent(results["verdicts"][2]["value"], 2) + "\u00A0%\u00A0FS");
@@ -198,8 +194,8 @@ TEST_CASE("what is not a number is null in the JSON and not available on the pag
   e.levels[27].flat_taxels = 254;  // every fitted one: nothing observable is left
   e.levels[27].comp_distance_observable = 0.0;
   const Report report = render_report(input);
-  const auto results = data_of(report.html)["results"];
-  CHECK(results["evaluation"]["levels"][27]["comp_distance_observable"].is_null());
+  const auto results = nlohmann::json::parse(data_text(report.html))["results"];
+  CHECK(results["evaluation"]["levels"][27]["comp_distance_observable_fs"].is_null());
   CHECK(row_of(report.html, "Levels of the external loop", "54.0")[10] == "not available");
   CHECK(results["evaluation"]["mean_error_psi"].is_null());
   CHECK(results["evaluation"]["max_error_psi"].is_null());

@@ -6,8 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "analysis/report/more_sections.h"
-#include "analysis/report/page.h"
+#include "analysis/report/data/section_data.h"
+#include "analysis/report/parts.h"
+#include "analysis/report/sections/sections.h"
 #include "tests/analysis/report_example.h"
 #include "tests/analysis/report_page.h"
 

@@ -1,4 +1,4 @@
-// A report's page taken apart, for tests: tags, attributes, xmllint.
+// A report's page taken apart, for tests: tags, attributes, data, xmllint.
 #pragma once
 
 #include <unistd.h>
@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,13 @@ inline std::size_t count(const std::string& text, const std::string& part) {
   std::size_t n = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
   return n;
+}
+
+// The data that the page carries.
+inline std::string data_text(const std::string& page) {
+  const std::string open = "id=\"report-data\">";
+  const std::size_t from = page.find(open) + open.size();
+  return page.substr(from, page.find("</script>", from) - from);
 }
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "analysis/report/data.h"
-#include "analysis/report/figure.h"
-#include "analysis/report/html.h"
-#include "analysis/report/style.h"
+#include "analysis/report/data/data.h"
+#include "analysis/report/page/figure.h"
+#include "analysis/report/page/html.h"
+#include "analysis/report/page/style.h"
 
 using namespace tactbench::analysis;
 using html::Attribute;

@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "analysis/report/gum_numbers.h"
+#include "analysis/report/page/gum_numbers.h"
 #include "analysis/report/report.h"
 #include "tests/analysis/report_example.h"
 #include "tests/analysis/report_page.h"

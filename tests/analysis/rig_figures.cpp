@@ -1,5 +1,5 @@
 // Figures of the rig from runs whose pressures and places are known by construction.
-#include "analysis/statistics/rig_figures.h"
+#include "analysis/statistics/figures/rig_figures.h"
 
 #include <catch2/catch.hpp>
 
@@ -8,10 +8,16 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using analysis::chamber_figures;
-using analysis::press_figures;
 
 namespace {
+
+std::map<std::string, double> chamber_of(const db::RunStore& store, std::int64_t run) {
+  return analysis::chamber_figures(analysis::read_run(store, store.run(run)));
+}
+
+std::map<std::string, double> press_of(const db::RunStore& store, std::int64_t run) {
+  return analysis::press_figures(analysis::read_run(store, store.run(run)));
+}
 
 struct LevelHeld {
   double setpoint = 0.0, reference = 0.0, slope_per_s = 0.0, settling_s = 0.0;
@@ -62,7 +68,7 @@ TEST_CASE("the chamber's figures are those that the run was made with") {
   double time_s = 0.0;
   hold(store, run, 0, levels, 0.0, time_s);
   hold(store, run, 1, levels, 0.02, time_s);
-  const std::map<std::string, double> figures = chamber_figures(store, run);
+  const std::map<std::string, double> figures = chamber_of(store, run);
   CHECK(figures.at("zero_reference_psi") == Approx(0.02));
   CHECK(figures.at("zero_feedback_psi") == Approx(0.0).margin(1e-12));
   CHECK(figures.at("reference_minus_feedback_psi") == Approx(0.02));
@@ -74,7 +80,7 @@ TEST_CASE("the chamber's figures are those that the run was made with") {
   CHECK(figures.at("venting_s") == Approx(3.0));
   CHECK(figures.at("overshoot_psi") == Approx(0.40).margin(1e-5));
   CHECK(figures.count("regulator_hysteresis_psi") == 0);  // no level was held both ways
-  CHECK(press_figures(store, run).empty());
+  CHECK(press_of(store, run).empty());
 }
 
 TEST_CASE("void branches do not count, and the regulator's hysteresis is what both ways differ by") {
@@ -92,10 +98,10 @@ TEST_CASE("void branches do not count, and the regulator's hysteresis is what bo
         {30.0, 30.35, 0.0, 0.5, 1},
         {0.0, 0.0, 0.0, 0.5, 1}},
        0.0, time_s);
-  CHECK(chamber_figures(store, run).at("regulator_hysteresis_psi") == Approx(0.25));
-  CHECK(chamber_figures(store, run).count("repeatability_psi") == 0);
+  CHECK(chamber_of(store, run).at("regulator_hysteresis_psi") == Approx(0.25));
+  CHECK(chamber_of(store, run).count("repeatability_psi") == 0);
   for (const db::BranchRecord& branch : store.branches(run)) store.void_branch(branch.branch, "redone");
-  CHECK(chamber_figures(store, run).empty());
+  CHECK(chamber_of(store, run).empty());
 }
 
 TEST_CASE("the stage's repeatability is the spread of the places at one force, the zero's drift the tares'") {
@@ -125,10 +131,10 @@ TEST_CASE("the stage's repeatability is the spread of the places at one force, t
                         repeat == 0 ? R"({"removed_fz_n":0.1})" : R"({"removed_fz_n":0.1,"drift_fz_n":-0.004})",
                         {}});
   }
-  const std::map<std::string, double> figures = press_figures(store, begun.run);
+  const std::map<std::string, double> figures = press_of(store, begun.run);
   CHECK(figures.at("stage_repeatability_um") == Approx(20.0 / std::sqrt(2.0)));
   CHECK(figures.at("force_relaxation_percent") == Approx(5.0));
   CHECK(figures.at("press_stiffness_n_per_mm") == Approx(0.5 * (9.5 / 0.5 + 9.5 / 0.51)));
   CHECK(figures.at("force_zero_drift_n") == Approx(-0.004));
-  CHECK(chamber_figures(store, begun.run).empty());
+  CHECK(chamber_of(store, begun.run).empty());
 }

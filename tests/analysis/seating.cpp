@@ -1,5 +1,5 @@
 // The seating check on simulated arrays: every fault of a mount is found and named, and nothing else is.
-#include "analysis/statistics/seating.h"
+#include "analysis/statistics/sensor/seating.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/identify.h"
-#include "analysis/statistics/evaluation.h"
+#include "analysis/identify/elam/identify.h"
+#include "analysis/statistics/figures/evaluation.h"
 #include "db/run_store.h"
 #include "tests/analysis/support/synthetic.h"
 

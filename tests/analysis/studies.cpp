@@ -1,5 +1,5 @@
 // What further runs tell, on frames whose answer is known.
-#include "analysis/statistics/studies.h"
+#include "analysis/statistics/studies/studies.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -115,7 +115,7 @@ TEST_CASE("noise comes out as the residual") {
   CHECK(u.residual_rms_psi == Approx(0.05).epsilon(0.15));
 }
 
-TEST_CASE("half a turn alone tells half as much, and a taxel without a model takes nothing with it") {
+TEST_CASE("half a turn alone leaves twice as many constants undetermined, and taxels without a model are skipped") {
   std::vector<TurnedRun> runs = turned({0, 180});
   const Uniformity half = uniformity_of(runs, kSide, kSide);
   REQUIRE(half.assessed());

@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "analysis/statistics/behaviour.h"
-#include "analysis/statistics/studies.h"
-#include "analysis/statistics/usable_range.h"
+#include "analysis/statistics/figures/behaviour.h"
+#include "analysis/statistics/figures/usable_range.h"
+#include "analysis/statistics/studies/studies.h"
 #include "tests/analysis/support/straight_array.h"
 
 using namespace straight_array;

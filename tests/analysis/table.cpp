@@ -67,7 +67,7 @@ TEST_CASE("separators, line ends, comments, quotes and a byte order mark are tak
 
 TEST_CASE("a bad row is refused with its line, column and content") {
   const std::string head = "input,output\n1,2\n";
-  CHECK_THAT(refusal(head + "3\n"), Catch::Contains("t.csv:3: 1 fields where the first line names 2"));
+  CHECK_THAT(refusal(head + "3\n"), Catch::Contains("t.csv:3: 1 field where the first line names 2 columns"));
   CHECK_THAT(refusal(head + "3,4,5\n"), Catch::Contains("TB-TABLE-ROW"));
   CHECK_THAT(refusal(head + "\n3,x\n"), Catch::Contains(":4: \"x\" in column output is not a number"));
   CHECK_THAT(refusal(head + "nan,4\n"), Catch::Contains("nan in column input is not finite"));
@@ -82,4 +82,58 @@ TEST_CASE("an empty table and a missing one are refused") {
   CHECK_THAT(refusal("# only a comment\n"), Catch::Contains("TB-TABLE-EMPTY"));
   CHECK_THAT(refusal("input,output\n"), Catch::Contains("TB-TABLE-EMPTY"));
   CHECK_THROWS_AS(read_table("/nowhere/t.csv"), AnalysisError);
+}
+
+TEST_CASE("quotes are read as RFC 4180 has them, and one that is not closed is refused with its line") {
+  const std::string head = "sequence,input,output\n";
+  const auto names = [&](const std::string& cell) { return read(head + cell + ",1,2\n")[0].sequence; };
+  CHECK(names("\"a,b\"") == "a,b");
+  CHECK(names(" \"a\" ") == "a");
+  CHECK(names("\"say \"\"up\"\"\"") == "say \"up\"");
+  CHECK(names("\"\"").empty());
+  CHECK_THAT(refusal(head + "a,1,2\n\"a,5,1\n"), Catch::Contains("t.csv:3: the quote at byte 1 is not closed"));
+  CHECK_THAT(refusal(head + "\"a,5,1"), Catch::Contains("TB-TABLE-ROW") && Catch::Contains(":2: the quote"));
+  CHECK_THAT(refusal(head + "\"a\"b,5,1\n"), Catch::Contains("after the closing quote"));
+  CHECK_THAT(refusal(head + "a\",5,1\n"), Catch::Contains("middle of field 1"));
+  CHECK_THAT(refusal("\"input,output\n1,2\n"), Catch::Contains(":1: the quote at byte 1 is not closed"));
+  CHECK(read("input\t\"output\"\n1\t2\n")[0].output == std::vector{2.0});
+}
+
+TEST_CASE("steps that stand twice or out of order are refused with their line, a repeat is not") {
+  const std::string head = "sequence,step,input,output\n";
+  CHECK_THAT(refusal(head + "a,1,0,0\na,2,1,1\na,2,2,2\n"),
+             Catch::Contains("TB-TABLE-STEP") && Catch::Contains("t.csv:4: step 2 stands twice in sequence \"a\""));
+  CHECK_THAT(refusal(head + "a,1,0,0\na,3,1,1\na,2,2,2\n"), Catch::Contains(":4: step 2 comes after step 3"));
+  CHECK(read(head + "a,1,0,0\na,2,1,1\na,1,0,0\na,2,1,1\n")[0].input.size() == 4);  // two repeats
+  CHECK(read(head + "a,5,0,0\nb,1,1,1\na,6,1,1\nb,2,0,0\n").size() == 2);           // each counts for itself
+  CHECK(read("input,output,taxel,step\n0,0,1,1\n0,0,2,1\n1,1,1,2\n1,1,2,2\n").size() == 2);
+  CHECK(read("step,input,output\nup,0,0\nup,1,1\n")[0].input.size() == 2);  // no number: not looked at
+}
+
+TEST_CASE("a NUL is named, and cuts no message") {
+  const std::string nul(1, '\0');
+  CHECK_THAT(refusal("input,output\n1" + nul + "2,2\n"), Catch::Contains("t.csv:2: byte 2 is a NUL"));
+  CHECK_THAT(refusal("i" + nul + "nput,output\n1,2\n"), Catch::Contains("t.csv:1: byte 2 is a NUL"));
+  const AnalysisError error("TB-TABLE-ROW", "before" + nul + "after", "mend it");
+  CHECK(std::string(error.what()) == "before\\x00after");
+}
+
+TEST_CASE("a line without an end is refused, not gathered") {
+  CHECK_THAT(refusal("input,output\n1," + std::string(1'200'000, '2') + "\n"),
+             Catch::Contains("more than 1000000 bytes"));
+  CHECK(read("input,output,note\n1,2," + std::string(200'000, 'x') + "\n3,4,\n")[0].input.size() == 2);
+}
+
+TEST_CASE("what is no file is no table") {
+  const auto id = [](const std::string& path) -> std::string {
+    try {
+      (void)read_table(path);
+    } catch (const AnalysisError& error) {
+      return error.id() + " " + error.what();
+    }
+    return "accepted";
+  };
+  CHECK(id("/dev/zero") == "TB-TABLE-OPEN /dev/zero is no regular file");
+  CHECK_THAT(id("/dev"), Catch::Contains("TB-TABLE-OPEN"));
+  CHECK_THAT(id("/proc/self/mem"), Catch::Contains("TB-TABLE-OPEN") && Catch::Contains("reading failed"));
 }

@@ -1,5 +1,5 @@
 // Temperature in the budget: coefficients by hand from runs made by formula, and what keeps them from being assessed.
-#include "analysis/statistics/temperature_effect.h"
+#include "analysis/statistics/uncertainty/temperature_effect.h"
 
 #include <catch2/catch.hpp>
 

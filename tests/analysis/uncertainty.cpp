@@ -1,11 +1,12 @@
 // Uncertainty of a reading: Student and Welch-Satterthwaite against published values, a budget recomputed by hand.
-#include "analysis/statistics/uncertainty.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "analysis/compensate/compensator.h"
+#include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
@@ -58,7 +59,7 @@ TEST_CASE("the certificate is read from the run's devices, and what is not state
   const ReferenceUncertainty known = reference_uncertainty(record_with_reference(kWithCertificate));
   CHECK(known.certificate_missing.empty());
   CHECK(known.drift_missing.empty());
-  CHECK(known.certificate == "C-1");
+  CHECK(known.calibration.certificate == "C-1");
   CHECK_FALSE(known.overdue);
   CHECK(known.certificate_u(0.0) == Approx(0.02));
   CHECK(known.certificate_u(30.0) == Approx(0.05));
@@ -68,7 +69,8 @@ TEST_CASE("the certificate is read from the run's devices, and what is not state
 
   const ReferenceUncertainty overdue = reference_uncertainty(record_with_reference(kWithCertificate, "2026-05-05"));
   CHECK(overdue.overdue);
-  CHECK_THAT(overdue.drift_missing, Catch::Contains("was due on 2026-05-05"));
+  CHECK(overdue.drift_missing.empty());
+  CHECK(overdue.drift_psi > known.drift_psi);
   CHECK(overdue.certificate_missing.empty());
 
   const ReferenceUncertainty bare = reference_uncertainty(record_with_reference(""));
@@ -217,4 +219,36 @@ TEST_CASE("taxels without a model have no uncertainty, and threads change nothin
   Dataset other = example.dataset;
   other.sensor_serial = "S2";
   CHECK_THROWS_AS(assess_uncertainty(other, example.fit, run), AnalysisError);
+}
+
+TEST_CASE("U never falls when a due date passes, of no reading and of no judged figure") {
+  const Example example;
+  const Evaluation evaluation = evaluate(example.dataset, example.fit);
+  // Runs of 2026-05-06. The due date moves back: in date, on its last day, a day past it, and further and further.
+  std::vector<double> median_before, judged_before;
+  double drift_before = 0.0;
+  for (const char* due :
+       {"", "2027-01-31", "2026-05-06", "2026-05-05", "2026-04-06", "2025-05-06", "2020-01-31", "1999-12-31"}) {
+    INFO("due '" << due << "'");
+    const db::RunRecord run = record_with_reference(kWithCertificate, due);
+    const Uncertainty uncertainty = assess_uncertainty(example.dataset, example.fit, run);
+    std::vector<double> median, judged;
+    for (const LevelUncertainty& level : uncertainty.levels) {
+      median.push_back(level.median.expanded_psi);
+      CHECK(row_of(level.median, UncertaintySource::kDrift) != nullptr);
+    }
+    for (const JudgedUncertainty& figure :
+         judged_uncertainties(example.dataset, example.dataset, example.fit, evaluation, reference_uncertainty(run)))
+      judged.push_back(figure.expanded);
+    const double drift = row_of(uncertainty.levels.front().median, UncertaintySource::kDrift)->u_psi;
+    CHECK(drift >= 0.05 / std::sqrt(3.0) * (1.0 - 1e-12));
+    CHECK(drift >= drift_before);
+    drift_before = drift;
+    for (std::size_t i = 0; i < median_before.size(); ++i) CHECK(median[i] >= median_before[i]);
+    for (std::size_t i = 0; i < judged_before.size(); ++i) CHECK(judged[i] >= judged_before[i]);
+    median_before = median;
+    judged_before = judged;
+    CHECK(missing(uncertainty, UncertaintySource::kDrift).empty());
+  }
+  CHECK(drift_before > 10.0 * 0.05 / std::sqrt(3.0));  // 26 years past a limit for one
 }

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "analysis/identify/model_document.h"
+#include "analysis/identify/stored/model_document.h"
 #include "tests/analysis/support/synthetic.h"
 
 using namespace synthetic;

@@ -1,11 +1,11 @@
 // Decision rules at the edges, and the uncertainty of judged figures against the same by hand.
-#include "analysis/statistics/verdict.h"
+#include "analysis/statistics/conformity/verdict.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "analysis/statistics/coverage.h"
+#include "analysis/statistics/numbers/coverage.h"
 #include "tests/analysis/support/straight_array.h"
 #include "tests/analysis/support/synthetic.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 const double not_known = std::numeric_limits<double>::quiet_NaN();
 
-std::string word(DecisionRule rule, double value, double expanded = 0.25) {
+Verdict by_rule(DecisionRule rule, double value, double expanded = 0.25) {
   return verdict_of(rule, value, 2.0, expanded);
 }
 
@@ -46,36 +46,47 @@ struct Judged {
   }
 };
 
+// Straight taxels; three repeats in which the first reads 25, 26 and 27 psi on its way down through 20 psi, and nothing
+// else differs.
+Dataset repeats_a_step_apart() {
+  using namespace straight_array;
+  const std::vector<Sample> steps{{0, 0}, {20, 20}, {40, 41}, {60, 60}, {40, 40}, {20, 20}, {0, 0}};
+  SequenceData sequence{"loop", {}};
+  for (const double down : {25.0, 26.0, 27.0})
+    sequence.repeats.push_back(repeat_of(steps, {{0, 20, 41, 60, 39, down, 0}, {0, 20, 41, 60, 43, 21, 0}}));
+  return dataset_of({sequence});
+}
+
 }  // namespace
 
 TEST_CASE("four-way at the limit and U to either side of it") {
   // Limit 2, U 0.25: both are exact in binary.
   const DecisionRule rule = DecisionRule::kFourWay;
-  CHECK(word(rule, -1.0) == "pass");
-  CHECK(word(rule, 1.75) == "pass");
-  CHECK(word(rule, std::nextafter(1.75, 9.0)) == "conditional pass");
-  CHECK(word(rule, 2.0) == "conditional pass");
-  CHECK(word(rule, std::nextafter(2.0, 9.0)) == "conditional fail");
-  CHECK(word(rule, 2.25) == "conditional fail");
-  CHECK(word(rule, std::nextafter(2.25, 9.0)) == "fail");
-  CHECK(word(rule, 1e9) == "fail");
-  CHECK(word(rule, 2.0, 0.0) == "pass");
-  CHECK(word(rule, std::nextafter(2.0, 9.0), 0.0) == "fail");
-  CHECK(word(rule, 1.0, not_known) == "inconclusive");
-  CHECK(word(rule, not_known) == "inconclusive");
+  CHECK(by_rule(rule, -1.0) == Verdict::kPass);
+  CHECK(by_rule(rule, 1.75) == Verdict::kPass);
+  CHECK(by_rule(rule, std::nextafter(1.75, 9.0)) == Verdict::kConditionalPass);
+  CHECK(by_rule(rule, 2.0) == Verdict::kConditionalPass);
+  CHECK(by_rule(rule, std::nextafter(2.0, 9.0)) == Verdict::kConditionalFail);
+  CHECK(by_rule(rule, 2.25) == Verdict::kConditionalFail);
+  CHECK(by_rule(rule, std::nextafter(2.25, 9.0)) == Verdict::kFail);
+  CHECK(by_rule(rule, 1e9) == Verdict::kFail);
+  CHECK(by_rule(rule, 2.0, 0.0) == Verdict::kPass);
+  CHECK(by_rule(rule, std::nextafter(2.0, 9.0), 0.0) == Verdict::kFail);
+  CHECK(by_rule(rule, 1.0, not_known) == Verdict::kInconclusive);
+  CHECK(by_rule(rule, not_known) == Verdict::kInconclusive);
 }
 
 TEST_CASE("simple, guarded, default and report-only at their edges") {
-  CHECK(word(DecisionRule::kSimple, 2.0) == "pass");
-  CHECK(word(DecisionRule::kSimple, std::nextafter(2.0, 9.0)) == "fail");
-  CHECK(word(DecisionRule::kSimple, 2.0, not_known) == "pass");
-  CHECK(word(DecisionRule::kGuarded, 1.75) == "pass");
-  CHECK(word(DecisionRule::kGuarded, std::nextafter(1.75, 9.0)) == "fail");
-  CHECK(word(DecisionRule::kGuarded, 1.0, not_known) == "inconclusive");
-  CHECK(word(DecisionRule::kDefault, 2.0) == "conditional pass");
-  CHECK(word(DecisionRule::kDefault, 2.0, not_known) == "pass");
-  CHECK(word(DecisionRule::kReportOnly, 9.0) == "report only");
-  CHECK(std::string(verdict_of(DecisionRule::kDefault, 1.0, not_known, 0.1)) == "inconclusive");
+  CHECK(by_rule(DecisionRule::kSimple, 2.0) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kSimple, std::nextafter(2.0, 9.0)) == Verdict::kFail);
+  CHECK(by_rule(DecisionRule::kSimple, 2.0, not_known) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kGuarded, 1.75) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kGuarded, std::nextafter(1.75, 9.0)) == Verdict::kFail);
+  CHECK(by_rule(DecisionRule::kGuarded, 1.0, not_known) == Verdict::kInconclusive);
+  CHECK(by_rule(DecisionRule::kDefault, 2.0) == Verdict::kConditionalPass);
+  CHECK(by_rule(DecisionRule::kDefault, 2.0, not_known) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kReportOnly, 9.0) == Verdict::kReportOnly);
+  CHECK(verdict_of(DecisionRule::kDefault, 1.0, not_known, 0.1) == Verdict::kInconclusive);
   for (const char* name : {"default", "simple", "guarded", "four-way", "report-only"}) {
     const auto rule = decision_rule_from(name);
     REQUIRE(rule);
@@ -94,14 +105,9 @@ TEST_CASE("simple, guarded, default and report-only at their edges") {
 
 TEST_CASE(
     "U of judged figures by hand: the reference where it counts, the repeats where it cancels, none for a count") {
-  // Straight taxels; three repeats in which the first reads 25, 26 and 27 psi on its way down through 20 psi, and
-  // nothing else differs. So the repeats' figures lie one step apart, s is that step, and u is s / sqrt 3.
+  // The repeats' figures lie one step apart, s is that step, and u is s / sqrt 3.
   using namespace straight_array;
-  const std::vector<Sample> steps{{0, 0}, {20, 20}, {40, 41}, {60, 60}, {40, 40}, {20, 20}, {0, 0}};
-  SequenceData sequence{"loop", {}};
-  for (const double down : {25.0, 26.0, 27.0})
-    sequence.repeats.push_back(repeat_of(steps, {{0, 20, 41, 60, 39, down, 0}, {0, 20, 41, 60, 43, 21, 0}}));
-  const Dataset data = dataset_of({sequence});
+  const Dataset data = repeats_a_step_apart();
   const Evaluation evaluation = evaluate(data, straight_fit());
   const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, certified(0.2));
   REQUIRE(all.size() == 4 + 2 * 4);
@@ -130,6 +136,29 @@ TEST_CASE(
   CHECK(known("mismatch", "20 psi up").combined == Approx(0.0).margin(1e-12));
   CHECK(known("unfit_taxels", "array").expanded == 0.0);
   CHECK(find_uncertainty(all, "mismatch", "41 psi up") == nullptr);
+}
+
+TEST_CASE("a drift beyond its stated limit never lowers U, though few repeats make k large") {
+  // Three repeats a step of 1 psi apart in one of 14 readings, as above: u 0.041 psi with two degrees of freedom. With
+  // the drift's share taken as knowledge k would fall from 2.87 to 2.32 while u grows by a fifth.
+  using namespace straight_array;
+  const Dataset data = repeats_a_step_apart();
+  const Evaluation evaluation = evaluate(data, straight_fit());
+  ReferenceUncertainty reference = certified(0.02);
+  reference.drift_missing.clear();
+  reference.drift_stated_psi = 0.05;
+  double before = 0.0;
+  for (const double growth : {1.0, 1.01, 1.2, 1.5, 2.0, 3.0, 4.0}) {
+    INFO("growth " << growth);
+    reference.drift_psi = growth * reference.drift_stated_psi;
+    const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, reference);
+    const JudgedUncertainty* mean = find_uncertainty(all, "mean_compensation_error", "array");
+    CHECK(mean->combined ==
+          Approx(std::sqrt(0.01 * 0.01 + std::pow(growth * 0.05, 2) / 3.0 + 1.0 / 14.0 / 14.0 / 3.0)));
+    CHECK(mean->factor == Approx(2.87).margin(0.00501));  // four degrees of freedom, throughout
+    CHECK(mean->expanded > before);
+    before = mean->expanded;
+  }
 }
 
 TEST_CASE("without a certificate or repeats U is not known, and only the default rule falls back to simple") {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "analysis/statistics/levels.h"
-#include "analysis/statistics/streams.h"
-#include "analysis/statistics/uncertainty.h"
+#include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/streams.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -239,7 +239,7 @@ TEST_CASE("a report finds the film's coefficient of temperature and its creep, a
   CHECK(after["expanded_psi"].get<double>() > 1.2 * before["expanded_psi"].get<double>());
 
   const std::string aged = reading_of(folder, {"report", "1", "--studies", "4"})["not_assessed"]["temperature"];
-  CHECK_THAT(aged, Catch::Contains("28.0 °C") && Catch::Contains("age differs by 1 months"));
+  CHECK_THAT(aged, Catch::Contains("28.0 °C") && Catch::Contains("age differs by a month"));
   const std::string mounted = reading_of(folder, {"report", "1", "6"})["not_assessed"]["temperature"];
   CHECK_THAT(mounted, Catch::Contains("mounted anew"));
 

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "analysis/statistics/uncertainty.h"
-#include "analysis/statistics/verdict.h"
+#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -13,18 +13,16 @@ using nlohmann::json;
 
 namespace {
 
-Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(program_path(), words, folder.path());
-}
-
 void carry_out_run(const TemporaryFolder& folder) {
   REQUIRE(call(folder, {"init"}).code == 0);
   write_file(folder.path("three.toml"),
              "schema = 1\nname = \"three\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\n"
              "repeats = 3\ndwell_s = 1.0\n");
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
-  REQUIRE(call(folder, {"run", "three.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q"})
-              .code == 0);
+  for (const char* seed : {"1", "2"})  // the second is judged
+    REQUIRE(call(folder, {"run", "three.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q",
+                          "--seed", seed})
+                .code == 0);
   REQUIRE(call(folder, {"fit", "1", "-q"}).code == 0);
 }
 
@@ -42,17 +40,18 @@ json report_data(const std::string& page) {
   return json::parse(page.substr(from, page.find("</script>", from) - from));
 }
 
-// The run, its models and figures, read from the store.
+// The runs, the models and the figures of the held-out one, read from the store.
 struct FromStore {
   db::RunStore store;
   analysis::ArrayFit fit;
-  analysis::Dataset dataset;
+  analysis::Dataset dataset, judged;
   analysis::Evaluation evaluation;
   explicit FromStore(const TemporaryFolder& folder)
       : store(db::RunStore::open_read_only(folder.path("runs.db"))),
         fit(analysis::load_fit(store, 1)),
         dataset(analysis::load_dataset(store, 1)),
-        evaluation(analysis::evaluate(dataset, fit)) {}
+        judged(analysis::load_dataset(store, 2)),
+        evaluation(analysis::evaluate(judged, fit)) {}
 };
 
 }  // namespace
@@ -62,8 +61,8 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
   carry_out_run(folder);
   const FromStore stored(folder);
   const auto uncertainties =
-      analysis::judged_uncertainties(stored.dataset, stored.dataset, stored.fit, stored.evaluation,
-                                     analysis::reference_uncertainty(stored.store.run(1)));
+      analysis::judged_uncertainties(stored.judged, stored.dataset, stored.fit, stored.evaluation,
+                                     analysis::reference_uncertainty(stored.store.run(2)));
   const analysis::JudgedUncertainty* mean =
       analysis::find_uncertainty(uncertainties, "mean_compensation_error", "array");
   REQUIRE(mean->expanded > 0.05);  // the certificate's U, and more
@@ -71,7 +70,7 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
 
   const auto judged_by = [&](const std::string& rule, double limit, int code, const std::string& word) {
     write_limits(folder, rule, limit);
-    const Finished anew = call(folder, {"report", "1", "--limits", "near.toml", "--json"});
+    const Finished anew = call(folder, {"report", "1", "--held-out", "2", "--limits", "near.toml", "--json"});
     INFO(rule << " " << limit << "\n" << anew.out << anew.err);
     CHECK(anew.code == code);
     CHECK(json::parse(anew.out)["verdicts"][0]["verdict"] == word);
@@ -84,23 +83,23 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
   judged_by("guarded", value + half, 1, "fail");
   CHECK(judged_by("simple", value + half, 0, "pass").find("warning") == std::string::npos);
   judged_by("report-only", value - 3.0 * half, 0, "report only");
-  CHECK(stored.store.verdicts(1).empty());  // judged anew, not stored
+  CHECK(stored.store.verdicts(2).empty());  // judged anew, not stored
 
   write_limits(folder, "four-way", value - half);
-  const Finished fit = call(folder, {"fit", "1", "--limits", "near.toml"});
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "near.toml"});
   CHECK(fit.code == 6);
   CHECK_THAT(fit.out, Catch::Contains("simulated conditional fail"));
-  CHECK_THAT(fit.err, Catch::Contains("fail conditionally"));
-  CHECK(stored.store.verdicts(1).front().rule == "four-way");
-  const Finished verify = call(folder, {"verify", "1"});
+  CHECK_THAT(fit.err, Catch::Contains("1 of 4 criteria fails conditionally"));
+  CHECK(stored.store.verdicts(2).front().rule == "four-way");
+  const Finished verify = call(folder, {"verify", "2"});
   INFO(verify.out << verify.err);
   CHECK(verify.code == 0);
   CHECK(call(folder, {"report", "1"}).code == 6);
   write_limits(folder, "report-only", value);
-  CHECK(call(folder, {"fit", "1", "--limits", "near.toml"}).code == 0);
-  CHECK(stored.store.verdicts(1).empty());
+  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--limits", "near.toml"}).code == 0);
+  CHECK(stored.store.verdicts(2).size() == 4);  // what was found before stays
   write_limits(folder, "strict", value);
-  const Finished wrong = call(folder, {"fit", "1", "--limits", "near.toml"});
+  const Finished wrong = call(folder, {"fit", "1", "--held-out", "2", "--limits", "near.toml"});
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Catch::Contains("[TB-FILE-VALUE]") && Catch::Contains("near.toml:3"));
 }
@@ -108,8 +107,9 @@ TEST_CASE("decision rules end with their exit codes, warn, are stored and verifi
 TEST_CASE("the report's uncertainty is the one recomputed from the store") {
   const TemporaryFolder folder;
   carry_out_run(folder);
-  REQUIRE(call(folder, {"fit", "1", "--limits", "limits.toml", "-q"}).code <= 1);
-  REQUIRE(call(folder, {"report", "1", "-q"}).code <= 1);
+  // 8 psi is no level of this run.
+  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml", "-q"}).code == 6);
+  REQUIRE(call(folder, {"report", "1", "-q"}).code == 6);
   const json data = report_data(read_file(folder.path("reports/run-1.html")))["sections"]["uncertainty"];
   const FromStore stored(folder);
   const analysis::Uncertainty uncertainty =
@@ -131,8 +131,8 @@ TEST_CASE("the report's uncertainty is the one recomputed from the store") {
       CHECK(printed["taxel_expanded_psi"][taxel].get<double>() == Approx(level.expanded_psi[taxel]).epsilon(6e-3));
   }
   CHECK(data["reading"]["reference"]["largest_u_psi"] == 0.025);
-  const auto judged = analysis::judged_uncertainties(stored.dataset, stored.dataset, stored.fit, stored.evaluation,
-                                                     uncertainty.reference);
+  const auto judged = analysis::judged_uncertainties(stored.judged, stored.dataset, stored.fit, stored.evaluation,
+                                                     analysis::reference_uncertainty(stored.store.run(2)));
   REQUIRE(data["judged_figures"].size() == judged.size());
   for (std::size_t i = 0; i < judged.size(); ++i) CHECK(data["judged_figures"][i]["expanded"] == judged[i].expanded);
 }

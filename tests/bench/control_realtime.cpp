@@ -4,8 +4,8 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "bench/run/control_socket.h"
-#include "bench/safety/trip.h"
+#include "bench/guard/trip.h"
+#include "bench/run/control/control_client.h"
 #include "tests/bench/kill_record.h"
 #include "tests/support/paths.h"
 #include "tests/support/served_rig.h"
@@ -73,7 +73,7 @@ struct WordRig : ServedRig {
     const auto live = bench::live_runs();
     for (int i = 0; i < 5 && live.size() == 1; ++i) {
       const auto start = std::chrono::steady_clock::now();
-      if (!bench::send_word(live.front().socket, bench::Word::kStatus)) continue;
+      if (!bench::send_command(live.front().name, bench::Command::kStatus)) continue;
       const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       quickest_answer_s = std::min(quickest_answer_s, took);
     }

@@ -1,21 +1,24 @@
 // Words to a run on a bench that is simulated in its own process: from a step's own callback, so that each word comes
 // at a known place of the recipe, through the real socket.
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <thread>
 
-#include "bench/rig.h"
-#include "bench/run/control_socket.h"
+#include "bench/rig/rig.h"
+#include "bench/run/control/control_client.h"
+#include "bench/run/control/peer.h"
 #include "bench/simulation/plant.h"
-#include "devices/wire/modbus_link.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "tests/bench/kill_record.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
+using bench::Command;
 using bench::ExitCode;
-using bench::Word;
 
 namespace {
 
@@ -25,17 +28,18 @@ bench::LiveRun the_live_run() {
   return live.front();
 }
 
-bench::LiveRun say(Word word) {
-  const auto answer = bench::send_word(the_live_run().socket, word);
+bench::LiveRun say(Command command) {
+  const auto answer = bench::send_command(the_live_run().name, command);
   REQUIRE(answer);
   return *answer;
 }
 
 // Until the run ends or is resumed.
 void resume_when_paused(const std::string& socket) {
-  for (auto live = bench::send_word(socket, Word::kStatus); live; live = bench::send_word(socket, Word::kStatus)) {
+  for (auto live = bench::send_command(socket, Command::kStatus); live;
+       live = bench::send_command(socket, Command::kStatus)) {
     if (live->status.state != bench::RunState::kPaused) continue;
-    (void)bench::send_word(socket, Word::kResume);
+    (void)bench::send_command(socket, Command::kResume);
     return;
   }
 }
@@ -106,10 +110,10 @@ TEST_CASE("control: a simulated run pauses at the end of its branch, waits vente
   bench::LiveRun answer, again;
   std::thread person;
   const bench::RunResult result = words.run(12, [&] {
-    answer = say(Word::kPause);
-    again = say(Word::kResume);  // taken back
-    answer = say(Word::kPause);
-    person = std::thread(resume_when_paused, the_live_run().socket);
+    answer = say(Command::kPause);
+    again = say(Command::kResume);  // taken back
+    answer = say(Command::kPause);
+    person = std::thread(resume_when_paused, the_live_run().name);
   });
   person.join();
   REQUIRE_FALSE(result.error);
@@ -133,17 +137,18 @@ TEST_CASE("control: a simulated run pauses at the end of its branch, waits vente
 
 TEST_CASE("control: stop, abort and panic end a simulated run, vented, and it can be resumed") {
   struct Row {
-    Word word;
+    Command command;
     db::Outcome outcome;
     const char* id;
   };
-  const Row row = GENERATE(values<Row>({{Word::kStop, db::Outcome::kStopped, "TB-RUN-STOPPED"},
-                                        {Word::kAbort, db::Outcome::kAborted, "TB-RUN-ABORTED"},
-                                        {Word::kPanic, db::Outcome::kAborted, "TB-RUN-PANIC"}}));
+  const Row row = GENERATE(values<Row>({{Command::kStop, db::Outcome::kStopped, "TB-RUN-STOPPED"},
+                                        {Command::kAbort, db::Outcome::kAborted, "TB-RUN-ABORTED"},
+                                        {Command::kPanic, db::Outcome::kAborted, "TB-RUN-PANIC"}}));
   Words words;
-  const bench::RunResult result = words.run(15, [&] { CHECK(say(row.word).taken); });
+  const bench::RunResult result = words.run(15, [&] { CHECK(say(row.command).taken); });
   REQUIRE(result.error);
   CHECK(result.error->id() == row.id);
+  CHECK_THAT(result.error->what(), Catch::EndsWith("by " + bench::peer_text({getpid(), geteuid(), false})));
   CHECK(result.error->code() == ExitCode::kStopped);
   CHECK(result.outcome == row.outcome);
   CHECK(result.safe == db::SafeState::kVerified);
@@ -159,7 +164,7 @@ TEST_CASE("control: a panic wins over the fault that follows it, and the record 
   INFO(met.id);
   Words words;
   const bench::RunResult result = words.run(kMidway, [&] {
-    CHECK(say(Word::kPanic).taken);
+    CHECK(say(Command::kPanic).taken);
     met.make(*words.rig);
   });
   REQUIRE(result.error);
@@ -175,18 +180,18 @@ TEST_CASE("control: a panic wins over the fault that follows it, and the record 
 
 TEST_CASE("control: a stop or an abort wins over a device that fails after it, not over a trip") {
   struct Row {
-    Word word;
+    Command command;
     db::Outcome outcome;
     std::string id;
   };
-  const Row row = GENERATE(values<Row>({{Word::kStop, db::Outcome::kStopped, "TB-RUN-STOPPED"},
-                                        {Word::kAbort, db::Outcome::kAborted, "TB-RUN-ABORTED"}}));
+  const Row row = GENERATE(values<Row>({{Command::kStop, db::Outcome::kStopped, "TB-RUN-STOPPED"},
+                                        {Command::kAbort, db::Outcome::kAborted, "TB-RUN-ABORTED"}}));
   const Met met = GENERATE(kRefused, kTripped, kFiredDeadMan);
   const bool wins = met.id == kRefused.id;
   INFO(row.id << ", " << met.id);
   Words words;
   const bench::RunResult result = words.run(kMidway, [&] {
-    CHECK(say(row.word).taken);
+    CHECK(say(row.command).taken);
     met.make(*words.rig);
   });
   REQUIRE(result.error);
@@ -200,7 +205,7 @@ TEST_CASE("control: a stop or an abort wins over a device that fails after it, n
 
 TEST_CASE("control: a fault that came before the panic stays why the run ended, and the panic stands beside it") {
   Words words;
-  words.on_way_out = [] { CHECK(say(Word::kPanic).taken); };
+  words.on_way_out = [] { CHECK(say(Command::kPanic).taken); };
   const bench::RunResult result = words.run(kMidway, [&] { kTripped.make(*words.rig); });
   REQUIRE(result.error);
   CHECK(result.error->id() == kTripped.id);
@@ -208,19 +213,25 @@ TEST_CASE("control: a fault that came before the panic stays why the run ended, 
   CHECK(words.reasons() == Reasons{"fault " + kTripped.id, "word TB-RUN-PANIC"});
 }
 
-TEST_CASE("control: a panic or an abort on the way out of a run that was done ends it, a stop is only kept") {
-  const Word word = GENERATE(Word::kStop, Word::kAbort, Word::kPanic);
+TEST_CASE(
+    "control: a panic or an abort on the way out of a run that was done ends it, a stop is told that it is late") {
+  const Command command = GENERATE(Command::kPause, Command::kStop, Command::kAbort, Command::kPanic);
+  const bool late = command == Command::kPause || command == Command::kStop;
   Words words;
-  words.on_way_out = [&] { CHECK(say(word).taken); };
+  bench::LiveRun answer;
+  words.on_way_out = [&] { answer = say(command); };
   const bench::RunResult result = words.run(-1, [] {});
-  if (word == Word::kStop) {
+  CHECK(answer.taken == !late);
+  if (late) {
+    CHECK(answer.text == "run 1 has done all its steps: it vents, retracts, proves it and ends");
     CHECK_FALSE(result.error);
-    CHECK(words.reasons() == Reasons{"word TB-RUN-STOPPED"});
+    CHECK(result.outcome == db::Outcome::kCompleted);
+    CHECK(words.reasons() == Reasons{});
     return;
   }
   REQUIRE(result.error);
   CHECK(result.outcome == db::Outcome::kAborted);
-  CHECK(words.reasons() == Reasons{word == Word::kPanic ? "fault TB-RUN-PANIC" : "fault TB-RUN-ABORTED"});
+  CHECK(words.reasons() == Reasons{command == Command::kPanic ? "fault TB-RUN-PANIC" : "fault TB-RUN-ABORTED"});
   bench::RunRequest request = small_request();
   request.resume = 1;
   REQUIRE_FALSE(run_small(request, words.store).error);
@@ -235,8 +246,8 @@ TEST_CASE("control: after a long pause the whole repeat is done again") {
   std::thread person;
   request.on_step = [&](const sequences::Step& step) {
     if (step.repeat != 1 || step.branch != 2 || seen++ != 0) return;
-    CHECK(say(Word::kPause).taken);
-    person = std::thread(resume_when_paused, the_live_run().socket);
+    CHECK(say(Command::kPause).taken);
+    person = std::thread(resume_when_paused, the_live_run().name);
   };
   const bench::RunResult result = run_small(request, words.store);
   person.join();
@@ -254,7 +265,7 @@ TEST_CASE("control: after a long pause the whole repeat is done again") {
 TEST_CASE("control: a word that does not fit the state is refused and says so") {
   Words words;
   const bench::RunResult result = words.run(12, [&] {
-    const bench::LiveRun answer = say(Word::kResume);
+    const bench::LiveRun answer = say(Command::kResume);
     CHECK_FALSE(answer.taken);
     CHECK(answer.text == "run 1 is running, not paused");
   });

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "bench/cli/evaluation.h"
+#include "bench/reporting/evaluation.h"
 #include "tests/analysis/report_page.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
@@ -56,15 +56,16 @@ struct Judged {
 };
 
 // As fit and report do it.
-Judged judged_report(db::RunStore& store, std::int64_t run, const std::string& previous = {}) {
+Judged judged_report(db::RunStore& store, std::int64_t run, const std::string& previous = {},
+                     const std::vector<std::int64_t>& held_out = {}) {
   Judged out;
-  out.fit = bench::fit_run(store, run);
-  const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(store, out.fit, {});
-  const std::vector<db::VerdictRecord> verdicts =
-      bench::judge_and_store(store, out.fit, evaluations.front().evaluation, "limits.toml");
+  analysis::Runs runs(store);
+  out.fit = bench::fit_run(store, runs.dataset(run));
+  const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(runs, out.fit, held_out);
+  const bench::Judgement judgement = bench::judge_and_store(store, runs, out.fit, evaluations, "limits.toml");
   bench::ReportExtras extras;
   extras.previous = previous;
-  out.input = bench::report_input(store, run, out.fit, evaluations, verdicts, {}, &extras);
+  out.input = bench::report_input(runs, run, out.fit, evaluations, judgement, {}, &extras);
   out.report = analysis::render_report(out.input);
   out.data = json::parse(out.report.json);
   return out;
@@ -148,8 +149,12 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
     swap_rows(defects, 3, 11);
     plant_taxels(defects);
   });
-  (void)bench::fit_run(store, good);
-  const Judged judged = judged_report(store, bad, std::to_string(good));
+  (void)bench::fit_run(store, analysis::load_dataset(store, good));
+  const std::int64_t held_out = run_with(store, 3, [](std::vector<TaxelDefect>& defects) {
+    swap_rows(defects, 3, 11);
+    plant_taxels(defects);
+  });
+  const Judged judged = judged_report(store, bad, std::to_string(good), {held_out});
   const json& health = judged.data["sections"]["health"];
   CHECK(findings_of(health) == planted());
   for (const json& finding : health["findings"]) {
@@ -177,7 +182,7 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   const std::string told =
       page.substr(page.find("id=\"health\""), page.find("id=\"raw\"") - page.find("id=\"health\""));
   for (const char* words :
-       {"253 of 256 taxels are used; 3 are left out.", "<td>row 2, column 5</td><td class=\"state\">dead</td>",
+       {"253 of 256 taxels used, 3 left out.", "<td>row 2, column 5</td><td class=\"state\">dead</td>",
         "<td>row 7, column 9</td><td class=\"state\">stuck</td>",
         "<td>row 8, column 12</td><td class=\"state\">noisy</td>",
         "<td>row 13, column 1</td><td class=\"state\">saturated</td>", "rows 3 and 11 stand in each other’s place",

@@ -3,7 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "bench/error.h"
+#include "bench/common/error.h"
+#include "bench/config/calibration_words.h"
 #include "bench/instruments/check.h"
 #include "bench/instruments/reference_calibration.h"
 #include "bench/instruments/scan.h"
@@ -43,10 +44,11 @@ TEST_CASE("devices check: every instrument of the simulated rig is ok, named and
   CHECK(checks.size() == 6);
   for (const bench::DeviceCheck& device : checks) {
     INFO(device.role << " " << device.remedy);
-    CHECK(device.state == State::kOk);
+    const bool overdue = device.role == "pressure reference";
+    CHECK(device.state == (overdue ? State::kWarning : State::kOk));
     CHECK_FALSE(device.found.empty());
     CHECK_FALSE(device.reading.empty());
-    CHECK(device.remedy.empty());
+    CHECK(device.remedy.empty() != overdue);
     CHECK_THAT(device.found, Catch::Contains("simulated"));
   }
   CHECK(says(of(checks, "pressure reference"), "OVERDUE since 2026-05-31"));
@@ -147,8 +149,14 @@ TEST_CASE("calibrating a reference: corrections by level, residuals, and U from 
                   std::invalid_argument);
 }
 
-TEST_CASE("due dates in words") {
-  CHECK(bench::due_text("", "2026-06-01") == "no due date stated");
-  CHECK(bench::due_text("2026-06-01", "2026-06-01") == "due 2026-06-01");
-  CHECK(bench::due_text("2025-12-31", "2026-06-01") == "OVERDUE since 2025-12-31");
+TEST_CASE("certificate and due date in words") {
+  const auto words = [](const std::string& json, const std::string& day) {
+    return bench::calibration_words(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day);
+  };
+  CHECK(words("{}", "2026-06-01") == "certificate not stated, no due date stated");
+  const char* stated =
+      R"({"certificate":"C-1","calibrated":"2025-06-01","due":"2026-06-01","expanded_uncertainty_n":0.1})";
+  CHECK(words(stated, "2026-06-01") == "certificate C-1, calibrated 2025-06-01, due 2026-06-01, U 0.1 N (k = 2)");
+  CHECK_THAT(words(stated, "2026-06-02"), Catch::Contains("OVERDUE since 2026-06-01"));
+  CHECK_THAT(words(R"({"due":"soon"})", "2026-06-02"), Catch::Contains("no due date stated; due: not a date: soon"));
 }

@@ -13,9 +13,9 @@
 namespace tactbench::bench {
 namespace {
 
+using devices::InjectedFault;
 using devices::Nanoseconds;
 using devices::Psi;
-using devices::Trouble;
 using devices::Volts;
 using namespace std::chrono_literals;
 
@@ -82,10 +82,10 @@ TEST_CASE("faults: by time, by pressure, by force, for a while, a number of time
   CHECK_FALSE(faults.active(FaultKind::kValveStuck, 1s));
   CHECK(faults.last(FaultKind::kStageStalled, 4s).from == Nanoseconds(3s));
   CHECK_FALSE(faults.last(FaultKind::kStageStalled, 2s).from);
-  CHECK(faults.trouble(Instrument::kScanner, 0s) == Trouble::kNone);
-  CHECK(faults.trouble(Instrument::kModule, 0s) == Trouble::kSilent);
-  CHECK(faults.trouble(Instrument::kModule, 0s) == Trouble::kSilent);
-  CHECK(faults.trouble(Instrument::kModule, 0s) == Trouble::kNone);
+  CHECK(faults.injected(Instrument::kScanner, 0s) == InjectedFault::kNone);
+  CHECK(faults.injected(Instrument::kModule, 0s) == InjectedFault::kSilent);
+  CHECK(faults.injected(Instrument::kModule, 0s) == InjectedFault::kSilent);
+  CHECK(faults.injected(Instrument::kModule, 0s) == InjectedFault::kNone);
   faults.clear(FaultKind::kValveStuck, 5s);
   CHECK(faults.active(FaultKind::kValveStuck, 4s));
   CHECK_FALSE(faults.active(FaultKind::kValveStuck, 5s));
@@ -105,10 +105,10 @@ TEST_CASE("fault valve_stuck: the pressure stays, and follows again once it is c
   bench.plant.inject(FaultKind::kValveStuck);
   CHECK(bench.hold(0.0) == Approx(held).margin(0.05));
   CHECK(bench.reference() == Approx(held).margin(0.1));
-  bench.plant.set_dump_valve(true);  // the only way out
+  bench.plant.dump(true);  // the only way out
   bench.wait(500ms);
   CHECK(bench.pressure() == 0.0);
-  bench.plant.set_dump_valve(false);
+  bench.plant.dump(false);
   bench.plant.clear(FaultKind::kValveStuck);
   CHECK(bench.hold(20.0) == Approx(20.0).margin(0.25));
 }

@@ -2,11 +2,11 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 
-#include "bench/config.h"
-#include "bench/rig.h"
+#include "bench/config/config.h"
+#include "bench/rig/rig.h"
 #include "bench/safety/ramp.h"
 #include "bench/simulation/plant.h"
-#include "devices/wire/modbus_link.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/small_run.h"
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/bench/play_table.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -14,25 +15,13 @@ using nlohmann::json;
 
 namespace {
 
-const std::string kProgram = program_path();
-
-Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(kProgram, words, folder.path());
-}
-
-// A sensor with play: y follows x through backlash, bent at the top; sequences "full" (two cycles) and "inner".
+// Sequences "full" (two cycles) and "inner".
 std::string table(const std::string& head = "sequence,step,input,output", double sign = 1.0) {
   std::string text = head + "\n";
-  const auto add = [&](const char* name, const std::vector<double>& turns) {
-    double play = 0.0;
-    int step = 0;
-    for (std::size_t t = 1; t < turns.size(); ++t)
-      for (int k = t == 1 ? 0 : 1; k <= 40; ++k) {
-        const double x = turns[t - 1] + (turns[t] - turns[t - 1]) * k / 40;
-        play = std::clamp(play, x - 1.5, x);
-        text += std::string(name) + "," + std::to_string(step++) + "," + std::to_string(x) + "," +
-                std::to_string(sign * (0.5 * x + 0.4 * play + std::sqrt(std::max(x, 0.0)))) + "\n";
-      }
+  const auto add = [&](const std::string& name, const std::vector<double>& turns) {
+    for (const PlaySample& sample : play_samples(turns))
+      text += name + "," + std::to_string(sample.step) + "," + std::to_string(sample.input) + "," +
+              std::to_string(sign * sample.output) + "\n";
   };
   add("full", {0, 10, 0, 10, 5, 10, 0});
   add("inner", {0, 8, 2, 6, 3, 10, 0});
@@ -175,6 +164,9 @@ TEST_CASE("bad tables and models are refused with what, where and how to mend it
   check_error(call(folder, {"fit", "t.csv", "--fit", "sideways"}), 2, "TB-MODEL-SEQUENCE");
   check_error(call(folder, {"predict", "t.csv", "t.csv"}), 2, "TB-MODEL-DOCUMENT");
   check_error(call(folder, {"predict", "none.json", "t.csv"}), 2, "TB-MODEL-OPEN");
+  check_error(call(folder, {"predict", "/dev/zero", "t.csv"}), 2, "TB-MODEL-OPEN");
+  check_error(call(folder, {"model", "show", "/proc/self/mem"}), 2, "TB-MODEL-OPEN");
+  check_error(call(folder, {"fit", "/dev/zero"}), 2, "TB-TABLE-OPEN");
   REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
   check_error(call(folder, {"predict", "m.json", "up.csv", "--map", "input=x"}), 2, "TB-TABLE-COLUMN");
   check_error(call(folder, {"compensate", "m.json", "t.csv", "--taxel", "7"}), 2, "TB-MODEL-TAXEL");

@@ -23,6 +23,7 @@ constexpr std::size_t kTogether = 100;  // figures: one of them is outside by ch
 std::int64_t add_night(db::RunStore& store, double value, const std::string& origin = "simulated") {
   db::RunRecord record = example_run();
   record.origin = origin;
+  record.seed = static_cast<std::int64_t>(store.runs().size());  // no two nights with one seed
   const std::int64_t run = begin_example(store, record).run;
   store.end_run(run, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-01-01T00:00:00Z");
   store.replace_figures(run, kSubject, {{"mean_error_psi", value}});
@@ -89,6 +90,26 @@ TEST_CASE("how many figures are judged together widens the band, by default all 
   CHECK(band_of({"a_psi", "b_psi"}, 0) == Approx(of_two));
   CHECK(band_of({"a_psi", "b_psi"}, 1) == Approx(alone));
   CHECK(band_of({"a_psi"}, 2) == Approx(of_two));
+}
+
+TEST_CASE("a baseline's runs that repeat one another count once") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"));
+  db::BaselineRecord baseline{0, kSubject, "as delivered", "K. Lee", "2026-01-01T00:00:00Z", {}};
+  for (const double value : {0.30, 0.30, 0.30, 0.31}) baseline.runs.push_back(add_night(store, value));
+  store.add_baseline(baseline);
+  // Two measurements have no spread yet that a third could be held against.
+  CHECK_FALSE(only_figure(store).band);
+  CHECK(follow(store, kSubject, kTogether).repeated == 2);
+  baseline.runs.push_back(add_night(store, 0.32));
+  store.add_baseline(baseline);
+  const FollowedFigure figure = only_figure(store);
+  REQUIRE(figure.band);
+  CHECK(figure.band->values == 3);
+  CHECK(figure.band->mean == Approx(0.31));
+  CHECK(figure.band->deviation == Approx(0.01));
+  add_night(store, 0.33);
+  CHECK_FALSE(only_figure(store).outside);
 }
 
 TEST_CASE("a slow change that stays inside each night's tolerance is reported within a week") {

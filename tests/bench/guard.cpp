@@ -1,11 +1,11 @@
-#include "bench/safety/guard.h"
+#include "bench/guard/guard.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "bench/process_time.h"
+#include "bench/common/process_time.h"
 #include "devices/fault.h"
 #include "tests/devices/fault_of.h"
 
@@ -22,14 +22,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 template <class Act>
 std::string id_of(Act&& act) {
   const auto fault = devices::fault_of(act);
+  if (fault) CHECK(fault->cause() == devices::Cause::kLimit);  // whatever its id
   return fault ? fault->id() : "";
 }
 
 double above(double value) { return std::nextafter(value, kInfinity); }
 double below(double value) { return std::nextafter(value, -kInfinity); }
 
-struct Bench {
-  explicit Bench(double step_psi = 100.0) : guard(limits_with(step_psi), clock) {
+struct GuardedBench {
+  explicit GuardedBench(double step_psi = 100.0) : guard(limits_with(step_psi), clock) {
     guard.set_log([this](devices::Nanoseconds, const std::string& actuator, const std::string& text, bool through) {
       lines.push_back((through ? "+" : "-") + actuator + ": " + text);
     });
@@ -45,7 +46,10 @@ struct Bench {
     return limits;
   }
   void wait(double s) { clock.wait_until(clock.now() + seconds(s)); }
-  void witness(double psi = 0.0) { guard.note_pressure(Psi(psi), Psi(psi), clock.now()); }
+  void witness(double psi = 0.0) {
+    guard.note_feedback(Psi(psi), clock.now());
+    guard.note_reference(Psi(psi), clock.now());
+  }
   void feel(double fx, double fy, double fz) {
     devices::Wrench wrench;
     wrench.force_n = {fx, fy, fz};
@@ -83,13 +87,13 @@ TEST_CASE("guard: the command limit holds at, below and above, and not-a-number 
                                                               {below(0.0), "TB-CHAMBER-LIMIT"},
                                                               {kNan, "TB-CHAMBER-LIMIT"},
                                                               {kInfinity, "TB-CHAMBER-LIMIT"}}));
-  Bench bench;
+  GuardedBench bench;
   CHECK(bench.pressure(psi) == id);
   if (!id.empty()) CHECK_THAT(bench.lines.at(0), Catch::StartsWith("-pressure"));
 }
 
 TEST_CASE("guard: the set-point rises by its step at once and by its rate lasting") {
-  Bench bench(2.5);
+  GuardedBench bench(2.5);
   CHECK(bench.pressure(2.5 + 1e-6) == "TB-CHAMBER-RATE");
   CHECK(bench.pressure(2.5) == "");
   CHECK(bench.pressure(2.5 + 1e-6) == "TB-CHAMBER-RATE");  // nothing left
@@ -106,7 +110,7 @@ TEST_CASE("guard: the set-point rises by its step at once and by its rate lastin
 }
 
 TEST_CASE("guard: only fresh witnesses let the pressure rise, and anything lets it fall") {
-  Bench bench;
+  GuardedBench bench;
   CHECK(bench.pressure(30.0) == "");
   bench.wait(1.0);
   CHECK(bench.pressure(31.0) == "");
@@ -118,19 +122,20 @@ TEST_CASE("guard: only fresh witnesses let the pressure rise, and anything lets 
   bench.guard.note_reference(Psi(20.0), bench.clock.now());
   CHECK(bench.pressure(21.0) == "");
 
-  Guard unread(Bench::limits_with(100.0), bench.clock);
+  Guard unread(GuardedBench::limits_with(100.0), bench.clock);
   unread.arm();
   CHECK(id_of([&] { unread.check_pressure(Psi(1.0)); }) == "TB-CHAMBER-STALE");
 }
 
 TEST_CASE("guard: silent until armed") {
   const devices::TurnedClock clock;
-  Guard guard(Bench::limits_with(100.0), clock);
+  Guard guard(GuardedBench::limits_with(100.0), clock);
   CHECK(id_of([&] { guard.check_pressure(Psi(0.0)); }) == "TB-GUARD-NOT-ARMED");
   CHECK(id_of([&] { guard.check_move(Axis::kX, 1.0, 1.0, [](Axis) { return devices::AxisState{}; }); }) ==
         "TB-GUARD-NOT-ARMED");
   CHECK(id_of([&] { guard.check_home(Axis::kZ, [](Axis) { return devices::AxisState{}; }); }) == "TB-GUARD-NOT-ARMED");
-  guard.note_pressure(Psi(100.0), Psi(100.0), clock.now());  // nothing that it could do about it
+  guard.note_feedback(Psi(100.0), clock.now());  // nothing that it could do about it
+  guard.note_reference(Psi(100.0), clock.now());
   CHECK_FALSE(guard.tripped());
 }
 
@@ -138,7 +143,7 @@ TEST_CASE("guard: measured pressure beyond the limit trips, and the trip latches
   const auto [psi, trips] = GENERATE(
       table<double, bool>({{66.0, false}, {below(66.0), false}, {above(66.0), true}, {kNan, true}, {-1.0, false}}));
   const bool by_reference = GENERATE(false, true);
-  Bench bench;
+  GuardedBench bench;
   const std::string id = id_of([&] {
     if (by_reference) {
       bench.guard.note_reference(Psi(psi), bench.clock.now());
@@ -167,7 +172,7 @@ TEST_CASE("guard: force beyond its axis' limit trips") {
   const double sign = GENERATE(1.0, -1.0);
   const double limit = axis == 2 ? 35.0 : 5.0;
   const auto felt = [&](double newtons) {
-    Bench bench;
+    GuardedBench bench;
     std::array<double, 3> force{};
     force[axis] = sign * newtons;
     return id_of([&] { bench.feel(force[0], force[1], force[2]); });
@@ -179,7 +184,7 @@ TEST_CASE("guard: force beyond its axis' limit trips") {
 }
 
 TEST_CASE("guard: position and speed have limits of their own") {
-  Bench bench;
+  GuardedBench bench;
   bench.feel(0.0, 0.0, 0.0);
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
     CHECK(bench.move(axis, 0.0) == "");
@@ -195,7 +200,7 @@ TEST_CASE("guard: position and speed have limits of their own") {
 }
 
 TEST_CASE("guard: x and y move only while z is homed, at rest and clear, and nothing is felt") {
-  Bench bench;
+  GuardedBench bench;
   CHECK(bench.clear(25.0) == "");
   CHECK(bench.clear(above(25.0)) == "TB-STAGE-ENVELOPE");
   CHECK(bench.clear(kNan) == "TB-STAGE-ENVELOPE");
@@ -217,7 +222,7 @@ TEST_CASE("guard: x and y move only while z is homed, at rest and clear, and not
 }
 
 TEST_CASE("guard: z goes where it may touch only under a fresh force reading and with x and y at rest") {
-  Bench bench;
+  GuardedBench bench;
   CHECK(bench.move(Axis::kZ, 25.0) == "");
   CHECK(bench.move(Axis::kZ, above(25.0)) == "TB-FORCE-STALE");  // never read
   bench.feel(0.0, 0.0, 0.0);
@@ -254,7 +259,7 @@ TEST_CASE("dead-man: fed too late it fires without having been asked in between"
 }
 
 TEST_CASE("guard: after a dead-man has fired no command passes, whoever resets") {
-  Bench bench;
+  GuardedBench bench;
   ProcessTimeWatcher watcher(seconds(1.9), bench.clock);
   bench.guard.set_watcher(&watcher);
   bench.guard.feed();
@@ -272,7 +277,7 @@ TEST_CASE("guard: after a dead-man has fired no command passes, whoever resets")
 }
 
 TEST_CASE("guard: logs refusals and stage commands, and set-points as they change by a level") {
-  Bench bench;
+  GuardedBench bench;
   for (const double psi : {0.5, 1.0, 1.5, 2.0, 0.0}) CHECK(bench.pressure(psi) == "");
   CHECK(bench.pressure(61.0) == "TB-CHAMBER-LIMIT");
   CHECK(bench.move(Axis::kX, 3.0) == "");

@@ -1,7 +1,7 @@
 // What the guard takes from a bench file: limits as they stand, and how old a reading may be at another rate of time.
 #include <catch2/catch.hpp>
 
-#include "bench/safety/guard.h"
+#include "bench/guard/guard.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;

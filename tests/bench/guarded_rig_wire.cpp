@@ -1,5 +1,7 @@
 // The guard on a whole simulated rig: what a trip does to the plant, and that nothing passes beside it.
 #include <catch2/catch.hpp>
+#include <limits>
+#include <vector>
 
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
@@ -120,4 +122,44 @@ TEST_CASE("guarded rig: under the turned clock a dead-man fires when process tim
   CHECK(fault_id_of([&] { rig.source().keep_alive(); }) == "TB-DEADMAN-FIRED");
   for (int i = 0; i < 10; ++i) wait(rig, 0.5);
   CHECK(rig.plant()->true_pressure().value() < 1.0);
+}
+
+TEST_CASE("guarded rig: a ramp goes in ticks up and down, the last one shorter, and the hooks see each") {
+  Rig rig(small_request().bench);
+  rig.open();
+  const SafetyLimits& limits = rig.config().limits;
+  const double tick = ramp_tick_psi(limits, limits.rate_psi_per_s);
+  CHECK(tick == 0.1 * limits.rate_psi_per_s);
+  CHECK(ramp_tick_psi(limits, 1e6) == limits.step_psi);
+  Psi setpoint(0.0);
+  std::vector<double> at, stands_s;
+  int firsts = 0, lasts = 0, before = 0;
+  RampHooks hooks;
+  hooks.before = [&](const RampTick& now) {
+    ++before;
+    firsts += now.first ? 1 : 0;
+    CHECK(rig.guard().setpoint_psi() == setpoint.value());  // not commanded yet
+    (void)rig.source().feedback();
+    (void)rig.reference().read();
+  };
+  hooks.after = [&](const RampTick& now) {
+    lasts += now.last ? 1 : 0;
+    CHECK(rig.guard().setpoint_psi() == setpoint.value());
+    at.push_back(setpoint.value());
+    stands_s.push_back(now.seconds);
+    wait(rig, 0.1);
+  };
+  const auto counts = ramp_to(rig, Psi(2.5 * tick), setpoint, tick, hooks);
+  CHECK(at == std::vector<double>{tick, 2.0 * tick, 2.5 * tick});
+  CHECK(stands_s == std::vector<double>{0.1, 0.1, 0.05});
+  CHECK((firsts == 1 && lasts == 1 && before == 3));
+  CHECK(ramp_to(rig, Psi(2.5 * tick), setpoint, tick, hooks) == counts);  // there already: one tick, of no time
+  CHECK((at.size() == 4 && stands_s.back() == 0.0 && firsts == 2 && lasts == 2));
+  at.clear();
+  CHECK(ramp_to(rig, Psi(0.0), setpoint, tick, hooks) < counts);
+  CHECK(at == std::vector<double>{1.5 * tick, 0.5 * tick, 0.0});
+  const Psi none(std::numeric_limits<double>::quiet_NaN());
+  CHECK(fault_id_of([&] { ramp_to(rig, none, setpoint, tick, hooks); }) == "TB-CHAMBER-LIMIT");
+  CHECK(fault_id_of([&] { ramp_to(rig, none); }) == "TB-CHAMBER-LIMIT");
+  CHECK(rig.guard().setpoint_psi() == 0.0);
 }

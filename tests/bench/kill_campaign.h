@@ -1,24 +1,37 @@
 // `tactbench run` killed with SIGKILL at random moments, `tactbench resume` after it killed again, until the run
 // completes, and so on: against a rig in its own process. What was committed has to stay, and what is measured has to
-// be what an unbroken run measures.
+// be what an unbroken run measures. With power cuts only synced bytes survive a kill; with races some resumes come
+// twice.
 #pragma once
 
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
 
-#include "bench/safety/trip.h"
+#include "bench/guard/trip.h"
 #include "tests/bench/kill_record.h"
 #include "tests/support/served_rig.h"
+#include "tests/support/synced_store.h"
 
 namespace tactbench::tests {
+
+struct CampaignKind {
+  int kills = 20;
+  std::uint32_t seed = 1;
+  double rate = 20.0;
+  bool power_cuts = false;
+  bool races = false;
+};
 
 struct CampaignFigures {
   int kills = 0, runs = 0, hasty = 0;  // hasty: resumed at once, while the dead-man was still at work
   std::int64_t frames = 0;             // committed, of all runs
   std::int64_t checked = 0;            // comparisons of a committed frame with what was there before
   std::int64_t lost = 0, changed = 0, doubled = 0, voids = 0;
-  int trips = 0;
+  std::int64_t sectors_lost = 0;  // written, not synced, gone with the power
+  int trips = 0, races = 0;
   double worst_safe_s = 0.0;  // real time
   double deviation_v = 0.0;   // largest, of a broken run from the mean of the unbroken ones
   double noise_v = 0.0;       // standard deviation of one unbroken run about that mean
@@ -30,7 +43,8 @@ struct CampaignFigures {
 
 class KillCampaign {
  public:
-  KillCampaign(int kills, std::uint32_t seed, double rate) : wanted_(kills), random_(seed), rig_(rate) {
+  explicit KillCampaign(const CampaignKind& kind) : kind_(kind), random_(kind.seed), rig_(kind.rate) {
+    if (kind.power_cuts) rig_.environment = disk_.emplace(db()).environment();
     // Four branches a repeat with a minor loop inside, so that a path that was not repeated shows.
     write_file(rig_.folder.path("small.toml"),
                "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 12, 4, 12, 0]\nstep = 4\n"
@@ -39,7 +53,7 @@ class KillCampaign {
 
   CampaignFigures carry_out() {
     for (int i = 0; i < kUsed + kUnbroken; ++i) unbroken(i >= kUsed);
-    while (figures_.kills < wanted_ && figures_.faults.size() < 5) broken();
+    while (figures_.kills < kind_.kills && figures_.faults.size() < 5) broken();
     for (int i = 0; i < kUnbroken; ++i) unbroken(true);
     compare();
     return figures_;
@@ -75,7 +89,7 @@ class KillCampaign {
     run_ = 0;
     std::unique_ptr<ChildProcess> program = rig_.start_run("small.toml");
     for (int kills = 0;; ++kills) {
-      const bool go_on = kills < kMostKillsARun && figures_.kills < wanted_;
+      const bool go_on = kills < kMostKillsARun && figures_.kills < kind_.kills;
       const double at_once = run_ == 0 || random(0, 1) > 0.15 ? 1.0 : 0.1;
       const double after_s = random(0.0, at_once * (run_ == 0 ? 1.0 : 0.7) * whole_s_);
       const auto longest = std::chrono::duration<double>(go_on ? after_s : 60.0);
@@ -87,7 +101,7 @@ class KillCampaign {
       if (run_ == 0 && newest_run() > before) run_ = newest_run();
       if (run_ != 0) ++figures_.moments[moment_of(db::RunStore::open_read_only(db()), run_)];
       if (run_ == 0) ++figures_.moments["before it had a row"];
-      look();
+      compare_with_known();
       const auto killed = std::chrono::steady_clock::now();
       program->signal(SIGKILL);
       if (const int ended = program->wait(); ended == 0) {
@@ -96,18 +110,19 @@ class KillCampaign {
         return fault(fmt::format("run {} ends with {}", run_, ended));
       }
       ++figures_.kills;
+      if (disk_) cut_power(before);
       if (newest_run() > before) run_ = newest_run();  // the row may have come with the kill
       if (run_ != 0 && db::RunStore::open_read_only(db()).run(run_).outcome == db::Outcome::kCompleted) break;
       if (random(0, 1) < 0.5) {
         ++figures_.hasty;
       } else {
         make_sure_safe(killed);
-        look();
+        compare_with_known();
       }
-      program = run_ == 0 ? rig_.start_run("small.toml") : rig_.start_resume(run_);
+      program = run_ == 0 ? rig_.start_run("small.toml") : resumed();
     }
     run_ = newest_run();
-    look();
+    compare_with_known();
     ++figures_.runs;
     figures_.frames += static_cast<std::int64_t>(known_.size());
     const FinalSet set = judge_final_set(db::RunStore::open_read_only(db()), run_, kFrames, kRepeats);
@@ -117,8 +132,36 @@ class KillCampaign {
     broken_.push_back(set.volts);
   }
 
+  void cut_power(std::int64_t before) {
+    figures_.sectors_lost += disk_->cut(random(0, 1) < 0.5 ? 0.0 : 0.5, random_);
+    if (run_ != 0 && newest_run() <= before) fault(fmt::format("run {} is gone with the power", run_));
+    compare_with_known();
+  }
+
+  // Some come twice at the same time: one goes on, the other is refused.
+  std::unique_ptr<ChildProcess> resumed() {
+    auto one = rig_.start_resume(run_);
+    if (!kind_.races || random(0, 1) > 0.3) return one;
+    auto other = rig_.start_resume(run_);
+    ++figures_.races;
+    for (int looks = 0; looks < 20000; ++looks) {
+      for (const bool is_first : {true, false}) {
+        const std::optional<int> code = (is_first ? one : other)->ended_within(std::chrono::milliseconds(0));
+        if (!code) continue;
+        auto& left = is_first ? other : one;
+        if (*code > 0 && *code != 70) return std::move(left);
+        if (*code == 0 && left->wait() != 0) return std::move(is_first ? one : other);  // the run was almost complete
+        fault(fmt::format("of two resumes at once one ends with {}", *code));
+        return std::move(left);
+      }
+      usleep(1000);
+    }
+    fault("two resumes at once both go on");
+    return one;
+  }
+
   // What was seen committed before is still there, in the same order and unchanged.
-  void look() {
+  void compare_with_known() {
     if (run_ == 0) return;
     std::vector<std::string> now = committed_frames(db(), run_);
     for (std::size_t i = 0; i < known_.size(); ++i) {
@@ -166,9 +209,10 @@ class KillCampaign {
     figures_.no_way_v = std::abs(mean[6] - mean[2]);  // 8 psi rising from 4 against rising from 0
   }
 
-  const int wanted_;
+  const CampaignKind kind_;
   std::mt19937 random_;
   ServedRig rig_;
+  std::optional<SyncedStore> disk_;
   CampaignFigures figures_;
   double whole_s_ = 0.0;  // an unbroken run
   std::int64_t run_ = 0;  // under way; 0: not yet known
@@ -176,15 +220,26 @@ class KillCampaign {
   std::vector<std::vector<double>> unbroken_, broken_;
 };
 
+inline void check_nothing_lost(const CampaignFigures& figures) {
+  CHECK(figures.faults.empty());
+  CHECK(figures.lost == 0);
+  CHECK(figures.changed == 0);
+  CHECK(figures.doubled == 0);
+  CHECK(figures.trips == 0);
+  CHECK(figures.deviation_v < figures.bound_v);
+  CHECK(figures.bound_v < 0.75 * figures.no_way_v);  // a path that was not repeated would show
+}
+
 inline std::string to_text(const CampaignFigures& f) {
   std::string text = fmt::format(
       "FIGURE kills {}\nFIGURE kills_resumed_at_once {}\nFIGURE runs {}\nFIGURE frames_committed {}\nFIGURE "
       "frames_checked {}\nFIGURE frames_lost {}\nFIGURE frames_changed {}\nFIGURE frames_doubled {}\nFIGURE "
-      "branches_void {}\nFIGURE trips {}\nFIGURE worst_time_to_safe {:.3f} s\nFIGURE largest_deviation {:.3f} "
+      "branches_void {}\nFIGURE races {}\nFIGURE sectors_lost {}\nFIGURE trips {}\nFIGURE worst_time_to_safe {:.3f} "
+      "s\nFIGURE largest_deviation {:.3f} "
       "mV\nFIGURE "
       "bound {:.3f} mV\nFIGURE noise {:.3f} mV\nFIGURE loop_width {:.1f} mV\nFIGURE without_way_back {:.1f} mV\n",
-      f.kills, f.hasty, f.runs, f.frames, f.checked, f.lost, f.changed, f.doubled, f.voids, f.trips, f.worst_safe_s,
-      1e3 * f.deviation_v, 1e3 * f.bound_v, 1e3 * f.noise_v, 1e3 * f.loop_v, 1e3 * f.no_way_v);
+      f.kills, f.hasty, f.runs, f.frames, f.checked, f.lost, f.changed, f.doubled, f.voids, f.races, f.sectors_lost,
+      f.trips, f.worst_safe_s, 1e3 * f.deviation_v, 1e3 * f.bound_v, 1e3 * f.noise_v, 1e3 * f.loop_v, 1e3 * f.no_way_v);
   for (const auto& [moment, count] : f.moments) text += fmt::format("killed {}: {}\n", moment, count);
   for (const std::string& fault : f.faults) text += "FAULT " + fault + "\n";
   return text;

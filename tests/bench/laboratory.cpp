@@ -1,8 +1,8 @@
 // The laboratory file: all fields, defaults, refusals.
 #include <catch2/catch.hpp>
 
-#include "bench/config.h"
-#include "bench/config_laboratory.h"
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;

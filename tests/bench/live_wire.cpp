@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "analysis/compensate/frame_compensator.h"
-#include "bench/cli/evaluation.h"
 #include "bench/instruments/live.h"
+#include "bench/reporting/evaluation.h"
 #include "devices/fault.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
@@ -27,7 +27,7 @@ std::int64_t fitted_run(const std::string& path) {
       "small.toml"))};
   const bench::RunResult result = run_small(request, store);
   if (result.error) FAIL(result.error->what());
-  bench::fit_run(store, result.run);
+  bench::fit_run(store, analysis::load_dataset(store, result.run));
   return result.run;
 }
 
@@ -48,6 +48,7 @@ TEST_CASE("live: frames of an unloaded array are near zero, its latency is measu
     for (std::size_t t = 0; t < frame.status.size(); ++t)
       if ((frame.status[t] & analysis::kTaxelValid) != 0)
         highest = std::max(highest, static_cast<double>(frame.pressure_psi[t]));
+    return true;
   };
   const bench::LiveSummary summary =
       bench::live_frames(small_request().bench, model, {.frames = 50, .interval_s = 0.0}, see);
@@ -78,9 +79,13 @@ TEST_CASE("live: frames of an unloaded array are near zero, its latency is measu
                                           [&](const bench::LiveFrame& frame) {
                                             for (const unsigned bits : frame.status)
                                               valid = valid || (bits & analysis::kTaxelValid) != 0;
+                                            return true;
                                           });
   CHECK(outside.other_scanner);
   CHECK_FALSE(valid);
+  // Nobody looks any more.
+  const auto once = [](const bench::LiveFrame&) { return false; };
+  CHECK(bench::live_frames(small_request().bench, model, {.frames = 0, .interval_s = 0.0}, once).frames == 1);
   other.rows = 8;
   CHECK_THROWS_AS(bench::live_frames(small_request().bench, other, {}, see), bench::Error);
 }

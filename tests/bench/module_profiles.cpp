@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "bench/config_profile.h"
-#include "devices/wire/modbus_value.h"
-#include "sequences/strict_toml.h"
+#include "bench/config/config_profile.h"
+#include "devices/wire/modbus/modbus_value.h"
+#include "sequences/toml/strict_toml.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;

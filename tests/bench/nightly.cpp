@@ -7,7 +7,7 @@
 #include <pugixml.hpp>
 
 #include "bench/nightly/night.h"
-#include "sequences/strict_toml.h"
+#include "sequences/toml/strict_toml.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench;
@@ -64,7 +64,13 @@ TEST_CASE("a suite with a fault says where it is") {
         std::string::npos);
   CHECK(refusal(with(kOne, "[scenario.taxels]\ndead = [1.5]\n")).find("1.5") != std::string::npos);
   CHECK(refusal(with(kOne, "[scenario.figures]\nframes = [2, 1]\n")) != "accepted");
-  CHECK(refusal(with(kOne, "[scenario.verdicts]\nmismatch = \"good\"\n")) != "accepted");
+  CHECK(refusal(with(kOne, "own_run = true\n[scenario.verdicts]\nmismatch = \"good\"\n")) != "accepted");
+  CHECK(refusal(with(kOne, "own_run = true\n[scenario.verdicts]\nmismatch = \"pass\"\n")) == "accepted");
+  CHECK(refusal(with(kOne, "held_out = []\n[scenario.verdicts]\noverall = \"fail\"\n")) == "accepted");
+  CHECK(refusal(with(kOne, "[scenario.verdicts]\nmismatch = \"pass\"\n")).find("no run but the fit's own") !=
+        std::string::npos);
+  CHECK(refusal(with(kOne, "own_run = true\nheld_out = []\n")) != "accepted");
+  CHECK(refusal(with(kOne, "void_held_out = true\n")).find("no held-out run") != std::string::npos);
   CHECK(refusal(with(kOne, "fits = false\n[scenario.taxels]\ndead = [1]\n")).find("come from a fit") !=
         std::string::npos);
   CHECK(refusal(with(kOne, "[[scenario]]\nname = \"one\"\nabout = \"again\"\n")).find("two scenarios") !=
@@ -74,11 +80,12 @@ TEST_CASE("a suite with a fault says where it is") {
 }
 
 TEST_CASE("what differs from what must come out is named, each in a line") {
-  Scenario scenario = parse_suite(with(kOne,
-                                       "[scenario.taxels]\ndead = [4, 3]\n[scenario.verdicts]\nunfit_taxels = "
-                                       "\"fail\"\n[scenario.figures]\nframes = [211, 212]\n"),
-                                  "s.toml")
-                          .scenarios.front();
+  Scenario scenario =
+      parse_suite(with(kOne,
+                       "own_run = true\n[scenario.taxels]\ndead = [4, 3]\n[scenario.verdicts]\nunfit_taxels = "
+                       "\"fail\"\n[scenario.figures]\nframes = [211, 212]\n"),
+                  "s.toml")
+          .scenarios.front();
   CHECK(differences(scenario, came_out()).empty());
   CHECK(differences(scenario, came_out("failed", "TB-X")) ==
         std::vector<std::string>{"the outcome is failed, must be completed", "the error is TB-X, must be none"});

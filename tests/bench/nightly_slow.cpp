@@ -111,3 +111,44 @@ TEST_CASE("nights are kept in one store, held against a baseline, and what chang
   CHECK(call({"trend", "--subject", "nightly/none", "--db", "nights.db"}).code == 2);
   CHECK(call({"db", "check", "--db", "nights.db"}).code == 0);
 }
+
+TEST_CASE("a folder of stores: those of a night are replaced, files of others stay") {
+  const TemporaryFolder folder;
+  write_file(folder.path("small.toml"), kSuite);
+  std::filesystem::create_directory(folder.path("kept"));
+  const std::string log = folder.path("kept/whole.log"), store = folder.path("kept/whole.db");
+  const auto night = [&](const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"nightly", "./small.toml", "--only", "whole", "--stores", "kept"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(folder, words);
+  };
+  const auto refused = [&](const std::string& id, const std::vector<std::string>& more = {}) {
+    const Finished finished = night(more);
+    INFO(finished.out << finished.err);
+    CHECK(finished.code == 2);
+    CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
+  };
+  write_file(log, "dear diary\n");
+  refused("TB-FILE-EXISTS");
+  CHECK(read_file(log) == "dear diary\n");
+  CHECK_FALSE(std::filesystem::exists(store));
+  CHECK(night({"--replace"}).code == 0);
+  CHECK_THAT(read_file(log), Catch::StartsWith("# Talk of tactbench nightly, scenario whole\n"));
+  write_file(folder.path("kept/whole.json"), "mine\n");
+  CHECK(night().code == 0);  // its own
+  CHECK(read_file(folder.path("kept/whole.json")) == "mine\n");
+  // What somebody keeps: a night that was noted, another store, no store at all.
+  const std::string made = read_file(store);
+  REQUIRE(call(folder, {"runs", "note", "1", "look here", "--db", "kept/whole.db"}).code == 0);
+  refused("TB-FILE-STORE", {"--replace"});
+  for (const std::string ending : {"", "-wal", "-shm"}) std::filesystem::remove(store + ending);
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "kept/whole.db"}).code == 0);
+  refused("TB-FILE-STORE", {"--replace"});
+  CHECK_THAT(call(folder, {"sensors", "list", "--db", "kept/whole.db"}).out, Catch::Contains("S-1"));
+  write_file(store, "dear diary\n");
+  refused("TB-FILE-STORE", {"--replace"});
+  CHECK(read_file(store) == "dear diary\n");
+  write_file(store, made);
+  CHECK(night().code == 0);
+}

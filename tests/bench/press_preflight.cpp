@@ -1,5 +1,5 @@
 // What a press plan is refused for, before anything moves.
-#include "bench/run/press_preflight.h"
+#include "bench/run/press/press_preflight.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/run/press.h"
+#include "bench/run/press/press.h"
 #include "devices/force/net_ft.h"
 #include "devices/force/simulated_net_ft.h"
 #include "tests/devices/zaber_rig.h"

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "bench/rig.h"
-#include "bench/run/press_preflight.h"
+#include "bench/rig/rig.h"
+#include "bench/run/press/press_preflight.h"
 #include "tests/bench/press_rig.h"
 #include "tests/devices/fault_of.h"
 #include "tests/support/small_run.h"

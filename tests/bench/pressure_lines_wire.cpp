@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "bench/safety/fail_safe.h"
-#include "sequences/strict_toml.h"
+#include "sequences/toml/strict_toml.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 

@@ -1,6 +1,6 @@
 // Registration of the stage to the taxels by frames made here: what was put in comes out, and what cannot be told is
 // refused.
-#include "bench/run/registration.h"
+#include "bench/run/press/registration.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

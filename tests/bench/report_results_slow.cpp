@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "analysis/identify/model_document.h"
-#include "analysis/report/html.h"
-#include "analysis/statistics/contact_results.h"
-#include "analysis/statistics/evaluation.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/report/page/html.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/studies/contact_results.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -17,10 +17,6 @@ using namespace tactbench::tests;
 using nlohmann::json;
 
 namespace {
-
-Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(program_path(), words, folder.path());
-}
 
 void carry_out(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {
   std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
@@ -93,10 +89,10 @@ void check_models(const Reported& report, const analysis::Dataset& dataset, cons
         if (model["model"] == "elam") elam_j += model["j_v2"].get<double>();
       }
       if (number < 0) continue;
-      const analysis::CommonSequence common = analysis::bring_to_common(dataset.sequences.front(), dataset.taxels());
+      const analysis::TaxelTable common = analysis::bring_to_common(dataset.sequences.front(), dataset.taxels());
       for (std::size_t i = 0; i < common.pressure_psi.size(); ++i)
         CHECK(sequence["measured_v"][i].get<double>() ==
-              Approx(common.volts[i * fit.taxels.size() + static_cast<std::size_t>(number)]).margin(1e-4));
+              Approx(common.values[i * fit.taxels.size() + static_cast<std::size_t>(number)]).margin(1e-4));
     }
     // One set of parameters for all sequences: what the stored fit was left with.
     CHECK(elam_j == Approx(own.fit.j_v2).epsilon(1e-9));
@@ -122,7 +118,7 @@ void check_compensation(const Reported& report, const analysis::Dataset& dataset
   CHECK(shows(report, analysis::html::psi(found.mean_error_psi, 3)));
   REQUIRE(data["as_found"]["levels"].size() == found.levels.size());
   for (std::size_t i = 0; i < found.levels.size(); ++i) {
-    CHECK(data["as_found"]["levels"][i]["comp_distance"].get<double>() ==
+    CHECK(data["as_found"]["levels"][i]["comp_distance_fs"].get<double>() ==
           Approx(found.levels[i].comp_distance).epsilon(1e-9));
     CHECK(shows(report, analysis::html::percent(found.levels[i].comp_distance, 2)));
   }
@@ -144,10 +140,11 @@ void check_contact(const Reported& report, const db::RunStore& store, std::int64
   const auto& contacts = report.data["sections"]["objects"];
   const auto ring = std::ranges::find_if(contacts, [](const json& contact) { return contact["object"] == "ring"; });
   REQUIRE(ring != contacts.end());
-  const double scale = analysis::load_press_runs(store, run).front().frames.front().volts.front() / [&] {
-    const db::FrameRecord first = store.frames(run).front();
-    return 0.5 * (first.counts[0] + first.counts[256]);
-  }();
+  const double scale =
+      analysis::load_press_runs(analysis::read_run(store, store.run(run))).front().frames.front().volts.front() / [&] {
+        const db::FrameRecord first = store.frames(run).front();
+        return 0.5 * (first.counts[0] + first.counts[256]);
+      }();
   const analysis::ElamModel& mean = fit.mean_taxel.fit.model;
   double error = 0.0, n = 0.0;
   for (const db::FrameRecord& frame : store.frames(run)) {

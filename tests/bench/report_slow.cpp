@@ -54,7 +54,7 @@ const TemporaryFolder& reported() {
 json data_of_run(const TemporaryFolder& folder, const std::vector<std::string>& words) {
   std::vector<std::string> all = {"report"};
   all.insert(all.end(), words.begin(), words.end());
-  all.insert(all.end(), {"--format", "json", "-o", "report.json"});
+  all.insert(all.end(), {"--format", "json", "-o", "report.json", "--replace"});
   const Finished finished = report_call(folder, all);
   INFO(finished.err);
   REQUIRE(finished.code == 0);
@@ -139,17 +139,37 @@ TEST_CASE("the same run gives the same bytes, a signature keeps the number, a ch
   for (const char* name : {"a.html", "b.html"}) REQUIRE(report_call(folder, {"report", "2", "-o", name}).code == 0);
   CHECK(read_file(folder.path("a.html")) == read_file(folder.path("b.html")));
   const json first = json::parse(report_call(folder, {"report", "2", "--json"}).out);
-  const json approved = json::parse(report_call(folder, {"report", "2", "--json", "--approve-by", "C. Chief"}).out);
+  const std::vector<std::string> sign = {"report", "2", "--json", "--without-verdict", "--approve-by", "C. Chief"};
+  const json approved = json::parse(report_call(folder, sign).out);
   CHECK(approved["number"] == first["number"]);
-  CHECK_THAT(read_file(folder.path("reports/run-2.html")), Catch::Contains("C. Chief, 20"));
-  const Finished again = report_call(folder, {"report", "2", "--approve-by", "C. Chief"});
+  CHECK_THAT(read_file(folder.path("reports/run-" + first["number"].get<std::string>() + ".html")),
+             Catch::Contains("C. Chief, 20"));
+  const Finished again = report_call(folder, sign);
   CHECK(again.code == 5);
-  CHECK_THAT(again.err, Catch::Contains("TB-STORE-CONFLICT"));
+  CHECK_THAT(again.out, Catch::Contains("TB-STORE-CONFLICT"));
   write_file(folder.path("mine.toml"), "schema = 1\ncustomer = \"K\"\n");
   REQUIRE(report_call(folder, {"report", "2", "--lab", "mine.toml", "-o", "c.html"}).code == 0);
   CHECK_THAT(read_file(folder.path("c.html")),
              Catch::Contains("nobody has signed") &&
                  Catch::Contains("<th scope=\"row\">replaces</th><td>" + first["number"].get<std::string>()));
+}
+
+TEST_CASE("a report goes into a pipe, and to a full device it is an error") {
+  const TemporaryFolder& folder = reported();
+  const auto piped = [&](const std::string& words) {
+    return run_program("/bin/sh", {"-c", "timeout 60 '" + program_path() + "' " + words}, folder.path());
+  };
+  const Finished whole = piped("report 1 -q --format json -o /dev/stdout | cat");
+  CHECK(whole.code == 0);
+  CHECK(whole.out.find("\"schema\":\"tactbench.report\"") != std::string::npos);
+  REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
+  const Finished fifo = run_program(
+      "/bin/sh",
+      {"-c", "timeout 60 '" + program_path() + "' report 1 -q --format json -o pipe & timeout 60 cat pipe; wait $!"},
+      folder.path());
+  CHECK(fifo.code == whole.code);
+  CHECK(fifo.out.find("\"schema\":\"tactbench.report\"") != std::string::npos);
+  CHECK(piped("report 1 -q -o /dev/full").code == 2);
 }
 
 TEST_CASE("comparison and batch of stored runs") {
@@ -159,9 +179,9 @@ TEST_CASE("comparison and batch of stored runs") {
              Catch::Contains("One sensor at two times") && Catch::Contains("as found (first run"));
   CHECK(data_of_run(folder, {"--compare", "1", "3"})["schema"] == "tactbench.comparison");
   const json batch = data_of_run(folder, {"--batch", "1", "2", "3"});
-  CHECK(batch["runs"] == json::array({1, 2, 3}));
+  CHECK(batch["runs"] == json::array({2, 3}));  // one a sensor, the newest
   CHECK(batch["content"][0]["figures"]["mean_error_psi"] ==
-        data_of_run(folder, {"1"})["results"]["evaluation"]["mean_error_psi"]);
+        data_of_run(folder, {"2"})["results"]["evaluation"]["mean_error_psi"]);
 }
 
 TEST_CASE("report refuses what it cannot do, with place and remedy") {

@@ -2,6 +2,7 @@
 // kill_campaign_realtime.cpp does it with SIGKILL.
 #include <catch2/catch.hpp>
 
+#include "bench/run/time_estimate.h"
 #include "tests/bench/kill_record.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
@@ -230,4 +231,52 @@ TEST_CASE("resume: in the second sequence of a run, whose conditioning is done a
   CHECK(valid.size() == 16);
   for (const auto& [key, count] : valid) CHECK(count == 1);
   CHECK(analysis::load_dataset(bench.store, run).sequences.size() == 2);
+}
+
+TEST_CASE("resume: what is kept and where it ended count the run's frames, not those of the last process") {
+  Interrupted bench;
+  int steps = 0;
+  const std::vector<int> starts = branch_starts(steps);
+  const std::int64_t run = bench.run_until(starts[5] + 1).run;
+  const std::int64_t before = bench.store.frame_count(run);
+  REQUIRE(before > 0);
+  for (const int more : {0, 9}) {  // at once, and after some frames
+    int seen = 0;
+    const bench::RunResult broken = bench.resume(run, [&](bench::RunRequest& request) {
+      request.on_step = [&](const sequences::Step&) {
+        if (seen++ == more) throw PowerCut();
+      };
+    });
+    const std::int64_t kept = bench.store.frame_count(run);
+    CHECK((kept > before) == (more > 0));
+    CHECK(broken.frames_kept == kept);
+    REQUIRE(broken.error);
+    CHECK_THAT(broken.error->rig_state(), Catch::EndsWith(fmt::format("run {} kept with {} frames", run, kept)));
+    CHECK(broken.error->where() == fmt::format("run {}, after frame {}", run, kept));
+  }
+  const bench::RunResult whole = bench.resume(run);
+  CHECK(whole.frames_kept == bench.store.frame_count(run));
+}
+
+TEST_CASE("resume: a run that was ended and resumed is learned from as one that never was") {
+  Interrupted bench;
+  int steps = 0;
+  const std::vector<int> starts = branch_starts(steps);
+  const auto learned = [&](int runs) {
+    const std::vector<sequences::Recipe> recipes = {small_recipe()};
+    bench::TimeEstimate estimate(recipes, sequences::compile(recipes), sequences::TimeModel());
+    estimate.learn(bench.store, bench.store.run(1).bench_id, {}, true);
+    CHECK(estimate.total().runs == runs);
+    return estimate.total();
+  };
+  (void)bench.run_until(-1);
+  const bench::TimeBand unbroken = learned(1);
+  for (const int moment : {starts[1] + 1, starts[5] + 1}) {
+    const std::int64_t run = bench.run_until(moment).run;
+    bench.age(run, "10 minutes");
+    REQUIRE_FALSE(bench.resume(run).error);
+  }
+  const bench::TimeBand all = learned(3);
+  CHECK(all.p50_s == Approx(unbroken.p50_s).epsilon(0.03));
+  CHECK(all.p90_s < 1.15 * unbroken.p50_s);
 }

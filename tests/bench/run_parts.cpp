@@ -3,11 +3,12 @@
 #include <csignal>
 #include <map>
 
-#include "bench/run/branch_guard.h"
-#include "bench/run/conditioning.h"
-#include "bench/run/control.h"
-#include "bench/run/suspension.h"
+#include "bench/common/error.h"
+#include "bench/run/control/control.h"
 #include "bench/run/time_spent.h"
+#include "bench/run/watch/branch_guard.h"
+#include "bench/run/watch/conditioning.h"
+#include "bench/run/watch/suspension.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -39,47 +40,126 @@ TEST_CASE("words: the strongest wins, resume takes a pause back, an ended run ta
   status.run = 7;
   status.state = RunState::kRunning;
   control.publish(status);
-  CHECK_FALSE(control.ask(Word::kResume, "t").taken);
-  CHECK(control.ask(Word::kPause, "t").taken);
+  CHECK_FALSE(control.ask(Command::kResume, "t").taken);
+  CHECK(control.ask(Command::kPause, "t").taken);
   CHECK(control.pause_wanted());
-  CHECK_NOTHROW(control.look(signals));
-  CHECK(control.ask(Word::kResume, "t").taken);
+  CHECK_NOTHROW(control.poll(signals));
+  CHECK(control.ask(Command::kResume, "t").taken);
   CHECK_FALSE(control.pause_wanted());
   CHECK(control.take_resume());
   CHECK_FALSE(control.take_resume());
   bool panicked = false;
   control.on_panic([&] { panicked = true; });
-  CHECK(control.ask(Word::kStop, "t").taken);
+  CHECK(control.ask(Command::kStop, "t").taken);
   CHECK_FALSE(panicked);
-  CHECK(control.ask(Word::kPanic, "who").taken);
+  CHECK(control.ask(Command::kPanic, "who").taken);
   CHECK(panicked);
-  CHECK(control.ask(Word::kAbort, "t").taken);
+  CHECK(control.ask(Command::kAbort, "t").taken);
   try {
-    control.look(signals);
+    control.poll(signals);
     FAIL("nobody left");
   } catch (const Leave& leave) {
-    CHECK(leave.word == Word::kPanic);
+    CHECK(leave.command == Command::kPanic);
     CHECK(leave.signal == 0);
   }
   status.state = RunState::kStopping;
   control.publish(status);
-  CHECK_FALSE(control.ask(Word::kStop, "t").taken);
+  CHECK_FALSE(control.ask(Command::kStop, "t").taken);
+}
+
+TEST_CASE("words: resume says what it does: an answer, a pause ended or taken back") {
+  Control control;
+  RunStatus status;
+  status.run = 7;
+  status.state = RunState::kPaused;
+  control.publish(status);
+  CHECK_THAT(control.ask(Command::kResume, "t").text, Catch::Contains("conditioned again"));
+  status.question = "Point indenter mounted?";
+  control.publish(status);
+  CHECK(control.ask(Command::kResume, "t").text ==
+        "run 7 goes on: it takes this as the answer to: Point indenter mounted?");
+  status.question.clear();
+  status.state = RunState::kPausing;
+  control.publish(status);
+  CHECK_THAT(control.ask(Command::kResume, "t").text, Catch::Contains("taken back"));
+}
+
+TEST_CASE("signals: each but Ctrl-C asks for the end at once, named, with its own exit code") {
+  const auto [number, text, code] = GENERATE(table<int, std::string, int>({{SIGTERM, "terminate", 143},
+                                                                           {SIGHUP, "hang-up", 129},
+                                                                           {SIGQUIT, "quit", 131},
+                                                                           {SIGUSR1, "signal 10", 138},
+                                                                           {SIGUSR2, "signal 12", 140}}));
+  const auto before = std::signal(SIGHUP, SIG_DFL);  // the tests may run under nohup
+  {
+    const StopRequest signals;
+    const Control control;
+    CHECK(signals.ending() == 0);
+    std::raise(number);
+    std::raise(SIGINT);
+    CHECK(signals.signal() == number);
+    const auto leave = control.asked(signals);
+    REQUIRE(leave);
+    CHECK(leave->signal == number);
+    CHECK(leave->command == Command::kStop);
+    CHECK_THAT(leave->who, Catch::Contains(text));
+    CHECK(static_cast<int>(code_of_signal(leave->signal)) == code);
+  }
+  std::signal(SIGHUP, before);
+}
+
+TEST_CASE("signals: a hang-up that is ignored, as under nohup, stays so") {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  {
+    const StopRequest signals;
+    std::raise(SIGHUP);
+    CHECK(signals.ending() == 0);
+  }
+  std::signal(SIGHUP, before);
 }
 
 TEST_CASE("Ctrl-C once asks to pause, twice to stop") {
   const StopRequest signals;
   Control control;
   std::raise(SIGINT);
-  CHECK_NOTHROW(control.look(signals));
+  CHECK_NOTHROW(control.poll(signals));
   CHECK(control.pause_wanted());
   std::raise(SIGINT);
   try {
-    control.look(signals);
+    control.poll(signals);
     FAIL("nobody left");
   } catch (const Leave& leave) {
-    CHECK(leave.word == Word::kStop);
+    CHECK(leave.command == Command::kStop);
     CHECK(leave.signal == SIGINT);
   }
+}
+
+TEST_CASE("Ctrl-C once ends a run that nobody sits beside") {
+  const StopRequest signals;
+  Control control;
+  control.end_by_first_interrupt();
+  std::raise(SIGINT);
+  CHECK_THROWS_AS(control.poll(signals), Leave);
+}
+
+TEST_CASE("words: what was asked before the last step ends the run, a stop after it is told that it comes too late") {
+  const StopRequest signals;
+  Control asked, done;
+  CHECK(asked.ask(Command::kStop, "t").taken);
+  CHECK_THROWS_AS(asked.finish(signals), Leave);
+  CHECK_NOTHROW(done.finish(signals));
+  for (const Command late : {Command::kPause, Command::kResume, Command::kStop}) {
+    const Control::Answer answer = done.ask(late, "t");
+    CHECK_FALSE(answer.taken);
+    CHECK_THAT(answer.text, Catch::Contains("has done all its steps"));
+  }
+  CHECK_FALSE(done.pause_wanted());
+  CHECK_FALSE(done.close(signals));
+  CHECK(done.ask(Command::kStatus, "t").taken);
+  Control aborted;
+  aborted.finish(signals);
+  CHECK(aborted.ask(Command::kAbort, "t").taken);
+  CHECK(aborted.close(signals));
 }
 
 TEST_CASE("branch guard: a step back beyond the tolerance breaks a branch, one within does not") {

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <set>
 
-#include "bench/error.h"
+#include "bench/common/error.h"
 #include "bench/run/recipe_check.h"
 #include "tests/support/paths.h"
 

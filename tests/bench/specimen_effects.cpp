@@ -31,12 +31,6 @@ Reading read(const SpecimenOptions& options, double pressure_psi = 30.0) {
   return reading;
 }
 
-double correlation(const Frame& a, const Frame& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - mean(a)) * (b[i] - mean(b));
-  return sum / static_cast<double>(a.size()) / deviation(a) / deviation(b);
-}
-
 }  // namespace
 
 TEST_CASE("specimen: crosstalk adds the given share of the others' mean in row and column") {

@@ -24,12 +24,6 @@ Frame loaded(std::uint64_t seed) {
   return walker.frame();
 }
 
-double correlation(const Frame& a, const Frame& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - mean(a)) * (b[i] - mean(b));
-  return sum / static_cast<double>(a.size()) / deviation(a) / deviation(b);
-}
-
 }  // namespace
 
 TEST_CASE("specimen: the memory goes through text to the last bit") {

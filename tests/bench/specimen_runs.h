@@ -36,6 +36,12 @@ inline double deviation(const Frame& frame) {
   return std::sqrt(sum / static_cast<double>(frame.size()));
 }
 
+inline double correlation(const Frame& a, const Frame& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - mean(a)) * (b[i] - mean(b));
+  return sum / static_cast<double>(a.size()) / deviation(a) / deviation(b);
+}
+
 class Walker {
  public:
   explicit Walker(Specimen& specimen) : specimen_(specimen) {}

@@ -14,10 +14,6 @@ using tactbench::db::sqlite::Connection;
 
 namespace {
 
-Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
-  return run_program(program_path(), words, folder.path());
-}
-
 const char* const kStoreRecipe =
     "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\nrepeats = 1\n"
     "dwell_s = 1.0\n";
@@ -70,6 +66,8 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   CHECK(verified["analysis"][0]["recomputed"] == true);
   CHECK(verified["analysis"][0]["fit_run"] == 1);
 
+  // As in a store from before schema 6: verdicts and fits are counted, and only recomputing tells that one differs.
+  change(folder, "UPDATE seals SET sha256 = ''");
   change(folder, "UPDATE verdicts SET verdict = 'fail' WHERE criterion = 'unfit_taxels'");
   const Finished word = call(folder, {"verify", "2"});
   CHECK(word.code == 1);
@@ -98,10 +96,69 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   CHECK_THAT(models.out, Catch::Contains("run 1, whose models they rest on: frame 4"));
   const Finished check = call(folder, {"db", "check"});
   CHECK(check.code == 5);
-  CHECK_THAT(check.out, Catch::Contains("1 runs as they were stored, 1 not") && Catch::Contains("run 1   frame 4"));
+  CHECK_THAT(check.out, Catch::Contains("1 run as it was stored, 1 not") && Catch::Contains("run 1   frame 4"));
   check_error(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
   change(folder, "UPDATE runs SET outcome = 'incomplete', state = 'running', content_sha256 = '' WHERE run = 2");
   check_error(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
+}
+
+TEST_CASE("verify and db check miss verdicts, fits and approvals that are gone, with exit 5") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  REQUIRE(call(folder, {"report", "1", "--approve-by", "C. Chief"}).code == 0);
+  CHECK(call(folder, {"db", "check"}).code == 0);
+  change(folder, "DELETE FROM verdicts; DELETE FROM reports");
+  const Finished second = call(folder, {"verify", "2"});
+  CHECK(second.code == 5);
+  CHECK_THAT(second.out, Catch::Contains("as it was stored") && Catch::Contains("CHANGED") &&
+                             Catch::Contains("NOT verified; first difference: verdicts: ") &&
+                             Catch::Contains("were stored, 0 there now"));
+  CHECK_THAT(call(folder, {"verify", "1"}).out, Catch::Contains("approvals: 1 were stored, 0 there now"));
+  const Finished check = call(folder, {"db", "check"});
+  CHECK(check.code == 5);
+  CHECK_THAT(check.out, Catch::Contains("0 runs as they were stored, 2 not") && Catch::Contains("run 2   verdicts: "));
+  const json document = json::parse(call(folder, {"db", "check", "--json"}).out);
+  CHECK(document["runs"][1]["holds"] == false);
+  CHECK(document["runs"][1]["difference"] == "");
+  CHECK(document["runs"][1]["beside"].size() == 1);
+}
+
+TEST_CASE("a store with objects of others is checked and read, not written") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  check_error(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
+  change(folder, "CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END");
+  const Finished check = call(folder, {"db", "check"});
+  CHECK(check.code == 5);
+  CHECK_THAT(check.out, Catch::Contains("trigger 'evil' on 'runs'") && Catch::Contains("structure DAMAGED"));
+  CHECK(call(folder, {"runs", "list"}).code == 0);
+  check_error(call(folder, {"runs", "note", "1", "x"}), 5, "TB-STORE-FOREIGN");
+  check_error(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}),
+              5, "TB-STORE-FOREIGN");
+}
+
+TEST_CASE("a damaged stored model is the store's fault, never the program's") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  write_file(folder.path("t.csv"), "taxel,output\n5,1.0\n5,1.5\n");
+  REQUIRE(call(folder, {"compensate", "1", "t.csv"}).code == 0);
+  const auto read_with = [&](const std::string& damage, const std::string& repair) {
+    change(folder, damage);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"compensate", "1", "t.csv"},
+                                                  {"model", "show", "1"},
+                                                  {"report", "1", "-o", "r.html"}}) {
+      INFO(damage << " " << words.front());
+      check_error(call(folder, words), 5, "TB-MODEL-STORED");
+    }
+    if (!repair.empty()) change(folder, repair);
+  };
+  read_with("UPDATE fit_taxels SET noise_v = -noise_v WHERE taxel = 5",
+            "UPDATE fit_taxels SET noise_v = -noise_v WHERE taxel = 5");
+  CHECK(call(folder, {"compensate", "1", "t.csv"}).code == 0);
+  read_with("UPDATE fits SET patterns_json = replace(patterns_json, '\"rows\":16', '\"rows\":99999')",
+            "UPDATE fits SET patterns_json = replace(patterns_json, '\"rows\":99999', '\"rows\":16')");
+  read_with(
+      "UPDATE fit_taxels SET descending_v = (SELECT descending_v FROM fit_taxels WHERE taxel = 7) WHERE taxel = 5", "");
 }
 
 TEST_CASE("an older store is migrated by name, verified, snapshotted and checked") {
@@ -153,8 +210,8 @@ TEST_CASE("runs are tagged, noted, voided and found again") {
   CHECK(listed({"--sensor", "S-2"}).empty());
   CHECK(listed({"--since", "2020-01-01"}) == Runs{1, 2});
   CHECK(listed({"--since", "2999-01-01"}).empty());
-  CHECK(listed({"--verdict", "pass"}) == Runs{2});
-  CHECK(listed({"--verdict", "none"}) == Runs{1});
+  CHECK(listed({"--verdict", "pass"}) == Runs{1, 2});  // the models' run, and the one that they were judged on
+  CHECK(listed({"--verdict", "none"}).empty());
   CHECK(listed({"--verdict", "fail"}).empty());
   check_error(call(folder, {"runs", "list", "--since", "yesterday"}), 2, "TB-USAGE");
   check_error(call(folder, {"runs", "list", "--verdict", "good"}), 2, "TB-USAGE");
@@ -201,6 +258,10 @@ TEST_CASE("runs are compared, exported and copied into another store") {
   CHECK(call(folder, {"verify", "1", "--db", "archive.db"}).code == 0);
   CHECK(call(folder, {"verify", "2", "--db", "archive.db"}).code == 0);
   CHECK(call(folder, {"db", "check", "archive.db"}).code == 0);
+  CHECK_THAT(copied.out, !Catch::Contains("stays behind"));
+  const Finished models = call(folder, {"runs", "copy", "1", "--to", "models.db"});
+  CHECK(models.code == 0);
+  CHECK_THAT(models.out, Catch::Contains("note: the models of run 1 were judged on run 2, which is not copied"));
   check_error(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
   check_error(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
   CHECK_FALSE(std::filesystem::exists(folder.path("new.db")));

@@ -1,6 +1,7 @@
 // Runs that a time estimate can learn from, written straight into a store: known times, no rig.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,12 @@ inline sequences::Recipe recipe_named(const std::string& name) {
 }
 
 struct Past {
-  double step_s = 3.0;
+  double step_s = 3.0, growth_s = 0.0;  // each step takes so much longer than the one before
   std::string overrides = "[]", bench = "b";
   db::Outcome outcome = db::Outcome::kCompleted;
-  int redo_after = -1;  // frames; the branch so far is done again
+  int redo_after = -1;    // frames; the branch so far is done again
+  double prompt_s = 0.0;  // waited for the operator before the first step
+  int paused_after = -1;  // frames: a pause of 600 s, and 50 s for the way back
 };
 
 inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>& recipes, const Past& past) {
@@ -33,17 +36,30 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
   run.overrides_json = past.overrides;
   run.sensor_serial = "S-1";
   for (std::size_t i = 0; i < recipes.size(); ++i) {
+    const std::vector<sequences::Step> steps = sequences::compile(recipes[i], static_cast<int>(i));
+    const auto frames = std::count_if(
+        steps.begin(), steps.end(), [](const sequences::Step& step) { return takes_frame(step) && step.repeat == 0; });
     run.sequences.push_back({static_cast<int>(i), recipes[i].name, recipes[i].text, db::sha256_hex(recipes[i].text),
-                             recipes[i].repeats, 9});
+                             recipes[i].repeats, static_cast<int>(frames)});
   }
   const std::int64_t number = store.begin_run(run);
   double now = 0.0;
+  const auto tell = [&](const std::string& kind, const std::string& detail) {
+    store.append_event(number, {static_cast<std::int64_t>(now * 1e9), kind, "", detail});
+  };
+  tell("state", "prepared -> running: devices open, chamber unloaded");
+  if (past.prompt_s > 0.0) {
+    tell("state", "running -> pausing: for the operator");
+    tell("state", "pausing -> paused: operator: is it mounted?");
+    now += past.prompt_s;
+    tell("state", "paused -> running: the operator has answered: is it mounted?");
+  }
   std::int64_t branch = 0;
   db::BranchRecord at;
   at.sequence = -1;
-  int frames = 0;
+  int frames = 0, steps_done = 0;
   for (const sequences::Step& step : sequences::compile(recipes)) {
-    now += past.step_s;
+    now += past.step_s + past.growth_s * steps_done++;
     if (!takes_frame(step)) continue;
     if (step.sequence != at.sequence || step.repeat != at.repeat || step.branch != at.ordinal) {
       at.sequence = step.sequence;
@@ -59,7 +75,15 @@ inline void store_run(db::RunStore& store, const std::vector<sequences::Recipe>&
     frame.counts = {0};
     store.append_frame(number, frame);
     if (++frames == past.redo_after) now += 100.0;
+    if (frames != past.paused_after) continue;
+    tell("state", "running -> pausing: asked by Ctrl-C");
+    tell("state", "pausing -> paused: asked by Ctrl-C");
+    now += 600.0;
+    tell("state", "paused -> running: resumed by alice (pid 7) after 600 s");
+    tell("way-back", "conditioned again, then the turning points before branch 1 of repeat 0");
+    now += 50.0;
   }
+  tell("state", "running -> stopping: all steps done");
   store.end_run(number, past.outcome, "", db::SafeState::kVerified, "");
 }
 

@@ -1,4 +1,4 @@
-#include "bench/run/stuck_rows.h"
+#include "bench/run/watch/stuck_rows.h"
 
 #include <catch2/catch.hpp>
 #include <cstdint>

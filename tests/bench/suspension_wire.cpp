@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "analysis/dataset.h"
+#include "bench/run/time_estimate.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -63,4 +64,21 @@ TEST_CASE("suspension: a supply that stays away ends the run, which can be resum
   const bench::RunResult result = run_small(again, store);
   if (result.error) FAIL(result.error->what());
   CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);
+}
+
+TEST_CASE("suspension: what a run waited is not learned as its recipe's time") {
+  const TemporaryFolder folder;
+  std::vector<double> learned;
+  for (const double lasts_s : {0.0, 30.0}) {
+    db::RunStore store = db::RunStore::open(folder.path(fmt::format("{:.0f}.db", lasts_s)), db::Durability::kNormal);
+    const bench::RunRequest request = request_with(lasts_s > 0.0 ? 45.0 : 1e6, lasts_s, 600.0);
+    const bench::RunResult result = run_small(request, store);
+    if (result.error) FAIL(result.error->what());
+    CHECK(result.waiting_seconds == Approx(lasts_s).margin(8.0));
+    bench::TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), sequences::TimeModel());
+    estimate.learn(store, request.bench.id, request.overrides, false);
+    CHECK(estimate.total().runs == 1);
+    learned.push_back(estimate.total().p50_s);
+  }
+  CHECK(learned[1] == Approx(learned[0]).epsilon(0.05));
 }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/report/html.h"
-#include "bench/cli/evaluation.h"
+#include "analysis/report/page/html.h"
+#include "bench/reporting/evaluation.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -40,10 +40,11 @@ analysis::ReportInput turned_runs(double tilt) {
     INFO((result.error ? result.error->what() : ""));
     REQUIRE(!result.error);
   }
-  const analysis::ArrayFit fit = bench::fit_run(store, 1);
+  analysis::Runs runs(store);
+  const analysis::ArrayFit fit = bench::fit_run(store, runs.dataset(1));
   bench::ReportExtras extras;
   extras.studies = {"2:90", "3:180", "4:270"};
-  return bench::report_input(store, 1, fit, bench::evaluate_runs(store, fit, {}), {}, {}, &extras);
+  return bench::report_input(runs, 1, fit, bench::evaluate_runs(runs, fit, {}), {}, {}, &extras);
 }
 
 // The plane through a map: relative pressure difference over the array's side along both axes.

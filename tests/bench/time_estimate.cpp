@@ -132,3 +132,41 @@ TEST_CASE("a recipe is learned from wherever it stood in a run") {
   const TimeBand mixed = bed.learned({both[0], recipe_named("c")}).total();
   CHECK(mixed.runs == 0);
 }
+
+TEST_CASE("waiting that stands in a stored run is no part of what is learned, total and remaining") {
+  const auto [prompt_s, paused_after, tolerance] =
+      GENERATE(table<double, int, double>({{600.0, -1, 1e-6}, {0.0, 5, 1e-6}, {600.0, 13, 1e-6}, {0.0, 18, 1e-6}}));
+  Bed bed;
+  const std::vector<Recipe> recipes = {recipe_named("a")};
+  const auto steps = sequences::compile(recipes);
+  Past past;
+  past.prompt_s = prompt_s;
+  past.paused_after = paused_after;
+  store_run(bed.store, recipes, past);
+  const TimeEstimate estimate = bed.learned(recipes);
+  REQUIRE(estimate.total().runs == 1);
+  for (std::size_t done = 0; done <= steps.size(); ++done) {
+    CHECK(estimate.remaining(done).p50_s == Approx(3.0 * static_cast<double>(steps.size() - done)).margin(tolerance));
+  }
+}
+
+TEST_CASE("waiting between two sequences of a run is learned by neither") {
+  Bed bed;
+  const std::vector<Recipe> both = {recipe_named("a"), recipe_named("b")};
+  Past past;
+  past.paused_after = 18;  // the last of the first
+  store_run(bed.store, both, past);
+  const TimeEstimate estimate = bed.learned(both);
+  CHECK(estimate.total_of(0).p50_s == Approx(60.0));
+  CHECK(estimate.total_of(1).p50_s == Approx(60.0 + 50.0));  // that it had to travel again is its own
+}
+
+TEST_CASE("prompts are counted beside the time") {
+  const std::vector<Recipe> recipes = {sequences::read_recipe(find_recipe("ring")), recipe_named("a")};
+  BenchConfig bench;
+  const TimeEstimate estimate(recipes, sequences::compile(recipes), time_model(bench));
+  CHECK(estimate.total().prompts == 1);
+  CHECK(estimate.total_of(0).prompts == 1);
+  CHECK(estimate.total_of(1).prompts == 0);
+  CHECK(estimate.remaining(1).prompts == 0);
+}

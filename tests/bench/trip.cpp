@@ -1,8 +1,8 @@
-#include "bench/safety/trip.h"
+#include "bench/guard/trip.h"
 
 #include <catch2/catch.hpp>
 
-#include "bench/error.h"
+#include "bench/common/error.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 

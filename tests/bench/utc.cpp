@@ -1,4 +1,4 @@
-#include "bench/utc.h"
+#include "bench/common/utc.h"
 
 #include <catch2/catch.hpp>
 

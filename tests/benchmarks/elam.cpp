@@ -2,8 +2,8 @@
 // every lane level, and an array's fit beside identification alone.
 #include <benchmark/benchmark.h>
 
-#include "analysis/identify/identify.h"
-#include "analysis/identify/lanes.h"
+#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/elam/lanes.h"
 #include "bench/benchmarks/identify.h"
 #include "tests/analysis/support/synthetic.h"
 
@@ -39,12 +39,12 @@ const std::vector<Taxel>& taxels() {
     for (std::size_t taxel = 0; taxel < width; ++taxel) {
       Taxel own{fit.taxels[taxel].fit.model.ascending, fit.taxels[taxel].fit.model.descending, {}};
       for (const SequenceData& sequence : data.sequences) {
-        const CommonSequence common = bring_to_common(sequence, data.taxels());
+        const TaxelTable common = bring_to_common(sequence, data.taxels());
         for (const Branch& branch : common.branches) {
           TaxelBranch b{branch.ascending, {}, {}};
           for (auto i = static_cast<std::size_t>(branch.first); i <= static_cast<std::size_t>(branch.last); ++i) {
             b.pressure_psi.push_back(common.pressure_psi[i]);
-            b.volts.push_back(common.volts[i * width + taxel]);
+            b.volts.push_back(common.values[i * width + taxel]);
           }
           own.branches.push_back(std::move(b));
         }
@@ -72,17 +72,17 @@ void elam_plain_j(benchmark::State& state) {
 }
 BENCHMARK(elam_plain_j)->Unit(benchmark::kMicrosecond);
 
-void elam_identify(benchmark::State& state, LaneLevel level) {
-  force_lane_level(level);
+void elam_identify(benchmark::State& state, Dispatch level) {
+  force_lane_dispatch(level);
   for (auto _ : state)
     for (const Taxel& taxel : taxels())
       benchmark::DoNotOptimize(identify_elam(taxel.ascending, taxel.descending, taxel.branches).j_v2);
-  unforce_lane_level();
+  unforce_lane_dispatch();
   per_taxel(state);
 }
 
 const bool registered = [] {
-  for (const LaneLevel level : lane_levels())
+  for (const Dispatch level : dispatches())
     benchmark::RegisterBenchmark((std::string("elam_identify/") + to_string(level)).c_str(), elam_identify, level)
         ->Unit(benchmark::kMicrosecond);
   return true;

@@ -25,7 +25,7 @@ TEST_CASE("SHA-256 gives the known answers of FIPS 180") {
         "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-TEST_CASE("the stored hash is the one recomputed from the rows, by another store object too") {
+TEST_CASE("the stored hash equals the one recomputed from the rows, by another store object too") {
   const TemporaryFolder folder;
   std::int64_t run = 0;
   {
@@ -69,8 +69,8 @@ TEST_CASE("UUID, host, wall clock, time zone and run number do not count") {
   CHECK(one.run(first).content_sha256 == two.run(second).content_sha256);
 }
 
-// Changes each column of each table of a run by hand and looks whether the hash sees it. A column added later is tried
-// too, without anybody thinking of it.
+// Changes each column of each table of a run and checks that the hash changes. A column added later is covered
+// automatically.
 TEST_CASE("every canonical column counts, and no other") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
@@ -84,7 +84,7 @@ TEST_CASE("every canonical column counts, and no other") {
   const std::set<std::string> keys = {"runs.run",        "sequences.run", "devices.run",      "branches.run",
                                       "events.run",      "frames.frame",  "events.event",     "devices.position",
                                       "branches.branch", "checks.run",    "checks.check_row", "series.run"};
-  // Where only some words will do, or the blob's size must fit.
+  // Where only some values are allowed, or the blob's size must fit.
   const std::map<std::string, std::string> values = {
       {"runs.outcome", "'stopped'"},     {"runs.safe_state", "'failed'"},
       {"branches.void", "1 - void"},     {"runs.git_dirty", "1 - git_dirty"},
@@ -191,7 +191,7 @@ TEST_CASE("the bytes under a link cannot be read in two ways, and numbers hash a
   CHECK(chain.frame({}, {}, frame) != chain.frame({}, {}, same));
 }
 
-TEST_CASE("a reading of -0.0 or of no number does not upset verification") {
+TEST_CASE("a reading of -0.0 or not-a-number does not break verification") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(store);

@@ -48,18 +48,18 @@ TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the nu
   CHECK(target.verdicts(5).front().fit == 2);
   CHECK(target.check_structure().empty());
   CHECK(target.frames(5).size() == 3);
-  // The copy goes on as a store: the next run's keys follow.
+  // The copy works as a store: the next run's keys follow.
   CHECK(store_example(target) == 6);
   CHECK(target.check_content(6).holds());
 }
 
-TEST_CASE("a run is copied once, ended and whole, or nothing is") {
+TEST_CASE("a run is copied once, ended and complete, or nothing is copied") {
   const TemporaryFolder folder;
   RunStore source = RunStore::open(folder.path("a.db"));
   RunStore target = RunStore::open(folder.path("b.db"));
   store_judged(source);
   CHECK(target.copy_runs_from(source, {2}) == std::vector<std::int64_t>{1});
-  CHECK(target.verdicts(1).front().fit == 0);  // the run of its models did not come along
+  CHECK(target.verdicts(1).front().fit == 0);  // the run of its models was not copied
   CHECK(store_error([&] { target.copy_runs_from(source, {1, 2}); }) == "TB-STORE-EXISTS");
   CHECK(target.runs().size() == 1);
   const std::int64_t open = source.begin_run(example_run());

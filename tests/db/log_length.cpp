@@ -1,5 +1,5 @@
-// The write-ahead log of a durable run is as long at the first frame as it ever gets: commits then write over it, which
-// the file system does without a commit of its own.
+// The write-ahead log of a durable run has its full length at the first frame: commits then write over it, which needs
+// no commit of the file system's journal.
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -24,14 +24,14 @@ TEST_CASE("a durable run writes over its log and does not lengthen it") {
   CHECK(length >= kFullLog);
   for (int i = 0; i < 50; ++i) store.append_frame(run, example_frame(branch, i));
   CHECK(std::filesystem::file_size(path + "-wal") == length);
-  const RunStore reader = RunStore::open_read_only(path);  // what was rolled back is nobody's
+  const RunStore reader = RunStore::open_read_only(path);  // a rolled-back transaction has no content
   CHECK(reader.frame_count(run) == 50);
   CHECK(reader.check_structure().empty());
   store.end_run(run, Outcome::kCompleted, "", SafeState::kVerified, "");
   CHECK(store.check_content(run).holds());
 }
 
-TEST_CASE("a run under the turned clock leaves the log as short as it is") {
+TEST_CASE("a run under the turned clock does not lengthen the log") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), Durability::kNormal);
   begin_example(store);

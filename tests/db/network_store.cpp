@@ -1,13 +1,18 @@
-// What lies on a network file system is refused. To mount one needs rights that a test does not have, so statfs answers
-// here for one folder as it does for NFS, and for all others as ever.
+// Stores on a network file system are refused. Mounting one needs rights that a test does not have, so here statfs
+// reports NFS for one folder and the truth for all others.
+#include <fcntl.h>
+#include <mntent.h>
 #include <sys/syscall.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 #include <catch2/catch.hpp>
 
+#include <cstdio>
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
+#include "bench/cli/session.h"
 #include "db/store_file.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
@@ -17,28 +22,47 @@ using namespace tactbench::tests;
 using db::RunStore;
 
 namespace {
+
 std::string networked;
+std::int64_t magic_there = 0x6969;  // NFS
+
+// The type of the file system on which a folder lies, by the longest mount point above it.
+std::string mounted_type(const std::string& folder) {
+  std::string type;
+  std::size_t longest = 0;
+  FILE* mounts = ::setmntent("/proc/self/mounts", "r");
+  REQUIRE(mounts != nullptr);
+  while (const mntent* entry = ::getmntent(mounts)) {
+    std::string point = entry->mnt_dir;
+    if (!point.ends_with('/')) point += '/';
+    if (!(folder + '/').starts_with(point) || point.size() < longest) continue;
+    longest = point.size();
+    type = entry->mnt_type;
+  }
+  ::endmntent(mounts);
+  return type;
 }
+
+}  // namespace
 
 extern "C" int statfs(const char* path, struct statfs* status) noexcept {
   const long result = ::syscall(SYS_statfs, path, status);
-  if (result == 0 && !networked.empty() && std::string_view(path).starts_with(networked)) status->f_type = 0x6969;
+  if (result == 0 && !networked.empty() && std::string_view(path).starts_with(networked)) status->f_type = magic_there;
   return static_cast<int>(result);
 }
 
-TEST_CASE("a store on a network file system is neither made, opened, read nor copied there") {
+TEST_CASE("a store on a network file system is neither made, opened nor copied there") {
   const TemporaryFolder folder;
   const std::string local = folder.path("local"), there = folder.path("there");
   std::filesystem::create_directory(local);
   std::filesystem::create_directory(there);
   const RunStore store = RunStore::open(local + "/runs.db");
-  RunStore::open(there + "/old.db");  // before the folder became a network's
+  RunStore::open(there + "/old.db");  // before the folder is reported as NFS
   networked = there;
   std::string message;
   CHECK(store_error([&] { RunStore::open(there + "/new.db"); }, &message) == "TB-STORE-NETWORK");
   CHECK_THAT(message, Catch::Contains("NFS"));
   CHECK(store_error([&] { RunStore::open(there + "/old.db"); }) == "TB-STORE-NETWORK");
-  CHECK(store_error([&] { RunStore::open_read_only(there + "/old.db"); }) == "TB-STORE-NETWORK");
   CHECK(store_error([&] { store.snapshot(there + "/copy.db"); }) == "TB-STORE-NETWORK");
   CHECK(store_error([&] { db::schema_version_of(there + "/old.db"); }) == "TB-STORE-NETWORK");
   CHECK(store_error([&] { RunStore::open(local + "/other.db"); }).empty());
@@ -46,4 +70,77 @@ TEST_CASE("a store on a network file system is neither made, opened, read nor co
   CHECK_FALSE(std::filesystem::exists(there + "/new.db"));
   CHECK_FALSE(std::filesystem::exists(there + "/copy.db"));
   CHECK(store_error([&] { RunStore::open(there + "/old.db"); }).empty());
+}
+
+TEST_CASE("a finished store on a network file system is read as it is, and one with a log is not") {
+  const TemporaryFolder folder;
+  const std::string there = folder.path("there"), path = there + "/runs.db", log = path + "-wal";
+  std::filesystem::create_directory(there);
+  std::int64_t run = 0;
+  {
+    RunStore store = RunStore::open(path);
+    run = store_example(store);
+  }
+  networked = there;
+  std::vector<std::string> warnings;
+  db::tell_warnings_to([&](const std::string& text) { warnings.push_back(text); });
+  {
+    RunStore store = RunStore::open_read_only(path);
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Catch::StartsWith("store " + path + " lies on a network file system (NFS)"));
+    (void)RunStore::open_read_only(path);
+    CHECK(warnings.size() == 1);
+    CHECK(store.check_content(run).holds());
+    CHECK(store_error([&] { store.add_note(run, "late"); }) == "TB-STORE-OPEN");
+    CHECK_FALSE(std::filesystem::exists(path + "-shm"));  // no memory is shared over a network
+    RunStore local = RunStore::open(folder.path("local.db"));
+    CHECK(store_error([&] { (void)local.copy_runs_from(store, {run}); }) == "TB-STORE-NETWORK");
+  }
+  write_file(log, "");  // a log in which there is nothing
+  CHECK(RunStore::open_read_only(path).frame_count(run) == 3);
+  CHECK(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Catch::Contains("must not be written"));
+  write_file(log, "1");
+  CHECK(store_error([&] { RunStore::open_read_only(path); }) == "TB-STORE-NETWORK");
+  write_file(log, "frames that are not in the file yet");
+  std::string message;
+  CHECK(store_error([&] { RunStore::open_read_only(path); }, &message) == "TB-STORE-NETWORK");
+  CHECK_THAT(message, Catch::Contains("-wal") && Catch::Contains("copy file and log to a local disk"));
+  networked.clear();
+  db::tell_warnings_to({});
+}
+
+TEST_CASE("the program warns of a store on a network file system without sending its name's characters to a terminal") {
+  const TemporaryFolder folder;
+  const std::string there = folder.path("th\x1b[31mere"), told = folder.path("told");
+  std::filesystem::create_directory(there);
+  RunStore::open(there + "/runs.db");
+  networked = there;
+  std::vector<std::string> words = {"tactbench", "runs", "list", "--db", there + "/runs.db"};
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  const int terminal = dup(STDERR_FILENO), file = open(told.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  REQUIRE((terminal >= 0 && file >= 0 && dup2(file, STDERR_FILENO) >= 0));
+  const int code = bench::run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  REQUIRE(dup2(terminal, STDERR_FILENO) >= 0);
+  for (const int descriptor : {terminal, file}) close(descriptor);
+  networked.clear();
+  db::tell_warnings_to({});
+  CHECK(code == 0);
+  CHECK_THAT(read_file(told), Catch::StartsWith("warning: store ") &&
+                                  Catch::Contains("th\\x1b[31mere/runs.db lies on") && !Catch::Contains("\x1b"));
+}
+
+TEST_CASE("a file system behind FUSE is named as the mount table names it") {
+  const TemporaryFolder folder;
+  const std::string type = mounted_type(folder.path());
+  networked = folder.path();
+  magic_there = 0x65735546;
+  std::string message;
+  const std::string id = store_error([&] { RunStore::open(folder.path("runs.db")); }, &message);
+  networked.clear();
+  magic_there = 0x6969;
+  CAPTURE(message, type);
+  CHECK(id == "TB-STORE-NETWORK");
+  CHECK_THAT(message, Catch::Contains("(" + type + ")"));
 }

@@ -22,7 +22,7 @@ using db::sqlite::Connection;
 
 namespace {
 
-// Refused by both ways of opening with `id`, and not one byte of the folder changed.
+// Refused with `id` by both ways of opening, and not one byte of the folder changed.
 std::string refused(const TemporaryFolder& folder, const std::string& id) {
   const std::string path = folder.path("runs.db");
   const std::string before = read_file(path);
@@ -52,20 +52,20 @@ TEST_CASE("a database of another program is refused and left as it was") {
   CHECK_FALSE(std::filesystem::exists(folder.path("runs.db-wal")));
 }
 
-TEST_CASE("what is no database is refused") {
+TEST_CASE("a file that is not a database is refused") {
   const TemporaryFolder folder;
   write_file(folder.path("runs.db"), std::string(5000, 'x'));
-  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("nor any SQLite database"));
+  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
   write_file(folder.path("runs.db"), "short");
   refused(folder, "TB-STORE-OPEN");
-  // A true header over rubbish
+  // A valid header over random bytes
   write_file(folder.path("good.db"), "");
   RunStore::open(folder.path("good.db"));
   write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100) + std::string(8092, 'x'));
   refused(folder, "TB-STORE-OPEN");
 }
 
-TEST_CASE("a missing folder, a folder for a file and no name are refused with the way out") {
+TEST_CASE("a missing folder, a folder for a file and no name are refused with a remedy") {
   const TemporaryFolder folder;
   std::string message;
   CHECK(store_error([&] { RunStore::open(folder.path("none/runs.db")); }, &message) == "TB-STORE-OPEN");
@@ -80,7 +80,7 @@ TEST_CASE("a missing folder, a folder for a file and no name are refused with th
   CHECK(store_error([&] { RunStore::open(folder.path("runs.db")); }).empty());  // an empty file may become a store
 }
 
-TEST_CASE("reading never writes, nor does it heal a dead writer's log") {
+TEST_CASE("reading never writes, and does not recover a dead writer's log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   const pid_t child = fork();
@@ -106,7 +106,7 @@ TEST_CASE("reading never writes, nor does it heal a dead writer's log") {
   CHECK(read_file(path + "-wal") == log);
 }
 
-TEST_CASE("a file and a folder without the right to write: open says so, reading works") {
+TEST_CASE("a file and a folder without write permission: open reports it, reading works") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {
@@ -135,7 +135,7 @@ TEST_CASE("a file and a folder without the right to write: open says so, reading
   CHECK(as_user(0555, false) == 0);
 }
 
-TEST_CASE("network file systems are known by number and, for FUSE, by name") {
+TEST_CASE("network file systems are recognised by number and, for FUSE, by name") {
   using db::network_file_system;
   CHECK(network_file_system(0x6969, "") == "NFS");
   CHECK(network_file_system(0xff534d42, "") == "CIFS");
@@ -150,7 +150,7 @@ TEST_CASE("network file systems are known by number and, for FUSE, by name") {
   }
 }
 
-TEST_CASE("who waits in vain for another writer learns it, and the message says the file") {
+TEST_CASE("waiting for another writer ends with an error that names the file") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore::open(path);
@@ -160,7 +160,7 @@ TEST_CASE("who waits in vain for another writer learns it, and the message says 
   CHECK(store_error([&] { const db::sqlite::Transaction wanted(waiter); }, &message) == "TB-STORE-LOCKED");
   CHECK_THAT(message, Catch::Contains(path) && Catch::Contains("another process"));
   CHECK(store_error([&] { waiter.execute("DELETE FROM sensors"); }) == "TB-STORE-LOCKED");
-  CHECK(RunStore::open_read_only(path).runs().empty());  // readers are not kept waiting
+  CHECK(RunStore::open_read_only(path).runs().empty());  // readers do not wait
 }
 
 TEST_CASE("a database that may not grow is full") {
@@ -172,18 +172,19 @@ TEST_CASE("a database that may not grow is full") {
   CHECK_THAT(message, Catch::Contains("no room left") && Catch::Contains("free space"));
 }
 
-TEST_CASE("what fails without a file does not tell of a file that failed before") {
+TEST_CASE("an error without a failed file does not report an earlier file's failure") {
   const TemporaryFolder folder;
   Connection connection(folder.path("runs.db"), Access::kReadWrite);
   const std::string reason = std::strerror(ENOENT);
   std::string message;
-  CHECK(!store_error([&] { connection.execute("ATTACH '/nonexistent/other.db' AS other"); }, &message).empty());
+  const std::string missing = folder.path("missing") + "/other.db";
+  CHECK(!store_error([&] { connection.execute("ATTACH '" + missing + "' AS other"); }, &message).empty());
   CHECK_THAT(message, Catch::Contains(reason));
   CHECK(!store_error([&] { connection.execute("INSERT INTO nothing VALUES (1)"); }, &message).empty());
   CHECK_THAT(message, !Catch::Contains(reason));
 }
 
-// The system's own limit on file size stands for the full disk: the same failed write, without a disk of its own.
+// The system's limit on file size stands in for a full disk: the same failed write, without a disk of its own.
 TEST_CASE("when the disk is full in mid-run, the frame is refused and all before it are kept") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
@@ -205,7 +206,7 @@ TEST_CASE("when the disk is full in mid-run, the frame is refused and all before
           store.append_frame(begun.run, example_frame(begun.branch, acknowledged));
         }
       });
-      // It stays full, and says so again rather than storing over a gap.
+      // It stays full, and reports it again rather than storing over a gap.
       const auto again = store_error([&] { store.append_frame(begun.run, example_frame(begun.branch, 9999)); });
       if (again != "TB-STORE-FULL") _exit(3);
     }

@@ -1,4 +1,4 @@
-// Tags, notes and voids: kept beside a run, no part of its content.
+// Tags, notes and voids: kept beside a run, not part of its content.
 #include <catch2/catch.hpp>
 
 #include "db/sqlite.h"
@@ -40,7 +40,7 @@ TEST_CASE("notes are lines that only grow") {
   CHECK(store.check_content(run).holds());
 }
 
-TEST_CASE("a void run is kept, says why and by whom, and is no reference for later runs") {
+TEST_CASE("a void run is kept with reason and name, and is not a reference for later runs") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);

@@ -16,7 +16,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-TEST_CASE("a run comes back as it went in") {
+TEST_CASE("a run reads back as it was written") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   db::RunRecord given = example_run();
@@ -53,7 +53,7 @@ TEST_CASE("a run comes back as it went in") {
   CHECK(store.runs().size() == 1);
 }
 
-TEST_CASE("frames, branches and events come back exactly") {
+TEST_CASE("frames, branches and events read back exactly") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(store);
@@ -69,7 +69,8 @@ TEST_CASE("frames, branches and events come back exactly") {
   store.append_frame(begun.run, odd);
   const std::vector<db::FrameRecord> frames = store.frames(begun.run);
   REQUIRE(frames.size() == 2);
-  CHECK(store.frame_count(begun.run) == 2);
+  CHECK((store.frame_count(begun.run) == 2 && store.flagged_frame_count(begun.run) == 1));
+  CHECK(store.scans_of_first_frame(begun.run) == 2);
   const db::FrameRecord given = example_frame(begun.branch, 0);
   const db::FrameRecord& got = frames[0];
   CHECK((got.branch == given.branch && got.ordinal == 0 && got.status == 4 && got.exchanges == 11));
@@ -112,7 +113,7 @@ TEST_CASE("frames, branches and events come back exactly") {
   CHECK((events[1].time_ns == 9 && events[1].id == "X" && store.run(begun.run).state == "running"));
 }
 
-TEST_CASE("models and verdicts come back exactly") {
+TEST_CASE("models and verdicts read back exactly") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
@@ -162,9 +163,39 @@ TEST_CASE("models and verdicts come back exactly") {
   CHECK((verdicts[0].unit == "%" && verdicts[0].rule == "simple" && verdicts[0].limits_sha256 == "sha"));
   CHECK(store_error([&] { store.replace_verdicts(run, 99, {}); }) == "TB-STORE-NOT-FOUND");
   CHECK(store.verdicts(run).size() == 1);
+  CHECK(verdicts[0].model_run == run);
 }
 
-TEST_CASE("what is not there is named beside what is") {
+TEST_CASE("verdicts by other limits, and by models of another run, are not replaced") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t judged = store_example(store), one = store_example(store), other = store_example(store);
+  const auto fit_of_run = [&](std::int64_t run) {
+    return store.add_fit({0, run, "elam", "{}", "{}", "0.1.0", "2024-05-02T00:00:00Z", "{}"}, {});
+  };
+  const auto by_limits = [](const char* sha256, const char* word) {
+    db::VerdictRecord verdict{0, 0, "mean_compensation_error", "array", 1.0, 1.5, "psi", "simple", word, "l", sha256};
+    return std::vector<db::VerdictRecord>{verdict};
+  };
+  store.replace_verdicts(judged, fit_of_run(one), by_limits("strict", "fail"));
+  store.replace_verdicts(judged, fit_of_run(one), by_limits("wide", "pass"));
+  store.replace_verdicts(judged, fit_of_run(other), by_limits("strict", "pass"));
+  store.replace_verdicts(judged, fit_of_run(one), {});  // report only
+  const auto words = [](const std::vector<db::VerdictRecord>& verdicts) {
+    std::string text;
+    for (const db::VerdictRecord& verdict : verdicts) text += verdict.limits_sha256 + " " + verdict.verdict + "; ";
+    return text;
+  };
+  CHECK(words(store.verdicts(judged)) == "strict fail; wide pass; strict pass; ");
+  CHECK(words(store.verdicts_of_models(one)) == "strict fail; wide pass; ");
+  CHECK(words(store.verdicts_of_models(other)) == "strict pass; ");
+  CHECK(store.verdicts_of_models(judged).empty());
+  store.replace_verdicts(judged, fit_of_run(one), by_limits("strict", "inconclusive"));
+  CHECK(words(store.verdicts_of_models(one)) == "wide pass; strict inconclusive; ");
+  CHECK(store.verdicts_of_models(one).back().model_run == one);
+}
+
+TEST_CASE("a missing run or fit is named together with the existing ones") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   std::string message;
@@ -218,14 +249,14 @@ TEST_CASE("rows that contradict the run are refused and leave nothing") {
   CHECK(store_error([&] { store.set_state(begun.run, "ended", {}); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { store.end_run(ended, db::Outcome::kFailed, "", {}, ""); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { store.end_run(begun.run, db::Outcome::kIncomplete, "", {}, ""); }) == "TB-STORE-CONFLICT");
-  // That it has ended is said first, whatever else is wrong.
+  // That it has ended is reported first, whatever else is wrong.
   RunStore reader = RunStore::open_read_only(folder.path("runs.db"));
   CHECK(store_error([&] { reader.end_run(ended, db::Outcome::kFailed, "", {}, ""); }) == "TB-STORE-CONFLICT");
   CHECK(store.content_hash(begun.run) == before);
   store.set_devices(begun.run, {});
   CHECK(store.run(begun.run).devices.empty());
   frame = example_frame(begun.branch, 0);
-  frame.setpoint_psi = kNaN;  // the database itself refuses: the chain must not have moved on
+  frame.setpoint_psi = kNaN;  // the database itself refuses: the chain must not have advanced
   CHECK(store_error([&] { store.append_frame(begun.run, frame); }) == "TB-STORE-CONFLICT");
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   CHECK(store_error([&] { store.set_devices(begun.run, {}); }) == "TB-STORE-CONFLICT");

@@ -15,7 +15,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("a new store is ours, of the newest version, in WAL with pages of 4096") {
+TEST_CASE("a new store has the application id, the newest version, WAL and pages of 4096") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
@@ -34,7 +34,7 @@ TEST_CASE("every table is STRICT, and a text in a column of numbers is refused")
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND NOT strict "
                     "AND name NOT LIKE 'sqlite_%'") == 0);
-  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 16);
+  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 17);
   CHECK(store_error([&] { raw.execute("UPDATE frames SET setpoint_psi = 'two'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'done'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'incomplete'"); }) == "TB-STORE-CONFLICT");
@@ -67,7 +67,7 @@ TEST_CASE("foreign keys hold") {
   CHECK(raw.integer("SELECT count(*) FROM pragma_foreign_key_check") == 0);
 }
 
-TEST_CASE("the views show what a person asks for") {
+TEST_CASE("the views show runs, frames and verdicts with their units") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store_example(store);
@@ -159,7 +159,7 @@ TEST_CASE("a backup is made before each migration and never over another file") 
   CHECK_FALSE(std::filesystem::exists(folder.path("new.db.schema-0.backup")));
 }
 
-TEST_CASE("the series of an imported run come back bit for bit") {
+TEST_CASE("the series of an imported run read back bit for bit") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   db::RunRecord imported = example_run();
@@ -178,12 +178,12 @@ TEST_CASE("the series of an imported run come back bit for bit") {
   CHECK(store_error([&] { store.append_series(begun.run, {{0, 9, input, output}}); }) == "TB-STORE-CONFLICT");
 }
 
-TEST_CASE("an ended run that was not completed can be opened again, and its chain goes on") {
+TEST_CASE("an ended run that was not completed can be opened again, and its chain continues") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(store);
   store.append_frame(begun.run, example_frame(begun.branch, 0));
-  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // it lives
+  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // it is live
   REQUIRE(store.mark_interrupted("2026-01-01T00:00:00Z") == 1);
   store.reopen_run(begun.run, {9, "state", "", "ended -> prepared: resumed"});
   CHECK((store.run(begun.run).outcome == db::Outcome::kIncomplete && store.run(begun.run).content_sha256.empty()));

@@ -1,4 +1,4 @@
-// Copies of a store that somebody is writing to, and the file's own soundness.
+// Copies of a store that another process is writing, and checks of the file.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("a snapshot of a store whose run goes on holds what was acknowledged, and neither is disturbed") {
+TEST_CASE("a snapshot of a store with a live run holds the acknowledged frames, and neither is disturbed") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::int64_t done = store_example(store);
@@ -41,7 +41,7 @@ TEST_CASE("a snapshot of a store whose run goes on holds what was acknowledged, 
   CHECK(copy.mark_interrupted("2026-01-01T00:00:00Z") == 1);
 }
 
-TEST_CASE("a snapshot overwrites nothing, and what fails leaves nothing") {
+TEST_CASE("a snapshot overwrites nothing, and a failed one leaves nothing") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store_example(store);
@@ -58,7 +58,7 @@ TEST_CASE("a snapshot overwrites nothing, and what fails leaves nothing") {
   CHECK(RunStore::open_read_only(folder.path("copy.db")).check_content(1).holds());
 }
 
-TEST_CASE("a snapshot that finds no room ends as such and leaves nothing") {
+TEST_CASE("a snapshot without free space ends with TB-STORE-FULL and leaves nothing") {
   const TemporaryFolder folder;
   {
     RunStore store = RunStore::open(folder.path("runs.db"));

@@ -9,6 +9,8 @@
 
 namespace tactbench::tests {
 
+inline constexpr const char* kUtc = "2026-01-01T00:00:00Z";
+
 inline db::SensorRecord example_sensor() {
   return {"S-1", "array-3x2", "rows = 3\n", db::sha256_hex("rows = 3\n"), "SC-7", "first", "2024-05-01T08:00:00Z"};
 }

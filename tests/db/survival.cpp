@@ -14,7 +14,7 @@ using namespace tactbench::tests;
 using db::Durability;
 using db::RunStore;
 
-TEST_CASE("a frame is seen by another connection as soon as it is acknowledged") {
+TEST_CASE("a frame is visible to another connection as soon as it is acknowledged") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"), Durability::kNormal);
   const Begun begun = begin_example(store);
@@ -58,7 +58,7 @@ TEST_CASE("a run whose process dies keeps every acknowledged frame and becomes i
   CHECK(run.content_sha256 == store.content_hash(1));
   const db::EventRecord event = store.events(1).back();
   CHECK((event.kind == "state" && event.id == "TB-RUN-INTERRUPTED"));
-  CHECK(event.time_ns == example_frame(1, 39).time_ns);  // the last that is known of the run
+  CHECK(event.time_ns == example_frame(1, 39).time_ns);  // the last known time of the run
   CHECK(store.run(2).outcome == db::Outcome::kCompleted);
   CHECK(store.mark_interrupted("2024-05-01T12:00:00Z") == 0);
   CHECK(store.run(1).ended_utc == "2024-05-01T11:00:00Z");

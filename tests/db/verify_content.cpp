@@ -1,4 +1,4 @@
-// What check_content names, and that no changed byte of the file gets past it.
+// The differences that check_content names, and that it notices every changed byte of content.
 #include <fmt/format.h>
 
 #include <array>
@@ -19,7 +19,7 @@ using db::sqlite::Connection;
 
 namespace {
 
-// All that is canonical of a run, as the reader gives it back, bit for bit.
+// All canonical content of a run, as read back, bit for bit.
 std::string content_read_back(const RunStore& store, std::int64_t number) {
   std::string text;
   const auto word = [&](const std::string& value) { text += fmt::format("{}:{};", value.size(), value); };
@@ -119,7 +119,7 @@ std::string changed(RunStore& store, std::int64_t run, const std::string& sql) {
 
 }  // namespace
 
-TEST_CASE("a run that nobody touched holds, and one that has not ended has links that hold") {
+TEST_CASE("an unchanged run is intact, and one that has not ended has intact links") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
@@ -216,6 +216,6 @@ TEST_CASE("one changed byte anywhere in the file is noticed, or the content read
   }
   CAPTURE(refused, red, harmless);
   CHECK(refused + red + harmless == kFlips);
-  CHECK(red > kFlips / 5);         // the file is mostly content: the test had something to notice
-  CHECK(harmless > kFlips / 100);  // and verify does not cry at all that is no content
+  CHECK(red > kFlips / 5);         // the file is mostly content: many flips must be noticed
+  CHECK(harmless > kFlips / 100);  // and verify does not report bytes outside the content
 }

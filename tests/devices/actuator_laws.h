@@ -1,4 +1,4 @@
-// The table of actuators that the laws of devices/actuator.h are tried on (actuator_laws_wire.cpp). A driver joins by
+// The table of actuators on which the laws of devices/actuator.h are tested (actuator_laws_wire.cpp). A driver joins by
 // an adapter: an ActuatorBed, and one JoinsActuatorLaws at namespace scope of a *_wire.cpp. tests/actuator_rules.cmake
 // fails when a driver in devices/ has none.
 #pragma once
@@ -18,7 +18,7 @@ namespace tactbench::devices {
 
 struct BedOptions {
   Nanoseconds reply_timeout = std::chrono::seconds(20);  // never reached where the other end answers
-  Nanoseconds safe_timeout = std::chrono::seconds(2);    // how long making safe may wait for the actuator to obey
+  Nanoseconds safe_timeout = std::chrono::seconds(2);    // how long making safe may wait for the actuator
 };
 
 using Act = std::function<void()>;
@@ -31,10 +31,10 @@ class ActuatorBed {
   virtual TurnedClock& clock() = 0;
   [[nodiscard]] virtual std::string faults_begin_with() const = 0;  // "TB-CHAMBER"
 
-  virtual void make_ready() = 0;             // arms, and whatever else commands need
-  virtual std::vector<Act> commands() = 0;   // every one there is, within its limits
-  virtual std::vector<Act> forbidden() = 0;  // beyond each limit, and what is no number
-  virtual void load() = 0;                   // a command that takes the actuator away from where it is safe
+  virtual void make_ready() = 0;             // arms, and does what else commands need
+  virtual std::vector<Act> commands() = 0;   // all commands, within their limits
+  virtual std::vector<Act> forbidden() = 0;  // beyond each limit, and not-a-number
+  virtual void load() = 0;                   // a command that takes the actuator away from its safe state
   [[nodiscard]] virtual bool make_safe() noexcept = 0;
 
   // At the simulated end, past the driver. May turn the clock a little.
@@ -45,7 +45,7 @@ class ActuatorBed {
   virtual void break_wire() = 0;
   virtual void mend_wire() = 0;  // the other end keeps its power
 
-  [[nodiscard]] virtual int questions() const = 0;               // lost one after the other that make a fault
+  [[nodiscard]] virtual int questions() const = 0;               // lost in a row that make a fault
   [[nodiscard]] virtual int questions_to_make_safe() const = 0;  // at most, on a silent wire
 };
 

@@ -1,9 +1,10 @@
-// What every actuator obeys (devices/actuator.h), tried on each driver that stands in the table of actuator_laws.h,
-// against its simulated end over a real wire.
+// The laws of every actuator (devices/actuator.h), tested on each driver in the table of actuator_laws.h against its
+// simulated end over a real wire.
 #include "tests/devices/actuator_laws.h"
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include "tests/devices/fault_of.h"
@@ -66,12 +67,18 @@ TEST_CASE("actuator law: arming drives nothing") {
   });
 }
 
-TEST_CASE("actuator law: what is out of range, or no number, is refused before anything is sent, and disarms nothing") {
+TEST_CASE(
+    "actuator law: a value out of range or not-a-number is refused before anything is sent, and disarms nothing") {
   for_each_actuator([](ActuatorBed& bed) {
     bed.make_ready();
     const std::uint64_t before = bed.received();
     REQUIRE(bed.forbidden().size() >= 4);
-    for (const Act& command : bed.forbidden()) CHECK(fault_id_of(command) == bed.faults_begin_with() + "-LIMIT");
+    for (const Act& command : bed.forbidden()) {
+      const std::optional<Fault> fault = fault_of(command);
+      REQUIRE(fault);
+      CHECK(fault->id() == bed.faults_begin_with() + "-LIMIT");
+      CHECK(fault->cause() == Cause::kLimit);
+    }
     CHECK(bed.received() == before);
     CHECK(bed.actuator().armed());
   });
@@ -95,7 +102,7 @@ TEST_CASE("actuator law: it is made safe from any state, armed or not, under loa
     bed.make_ready();
     bed.load();
     bed.break_wire();
-    CHECK_FALSE(bed.make_safe());  // says so when it cannot
+    CHECK_FALSE(bed.make_safe());  // false when it cannot
     bed.mend_wire();
     check_made_safe(bed);
   });
@@ -107,7 +114,7 @@ TEST_CASE("actuator law: it is made safe from another thread than the one that a
         bed.make_ready();
         bed.load();
         REQUIRE_FALSE(bed.stands_safe());
-        // The clock stands still meanwhile: whether the actuator has come to rest may not be known yet.
+        // The clock stands still meanwhile: that the actuator has come to rest may not be known yet.
         std::thread([&] { (void)bed.make_safe(); }).join();
         bed.clock().wait_until(bed.clock().now() + 500ms);
         CHECK(bed.stands_safe());
@@ -125,7 +132,7 @@ TEST_CASE("actuator law: a quiet wire is a fault in its time, and disarms") {
         const Nanoseconds before = bed.clock().now();
         const std::string id = fault_id_of([&] { bed.load(); });
         CHECK(id.ends_with("-TIMEOUT"));
-        // Process time has spent what was waited, and no more.
+        // Process time has advanced by the time waited, and no more.
         CHECK(bed.clock().now() - before == bed.questions() * kShort.reply_timeout);
         check_not_armed(bed);
         CHECK(fault_id_of([&] { bed.actuator().arm(); }) != "none");
@@ -134,7 +141,7 @@ TEST_CASE("actuator law: a quiet wire is a fault in its time, and disarms") {
       kShort);
 }
 
-TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and says no") {
+TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and returns false") {
   for_each_actuator(
       [](ActuatorBed& bed) {
         bed.make_ready();
@@ -150,7 +157,7 @@ TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and says
       kShort);
 }
 
-TEST_CASE("actuator law: a broken wire is a fault, disarms, and after it is mended nothing remembered is sent") {
+TEST_CASE("actuator law: a broken wire is a fault, disarms, and once it is mended no earlier command is sent") {
   for_each_actuator([](ActuatorBed& bed) {
     bed.make_ready();
     bed.load();

@@ -26,7 +26,7 @@ struct Rig {
   static RegulatorOptions options() {
     RegulatorOptions options;
     options.serial = "R1";
-    options.command_span.high = options.feedback_span.high = psi_from_bar(9.0);
+    options.command_span.high = options.feedback_span.high = Psi(9.0 * kPsiPerBar);
     options.origin = Origin::kSimulated;
     return options;
   }
@@ -84,7 +84,7 @@ TEST_CASE("regulator: a command drives the output, feedback and reference come b
   const auto exchanges = rig.module.exchanges();
   const auto counts = rig.regulator.command(Psi(60.0));
   CHECK(rig.module.exchanges() - exchanges == 2);
-  CHECK(counts == std::lround(60.0 / psi_from_bar(9.0).value() * 0x7FFF));
+  CHECK(counts == std::lround(60.0 / (9.0 * kPsiPerBar) * 0x7FFF));
   CHECK(rig.module.output(0) == counts);
   CHECK(rig.chamber.output().value() == Approx(4.5965).margin(0.0005));
   rig.clock.wait_until(300ms);
@@ -151,15 +151,15 @@ TEST_CASE("regulator: fed in time the watchdog holds, unfed it zeroes the output
   CHECK(rig.regulator.feedback().pressure.value() == Approx(10.0).margin(0.003));
 }
 
-TEST_CASE("regulator: a watchdog that still ran and fell back before the first command is set up anew") {
-  const bool looks_first = GENERATE(true, false);
+TEST_CASE("regulator: a watchdog that still ran and fell back before the first command is set up again") {
+  const bool reads_first = GENERATE(true, false);
   Rig rig;
   rig.regulator.arm();
   rig.regulator.command(Psi(40.0));
   CHECK(rig.regulator.vent());
   rig.regulator.arm();
   rig.clock.wait_until(5s);  // other instruments take their time to open
-  if (looks_first) CHECK(fault_id_of([&] { rig.regulator.keep_alive(); }) == "none");
+  if (reads_first) CHECK(fault_id_of([&] { rig.regulator.keep_alive(); }) == "none");
   CHECK(fault_id_of([&] { rig.regulator.command(Psi(10.0)); }) == "none");
   CHECK(rig.regulator.feedback().pressure.value() == Approx(10.0).margin(0.003));
   rig.clock.wait_until(6s);  // it watches again
@@ -186,7 +186,7 @@ TEST_CASE("analog module: another master's write is found by reading back") {
   const auto counts = rig.module.output(0);
   auto other = rig.foreign();
   write_one(other, 0x0800, 77);
-  rig.clock.wait_until(400ms);  // the next feeding looks before it rewrites
+  rig.clock.wait_until(400ms);  // the next feeding reads before it rewrites
   const auto fault = fault_of([&] { rig.regulator.keep_alive(); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-MODULE-READBACK");
@@ -202,7 +202,7 @@ TEST_CASE("analog module: with the lock on only the first writer writes") {
   CHECK(fault_id_of([&] { write_one(second, 0x0800, 600); }) == "TB-MODBUS-EXCEPTION");
   CHECK(read_one(second, 0x0800) == 500);
   CHECK(fault_id_of([&] { rig.module.write(0, 700); }) == "TB-MODBUS-EXCEPTION");
-  CHECK_FALSE(rig.module.zero_outputs());  // and it says so, rather than claim a vented chamber
+  CHECK_FALSE(rig.module.zero_outputs());  // and reports it, rather than claim a vented chamber
   first.close();
   write_one(second, 0x0800, 600);
   CHECK(read_one(second, 0x0800) == 600);
@@ -232,7 +232,7 @@ TEST_CASE("regulator: vents on a fresh connection after the link was cut") {
   CHECK(rig.module.output(0) == 0);
 }
 
-TEST_CASE("regulator: venting a silent or dead module ends, and says that it is not verified") {
+TEST_CASE("regulator: venting a silent or dead module ends, and reports that it is not verified") {
   {
     Rig rig({.silent_after_requests = 0}, kShort);
     CHECK_FALSE(rig.regulator.vent());
@@ -245,7 +245,7 @@ TEST_CASE("regulator: venting a silent or dead module ends, and says that it is 
   }
 }
 
-TEST_CASE("analog module: identities tell role, model and origin") {
+TEST_CASE("analog module: identities hold role, model and origin") {
   Rig rig;
   CHECK(rig.module.identity().model == "Beckhoff EK9000 + EL4xxx/EL3xxx");
   CHECK(rig.module.identity().origin == Origin::kSimulated);

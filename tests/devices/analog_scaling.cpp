@@ -36,7 +36,7 @@ TEST_CASE("analog module: 0x7FFF is 10 V, both ways") {
 
 TEST_CASE("regulator span: 60 psi of a 9 bar regulator are 4.596 V, 2 psi 0.1532 V") {
   LinearSpan span;
-  span.high = psi_from_bar(9.0);
+  span.high = Psi(9.0 * kPsiPerBar);
   CHECK(span.voltage(Psi(60.0)).value() == Approx(4.5965).margin(0.0005));
   CHECK(span.voltage(Psi(2.0)).value() == Approx(0.1532).margin(0.00005));
   CHECK(span.pressure(Volts(10.0)).value() == Approx(130.534).epsilon(1e-5));

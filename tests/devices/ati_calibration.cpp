@@ -17,8 +17,8 @@ namespace {
 
 using Table = std::array<std::array<double, 6>, 6>;
 
-// Written from the paper form of the transform, without the room's code: turn about x, y, z by hand, cross products by
-// hand, plain doubles.
+// Written from the paper form of the transform, without the room's code: rotations about x, y, z by hand, cross
+// products by hand, plain doubles.
 std::array<double, 6> moved(const std::array<double, 6>& w, const std::array<double, 3>& d,
                             const std::array<double, 3>& degrees) {
   const double k = std::numbers::pi / 180;
@@ -91,7 +91,7 @@ TEST_CASE("calibration: the working matrix gives what plain arithmetic gives") {
   check_equal(working_matrix(parse(invented)) * vector(kVolts), moved(loads, {1.5, -2, 6.096}, {10, -20, 35}));
 }
 
-TEST_CASE("calibration: other units are made newtons, N*mm and mm") {
+TEST_CASE("calibration: other units are converted to newtons, N*mm and mm") {
   InventedCalibration invented;
   const auto reference = working_matrix(parse(invented));
   // The same transducer written in newton-metres and metres, and in pounds and inches.
@@ -111,7 +111,7 @@ TEST_CASE("calibration: other units are made newtons, N*mm and mm") {
   CHECK(rated_range(parse(pounds))[3] == Approx(500 * 4.4482216152605 * 25.4));
 }
 
-TEST_CASE("calibration: the final rows of version 1.1 are taken as they stand") {
+TEST_CASE("calibration: the final rows of version 1.1 are taken as written") {
   InventedCalibration invented;
   invented.version = "1.1";
   for (const char* name : {"Tz", "Ty", "Tx", "Fz", "Fy", "Fx"}) {  // any order
@@ -161,7 +161,7 @@ TEST_CASE("calibration: temperature compensation by ATI's formula") {
   check_equal(compensated(temperature, vector(kVolts), 1.25), kVolts);
 }
 
-TEST_CASE("calibration: a file that is wrong is refused, naming what and where") {
+TEST_CASE("calibration: a wrong file is refused, naming element and error") {
   const auto complaint = [](const std::string& text) {
     const auto fault = fault_of([&] { (void)parse_ati_calibration(text, "test.cal"); });
     REQUIRE(fault);
@@ -176,10 +176,10 @@ TEST_CASE("calibration: a file that is wrong is refused, naming what and where")
     return text.replace(text.find(from), from.size(), to);
   };
   using Catch::Contains;
-  CHECK_THAT(complaint(""), Contains("no XML"));
-  CHECK_THAT(complaint(good.substr(0, good.size() / 2)), Contains("no XML") && Contains("byte"));
+  CHECK_THAT(complaint(""), Contains("not XML"));
+  CHECK_THAT(complaint(good.substr(0, good.size() / 2)), Contains("not XML") && Contains("byte"));
   CHECK_THAT(complaint("<a/>"), Contains("no FTSensor"));
-  CHECK_THAT(complaint(changed("<Calibration ", "<Other ")), Contains("no XML"));
+  CHECK_THAT(complaint(changed("<Calibration ", "<Other ")), Contains("not XML"));
   CHECK_THAT(complaint(changed("Serial=\"FT99901\"", "")), Contains("FTSensor has no attribute Serial"));
   CHECK_THAT(complaint(changed("NumGages=\"6\"", "NumGages=\"8\"")), Contains("NumGages is 8"));
   CHECK_THAT(complaint(changed("CalFileVersion=\"1.0\"", "CalFileVersion=\"2.0\"")), Contains("CalFileVersion is 2.0"));
@@ -187,7 +187,7 @@ TEST_CASE("calibration: a file that is wrong is refused, naming what and where")
   CHECK_THAT(complaint(changed("TorqueUnits=\"N-mm\"", "TorqueUnits=\"N\"")), Contains("TorqueUnits 'N'"));
   CHECK_THAT(complaint(changed("DistUnits=\"mm\"", "DistUnits=\"px\"")), Contains("DistUnits 'px'"));
   CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Mx\"")), Contains("'Mx'"));
-  CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Fy\"")), Contains("Axis Fy stands there twice"));
+  CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Fy\"")), Contains("Axis Fy is present twice"));
   CHECK_THAT(complaint(changed("Axis Name=\"Tz\"", "Extra Name=\"Tz\"")), Contains("Axis Tz is missing"));
   CHECK_THAT(complaint(changed("-0.25  0.5", "-0,25  0.5")), Contains("Axis Fx") && Contains("-0,25"));
   CHECK_THAT(complaint(changed("-0.25  0.5", "-0.25")), Contains("not six numbers"));
@@ -204,6 +204,7 @@ TEST_CASE("calibration: a file that is wrong is refused, naming what and where")
       Contains("UserAxis Fy is missing"));
   CHECK_THAT(complaint(changed("</Calibration>", "</Calibration><Calibration/>")), Contains("more than once"));
   CHECK(fault_id_of([] { (void)read_ati_calibration("/nowhere/at/all.cal"); }) == "TB-FORCE-CALIBRATION");
+  CHECK_THAT(fault_of([] { (void)read_ati_calibration("/dev/zero"); })->what(), Contains("not a regular file"));
 }
 
 TEST_CASE("calibration: a file is read, a number needs its decimal point") {

@@ -46,12 +46,12 @@ TEST_CASE("bounds: a silent module holds a request for its response timeout, a v
   CHECK(time_of([&] { CHECK_FALSE(module.zero_outputs()); }) < 2 * kBound);
 }
 
-// The machine holds an end's thread up for ten times the time-out: no answer is lost by it.
-TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time-out") {
+// The machine holds an end's thread up for ten times the timeout: no answer is lost.
+TEST_CASE("bounds: a simulated end that is held up is waited for beyond the timeout") {
   static constexpr auto kTooShort = 20ms;
-  const TroubleSource held_up = [] {
+  const FaultInjector held_up = [] {
     std::this_thread::sleep_for(10 * kTooShort);
-    return Trouble::kNone;
+    return InjectedFault::kNone;
   };
   const TemporaryFolder folder;
   TurnedClock clock;
@@ -60,7 +60,7 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
   SECTION("analog module") {
     const auto wire = GENERATE(SimulatedModule::Wire::kTcp, SimulatedModule::Wire::kRtu);
     const SimulatedModule server({{1, module_profile("beckhoff-ek9000"), {}}}, wire, 0, chamber, clock,
-                                 {.trouble = held_up});
+                                 {.inject = held_up});
     ModbusEndpoint endpoint{"127.0.0.1", wire == SimulatedModule::Wire::kTcp ? server.port() : 0, 1, kTooShort};
     if (wire == SimulatedModule::Wire::kRtu) endpoint.serial_port = server.serial_port();
     ModbusLink link(endpoint, "module", clock);
@@ -69,7 +69,7 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
   }
   SECTION("scanner") {
     const SimulatedScanner server(folder.path("s"), IdentityReport{0, 16, 16, 1.0F, "S", "1"}, array, clock,
-                                  SimulatedScannerFaults{.trouble = held_up});
+                                  SimulatedScannerFaults{.inject = held_up});
     HidScannerOptions options;
     options.frame_timeout = kTooShort;
     CHECK(fault_id_of([&] { (void)HidScanner(open_packet_link(folder.path("s")), options, clock).read(2); }) == "none");
@@ -77,7 +77,7 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
   SECTION("frame source") {
     SimulatedFrameSourceOptions served;
     served.description = {1, 16, 16, 1e-4, "source", "S", "1"};
-    served.faults.trouble = held_up;
+    served.faults.inject = held_up;
     const SimulatedFrameSource server(served, array, clock);
     FrameSourceOptions options;
     options.address = "tcp:127.0.0.1:" + std::to_string(server.port());
@@ -85,7 +85,7 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
     CHECK(fault_id_of([&] { (void)FrameSource(options, clock).read(2); }) == "none");
   }
   SECTION("stage") {
-    const SimulatedChain chain({}, clock, {.trouble = held_up});
+    const SimulatedChain chain({}, clock, {.inject = held_up});
     const auto stream = open_stream(chain.address());
     stream->write(encode_without_id({3, ZaberCommand::kStatus, 0, 0}));
     std::array<std::uint8_t, 6> reply{};
@@ -100,7 +100,7 @@ TEST_CASE("bounds: a simulated end that is held up is waited for beyond the time
     page.calibration_serial = "FT1";
     page.firmware = "1";
     page.range = SixAxes{25, 25, 35, 250, 250, 250};
-    const SimulatedNetFt server({0, 0, page, {.trouble = held_up}}, load);
+    const SimulatedNetFt server({0, 0, page, {.inject = held_up}}, load);
     NetFtOptions options;
     options.host = "127.0.0.1";
     options.port = server.rdt_port();
@@ -127,7 +127,7 @@ TEST_CASE("bounds: a module that trickles its answer cannot stretch the response
 }
 
 TEST_CASE("bounds: connecting to a host that does not answer ends with the response timeout") {
-  // A listener whose queue is full drops what more comes, as an absent host does.
+  // A listener whose queue is full drops further connections, as an absent host does.
   const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -15,7 +15,7 @@
 #include <numeric>
 #include <vector>
 
-#include "devices/wire/pseudo_terminal.h"
+#include "devices/wire/ends/pseudo_terminal.h"
 #include "devices/wire/serial_link.h"
 #include "devices/wire/stream_link.h"
 #include "tests/devices/fault_of.h"
@@ -103,7 +103,7 @@ TEST_CASE("a pseudo-terminal has one client at a time and outlives it") {
   check_both_ways(*second, terminal.master());
 }
 
-TEST_CASE("discard throws away what waits and says how much") {
+TEST_CASE("discard drops unread bytes and returns their number") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path());
   const Bytes waiting{1, 2, 3};
@@ -126,7 +126,7 @@ TEST_CASE("a hung-up pseudo-terminal is a loss and not silence") {
   CHECK(terminal.master() == -1);
 }
 
-TEST_CASE("a writer is not held for ever by an end that takes nothing") {
+TEST_CASE("a writer is not blocked for ever by an end that reads nothing") {
   PseudoTerminal terminal;
   const auto stream = open_stream(terminal.path(), 1ms);
   const Bytes many(1U << 20U);
@@ -183,7 +183,7 @@ TEST_CASE("a serial address that leads to a pseudo-terminal is opened as one, li
   CHECK(stream->description() == terminal.path());
 }
 
-TEST_CASE("what cannot be opened is refused with the reason") {
+TEST_CASE("an address that cannot be opened is refused with the reason") {
   CHECK(fault_id_of([] { (void)open_stream("/dev/pts/999999"); }) == "TB-SERIAL-OPEN");
   CHECK(fault_id_of([] { (void)open_stream("/dev/null"); }) == "TB-SERIAL-OPEN");
   CHECK(fault_id_of([] { (void)open_stream("tcp:127.0.0.1"); }) == "TB-SERIAL-OPEN");
@@ -195,7 +195,7 @@ TEST_CASE("what cannot be opened is refused with the reason") {
   CHECK(fault_id_of([] { (void)open_serial(at("", "no such serial")); }) == "TB-SERIAL-OPEN");
 }
 
-TEST_CASE("listed serial ports have names and never are pseudo-terminals") {
+TEST_CASE("listed serial ports have names and are never pseudo-terminals") {
   const PseudoTerminal terminal;
   for (const SerialPortInfo& port : list_serial_ports()) {
     CHECK(port.name.starts_with("/dev/"));

@@ -40,7 +40,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("a chain device answers what it is and what it stands at") {
+TEST_CASE("a chain device reports its identity and its position") {
   Bench bench;
   CHECK(bench.send(kDeviceId, 0) == std::vector<ZaberFrame>{{1, kDeviceId, 60, 5}});
   CHECK(bench.send(kFirmware, 0) == std::vector<ZaberFrame>{{1, kFirmware, 523, 5}});
@@ -91,7 +91,7 @@ TEST_CASE("a chain device refuses with the manual's error numbers") {
   CHECK(bench.error_of(kTargetSpeed, 100) == 0);
 }
 
-TEST_CASE("a move is answered when it ends, and the move that took its place is the only one answered") {
+TEST_CASE("a move is answered when it ends, and of a replaced move only the replacement is answered") {
   Bench bench;
   bench.home();
   CHECK(bench.send(kMoveAbsolute, 100000).empty());
@@ -106,7 +106,7 @@ TEST_CASE("a move is answered when it ends, and the move that took its place is 
   CHECK(bench.pass(60s).empty());
 }
 
-TEST_CASE("constant speed is answered at once and its limit reported without being asked") {
+TEST_CASE("constant speed is answered at once and its limit reported unasked") {
   Bench bench;
   bench.home();
   CHECK(bench.send(kConstantSpeed, 3000) == std::vector<ZaberFrame>{{1, kConstantSpeed, 3000, 5}});
@@ -136,7 +136,7 @@ TEST_CASE("move tracking comes every quarter of a second when its mode bit is se
   }
 }
 
-TEST_CASE("without auto-reply a chain device answers questions only") {
+TEST_CASE("without auto-reply a chain device answers queries only") {
   Bench bench;
   bench.send(kMode, kZaberNoAutoReply);
   CHECK(bench.send(kTargetSpeed, 100).empty());
@@ -146,7 +146,7 @@ TEST_CASE("without auto-reply a chain device answers questions only") {
   CHECK(bench.pass(60s).empty());
 }
 
-TEST_CASE("reset loses home status and position but no setting, and an alias is heard under the own number") {
+TEST_CASE("reset loses home status and position but no setting, and an alias is accepted beside the own number") {
   Bench bench;
   bench.home();
   bench.send(kTargetSpeed, 123);
@@ -161,7 +161,7 @@ TEST_CASE("reset loses home status and position but no setting, and an alias is 
   CHECK(bench.device.position(bench.now).value() == Approx(1000 * 0.00009921875));
 }
 
-TEST_CASE("stored positions, memory and set position keep what they are given") {
+TEST_CASE("stored positions, memory and set position keep the values written") {
   Bench bench;
   bench.home();
   bench.send(kMoveAbsolute, 4000);
@@ -178,7 +178,7 @@ TEST_CASE("stored positions, memory and set position keep what they are given") 
   CHECK(bench.send(kPosition, 0)[0].data == 70);
 }
 
-TEST_CASE("a ramp never leaps, never exceeds its speed and ends at rest at its target") {
+TEST_CASE("a motion never leaps, never exceeds its speed and ends at rest at its target") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-100.0, 100.0);
   std::uniform_real_distribution<double> pace(-10.0, 10.0);
@@ -189,17 +189,17 @@ TEST_CASE("a ramp never leaps, never exceeds its speed and ends at rest at its t
     const double target = place(random);
     const double speed = positive(random);
     const double acceleration = positive(random);
-    const Ramp ramp = Ramp::to(from, velocity, target, speed, acceleration);
-    const double step = ramp.duration() / 400;
+    const MotionProfile profile = MotionProfile::to(from, velocity, target, speed, acceleration);
+    const double step = profile.duration() / 400;
     const double bound = std::max(std::abs(velocity), speed) + 1e-9;
-    REQUIRE(ramp.position(0.0) == Approx(from).margin(1e-9));
+    REQUIRE(profile.position(0.0) == Approx(from).margin(1e-9));
     for (int k = 0; k < 400; ++k) {
-      REQUIRE(std::abs(ramp.velocity(k * step)) <= bound);
-      REQUIRE(std::abs(ramp.position((k + 1) * step) - ramp.position(k * step)) <= bound * step + 1e-6);
+      REQUIRE(std::abs(profile.velocity(k * step)) <= bound);
+      REQUIRE(std::abs(profile.position((k + 1) * step) - profile.position(k * step)) <= bound * step + 1e-6);
     }
-    REQUIRE(ramp.position(ramp.duration()) == target);
-    REQUIRE(ramp.velocity(ramp.duration()) == 0.0);
-    const Ramp rest = Ramp::to_rest(from, velocity, acceleration);
+    REQUIRE(profile.position(profile.duration()) == target);
+    REQUIRE(profile.velocity(profile.duration()) == 0.0);
+    const MotionProfile rest = MotionProfile::to_rest(from, velocity, acceleration);
     REQUIRE(rest.position(rest.duration() * (1 - 1e-9)) == Approx(rest.end()).margin(1e-6));
   }
 }

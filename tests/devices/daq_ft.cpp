@@ -12,7 +12,7 @@ namespace {
 
 using Rows = std::vector<std::vector<double>>;
 
-// Hands out rows in turn, in the shape asked for; `shape_lie` leaves one value out.
+// Gives rows in turn, in the shape requested; `shape_lie` leaves one value out.
 class Gauges final : public GaugeSource {
  public:
   explicit Gauges(Rows rows) : rows_(std::move(rows)) {}
@@ -78,7 +78,7 @@ TEST_CASE("DAQ F/T: the mean of the samples through the matrix, volts beside it"
   CHECK(fault_id_of([&] { (void)sensor.read(0); }) == "TB-FORCE-RECORDS");
 }
 
-TEST_CASE("DAQ F/T: bias is a vector of volts, the tool's frame applies to what is left") {
+TEST_CASE("DAQ F/T: bias is a vector of volts, the tool's frame applies to the rest") {
   DaqFtOptions options;
   options.tool = {{0, 0, 10}, {0, 0, 90}};
   DaqFt sensor(std::make_unique<Gauges>(Rows{kOne, kTwo}), calibration(), options);
@@ -142,7 +142,7 @@ TEST_CASE("DAQ F/T: overload is judged for every sample, in the transducer's fra
   CHECK(fault_id_of([&] { (void)biased.read(1); }) == "none");
 }
 
-TEST_CASE("DAQ F/T: a source's faults pass through, its lies do not") {
+TEST_CASE("DAQ F/T: a source's faults pass through, data of the wrong shape do not") {
   auto gauges = std::make_unique<Gauges>(Rows{kOne});
   Gauges& source = *gauges;
   DaqFt sensor(std::move(gauges), calibration(), {});

@@ -1,4 +1,4 @@
-#include "devices/wire/daqmx_api.h"
+#include "devices/wire/daqmx/daqmx_api.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -28,7 +28,7 @@ double gauge_volts(const FakeDaqmx::Levels&, int channel, int sample) { return c
 
 }  // namespace
 
-TEST_CASE("daqmx api: a library that is absent, or is another") {
+TEST_CASE("daqmx api: an absent library, and a wrong one") {
   const auto absent = fault_of([] { DaqmxApi("/no/such/libnidaqmx.so"); });
   REQUIRE(absent);
   CHECK(absent->id() == "TB-DAQMX-LIBRARY");
@@ -78,7 +78,7 @@ TEST_CASE("daqmx api: a driver that refuses to list") {
     CHECK(error.id() == "TB-DAQMX-ERROR");
     CHECK(error.code() == -200324);
     CHECK(error.device_gone());
-    CHECK_THAT(error.what(), Catch::Contains("asking Dev1") && Catch::Contains("device absent"));
+    CHECK_THAT(error.what(), Catch::Contains("Dev1") && Catch::Contains("device absent"));
     CHECK_THAT(error.remedy(), Catch::Contains("nilsdev"));
   }
 }

@@ -25,7 +25,7 @@ int closed_row(const Levels& lines) {
   return first == lines.end() ? -1 : static_cast<int>(first - lines.begin());
 }
 
-// Taxel (row, column) at a voltage of its own; samples scatter about it and average out.
+// Each taxel (row, column) has its own voltage; samples scatter about it and average out.
 double taxel_volts(int row, int column) { return 0.1 + 0.02 * (kRowsColumns * row + column); }
 double plant(const Levels& lines, int channel, int sample) {
   const int row = closed_row(lines);
@@ -159,7 +159,7 @@ TEST_CASE("daqmx scanner: the converter's limit and a column below zero are flag
   }
 }
 
-TEST_CASE("daqmx scanner: every failure opens the relays and says what the driver said") {
+TEST_CASE("daqmx scanner: every failure opens the relays and carries the driver's text") {
   for (const auto& [code, id] : {std::pair{-200284, "TB-SCANNER-TIMEOUT"},
                                  {-200279, "TB-SCANNER-CORRUPT"},
                                  {-200324, "TB-SCANNER-LOST"},
@@ -172,7 +172,7 @@ TEST_CASE("daqmx scanner: every failure opens the relays and says what the drive
     CHECK(fault->id() == id);
     CHECK_THAT(fault->what(), Catch::Contains(std::to_string(code)) && Catch::Contains("as the test asked"));
     CHECK_FALSE(fault->remedy().empty());
-    // Five rows settled; a timeout costs what was waited for, too.
+    // Five rows settled; a timeout costs its waiting time, too.
     CHECK(rig.clock.now() == 5 * 5ms + (code == -200284 ? 501ms : 0ms));
   }
   Rig rig;
@@ -194,7 +194,7 @@ TEST_CASE("daqmx scanner: after a failure the next reading is whole") {
   CHECK(scanner.relay_operations()[4] == 1);
 }
 
-TEST_CASE("daqmx scanner: a card that is gone in mid-scan is lost, and nothing hangs at the end") {
+TEST_CASE("daqmx scanner: a card that disappears in mid-scan is lost, and nothing hangs at the end") {
   Rig rig;
   DaqmxScanner scanner(rig.options, rig.clock);
   rig.fail("WriteDigitalLines", -200045, 2);
@@ -204,7 +204,7 @@ TEST_CASE("daqmx scanner: a card that is gone in mid-scan is lost, and nothing h
   CHECK_THAT(fault->what(), Catch::Contains("device removed"));
 }
 
-TEST_CASE("daqmx scanner: samples that are missing or no voltages are not used") {
+TEST_CASE("daqmx scanner: missing samples and values that are not voltages are not used") {
   Rig rig;
   DaqmxScanner scanner(rig.options, rig.clock);
   rig.card.short_by = 1;
@@ -221,7 +221,7 @@ TEST_CASE("daqmx scanner: samples that are missing or no voltages are not used")
   CHECK(rig.all_open());
 }
 
-TEST_CASE("daqmx scanner: the card's identity, its serial checked in any writing") {
+TEST_CASE("daqmx scanner: the card's identity, its serial checked in any notation") {
   Rig rig;
   for (const char* serial : {"", "01A2B3C4", "1a2b3c4"}) {
     rig.options.expected_serial = serial;
@@ -243,18 +243,18 @@ TEST_CASE("daqmx scanner: the card's identity, its serial checked in any writing
   CHECK(DaqmxScanner(rig.options, rig.clock).identity().origin == Origin::kSimulated);
 }
 
-TEST_CASE("daqmx scanner: channels and lines have to be as many as columns and rows") {
+TEST_CASE("daqmx scanner: the numbers of channels and lines must be those of columns and rows") {
   Rig rig;
   rig.options.columns = 15;
   const auto columns = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });
   REQUIRE(columns);
   CHECK(columns->id() == "TB-SCANNER-GEOMETRY");
-  CHECK_THAT(columns->what(), Catch::Contains("15 columns") && Catch::Contains("are 16"));
+  CHECK_THAT(columns->what(), Catch::Contains("15 columns") && Catch::Contains("makes 16"));
   rig.options.columns = 16;
   rig.options.row_lines = "Dev1/port0/line0:31";
   const auto rows = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });
   REQUIRE(rows);
-  CHECK_THAT(rows->what(), Catch::Contains("16 rows") && Catch::Contains("are 32"));
+  CHECK_THAT(rows->what(), Catch::Contains("16 rows") && Catch::Contains("makes 32"));
   rig.options.row_lines = "Dev1/port0/line0:15";
   rig.options.column_channels = "Dev1/ai30:45";
   const auto unknown = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });

@@ -27,7 +27,7 @@ struct Ends {
 
 }  // namespace
 
-TEST_CASE("descriptor channel: packets stay whole and in order, silence is no end") {
+TEST_CASE("descriptor channel: packets stay whole and in order, silence is not the end") {
   Ends ends;
   CHECK_FALSE(ends.other->receive(0ms));
   CHECK_FALSE(ends.other->closed());
@@ -50,7 +50,7 @@ TEST_CASE("descriptor channel: never blocks on a reader that does not read") {
   CHECK(taken < 1'000'000);
 }
 
-TEST_CASE("descriptor channel: a descriptor that rides along speaks to the same line and is closed on exec") {
+TEST_CASE("descriptor channel: an attached descriptor is of the same line and is closed on exec") {
   Ends ends;
   std::array<int, 2> line{};
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);

@@ -40,7 +40,7 @@ TEST_CASE("Digital F/T: a sample's bytes, gauge order and sum") {
   CHECK_FALSE(decode_digital_sample(std::span(bytes).first(12)));
 }
 
-TEST_CASE("Digital F/T: the calibration registers, both orders of words, and what is refused") {
+TEST_CASE("Digital F/T: the calibration registers, both orders of words, and refused ones") {
   const auto calibration = invented_digital();
   const auto bytes = encode(calibration);
   CHECK(bytes[0] == 'F');

@@ -100,7 +100,7 @@ TEST_CASE("Digital F/T: a damaged sample is left out, the next ones are found ag
   CHECK(reading.raw == SixAxes{-1000, 250, -500, 1000, -10000, 5000});
 }
 
-TEST_CASE("Digital F/T: silence, status, saturation and overload are faults, and the line works on") {
+TEST_CASE("Digital F/T: silence, status, saturation and overload are faults, and the line keeps working") {
   {
     Rig rig({.silent_after_samples = 10}, 300ms);
     auto sensor = rig.open();

@@ -41,7 +41,7 @@ struct Rig {
         regulator(module, module, options(), clock) {}
   static RegulatorOptions options() {
     RegulatorOptions options;
-    options.command_span.high = options.feedback_span.high = psi_from_bar(9.0);
+    options.command_span.high = options.feedback_span.high = Psi(9.0 * kPsiPerBar);
     return options;
   }
   TurnedClock clock;
@@ -67,7 +67,7 @@ TEST_CASE("dump valve: open until armed, open after a vent, closed again by the 
   (void)rig.regulator.command(Psi(5.0));
   CHECK_FALSE(rig.chamber.open());
   (void)rig.regulator.command(Psi(6.0));
-  CHECK(rig.chamber.orders() == orders + 2);  // told only when it changes
+  CHECK(rig.chamber.orders() == orders + 2);  // called only when it changes
 }
 
 TEST_CASE("dump valve: the module's watchdog opens it") {
@@ -75,11 +75,11 @@ TEST_CASE("dump valve: the module's watchdog opens it") {
   rig.regulator.arm();
   (void)rig.regulator.command(Psi(5.0));
   rig.clock.wait_until(rig.clock.now() + 1500ms);
-  (void)rig.module.look();
+  (void)rig.module.read_all();
   CHECK(rig.chamber.open());
 }
 
-TEST_CASE("dump valve: none named, none ordered") {
+TEST_CASE("dump valve: without one in the profile nothing is ordered") {
   Rig rig(-1);
   rig.regulator.arm();
   CHECK(rig.regulator.vent());

@@ -1,4 +1,4 @@
-// What fault an action ends in.
+// The fault that an action ends in.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -20,7 +20,7 @@ std::optional<Fault> fault_of(Act&& act) {
   return std::nullopt;
 }
 
-// The fault's id, "none" when there was none. Each fault has to say what happened, of whom, and what to try.
+// The fault's id, "none" when there was none. Each fault has to state the event, its device, and a remedy.
 template <class Act>
 std::string fault_id_of(Act&& act) {
   const auto fault = fault_of(act);

@@ -1,4 +1,4 @@
-// Our pressure drivers against a Modbus server that is not ours: pymodbus, over TCP and RTU.
+// The pressure drivers against a foreign Modbus server: pymodbus, over TCP and RTU.
 #include <catch2/catch.hpp>
 
 #include "devices/pressure/pressure_reference.h"
@@ -61,6 +61,6 @@ TEST_CASE("foreign server: a regulator armed, commanded, fed and vented on pymod
   CHECK(fault_id_of([&] { gauge.read_input_registers(4000, beyond); }) == "TB-MODBUS-EXCEPTION");
 
   CHECK(regulator.vent());
-  clock.wait_until(clock.now() + 2 * kSameImage);  // this server falls at once, and so old an image may be shown
+  clock.wait_until(clock.now() + 2 * kSameImage);  // this server falls at once, and an image may be that old
   CHECK(regulator.feedback().pressure.value() == Approx(0.0).margin(0.01));
 }

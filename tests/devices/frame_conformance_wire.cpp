@@ -1,5 +1,5 @@
-// What any source of the frame-source protocol must do (devices/tactile/frame_protocol.md), asked over the wire of the
-// simulated source, of the reference server, and of a laboratory's own:
+// Conformance to the frame-source protocol (devices/tactile/frame_protocol.md), tested over the wire on the simulated
+// source, on the reference server, and on a laboratory's own:
 //   TACTBENCH_FRAME_SOURCE=tcp:HOST:PORT build/tests/test_devices_wire "[laboratory]"
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -70,7 +70,7 @@ class Client {
   Parser parser_;
 };
 
-// A request of any type and payload, soundly packed.
+// A request of any type and payload, correctly packed.
 std::vector<std::uint8_t> packed(std::uint8_t type, std::uint16_t tag, std::size_t payload) {
   auto bytes = encode({tag, Scan{}});
   bytes.resize(kHeaderBytes);
@@ -153,7 +153,7 @@ void check_subscription(const std::string& address) {
     CHECK(next.counter != frame.counter);
     frame = next;
   }
-  client.send(21, Scan{});  // asked for in between
+  client.send(21, Scan{});  // requested in between
   client.send(22, Unsubscribe{});
   bool scanned = false;
   for (auto message = client.next();; message = client.next()) {

@@ -120,7 +120,7 @@ TEST_CASE("frame protocol: the largest and the smallest frame") {
   CHECK(packet_of({0, frame_of(256, 256)}).payload.size() == kMaxPayload);
 }
 
-TEST_CASE("frame protocol: every flipped bit is seen") {
+TEST_CASE("frame protocol: every flipped bit is detected") {
   for (const Message& message : one_of_each()) {
     const auto sound = encode(message);
     for (std::size_t bit = 0; bit < 8 * sound.size(); ++bit) {
@@ -129,14 +129,14 @@ TEST_CASE("frame protocol: every flipped bit is seen") {
       Parser parser;
       parser.feed(damaged);
       const auto packet = parser.next();
-      // A longer length waits for bytes that do not come; all else is broken at once.
+      // A longer length waits for further bytes; every other flip is detected at once.
       const bool length = bit / 8 >= 8 && bit / 8 < 12;
       if (packet || (parser.broken().empty() && !length)) FAIL("bit " << bit << " of type " << int{sound[4]});
     }
   }
 }
 
-TEST_CASE("frame protocol: a stream breaks for good, and says by what") {
+TEST_CASE("frame protocol: a stream breaks for good and names the error") {
   auto magic = encode({1, Scan{}});
   magic[3] = 'Q';
   CHECK(broken_by(magic) == "magic");
@@ -153,7 +153,7 @@ TEST_CASE("frame protocol: a stream breaks for good, and says by what") {
   CHECK_THAT(broken_by(length), Catch::Contains("131091"));  // refused on its header, before the bytes come
 }
 
-TEST_CASE("frame protocol: sound packets with a wrong payload are no messages") {
+TEST_CASE("frame protocol: intact packets with a wrong payload are not messages") {
   CHECK_FALSE(decode({0x55, 1, {}}));
   CHECK_FALSE(known_type(0x55));
   CHECK(known_type(0x82));
@@ -206,7 +206,7 @@ TEST_CASE("frame protocol: texts are UTF-8 without control characters") {
   CHECK_FALSE(sent(std::string(256, 'x')));
 }
 
-TEST_CASE("frame protocol: what breaks a bound is not encoded") {
+TEST_CASE("frame protocol: a message beyond a bound is not encoded") {
   auto frame = frame_of(2, 2);
   frame.counts.pop_back();
   CHECK_THROWS_AS(encode({1, frame}), std::invalid_argument);

@@ -1,4 +1,4 @@
-// What a source may answer beyond the simulated one's faults.
+// Replies of a source beyond the simulated one's faults.
 #include <sys/socket.h>
 
 #include <catch2/catch.hpp>
@@ -16,7 +16,7 @@ namespace {
 constexpr Nanoseconds kPatient = 20s;
 constexpr Nanoseconds kShort = 150ms;
 
-// A source that answers as the test says: request number, its tag -> what is sent.
+// A source with the test's replies: request number, its tag -> bytes sent.
 std::optional<Fault> fault_of_script(const std::function<Bytes(int number, std::uint16_t tag)>& script, int reads = 1,
                                      Nanoseconds timeout = kPatient) {
   const ScriptedServer server([&](int number, int socket, const Bytes& request) {
@@ -42,7 +42,7 @@ Bytes frame_bytes(std::uint16_t tag, std::uint32_t counter) {
 
 }  // namespace
 
-TEST_CASE("frame source: what else a source may answer") {
+TEST_CASE("frame source: replies of the wrong kind, damaged ones and errors") {
   const auto refused = fault_of_script([](int number, std::uint16_t tag) {
     return number == 0 ? description_bytes(tag)
                        : protocol::encode({tag, protocol::Error{protocol::ErrorCode::kDevice, "no power"}});
@@ -84,7 +84,7 @@ TEST_CASE("frame source: what else a source may answer") {
   CHECK_FALSE(wrapped);
 }
 
-TEST_CASE("frame source: answers to older requests are passed over, and are no answer") {
+TEST_CASE("frame source: answers to older requests are ignored, and are no answer") {
   CHECK_FALSE(fault_of_script([](int number, std::uint16_t tag) {
     auto bytes = frame_bytes(static_cast<std::uint16_t>(tag + 9), 100);
     const auto answer = number == 0 ? description_bytes(tag) : frame_bytes(tag, 1);
@@ -100,7 +100,7 @@ TEST_CASE("frame source: answers to older requests are passed over, and are no a
   CHECK(only_old->id() == "TB-SCANNER-TIMEOUT");
 }
 
-TEST_CASE("frame source: a flood of old answers holds nobody past the deadline") {
+TEST_CASE("frame source: a flood of old answers does not delay past the deadline") {
   static constexpr auto kFlood = 20 * kShort;  // ends with the right answer, too late
   const ScriptedServer server(
       [](int number, int socket, const Bytes& request) {

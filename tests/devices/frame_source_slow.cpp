@@ -7,7 +7,7 @@
 
 using namespace tactbench::devices;
 
-TEST_CASE("frame source: tags wrap unseen") {
+TEST_CASE("frame source: tags wrap without effect") {
   TurnedClock clock;
   TestArray array;
   const SimulatedFrameSource server({.description = {1, 16, 16, 1e-4, "", "", ""}}, array, clock);

@@ -96,13 +96,13 @@ TEST_CASE("frame source: arrays of any shape up to 256 x 256") {
   }
 }
 
-TEST_CASE("frame source: a frame not seen is counted") {
+TEST_CASE("frame source: a missed frame is counted") {
   const Rig rig;
   auto source = rig.open();
   auto other = rig.open();
   (void)other.read(5);
   check_scan(source.read(1), 0, 5);
-  CHECK(source.skipped() == 0);  // what was before the first is none of ours
+  CHECK(source.skipped() == 0);  // frames before the first do not count
   (void)other.read(3);
   (void)source.read(1);
   CHECK(source.skipped() == 3);
@@ -170,7 +170,7 @@ TEST_CASE("frame source: a connection closed in mid-frame is lost, and stays so"
   check_scan(again.read(1), 0, 2);
 }
 
-TEST_CASE("frame source: nobody listens") {
+TEST_CASE("frame source: a port without a listener") {
   Rig rig;
   rig.server.reset();
   const auto fault = fault_of([&] { (void)rig.open(); });
@@ -183,7 +183,7 @@ TEST_CASE("frame source: nobody listens") {
   CHECK(fault_id_of([&] { (void)rig.open(); }) == "TB-SCANNER-LOST");
 }
 
-TEST_CASE("simulated frame source: a port that is taken, a rate that cannot be") {
+TEST_CASE("simulated frame source: a port in use, an invalid rate") {
   const Rig rig;
   TestArray array;
   CHECK(fault_id_of([&] {

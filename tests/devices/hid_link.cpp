@@ -6,7 +6,7 @@
 
 using namespace tactbench::devices;
 
-TEST_CASE("hid link: an absent device is named, with those present") {
+TEST_CASE("hid link: the error for an absent device lists those present") {
   const auto fault = fault_of([] { (void)open_hid_link({0xFFF7, 0xFFF3, "NOBODY"}); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-HID-OPEN");

@@ -44,10 +44,10 @@ void check_scan(const ScanSet& set, int index, int scan) {
 
 using Report = std::vector<std::uint8_t>;
 
-// Real reports of the simulated scanner, altered on their way: what the fault switches do not do.
+// Real reports of the simulated scanner, altered on their way: faults beyond its switches.
 class TamperingLink final : public ReportLink {
  public:
-  // Turns one decoded row into those that arrive.
+  // Maps one decoded row to the rows that arrive.
   using Tamper = std::function<std::vector<RowReport>(const RowReport&)>;
   TamperingLink(std::unique_ptr<ReportLink> inner, Tamper tamper)
       : inner_(std::move(inner)), tamper_(std::move(tamper)) {}
@@ -121,7 +121,7 @@ TEST_CASE("hid scanner: K scans in order, with counters, status and times") {
   CHECK(rig.clock.now() == 5s);
 }
 
-TEST_CASE("hid scanner: sequence numbers and tags wrap unseen") {
+TEST_CASE("hid scanner: sequence numbers and tags wrap without effect") {
   const Scanner rig;
   auto scanner = rig.open();
   for (int scan = 0; scan < 4100; ++scan) check_scan(scanner.read(1), 0, scan);  // 65600 reports
@@ -211,7 +211,7 @@ TEST_CASE("hid scanner: reports that waited in the queue are not used") {
   check_scan(scanner.read(1), 0, 1);
 }
 
-TEST_CASE("hid scanner: damage that waited in the queue is thrown away with it") {
+TEST_CASE("hid scanner: damaged reports in the queue are discarded with it") {
   Scanner rig({.corrupt_scan = 0});
   auto link = open_packet_link(rig.path);
   ReportLink& wire = *link;
@@ -222,7 +222,7 @@ TEST_CASE("hid scanner: damage that waited in the queue is thrown away with it")
   check_scan(scanner.read(1), 0, 2);
 }
 
-TEST_CASE("hid scanner: answers to an older command that come after the drain are passed over") {
+TEST_CASE("hid scanner: answers to an older command that come after the drain are ignored") {
   const Scanner rig;
   auto link = open_packet_link(rig.path);
   ReportLink& wire = *link;
@@ -233,7 +233,7 @@ TEST_CASE("hid scanner: answers to an older command that come after the drain ar
   }
 }
 
-TEST_CASE("hid scanner: rows that come twice, late, from another frame or from nowhere") {
+TEST_CASE("hid scanner: rows that come twice, late, from another frame or with a wrong number") {
   const auto twice = fault_with([](const RowReport& row) {
     auto again = row;
     again.sequence = static_cast<std::uint16_t>(row.sequence + 1);

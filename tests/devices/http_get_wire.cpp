@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "devices/wire/loopback.h"
+#include "devices/wire/ends/loopback.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// Answers each connection with `answer` and, unless told to hold it, closes.
+// Answers each connection with `answer` and, unless it is to hold it, closes.
 class RawPage {
  public:
   RawPage(std::string answer, bool hold) : bound_(bind_loopback(SOCK_STREAM, 0, "test")) {
@@ -47,7 +47,7 @@ class RawPage {
 
 }  // namespace
 
-TEST_CASE("HTTP page: ends with its length or with the connection, all else is a fault") {
+TEST_CASE("HTTP page: ends with its length or with the connection, anything else is a fault") {
   TurnedClock clock;
   const std::string ok = "HTTP/1.1 200 OK\r\ncontent-length: 4\r\n\r\nbody";
   CHECK(RawPage(ok, true).get(clock) == "body");
@@ -60,7 +60,7 @@ TEST_CASE("HTTP page: ends with its length or with the connection, all else is a
     return std::string(fault->what());
   };
   CHECK_THAT(complaint("HTTP/1.0 200 OK\r\nContent-Length: 9\r\n\r\nbody"), Catch::Contains("4 of 9 bytes"));
-  CHECK_THAT(complaint("SSH-2.0\r\n\r\n"), Catch::Contains("no HTTP answer"));
+  CHECK_THAT(complaint("SSH-2.0\r\n\r\n"), Catch::Contains("not an HTTP answer"));
   CHECK_THAT(complaint(""), Catch::Contains("0 bytes"));
   CHECK_THAT(complaint("HTTP/1.0 200 OK\r\n\r\n" + std::string(5000, 'x')), Catch::Contains("more than 4096"));
   CHECK(clock.now() == 0ns);

@@ -1,5 +1,4 @@
-// A .cal text with numbers of our own invention (no transducer has them), and the same numbers for a test to reckon
-// with by hand.
+// A .cal text with invented numbers (no transducer has them), and the same numbers for a test's own arithmetic.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// A Digital F/T's calibration of our own invention: a force count is four gauge counts' worth, axis by axis, gauges
-// crossed so that a wrong order shows.
+// An invented calibration of a Digital F/T: a force count is four gauge counts, axis by axis, gauges crossed so that a
+// wrong order shows.
 #pragma once
 
 #include "devices/force/digital_record.h"

@@ -1,4 +1,4 @@
-#include "devices/wire/modbus_link.h"
+#include "devices/wire/modbus/modbus_link.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -53,7 +53,7 @@ TEST_CASE("modbus link: each function code carries its values") {
   CHECK(module.clock.now() == 0ns);
 }
 
-TEST_CASE("modbus link: silence costs one response timeout of process time and says who was asked what") {
+TEST_CASE("modbus link: silence costs one response timeout of process time, and the error names request and device") {
   Module module({.silent_after_requests = 1});
   ModbusLink link(at(module.server.port(), kShort), "module", module.clock);
   CHECK(read_one(link, 1) == 0);
@@ -115,7 +115,7 @@ TEST_CASE("modbus link: a server that dies breaks the connection, then refuses")
   CHECK(module.clock.now() == 0ns);  // a refusal costs no time
 }
 
-TEST_CASE("modbus link: an exception is told with its number, and the link works on") {
+TEST_CASE("modbus link: an exception is reported with its number, and the link keeps working") {
   Module module;
   ModbusLink link(at(module.server.port()), "module", module.clock);
   const auto fault = fault_of([&] { read_one(link, 0x4000); });
@@ -130,7 +130,7 @@ TEST_CASE("modbus link: answers that do not fit are refused and leave nothing be
     auto reply = ScriptedServer::answer(request, {0xDEAD});
     if (kind == 0) reply[1] = static_cast<std::uint8_t>(reply[1] + 1);  // transaction of another request
     if (kind == 1) reply[7] = 3;                                        // another function
-    if (kind == 2) reply = ScriptedServer::answer(request, {1, 2});     // more registers than asked for
+    if (kind == 2) reply = ScriptedServer::answer(request, {1, 2});     // more registers than requested
     if (kind == 3) reply.resize(reply.size() - 1);                      // the last byte never comes
     if (kind == 4) reply[6] = static_cast<std::uint8_t>(reply[6] + 1);  // another unit behind the same gateway
     if (kind == 5) reply[3] = 1;                                        // not Modbus
@@ -165,7 +165,7 @@ TEST_CASE("modbus link: a request that no frame can hold is not sent") {
   CHECK(link.exchanges() == 0);
 }
 
-TEST_CASE("modbus link: an endpoint that cannot be is said so") {
+TEST_CASE("modbus link: an invalid endpoint is reported") {
   TurnedClock clock;
   ModbusLink unit({"127.0.0.1", 1502, 999, kShort}, "module", clock);
   CHECK(fault_id_of([&] { read_one(unit, 0); }) == "TB-MODBUS-CONNECT");

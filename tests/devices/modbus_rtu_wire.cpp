@@ -10,10 +10,10 @@
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
-#include "devices/wire/end_at_work.h"
-#include "devices/wire/modbus_crc.h"
-#include "devices/wire/modbus_link.h"
-#include "devices/wire/pseudo_terminal.h"
+#include "devices/wire/ends/end_at_work.h"
+#include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/modbus/modbus_crc.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"
 
@@ -72,7 +72,7 @@ class ScriptedLine {
       std::uint8_t bytes[64];
       const ssize_t got = ::read(terminal_.master(), bytes, sizeof bytes);
       if (got > 0) request.insert(request.end(), bytes, bytes + got);
-      if (request.size() < 8) continue;  // the scripts are asked for readings only
+      if (request.size() < 8) continue;  // the scripts get reading requests only
       const Bytes answer = script_(number++, request);
       request.clear();
       [[maybe_unused]] const ssize_t written = ::write(terminal_.master(), answer.data(), answer.size());
@@ -120,7 +120,7 @@ TEST_CASE("modbus rtu: a whole regulator on Waveshare's two modules, vented at t
   AnalogModule output(output_profile, on(line.serial_port(), 1), 0s, clock, Origin::kSimulated);
   AnalogModule input(input_profile, output, 2, clock, Origin::kSimulated);
   RegulatorOptions options;
-  options.command_span.high = options.feedback_span.high = psi_from_bar(9.0);
+  options.command_span.high = options.feedback_span.high = Psi(9.0 * kPsiPerBar);
   Regulator regulator(output, input, options, clock);
   CHECK(fault_id_of([&] { regulator.command(Psi(10.0)); }) == "TB-CHAMBER-NOT-ARMED");
   CHECK(output.exchanges() == 0);
@@ -174,7 +174,7 @@ TEST_CASE("modbus rtu: an answer that waits on the line is flushed before the ne
   }
 }
 
-TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent answers are told apart") {
+TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent answers are distinguished") {
   const auto spoilt = [](int kind, const Bytes& request) -> Bytes {
     if (kind == 0) return reading(7, 4, request[5], 1);
     if (kind == 1) return reading(1, 3, request[5], 1);

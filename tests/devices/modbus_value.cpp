@@ -1,4 +1,4 @@
-#include "devices/wire/modbus_value.h"
+#include "devices/wire/modbus/modbus_value.h"
 
 #include <catch2/catch.hpp>
 #include <random>
@@ -20,7 +20,7 @@ TEST_CASE("modbus value: floats in both word orders, signed and unsigned integer
   CHECK(decode_register({RegisterType::kU32}, minus).value == 4294967294.0);
 }
 
-TEST_CASE("modbus value: what is encoded comes back, out of range is clipped") {
+TEST_CASE("modbus value: encoded values decode to the same, out of range is clipped") {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> value(-40000.0, 70000.0);
   for (int i = 0; i < 1000; ++i) {

@@ -70,7 +70,7 @@ TEST_CASE("module registers: inputs are live, scaled and clipped") {
   map.chamber.reference_volts = Volts(-5.0);
   CHECK(static_cast<std::int16_t>(map.read(1, 1)) == -16384);
   CHECK(map.write(1, kOutput, 0x4000) == Refusal::kNone);
-  CHECK(map.read(1, 0) == 0x4000);  // the chamber feeds back what drives it
+  CHECK(map.read(1, 0) == 0x4000);  // the chamber's feedback is its drive
   CHECK(map.write(1, kOutput, 0xC000) == Refusal::kNone);
   CHECK(map.read(1, kOutput) == 0xC000);
   CHECK(map.chamber.output() == Volts(0.0));  // a unipolar terminal clips negative words
@@ -110,7 +110,7 @@ TEST_CASE("module registers: type 1 is fed by readings of process data, type 2 i
   }
   CHECK(map.chamber.output() > Volts(0.0));
   map.clock.wait_until(9900ms);
-  CHECK(map.read(1, 0x1021) == 0);  // a register that is no process data does not feed
+  CHECK(map.read(1, 0x1021) == 0);  // a register outside the process data does not feed
   map.clock.wait_until(10s);
   CHECK(map.read(1, 0x1021) == 1);
 

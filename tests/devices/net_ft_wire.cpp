@@ -9,8 +9,8 @@
 #include <mutex>
 
 #include "devices/force/simulated_net_ft.h"
+#include "devices/wire/ends/loopback.h"
 #include "devices/wire/http_get.h"
-#include "devices/wire/loopback.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// The n-th wrench asked for (from 0) is the base and n steps on Fx.
+// The n-th wrench requested (from 0) is the base and n steps on Fx.
 class SteppedLoad final : public ForcePort {
  public:
   Wrench wrench() override {
@@ -70,7 +70,7 @@ const Nanoseconds kLimitOf10 = kShort + Nanoseconds(static_cast<Nanoseconds::rep
 
 }  // namespace
 
-TEST_CASE("Net F/T: the mean of the records asked for, raw counts beside it") {
+TEST_CASE("Net F/T: the mean of the requested records, raw counts beside it") {
   Rig rig;
   rig.load.step = 0.5;
   rig.clock.wait_until(7s);
@@ -114,7 +114,7 @@ TEST_CASE("Net F/T: bias is removed, raw counts stay") {
   CHECK(reading.raw[2] == 3.5e6);
 }
 
-TEST_CASE("Net F/T: a record that is dropped is counted and asked for anew") {
+TEST_CASE("Net F/T: a dropped record is counted and requested again") {
   Rig rig({.drop_record = 4}, kShort);
   const auto reading = rig.sensor->read(10);
   CHECK(reading.records == 10);
@@ -171,7 +171,7 @@ TEST_CASE("Net F/T: a status that is an error is a fault that names its bits, an
   CHECK(monitor.sensor->read(10).status == 0x80010000U);
 }
 
-TEST_CASE("Net F/T: a load beyond the range is a fault that says which and how far") {
+TEST_CASE("Net F/T: a load beyond the range is a fault that names axis and amount") {
   Rig rig;
   rig.load.force(2, -35.1);
   const auto fault = fault_of([&] { (void)rig.sensor->read(3); });
@@ -185,7 +185,7 @@ TEST_CASE("Net F/T: a load beyond the range is a fault that says which and how f
   CHECK(fault_id_of([&] { (void)careful.read(3); }) == "TB-FORCE-OVERLOAD");
 }
 
-TEST_CASE("Net F/T: the page from a file, a serial of another, no range") {
+TEST_CASE("Net F/T: the page from a file, another serial number, no range") {
   Rig rig;
   const TemporaryFolder folder;
   auto page = Rig::page();
@@ -201,11 +201,13 @@ TEST_CASE("Net F/T: the page from a file, a serial of another, no range") {
   CHECK(NetFt(rig.options, rig.clock).read(2).wrench.force_n[2] == Approx(1.5));
   rig.options.expected_serial = "FT00000";
   CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-FORCE-SERIAL");
-  rig.options.page_file = folder.path("absent.xml");
-  CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-FORCE-CALIBRATION");
+  for (const std::string& no_file : {folder.path("absent.xml"), std::string("/dev/zero"), std::string("/dev")}) {
+    rig.options.page_file = no_file;
+    CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-FORCE-CALIBRATION");
+  }
 }
 
-TEST_CASE("Net F/T: an address that cannot be, and a port where nobody listens") {
+TEST_CASE("Net F/T: an invalid address, and a port without a listener") {
   Rig rig;
   rig.options.host = "sensor.example";
   CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-HTTP-OPEN");

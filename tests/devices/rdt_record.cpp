@@ -40,7 +40,7 @@ TEST_CASE("RDT: requests are the manual's bytes") {
   CHECK(decode_rdt_request(Bytes{0x12, 0x34, 0, 4, 0, 0, 0, 5}) == RdtRequest{RdtCommand::kStartMultiUnit, 5});
 }
 
-TEST_CASE("RDT: what is no request is none") {
+TEST_CASE("RDT: other bytes are not decoded as a request") {
   CHECK_FALSE(decode_rdt_request(Bytes{0x12, 0x34, 0, 2, 0, 0, 0}));
   CHECK_FALSE(decode_rdt_request(Bytes{0x12, 0x34, 0, 2, 0, 0, 0, 0, 0}));
   CHECK_FALSE(decode_rdt_request(Bytes{0x34, 0x12, 0, 2, 0, 0, 0, 0}));
@@ -65,7 +65,7 @@ TEST_CASE("RDT: a record's bytes and values") {
   CHECK_FALSE(decode_rdt_record(Bytes(72)));
 }
 
-TEST_CASE("RDT: status bits are named, a tripped monitor is no error") {
+TEST_CASE("RDT: status bits are named, a tripped monitor is not an error") {
   CHECK(rdt_status_text(0) == "healthy");
   CHECK(rdt_status_text(0x80020000) == "error summary, saturation or A/D error");
   CHECK(rdt_status_text(0x80010000) == "error summary, monitor condition latched");
@@ -78,7 +78,7 @@ TEST_CASE("RDT: status bits are named, a tripped monitor is no error") {
   CHECK(rdt_status_is_error(0x00000004));
 }
 
-TEST_CASE("Net F/T page: every field, wherever it stands") {
+TEST_CASE("Net F/T page: every field, anywhere below the root") {
   const auto page = parse_netft_page(kPage, "page");
   CHECK(page.product == "Net F/T");
   CHECK(page.calibration_serial == "FT99901");
@@ -95,7 +95,7 @@ TEST_CASE("Net F/T page: every field, wherever it stands") {
   CHECK_FALSE(parse_netft_page(little, "page").range);
 }
 
-TEST_CASE("Net F/T page: what is missing, double or senseless is said") {
+TEST_CASE("Net F/T page: missing, duplicate and invalid elements are reported") {
   using Catch::Contains;
   const auto complaint = [](const std::string& text) {
     const auto fault = fault_of([&] { (void)parse_netft_page(text, "http://sensor/netftapi2.xml"); });
@@ -104,19 +104,19 @@ TEST_CASE("Net F/T page: what is missing, double or senseless is said") {
     CHECK_THAT(fault->what(), Contains("http://sensor/netftapi2.xml"));
     return std::string(fault->what());
   };
-  CHECK_THAT(complaint(""), Contains("no XML"));
-  CHECK_THAT(complaint("<netft>"), Contains("no XML"));
+  CHECK_THAT(complaint(""), Contains("not XML"));
+  CHECK_THAT(complaint("<netft>"), Contains("not XML"));
   CHECK_THAT(complaint("<netft/>"), Contains("prodname is missing"));
   CHECK_THAT(complaint(changed("<cfgcpf>1000000</cfgcpf>", "")), Contains("cfgcpf is missing"));
   CHECK_THAT(complaint(changed("1000000</cfgcpf>", "</cfgcpf>")), Contains("cfgcpf is empty"));
   CHECK_THAT(complaint(changed("<cfgcpf>", "<cfgcpf>1</cfgcpf><cfgcpf>")),
-             Contains("cfgcpf stands there more than once"));
+             Contains("cfgcpf is present more than once"));
   CHECK_THAT(complaint(changed("1000000</cfgcpf>", "0</cfgcpf>")), Contains("cfgcpf is '0'"));
   CHECK_THAT(complaint(changed("1000000</cfgcpf>", "1e6x</cfgcpf>")), Contains("1e6x"));
   CHECK_THAT(complaint(changed("1000000</cfgcpf>", "1e-310</cfgcpf>")), Contains("cfgcpf"));
   CHECK_THAT(complaint(changed(">Nm<", ">N<")), Contains("scfgtu 'N'") && Contains("Nmm"));
   CHECK_THAT(complaint(changed("12;12;17;", "12;17;")), Contains("not six numbers"));
-  CHECK_THAT(complaint(changed("12;12;17;", "12;0;17;")), Contains("senseless"));
+  CHECK_THAT(complaint(changed("12;12;17;", "12;0;17;")), Contains("invalid range"));
   CHECK_THAT(complaint(changed(">7000<", ">fast<")), Contains("comrdtrate"));
   CHECK_THAT(complaint(std::string(300'000, ' ')), Contains("300000 bytes"));
 }

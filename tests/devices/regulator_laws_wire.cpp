@@ -1,4 +1,4 @@
-// The regulator behind its module joins the table of actuator laws; and what it promises beyond them.
+// The regulator behind its module joins the table of actuator laws; tests of its further promises.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -23,7 +23,7 @@ struct RegulatorBed final : ActuatorBed {
         regulator(module, module, regulator_options(), time) {}
   static RegulatorOptions regulator_options() {
     RegulatorOptions options;
-    options.command_span.high = options.feedback_span.high = psi_from_bar(9.0);
+    options.command_span.high = options.feedback_span.high = Psi(9.0 * kPsiPerBar);
     return options;
   }
 
@@ -58,9 +58,9 @@ struct RegulatorBed final : ActuatorBed {
   [[nodiscard]] Nanoseconds watchdog() const { return known.fail_safe.watchdog_address >= 0 ? 1000ms : 0ms; }
   std::unique_ptr<SimulatedModule> new_server(int port) {
     SimulatedModuleFaults faults;
-    faults.trouble = [this] {
+    faults.inject = [this] {
       ++requests;
-      return silent ? Trouble::kSilent : Trouble::kNone;
+      return silent ? InjectedFault::kSilent : InjectedFault::kNone;
     };
     return std::make_unique<SimulatedModule>(known, port, chamber, time, faults);
   }
@@ -82,7 +82,7 @@ const JoinsActuatorLaws<Regulator, RegulatorBed> kBeckhoff("regulator, watchdog 
 
 }  // namespace
 
-TEST_CASE("regulator: what is not armed reads and feeds nothing") {
+TEST_CASE("regulator: a regulator that is not armed reads and feeds nothing") {
   for (const char* profile : kProfiles) {
     INFO(profile);
     RegulatorBed bed({}, profile);

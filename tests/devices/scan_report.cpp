@@ -55,7 +55,7 @@ TEST_CASE("scan report: CRC-16/CCITT-FALSE check value") {
   CHECK(crc16_ccitt({}) == 0xFFFF);
 }
 
-TEST_CASE("scan report: fields stand where the format says, little-endian") {
+TEST_CASE("scan report: fields are where the format puts them, little-endian") {
   const auto row = encode(some_row());
   CHECK(row[0] == 0x01);
   CHECK((row[1] == 0xFE && row[2] == 0xFF));
@@ -72,7 +72,7 @@ TEST_CASE("scan report: fields stand where the format says, little-endian") {
   CHECK((identity[5] == 0 && identity[8] == 0x38));  // 7.62939453125e-5 = 2^-13.68: 0x38A00000
 }
 
-TEST_CASE("scan report: what is encoded decodes to the same") {
+TEST_CASE("scan report: encoded reports decode to the same") {
   CHECK(decode_row(encode(some_row())) == some_row());
   CHECK(decode_row(encode(RowReport{})) == RowReport{});
   CHECK(decode_identity(encode(some_identity())) == some_identity());
@@ -95,7 +95,7 @@ TEST_CASE("scan report: every other length is refused") {
   every_other_length_is_refused(encode(CommandReport{}), [](auto bytes) { return decode_command(bytes); });
 }
 
-TEST_CASE("scan report: a right CRC does not excuse wrong content") {
+TEST_CASE("scan report: wrong content under a right CRC is refused") {
   auto row = encode(some_row());
   row[47] = 1;  // padding
   reseal(row);

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "devices/wire/modbus_link.h"
+#include "devices/wire/modbus/modbus_link.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
@@ -68,7 +68,7 @@ TEST_CASE("simulated module: FC 6 writes and echoes") {
   CHECK(module.chamber.output().value() == Approx(2.5).margin(0.001));
 }
 
-TEST_CASE("simulated module: illegal requests get the exception that fits, at once") {
+TEST_CASE("simulated module: illegal requests get their exception at once") {
   Module module;
   const RawClient client(module.server.port());
   const auto exception = [&](const Bytes& request) {
@@ -91,7 +91,7 @@ TEST_CASE("simulated module: illegal requests get the exception that fits, at on
   CHECK(client.receive(11) == kLockIsOne);
 }
 
-TEST_CASE("simulated module: half a request holds up nobody else, pieces are joined, several are answered in turn") {
+TEST_CASE("simulated module: half a request delays no other client, pieces are joined, several are answered in turn") {
   Module module;
   const RawClient slow(module.server.port());
   slow.send(Bytes(kReadLock.begin(), kReadLock.begin() + 5));
@@ -106,7 +106,7 @@ TEST_CASE("simulated module: half a request holds up nobody else, pieces are joi
   CHECK(slow.receive(22).size() == 22);
 }
 
-TEST_CASE("simulated module: what is not Modbus ends that connection alone") {
+TEST_CASE("simulated module: bytes that are not Modbus end that connection alone") {
   Module module;
   const RawClient good(module.server.port());
   const RawClient bad(module.server.port());
@@ -116,14 +116,14 @@ TEST_CASE("simulated module: what is not Modbus ends that connection alone") {
   CHECK(good.receive(11) == kLockIsOne);
 }
 
-TEST_CASE("simulated module: a port that is taken is a fault") {
+TEST_CASE("simulated module: a port in use is a fault") {
   Module module;
   CHECK(fault_id_of([&] {
           SimulatedModule(module_profile("beckhoff-ek9000"), module.server.port(), module.chamber, module.clock);
         }) == "TB-SIM-LISTEN");
 }
 
-TEST_CASE("simulated module: a failing port is a failing device, not a dead program") {
+TEST_CASE("simulated module: a failing chamber port is a failing device, and the program lives on") {
   class Failing final : public ChamberPort {
     void drive(Volts, Nanoseconds, Volts) override { throw std::runtime_error("physics"); }
     void dump(bool) override { throw std::runtime_error("physics"); }
@@ -138,7 +138,7 @@ TEST_CASE("simulated module: a failing port is a failing device, not a dead prog
   CHECK(fault_id_of([&] { link.read_input_registers(1, std::span(&value, 1)); }) == "none");
 }
 
-TEST_CASE("simulated module: the write lock passes on when its holder hangs up, whoever came first") {
+TEST_CASE("simulated module: the write lock passes on when its holder hangs up, in any order of connecting") {
   Module module;
   for (int round = 0; round < 50; ++round) {
     ModbusLink older({"127.0.0.1", module.server.port(), 1, 20s}, "older", module.clock);

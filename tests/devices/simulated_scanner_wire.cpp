@@ -12,7 +12,7 @@
 
 using namespace tactbench::devices;
 
-TEST_CASE("simulated scanner: a path that cannot be, and one left behind by a killed program") {
+TEST_CASE("simulated scanner: an invalid path, and one left behind by a killed program") {
   TurnedClock clock;
   TestArray array;
   const IdentityReport identity{0, 16, 16, 1.0F, "S", "1"};

@@ -1,5 +1,5 @@
-// What the device tests' simulated ends stand on: a chamber that follows its voltage at once, an array that counts its
-// scans, a fault's parts, a folder for sockets.
+// Physics for the device tests' simulated ends: a chamber that follows its voltage at once, an array that counts its
+// scans; a fault's parts, a folder for sockets.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "bench/config_profile.h"
+#include "bench/config/config_profile.h"
 #include "devices/clock.h"
 #include "devices/pressure/chamber_port.h"
 #include "devices/tactile/simulated_scanner.h"

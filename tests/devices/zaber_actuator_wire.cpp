@@ -71,7 +71,7 @@ class ZaberBed final : public ActuatorBed {
   }
   SimulatedChainFaults faults() {
     SimulatedChainFaults faults;
-    faults.trouble = [this] { return silent_ ? Trouble::kSilent : Trouble::kNone; };
+    faults.inject = [this] { return silent_ ? InjectedFault::kSilent : InjectedFault::kNone; };
     return faults;
   }
   static ZaberStageOptions stage_options(const BedOptions& bed) {

@@ -45,7 +45,7 @@ TEST_CASE("Zaber frames with message ids have 24 bits of data and the id last") 
   CHECK(decode({3, 21, 0x18, 0xFC, 0xFF, 200}) == ZaberFrame{3, kMoveRelative, -1000, 200});
   CHECK(decode({3, 21, 0xFF, 0xFF, 0x7F, 1}).data == kZaberDataMax);
   CHECK(decode({3, 21, 0x00, 0x00, 0x80, 1}).data == kZaberDataMin);
-  // What the driver's start rests on: a reply without message ids reads the same when its value fits.
+  // The driver's start relies on it: a reply without message ids reads the same when its value fits.
   CHECK(decode(encode_without_id({1, kPosition, 604724, 0})) == ZaberFrame{1, kPosition, 604724, 0});
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("units of the T-NA08A50 and the T-LA60A are the manual's") {
   CHECK(la.acceleration_mm_per_s2(0) == Approx(la.acceleration_mm_per_s2(32767)));
 }
 
-TEST_CASE("a position goes to microsteps and back within half a microstep, and nonsense to none") {
+TEST_CASE("a position converts to microsteps and back within half a microstep, not-a-number to none") {
   const ZaberUnits na{0.003048 / 64};
   std::mt19937 random(11);
   std::uniform_real_distribution<double> millimetres(-50.0, 50.0);

@@ -1,4 +1,4 @@
-// What the Zaber driver promises beyond the laws of every actuator (zaber_actuator_wire.cpp joins it to those).
+// The Zaber driver's promises beyond the laws of every actuator (zaber_actuator_wire.cpp joins it to those).
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@ using enum ZaberCommand;
 
 namespace {
 
-// Every command there is, each expected to end in `fault`.
+// Every command, each expected to end in `fault`.
 void check_all_refused(Stage& stage, const std::string& fault) {
   CHECK(fault_id_of([&] { stage.home(Axis::kX); }) == fault);
   CHECK(fault_id_of([&] { stage.start_move_to(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
@@ -56,7 +56,7 @@ TEST_CASE("zaber law: a quiet wire is a fault within its deadline and disarms") 
   };
   CHECK(fault_id_of(all) == "TB-STAGE-TIMEOUT");
   CHECK_FALSE(rig.stage.armed());
-  // The question whose answer was lost was asked twice: process time has spent both waits.
+  // The query whose reply was lost was sent twice: process time has advanced by both waits.
   CHECK(rig.clock.now() >= 2 * impatient_stage().reply_timeout);
   check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
 }
@@ -78,13 +78,13 @@ TEST_CASE("zaber law: an unplugged stage is a fault at once, and nothing is repl
   const std::size_t before = rig.chain.requests().size();
   rig.stage.arm();
   CHECK(rig.count(kMoving, before) == 0);
-  // The move that was under way goes on by itself; it is waited for and not repeated.
+  // The move under way continues by itself; it is waited for and not repeated.
   CHECK(rig.stage.wait(Axis::kZ).value() == Approx(40.0).margin(1e-4));
   CHECK(rig.stage.state(Axis::kZ).homed);
   CHECK(rig.count(kMoving, before) == 0);
 }
 
-TEST_CASE("zaber law: an unplugging in the middle of anything is a loss and never silence") {
+TEST_CASE("zaber law: unplugging in the middle of any exchange is a loss and never silence") {
   SimulatedChainFaults faults;
   faults.unplug_after_requests = GENERATE(0L, 9L, 33L, 60L, 80L);
   ZaberRig rig({}, faults);
@@ -122,13 +122,13 @@ TEST_CASE("zaber law: halt stops every axis from any state, twice, and commands 
   CHECK(rig.stage.wait(Axis::kZ).value() == Approx(0.0).margin(1e-4));
 }
 
-TEST_CASE("zaber law: halt while homing asks until the axis stands, whether the device stops or finishes") {
+TEST_CASE("zaber law: halt while homing repeats until the axis stands, whether the device stops or finishes") {
   SimulatedChainOptions options;
   options.devices[2].stands_at = Millimetres(1.5);
   options.devices[2].refuses_stop_while_homing = GENERATE(false, true);
   ZaberRig rig(options);
   rig.stage.arm();
-  // Somebody else's homing: ours blocks the thread that turns the clock.
+  // Another program's homing: the driver's own would block the thread that turns the clock.
   {
     rig.stage.disarm();
     const auto stream = rig.connect();
@@ -141,20 +141,20 @@ TEST_CASE("zaber law: halt while homing asks until the axis stands, whether the 
   CHECK(rig.stage.halt());
 }
 
-TEST_CASE("zaber law: halt is bounded and says no when the wire is quiet or gone") {
+TEST_CASE("zaber law: halt is bounded and returns false when the wire is quiet or gone") {
   SimulatedChainFaults faults;
   faults.silent_after_requests = 40;
   ZaberRig rig({}, faults, impatient_stage());
   CHECK(fault_id_of([&] { rig.arm_and_home(); }) == "TB-STAGE-TIMEOUT");
   const auto before = rig.stage.exchanges();
   CHECK_FALSE(rig.stage.halt());
-  CHECK(rig.stage.exchanges() - before <= 6);  // a quiet axis is asked twice
+  CHECK(rig.stage.exchanges() - before <= 6);  // a quiet axis is queried twice
   rig.chain.unplug();
   CHECK_FALSE(rig.stage.halt());
   CHECK_FALSE(rig.stage.halt());
 }
 
-TEST_CASE("zaber law: half a frame left on the line does not spoil the halt") {
+TEST_CASE("zaber law: half a frame left on the line does not corrupt the halt") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
@@ -164,7 +164,7 @@ TEST_CASE("zaber law: half a frame left on the line does not spoil the halt") {
   REQUIRE(::write(intruder, half.data(), half.size()) == 4);
   CHECK(rig.stage.halt());
   ::close(intruder);
-  // With it the first bytes of the stop would have made another move.
+  // Joined to it the first bytes of the stop would have made another move.
   CHECK(rig.count(kMoving) == 4);
   CHECK(rig.chain.position(Axis::kZ).value() < 39.0);
 }

@@ -24,7 +24,7 @@ TEST_CASE("zaber retreat: stops what moves, then backs z off, never below its ho
   (void)rig.stage.wait(Axis::kZ);
   rig.stage.start_speed(Axis::kZ, MillimetresPerSecond(0.05));
   rig.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
-  rig.stage.disarm();  // gives the line back; the axes go on
+  rig.stage.disarm();  // gives the line back; the axes continue
   const ZaberRetreat first = retreat(rig.connect(), paper_stage(), Millimetres(2.0), 10s);
   INFO(first.text);
   CHECK(first.stands);

@@ -1,4 +1,4 @@
-// The simulated chain running by itself on a steady clock: ends of moves come without being asked for.
+// The simulated chain running by itself on a steady clock: ends of moves are reported unasked.
 #include <catch2/catch.hpp>
 #include <thread>
 
@@ -20,7 +20,7 @@ SimulatedChainOptions free_running() {
 
 }  // namespace
 
-TEST_CASE("a chain that runs by itself tells a foreign client the end of a move") {
+TEST_CASE("a chain that runs by itself reports the end of a move to a foreign client") {
   SteadyClock clock;
   const SimulatedChain chain(free_running(), clock);
   SerialAddress address;

@@ -1,4 +1,4 @@
-// The Zaber driver against the simulated chain over a pseudo-terminal, a socket where said: what it does.
+// The Zaber driver against the simulated chain over a pseudo-terminal, or a socket where named.
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
@@ -63,7 +63,7 @@ TEST_CASE("homing brings an axis to its sensor in process time") {
   CHECK(seconds(rig.clock.now() - begin) == Approx(5.0 / 1.3046).margin(0.3));
 }
 
-TEST_CASE("absolute and relative moves end where they were sent, in the time of their trapezoid") {
+TEST_CASE("absolute and relative moves end at their targets, in the time of their trapezoid") {
   ZaberRig rig;
   rig.arm_and_home();
   const Nanoseconds begin = rig.clock.now();
@@ -124,7 +124,7 @@ TEST_CASE("stop brings a moving axis to rest short of its target") {
   CHECK(rig.stage.stop(Axis::kZ).value() == Approx(stood.value()).margin(kStep));
 }
 
-TEST_CASE("a stop that a busy device refuses is asked again") {
+TEST_CASE("a stop that a busy device refuses is sent again") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
@@ -133,7 +133,7 @@ TEST_CASE("a stop that a busy device refuses is asked again") {
   CHECK(rig.count({kStop}) == 2);
 }
 
-TEST_CASE("a move may take another's place, a relative one may not") {
+TEST_CASE("a move may replace another, a relative one may not") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kX, Millimetres(40.0), std::nullopt);
@@ -143,7 +143,7 @@ TEST_CASE("a move may take another's place, a relative one may not") {
   CHECK(rig.stage.wait(Axis::kX).value() == Approx(1.0).margin(kStep));
 }
 
-TEST_CASE("constant speed ends at the limit, the device's or a narrower one of ours") {
+TEST_CASE("constant speed ends at the limit, the device's or a narrower one of the bench file") {
   ZaberStageOptions options = paper_stage();
   options.axes[2].high = Millimetres(10.0);
   ZaberRig rig({}, {}, options);
@@ -185,7 +185,7 @@ TEST_CASE("every error that a device may answer is named and leaves the stage ar
   CHECK(rig.stage.wait(Axis::kY).value() == Approx(3.0).margin(kStep));
 }
 
-TEST_CASE("frames that nobody asked for change nothing, an error among them is reported") {
+TEST_CASE("unasked frames change nothing, an error among them is reported") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
@@ -207,7 +207,7 @@ TEST_CASE("frames that nobody asked for change nothing, an error among them is r
   CHECK(rig.stage.state(Axis::kZ).activity == Activity::kIdle);
 }
 
-TEST_CASE("an axis that somebody else sends elsewhere is noticed") {
+TEST_CASE("an axis that another program moves is noticed") {
   ZaberRig rig;
   rig.arm_and_home();
   rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
@@ -228,7 +228,7 @@ TEST_CASE("a move that does not end in its time is stopped and reported") {
   CHECK(rig.stage.armed());
 }
 
-TEST_CASE("a damaged, cut or late reply is asked for again and the move ends well") {
+TEST_CASE("after a damaged, cut or late reply the query is repeated and the move ends well") {
   long SimulatedChainFaults::*const fault = GENERATE(
       &SimulatedChainFaults::corrupt_reply, &SimulatedChainFaults::cut_reply, &SimulatedChainFaults::late_reply);
   const long number = GENERATE(0L, 5L, 8L, 45L);
@@ -243,7 +243,7 @@ TEST_CASE("a damaged, cut or late reply is asked for again and the move ends wel
   CHECK(rig.count({kMoveAbsolute}) == 1);
 }
 
-TEST_CASE("the chain is renumbered only when asked to") {
+TEST_CASE("the chain is renumbered only on request") {
   SimulatedChainOptions chain;
   for (std::size_t i = 0; i < 3; ++i) chain.devices[i].number = static_cast<std::uint8_t>(7 - i);
   ZaberStageOptions options = impatient_stage();
@@ -268,7 +268,7 @@ TEST_CASE("a device that is not the expected one is refused before its mode is w
   CHECK(rig.count({kMode}) == 0);
 }
 
-TEST_CASE("identifying a Zaber stage writes nothing and says what is absent") {
+TEST_CASE("identifying a Zaber stage writes nothing and names absent devices") {
   SimulatedChainOptions chain;
   chain.devices.pop_back();
   chain.axes = {0, 1, 1};
@@ -282,6 +282,8 @@ TEST_CASE("identifying a Zaber stage writes nothing and says what is absent") {
   CHECK_FALSE(found[2].present);
   CHECK_FALSE(found[2].complaint.empty());
   CHECK_FALSE(rig.stage.armed());
+  CHECK(rig.stage.identities()[0].firmware == "5.23");
+  CHECK(rig.stage.identities()[2].firmware.empty());
   CHECK(rig.count({kDeviceId, kFirmware, kSupplyVoltage, kStatus, kPosition}) == rig.chain.requests().size());
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/rig.h"
+#include "bench/rig/rig.h"
 #include "bench/simulation/faults.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"

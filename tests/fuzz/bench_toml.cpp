@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 #include "devices/fault.h"
-#include "sequences/strict_toml.h"
+#include "sequences/toml/strict_toml.h"
 
 using namespace tactbench;
 

@@ -23,7 +23,7 @@ def copy_of_sources(to):
 
 
 def configured(checkout, testing):
-    """Compile commands by object, with the checkout's own path as ROOT, and the groups' text by name."""
+    """Compile commands by object, with the checkout's own path as ROOT, and the groups' text by name; the product's alone."""
     subprocess.run([CMAKE, "--preset", "default", f"-DBUILD_TESTING={testing}"], cwd=checkout, check=True,
                    stdout=subprocess.DEVNULL)
     commands = {}
@@ -32,7 +32,7 @@ def configured(checkout, testing):
         made = words[words.index("-o") + 1]
         if not made.startswith("tests/"):
             commands[made] = entry["command"].replace(str(checkout), "ROOT")
-    groups = {path.name: path.read_text() for path in (checkout / "build/groups").iterdir()}
+    groups = {path.name: path.read_text() for path in (checkout / "build/groups").iterdir() if "_tests_" not in path.name}
     return commands, groups
 
 
@@ -57,10 +57,10 @@ def main():
             rules = (first / "build/CMakeFiles/rules.ninja").read_text() + (first / "build/build.ninja").read_text()
             assert f"CCACHE_BASEDIR={first} CCACHE_NOHASHDIR=1" in rules, "the compiler cache is not told the checkout"
 
-        (first / "analysis/statistics/another_figure.cpp").write_text("// new\n")
+        (first / "analysis/statistics/figures/another_figure.cpp").write_text("// new\n")
         _, groups_after = configured(first, "ON")
         changed = sorted(name for name in groups_after if groups_after[name] != groups.get(name))
-        assert changed == ["analysis_statistics_a-e.cpp"], f"one new file changed the groups {changed}"
+        assert changed == ["analysis_statistics_figures_a-e.cpp"], f"one new file changed the groups {changed}"
     print("tests, checkouts and new files leave the product's commands as they are")
 
 

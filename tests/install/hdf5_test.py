@@ -26,7 +26,7 @@ def values(path, kind):
 
 def attribute(path):
     """The value between quotes, or the bare number."""
-    found = re.search(r"\(0\): (.*)", said(H5DUMP, "-a", path, "run.h5")).group(1)
+    found = re.search(r"\(0\): (.*)", said(H5DUMP, "-w", "0", "-a", path, "run.h5")).group(1)
     return found[1:-1] if found.startswith('"') else found
 
 
@@ -59,8 +59,27 @@ with tempfile.TemporaryDirectory() as folder:
     assert [ordinals[branch] for branch in branches] == [frame["branch"] for frame in frames]
     assert values("/events/time_ns", "q") == [event["time_ns"] for event in run["events"]]
 
-    assert attribute("/content_sha256") == run["content_sha256"]
-    assert attribute("/uuid") == run["uuid"] and attribute("/outcome") == "completed"
+    # What JSON says of the run, its recipes and its devices are attributes of the same names.
+    def check_attributes(path, members, apart=()):
+        for key, value in members.items():
+            if key in apart or value is None or isinstance(value, (list, dict)):
+                continue
+            read = attribute(f"{path}/{key}")
+            if isinstance(value, str) and value.isascii() and not set(value) & set('"\\\n'):
+                assert read == value, (path, key, read, value)
+            elif not isinstance(value, str):
+                assert float(read) == float(value), (path, key, read, value)
+
+    assert (run["schema"], run["version"]) == ("tactbench.run", 2)
+    check_attributes("", run, apart=("notes", "bench_toml", "sensor_toml"))
+    check_attributes("/recipes/0", run["recipes"][0], apart=("toml",))
+    for number, device in enumerate(run["devices"]):
+        check_attributes(f"/devices/{number}", device)
+    assert attribute("/sensor") == "S-1" and attribute("/outcome") == "completed"
+    assert attribute("/sensor_type_sha256") == run["sensor_type_sha256"] and len(run["sensor_type_sha256"]) == 64
+    rest = float(attribute("/rest_s"))
+    assert rest != rest and run["rest_s"] is None
+    assert attribute("/tags") == "" == " ".join(run["tags"])
     name = attribute("/operator")  # h5dump writes what is not ASCII as octal numbers of its own
     assert name.startswith("Zo\\") and name.endswith(', "Q"'), name
     assert attribute("/frames/counts/unit") == "count" and attribute("/frames/feedback_psi/unit") == "psi"
@@ -69,7 +88,10 @@ with tempfile.TemporaryDirectory() as folder:
     assert scanners and scanners[0]["serial"] in said(H5DUMP, "-A", "-g", "/devices", "run.h5")
     assert attribute("/recipes/0/name") == run["recipes"][0]["name"] == "ring"
 
-    nowhere = subprocess.run([PROGRAM, "runs", "export", "1", "--format", "hdf5", "-o", "no/such/folder/x.h5"],
-                             cwd=folder, capture_output=True, text=True)
-    assert nowhere.returncode == 2 and "TB-EXPORT-HDF5" in nowhere.stderr, nowhere.stderr
+    # As every other file: with its folder if need be, and not where a file stands in a folder's place.
+    into = [PROGRAM, "runs", "export", "1", "--format", "hdf5", "-o"]
+    subprocess.run([*into, "new/folder/x.h5"], cwd=folder, check=True, capture_output=True)
+    assert said(H5DUMP, "-H", "new/folder/x.h5")
+    nowhere = subprocess.run([*into, "run.h5/x.h5"], cwd=folder, capture_output=True, text=True)
+    assert nowhere.returncode == 2 and "TB-FILE-WRITE" in nowhere.stderr, nowhere.stderr
 print("what h5dump reads is what was stored")

@@ -12,7 +12,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 def run(*words, folder, **environment):
-    clean = {"PATH": os.environ["PATH"], "HOME": folder, "XDG_RUNTIME_DIR": folder, **environment}
+    clean = {"PATH": os.environ["PATH"], "HOME": folder, **environment}
     done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=200)
     assert done.returncode == 0, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout
@@ -25,6 +25,7 @@ def check_files(prefix):
                  "lib/cmake/tactbench/tactbench-config.cmake", "share/pkgconfig/tactbench-compensator.pc",
                  "lib/python3/dist-packages/tactbench_compensator.py", "lib/udev/rules.d/70-tactbench.rules",
                  "lib/systemd/system/tactbench-nightly.service", "lib/systemd/system/tactbench-nightly.timer",
+                 "lib/sysusers.d/tactbench.conf", "lib/tmpfiles.d/tactbench.conf",
                  "share/man/man1/tactbench.1.gz", "share/bash-completion/completions/tactbench",
                  "share/zsh/vendor-completions/_tactbench", "share/fish/vendor_completions.d/tactbench.fish",
                  "share/doc/tactbench/LICENSE"):

@@ -33,7 +33,7 @@ with tempfile.TemporaryDirectory() as folder:
         for document in ("copyright", "changelog.Debian.gz"):
             assert f"./usr/share/doc/{name}/{document}" in lines, (name, document)
     for path in ("bin/tactbench", "lib/udev/rules.d/70-tactbench.rules", "lib/systemd/system/tactbench-nightly.timer",
-                 "share/man/man1/tactbench.1.gz", "share/tactbench/sequences/descending.toml"):
+                 "lib/sysusers.d/tactbench.conf", "lib/tmpfiles.d/tactbench.conf", "share/man/man1/tactbench.1.gz", "share/tactbench/sequences/descending.toml"):
         assert f"./usr/{path}\n" in contents["tactbench"], path
     assert "libtactbench_compensator.so.1.0.0" in contents["libtactbench-compensator1"]
     assert "libtactbench_compensator.so ->" in contents["libtactbench-compensator-dev"]
@@ -44,6 +44,28 @@ with tempfile.TemporaryDirectory() as folder:
     for library in ("libmodbus5", "libserialport0", "libhidapi-hidraw0", "libsqlite3-0", "libssl3", "libc6"):
         assert library in field("tactbench", "Depends"), (library, field("tactbench", "Depends"))
     assert f"libtactbench-compensator1 (= {VERSION}-0upstream1)" in field("libtactbench-compensator-dev", "Depends")
+
+    assert "adduser" in field("tactbench", "Depends")
+    scripts = os.path.join(folder, "scripts")
+    output("dpkg-deb", "--control", files["tactbench"], scripts)
+    postinst = os.path.join(scripts, "postinst")
+    assert os.access(postinst, os.X_OK)
+    stand_ins = os.path.join(folder, "stand-ins")  # the machine's own groups and folders are none of a test's
+    os.mkdir(stand_ins)
+    for name, line in (("addgroup", 'echo "addgroup $@" >> "$0/../said"'), ("install", 'echo "install $@" >> "$0/../said"'),
+                       ("getent", 'test -e "$0.knows"')):
+        with open(os.path.join(stand_ins, name), "w") as stand_in:
+            stand_in.write(f"#!/bin/sh\n{line}\n".replace("$0/../", stand_ins + "/"))
+        os.chmod(stand_in.name, 0o755)
+    for known in (False, True):
+        if known:
+            open(os.path.join(stand_ins, "getent.knows"), "w").close()
+        subprocess.run([postinst, "configure"], check=True, env={**os.environ, "PATH": f"{stand_ins}:{os.environ['PATH']}"})
+    with open(os.path.join(stand_ins, "said")) as said:
+        lines = said.read().splitlines()
+    assert lines.count("addgroup --system --quiet tactbench") == 1, lines
+    if not os.path.isdir("/var/lib/tactbench"):
+        assert "install -d -m 2770 -o root -g tactbench /var/lib/tactbench" in lines, lines
 
     root = os.path.join(folder, "root")
     output("dpkg-deb", "--extract", files["tactbench"], root)

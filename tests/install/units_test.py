@@ -31,6 +31,11 @@ def check_units():
     check_options(start.group(1))
     for key in ("DynamicUser", "PrivateNetwork", "PrivateDevices", "NoNewPrivileges", "MemoryDenyWriteExecute"):
         assert f"\n{key}=yes\n" in service, key
+    assert "\nUMask=0077\n" in service
+    # What others are to read lies where they can: below /run, which stays, and not in the state of a dynamic user.
+    metrics = re.search(r"--metrics (\S+)", start.group(1)).group(1)
+    assert metrics == "%t/tactbench-nightly/night.prom" and f"\nExecStopPost=-chmod 0644 {metrics}\n" in service
+    assert "\nRuntimeDirectory=tactbench-nightly\nRuntimeDirectoryPreserve=yes\n" in service
     if not shutil.which("systemd-analyze"):
         return "systemd-analyze is not installed"
     with tempfile.TemporaryDirectory() as folder:
@@ -45,6 +50,15 @@ def check_units():
     return "systemd-analyze is content"
 
 
+def check_rules():
+    """No rule of udev opens whatever a maker of chips has made: each names one device."""
+    with open(os.path.join(FOLDER, "../config/70-tactbench.rules")) as file:
+        rules = [line for line in file if line.strip() and line[0] != "#" and "uaccess" in line]
+    assert len(rules) == 2, rules
+    for rule in rules:
+        assert 'ATTRS{idProduct}=="' in rule or 'ATTRS{serial}=="' in rule, rule
+
+
 def check_actions():
     workflow = yaml.safe_load(text_of("github-actions.example.yml"))
     steps = workflow["jobs"]["nightly"]["steps"]
@@ -56,5 +70,6 @@ def check_actions():
 
 
 note = check_units()
+check_rules()
 check_actions()
 print(note)

@@ -2,15 +2,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "sequences/recipe.h"
+#include "tests/sequences/recipe_text.h"
 
 using namespace tactbench::sequences;
 
 namespace {
-
-Recipe recipe_of(const std::string& body) {
-  return parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nunit = \"psi\"\n" + body, "test.toml"));
-}
 
 TimeModel model_of() {
   TimeModel model;
@@ -27,7 +23,7 @@ TEST_CASE("a level takes its ramp by the chamber's rise or fall, 0.7 to 2 times 
   const std::vector<Recipe> recipes = {recipe_of("turning_points = [0, 0.5, 0]\nstep = 0.5\ndwell_s = 3\n")};
   const auto times = step_times(recipes, compile(recipes), model_of());
   REQUIRE(times.size() == 3);
-  const std::vector<double> ramps_s = {0.0, 0.5 / 4.0, 0.5 / 2.0};  // also a short way up is a rise
+  const std::vector<double> ramps_s = {0.0, 0.5 / 4.0, 0.5 / 2.0};  // a short way up is a rise, too
   for (std::size_t i = 0; i < times.size(); ++i) {
     CHECK(times[i].low_s == Approx(ramps_s[i] + 3.0 + 7.0 + 0.25));
     CHECK(times[i].likely_s == Approx(ramps_s[i] + 3.0 + 10.0 + 0.25));

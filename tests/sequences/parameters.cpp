@@ -49,7 +49,9 @@ TEST_CASE("a parameter stands for a number, by default and as set") {
 }
 
 TEST_CASE("a parameter out of its range or unknown is refused with its place") {
-  refused({{"peak", "62"}}, kBody, "'value' is 62, outside 10 to 60", "parameters.peak.value", "10 to 60");
+  refused({{"peak", "62"}}, kBody, "'peak' is 62, outside 10 to 60", "--set recipe.peak=62 (over p.toml)", "10 to 60");
+  refused({{"peak", "high"}}, kBody, "'peak' must be a number", "--set recipe.peak=high", "number");
+  refused({{"step", "-1"}}, kBody, "above 0", "--set recipe.step (over p.toml)", "levels");
   refused({{"times", "1.5"}}, kBody, "not a whole number", "p.toml:7:11", "whole number");
   refused({{"dwel_s", "1"}}, kBody, "unknown key 'dwel_s'", "--set", "dwell_s");
   std::string misspelt = kBody;

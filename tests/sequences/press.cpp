@@ -72,7 +72,7 @@ TEST_CASE("the way back to a falling branch presses up to the peak without frame
   CHECK(falling.back().force_n == 10.0);
   CHECK(falling.back().ordinal == 8);
   CHECK(std::none_of(falling.begin(), falling.end(), takes_frame));
-  // Where the way back ends, the branch's own steps go on.
+  // Where the way back ends, the branch's own steps continue.
   const auto steps = compile(recipe, 0);
   for (const BranchSpan& span : branches(steps)) {
     if (span.kind != SpanKind::kBranch) continue;
@@ -107,11 +107,12 @@ TEST_CASE("a bad press recipe names its place") {
   refused("forces_n = [2]\n", "either positions_mm or", "press.positions_mm");
   refused(at + "forces_n = [2]\nsteps = 3\n", "unknown key 'steps'", "press.toml:8:9");
   refused("forces_n = [2]\n[press.grid]\nx = [1, 2]\ny = [1, 2, 1]\n", "[from, to, step]", "press.toml:8:5");
-  refused("forces_n = [2]\n[press.grid]\nx = [1, 2, 1e-9]\ny = [1, 2, 1]\n", "[from, to, step]", "press.toml:8:5");
+  refused("forces_n = [2]\n[press.grid]\nx = [1, 2, 1e-9]\ny = [1, 2, 1]\n", "has 1000000000 positions",
+          "press.toml:8:5");
   refused(at + "forces_n = [2]\nhold = \"forces\"\n", "not one of position, force", "press.toml:8:8");
 }
 
-TEST_CASE("a step's line tells all its fields apart") {
+TEST_CASE("a step's line differs with each of its fields") {
   Step base;
   base.kind = kPress;
   std::set<std::string> lines = {step_line(base)};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sequences/estimate.h"
+#include "tests/sequences/recipe_text.h"
 #include "tests/support/paths.h"
 
 using namespace tactbench::sequences;
@@ -18,10 +19,6 @@ int measuring(const std::vector<Step>& steps, int repeat) {
   int count = 0;
   for (const Step& step : steps) count += step.kind == StepKind::kMeasure && step.repeat == repeat ? 1 : 0;
   return count;
-}
-
-Recipe recipe_of(const std::string& body) {
-  return parse_recipe(TomlDocument::from_text("schema = 1\nname = \"t\"\nunit = \"psi\"\n" + body, "test.toml"));
 }
 
 }  // namespace
@@ -116,7 +113,7 @@ TEST_CASE("the way back conditions and travels to where the branch starts, witho
   }
 }
 
-TEST_CASE("what was read stays known with its value and place, lists as well") {
+TEST_CASE("every value read is listed with its place, lists as well") {
   const TomlDocument document = TomlDocument::from_text(
       "schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = [0, 4.5, 0]\nstep = 1.5\n", "test.toml");
   parse_recipe(document);
@@ -250,7 +247,7 @@ TEST_CASE("a bad recipe names file, line, key and remedy") {
   refused(good + "settle = \"none\"\nramp_psi_per_s = 1\ndwell_s = 1\n", "dwell_s", "test.toml:8:");
   refused(good + "[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 60\n", "both", "random");
   refused("step = 2\n[random]\nseed = 1\nreversals = 4\nlow = 0\nhigh = 60\n", "lower point", "test.toml:7:13");
-  refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 61\n", "no whole number", "test.toml:9:8");
+  refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 61\n", "not a whole number", "test.toml:9:8");
   refused("step = 2\n[random]\nseed = 1\nreversals = 3\nlow = 58\nhigh = 60\n", "no room", "random.high");
   refused(good + "[[suspend]]\nquantity = \"supply_bar\"\n", "either trip_below or trip_above", "test.toml:7:");
   refused(good + "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 5\n", "wrong side",

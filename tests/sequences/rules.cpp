@@ -36,7 +36,7 @@ TEST_CASE("the rules of a run are read, each with a default") {
   CHECK((given.conditioning.cycles == 6 && given.conditioning.least == 2 && given.conditioning.change_percent == 0.5));
   CHECK(given.conditioning.peak.value() == Approx(14.503773773));  // of the recipe's unit
   CHECK((given.warm_up.drift_percent_per_min == 0.05 && given.warm_up.at_most_s == 900.0));
-  // The guard's tolerance is in psi whatever the unit.
+  // The guard's tolerance is in psi whatever the recipe's unit.
   CHECK((given.guard.tolerance.value() == 0.3 && given.guard.redo == 1 && !given.guard.fail_when_broken));
   CHECK(given.dwell_tolerance_s == 0.1);
   CHECK((given.retry.frame == 3 && given.retry.any_passes));

@@ -1,4 +1,4 @@
-// How long compiled steps take by the model, against times worked out on paper.
+// Times of compiled steps by the model, against times worked out by hand.
 #include <catch2/catch.hpp>
 
 #include "sequences/estimate.h"

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "bench/safety/trip.h"
+#include "bench/guard/trip.h"
 #include "bench/simulation/simulated_rig.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"

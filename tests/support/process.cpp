@@ -10,6 +10,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "tests/support/paths.h"
+
 namespace tactbench::tests {
 
 Finished run_program(const std::string& program, const std::vector<std::string>& arguments, const std::string& folder,
@@ -74,13 +76,17 @@ namespace {
 struct PrivateState {
   PrivateState() {
     setenv("XDG_STATE_HOME", folder.path().c_str(), 1);
-    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);  // tests that run beside each other share bench ids
+    setenv("TACTBENCH_RUNTIME_DIR", folder.path().c_str(), 1);  // tests that run beside each other share bench ids
   }
   TemporaryFolder folder;
 };
 const PrivateState kPrivateState;
 
 }  // namespace
+
+Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words) {
+  return run_program(program_path(), words, folder.path());
+}
 
 std::string read_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);

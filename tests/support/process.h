@@ -34,6 +34,9 @@ class TemporaryFolder {
   std::filesystem::path folder_;
 };
 
+// The program under test (tests/support/paths.h), called with these words in that folder.
+Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words);
+
 std::string read_file(const std::string& path);
 void write_file(const std::string& path, const std::string& text);
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/config.h"
+#include "bench/config/config.h"
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/pressure_reference.h"
 #include "tests/support/child_process.h"
@@ -43,7 +43,7 @@ class ServedRig {
   }
   // Beside the test; what it says goes to the file `log`.
   [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::vector<std::string>& arguments) const {
-    std::string line = fmt::format("cd '{}' && exec '{}'", folder.path(), program_path());
+    std::string line = fmt::format("cd '{}' && exec env {} '{}'", folder.path(), environment, program_path());
     for (const std::string& argument : arguments) line += fmt::format(" '{}'", argument);
     return std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/sh", "-c", line + " >>log 2>&1"});
   }
@@ -59,7 +59,7 @@ class ServedRig {
   }
   // By the transducer, read as any other client of the module would.
   [[nodiscard]] double psi() {
-    (void)module_->look();
+    (void)module_->read_all();
     return reference_->read().pressure.value();
   }
   // Seconds of real time until the chamber is so; `longest` when it does not get there.
@@ -78,6 +78,7 @@ class ServedRig {
 
   TemporaryFolder folder;
   std::string bench_id;
+  std::string environment;  // of what `start` starts: "NAME=value ..."
 
  private:
   static std::vector<std::string> words(double rate, const std::string& bench, const std::vector<std::string>& more) {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/common/utc.h"
 #include "bench/run/characterize.h"
-#include "bench/utc.h"
 
 namespace tactbench::tests {
 

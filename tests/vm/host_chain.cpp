@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "devices/stage/simulated_chain.h"
-#include "devices/wire/stream_end.h"
+#include "devices/wire/ends/stream_end.h"
 #include "devices/wire/stream_link.h"
 
 using namespace tactbench::devices;

@@ -5,7 +5,7 @@
     frame = compensator.counts(counts)        # frame.pressure, frame.uncertainty, frame.status
 
 numpy is used where it is installed (arrays go in and come out without a copy of each element), lists otherwise. The
-library is libtactbench_compensator.so.1: next to this file, on the loader's path, or where TACTBENCH_COMPENSATOR says.
+library is libtactbench_compensator.so.1: next to this file, on the loader's path, or at the path in TACTBENCH_COMPENSATOR.
 """
 
 import ctypes
@@ -19,6 +19,7 @@ except ImportError:
     numpy = None
 
 ABI_VERSION = 1
+# With OUT_OF_RANGE the pressure is the loop's end and its uncertainty means nothing; see compensator_c.h.
 VALID, FLAT, OUT_OF_RANGE, DEAD, OUTSIDE, UNKNOWN, LOST = 1, 2, 4, 8, 16, 32, 64
 
 _DOUBLE, _AT_REST, _EXACT_OUTER = 1, 2, 4

@@ -15,7 +15,7 @@ namespace synthetic {
 
 using namespace tactbench::analysis;
 
-// As printed; Table 2 is rotated by one place (elam-notes, section 1).
+// As printed, but Table 2 with its rotation by one place undone (docs/elam-readings.md, Misprints).
 inline const GpiParameters kGpiTable2{.a0 = 0.5754,
                                       .a1 = 0.0524,
                                       .a2 = 1.1216,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/identify.h"
+#include "analysis/identify/elam/identify.h"
 
 namespace straight_array {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "analysis/statistics/uncertainty.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "tests/analysis/support/synthetic.h"
 
 namespace uncertainty_example {

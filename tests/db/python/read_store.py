@@ -70,6 +70,11 @@ try:
     with open(os.path.join(folder, "run.json")) as file:
         document = json.load(file)
     assert document["content_sha256"] == run["content_sha256"]
+    # The view has the columns' names, the document those that every document has.
+    for key, column in {"sensor": "sensor_serial", "bench": "bench_id", "git_commit": "git_commit"}.items():
+        assert document[key] == run[column], key
+    assert (document["void"], document["tags"], document["version"]) == (False, ["from-python"], 2)
+    assert all(len(recipe["sha256"]) == 64 for recipe in document["recipes"])
     assert [frame["counts"] for frame in document["frames"]] == decoded
     assert [frame["reference_psi"] for frame in document["frames"]] == [f["reference_psi"] for f in frames]
     assert len(document["verdicts"]) == 8 and document["events"] and document["recipes"][0]["toml"].startswith("schema")

@@ -32,7 +32,7 @@ def hold_snapshots():
             assert connection.execute("SELECT count(*) FROM frames").fetchone() == before
             connection.execute("COMMIT")
         connection.close()
-    except Exception as error:  # told below: a thread's own exception is not
+    except Exception as error:  # reported below: a thread's own exception is not
         faults.append(repr(error))
 
 
@@ -66,7 +66,7 @@ try:
     (outcome, frames) = reader.execute("SELECT outcome, frames FROM v_runs").fetchone()
     assert (outcome, frames >= seen) == ("completed", True), (outcome, frames, seen)
     call("verify", "1")
-    print(f"{frames} frames, {growths} looks that saw new ones, longest wait {longest:.3f} s")
+    print(f"{frames} frames, {growths} polls that found new ones, longest wait {longest:.3f} s")
 finally:
     ended.set()
     shutil.rmtree(folder)

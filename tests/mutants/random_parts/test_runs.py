@@ -93,7 +93,7 @@ def run(executable, words, limit):
     mark = uuid.uuid4().hex
     folder = tempfile.mkdtemp(prefix="tbm-")  # short: paths of sockets lie in it
     os.chmod(folder, 0o755)  # as /tmp is for tests that give up root's rights
-    places = {name: folder for name in ("TMPDIR", "HOME", "XDG_STATE_HOME", "XDG_RUNTIME_DIR")}
+    places = {name: folder for name in ("TMPDIR", "HOME", "XDG_STATE_HOME")}
     bounds = [f"--as={MEMORY_BYTES}", f"--fsize={FILE_BYTES}", "--core=0", f"--cpu={int(limit.cpu_s) + 1}"]
     report = pathlib.Path(folder, "tests.xml")
     begun = time.monotonic()

@@ -1,0 +1,15 @@
+// Which of the processor's vectors code with several versions uses: frames of the compensator, lanes of identification.
+// Results are bit for bit the same with each.
+#pragma once
+
+#include <span>
+
+namespace tactbench::analysis {
+
+enum class Dispatch { kBase, kAvx2, kAvx512 };  // vectors of 16, 32, 64 bytes
+
+const char* to_string(Dispatch dispatch);  // base, avx2, avx512
+std::span<const Dispatch> dispatches();    // that this processor has, lowest first; kBase always
+[[nodiscard]] Dispatch best_dispatch();    // the last of them
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,16 @@
+// A number with its noun: "1 frame", "2 frames".
+#pragma once
+
+#include <concepts>
+#include <string>
+
+namespace tactbench::analysis {
+
+// `several`: where the plural is not the noun with an s ("branches").
+template <std::integral Number>
+std::string counted(Number number, const std::string& one, const std::string& several = {}) {
+  const std::string& noun = number == Number{1} || several.empty() ? one : several;
+  return std::to_string(number) + " " + noun + (number == Number{1} || !several.empty() ? "" : "s");
+}
+
+}  // namespace tactbench::analysis

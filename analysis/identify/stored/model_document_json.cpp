@@ -1,0 +1,181 @@
+// The model document as JSON.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/json_io.h"
+#include "analysis/models/json_members.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* kSchema = "tactbench.model";
+
+Json range_json(const std::optional<Range>& range) {
+  return range ? Json{{"low", range->low}, {"high", range->high}} : Json(nullptr);
+}
+
+std::optional<Range> range_from(const Json& json, const std::string& name) {
+  const Json& range = json_member(json, name);
+  if (range.is_null()) return std::nullopt;
+  return Range{json_number(range, "low"), json_number(range, "high")};
+}
+
+std::string text_from(const Json& json, const std::string& name) {
+  const Json& value = json_member(json, name);
+  if (!value.is_string()) throw std::invalid_argument("\"" + name + "\" is not a text");
+  return value.get<std::string>();
+}
+
+bool flag_from(const Json& json, const std::string& name) {
+  const Json& value = json_member(json, name);
+  if (!value.is_boolean()) throw std::invalid_argument("\"" + name + "\" is neither true nor false");
+  return value.get<bool>();
+}
+
+int integer_from(const Json& json, const std::string& name) {
+  const double value = json_number(json, name);
+  if (value != std::floor(value) || std::abs(value) > 1e9)
+    throw std::invalid_argument("\"" + name + "\" is not a whole number");
+  return static_cast<int>(value);
+}
+
+Json taxel_json(const ModelTaxel& taxel) {
+  Json json = {{"taxel", taxel.taxel}, {"status", taxel.status}, {"noise", taxel.noise}};
+  if (taxel.fit.model == nullptr) return json;
+  json["dead_band"] = kBandInNoises * taxel.noise;
+  json["loop_low"] = taxel.loop_low;
+  json["zero"] = taxel.zero;
+  json["gain"] = taxel.gain;
+  json["figures"] = {{"j", taxel.fit.j},
+                     {"mean_error", taxel.fit.mean_error},
+                     {"max_error", taxel.fit.max_error},
+                     {"full_scale", taxel.fit.full_scale},
+                     {"samples", taxel.fit.samples},
+                     {"starts", taxel.fit.starts}};
+  Json at_bound = Json::array();
+  for (const ModelParameter& parameter : taxel.fit.model->parameters())
+    if (parameter.at_bound()) at_bound.push_back(parameter.name);
+  json["at_bound"] = at_bound;
+  json["model"] = taxel.fit.model->to_json();
+  return json;
+}
+
+ModelTaxel taxel_from(const Json& json) {
+  ModelTaxel taxel;
+  taxel.taxel = integer_from(json, "taxel");
+  taxel.status = text_from(json, "status");
+  taxel.noise = json_number(json, "noise");
+  if (taxel.noise < 0.0) throw std::invalid_argument("\"noise\" is negative");
+  if (!json.contains("model")) return taxel;
+  taxel.loop_low = json_number(json, "loop_low");
+  taxel.zero = json_number(json, "zero");
+  taxel.gain = json_number(json, "gain");
+  if (taxel.gain <= 0.0) throw std::invalid_argument("\"gain\" is not positive");
+  const Json& figures = json_member(json, "figures");
+  taxel.fit.j = json_number(figures, "j");
+  taxel.fit.mean_error = json_number(figures, "mean_error");
+  taxel.fit.max_error = json_number(figures, "max_error");
+  taxel.fit.full_scale = json_number(figures, "full_scale");
+  taxel.fit.samples = integer_from(figures, "samples");
+  taxel.fit.starts = integer_from(figures, "starts");
+  taxel.fit.model = model_from_json(json.at("model"));
+  return taxel;
+}
+
+ModelDocument document_from(const Json& json) {
+  if (text_from(json, "schema") != kSchema) throw std::invalid_argument("\"schema\" is not \"tactbench.model\"");
+  const int version = integer_from(json, "version");
+  if (version != kModelDocumentVersion)
+    throw std::invalid_argument(
+        fmt::format("it is of version {}, and this program reads version {}", version, kModelDocumentVersion));
+  ModelDocument document;
+  document.model = text_from(json, "model");
+  const Json& options = json_member(json, "options");
+  document.options.free_run = text_from(options, "mode") == "free-run";
+  document.options.exact_outer = flag_from(options, "exact_outer");
+  document.options.genetic = options.value("genetic", false);
+  document.options.memory = flag_from(options, "memory");
+  document.options.splits = integer_from(options, "splits");
+  document.options.starts = integer_from(options, "starts");
+  document.input_unit = text_from(json_member(json, "input"), "unit");
+  document.output_unit = text_from(json_member(json, "output"), "unit");
+  document.falling = flag_from(json_member(json, "output"), "falling");
+  document.scans = integer_from(json_member(json, "output"), "scans");
+  const Json& source = json_member(json, "source");
+  document.source = text_from(source, "name");
+  document.origin = text_from(source, "origin");
+  document.content_sha256 = text_from(source, "content_sha256");
+  for (const Json& sequence : json_member(source, "sequences"))
+    document.sequences.push_back(sequence.get<std::string>());
+  const Json& sensor = json_member(json, "sensor");
+  document.sensor_serial = text_from(sensor, "serial");
+  document.scanner_serial = text_from(sensor, "scanner_serial");
+  document.rows = integer_from(sensor, "rows");
+  document.columns = integer_from(sensor, "columns");
+  const Json& validity = json_member(json, "validity");
+  document.validity = {range_from(validity, "input"), range_from(validity, "hold_s"),
+                       range_from(validity, "rate"),  range_from(validity, "temperature_c"),
+                       text_from(validity, "mount"),  text_from(validity, "interface_material")};
+  const Json& parent = json_member(json, "parent");
+  document.parent_sha256 = text_from(parent, "sha256");
+  document.adjustment = text_from(parent, "adjustment");
+  document.program_version = text_from(json, "program_version");
+  for (const Json& taxel : json_member(json, "taxels")) document.taxels.push_back(taxel_from(taxel));
+  if (document.taxels.empty()) throw std::invalid_argument("\"taxels\" is empty");
+  return document;
+}
+
+}  // namespace
+
+std::string to_text(const ModelDocument& document) {
+  Json json = {{"schema", kSchema}, {"version", kModelDocumentVersion}, {"model", document.model}};
+  json["options"] = {{"mode", document.options.free_run ? "free-run" : "paper"},
+                     {"exact_outer", document.options.exact_outer},
+                     {"genetic", document.options.genetic},
+                     {"memory", document.options.memory},
+                     {"splits", document.options.splits},
+                     {"starts", document.options.starts}};
+  json["input"] = {{"unit", document.input_unit}};
+  json["output"] = {{"unit", document.output_unit}, {"falling", document.falling}, {"scans", document.scans}};
+  json["source"] = {{"name", document.source},
+                    {"origin", document.origin},
+                    {"content_sha256", document.content_sha256},
+                    {"sequences", document.sequences}};
+  json["sensor"] = {{"serial", document.sensor_serial},
+                    {"scanner_serial", document.scanner_serial},
+                    {"rows", document.rows},
+                    {"columns", document.columns}};
+  json["validity"] = {{"input", range_json(document.validity.input)},
+                      {"hold_s", range_json(document.validity.hold_s)},
+                      {"rate", range_json(document.validity.rate)},
+                      {"temperature_c", range_json(document.validity.temperature_c)},
+                      {"mount", document.validity.mount},
+                      {"interface_material", document.validity.interface_material}};
+  json["parent"] = {{"sha256", document.parent_sha256}, {"adjustment", document.adjustment}};
+  json["program_version"] = document.program_version;
+  json["taxels"] = Json::array();
+  for (const ModelTaxel& taxel : document.taxels) json["taxels"].push_back(taxel_json(taxel));
+  return json.dump(1) + "\n";
+}
+
+std::string sha256_of(const ModelDocument& document) { return db::sha256_hex(to_text(document)); }
+
+ModelDocument document_from_text(const std::string& text, const std::string& file) {
+  const auto refuse = [&](const std::string& what) -> AnalysisError {
+    return {Cause::kUsage, "TB-MODEL-DOCUMENT", fmt::format("{} is no model: {}", file, what),
+            "give a file that tactbench fit -o or model export wrote"};
+  };
+  try {
+    return document_from(parse_ordered_json(text));
+  } catch (const nlohmann::json::exception& error) {
+    throw refuse(error.what());
+  } catch (const std::invalid_argument& error) {
+    throw refuse(error.what());
+  }
+}
+
+}  // namespace tactbench::analysis

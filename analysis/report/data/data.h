@@ -1,0 +1,29 @@
+// JSON as the report carries it: one line, ASCII; what is not finite becomes null.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+
+namespace tactbench::analysis {
+
+struct CreepEffect;
+struct Evaluation;
+struct TemperatureEffect;
+
+// A list of numbers, which most of a report is, as finished text inside the tree: a binary value, which only json_text
+// can write. Seven significant digits are finer than any converter step.
+nlohmann::ordered_json number_list(std::span<const double> values, int digits = 7);
+
+// Numbers outside such lists with all their digits.
+std::string json_text(const nlohmann::ordered_json& json);
+
+// evaluation_json() with the figures of each level. `fitted`: number of taxels with models; where the estimates of all
+// of them were flagged, no observable one is left.
+nlohmann::ordered_json whole_evaluation_json(const Evaluation& evaluation, int fitted);
+
+// What creep and temperature were found to be; both assessed.
+nlohmann::ordered_json creep_effect_json(const CreepEffect& creep);
+nlohmann::ordered_json temperature_effect_json(const TemperatureEffect& effect);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,88 @@
+// The data behind the raw section, and the hash of models.
+#include <array>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "analysis/report/data/data.h"
+#include "analysis/report/data/section_data.h"
+#include "analysis/report/parts.h"
+#include "db/run_store.h"
+
+namespace tactbench::analysis {
+
+std::string behaviour_json(const ReportInput& input) {
+  const Behaviour& b = input.behaviour;
+  nlohmann::ordered_json loops = nlohmann::ordered_json::array(), traces = nlohmann::ordered_json::array(),
+                         repeatability = nlohmann::ordered_json::array(), zero = nlohmann::ordered_json::array(),
+                         creep = nlohmann::ordered_json::array();
+  for (const RawLoop& loop : b.loops)
+    loops.push_back({{"name", loop.name},
+                     {"taxel", loop.taxel},
+                     {"full_scale_v", loop.full_scale_v},
+                     {"hysteresis_max_fs", loop.hysteresis_max},
+                     {"hysteresis_mean_fs", loop.hysteresis_mean},
+                     {"up_v", number_list(loop.up_v)},
+                     {"down_v", number_list(loop.down_v)}});
+  for (const RawTrace& trace : b.traces)
+    traces.push_back({{"sequence", trace.sequence},
+                      {"pressure_psi", number_list(trace.pressure_psi)},
+                      {"output_v", number_list(trace.output_v)}});
+  for (const LevelRepeatability& level : b.repeatability)
+    repeatability.push_back({{"pressure_psi", level.pressure_psi},
+                             {"mean_up_v", level.mean_up_v},
+                             {"mean_down_v", level.mean_down_v},
+                             {"taxel_up_v", level.taxel_up_v},
+                             {"taxel_down_v", level.taxel_down_v}});
+  for (const ZeroReturn& z : b.zero_returns)
+    zero.push_back({{"sequence", z.sequence},
+                    {"repeats", z.repeats},
+                    {"mean_v", z.mean_v},
+                    {"largest_v", z.largest_v},
+                    {"worst_taxel_v", z.worst_taxel_v},
+                    {"worst_taxel", z.worst_taxel}});
+  for (const Creep& c : b.creep)
+    creep.push_back({{"sequence", c.sequence},
+                     {"pressure_psi", c.pressure_psi},
+                     {"branch", c.up ? "up" : "down"},
+                     {"from_s", c.from_s},
+                     {"to_s", c.to_s},
+                     {"first_v", c.first_v},
+                     {"last_v", c.last_v},
+                     {"per_decade", c.per_decade},
+                     {"per_decade_u", c.per_decade_u},
+                     {"samples", c.samples}});
+  return json_text({{"taxels", b.taxels},
+                    {"pressure_psi", number_list(b.pressure_psi)},
+                    {"full_scale_v", b.full_scale_v},
+                    {"loops", loops},
+                    {"hysteresis_max_fs", number_list(b.hysteresis_max)},
+                    {"hysteresis_mean_fs", number_list(b.hysteresis_mean)},
+                    {"traces", traces},
+                    {"equilibration_psi", b.equilibration_psi},
+                    {"gain", number_list(b.gain)},
+                    {"repeats", b.repeats},
+                    {"repeatability", repeatability},
+                    {"zero_return", zero},
+                    {"creep", creep}});
+}
+
+std::string model_sha256(const ArrayFit& fit) {
+  std::string bytes;
+  const auto add = [&](std::span<const double> values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  };
+  const auto add_taxel = [&](const TaxelFit& taxel) {
+    const ElamModel& model = taxel.fit.model;
+    const ElamParameters& p = model.parameters;
+    bytes += to_string(taxel.status);
+    add(std::array{p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a});
+    for (const PatternCurve* curve : {&model.ascending, &model.descending}) add(curve->y());
+  };
+  bytes.reserve((fit.taxels.size() + 1) * 32 * (fit.pressure_psi.size() + 3));
+  add(fit.pressure_psi);
+  add_taxel(fit.mean_taxel);
+  for (const TaxelFit& taxel : fit.taxels) add_taxel(taxel);
+  return db::sha256_hex(bytes);
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,211 @@
+#include <nlohmann/json.hpp>
+
+#include "analysis/documents/evaluation_json.h"
+#include "analysis/documents/run_json.h"
+#include "analysis/json_io.h"
+#include "analysis/report/data/data.h"
+#include "analysis/report/data/judged_runs.h"
+#include "analysis/report/data/section_data.h"
+#include "analysis/report/data/traceability.h"
+#include "analysis/report/parts.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json level_json(const LevelFigures& level, int fitted) {
+  const LevelJudgement worse = judge_level(level);
+  return {
+      {"pressure_psi", level.pressure_psi},
+      {"up_psi", level.up_psi},
+      {"down_psi", level.down_psi},
+      {"raw_std_up_fs", level.raw_std_up},
+      {"raw_std_down_fs", level.raw_std_down},
+      {"raw_distance_fs", level.raw_distance},
+      {"raw_mean_distance_fs", level.raw_mean_distance},
+      {"comp_std_up_fs", level.comp_std_up},
+      {"comp_std_down_fs", level.comp_std_down},
+      {"comp_distance_fs", level.comp_distance},
+      {"comp_mean_distance_fs", level.comp_mean_distance},
+      {"comp_distance_observable_fs", observable(level, &LevelFigures::comp_distance_observable, fitted)},
+      {"worst_taxel_distance_fs", level.worst_taxel_distance},
+      {"worst_taxel_distance_observable_fs", observable(level, &LevelFigures::worst_taxel_distance_observable, fitted)},
+      {"made_worse", worse.distance},
+      {"std_up_made_worse", worse.std_up},
+      {"std_down_made_worse", worse.std_down},
+      {"flat_taxels", level.flat_taxels}};
+}
+
+// Parameters in the order of "parameter_names"; patterns on "pressure_psi".
+Json taxel_json(const TaxelFit& taxel, int index) {
+  const ElamParameters& p = taxel.fit.model.parameters;
+  Json out = {{"taxel", index}, {"status", to_string(taxel.status)}, {"noise_v", taxel.noise_v}};
+  if (taxel.status != TaxelStatus::kFitted) return out;
+  out["parameters"] = {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a};
+  out["at_bound"] = taxel.fit.at_bound;
+  out["j_v2"] = taxel.fit.j_v2;
+  out["mean_error_v"] = taxel.fit.mean_error_v;
+  out["max_error_v"] = taxel.fit.max_error_v;
+  out["full_scale_v"] = taxel.fit.full_scale_v;
+  out["ascending_v"] = number_list(taxel.fit.model.ascending.y());
+  out["descending_v"] = number_list(taxel.fit.model.descending.y());
+  return out;
+}
+
+Json laboratory_json(const Laboratory& l) {
+  Json instruments = Json::array();
+  for (const InstrumentNote& note : l.instruments)
+    instruments.push_back({{"serial", note.serial},
+                           {"certificate", note.certificate},
+                           {"calibrated_by", note.calibrated_by},
+                           {"calibrated_on", note.calibrated_on},
+                           {"due", note.due},
+                           {"note", note.note}});
+  return {{"laboratory", l.laboratory}, {"address", l.address},
+          {"place", l.place},           {"accreditation", l.accreditation},
+          {"customer", l.customer},     {"customer_address", l.customer_address},
+          {"order", l.order},           {"received", l.received},
+          {"condition", l.condition},   {"cable", l.cable},
+          {"mounting", l.mounting},     {"environment", l.environment},
+          {"deviations", l.deviations}, {"remarks", l.remarks},
+          {"instruments", instruments}, {"sha256", l.sha256}};
+}
+
+Json history_json(const RunHistory& history) {
+  Json events = Json::array(), voids = Json::array(), surroundings = Json::array(), checks = Json::array();
+  for (const HistoryEvent& event : history.events)
+    events.push_back({{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}});
+  for (const VoidBranch& branch : history.voids)
+    voids.push_back({{"sequence", branch.sequence},
+                     {"repeat", branch.repeat},
+                     {"branch", branch.branch},
+                     {"attempt", branch.attempt},
+                     {"reason", branch.reason}});
+  for (const SurroundingsRange& range : history.surroundings)
+    surroundings.push_back(
+        {{"quantity", range.quantity}, {"low", range.low}, {"high", range.high}, {"readings", range.readings}});
+  for (const db::CheckRecord& check : history.checks)
+    checks.push_back(
+        {{"kind", check.kind}, {"verdict", check.verdict}, {"detail", ordered_json_or_null(check.detail_json)}});
+  return {{"frames", history.frames},
+          {"flagged", history.flagged},
+          {"flags", history.flags},
+          {"void_frames", history.void_frames},
+          {"voids", voids},
+          {"events", events},
+          {"surroundings", surroundings},
+          {"checks", checks}};
+}
+
+// What people say of a run afterwards is left out: a report has the same bytes whatever they say.
+Json reported_run(const db::RunRecord& run, const Laboratory& laboratory) {
+  Json json = run_json(run, laboratory.instruments);
+  for (const char* said : {"tags", "notes"}) json.erase(said);
+  for (std::size_t i = 0; i < run.devices.size(); ++i)
+    json["devices"][i]["calibration"] = ordered_json_or_null(without_placeholders(run.devices[i].calibration_json));
+  return json;
+}
+
+Json judged_json(const ReportInput& input, const db::VerdictRecord& verdict) {
+  Json json;
+  json["on"] = title_of_judged(input, verdict.run);
+  json.update(verdict_json(verdict));
+  return json;
+}
+
+Json judgement_json(const ReportInput& input) {
+  const JudgementNotes& notes = input.judgement;
+  Json runs = Json::array(), stored = Json::array();
+  for (const JudgedRun& run : judged_runs(input))
+    runs.push_back({{"on", run.title}, {"verdict", to_string(run.verdict)}});
+  for (const db::VerdictRecord& verdict : notes.stored_worse) stored.push_back(judged_json(input, verdict));
+  const auto overall = notes.not_judged.empty() ? overall_verdict(input.verdicts) : Verdict::kInconclusive;
+  return {{"overall", verdict_word(overall)},
+          {"not_judged", notes.not_judged},
+          {"runs", runs},
+          {"remarks", notes.remarks},
+          {"stored_worse", stored}};
+}
+
+}  // namespace
+
+Json whole_evaluation_json(const Evaluation& evaluation, int fitted) {
+  Json json = evaluation_json(evaluation), levels = Json::array();
+  for (const LevelFigures& level : evaluation.levels) levels.push_back(level_json(level, fitted));
+  json["levels"] = std::move(levels);
+  return json;
+}
+
+std::string identification_json(const ReportInput& input) {
+  Json held_out = Json::array(), further = Json::array(), approvals = Json::array();
+  for (const db::RunRecord& run : input.further) further.push_back(reported_run(run, input.laboratory));
+  for (const db::ReportRecord& approval : input.approvals)
+    approvals.push_back({{"number", approval.number},
+                         {"approved_by", approval.approved_by},
+                         {"approved_utc", approval.approved_utc},
+                         {"replaces", approval.replaces}});
+  for (const HeldOut& run : input.held_out) {
+    held_out.push_back(reported_run(run.run, input.laboratory));
+    held_out.back()["title"] = run.title;
+  }
+  return json_text({{"simulated", is_simulated(input)},
+                    {"independent_pressure_reference", has_reference(input.run)},
+                    {"report_program_version", input.program_version},
+                    {"frame_count", input.frame_count},
+                    {"traceability", parse_ordered_json(traceability_json(input))},
+                    {"run", reported_run(input.run, input.laboratory)},
+                    {"sensor", input.sensor ? sensor_json(*input.sensor) : Json()},
+                    {"held_out", held_out},
+                    {"further", further},
+                    {"history", history_json(input.history)},
+                    {"laboratory", laboratory_json(input.laboratory)},
+                    {"models_sha256", input.fit.taxels.empty() ? "" : model_sha256(input.fit)},
+                    {"approvals", approvals}});
+}
+
+std::string results_json(const ReportInput& input) {
+  const Evaluation& e = input.evaluation;
+  Json frames = Json::array(), traces = Json::array(), taxels = Json::array(), verdicts = Json::array(),
+       held_out = Json::array();
+  for (const LevelFigures& level : e.levels) {
+    frames.push_back({{"pressure_psi", level.pressure_psi},
+                      {"raw_up_v", number_list(level.raw_up_v)},
+                      {"raw_down_v", number_list(level.raw_down_v)},
+                      {"comp_up_psi", number_list(level.comp_up_psi)},
+                      {"comp_down_psi", number_list(level.comp_down_psi)}});
+  }
+  for (const Trace& trace : e.traces) {
+    traces.push_back({{"sequence", trace.sequence},
+                      {"pressure_psi", number_list(trace.pressure_psi)},
+                      {"measured_v", number_list(trace.measured_v)},
+                      {"model_v", number_list(trace.model_v)},
+                      {"compensated_psi", number_list(trace.compensated_psi)}});
+  }
+  for (std::size_t i = 0; i < input.fit.taxels.size(); ++i) {
+    taxels.push_back(taxel_json(input.fit.taxels[i], static_cast<int>(i)));
+  }
+  for (const db::VerdictRecord& verdict : input.verdicts) verdicts.push_back(judged_json(input, verdict));
+  for (const HeldOut& run : input.held_out) {
+    held_out.push_back(
+        {{"title", run.title}, {"evaluation", whole_evaluation_json(run.evaluation, fitted_taxels(input.fit))}});
+  }
+  return json_text({{"verdicts", verdicts},
+                    {"judgement", judgement_json(input)},
+                    {"evaluation", whole_evaluation_json(e, fitted_taxels(input.fit))},
+                    {"taxel_mean_error_psi", number_list(e.taxel_mean_error_psi)},
+                    {"held_out", std::move(held_out)},
+                    {"traces", std::move(traces)},
+                    {"model",
+                     {{"name", "elam"},
+                      {"rows", input.fit.rows},
+                      {"columns", input.fit.columns},
+                      {"parameter_names", kElamParameterNames},
+                      {"full_scale_v", input.fit.full_scale_v},
+                      {"pressure_psi", number_list(input.fit.pressure_psi)},
+                      {"mean_taxel", taxel_json(input.fit.mean_taxel, -1)},
+                      {"taxels", std::move(taxels)}}},
+                    {"frames", std::move(frames)}});
+}
+
+}  // namespace tactbench::analysis

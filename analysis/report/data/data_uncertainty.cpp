@@ -1,0 +1,109 @@
+// The figures of the section "Uncertainty", and of conformity, as JSON.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/data/data.h"
+#include "analysis/report/data/judged_runs.h"
+#include "analysis/report/data/section_data.h"
+#include "analysis/report/parts.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using UncertaintyJson = nlohmann::ordered_json;
+
+// JSON has no infinity.
+UncertaintyJson degrees(double dof) { return std::isinf(dof) ? UncertaintyJson("infinite") : UncertaintyJson(dof); }
+
+UncertaintyJson budget_json(const Budget& budget, bool whole) {
+  UncertaintyJson u = UncertaintyJson::array(), rows = UncertaintyJson::array();
+  for (std::size_t i = 0; i < kUncertaintySources; ++i) u.push_back(nullptr);
+  for (const Contribution& row : budget.contributions) {
+    u[static_cast<std::size_t>(row.source)] = row.u_psi;
+    const SourceText& text = text_of(row.source);
+    if (whole)
+      rows.push_back({{"source", text.name},
+                      {"type", std::string(1, text.type)},
+                      {"width", row.width},
+                      {"unit", text.unit},
+                      {"distribution", text.distribution},
+                      {"divisor", row.divisor},
+                      {"sensitivity", row.sensitivity},
+                      {"u_psi", row.u_psi},
+                      {"dof", degrees(row.dof)}});
+  }
+  UncertaintyJson out = {{"taxel", budget.taxel},
+                         {"error_psi", budget.error_psi},
+                         {"u_psi", u},
+                         {"combined_psi", budget.combined_psi},
+                         {"dof", degrees(budget.dof)},
+                         {"factor", budget.factor},
+                         {"expanded_psi", budget.expanded_psi},
+                         {"linear", budget.linear}};
+  if (whole) out["contributions"] = rows;
+  return out;
+}
+
+UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole) {
+  return {{"pressure_psi", level.pressure_psi},
+          {"branch", level.up ? "up" : "down"},
+          {"readings", level.median.readings},
+          {"median", budget_json(level.median, whole)},
+          {"worst", budget_json(level.worst, whole)},
+          {"not_linear", level.not_linear},
+          // One digit of U more than the page prints.
+          {"taxel_expanded_psi", number_list(level.expanded_psi, 3)}};
+}
+
+UncertaintyJson reading_json(const Uncertainty& uncertainty) {
+  UncertaintyJson sources = UncertaintyJson::array(), missing = UncertaintyJson::object(),
+                  levels = UncertaintyJson::array();
+  for (std::size_t i = 0; i < uncertainty.levels.size(); ++i)
+    levels.push_back(level_uncertainty_json(uncertainty.levels[i], i == uncertainty.chosen));
+  for (std::size_t i = 0; i < kUncertaintySources; ++i) {
+    const char* name = text_of(static_cast<UncertaintySource>(i)).name;
+    sources.push_back(name);
+    if (!uncertainty.missing[i].empty()) missing[name] = uncertainty.missing[i];
+  }
+  const ReferenceUncertainty& reference = uncertainty.reference;
+  UncertaintyJson out = {{"coverage_probability", kCoverageProbability},
+                         {"reference",
+                          {{"certificate", reference.calibration.certificate},
+                           {"calibrated", reference.calibration.calibrated_on},
+                           {"due", reference.calibration.due},
+                           {"overdue", reference.overdue},
+                           {"independent", reference.independent},
+                           {"largest_u_psi", reference.largest_certificate_u()},
+                           {"resolution_psi", reference.resolution_psi},
+                           {"drift_psi", reference.drift_psi},
+                           {"drift_stated_psi", reference.drift_stated_psi},
+                           {"drift_basis", reference.drift_basis}}},
+                         {"sources", sources},
+                         {"not_assessed", missing},
+                         {"chosen", uncertainty.chosen}};
+  if (uncertainty.creep.assessed()) out["creep"] = creep_effect_json(uncertainty.creep);
+  if (uncertainty.temperature.assessed()) out["temperature"] = temperature_effect_json(uncertainty.temperature);
+  out["levels"] = std::move(levels);
+  return out;
+}
+
+}  // namespace
+
+std::string uncertainty_json(const ReportInput& input) {
+  UncertaintyJson judged = UncertaintyJson::array();
+  for (const JudgedUncertainty& figure : input.judged)
+    judged.push_back({{"on", title_of_judged(input, figure.run)},
+                      {"criterion", figure.criterion},
+                      {"scope", figure.scope},
+                      {"unit", figure.unit},
+                      {"expanded", figure.expanded},
+                      {"combined", figure.combined},
+                      {"dof", degrees(figure.dof)},
+                      {"factor", figure.factor},
+                      {"basis", figure.basis},
+                      {"not_known", figure.missing}});
+  return json_text({{"reading", input.uncertainty ? reading_json(*input.uncertainty) : UncertaintyJson()},
+                    {"judged_figures", judged}});
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,181 @@
+#include "analysis/report/data/judged_runs.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "analysis/report/data/traceability.h"
+#include "analysis/report/page/gum_numbers.h"
+
+namespace tactbench::analysis {
+
+using html::markup;
+using html::Markup;
+using html::stated;
+using html::Text;
+
+namespace {
+
+constexpr std::size_t kJudgedRunsPerTable = 3;  // as many columns as A4 holds beside criterion, scope and limit
+
+const HeldOut* held_out_of(const ReportInput& input, std::int64_t run) {
+  if (run == input.run.run) return nullptr;
+  const auto found =
+      std::ranges::find_if(input.held_out, [&](const HeldOut& held_out) { return held_out.evaluation.run == run; });
+  return found == input.held_out.end() ? nullptr : &*found;
+}
+
+std::vector<std::int64_t> numbers_of(std::span<const db::VerdictRecord> verdicts) {
+  std::vector<std::int64_t> numbers;
+  for (const RunVerdict& run : verdicts_by_run(verdicts)) numbers.push_back(run.run);
+  return numbers;
+}
+
+// The titles of the runs that decided; empty where all said the same.
+std::string decided_by(const ReportInput& input) {
+  const std::vector<std::int64_t> deciding = deciding_runs(input.verdicts);
+  if (deciding.size() == numbers_of(input.verdicts).size()) return {};
+  std::vector<std::string> titles;
+  for (const std::int64_t run : deciding) titles.push_back(title_of_judged(input, run));
+  return fmt::format(", decided by {}", fmt::join(titles, " and "));
+}
+
+Markup runs_table(const ReportInput& input, const std::vector<JudgedRun>& runs) {
+  const bool simulated = is_simulated(input), stated_words = states_conformity(overall_verdict(input.verdicts));
+  Markup out = markup(
+      "<table><caption>Runs judged</caption><thead><tr><th scope=\"col\">run</th><th scope=\"col\" "
+      "class=\"n\">number</th><th scope=\"col\">started (UTC)</th><th scope=\"col\">its "
+      "verdict</th></tr></thead><tbody>\n");
+  for (const JudgedRun& judged : runs) {
+    const bool there = judged.run != nullptr;
+    out += markup("<tr><th scope=\"row\">{}</th>{}<td>{}</td><td>{}</td></tr>\n", Text(judged.title),
+                  number_cell(there ? Text(std::to_string(judged.run->run)) : Text("–")),
+                  there ? moment(judged.run->started_utc) : Text("–"),
+                  stated_words ? verdict_mark(judged.verdict, simulated) : markup("– no verdict"));
+  }
+  out += markup("</tbody></table>\n");
+  return out;
+}
+
+Markup warning(const std::string& words) {
+  return markup("<p class=\"fail\"><span class=\"sign\">✗</span> {}</p>\n", Text(words));
+}
+
+Markup stored_part(const ReportInput& input) {
+  const std::vector<db::VerdictRecord>& stored = input.judgement.stored_worse;
+  if (stored.empty()) return {};
+  std::vector<std::string> runs, limits;
+  for (const RunVerdict& run : verdicts_by_run(stored))
+    runs.push_back(fmt::format("{}: {}", title_of_judged(input, run.run), to_string(run.verdict)));
+  for (const db::VerdictRecord& verdict : stored)
+    if (std::ranges::find(limits, verdict.limits_sha256) == limits.end()) limits.push_back(verdict.limits_sha256);
+  return markup(
+      "<p>Stored verdict on these models, worse than the one above: {} ({}), by the limits with the SHA-256 {}.</p>\n",
+      verdict_mark(*overall_verdict(stored), is_simulated(input)), Text(fmt::format("{}", fmt::join(runs, "; "))),
+      code(fmt::format("{}", fmt::join(limits, ", "))));
+}
+
+// Verdicts of one criterion and scope, in the order of `runs`; null where a run has none.
+std::vector<const db::VerdictRecord*> across(const ReportInput& input, std::span<const JudgedRun> runs,
+                                             const db::VerdictRecord& like) {
+  std::vector<const db::VerdictRecord*> row;
+  for (const JudgedRun& run : runs) {
+    const auto found = std::ranges::find_if(input.verdicts, [&](const db::VerdictRecord& v) {
+      return v.run == run.number && v.criterion == like.criterion && v.scope == like.scope;
+    });
+    row.push_back(found == input.verdicts.end() ? nullptr : &*found);
+  }
+  return row;
+}
+
+Markup criteria_table(const ReportInput& input, std::span<const JudgedRun> runs) {
+  Markup out = markup(
+      "<table class=\"levels even\"><caption>Criteria, value ± U and verdict on each run</caption><thead><tr><th "
+      "scope=\"col\">criterion</th><th scope=\"col\">scope</th><th scope=\"col\" class=\"n\">limit</th>");
+  for (const JudgedRun& run : runs) out += markup("<th scope=\"col\">{}</th>", Text(run.title));
+  out += markup("</tr></thead><tbody>\n");
+  std::vector<std::pair<std::string, std::string>> written;
+  for (const db::VerdictRecord& verdict : input.verdicts) {
+    if (std::ranges::find(written, std::pair(verdict.criterion, verdict.scope)) != written.end()) continue;
+    written.emplace_back(verdict.criterion, verdict.scope);
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}", stated(criterion_in_words(verdict.criterion)),
+                  stated(verdict.scope), number_cell(judged_limit(verdict)));
+    for (const db::VerdictRecord* own : across(input, runs, verdict)) {
+      if (own == nullptr) {
+        out += markup("<td>–</td>");
+        continue;
+      }
+      const JudgedUncertainty* const known = uncertainty_of(input, *own);
+      const bool shown = known != nullptr && known->expanded > 0.0;  // a NaN is not
+      const double factor = own->unit == "FS" ? 100.0 : 1.0;
+      out += markup("<td>{}{}<br/>{}</td>", judged_value(known, *own),
+                    shown ? markup(" ± {}", gum_uncertainty(factor * known->expanded)) : Markup(),
+                    judged_mark(input, *own));
+    }
+    out += markup("</tr>\n");
+  }
+  out += markup("</tbody></table>\n");
+  return out;
+}
+
+}  // namespace
+
+std::optional<Verdict> final_verdict(std::span<const db::VerdictRecord> verdicts, const JudgementNotes& notes) {
+  if (!notes.not_judged.empty()) return Verdict::kInconclusive;
+  const auto failed = [](const db::VerdictRecord& row) { return verdict_in(row) == Verdict::kFail; };
+  if (std::ranges::any_of(notes.stored_worse, failed)) return Verdict::kFail;
+  return overall_verdict(verdicts);
+}
+
+std::string title_of_judged(const ReportInput& input, std::int64_t run) {
+  if (run == input.run.run) {
+    const bool others = std::ranges::any_of(input.verdicts, [&](const db::VerdictRecord& v) {
+      return v.run == run && v.model_run != 0 && v.model_run != run;
+    });
+    return others ? "this run" : "own run (fit)";
+  }
+  const HeldOut* const held_out = held_out_of(input, run);
+  return held_out == nullptr ? fmt::format("run {}, no part of this report", run) : held_out->title;
+}
+
+std::vector<JudgedRun> judged_runs(const ReportInput& input) {
+  std::vector<JudgedRun> runs;
+  for (const RunVerdict& own : verdicts_by_run(input.verdicts)) {
+    const HeldOut* const held_out = held_out_of(input, own.run);
+    runs.push_back({own.run, title_of_judged(input, own.run),
+                    own.run == input.run.run ? &input.run : (held_out == nullptr ? nullptr : &held_out->run),
+                    own.verdict});
+  }
+  return runs;
+}
+
+Markup overall_part(const ReportInput& input) {
+  const JudgementNotes& notes = input.judgement;
+  const std::vector<JudgedRun> runs = judged_runs(input);
+  const std::optional<Verdict> overall = overall_verdict(input.verdicts);
+  Markup out;
+  if (!notes.not_judged.empty()) {
+    out += markup("<p>All criteria together: {}, not judged: {}.</p>\n",
+                  verdict_mark(Verdict::kInconclusive, is_simulated(input)), Text(notes.not_judged));
+  } else if (!states_conformity(overall)) {
+    out += markup("<p>Conformity is not stated: the limits file asks for a report only.</p>\n");
+  } else {
+    const std::string reason = reason_of_verdict(input);
+    out += markup("<p>All criteria together: {}{}{}.</p>\n", verdict_mark(*overall, is_simulated(input)),
+                  Text(reason.empty() ? "" : ": " + reason), Text(decided_by(input)));
+  }
+  out += stored_part(input);
+  for (const std::string& remark : notes.remarks) out += warning(remark);
+  if (notes.not_judged.empty()) out += runs_table(input, runs);
+  return out;
+}
+
+Markup criteria_by_run(const ReportInput& input) {
+  const std::vector<JudgedRun> runs = judged_runs(input);
+  Markup out;
+  for (std::size_t first = 0; first < runs.size(); first += kJudgedRunsPerTable)
+    out += criteria_table(input, std::span(runs).subspan(first, std::min(kJudgedRunsPerTable, runs.size() - first)));
+  return out;
+}
+
+}  // namespace tactbench::analysis

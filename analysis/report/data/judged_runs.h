@@ -1,0 +1,34 @@
+// The runs that a report's verdicts were given on, as page 1 names them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/report/parts.h"
+
+namespace tactbench::analysis {
+
+struct JudgedRun {
+  std::int64_t number = 0;                   // in the verdicts
+  std::string title;                         // "held-out run", "own run (fit)"
+  const db::RunRecord* run = nullptr;        // null: no part of this report
+  Verdict verdict = Verdict::kInconclusive;  // the worst of its criteria
+};
+// In the order of the verdicts.
+std::vector<JudgedRun> judged_runs(const ReportInput& input);
+std::string title_of_judged(const ReportInput& input, std::int64_t run);
+
+// "All criteria together", which runs were judged and which one decided, and what was said of the judgement.
+html::Markup overall_part(const ReportInput& input);
+
+// Criteria with a column of value, U and verdict for each run; for two runs or more.
+html::Markup criteria_by_run(const ReportInput& input);
+
+// Cells that the tables of one and of several runs share (section_verdicts.cpp).
+html::Markup judged_value(const JudgedUncertainty* known, const db::VerdictRecord& verdict);
+html::Markup judged_limit(const db::VerdictRecord& verdict);
+html::Markup judged_mark(const ReportInput& input, const db::VerdictRecord& verdict);
+std::string criterion_in_words(const std::string& criterion);
+const JudgedUncertainty* uncertainty_of(const ReportInput& input, const db::VerdictRecord& verdict);
+
+}  // namespace tactbench::analysis

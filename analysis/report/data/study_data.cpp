@@ -1,0 +1,240 @@
+// The data behind the sections on models, compensation, studies and objects.
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/data/data.h"
+#include "analysis/report/data/section_data.h"
+#include "analysis/report/parts.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using MoreJson = nlohmann::ordered_json;
+
+// A tenth of a millivolt, a thousandth of a psi.
+MoreJson curve_json(const std::vector<double>& values) { return number_list(values, 5); }
+
+MoreJson model_json(const ComparedModel& model) {
+  if (!model.failed.empty()) return {{"model", model.model}, {"failed", model.failed}};
+  MoreJson parameters = MoreJson::array();
+  for (const ModelParameter& p : model.parameters)
+    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});
+  return {{"model", model.model},
+          {"j_v2", model.j_v2},
+          {"mean_error_v", model.mean_error_v},
+          {"max_error_v", model.max_error_v},
+          {"samples", model.samples},
+          {"operations_per_sample", model.operations_per_sample},
+          {"parameters", parameters},
+          {"model_v", curve_json(model.model_v)}};
+}
+
+MoreJson usable_json(const UsableBranch& branch) {
+  return {{"resolved_share", number_list(branch.resolved_share)},
+          {"usable_share", number_list(branch.usable_share)},
+          {"median_psi", number_list(branch.median_psi)},
+          {"worst_psi", number_list(branch.worst_psi)},
+          {"resolved_low_psi", branch.resolved_low_psi},
+          {"resolved_high_psi", branch.resolved_high_psi},
+          {"low_psi", branch.low_psi},
+          {"high_psi", branch.high_psi}};
+}
+
+MoreJson zone_json(const CrosstalkZone& zone) {
+  return {{"mean_share", zone.mean_share},
+          {"u_share", zone.u_share},
+          {"max_share", zone.max_share},
+          {"samples", zone.samples}};
+}
+
+MoreJson lines_json(const std::vector<CrosstalkLine>& lines) {
+  MoreJson out = MoreJson::array();
+  for (const CrosstalkLine& line : lines) out.push_back({{"line", line.line}, {"mean_share", line.mean_share}});
+  return out;
+}
+
+MoreJson bins_json(const std::vector<Bin>& bins) {
+  MoreJson out = MoreJson::array();
+  for (const Bin& bin : bins)
+    out.push_back({{"low", bin.low},
+                   {"high", bin.high},
+                   {"samples", bin.error.samples},
+                   {"mean_psi", bin.error.mean()},
+                   {"max_psi", bin.error.max}});
+  return out;
+}
+
+MoreJson figures_json(const ContactFigures& figures) {
+  return {{"force_n", figures.force_n},
+          {"x_mm", figures.x_mm},
+          {"y_mm", figures.y_mm},
+          {"moment_x_nmm", figures.moment_x_nmm},
+          {"moment_y_nmm", figures.moment_y_nmm},
+          {"area_mm2", figures.area_mm2},
+          {"threshold_psi", figures.threshold_psi}};
+}
+
+MoreJson uniformity_json(const Uniformity& u) {
+  if (!u.assessed()) return {{"not_assessed", u.not_assessed}};
+  return {{"angles_deg", u.angles_deg},
+          {"pressure_psi", number_list(u.pressure_psi)},
+          {"u_psi", number_list(u.u_psi)},
+          {"residual_psi", number_list(u.residual_psi)},
+          {"chamber_share", number_list(u.chamber_share)},
+          {"chamber_psi", number_list(u.chamber_psi)},
+          {"sensor_share", number_list(u.sensor_share)},
+          {"u_share", u.u_share},
+          {"u_offset_psi", u.u_offset_psi},
+          {"residual_rms_psi", u.residual_rms_psi},
+          {"residual_other_sense_psi", u.residual_other_sense_psi},
+          {"undetermined", u.undetermined}};
+}
+
+MoreJson remount_json(const Remount& r) {
+  if (!r.assessed()) return {{"not_assessed", r.not_assessed}};
+  return {{"mounts", r.runs.size()},
+          {"pressure_psi", number_list(r.pressure_psi)},
+          {"within_psi", number_list(r.within_psi)},
+          {"between_psi", number_list(r.between_psi)},
+          {"mean_between_psi", number_list(r.mean_between_psi)},
+          {"taxel_between_psi", number_list(r.taxel_between_psi)},
+          {"within_share", r.within_share},
+          {"s_share", r.s_share},
+          {"degrees", r.degrees}};
+}
+
+MoreJson crosstalk_json(const Crosstalk& c) {
+  if (!c.assessed()) return {{"not_assessed", c.not_assessed}};
+  return {{"positions", c.positions},
+          {"force_n", c.force_n},
+          {"reach_pitches", c.reach_pitches},
+          {"row", zone_json(c.row)},
+          {"column", zone_json(c.column)},
+          {"elsewhere", zone_json(c.elsewhere)},
+          {"ghost_rows", lines_json(c.ghost_rows)},
+          {"ghost_columns", lines_json(c.ghost_columns)},
+          {"distance_pitches", number_list(c.distance_pitches)},
+          {"along_row_share", number_list(c.along_row_share)},
+          {"along_column_share", number_list(c.along_column_share)}};
+}
+
+MoreJson contact_json(const ContactResult& contact) {
+  MoreJson levels = MoreJson::array();
+  for (const ContactLevel& level : contact.levels)
+    levels.push_back({{"target_n", level.target_n},
+                      {"rising", level.rising},
+                      {"frames", level.frames},
+                      {"force_n", level.force_n},
+                      {"torque_nmm", level.torque_nmm},
+                      {"raw", figures_json(level.raw)},
+                      {"compensated", figures_json(level.compensated)},
+                      {"raw_force_error_n", level.raw_force_error_n},
+                      {"compensated_force_error_n", level.compensated_force_error_n},
+                      {"raw_place_error_mm", level.raw_place_error_mm},
+                      {"compensated_place_error_mm", level.compensated_place_error_mm},
+                      {"raw_wander_mm", level.raw_wander_mm},
+                      {"compensated_wander_mm", level.compensated_wander_mm},
+                      {"clamped_taxels", level.clamped_taxels},
+                      {"raw_std_fs", level.raw_std},
+                      {"compensated_std_fs", level.compensated_std},
+                      {"raw_v", curve_json(level.raw_v)},
+                      {"compensated_psi", curve_json(level.compensated_psi)}});
+  return {{"sequence", contact.sequence},
+          {"object", contact.object},
+          {"force_traceability", contact.force_traceability},
+          {"positions", contact.positions},
+          {"repeats", contact.repeats},
+          {"registered", contact.mount_run != 0},
+          {"pitch_mm", contact.geometry.pitch_mm},
+          {"taxel_area_mm2", contact.geometry.taxel_area_mm2},
+          {"full_scale_v", contact.full_scale_v},
+          {"full_scale_psi", contact.full_scale_psi},
+          {"raw_mean_error_n", contact.raw_mean_error_n},
+          {"raw_max_error_n", contact.raw_max_error_n},
+          {"compensated_mean_error_n", contact.compensated_mean_error_n},
+          {"compensated_max_error_n", contact.compensated_max_error_n},
+          {"raw_distance_fs", number_list(contact.raw_distance)},
+          {"compensated_distance_fs", number_list(contact.compensated_distance)},
+          {"levels", levels}};
+}
+
+}  // namespace
+
+std::string models_json(const ReportInput& input) {
+  MoreJson taxels = MoreJson::array();
+  for (const ComparedTaxel& taxel : input.more.models.taxels) {
+    MoreJson sequences = MoreJson::array();
+    for (const ComparedSequence& sequence : taxel.sequences) {
+      MoreJson models = MoreJson::array();
+      for (const ComparedModel& model : sequence.models) models.push_back(model_json(model));
+      sequences.push_back({{"sequence", sequence.name},
+                           {"pressure_psi", curve_json(sequence.pressure_psi)},
+                           {"measured_v", curve_json(sequence.measured_v)},
+                           {"models", std::move(models)}});
+    }
+    taxels.push_back({{"taxel", taxel.taxel.taxel},
+                      {"title", taxel.taxel.title},
+                      {"full_scale_v", taxel.full_scale_v},
+                      {"sequences", std::move(sequences)}});
+  }
+  return json_text(taxels);
+}
+
+std::string compensation_json(const ReportInput& input) {
+  const ReportResults& more = input.more;
+  MoreJson traces = MoreJson::array(), found;
+  for (const TaxelTrace& trace : more.traces)
+    traces.push_back({{"taxel", trace.taxel.taxel},
+                      {"sequence", trace.sequence},
+                      {"pressure_psi", curve_json(trace.pressure_psi)},
+                      {"measured_v", curve_json(trace.measured_v)},
+                      {"model_v", curve_json(trace.model_v)},
+                      {"estimate_psi", curve_json(trace.estimate_psi)}});
+  if (more.previous) {
+    found["fitted_taxels"] = more.previous->fitted_taxels;
+    found.update(whole_evaluation_json(more.previous->evaluation, more.previous->fitted_taxels));
+  }
+  return json_text({{"straight_line",
+                     {{"mean_error_psi", more.straight.mean_error_psi},
+                      {"max_error_psi", more.straight.max_error_psi},
+                      {"worst_taxel_mean_error_psi", more.straight.worst_taxel_mean_error_psi}}},
+                    {"as_found", found},
+                    {"usable",
+                     {{"in_noises", more.usable.options.in_noises},
+                      {"most_psi", more.usable.options.most_psi},
+                      {"least_share", more.usable.options.least_share},
+                      {"pressure_psi", number_list(more.usable.pressure_psi)},
+                      {"loading", usable_json(more.usable.loading)},
+                      {"unloading", usable_json(more.usable.unloading)}}},
+                    {"traces", std::move(traces)}});
+}
+
+std::string studies_json(const ReportInput& input) {
+  const Studies& studies = input.more.studies;
+  MoreJson rate_hold;
+  if (studies.rate_hold.assessed()) {
+    rate_hold = MoreJson::array();
+    for (const RateHoldRun& run : studies.rate_hold.runs)
+      rate_hold.push_back({{"sequence", run.sequence},
+                           {"mean_psi", run.error.mean()},
+                           {"max_psi", run.error.max},
+                           {"samples", run.error.samples},
+                           {"output_max_share", run.output_max_share},
+                           {"output_mean_share", run.output_mean_share},
+                           {"by_hold_s", bins_json(run.by_hold)},
+                           {"by_rate_psi_per_s", bins_json(run.by_rate)}});
+  } else {
+    rate_hold = {{"not_assessed", studies.rate_hold.not_assessed}};
+  }
+  return json_text({{"crosstalk", crosstalk_json(studies.crosstalk)},
+                    {"rate_hold", rate_hold},
+                    {"remount", remount_json(studies.remount)},
+                    {"uniformity", uniformity_json(studies.uniformity)}});
+}
+
+std::string objects_json(const ReportInput& input) {
+  MoreJson contacts = MoreJson::array();
+  for (const ContactResult& contact : input.more.contacts) contacts.push_back(contact_json(contact));
+  return json_text(contacts);
+}
+
+}  // namespace tactbench::analysis

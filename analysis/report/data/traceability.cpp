@@ -1,0 +1,142 @@
+#include "analysis/report/data/traceability.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/data/data.h"
+#include "analysis/report/parts.h"
+
+namespace tactbench::analysis {
+
+using html::markup;
+using html::Markup;
+using html::Text;
+
+namespace {
+
+struct TracedQuantity {
+  const char* title;     // of the row
+  const char* quantity;  // begins a sentence
+  const char* role;      // the device's begins with it
+  const char* device;    // in words
+};
+
+constexpr TracedQuantity kTracedPressure = {"traceability of the pressure", "Pressure", "pressure reference",
+                                            "the pressure reference"};
+constexpr TracedQuantity kTracedForce = {"traceability of the force", "Force", "force sensor", "the force sensor"};
+constexpr TracedQuantity kTracedPlace = {"traceability of the place", "Place", "stage", "the stage"};
+
+std::string instrument_name(const InstrumentCalibration& calibration) {
+  return fmt::format("{}, serial {}", calibration.model.empty() ? "model not stated" : calibration.model,
+                     calibration.serial.empty() ? "not stated" : calibration.serial);
+}
+
+Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, std::span<const InstrumentNote> notes) {
+  const auto device = std::ranges::find_if(
+      run.devices, [&](const db::DeviceRecord& record) { return record.role.starts_with(traced.role); });
+  const std::string no = fmt::format("{} not traceable", traced.quantity);
+  if (device == run.devices.end())
+    return {traced.title, fmt::format("{}: the run does not say by which instrument it was measured.", no), false};
+  const InstrumentCalibration calibration = calibration_of(*device, notes);
+  if (!calibration.traceable())
+    return {traced.title,
+            fmt::format("{}: no certificate of {} ({}) is stated.", no, traced.device, instrument_name(calibration)),
+            false};
+  std::string statement = fmt::format("{} measured by {}: certificate {}", traced.quantity,
+                                      instrument_name(calibration), calibration.certificate);
+  if (!calibration.calibrated_by.empty()) statement += fmt::format(" of {}", calibration.calibrated_by);
+  if (!calibration.calibrated_on.empty()) statement += fmt::format(", calibrated {}", calibration.calibrated_on);
+  if (!calibration.uncertainty.empty()) statement += fmt::format(", {}", calibration.uncertainty);
+  const bool overdue = due_state(calibration, run.started_utc) == DueState::kOverdue;
+  statement += calibration.due.empty() ? std::string(", due date not stated.")
+               : overdue
+                   ? fmt::format(". Overdue since {} when measured: not covered by the certificate.", calibration.due)
+                   : fmt::format(", due {}.", calibration.due);
+  return {traced.title, statement, !overdue};
+}
+
+Traceability pressure_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
+  if (has_reference(run)) return traced_to(kTracedPressure, run, notes);
+  return {kTracedPressure.title,
+          "Pressure not independently traceable: no separate pressure reference took part, the regulator's feedback "
+          "stands in.",
+          false};
+}
+
+// The report's runs with the words that name them.
+std::vector<std::pair<std::string, const db::RunRecord*>> runs_of(const ReportInput& input) {
+  std::vector<std::pair<std::string, const db::RunRecord*>> runs = {{"this run", &input.run}};
+  for (const HeldOut& held_out : input.held_out) runs.emplace_back(held_out.title, &held_out.run);
+  return runs;
+}
+
+}  // namespace
+
+Traceability force_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
+  return traced_to(kTracedForce, run, notes);
+}
+
+std::vector<Traceability> traceability_of(const ReportInput& input) {
+  const std::vector<InstrumentNote>& notes = input.laboratory.instruments;
+  std::vector<Traceability> all;
+  if (!input.history.presses || !input.evaluation.levels.empty())
+    all.push_back(pressure_traceability(input.run, notes));
+  if (input.history.presses) {
+    all.push_back(force_traceability(input.run, notes));
+    all.push_back(traced_to(kTracedPlace, input.run, notes));
+  }
+  return all;
+}
+
+std::string traceability_json(const ReportInput& input) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Traceability& one : traceability_of(input))
+    list.push_back({{"quantity", one.title.substr(one.title.rfind(' ') + 1)},
+                    {"traceable", one.traceable},
+                    {"statement", one.statement}});
+  return json_text(list);
+}
+
+Markup instruments_warning(const ReportInput& input) {
+  std::vector<std::pair<std::string, std::string>> overdue;  // what of whom, and in which runs
+  std::vector<std::string> remarks;
+  for (const auto& [name, run] : runs_of(input)) {
+    for (const db::DeviceRecord& device : run->devices) {
+      const InstrumentCalibration calibration = calibration_of(device, input.laboratory.instruments);
+      const std::string who = fmt::format("{} ({})", device.role, instrument_name(calibration));
+      if (due_state(calibration, run->started_utc) == DueState::kOverdue) {
+        const std::string what = fmt::format("{}: OVERDUE for calibration since {}", who, calibration.due);
+        const auto known = std::ranges::find(overdue, what, &std::pair<std::string, std::string>::first);
+        if (known == overdue.end())
+          overdue.emplace_back(what, name);
+        else
+          known->second += fmt::format(", {}", name);
+      }
+      for (const std::string& remark : calibration.remarks) {
+        const std::string words = fmt::format("{}: {}.", who, remark);
+        if (std::ranges::find(remarks, words) == remarks.end()) remarks.push_back(words);
+      }
+    }
+  }
+  Markup out;
+  for (const auto& [what, runs] : overdue)
+    out += markup("<p><span class=\"fail\"><span class=\"sign\">✗</span> {} when measured: {}.</span></p>\n",
+                  Text(what), Text(runs));
+  for (const std::string& remark : remarks)
+    out += markup("<p><span class=\"doubt\"><span class=\"sign\">▲</span> {}</span></p>\n", Text(remark));
+  return out;
+}
+
+std::string reason_of_verdict(const ReportInput& input) {
+  if (overall_verdict(input.verdicts) != Verdict::kInconclusive) return {};
+  for (const auto& [name, run] : runs_of(input)) {
+    const std::int64_t number = run->run;
+    if (std::ranges::find(input.verdicts, number, &db::VerdictRecord::run) == input.verdicts.end()) continue;
+    const ReferenceUncertainty reference = reference_uncertainty(*run, input.laboratory.instruments);
+    if (reference.overdue)
+      return fmt::format("reference overdue since {} when {} was made", reference.calibration.due, name);
+  }
+  return {};
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,139 @@
+#include "analysis/report/overview/overview_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/documents/evaluation_json.h"
+#include "analysis/report/data/data.h"
+#include "analysis/report/overview/overview.h"
+#include "analysis/statistics/figures/levels.h"
+
+namespace tactbench::analysis {
+
+namespace {
+
+double when(bool there, double value) { return there ? value : kNan; }
+
+bool evaluated(const ReportInput& input) { return !input.evaluation.levels.empty(); }
+
+}  // namespace
+
+const std::vector<OverviewFigure>& overview_figures() {
+  static const std::vector<OverviewFigure> figures = {
+      {"taxels left out", "excluded_taxels",
+       [](const ReportInput& i) {
+         return when(!i.health.high_v.empty(),
+                     static_cast<double>(std::ranges::count_if(i.health.findings, &TaxelHealth::excluded)));
+       },
+       0, 1.0, "unfit_taxels"},
+      {"noise of the median taxel, mV", "median_noise_v",
+       [](const ReportInput& i) { return when(!i.health.noise_v.empty(), i.health.median_noise_v); }, 3, 1e3, ""},
+      {"full scale, V", "full_scale_v",
+       [](const ReportInput& i) { return when(!i.behaviour.loops.empty(), i.behaviour.full_scale_v); }, 3, 1.0, ""},
+      {"hysteresis error, maximum, % FS", "hysteresis_max_fs",
+       [](const ReportInput& i) { return i.behaviour.loops.empty() ? kNan : i.behaviour.loops.front().hysteresis_max; },
+       2, 100.0, ""},
+      {"hysteresis error, mean, % FS", "hysteresis_mean_fs",
+       [](const ReportInput& i) {
+         return i.behaviour.loops.empty() ? kNan : i.behaviour.loops.front().hysteresis_mean;
+       },
+       2, 100.0, ""},
+      {"spread of the taxels’ gains, %", "gain_std",
+       [](const ReportInput& i) {
+         double sum = 0.0;
+         int n = 0;
+         for (const double gain : i.behaviour.gain) {
+           if (!std::isfinite(gain)) continue;
+           sum += (gain - 1.0) * (gain - 1.0);
+           ++n;
+         }
+         return n > 1 ? std::sqrt(sum / (n - 1)) : kNan;
+       },
+       1, 100.0, ""},
+      {"compensated: mean error, psi", "mean_error_psi",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.mean_error_psi); }, 3, 1.0,
+       "mean_compensation_error"},
+      {"compensated: mean error of the worst taxel, psi", "worst_taxel_mean_error_psi",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.worst_taxel_mean_error_psi); }, 3, 1.0,
+       "worst_taxel_error"},
+      {"raw: |up − down| of the mean taxel, % FS", "raw_distance_fs",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.raw_distance); }, 2, 100.0, ""},
+      {"compensated: |up − down| of the mean of all pressures, % FS", "comp_distance_of_mean_fs",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance_of_mean); }, 2, 100.0,
+       "distance_of_mean"},
+      {"compensated: |up − down|, mean over taxels, % FS", "comp_distance_fs",
+       [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance); }, 2, 100.0, ""},
+      {"branches void and attempts after faults", "retries",
+       [](const ReportInput& i) {
+         const auto attempts = std::ranges::count(i.history.events, std::string("attempt"), &HistoryEvent::kind);
+         return when(i.history.loaded, static_cast<double>(attempts) + static_cast<double>(i.history.voids.size()));
+       },
+       0, 1.0, ""},
+  };
+  return figures;
+}
+
+html::Text shown_figure(const OverviewFigure& figure, double value) {
+  return std::isfinite(value) ? html::fixed(figure.factor * value, figure.digits) : html::Text("–");
+}
+
+double limit_of(const OverviewFigure& figure, const ReportInput& input) {
+  for (const db::VerdictRecord& verdict : input.verdicts)
+    if (*figure.criterion != '\0' && verdict.criterion == figure.criterion) return verdict.limit;
+  return kNan;
+}
+
+std::string content_of_run(const ReportInput& input) {
+  nlohmann::ordered_json figures, verdicts = nlohmann::ordered_json::array();
+  for (const OverviewFigure& figure : overview_figures()) figures[figure.key] = figure.value(input);
+  for (const db::VerdictRecord& verdict : input.verdicts) verdicts.push_back(verdict_json(verdict));
+  nlohmann::ordered_json loops = nlohmann::ordered_json::array();
+  for (const RawLoop& loop : input.behaviour.loops)
+    if (loop.taxel < 0) loops.push_back({{"up_v", number_list(loop.up_v)}, {"down_v", number_list(loop.down_v)}});
+  return json_text({{"sensor", input.run.sensor_serial},
+                    {"scanner", scanner_serial_of(input.run, input.sensor)},
+                    {"origin", input.run.origin},
+                    {"content_sha256", input.run.content_sha256},
+                    {"figures", figures},
+                    {"verdicts", verdicts},
+                    {"overall", verdict_word(overall_of(input))},
+                    {"not_judged", input.judgement.not_judged},
+                    {"pressure_psi", number_list(input.behaviour.pressure_psi)},
+                    {"mean_loop", loops},
+                    {"gain", number_list(input.behaviour.gain)}});
+}
+
+std::optional<Verdict> overall_of(const ReportInput& input) { return final_verdict(input.verdicts, input.judgement); }
+
+html::Markup overall_cell(const ReportInput& input, const char* without_limits) {
+  const std::optional<Verdict> overall = overall_of(input), now = overall_verdict(input.verdicts);
+  if (!overall) return html::markup("{}", html::Text(without_limits));
+  html::Markup cell = verdict_mark(*overall, is_simulated(input));
+  if (!input.judgement.not_judged.empty())
+    cell += html::markup("<br/>not judged: {}", html::Text(input.judgement.not_judged));
+  else if (overall != now)
+    cell += html::markup("<br/>stored; now {}", html::Text(verdict_word(now)));
+  for (const std::string& remark : input.judgement.remarks) cell += html::markup("<br/>{}", html::Text(remark));
+  return cell;
+}
+
+std::string sensor_and_run(const ReportInput& input) {
+  return fmt::format("{}, run {}", input.run.sensor_serial.empty() ? "not stated" : input.run.sensor_serial,
+                     input.run.run);
+}
+
+std::vector<double> modified_z_scores(const std::vector<double>& values) {
+  std::vector<double> scores(values.size(), kNan);
+  const double median = median_of(values);
+  std::vector<double> off;
+  for (const double value : values)
+    if (std::isfinite(value)) off.push_back(std::abs(value - median));
+  const double mad = median_of(off);
+  if (off.size() < 5 || !(mad > 0.0)) return scores;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) scores[i] = 0.6745 * (values[i] - median) / mad;
+  return scores;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,33 @@
+// What the pages on several runs share.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/report/parts.h"
+
+namespace tactbench::analysis {
+
+// One figure of a run as a row of a table.
+struct OverviewFigure {
+  const char* name;                     // of the row, with its unit
+  const char* key;                      // in the data
+  double (*value)(const ReportInput&);  // NaN where there is none
+  int digits;                           // of the value shown
+  double factor;                        // value in the data x factor = value shown
+  const char* criterion;                // of a verdict that limits it; empty: none
+};
+const std::vector<OverviewFigure>& overview_figures();
+html::Text shown_figure(const OverviewFigure& figure, double value);
+// The limit that the run's verdicts have for it, in the unit of the data; NaN without one.
+double limit_of(const OverviewFigure& figure, const ReportInput& input);
+
+std::string content_of_run(const ReportInput& input);  // JSON: run, sensor, origin, content hash, figures; no times
+// Of all criteria together, as final_verdict(): none without limits.
+std::optional<Verdict> overall_of(const ReportInput& input);
+html::Markup overall_cell(const ReportInput& input, const char* without_limits);
+
+std::string sensor_and_run(const ReportInput& input);  // "SIM-0001, run 3"
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,27 @@
+#include "analysis/report/page/gum_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactbench::analysis {
+
+int gum_decimals(double expanded) {
+  if (!std::isfinite(expanded) || expanded <= 0.0) return 3;
+  int exponent = static_cast<int>(std::floor(std::log10(expanded)));
+  // 0.0996 is 0.10: what rounds up to the next power of ten has a digit less.
+  if (std::nearbyint(expanded / std::pow(10.0, exponent - 1)) >= 100.0) ++exponent;
+  return std::clamp(1 - exponent, 0, 9);
+}
+
+html::Text gum_uncertainty(double expanded) { return html::fixed(expanded, gum_decimals(expanded)); }
+
+html::Markup gum_value(double value, double expanded) {
+  return html::markup("{} ± {}", html::fixed(value, gum_decimals(expanded)), gum_uncertainty(expanded));
+}
+
+html::Text gum_degrees(double dof) {
+  if (std::isnan(dof)) return html::Text("not available");
+  return dof >= 1e6 ? html::Text("∞") : html::fixed(std::floor(dof), 0);
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "analysis/report/page/figure.h"
+#include "analysis/report/parts.h"
+#include "analysis/report/sections/sections.h"
+
+namespace tactbench::analysis {
+
+using html::markup;
+using html::Markup;
+using html::Text;
+
+namespace {
+
+constexpr std::size_t kParameters = kElamParameterNames.size();
+
+std::array<double, kParameters> parameters_of(const ElamFit& fit) {
+  const ElamParameters& p = fit.model.parameters;
+  return {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a};
+}
+
+Text unit_of(std::size_t parameter) { return Text(parameter == 2 ? "1/psi" : "1"); }
+
+bool at_bound(const ElamFit& fit, std::size_t parameter) { return ((fit.at_bound >> parameter) & 1u) != 0; }
+
+Markup mean_taxel_table(const ReportInput& input) {
+  const TaxelFit& mean = input.fit.mean_taxel;
+  const auto parameters = parameters_of(mean.fit);
+  Markup out = markup(
+      "<table><caption>ELAM of the mean taxel</caption><thead><tr><th scope=\"col\">quantity</th>"
+      "<th scope=\"col\" class=\"n\">value</th><th scope=\"col\">unit</th><th "
+      "scope=\"col\">remark</th></tr></thead><tbody>\n");
+  const auto row = [&](const html::Safe& name, const html::Safe& value, const html::Safe& unit,
+                       const html::Safe& remark) {
+    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", name, value,
+                  unit, remark);
+  };
+  for (std::size_t i = 0; i < kParameters; ++i) {
+    row(Text(kElamParameterNames[i]), html::fixed(parameters[i], 4), unit_of(i),
+        Text(at_bound(mean.fit, i) ? "at a bound of the search" : ""));
+  }
+  const double full_scale = mean.fit.full_scale_v;
+  row(Text("J, Eq. (1)"), html::fixed(mean.fit.j_v2, 4), Text("V²"),
+      Text("sum of squared differences, model and measured"));
+  row(Text("mean error, Eq. (49)"), html::fixed(mean.fit.mean_error_v, 4), Text("V"),
+      markup("{} % FS", html::percent(mean.fit.mean_error_v / full_scale, 2)));
+  row(Text("maximum error"), html::fixed(mean.fit.max_error_v, 4), Text("V"),
+      markup("{} % FS", html::percent(mean.fit.max_error_v / full_scale, 2)));
+  row(Text("full scale (FS)"), html::fixed(full_scale, 3), Text("V"),
+      Text("highest output of the external loop of the mean taxel"));
+  row(Text("noise of one sample"), html::fixed(1000.0 * mean.noise_v, 2), Text("mV"), Text("standard deviation"));
+  out += markup("</tbody></table>\n");
+  return out;
+}
+
+std::vector<const TaxelFit*> fitted(const ArrayFit& fit) {
+  std::vector<const TaxelFit*> out;
+  for (const TaxelFit& taxel : fit.taxels) {
+    if (taxel.status == TaxelStatus::kFitted) out.push_back(&taxel);
+  }
+  return out;
+}
+
+Markup distribution_table(const ReportInput& input) {
+  const auto taxels = fitted(input.fit);
+  Markup out = markup(
+      "<table><caption>ELAM of the {} fitted taxels: distribution</caption><thead><tr><th scope=\"col\">quantity</th>"
+      "<th scope=\"col\">unit</th><th scope=\"col\" class=\"n\">minimum</th><th scope=\"col\" class=\"n\">median</th>"
+      "<th scope=\"col\" class=\"n\">maximum</th><th scope=\"col\" class=\"n\">taxels at a "
+      "bound</th></tr></thead><tbody>\n",
+      taxels.size());
+  const auto row = [&](const html::Safe& name, const html::Safe& unit, std::vector<double> values, int digits,
+                       const html::Safe& bounds) {
+    const Spread spread = spread_of(std::move(values));
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}<td class=\"n\">{}</td></tr>\n", name, unit,
+                  number_cell(html::fixed(spread.low, digits)), number_cell(html::fixed(spread.median, digits)),
+                  number_cell(html::fixed(spread.high, digits)), bounds);
+  };
+  const auto collect = [&](auto figure) {
+    std::vector<double> values;
+    for (const TaxelFit* taxel : taxels) values.push_back(figure(*taxel));
+    return values;
+  };
+  for (std::size_t i = 0; i < kParameters; ++i) {
+    const auto bounds =
+        std::count_if(taxels.begin(), taxels.end(), [&](const TaxelFit* t) { return at_bound(t->fit, i); });
+    row(Text(kElamParameterNames[i]), unit_of(i), collect([&](const TaxelFit& t) { return parameters_of(t.fit)[i]; }),
+        4, markup("{}", bounds));
+  }
+  const Text none("–");
+  row(Text("J"), Text("V²"), collect([](const TaxelFit& t) { return t.fit.j_v2; }), 4, none);
+  row(Text("mean error"), Text("V"), collect([](const TaxelFit& t) { return t.fit.mean_error_v; }), 4, none);
+  row(Text("mean error"), Text("% FS of the taxel"),
+      collect([](const TaxelFit& t) { return 100.0 * t.fit.mean_error_v / t.fit.full_scale_v; }), 2, none);
+  row(Text("maximum error"), Text("V"), collect([](const TaxelFit& t) { return t.fit.max_error_v; }), 4, none);
+  row(Text("maximum error"), Text("% FS of the taxel"),
+      collect([](const TaxelFit& t) { return 100.0 * t.fit.max_error_v / t.fit.full_scale_v; }), 2, none);
+  row(Text("full scale of the taxel"), Text("V"), collect([](const TaxelFit& t) { return t.fit.full_scale_v; }), 3,
+      none);
+  row(Text("noise of one sample"), Text("mV"), collect([](const TaxelFit& t) { return 1000.0 * t.noise_v; }), 2, none);
+  out += markup("</tbody></table>\n");
+  return out;
+}
+
+std::string reason_of(const TaxelFit& taxel) {
+  switch (taxel.status) {
+    case TaxelStatus::kFitted:
+      return "";
+    case TaxelStatus::kDead:
+      return "the output stays near 0 V";
+    case TaxelStatus::kStuck:
+      return "the output stays at one value other than 0 V";
+    case TaxelStatus::kSaturated:
+      return "the output stood at the limit of the converter";
+    case TaxelStatus::kUnfit:
+      if (!(taxel.fit.full_scale_v > 0.0)) return "the output moves, but not with the pressure";
+      return fmt::format("the model's mean error, {} V, is too large", html::fixed(taxel.fit.mean_error_v, 3).value);
+  }
+  return "";
+}
+
+Markup unfitted_table(const ArrayFit& fit) {
+  Markup rows;
+  for (std::size_t i = 0; i < fit.taxels.size(); ++i) {
+    const TaxelStatus status = fit.taxels[i].status;
+    if (status == TaxelStatus::kFitted) continue;
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n", i,
+                   Text(place_of(static_cast<int>(i), fit.columns)), Text(to_string(status)),
+                   Text(reason_of(fit.taxels[i])));
+  }
+  if (rows.value.empty()) return markup("<p>All {} taxels were fitted; none was left out.</p>\n", fit.taxels.size());
+  return markup(
+      "<table><caption>Taxels without a model, left out of every figure after compensation</caption><thead><tr>"
+      "<th scope=\"col\">taxel</th><th scope=\"col\">place</th><th scope=\"col\">state</th><th "
+      "scope=\"col\">reason</th></tr>"
+      "</thead><tbody>\n{}</tbody></table>\n",
+      rows);
+}
+
+Markup error_map(const ReportInput& input) {
+  const Evaluation& evaluation = input.evaluation;
+  const Spread spread = spread_of(evaluation.taxel_mean_error_psi);
+  if (spread.count == 0) return markup("<p>Map of the compensation error: not available</p>\n");
+  const ColourScale scale{0.0, spread.high > 0.0 ? spread.high : 1.0};
+  Markup out = markup("<figure>{}", numbered_map({"Mean compensation error of each taxel in psi", input.fit.rows,
+                                                  input.fit.columns, evaluation.taxel_mean_error_psi, scale, 416.0},
+                                                 spread.high < 10.0 ? 2 : 1));
+  out += colour_bar(scale, "Colour scale of the error map", "psi", 2);
+  out += markup(
+      "<figcaption>Mean of |compensated − reference| of each taxel over all frames, in psi (1 psi = 6.895 kPa). Row 0 "
+      "on "
+      "top, column 0 on the left; a cross marks a taxel without a model.</figcaption></figure>\n");
+  return out;
+}
+
+Markup error_table(const ReportInput& input) {
+  const Evaluation& evaluation = input.evaluation;
+  const Health& health = input.health;
+  Markup out = markup(
+      "<table><caption>Compensation error |compensated − reference|, Eq. (49), all fitted taxels and "
+      "frames</caption><thead><tr>"
+      "<th scope=\"col\">figure</th><th scope=\"col\" class=\"n\">all</th><th scope=\"col\" class=\"n\">without flat "
+      "samples</th>"
+      "</tr></thead><tbody>\n");
+  const auto row = [&](const char* name, const html::Safe& all, const html::Safe& observable) {
+    out += markup("<tr><th scope=\"row\">{}</th>{}{}</tr>\n", Text(name), number_cell(all), number_cell(observable));
+  };
+  row("mean", html::psi(evaluation.mean_error_psi, 3), html::psi(evaluation.mean_error_observable_psi, 3));
+  row("maximum", html::psi(evaluation.max_error_psi, 2), html::psi(evaluation.max_error_observable_psi, 2));
+  row("mean of the worst taxel", html::psi(evaluation.worst_taxel_mean_error_psi, 3), Text("not assessed"));
+  out += markup("</tbody></table>\n");
+  if (evaluation.worst_taxel >= 0) {
+    const auto known = std::ranges::find(health.findings, evaluation.worst_taxel, &TaxelHealth::taxel);
+    out += markup("<p class=\"note\">Worst taxel: {} ({}{}).</p>\n", evaluation.worst_taxel,
+                  Text(place_of(evaluation.worst_taxel, input.fit.columns)),
+                  Text(known == health.findings.end() ? "" : ", " + known->state));
+  }
+  return out;
+}
+
+}  // namespace
+
+Markup model_section(const ReportInput& input) {
+  Markup out = section_start("model", "External Loop Adaptation Method (ELAM)");
+  // First, because a map as high as this below a long table leaves half a page white.
+  out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input), error_table(input));
+  out += mean_taxel_table(input);
+  out += distribution_table(input);
+  out += markup(
+      "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose "
+      "unloading "
+      "curve is saturated are weakly determined: judge the error, not the parameter.</p>\n");
+  out += unfitted_table(input.fit);
+  out += elam_parameters_part(input);
+  return out;
+}
+
+}  // namespace tactbench::analysis

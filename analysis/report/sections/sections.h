@@ -1,0 +1,36 @@
+// The report's sections, one function and one source each: pure functions of the input.
+#pragma once
+
+#include "analysis/report/page/html.h"
+#include "analysis/report/report.h"
+
+namespace tactbench::analysis {
+
+// report.cpp puts these one after the other.
+html::Markup verdict_section(const ReportInput& input);
+html::Markup identification_section(const ReportInput& input);
+html::Markup health_section(const ReportInput& input);
+html::Markup raw_section(const ReportInput& input);
+html::Markup loops_section(const ReportInput& input);
+html::Markup frames_section(const ReportInput& input);
+html::Markup levels_section(const ReportInput& input);
+html::Markup model_section(const ReportInput& input);
+html::Markup held_out_section(const ReportInput& input);
+html::Markup uncertainty_section(const ReportInput& input);
+html::Markup meaning_section(const ReportInput& input);
+html::Markup models_section(const ReportInput& input);
+html::Markup as_found_section(const ReportInput& input);
+html::Markup compensation_section(const ReportInput& input);
+html::Markup studies_section(const ReportInput& input);
+html::Markup objects_section(const ReportInput& input);
+
+// Parts of sections.
+html::Markup instruments_part(const ReportInput& input);
+html::Markup method_part(const ReportInput& input);
+html::Markup elam_parameters_part(const ReportInput& input);
+html::Markup usable_part(const ReportInput& input);
+html::Markup uniformity_part(const Uniformity& uniformity, int rows, int columns);
+html::Markup remount_part(const Remount& remount, int rows, int columns);
+html::Markup contact_frames_part(const ContactResult& contact, int rows, int columns);
+
+}  // namespace tactbench::analysis

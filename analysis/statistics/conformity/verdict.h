@@ -1,0 +1,71 @@
+// Conformity: figures of an evaluation held against limits by a decision rule (ILAC-G8:09/2019), and the uncertainty of
+// each judged figure, which is not that of a taxel's reading.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/limits.h"
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
+
+namespace tactbench::analysis {
+
+// simple      w = 0: pass when value <= limit
+// guarded     w = U: pass when value <= limit - U, else fail
+// four-way    w = U: pass up to limit - U, conditional pass up to the limit, conditional fail up to limit + U, else
+// fail report-only no verdict
+const char* to_string(DecisionRule rule);  // "default", "simple", "guarded", "four-way", "report-only"
+std::optional<DecisionRule> decision_rule_from(std::string_view word);
+// The rule and its risk in words, for reports. Unknown words stay what they are.
+std::string rule_in_words(const std::string& rule);
+
+// U of one judged figure: k = t_95.45 of the effective degrees of freedom.
+struct JudgedUncertainty {
+  std::string criterion, scope, unit;  // as in the verdict
+  double expanded = 0.0;               // U in `unit`; NaN: not known
+  double combined = 0.0, dof = 0.0, factor = 0.0;
+  std::string basis;     // how it is formed
+  std::string missing;   // why it is not known; empty: it is
+  std::int64_t run = 0;  // judged
+};
+
+// Of all criteria, mismatch on every level. The figures' scatter from repeat to repeat is that of `judged`, or of
+// `models` (the run that they were made from) where `judged` has one repeat; what several repeats share comes from the
+// reference. `evaluation` is that of `judged`, `reference` is the one of its run:
+//   mean_compensation_error, worst_taxel_error   a common error of the reference moves them by at most itself (triangle
+//                                                inequality): c = 1, not known without a certificate
+//   distance_of_mean, mismatch                   it cancels in differences at one level; what is left is the scatter
+//   unfit_taxels                                 a count by rule: U = 0
+// Scatter: s / sqrt(m) over the m judged repeats, n - 1 degrees of freedom. Throws as evaluate().
+std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models, const ArrayFit& fit,
+                                                    const Evaluation& evaluation, const ReferenceUncertainty& reference,
+                                                    int threads = 0);
+// nullptr where there is none. `run` 0: of any.
+const JudgedUncertainty* find_uncertainty(std::span<const JudgedUncertainty> uncertainties, std::string_view criterion,
+                                          std::string_view scope, std::int64_t run = 0);
+
+// `expanded` NaN: not known; then guarded and four-way are inconclusive, for no weaker rule stands in for one that was
+// asked for. Equality passes.
+Verdict verdict_of(DecisionRule rule, double value, double limit, double expanded);
+
+// Whether judging by `rule` asks for judged_uncertainties().
+bool needs_uncertainty(DecisionRule rule);
+
+// Criteria mean_compensation_error, worst_taxel_error, distance_of_mean, unfit_taxels (scope "array") and mismatch
+// (scopes "40 psi up", "40 psi down"). A value that is not a number, or a level that was not measured, is inconclusive.
+// The rule in each record is the one applied. `fit` in the records is 0: the caller knows the fit's number.
+std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFit& fit, const Limits& limits,
+                                     std::span<const JudgedUncertainty> uncertainties = {});
+
+// What rests on the pressure reference (mean_compensation_error, worst_taxel_error) is inconclusive where the reference
+// was overdue when `run` was made, whatever U and limit say; the other criteria hold differences and counts. Verdicts
+// of other runs and "report only" stay. `reference` is that of `run`.
+void withhold_overdue(std::vector<db::VerdictRecord>& verdicts, std::int64_t run,
+                      const ReferenceUncertainty& reference);
+
+}  // namespace tactbench::analysis

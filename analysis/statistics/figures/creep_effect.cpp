@@ -1,0 +1,197 @@
+#include "analysis/statistics/figures/creep_effect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/same_sensor.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr std::size_t kEndFrames = 5;    // averaged at the end of a hold
+constexpr double kHeldLongerThan = 2.0;  // times read_after_s: shorter holds tell nothing beyond the dwell
+constexpr double kSameHeldPsi = 1e-6;
+constexpr double kHoldSlopeHalfPsi = 0.5;  // half of the pressures' distance that a slope is taken over
+
+// Time from command to frame where a level is read once; NaN where no frame says it.
+double usual_time(const Dataset& calibration) {
+  std::vector<double> times;
+  const std::vector<HeldFrames> holds = held_frames_of(calibration);
+  for (std::size_t s = 0; s < calibration.sequences.size(); ++s) {
+    if (std::ranges::any_of(holds, [&](const HeldFrames& hold) { return hold.sequence == s; })) continue;
+    for (const Repeat& repeat : calibration.sequences[s].repeats)
+      for (const Sample& step : repeat.steps)
+        if (step.setpoint_psi > kHeldAbovePsi && step.held_s > 0.0) times.push_back(step.held_s);
+  }
+  return median_of(std::move(times));
+}
+
+// Output and reference at a time within a hold, or over its last frames.
+struct HoldMoment {
+  double volts = 0.0, reference_psi = 0.0;
+};
+
+class HoldReader {
+ public:
+  HoldReader(const Repeat& repeat, const HeldFrames& hold, std::size_t width)
+      : repeat_(&repeat), hold_(&hold), width_(width) {}
+  // Linear between two frames; before the first one the first.
+  [[nodiscard]] HoldMoment at(std::size_t taxel, double time_s) const {
+    std::size_t after = hold_->first;
+    while (after + 1 < hold_->end && hold_->held_s(*repeat_, after) < time_s) ++after;
+    const HoldMoment high = frame(taxel, after);
+    if (after == hold_->first) return high;
+    const HoldMoment low = frame(taxel, after - 1);
+    const double begin = hold_->held_s(*repeat_, after - 1), end = hold_->held_s(*repeat_, after);
+    const double share = std::min(1.0, (time_s - begin) / (end - begin));
+    return {std::lerp(low.volts, high.volts, share), std::lerp(low.reference_psi, high.reference_psi, share)};
+  }
+  [[nodiscard]] HoldMoment end(std::size_t taxel) const {
+    HoldMoment mean;
+    for (std::size_t i = hold_->end - kEndFrames; i < hold_->end; ++i) {
+      mean.volts += frame(taxel, i).volts / static_cast<double>(kEndFrames);
+      mean.reference_psi += frame(taxel, i).reference_psi / static_cast<double>(kEndFrames);
+    }
+    return mean;
+  }
+
+ private:
+  [[nodiscard]] HoldMoment frame(std::size_t taxel, std::size_t step) const {
+    return {repeat_->volts[step * width_ + taxel], repeat_->steps[step].reference_psi};
+  }
+  const Repeat* repeat_;
+  const HeldFrames* hold_;
+  std::size_t width_;
+};
+
+double slope_at(const ElamModel& model, bool up, double pressure) {
+  const ElamCurve curve =
+      up ? ElamCurve(model, true, model.x0(), model.y0()) : ElamCurve(model, false, model.xu(), model.yu());
+  const double low = std::max(pressure - kHoldSlopeHalfPsi, model.x0());
+  const double high = std::min(pressure + kHoldSlopeHalfPsi, model.xu());
+  return (curve.output(high) - curve.output(low)) / (high - low);
+}
+
+HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const ArrayFit& fit, double read_after_s) {
+  const Repeat& repeat = dataset.sequences[hold.sequence].repeats[hold.repeat];
+  const HoldReader reader(repeat, hold, static_cast<std::size_t>(dataset.taxels()));
+  HeldLevel level{dataset.sequences[hold.sequence].name,
+                  repeat.steps[hold.first].setpoint_psi,
+                  hold.rose,
+                  hold.held_s(repeat, hold.first),
+                  hold.held_s(repeat, hold.end - 1),
+                  std::vector<double>(fit.taxels.size(), kNan),
+                  kNan};
+  // A hold that begins late has seen a part of the way only: creep goes about as the logarithm of time.
+  const double seen_from = std::max(level.from_s, read_after_s);
+  const double whole = std::log(level.to_s / read_after_s) / std::log(level.to_s / seen_from);
+  const Fitted fitted(fit);
+  for (const std::size_t taxel : fitted.taxels()) {
+    const ElamModel& model = fit.taxels[taxel].fit.model;
+    const HoldMoment begin = reader.at(taxel, seen_from), end = reader.end(taxel);
+    const double explained = slope_at(model, hold.rose, level.pressure_psi) * (end.reference_psi - begin.reference_psi);
+    const double over_zero = begin.volts - model.y0();
+    if (over_zero > 0.0) level.share[taxel] = whole * std::abs(end.volts - begin.volts - explained) / over_zero;
+  }
+  level.median_share = median_of(level.share);
+  return level;
+}
+
+void keep_larger(HeldLevel& kept, const HeldLevel& other) {
+  for (std::size_t taxel = 0; taxel < kept.share.size(); ++taxel)
+    kept.share[taxel] = std::fmax(kept.share[taxel], other.share[taxel]);
+  kept.from_s = std::max(kept.from_s, other.from_s);
+  kept.to_s = std::min(kept.to_s, other.to_s);
+  kept.median_share = median_of(kept.share);
+}
+
+}  // namespace
+
+double CreepEffect::share(std::size_t taxel, double pressure_psi, bool up) const {
+  const bool own = std::ranges::any_of(levels, [up](const HeldLevel& level) { return level.up == up; });
+  const HeldLevel *below = nullptr, *above = nullptr;
+  for (const HeldLevel& level : levels) {
+    if ((own && level.up != up) || !std::isfinite(level.share[taxel])) continue;
+    if (level.pressure_psi <= pressure_psi) below = &level;
+    if (level.pressure_psi >= pressure_psi && above == nullptr) above = &level;
+  }
+  if (below == nullptr && above == nullptr) return 0.0;
+  if (below == nullptr || above == nullptr || above == below) return (below != nullptr ? below : above)->share[taxel];
+  const double at = (pressure_psi - below->pressure_psi) / (above->pressure_psi - below->pressure_psi);
+  return std::lerp(below->share[taxel], above->share[taxel], at);
+}
+
+std::string CreepEffect::in_words() const {
+  if (!assessed()) return {};
+  std::string held;
+  for (const HeldLevel& level : levels)
+    held += fmt::format("{}{:.1f} psi {} for {:.0f} s: {:.2f} %", held.empty() ? "" : ", ", level.pressure_psi,
+                        level.up ? "loading" : "unloading", level.to_s, 100.0 * level.median_share);
+  const bool both = levels.front().up != levels.back().up;
+  return fmt::format(
+      "change of the median taxel's output over its zero in holds of {} ({}). Assumed: a reading is taken at any time "
+      "from {:.1f} s, after which this run reads its levels, to {:.0f} s after the level was commanded, on a way to "
+      "the "
+      "level like that of the holds, and is not corrected for it; what is read earlier or later is not covered. Each "
+      "taxel counts with its own change; levels that were not held take the same share of the output over the zero{}{}",
+      levels.front().sequence, held, read_after_s, to_s,
+      both ? "" : ", and so does the other branch, which was not held (creep-levels holds both)",
+      extrapolated_back ? ". The holds' first frame is later than the dwell: extended on the logarithm of time" : "");
+}
+
+CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const ArrayFit& measured_fit) {
+  CreepEffect effect;
+  ArrayFit fit = measured_fit;
+  fit.falling = false;
+  effect.read_after_s = usual_time(calibration);
+  bool few = false, brief = false;
+  for (const Dataset& run : runs) {
+    check_same_sensor(run, measured_fit);
+    const Dataset dataset = as_modelled(run, measured_fit);
+    few = few || !held_frames_of(dataset, 3).empty();
+    for (const HeldFrames& hold : held_frames_of(dataset)) {
+      const Repeat& repeat = dataset.sequences[hold.sequence].repeats[hold.repeat];
+      const double pressure = repeat.steps[hold.first].setpoint_psi;
+      if (pressure > fit.pressure_psi.back() + kSameHeldPsi || !(effect.read_after_s > 0.0)) continue;
+      if (hold.held_s(repeat, hold.end - 1) < kHeldLongerThan * effect.read_after_s ||
+          hold.held_s(repeat, hold.first) > hold.held_s(repeat, hold.end - 1) / kHeldLongerThan) {
+        brief = true;
+        continue;
+      }
+      const HeldLevel level = level_of_hold(dataset, hold, fit, effect.read_after_s);
+      if (!std::isfinite(level.median_share)) continue;
+      const auto same = std::ranges::find_if(effect.levels, [&](const HeldLevel& other) {
+        return other.up == level.up && std::abs(other.pressure_psi - level.pressure_psi) < kSameHeldPsi;
+      });
+      if (same == effect.levels.end()) {
+        effect.levels.push_back(level);
+      } else {
+        keep_larger(*same, level);
+      }
+    }
+  }
+  std::ranges::stable_sort(effect.levels, {},
+                           [](const HeldLevel& level) { return std::pair(level.up ? 0 : 1, level.pressure_psi); });
+  if (!effect.levels.empty()) {
+    effect.to_s = std::ranges::min_element(effect.levels, {}, &HeldLevel::to_s)->to_s;
+    effect.extrapolated_back =
+        std::ranges::max_element(effect.levels, {}, &HeldLevel::from_s)->from_s > effect.read_after_s;
+    effect.not_assessed.clear();
+  } else if (few && !(effect.read_after_s > 0.0)) {
+    effect.not_assessed = "this run does not say how long its levels were held before a frame";
+  } else if (brief) {
+    effect.not_assessed = fmt::format(
+        "the holds given end before twice the {:.1f} s after which this run reads its "
+        "levels, or begin too late: a run of creep-hold with more frames would tell",
+        effect.read_after_s);
+  } else if (few) {
+    effect.not_assessed =
+        fmt::format("the holds given have fewer than {} frames: a run of creep-hold would tell", kFewestHeld);
+  }
+  return effect;
+}
+
+}  // namespace tactbench::analysis

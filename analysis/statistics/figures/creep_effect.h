@@ -1,0 +1,60 @@
+// What creep adds to the uncertainty of a reading: how far the output moves between the time under load after which the
+// calibration reads its levels and the end of a hold. Dataset of the calibration + runs with holds in; shares of the
+// output out, which the uncertainty budgets take.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/dataset.h"
+#include "analysis/identify/elam/identify.h"
+
+namespace tactbench::analysis {
+
+inline constexpr std::size_t kFewestHeld = 20;  // frames of a hold that count
+inline constexpr double kHeldAbovePsi = 0.5;    // holds of less, and readings, say nothing of creep under load
+
+// Frames [first, end) of one repeat at one set-point above kHeldAbovePsi, commanded once.
+struct HeldFrames {
+  std::size_t sequence = 0, repeat = 0, first = 0, end = 0;
+  bool rose = true;  // the level was reached from below
+  // Since the level was commanded.
+  [[nodiscard]] double held_s(const Repeat& at, std::size_t step) const {
+    return at.steps[first].held_s + at.steps[step].time_s - at.steps[first].time_s;
+  }
+};
+std::vector<HeldFrames> held_frames_of(const Dataset& dataset, std::size_t fewest_frames = kFewestHeld);
+
+// One level that was held. Of several holds of one level on one branch each taxel's largest share counts.
+struct HeldLevel {
+  std::string sequence;
+  double pressure_psi = 0.0;
+  bool up = true;
+  double from_s = 0.0, to_s = 0.0;  // first and last frame, since the level was commanded
+  // Taxels: |V(to_s) - V(read_after_s)| / (V(read_after_s) - V0), what the reference's own movement explains by the
+  // model's slope taken off; NaN where not fitted.
+  std::vector<double> share;
+  double median_share = 0.0;
+};
+
+struct CreepEffect {
+  std::string not_assessed =
+      "one frame is taken a dwell: a run of creep-hold or creep-levels would tell";  // empty: assessed
+  double read_after_s = 0.0;  // median time from command to frame in the calibration, at levels above kHeldAbovePsi
+  double to_s = 0.0;          // the shortest of the holds: readings up to here are covered
+  bool extrapolated_back = false;  // a hold's first frame is later than read_after_s: extended on the logarithm of time
+  std::vector<HeldLevel> levels;   // by branch, then pressure
+  [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
+  // Of a taxel's output over its zero. Between held levels linear, beyond them the nearest one's; a branch without a
+  // held level takes the other's.
+  [[nodiscard]] double share(std::size_t taxel, double pressure_psi, bool up) const;
+  [[nodiscard]] std::string in_words() const;  // what was taken, and what is assumed; empty when not assessed
+};
+
+// `runs`: of the same sensor, the calibration itself among them where it holds levels. Throws AnalysisError
+// TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
+CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const ArrayFit& fit);
+
+}  // namespace tactbench::analysis

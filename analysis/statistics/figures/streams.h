@@ -1,0 +1,61 @@
+// Every stored frame compensated in time order: what the figures of an Evaluation are gathered from.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/dataset.h"
+#include "analysis/identify/elam/identify.h"
+#include "analysis/loop.h"
+#include "analysis/workers.h"
+
+namespace tactbench::analysis {
+
+// One sequence of a dataset, the mean of its repeats: tables on the set-point grid.
+struct CompensatedSequence {
+  TaxelTable raw;                     // V
+  TaxelTable pressure;                // psi: estimates, moved to the set-points
+  TaxelTable flat;                    // share of the repeats that were flagged
+  std::vector<double> unmoved_psi;    // steps x taxels: estimates as they came
+  std::vector<double> reference_psi;  // steps
+};
+
+// Sums of one taxel over all its frames.
+struct TaxelErrors {
+  double sum_psi = 0.0, max_psi = 0.0;                        // |estimate - reference|
+  double sum_observable_psi = 0.0, max_observable_psi = 0.0;  // without flat ones
+  int frames = 0, observable = 0;
+};
+
+struct CompensatedStreams {
+  std::vector<CompensatedSequence> sequences;
+  std::vector<TaxelErrors> errors;  // taxels; zero frames where not fitted
+};
+
+// Of a fitted taxel, at rest; its dead band is that of the noise found with the fit.
+TaxelCompensator compensator_of(const TaxelFit& own);
+
+// Each fitted taxel's stored samples through its compensator in time order; state carries over from repeat to repeat
+// and from sequence to sequence. `take_of(taxel)` gives what is called with (sequence, repeat, step, Compensated), in
+// that taxel's order. Threads by taxel.
+template <class TakeOf>
+void compensate_in_order(const Dataset& dataset, const ArrayFit& fit, int threads, const TakeOf& take_of) {
+  const auto width = static_cast<std::size_t>(dataset.taxels());
+  for_each_index(width, threads, [&](std::size_t taxel) {
+    const TaxelFit& own = fit.taxels[taxel];
+    if (own.status != TaxelStatus::kFitted) return;
+    TaxelCompensator compensator = compensator_of(own);
+    auto take = take_of(taxel);
+    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+      const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
+      for (std::size_t r = 0; r < repeats.size(); ++r)
+        for (std::size_t i = 0; i < repeats[r].steps.size(); ++i)
+          take(s, r, i, compensator.step(repeats[r].volts[i * width + taxel]));
+    }
+  });
+}
+
+CompensatedStreams compensate_all(const Dataset& dataset, const ArrayFit& fit, int threads);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,32 @@
+// Errors of compensated readings at each level of each full sweep of the external loop, from which the uncertainty of a
+// reading is made.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "analysis/dataset.h"
+#include "analysis/identify/elam/identify.h"
+
+namespace tactbench::analysis {
+
+// All readings at one level on one branch.
+struct LevelReadings {
+  double pressure_psi = 0.0;  // the level's set-point
+  bool up = true;
+  std::size_t readings = 0;       // of each taxel: one a full sweep
+  std::vector<double> error_psi;  // readings x taxels: estimate - measured reference; NaN where not fitted
+};
+
+struct SweepErrors {
+  std::vector<LevelReadings> levels;  // up by rising pressure, then down by rising pressure
+  std::vector<double> zero_return_v;  // taxels: largest |output at the end - at the start| of a repeat, at the lowest
+                                      // level; NaN where no repeat begins and ends there
+  std::size_t repeats_with_zero = 0;
+};
+
+// Compensates every stored frame in time order, as evaluate() does. A sweep is full when it begins and ends within 1 %
+// of the range's ends; levels are the set-points of `fit`'s grid. `fit` must not be falling, and be of this sensor.
+SweepErrors sweep_errors(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
+
+}  // namespace tactbench::analysis

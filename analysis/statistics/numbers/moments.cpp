@@ -1,0 +1,94 @@
+#include "analysis/statistics/numbers/moments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace tactbench::analysis {
+
+std::vector<double> finite_of(std::span<const double> values) {
+  std::vector<double> finite;
+  std::ranges::copy_if(values, std::back_inserter(finite), [](double value) { return std::isfinite(value); });
+  return finite;
+}
+
+double mean_of(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? kNan : sum / static_cast<double>(values.size());
+}
+
+double mean_by_shares(std::span<const double> values) {
+  const auto n = static_cast<double>(values.size());
+  double mean = 0.0;
+  for (const double value : values) mean += value / n;
+  return values.empty() ? kNan : mean;
+}
+
+double squares_about(std::span<const double> values, double centre) {
+  double squares = 0.0;
+  for (const double value : values) squares += (value - centre) * (value - centre);
+  return squares;
+}
+
+double sample_variance(std::span<const double> values) {
+  if (values.size() < 2) return kNan;
+  return squares_about(values, mean_of(values)) / static_cast<double>(values.size() - 1);
+}
+
+double sample_deviation(std::span<const double> values) { return std::sqrt(sample_variance(values)); }
+
+double median_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return kNan;
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double quantile_of(std::vector<double> values, double share) {
+  const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(place, values.size() - 1));
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
+double quantile_between(std::span<const double> sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto low = static_cast<std::size_t>(place);
+  const double next = sorted[std::min(low + 1, sorted.size() - 1)];
+  return sorted[low] + (next - sorted[low]) * (place - static_cast<double>(low));
+}
+
+double LineFit::correlation() const { return xx > 0.0 && yy > 0.0 ? xy / std::sqrt(xx * yy) : 0.0; }
+
+LineFit line_fit(std::span<const double> x, std::span<const double> y, double mean_x, double mean_y) {
+  LineFit line{mean_x, mean_y};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double dx = x[i] - mean_x, dy = y[i] - mean_y;
+    line.xx += dx * dx;
+    line.yy += dy * dy;
+    line.xy += dx * dy;
+  }
+  return line;
+}
+
+LineFit line_fit(std::span<const double> x, std::span<const double> y) {
+  return line_fit(x, y, mean_of(x), mean_of(y));
+}
+
+LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y) {
+  return line_fit(x, y, mean_by_shares(x), mean_by_shares(y));
+}
+
+double squares_off(const LineFit& line, std::span<const double> x, std::span<const double> y) {
+  const double slope = line.slope();
+  double squares = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double off = y[i] - line.mean_y - slope * (x[i] - line.mean_x);
+    squares += off * off;
+  }
+  return squares;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,55 @@
+// Means, deviations, quantiles and least-squares lines of lists of numbers. Each sums from the first value to the last:
+// stored and printed figures come out the same to the last bit wherever they are computed.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace tactbench::analysis {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();  // a figure that nothing was measured for
+
+std::vector<double> finite_of(std::span<const double> values);  // those that are, in their order
+
+double mean_of(std::span<const double> values);  // sum / n; NaN when empty
+// Sum of value / n, which rounds otherwise than mean_of(): for figures that were first published and stored that way.
+double mean_by_shares(std::span<const double> values);  // NaN when empty
+// Of the values that `chosen` names by their places, e.g. some taxels of a frame; NaN when there are none.
+template <class Place>
+double mean_of_chosen(std::span<const double> values, std::span<const Place> chosen) {
+  double sum = 0.0;
+  for (const Place place : chosen) sum += values[static_cast<std::size_t>(place)];
+  return sum / static_cast<double>(chosen.size());
+}
+
+double squares_about(std::span<const double> values, double centre);  // sum of (value - centre)^2
+// squares_about(mean) / (n - 1) and its root: JCGM 100, 4.2.2, Eq. (4). NaN below two values.
+double sample_variance(std::span<const double> values);
+double sample_deviation(std::span<const double> values);
+
+// Of the values that are finite: the middle one, or the mean of the middle two; NaN when there are none.
+double median_of(std::vector<double> values);
+// The value that is at place floor(share * n) when all are sorted, 0 <= share <= 1; of an even number share 0.5 gives
+// the upper of the middle two. Values not empty, none of them NaN.
+double quantile_of(std::vector<double> values, double share);
+// Between the values at the places beside share * (n - 1), linear. Values sorted, not empty.
+double quantile_between(std::span<const double> sorted, double share);
+
+// Least squares of y over x: sums of squares and products about the means.
+struct LineFit {
+  double mean_x = kNan, mean_y = kNan;
+  double xx = 0.0, yy = 0.0, xy = 0.0;
+  [[nodiscard]] double slope() const { return xy / xx; }  // NaN when all x are equal
+  [[nodiscard]] double at_zero() const { return mean_y - slope() * mean_x; }
+  [[nodiscard]] double correlation() const;  // Pearson's; 0 when x or y is constant
+};
+// x and y equally long. Means by mean_of(), or as given (mean_by_shares()).
+LineFit line_fit(std::span<const double> x, std::span<const double> y);
+LineFit line_fit(std::span<const double> x, std::span<const double> y, double mean_x, double mean_y);
+LineFit line_fit_by_shares(std::span<const double> x, std::span<const double> y);  // means by mean_by_shares()
+// Sum of the squares that the line leaves.
+double squares_off(const LineFit& line, std::span<const double> x, std::span<const double> y);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,131 @@
+#include "analysis/statistics/scoring/model_score.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/workers.h"
+
+namespace tactbench::analysis {
+
+namespace {
+
+std::string units_of(const std::string& input, const std::string& output) {
+  if (input.empty() && output.empty()) return "no units stated";
+  return fmt::format("the input unit {} and the output unit {}", or_not_stated(input), or_not_stated(output));
+}
+
+}  // namespace
+
+void check_same_source(const ModelDocument& document, const Histories& histories) {
+  if (document.origin != histories.origin)
+    throw AnalysisError(
+        "TB-ANALYSIS-ORIGIN",
+        fmt::format("the model is of {} data and {} is {}", document.origin, histories.source, histories.origin),
+        "origins are never mixed: score on data of the same one");
+  if (document.sensor_serial != histories.sensor_serial || document.scanner_serial != histories.scanner_serial)
+    throw AnalysisError(
+        "TB-ANALYSIS-OTHER-SENSOR",
+        fmt::format("the model belongs to sensor {} on scanner {}, {} to {} on {}",
+                    or_not_stated(document.sensor_serial), or_not_stated(document.scanner_serial), histories.source,
+                    or_not_stated(histories.sensor_serial), or_not_stated(histories.scanner_serial)),
+        "score on runs of the sensor that was fitted");
+  if (document.input_unit != histories.input_unit || document.output_unit != histories.output_unit)
+    throw AnalysisError(Cause::kUsage, "TB-MODEL-UNITS",
+                        fmt::format("the model has {}, {} has {}", units_of(document.input_unit, document.output_unit),
+                                    histories.source, units_of(histories.input_unit, histories.output_unit)),
+                        "give the units of the table: --input-unit U --output-unit U");
+  if (document.falling != histories.falling)
+    throw AnalysisError("TB-ANALYSIS-FALLING",
+                        fmt::format("the output of the model {} with the input, that of {} does not",
+                                    document.falling ? "falls" : "rises", histories.source),
+                        "check the wiring's sign and which column is which");
+}
+
+namespace {
+
+Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const std::vector<std::string>& sequences,
+                  bool free_run) {
+  std::vector<History> histories = named(taxel.score, sequences);
+  for (History& history : histories)
+    for (double& y : history.y) y = (y - model.zero) / model.gain;
+  const HysteresisModel& own = *model.fit.model;
+  ScoreOptions options;
+  options.free_run = free_run;
+  options.dead_band = kBandInNoises * model.noise / model.gain;
+  options.x_low = own.x_low();
+  options.x_high = own.x_high();
+  options.y_low = model.loop_low;
+  options.y_high = model.loop_low + model.fit.full_scale;
+  return score(own, histories, options);
+}
+
+}  // namespace
+
+ModelScore score_model(const ModelDocument& document, const Histories& histories,
+                       const std::vector<std::string>& sequences, int threads) {
+  check_same_source(document, histories);
+  std::vector<Score> scores(document.taxels.size());
+  for_each_index(scores.size(), threads, [&](std::size_t i) {
+    const ModelTaxel& model = document.taxels[i];
+    const auto own = std::ranges::find(histories.taxels, model.taxel, &TaxelHistories::taxel);
+    if (model.fit.model == nullptr || own == histories.taxels.end() || !own->status.empty()) return;
+    scores[i] = score_taxel(model, *own, sequences, document.options.free_run);
+  });
+  ModelScore result;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const ModelTaxel& model = document.taxels[i];
+    if (scores[i].direct.samples == 0) continue;
+    if (model.taxel == kMeanTaxel || document.taxels.size() == 1) {
+      result.mean = scores[i];
+      result.full_scale = model.fit.full_scale;
+    }
+    if (model.taxel == kMeanTaxel && document.taxels.size() > 1) continue;
+    result.taxels.add(scores[i]);
+    ++result.count;
+  }
+  if (result.count == 0)
+    throw AnalysisError("TB-ANALYSIS-NO-TAXEL",
+                        fmt::format("the model of {} and {} have no taxel in common that can be scored",
+                                    document.source, histories.source),
+                        "score on data of the array that was fitted");
+  return result;
+}
+
+ErrorSum cross_validate(const std::string& model, const FitData& data, const IdentifyOptions& options, int folds) {
+  const double low = data.ascending.x().front(), high = data.ascending.x().back(), near = 0.01 * (high - low);
+  const auto inner = [&](const History& history, const Branch& branch) {
+    const double from = history.x[static_cast<std::size_t>(branch.first)];
+    return branch.ascending ? from - low > near : high - from > near;
+  };
+  int count = 0;
+  for (const History& history : data.histories)
+    count += static_cast<int>(
+        std::ranges::count_if(history.branches, [&](const Branch& branch) { return inner(history, branch); }));
+  ErrorSum errors;
+  folds = std::min(folds, count);
+  for (int fold = 0; count > 1 && fold < folds; ++fold) {
+    FitData kept = data, held = data;
+    int number = 0;
+    for (std::size_t h = 0; h < data.histories.size(); ++h) {
+      kept.histories[h].branches.clear();
+      held.histories[h].branches.clear();
+      for (const Branch& branch : data.histories[h].branches) {
+        const bool out = inner(data.histories[h], branch) && number++ % folds == fold;
+        (out ? held : kept).histories[h].branches.push_back(branch);
+      }
+    }
+    const ModelFit fit = identify(model, kept, options);
+    for (const History& history : held.histories) {
+      if (history.branches.empty()) continue;
+      const std::vector<double> predicted = predict_history(*fit.model, history, options.free_run);
+      for (const Branch& branch : history.branches)
+        for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i)
+          errors.add(std::abs(predicted[i] - history.y[i]));
+    }
+  }
+  return errors;
+}
+
+}  // namespace tactbench::analysis

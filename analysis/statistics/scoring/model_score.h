@@ -1,0 +1,29 @@
+// A stored model scored on histories, taxel by taxel, and a model cross-validated on branches it was not fitted to.
+#pragma once
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/statistics/scoring/score.h"
+
+namespace tactbench::analysis {
+
+struct ModelScore {
+  Score taxels;             // sums over all taxels that have a model
+  Score mean;               // of the mean taxel; of the only one when there is one
+  double full_scale = 0.0;  // highest output of the mean taxel's loop
+  int count = 0;            // taxels in the first
+};
+
+// A model and data go together. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor or scanner differ,
+// TB-ANALYSIS-ORIGIN when the origins do, TB-MODEL-UNITS when the units do, TB-ANALYSIS-FALLING when the signs do.
+void check_same_source(const ModelDocument& document, const Histories& histories);
+
+// On the named sequences (empty: all). Throws as check_same_source, and TB-ANALYSIS-NO-TAXEL.
+ModelScore score_model(const ModelDocument& document, const Histories& histories,
+                       const std::vector<std::string>& sequences, int threads = 0);
+
+// Inner branches are dealt into `folds`; each fold is predicted by a model fitted on all the others and on the external
+// loop. Errors of the direct model on branches that were not fitted; no samples when there are fewer than two inner
+// ones.
+ErrorSum cross_validate(const std::string& model, const FitData& data, const IdentifyOptions& options, int folds = 5);
+
+}  // namespace tactbench::analysis

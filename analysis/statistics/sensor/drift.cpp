@@ -1,0 +1,137 @@
+#include "analysis/statistics/sensor/drift.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/statistics/numbers/moments.h"
+#include "analysis/statistics/scoring/model_score.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr double kLeastTolerance = 0.005;  // of full scale
+constexpr double kLeastCover = 0.1;        // of the model's input range, for a gain
+
+struct Pairs {
+  std::vector<double> model, measured;
+  double x_low = 0.0, x_high = 0.0;
+};
+
+Pairs pairs_of(const HysteresisModel& model, const std::vector<History>& histories) {
+  Pairs pairs;
+  pairs.x_low = pairs.x_high = histories.front().x.front();
+  for (const History& history : histories) {
+    const std::vector<double> predicted = predict_history(model, history, true);
+    pairs.model.insert(pairs.model.end(), predicted.begin(), predicted.end());
+    pairs.measured.insert(pairs.measured.end(), history.y.begin(), history.y.end());
+    const auto [low, high] = std::ranges::minmax(history.x);
+    pairs.x_low = std::min(pairs.x_low, low);
+    pairs.x_high = std::max(pairs.x_high, high);
+  }
+  return pairs;
+}
+
+double mean_residual(const Pairs& pairs, double zero, double gain) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < pairs.model.size(); ++i)
+    sum += std::abs(pairs.measured[i] - zero - gain * pairs.model[i]);
+  return sum / static_cast<double>(pairs.model.size());
+}
+
+TaxelDrift drift_of_taxel(const ModelTaxel& taxel, const Pairs& pairs) {
+  const auto n = static_cast<double>(pairs.model.size());
+  const LineFit line = line_fit_by_shares(pairs.model, pairs.measured);
+  const double m = line.mean_x, y = line.mean_y;
+  const HysteresisModel& own = *taxel.fit.model;
+  const bool covered = pairs.x_high - pairs.x_low >= kLeastCover * (own.x_high() - own.x_low()) && line.xx > 0.0;
+  TaxelDrift drift;
+  drift.taxel = taxel.taxel;
+  drift.gain = covered ? line.slope() : taxel.gain;
+  drift.zero = y - drift.gain * m;
+  drift.zero_alone = y - taxel.gain * m;
+  double residual = 0.0;
+  for (std::size_t i = 0; i < pairs.model.size(); ++i) {
+    const double off = pairs.measured[i] - drift.zero - drift.gain * pairs.model[i];
+    residual += off * off;
+  }
+  const double variance = residual / std::max(n - 2.0, 1.0);
+  drift.gain_u = covered ? std::sqrt(variance / line.xx) : 0.0;
+  drift.zero_u = std::sqrt(variance / n + drift.gain_u * drift.gain_u * m * m);
+  drift.as_is = mean_residual(pairs, taxel.zero, taxel.gain) / taxel.fit.full_scale;
+  drift.zeroed = mean_residual(pairs, drift.zero_alone, taxel.gain) / taxel.fit.full_scale;
+  drift.adjusted = mean_residual(pairs, drift.zero, drift.gain) / taxel.fit.full_scale;
+  return drift;
+}
+
+}  // namespace
+
+const char* to_string(DriftVerdict verdict) {
+  switch (verdict) {
+    case DriftVerdict::kGood:
+      return "good";
+    case DriftVerdict::kZero:
+      return "re-zero enough";
+    case DriftVerdict::kGain:
+      return "gain adjustment enough";
+    case DriftVerdict::kRecalibrate:
+      return "recalibrate";
+  }
+  return "recalibrate";
+}
+
+Drift drift_of(const ModelDocument& document, const Histories& histories, double tolerance) {
+  check_same_source(document, histories);
+  Drift drift;
+  double own_error = 0.0;
+  for (const ModelTaxel& taxel : document.taxels) {
+    const auto measured = std::ranges::find(histories.taxels, taxel.taxel, &TaxelHistories::taxel);
+    const bool array = document.taxels.size() > 1;
+    if (taxel.fit.model == nullptr || measured == histories.taxels.end() || (array && taxel.taxel == kMeanTaxel))
+      continue;
+    drift.taxels.push_back(drift_of_taxel(taxel, pairs_of(*taxel.fit.model, measured->score)));
+    own_error += taxel.fit.mean_error / taxel.fit.full_scale;
+  }
+  if (drift.taxels.empty())
+    throw AnalysisError(
+        "TB-ANALYSIS-NO-TAXEL",
+        fmt::format("the model of {} and {} have no taxel in common", document.source, histories.source),
+        "check the model on data of the array that was fitted");
+  const auto n = static_cast<double>(drift.taxels.size());
+  for (const TaxelDrift& taxel : drift.taxels) {
+    drift.as_is += taxel.as_is / n;
+    drift.zeroed += taxel.zeroed / n;
+    drift.adjusted += taxel.adjusted / n;
+  }
+  drift.tolerance = tolerance > 0.0 ? tolerance : std::max(kLeastTolerance, 2.0 * own_error / n);
+  if (drift.as_is > drift.tolerance) drift.verdict = DriftVerdict::kZero;
+  if (std::min(drift.as_is, drift.zeroed) > drift.tolerance) drift.verdict = DriftVerdict::kGain;
+  if (std::min({drift.as_is, drift.zeroed, drift.adjusted}) > drift.tolerance)
+    drift.verdict = DriftVerdict::kRecalibrate;
+  return drift;
+}
+
+ModelDocument adjusted(ModelDocument document, const Drift& drift, const Histories& by, bool gain) {
+  document.parent_sha256 = sha256_of(document);
+  document.adjustment =
+      fmt::format("{} by {} ({})", gain ? "zero and gain" : "zero", by.source, by.content_sha256.substr(0, 12));
+  TaxelDrift mean;
+  mean.gain = 0.0;
+  const auto n = static_cast<double>(drift.taxels.size());
+  for (const TaxelDrift& taxel : drift.taxels) {
+    mean.zero += taxel.zero / n;
+    mean.zero_alone += taxel.zero_alone / n;
+    mean.gain += taxel.gain / n;
+  }
+  for (ModelTaxel& taxel : document.taxels) {
+    const auto own = std::ranges::find(drift.taxels, taxel.taxel, &TaxelDrift::taxel);
+    if (own == drift.taxels.end() && taxel.taxel != kMeanTaxel) continue;
+    const TaxelDrift& moved = own == drift.taxels.end() ? mean : *own;
+    taxel.zero = gain ? moved.zero : moved.zero_alone;
+    if (gain) taxel.gain = moved.gain;
+  }
+  return document;
+}
+
+}  // namespace tactbench::analysis

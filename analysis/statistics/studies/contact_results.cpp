@@ -1,0 +1,218 @@
+#include "analysis/statistics/studies/contact_results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/same_sensor.h"
+
+namespace tactbench::analysis {
+namespace {
+
+void check_press(const PressRun& run, const ArrayFit& fit) {
+  Dataset like;
+  like.run = run.run;
+  like.origin = run.origin;
+  like.sensor_serial = run.sensor_serial;
+  like.scanner_serial = run.scanner_serial;
+  like.rows = run.rows;
+  like.columns = run.columns;
+  check_same_sensor(like, fit);
+}
+
+// One frame read both ways.
+struct ReadFrame {
+  const PressFrame* frame;
+  std::vector<double> raw_psi, compensated_psi;
+  ContactFigures raw, compensated;
+  int clamped = 0;
+};
+
+std::vector<ReadFrame> read_frames(const PressRun& run, const ArrayFit& fit, const ArrayGeometry& geometry) {
+  const ElamModel& mean = fit.mean_taxel.fit.model;
+  const double per_volt = (mean.xu() - mean.x0()) / (mean.yu() - mean.y0());
+  const double sign = fit.falling ? -1.0 : 1.0;
+  std::vector<std::unique_ptr<TaxelCompensator>> compensators;
+  for (const TaxelFit& taxel : fit.taxels)
+    compensators.push_back(
+        taxel.status == TaxelStatus::kFitted ? std::make_unique<TaxelCompensator>(compensator_of(taxel)) : nullptr);
+  std::vector<ReadFrame> out;
+  const PressFrame* before = nullptr;
+  for (const PressFrame& frame : run.frames) {
+    // Between two rises the object was lifted off.
+    const bool new_rise = before == nullptr || frame.repeat != before->repeat || frame.position != before->position ||
+                          (frame.rising && !before->rising);
+    before = &frame;
+    ReadFrame read{&frame, {}, {}, {}, {}, 0};
+    for (std::size_t i = 0; i < frame.volts.size(); ++i) {
+      const double volts = sign * frame.volts[i];
+      if (compensators[i] == nullptr) {
+        read.raw_psi.push_back(kNan);
+        read.compensated_psi.push_back(kNan);
+        continue;
+      }
+      if (new_rise) compensators[i]->reset();
+      read.raw_psi.push_back(mean.x0() + (volts - mean.y0()) * per_volt);
+      read.compensated_psi.push_back(compensators[i]->step(volts).pressure_psi);
+      read.clamped += read.compensated_psi.back() >= mean.xu() ? 1 : 0;
+    }
+    read.raw = contact_figures(read.raw_psi, run.rows, run.columns, geometry);
+    read.compensated = contact_figures(read.compensated_psi, run.rows, run.columns, geometry);
+    out.push_back(std::move(read));
+  }
+  return out;
+}
+
+void add_weighted(ContactFigures& sum, const ContactFigures& own, double weight) {
+  for (double ContactFigures::*figure :
+       {&ContactFigures::force_n, &ContactFigures::x_mm, &ContactFigures::y_mm, &ContactFigures::moment_x_nmm,
+        &ContactFigures::moment_y_nmm, &ContactFigures::area_mm2, &ContactFigures::threshold_psi})
+    sum.*figure += weight * own.*figure;
+}
+
+double std_share(const std::vector<double>& values, double full_scale) {
+  return sample_deviation(finite_of(values)) / full_scale;
+}
+
+// Mean place of each position, read one way.
+using Places = std::map<int, std::array<double, 2>>;
+Places mean_places(const std::vector<ReadFrame>& frames, ContactFigures ReadFrame::*way) {
+  std::map<int, std::array<double, 3>> sums;
+  for (const ReadFrame& read : frames) {
+    const ContactFigures& own = read.*way;
+    auto& sum = sums[read.frame->position];
+    sum[0] += own.x_mm;
+    sum[1] += own.y_mm;
+    sum[2] += 1.0;
+  }
+  Places out;
+  for (const auto& [position, sum] : sums) out[position] = {sum[0] / sum[2], sum[1] / sum[2]};
+  return out;
+}
+
+struct LevelMaker {
+  const PressRun& run;
+  const ArrayFit& fit;
+  const ContactResult& result;
+  const std::vector<ReadFrame>& frames;
+  Places raw_places, compensated_places;
+
+  double off_axis(const PressFrame& frame, const ContactFigures& own) const {
+    if (run.mount.empty()) return kNan;
+    const auto taxel = run.mount.front().taxel_mm(frame.place_mm[0], frame.place_mm[1]);
+    const double x = taxel[0] - 0.5 * (run.columns - 1) * result.geometry.pitch_mm;
+    const double y = taxel[1] - 0.5 * (run.rows - 1) * result.geometry.pitch_mm;
+    return std::hypot(own.x_mm - x, own.y_mm - y);
+  }
+  static double wander(const ContactFigures& own, const std::array<double, 2>& mean) {
+    return std::hypot(own.x_mm - mean[0], own.y_mm - mean[1]);
+  }
+
+  ContactLevel level(double target, bool rising) const {
+    std::vector<const ReadFrame*> chosen;
+    for (const ReadFrame& read : frames)
+      if (read.frame->rising == rising && read.frame->target_n == target) chosen.push_back(&read);
+    ContactLevel out;
+    out.target_n = target;
+    out.rising = rising;
+    out.frames = static_cast<int>(chosen.size());
+    const double weight = 1.0 / static_cast<double>(chosen.size());
+    const int first_position = chosen.front()->frame->position;
+    double shown = 0.0;
+    for (const ReadFrame* read : chosen) shown += read->frame->position == first_position ? 1.0 : 0.0;
+    out.raw_v.assign(fit.taxels.size(), 0.0);
+    out.compensated_psi.assign(fit.taxels.size(), 0.0);
+    std::vector<double> fitted_v(fit.taxels.size(), kNan);
+    for (const ReadFrame* read : chosen) {
+      const PressFrame& frame = *read->frame;
+      out.force_n += weight * frame.force_n;
+      out.torque_nmm += weight * std::hypot(frame.wrench[3], frame.wrench[4]);
+      add_weighted(out.raw, read->raw, weight);
+      add_weighted(out.compensated, read->compensated, weight);
+      out.raw_force_error_n += weight * std::abs(read->raw.force_n - frame.force_n);
+      out.compensated_force_error_n += weight * std::abs(read->compensated.force_n - frame.force_n);
+      out.raw_place_error_mm += weight * off_axis(frame, read->raw);
+      out.compensated_place_error_mm += weight * off_axis(frame, read->compensated);
+      out.raw_wander_mm += weight * wander(read->raw, raw_places.at(frame.position));
+      out.compensated_wander_mm += weight * wander(read->compensated, compensated_places.at(frame.position));
+      out.clamped_taxels += weight * read->clamped;
+      if (frame.position != first_position) continue;
+      for (std::size_t i = 0; i < frame.volts.size(); ++i) {
+        out.raw_v[i] += frame.volts[i] / shown;
+        out.compensated_psi[i] += read->compensated_psi[i] / shown;
+      }
+    }
+    for (std::size_t i = 0; i < fitted_v.size(); ++i)
+      if (fit.taxels[i].status == TaxelStatus::kFitted) fitted_v[i] = out.raw_v[i];
+    out.raw_std = std_share(fitted_v, result.full_scale_v);
+    out.compensated_std = std_share(out.compensated_psi, result.full_scale_psi);
+    return out;
+  }
+};
+
+double mean_distance(const std::vector<double>& up, const std::vector<double>& down, const ArrayFit& fit,
+                     double full_scale) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < up.size(); ++i) {
+    if (fit.taxels[i].status != TaxelStatus::kFitted) continue;
+    sum += std::abs(up[i] - down[i]);
+    n += 1.0;
+  }
+  return sum / n / full_scale;
+}
+
+}  // namespace
+
+ContactResult contact_result(const PressRun& run, const ArrayFit& fit, const ArrayGeometry& geometry) {
+  check_press(run, fit);
+  ContactResult out;
+  out.run = run.run;
+  out.mount_run = run.mount.empty() ? 0 : run.mount.front().run;
+  out.sequence = run.sequence;
+  out.object = run.object;
+  out.geometry = geometry;
+  out.full_scale_v = fit.full_scale_v;
+  out.full_scale_psi = fit.pressure_psi.back();
+  const std::vector<ReadFrame> frames = read_frames(run, fit, geometry);
+  std::set<int> positions, repeats;
+  std::set<double> rising, falling;
+  for (const ReadFrame& read : frames) {
+    positions.insert(read.frame->position);
+    repeats.insert(read.frame->repeat);
+    (read.frame->rising ? rising : falling).insert(read.frame->target_n);
+    const double raw = std::abs(read.raw.force_n - read.frame->force_n);
+    const double compensated = std::abs(read.compensated.force_n - read.frame->force_n);
+    out.raw_mean_error_n += raw / static_cast<double>(frames.size());
+    out.compensated_mean_error_n += compensated / static_cast<double>(frames.size());
+    out.raw_max_error_n = std::max(out.raw_max_error_n, raw);
+    out.compensated_max_error_n = std::max(out.compensated_max_error_n, compensated);
+  }
+  out.positions = static_cast<int>(positions.size());
+  out.repeats = static_cast<int>(repeats.size());
+  const LevelMaker maker{
+      run, fit, out, frames, mean_places(frames, &ReadFrame::raw), mean_places(frames, &ReadFrame::compensated)};
+  std::vector<ContactLevel> levels;
+  for (const double target : rising) levels.push_back(maker.level(target, true));
+  for (auto target = falling.rbegin(); target != falling.rend(); ++target)
+    levels.push_back(maker.level(*target, false));
+  for (const double target : rising) {
+    const auto at = [&](bool up) {
+      return std::ranges::find_if(levels,
+                                  [&](const ContactLevel& own) { return own.rising == up && own.target_n == target; });
+    };
+    const auto up = at(true), down = at(false);
+    const bool both = down != levels.end();
+    out.raw_distance.push_back(both ? mean_distance(up->raw_v, down->raw_v, fit, out.full_scale_v) : kNan);
+    out.compensated_distance.push_back(
+        both ? mean_distance(up->compensated_psi, down->compensated_psi, fit, out.full_scale_psi) : kNan);
+  }
+  out.levels = std::move(levels);
+  return out;
+}
+
+}  // namespace tactbench::analysis

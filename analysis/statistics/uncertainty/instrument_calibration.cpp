@@ -1,0 +1,172 @@
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/json_io.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using DeviceJson = nlohmann::ordered_json;
+
+constexpr double kUsualIntervalDays = 365.25;
+constexpr std::string_view kPlaceholder = "FILL-IN";
+
+std::string member_text(const DeviceJson& json, const char* name) {
+  const bool there = json.is_object() && json.contains(name) && json[name].is_string();
+  return there ? json[name].get<std::string>() : std::string();
+}
+
+double member_number(const DeviceJson& json, const char* name) {
+  const bool there = json.is_object() && json.contains(name) && json[name].is_number();
+  const double value = there ? json[name].get<double>() : 0.0;
+  return std::isfinite(value) ? value : 0.0;
+}
+
+// What counts as stated of a typed text; the rest is said in `remarks`.
+class StatedFields {
+ public:
+  StatedFields(const char* who, std::vector<std::string>& remarks) : who_(who), remarks_(remarks) {}
+
+  std::string text(const char* field, const std::string& typed) {
+    if (!is_placeholder(typed)) return typed;
+    remarks_.push_back(fmt::format("{}: {} was never filled in", field, who_));
+    return {};
+  }
+
+  std::string date(const char* field, const std::string& typed) {
+    std::string stated = text(field, typed);
+    if (stated.empty() || is_date(stated)) return stated;
+    remarks_.push_back(fmt::format("{}: not a date: {}", field, stated));
+    return {};
+  }
+
+ private:
+  const char* who_;
+  std::vector<std::string>& remarks_;
+};
+
+std::string uncertainty_words(const DeviceJson& json) {
+  if (json.is_object() && json.contains("correction") && json["correction"].is_object()) {
+    const DeviceJson& correction = json["correction"];
+    double largest = 0.0;
+    if (correction.contains("expanded_uncertainty_psi") && correction["expanded_uncertainty_psi"].is_array())
+      for (const DeviceJson& item : correction["expanded_uncertainty_psi"])
+        if (item.is_number()) largest = std::max(largest, item.get<double>());
+    const double k = member_number(correction, "coverage_factor");
+    if (largest > 0.0)
+      return fmt::format("U at most {:g} psi (k = {:g}), of its correction", largest, k > 0.0 ? k : 2.0);
+  }
+  for (const auto& [name, unit] :
+       {std::pair("expanded_uncertainty_psi", "psi"), std::pair("expanded_uncertainty_n", "N"),
+        std::pair("expanded_uncertainty_mm", "mm")})
+    if (const double expanded = member_number(json, name); expanded > 0.0)
+      return fmt::format("U {:g} {} (k = 2)", expanded, unit);
+  return {};
+}
+
+// True: they say the same, or one of them nothing.
+bool agree_on(const char* field, const std::string& run, const std::string& laboratory, const char* counts,
+              std::vector<std::string>& remarks) {
+  if (run.empty() || laboratory.empty() || run == laboratory) return true;
+  remarks.push_back(
+      fmt::format("contradiction: {} {} by the run, {} by the laboratory file; {}", field, run, laboratory, counts));
+  return false;
+}
+
+void add_note(InstrumentCalibration& calibration, const InstrumentNote& note) {
+  constexpr const char* kRunCounts = "that of the run counts";
+  StatedFields typed("the laboratory file", calibration.remarks);
+  const std::string certificate = typed.text("certificate", note.certificate);
+  const std::string calibrated_on = typed.date("calibrated", note.calibrated_on), due = typed.date("due", note.due);
+  const bool one_certificate =
+      agree_on("certificate", calibration.certificate, certificate, kRunCounts, calibration.remarks);
+  const bool one_date =
+      agree_on("calibrated", calibration.calibrated_on, calibrated_on, kRunCounts, calibration.remarks);
+  (void)agree_on("due", calibration.due, due, "the earlier one counts", calibration.remarks);
+  calibration.note = note.note;
+  if (calibration.due.empty() || (!due.empty() && due < calibration.due)) calibration.due = due;
+  if (!one_certificate || !one_date) return;  // it speaks of another calibration
+  if (calibration.certificate.empty()) calibration.certificate = certificate;
+  if (calibration.calibrated_on.empty()) calibration.calibrated_on = calibrated_on;
+  calibration.calibrated_by = note.calibrated_by;
+}
+
+}  // namespace
+
+InstrumentCalibration calibration_of(const db::DeviceRecord& device, std::span<const InstrumentNote> notes) {
+  const DeviceJson json = try_ordered_json(device.calibration_json);
+  InstrumentCalibration calibration;
+  StatedFields stated("the bench file", calibration.remarks);
+  calibration.role = device.role;
+  calibration.model = stated.text("model", device.model);
+  calibration.serial = stated.text("serial", device.serial);
+  calibration.certificate = stated.text("certificate", member_text(json, "certificate"));
+  calibration.calibrated_on = stated.date("calibrated", member_text(json, "calibrated"));
+  calibration.due = stated.date("due", member_text(json, "due"));
+  calibration.uncertainty = uncertainty_words(json);
+  const auto note = std::ranges::find(notes, device.serial, &InstrumentNote::serial);
+  if (note != notes.end() && !calibration.serial.empty()) add_note(calibration, *note);
+  return calibration;
+}
+
+DueState due_state(const InstrumentCalibration& calibration, std::string_view utc) {
+  const auto due = day_of(calibration.due), day = day_of(utc);
+  if (!due) return DueState::kNotStated;
+  return day && *day > *due ? DueState::kOverdue : DueState::kInDate;
+}
+
+double drift_growth(const InstrumentCalibration& calibration, std::string_view utc) {
+  const auto calibrated = day_of(calibration.calibrated_on), due = day_of(calibration.due), day = day_of(utc);
+  if (!day || (!calibrated && !due)) return 1.0;
+  const auto days = [](auto from, auto to) { return static_cast<double>((to - from).count()); };
+  double interval = calibrated && due ? days(*calibrated, *due) : kUsualIntervalDays;
+  if (!(interval > 0.0)) interval = kUsualIntervalDays;
+  const double since = due ? interval + days(*due, *day) : days(*calibrated, *day);
+  return std::max(1.0, since / interval);
+}
+
+std::optional<std::chrono::sys_days> day_of(std::string_view text) {
+  if (text.size() < 10 || (text.size() > 10 && text[10] != 'T') || text[4] != '-' || text[7] != '-')
+    return std::nullopt;
+  std::array<int, 3> numbers{};  // year, month, day
+  for (std::size_t i = 0; i < 10; ++i) {
+    if (i == 4 || i == 7) continue;
+    if (text[i] < '0' || text[i] > '9') return std::nullopt;
+    int& number = numbers[i < 4 ? 0 : i < 7 ? 1 : 2];
+    number = 10 * number + (text[i] - '0');
+  }
+  const std::chrono::year_month_day date{std::chrono::year(numbers[0]),
+                                         std::chrono::month(static_cast<unsigned>(numbers[1])),
+                                         std::chrono::day(static_cast<unsigned>(numbers[2]))};
+  if (!date.ok()) return std::nullopt;
+  return std::chrono::sys_days(date);
+}
+
+bool is_date(std::string_view text) { return text.size() == 10 && day_of(text).has_value(); }
+
+bool is_placeholder(std::string_view text) { return text.find(kPlaceholder) != std::string_view::npos; }
+
+std::string without_placeholders(const std::string& calibration_json) {
+  if (!is_placeholder(calibration_json)) return calibration_json;
+  DeviceJson json = try_ordered_json(calibration_json);
+  if (!json.is_object()) return {};
+  DeviceJson kept = DeviceJson::object();
+  for (const auto& [name, value] : json.items())
+    if (!is_placeholder(printable_json(value))) kept[name] = value;
+  return printable_json(kept);
+}
+
+std::string scanner_serial_of(const db::RunRecord& run, const std::optional<db::SensorRecord>& sensor) {
+  for (const db::DeviceRecord& device : run.devices)
+    if (device.role.find("scanner") != std::string::npos && !device.serial.empty()) return device.serial;
+  if (!run.scanner_serial.empty() || !sensor) return run.scanner_serial;
+  return sensor->scanner_serial;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,60 @@
+// What is stated of an instrument's calibration, resolved in one place for every section of a report, its data and
+// every verb: from what the run stored with the device and what a laboratory file says of its serial number.
+//
+// Precedence: what the run stored stands, field by field: its hash covers it, and verdicts rest on it. The laboratory
+// file fills in what the run leaves open. Of two due dates the earlier one counts. Where both state something else,
+// `remarks` says so. A text that is no date, and one that was never filled in, count as not stated.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "db/record.h"
+
+namespace tactbench::analysis {
+
+// Typed in a laboratory file for the instrument with this serial number.
+struct InstrumentNote {
+  std::string serial, certificate, calibrated_by, calibrated_on, due, note;  // dates as 2026-01-31
+};
+
+enum class DueState { kNotStated, kInDate, kOverdue };
+
+struct InstrumentCalibration {
+  std::string role, model, serial;                             // serial: empty where it was never filled in
+  std::string certificate, calibrated_by, calibrated_on, due;  // dates as 2026-01-31; empty: not stated
+  std::string uncertainty;                                     // "U 0.05 psi (k = 2)"; empty: not stated
+  std::string note;
+  std::vector<std::string> remarks;  // what was not taken and why, a sentence each
+  [[nodiscard]] bool traceable() const { return !certificate.empty(); }
+};
+
+// Never throws: what cannot be read is not stated.
+InstrumentCalibration calibration_of(const db::DeviceRecord& device, std::span<const InstrumentNote> notes = {});
+
+// On the day that `utc` begins with, the last day of validity included. What is no date is not after any.
+DueState due_state(const InstrumentCalibration& calibration, std::string_view utc);
+
+// How many times its stated limit of change an instrument may be off on that day, at least 1: the time since the
+// calibration over the interval that the limit holds for. The interval goes from the calibration date to the due date;
+// it is a year where one of them is not stated. Without both: 1.
+double drift_growth(const InstrumentCalibration& calibration, std::string_view utc);
+
+// "2026-01-31", or what goes on with a time after it ("2026-01-31T12:00:00Z"); none for days that no calendar has.
+std::optional<std::chrono::sys_days> day_of(std::string_view text);
+bool is_date(std::string_view text);  // "2026-01-31" alone
+
+// A template's "FILL-IN" that nobody replaced.
+bool is_placeholder(std::string_view text);
+// The calibration as it is stored, without what was never filled in.
+std::string without_placeholders(const std::string& calibration_json);
+
+// Serial number of the scanner electronics: of the scanner that answered in the run, else the one that the sensor was
+// registered with when the run began, else the one that it is registered with now.
+std::string scanner_serial_of(const db::RunRecord& run, const std::optional<db::SensorRecord>& sensor = {});
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,162 @@
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/json_io.h"
+
+namespace tactbench::analysis {
+namespace {
+
+using ReferenceJson = nlohmann::json;
+
+double positive_number(const ReferenceJson& json, const char* key) {
+  if (!json.contains(key) || !json[key].is_number()) return 0.0;
+  const double value = json[key].get<double>();
+  return std::isfinite(value) && value > 0.0 ? value : 0.0;
+}
+
+std::vector<double> numbers_in(const ReferenceJson& json, const char* key) {
+  std::vector<double> numbers;
+  if (!json.contains(key) || !json[key].is_array()) return numbers;
+  for (const ReferenceJson& item : json[key]) {
+    if (!item.is_number() || !std::isfinite(item.get<double>())) return {};
+    numbers.push_back(item.get<double>());
+  }
+  return numbers;
+}
+
+void read_certificate(const ReferenceJson& calibration, ReferenceUncertainty& reference) {
+  if (!calibration.contains("correction") || !calibration["correction"].is_object()) {
+    if (const double expanded = positive_number(calibration, "expanded_uncertainty_psi"); expanded > 0.0) {
+      reference.reading_psi = {0.0};  // one figure for all readings, k = 2
+      reference.expanded_psi = {expanded};
+    }
+    return;
+  }
+  const ReferenceJson& correction = calibration["correction"];
+  reference.reading_psi = numbers_in(correction, "reading_psi");
+  reference.expanded_psi = numbers_in(correction, "expanded_uncertainty_psi");
+  if (const double k = positive_number(correction, "coverage_factor"); k > 0.0) reference.coverage_factor = k;
+  const bool rises = std::ranges::is_sorted(reference.reading_psi, std::less_equal<>());
+  const bool usable = std::ranges::all_of(reference.expanded_psi, [](double u) { return u > 0.0; });
+  if (reference.reading_psi.size() == reference.expanded_psi.size() && rises && usable) return;
+  reference.reading_psi.clear();
+  reference.expanded_psi.clear();
+}
+
+// One step of the converter that reads the transducer, in psi: the module's volts a count times the span's psi a volt.
+double converter_step(const db::RunRecord& run, const ReferenceJson& calibration) {
+  if (!calibration.contains("psi_high") || !calibration.contains("volts_high")) return 0.0;
+  double volts_per_count = 0.0;
+  for (const db::DeviceRecord& device : run.devices) {
+    const ReferenceJson json = try_json(device.calibration_json);
+    if (!json.is_object() || !json.contains("input_volts")) continue;
+    const ReferenceJson& scale = json["input_volts"];
+    const double counts = scale.value("raw_high", 0.0) - scale.value("raw_low", 0.0);
+    // A module of inputs alone stands behind the other and is the one that reads.
+    if (counts > 0.0) volts_per_count = (scale.value("high", 0.0) - scale.value("low", 0.0)) / counts;
+  }
+  const double volts = calibration.value("volts_high", 0.0) - calibration.value("volts_low", 0.0);
+  const double psi = calibration.value("psi_high", 0.0) - calibration.value("psi_low", 0.0);
+  const double step = volts > 0.0 ? volts_per_count * psi / volts : 0.0;
+  return std::isfinite(step) && step > 0.0 ? step : 0.0;
+}
+
+void say_what_is_missing(ReferenceUncertainty& reference) {
+  if (reference.reading_psi.empty())
+    reference.certificate_missing =
+        reference.independent
+            ? "the bench file gives no uncertainty of the reference: state its certificate's in [reference] "
+              "expanded_uncertainty_psi"
+            : "there is no independent reference: the regulator's feedback stands in, whose uncertainty is not known";
+  if (!(reference.drift_psi > 0.0))
+    reference.drift_missing = fmt::format(
+        "the bench file gives no limit for it: [reference] drift_psi{}",
+        reference.overdue ? fmt::format("; the reference was overdue since {}", reference.calibration.due) : "");
+  if (!(reference.resolution_psi > 0.0))
+    reference.resolution_missing = "neither [reference] resolution_psi nor the converter's step is kept with the run";
+}
+
+// Once the limit has run out it grows with the time since the calibration: an overdue reference never makes U smaller.
+void set_drift(ReferenceUncertainty& reference, const std::string& utc) {
+  const InstrumentCalibration& calibration = reference.calibration;
+  const double growth = drift_growth(calibration, utc);
+  reference.drift_psi = growth * reference.drift_stated_psi;
+  if (!(reference.drift_psi > 0.0)) return;
+  const std::string until = calibration.due.empty() ? std::string("due date not stated")
+                            : reference.overdue     ? fmt::format("overdue since {}", calibration.due)
+                                                    : fmt::format("until the due date, {}", calibration.due);
+  reference.drift_basis =
+      growth > 1.0 ? fmt::format(
+                         "stated limit of {:g} psi times {:.3f}, the time since the calibration over the interval "
+                         "that it is stated for ({}); {}",
+                         reference.drift_stated_psi, growth,
+                         calibration.calibrated_on.empty() || calibration.due.empty()
+                             ? "taken as a year: calibration date and due date are not both stated"
+                             : fmt::format("{} to {}", calibration.calibrated_on, calibration.due),
+                         until)
+                   : fmt::format("stated limit of {:g} psi, whole; {}", reference.drift_stated_psi, until);
+}
+
+}  // namespace
+
+double ReferenceUncertainty::certificate_u(double pressure_psi) const {
+  if (reading_psi.empty()) return 0.0;
+  const auto above = std::ranges::upper_bound(reading_psi, pressure_psi);
+  if (above == reading_psi.begin()) return expanded_psi.front() / coverage_factor;
+  if (above == reading_psi.end()) return expanded_psi.back() / coverage_factor;
+  const auto i = static_cast<std::size_t>(above - reading_psi.begin());
+  const double share = (pressure_psi - reading_psi[i - 1]) / (reading_psi[i] - reading_psi[i - 1]);
+  return (expanded_psi[i - 1] + share * (expanded_psi[i] - expanded_psi[i - 1])) / coverage_factor;
+}
+
+double ReferenceUncertainty::largest_certificate_u() const {
+  return expanded_psi.empty() ? 0.0 : *std::ranges::max_element(expanded_psi) / coverage_factor;
+}
+
+ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
+  ReferenceUncertainty reference;
+  try {
+    for (const db::DeviceRecord& device : run.devices) {
+      if (device.role.find("reference") == std::string::npos || device.role.find("pressure") == std::string::npos)
+        continue;
+      const ReferenceJson json = try_json(device.calibration_json);
+      if (!json.is_object()) continue;
+      reference.calibration = calibration_of(device, notes);
+      reference.independent = json.value("independent", true);
+      read_certificate(json, reference);
+      reference.drift_stated_psi = positive_number(json, "drift_psi");
+      reference.resolution_psi = positive_number(json, "resolution_psi");
+      if (!(reference.resolution_psi > 0.0)) reference.resolution_psi = converter_step(run, json);
+      break;
+    }
+  } catch (const ReferenceJson::exception&) {
+    reference = ReferenceUncertainty();  // a calibration of another shape: nothing is known
+  }
+  reference.overdue = due_state(reference.calibration, run.started_utc) == DueState::kOverdue;
+  set_drift(reference, run.started_utc);
+  say_what_is_missing(reference);
+  return reference;
+}
+
+ReferenceUncertainty by_earlier_rules(ReferenceUncertainty reference) {
+  reference.drift_psi = reference.drift_stated_psi;
+  if (reference.overdue) reference.drift_missing = "the reference was overdue";
+  reference.overdue = false;
+  return reference;
+}
+
+double scanner_step_v(const db::RunRecord& run) {
+  for (const db::DeviceRecord& device : run.devices) {
+    if (device.role != "tactile scanner") continue;
+    const ReferenceJson json = try_json(device.calibration_json);
+    if (json.is_object()) return positive_number(json, "volts_per_count");
+  }
+  return 0.0;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,41 @@
+// What is known of the pressure reference's own error, from the calibration kept with the run's devices.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "db/record.h"
+
+namespace tactbench::analysis {
+
+struct ReferenceUncertainty {
+  InstrumentCalibration calibration;  // certificate, dates
+  bool independent = false;           // false: the regulator's feedback stands in
+  bool overdue = false;               // the run began after the due date
+  // Certificate: U (psi, with coverage factor k) at readings, rising; empty: none.
+  std::vector<double> reading_psi, expanded_psi;
+  double coverage_factor = 2.0;
+  double drift_stated_psi = 0.0;  // limit of the change from calibration to due date; 0: not stated
+  double drift_psi = 0.0;         // limit on the run's day: the stated one, times drift_growth(); never less
+  std::string drift_basis;        // the same in words
+  double resolution_psi = 0.0;    // one digit or one converter step; 0: not known
+  // Why a contribution is not assessed; empty where it is.
+  std::string certificate_missing, drift_missing, resolution_missing;
+
+  // u(p) = U(p) / k in psi (JCGM 100, 4.3.3), between the certificate's points linear, beyond them the last one's.
+  [[nodiscard]] double certificate_u(double pressure_psi) const;
+  [[nodiscard]] double largest_certificate_u() const;
+};
+
+// From the device of role "pressure reference" and the analog module that reads it. The run's own date rules. Never
+// throws: what cannot be read is not assessed.
+ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<const InstrumentNote> notes = {});
+// As verdicts rested on it before an overdue reference counted: nothing is overdue, and a limit of the drift that has
+// passed its due date is left out. For who recomputes them.
+ReferenceUncertainty by_earlier_rules(ReferenceUncertainty reference);
+// Volts a count of the run's tactile scanner; 0 where that is not kept.
+double scanner_step_v(const db::RunRecord& run);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,21 @@
+// Files that people name, read whole: only what ends, only so much of it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace tactbench::analysis {
+
+struct FileBounds {
+  std::size_t most_bytes = 0;
+  bool or_pipe = false;  // a pipe, too: <(command) of a shell
+};
+
+// Throws AnalysisError `id` where `path` names nothing that can be read, or a folder or a device.
+void check_file(const std::string& path, bool or_pipe, const std::string& id, const std::string& remedy);
+
+// Throws as check_file(), and where the file is longer or reading fails.
+std::string whole_file(const std::string& path, const FileBounds& bounds, const std::string& id,
+                       const std::string& remedy);
+
+}  // namespace tactbench::analysis

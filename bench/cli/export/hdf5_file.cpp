@@ -1,0 +1,190 @@
+#include "bench/cli/export/hdf5_file.h"
+
+#include <fmt/format.h>
+
+#include "bench/common/error.h"
+
+#ifdef TACTBENCH_HAVE_HDF5
+#include <hdf5.h>
+
+#include <algorithm>
+#endif
+
+namespace tactbench::bench {
+
+#ifdef TACTBENCH_HAVE_HDF5
+
+namespace {
+
+[[noreturn]] void hdf5_failed(const std::string& doing, const std::string& path) {
+  throw Error(ExitCode::kUsage, "TB-EXPORT-HDF5", fmt::format("libhdf5 could not {}", doing), path,
+              "see that the folder is there, may be written to and has space");
+}
+
+// One of the library's identifiers, closed with its own function.
+class Hdf5Id {
+ public:
+  Hdf5Id(hid_t id, herr_t (*close)(hid_t), const std::string& doing, const std::string& path) : id_(id), close_(close) {
+    if (id_ < 0) hdf5_failed(doing, path);
+  }
+  ~Hdf5Id() { close_(id_); }
+  Hdf5Id(const Hdf5Id&) = delete;
+  Hdf5Id& operator=(const Hdf5Id&) = delete;
+  [[nodiscard]] hid_t get() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+Hdf5Id hdf5_text_type(const std::string& path) {
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  if (type < 0 || H5Tset_size(type, H5T_VARIABLE) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0)
+    hdf5_failed("make a type of text", path);
+  return Hdf5Id(type, H5Tclose, "make a type of text", path);
+}
+
+}  // namespace
+
+struct Hdf5File::Open {
+  hid_t file = -1;
+  std::string path;
+
+  void write(const std::string& name, hid_t type, const void* values, const std::vector<std::size_t>& shape,
+             std::size_t element_bytes) const {
+    const std::vector<hsize_t> extent(shape.begin(), shape.end());
+    const Hdf5Id space(shape.empty() ? H5Screate(H5S_SCALAR)
+                                     : H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
+                       H5Sclose, "describe " + name, path);
+    const Hdf5Id how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "describe " + name, path);
+    // No times inside: the same run gives the same bytes.
+    if (H5Pset_obj_track_times(how.get(), false) < 0) hdf5_failed("describe " + name, path);
+    std::size_t row = element_bytes, all = element_bytes;
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      all *= shape[i];
+      if (i > 0) row *= shape[i];
+    }
+    constexpr std::size_t kSmall = 1024, kChunk = 65536;
+    if (element_bytes > 0 && all > kSmall) {
+      std::vector<hsize_t> chunk = extent;
+      chunk[0] = std::clamp<hsize_t>(kChunk / std::max<std::size_t>(row, 1), 1, extent[0]);
+      if (H5Pset_chunk(how.get(), static_cast<int>(chunk.size()), chunk.data()) < 0 || H5Pset_shuffle(how.get()) < 0 ||
+          H5Pset_deflate(how.get(), 4) < 0)
+        hdf5_failed("compress " + name, path);
+    }
+    const Hdf5Id set(H5Dcreate2(file, name.c_str(), type, space.get(), H5P_DEFAULT, how.get(), H5P_DEFAULT), H5Dclose,
+                     "make " + name, path);
+    if (all > 0 || element_bytes == 0) {
+      if (H5Dwrite(set.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) hdf5_failed("write " + name, path);
+    }
+  }
+
+  void write_attribute(const std::string& object, const std::string& name, hid_t type, const void* value) const {
+    const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose, "describe " + name, path);
+    const Hdf5Id made(
+        H5Acreate_by_name(file, object.c_str(), name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose, fmt::format("make the attribute {} of {}", name, object), path);
+    if (H5Awrite(made.get(), type, value) < 0) hdf5_failed("write the attribute " + name, path);
+  }
+};
+
+bool Hdf5File::available() { return true; }
+
+Hdf5File::Hdf5File(const std::string& path) : open_(std::make_unique<Open>()) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our errors say it
+  open_->path = path;
+  const Hdf5Id how(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make the file", path);
+  if (H5Pset_obj_track_times(how.get(), false) < 0) hdf5_failed("make the file", path);
+  open_->file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, how.get(), H5P_DEFAULT);
+  if (open_->file < 0) hdf5_failed("make the file", path);
+}
+
+Hdf5File::~Hdf5File() {
+  if (open_->file >= 0) H5Fclose(open_->file);
+}
+
+void Hdf5File::group(const std::string& path) {
+  const Hdf5Id how(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "make " + path, open_->path);
+  if (H5Pset_obj_track_times(how.get(), false) < 0) hdf5_failed("make " + path, open_->path);
+  const Hdf5Id group(H5Gcreate2(open_->file, path.c_str(), H5P_DEFAULT, how.get(), H5P_DEFAULT), H5Gclose,
+                     "make " + path, open_->path);
+}
+
+void Hdf5File::array(const std::string& path, const std::vector<double>& values, const std::string& unit,
+                     const std::vector<std::size_t>& shape) {
+  open_->write(path, H5T_NATIVE_DOUBLE, values.data(), shape.empty() ? std::vector{values.size()} : shape,
+               sizeof(double));
+  if (!unit.empty()) attribute(path, "unit", unit);
+}
+
+void Hdf5File::array(const std::string& path, const std::vector<std::int64_t>& values, const std::string& unit) {
+  open_->write(path, H5T_NATIVE_INT64, values.data(), {values.size()}, sizeof(std::int64_t));
+  if (!unit.empty()) attribute(path, "unit", unit);
+}
+
+void Hdf5File::array(const std::string& path, const std::vector<std::uint16_t>& values, const std::string& unit,
+                     const std::vector<std::size_t>& shape) {
+  open_->write(path, H5T_NATIVE_UINT16, values.data(), shape, sizeof(std::uint16_t));
+  if (!unit.empty()) attribute(path, "unit", unit);
+}
+
+void Hdf5File::array(const std::string& path, const std::vector<std::string>& values) {
+  const Hdf5Id type = hdf5_text_type(open_->path);
+  std::vector<const char*> pointers;
+  pointers.reserve(values.size());
+  for (const std::string& value : values) pointers.push_back(value.c_str());
+  open_->write(path, type.get(), pointers.data(), {values.size()}, 0);
+}
+
+void Hdf5File::text(const std::string& path, const std::string& value) {
+  const Hdf5Id type = hdf5_text_type(open_->path);
+  const char* pointer = value.c_str();
+  open_->write(path, type.get(), &pointer, {}, 0);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, const std::string& value) {
+  const Hdf5Id type = hdf5_text_type(open_->path);
+  const char* pointer = value.c_str();
+  open_->write_attribute(object, name, type.get(), &pointer);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, double value) {
+  open_->write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, std::int64_t value) {
+  open_->write_attribute(object, name, H5T_NATIVE_INT64, &value);
+}
+
+void Hdf5File::close() {
+  const hid_t file = open_->file;
+  open_->file = -1;
+  if (H5Fclose(file) < 0) hdf5_failed("close the file", open_->path);
+}
+
+#else
+
+struct Hdf5File::Open {};
+
+bool Hdf5File::available() { return false; }
+Hdf5File::Hdf5File(const std::string& path) {
+  throw Error(ExitCode::kUsage, "TB-EXPORT-HDF5", "this program was built without libhdf5", path,
+              "install libhdf5-dev and build again, or take --format json or csv");
+}
+Hdf5File::~Hdf5File() = default;
+void Hdf5File::group(const std::string&) {}
+void Hdf5File::array(const std::string&, const std::vector<double>&, const std::string&,
+                     const std::vector<std::size_t>&) {}
+void Hdf5File::array(const std::string&, const std::vector<std::int64_t>&, const std::string&) {}
+void Hdf5File::array(const std::string&, const std::vector<std::uint16_t>&, const std::string&,
+                     const std::vector<std::size_t>&) {}
+void Hdf5File::array(const std::string&, const std::vector<std::string>&) {}
+void Hdf5File::text(const std::string&, const std::string&) {}
+void Hdf5File::attribute(const std::string&, const std::string&, const std::string&) {}
+void Hdf5File::attribute(const std::string&, const std::string&, double) {}
+void Hdf5File::attribute(const std::string&, const std::string&, std::int64_t) {}
+void Hdf5File::close() {}
+
+#endif
+
+}  // namespace tactbench::bench

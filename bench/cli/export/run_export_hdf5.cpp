@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "analysis/documents/run_json.h"
+#include "analysis/json_io.h"
+#include "bench/cli/export/hdf5_file.h"
+#include "bench/cli/export/run_export.h"
+#include "bench/common/error.h"
+#include "bench/common/output_file.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// A column of rows: `get` of each.
+template <class Value, class Row, class Get>
+std::vector<Value> hdf5_column(const std::vector<Row>& rows, Get get) {
+  std::vector<Value> values;
+  values.reserve(rows.size());
+  for (const Row& row : rows) values.push_back(static_cast<Value>(get(row)));
+  return values;
+}
+using Reals = std::vector<double>;
+using Integers = std::vector<std::int64_t>;
+using Texts = std::vector<std::string>;
+
+template <class Row, class Get>
+Reals reals(const std::vector<Row>& rows, Get get) {
+  return hdf5_column<double>(rows, get);
+}
+template <class Row, class Get>
+Integers integers(const std::vector<Row>& rows, Get get) {
+  return hdf5_column<std::int64_t>(rows, get);
+}
+template <class Row, class Get>
+Texts texts(const std::vector<Row>& rows, Get get) {
+  return hdf5_column<std::string>(rows, get);
+}
+
+constexpr double kHdf5Absent = std::numeric_limits<double>::quiet_NaN();
+
+// Texts, numbers and truth (0 or 1) of a document as attributes of the same names. Lists and trees are left to the
+// caller, and null, which has no type.
+void hdf5_attributes(Hdf5File& file, const std::string& object, const nlohmann::ordered_json& members) {
+  for (const auto& [name, value] : members.items()) {
+    if (value.is_string()) {
+      file.attribute(object, name, value.get<std::string>());
+    } else if (value.is_boolean()) {
+      file.attribute(object, name, std::int64_t{value.get<bool>() ? 1 : 0});
+    } else if (value.is_number_integer()) {
+      file.attribute(object, name, value.get<std::int64_t>());
+    } else if (value.is_number_float()) {
+      file.attribute(object, name, value.get<double>());
+    }
+  }
+}
+
+std::string hdf5_joined(const nlohmann::ordered_json& words, const char* between) {
+  return fmt::format("{}", fmt::join(words.get<std::vector<std::string>>(), between));
+}
+
+void hdf5_head(Hdf5File& file, const nlohmann::ordered_json& document, const db::RunRecord& run) {
+  nlohmann::ordered_json members = document;
+  members.erase("notes");  // may be longer than an attribute
+  file.attribute("/", "schema", std::string("tactbench.run"));
+  file.attribute("/", "version", std::int64_t{analysis::kRunSchemaVersion});
+  hdf5_attributes(file, "/", members);
+  file.attribute("/", "tags", hdf5_joined(document["tags"], " "));
+  if (!run.rest_s) file.attribute("/", "rest_s", kHdf5Absent);
+  file.group("/configuration");
+  file.text("/configuration/bench_toml", run.bench_toml);
+  file.text("/configuration/sensor_toml", run.sensor_toml);
+  file.text("/configuration/overrides_json", run.overrides_json);
+  file.text("/configuration/notes", run.notes);
+}
+
+void hdf5_recipes_and_devices(Hdf5File& file, const nlohmann::ordered_json& document, const db::RunRecord& run) {
+  file.group("/recipes");
+  for (std::size_t i = 0; i < run.sequences.size(); ++i) {
+    const std::string path = fmt::format("/recipes/{}", run.sequences[i].sequence);
+    file.group(path);
+    hdf5_attributes(file, path, document["recipes"][i]);
+    file.text(path + "/toml", run.sequences[i].recipe_toml);
+  }
+  file.group("/devices");
+  for (std::size_t i = 0; i < run.devices.size(); ++i) {
+    const std::string path = fmt::format("/devices/{}", i);
+    file.group(path);
+    hdf5_attributes(file, path, document["devices"][i]);
+    file.attribute(path, "remarks", hdf5_joined(document["devices"][i]["remarks"], "; "));
+    file.text(path + "/calibration_json", run.devices[i].calibration_json);
+  }
+}
+
+// What makes volts of counts, from the scanner's calibration; absent where that does not say.
+double counts_scale(const db::RunRecord& run) {
+  for (const db::DeviceRecord& device : run.devices) {
+    const auto json = analysis::try_json(device.calibration_json);
+    if (json.is_object() && json.contains("volts_per_count") && json["volts_per_count"].is_number())
+      return json["volts_per_count"].get<double>();
+  }
+  return kHdf5Absent;
+}
+
+void hdf5_counts(Hdf5File& file, const db::RunRecord& run, const std::vector<db::FrameRecord>& frames) {
+  std::vector<std::size_t> shape = {frames.size(), 0, 0, 0};
+  if (!frames.empty()) {
+    const db::FrameRecord& f = frames.front();
+    shape = {frames.size(), static_cast<std::size_t>(f.scans), static_cast<std::size_t>(f.rows),
+             static_cast<std::size_t>(f.columns)};
+  }
+  std::vector<std::uint16_t> counts;
+  counts.reserve(shape[0] * shape[1] * shape[2] * shape[3]);
+  for (const db::FrameRecord& f : frames) {
+    if (f.counts.size() != shape[1] * shape[2] * shape[3] || f.rows != frames.front().rows ||
+        f.columns != frames.front().columns)
+      throw Error(ExitCode::kUsage, "TB-EXPORT-HDF5", "the run's frames are not all of one shape",
+                  fmt::format("run {}", run.run), "take --format json, which holds frames of any shape");
+    counts.insert(counts.end(), f.counts.begin(), f.counts.end());
+  }
+  file.array("/frames/counts", counts, "count", shape);
+  file.attribute("/frames/counts", "volts_per_count", counts_scale(run));
+  file.attribute("/frames/counts", "axes", std::string("frame scan row column"));
+}
+
+void hdf5_wrenches(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
+  if (std::ranges::none_of(frames, [](const db::FrameRecord& f) { return f.wrench.has_value(); })) return;
+  const db::WrenchRecord absent{kHdf5Absent,
+                                kHdf5Absent,
+                                {kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent},
+                                {kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent},
+                                {kHdf5Absent, kHdf5Absent, kHdf5Absent}};
+  Reals target, start, wrench, raw, place;
+  for (const db::FrameRecord& f : frames) {
+    const db::WrenchRecord& w = f.wrench ? *f.wrench : absent;
+    target.push_back(w.target_n);
+    start.push_back(w.force_start_n);
+    wrench.insert(wrench.end(), w.wrench.begin(), w.wrench.end());
+    raw.insert(raw.end(), w.raw.begin(), w.raw.end());
+    place.insert(place.end(), w.place_mm.begin(), w.place_mm.end());
+  }
+  file.array("/frames/target_n", target, "N");
+  file.array("/frames/force_start_n", start, "N");
+  file.array("/frames/wrench", wrench, "N N N N*mm N*mm N*mm", {frames.size(), 6});
+  file.array("/frames/wrench_raw", raw, "", {frames.size(), 6});
+  file.array("/frames/place_mm", place, "mm", {frames.size(), 3});
+}
+
+void hdf5_trace(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
+  Integers of_frame;
+  std::vector<db::TracePoint> points;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    of_frame.insert(of_frame.end(), frames[i].trace.size(), static_cast<std::int64_t>(i));
+    points.insert(points.end(), frames[i].trace.begin(), frames[i].trace.end());
+  }
+  file.group("/trace");
+  file.array("/trace/frame", of_frame, "row of /frames");
+  file.array("/trace/before_frame_s", reals(points, [](const auto& p) { return p.before_frame_s; }), "s");
+  file.array("/trace/setpoint_psi", reals(points, [](const auto& p) { return p.setpoint_psi; }), "psi");
+  file.array("/trace/feedback_psi", reals(points, [](const auto& p) { return p.feedback_psi; }), "psi");
+  file.array("/trace/reference_psi", reals(points, [](const auto& p) { return p.reference_psi; }), "psi");
+}
+
+void hdf5_frames(Hdf5File& file, const db::RunRecord& run, const std::vector<db::FrameRecord>& frames,
+                 const std::vector<db::BranchRecord>& branches) {
+  file.group("/frames");
+  Integers branch_rows;
+  for (const db::FrameRecord& f : frames) {
+    const auto found = std::ranges::lower_bound(branches, f.branch, {}, &db::BranchRecord::branch);
+    branch_rows.push_back(found - branches.begin());
+  }
+  file.array("/frames/branch", branch_rows, "row of /branches");
+  file.array("/frames/step", integers(frames, [](const auto& f) { return f.ordinal; }));
+  file.array("/frames/setpoint_psi", reals(frames, [](const auto& f) { return f.setpoint_psi; }), "psi");
+  file.array("/frames/feedback_psi", reals(frames, [](const auto& f) { return f.feedback_psi; }), "psi");
+  file.array("/frames/reference_psi", reals(frames, [](const auto& f) { return f.reference_psi; }), "psi");
+  file.array("/frames/setpoint_counts", integers(frames, [](const auto& f) { return f.setpoint_counts; }), "count");
+  file.array("/frames/feedback_counts", integers(frames, [](const auto& f) { return f.feedback_counts; }), "count");
+  file.array("/frames/reference_counts", integers(frames, [](const auto& f) { return f.reference_counts; }), "count");
+  file.array("/frames/time_ns", integers(frames, [](const auto& f) { return f.time_ns; }), "ns");
+  file.array("/frames/since_command_ns", integers(frames, [](const auto& f) { return f.since_command_ns; }), "ns");
+  file.array("/frames/in_band_ns", integers(frames, [](const auto& f) { return f.in_band_ns; }), "ns");
+  file.array("/frames/device_time_us", integers(frames, [](const auto& f) { return f.device_time_us; }), "us");
+  file.array("/frames/status", integers(frames, [](const auto& f) { return f.status; }));
+  file.array("/frames/exchanges", integers(frames, [](const auto& f) { return f.exchanges; }));
+  file.array("/frames/flags", texts(frames, [](const auto& f) { return f.flags; }));
+  hdf5_counts(file, run, frames);
+  hdf5_wrenches(file, frames);
+  hdf5_trace(file, frames);
+  file.group("/branches");
+  file.array("/branches/sequence", integers(branches, [](const auto& b) { return b.sequence; }));
+  file.array("/branches/repeat", integers(branches, [](const auto& b) { return b.repeat; }));
+  file.array("/branches/ordinal", integers(branches, [](const auto& b) { return b.ordinal; }));
+  file.array("/branches/attempt", integers(branches, [](const auto& b) { return b.attempt; }));
+  file.array("/branches/void", integers(branches, [](const auto& b) { return b.is_void ? 1 : 0; }));
+  file.array("/branches/void_reason", texts(branches, [](const auto& b) { return b.void_reason; }));
+  file.array("/branches/from_psi", reals(branches, [](const auto& b) { return b.from_psi; }), "psi");
+  file.array("/branches/to_psi", reals(branches, [](const auto& b) { return b.to_psi; }), "psi");
+  file.array("/branches/from_n", reals(branches, [](const auto& b) { return b.from_n.value_or(kHdf5Absent); }), "N");
+  file.array("/branches/to_n", reals(branches, [](const auto& b) { return b.to_n.value_or(kHdf5Absent); }), "N");
+}
+
+void hdf5_remarks(Hdf5File& file, const db::RunStore& store, std::int64_t run) {
+  const std::vector<db::EventRecord> events = store.events(run);
+  file.group("/events");
+  file.array("/events/time_ns", integers(events, [](const auto& e) { return e.time_ns; }), "ns");
+  file.array("/events/kind", texts(events, [](const auto& e) { return e.kind; }));
+  file.array("/events/id", texts(events, [](const auto& e) { return e.id; }));
+  file.array("/events/detail", texts(events, [](const auto& e) { return e.detail; }));
+  const std::vector<db::CheckRecord> checks = store.checks(run);
+  file.group("/checks");
+  file.array("/checks/time_ns", integers(checks, [](const auto& c) { return c.time_ns; }), "ns");
+  file.array("/checks/kind", texts(checks, [](const auto& c) { return c.kind; }));
+  file.array("/checks/verdict", texts(checks, [](const auto& c) { return c.verdict; }));
+  file.array("/checks/detail_json", texts(checks, [](const auto& c) { return c.detail_json; }));
+  const std::vector<db::VerdictRecord> verdicts = store.verdicts(run);
+  file.group("/verdicts");
+  file.array("/verdicts/criterion", texts(verdicts, [](const auto& v) { return v.criterion; }));
+  file.array("/verdicts/scope", texts(verdicts, [](const auto& v) { return v.scope; }));
+  file.array("/verdicts/value", reals(verdicts, [](const auto& v) { return v.value; }));
+  file.array("/verdicts/limit", reals(verdicts, [](const auto& v) { return v.limit; }));
+  file.array("/verdicts/unit", texts(verdicts, [](const auto& v) { return v.unit; }));
+  file.array("/verdicts/rule", texts(verdicts, [](const auto& v) { return v.rule; }));
+  file.array("/verdicts/verdict", texts(verdicts, [](const auto& v) { return v.verdict; }));
+  file.array("/verdicts/limits_sha256", texts(verdicts, [](const auto& v) { return v.limits_sha256; }));
+  file.group("/series");
+  std::size_t number = 0;
+  for (const db::SeriesRecord& series : store.series(run)) {  // units: the device of role "table"
+    const std::string path = fmt::format("/series/{}", number++);
+    file.group(path);
+    file.attribute(path, "sequence", std::int64_t{series.sequence});
+    file.attribute(path, "taxel", std::int64_t{series.taxel});
+    file.array(path + "/input", series.input);
+    file.array(path + "/output", series.output);
+  }
+}
+
+}  // namespace
+
+std::size_t write_run_hdf5(const db::RunStore& store, const db::RunRecord& run, const std::string& path) {
+  const HalfFile half = make_half_file(path);
+  std::error_code ignored;
+  try {
+    Hdf5File file(half.name);
+    const nlohmann::ordered_json document = analysis::run_json(run);
+    hdf5_head(file, document, run);
+    hdf5_recipes_and_devices(file, document, run);
+    hdf5_frames(file, run, store.frames(run.run), store.branches(run.run));
+    hdf5_remarks(file, store, run.run);
+    file.close();
+    std::filesystem::rename(half.name, half.target);
+  } catch (...) {
+    std::filesystem::remove(half.name, ignored);
+    throw;
+  }
+  return std::filesystem::file_size(half.target);
+}
+
+}  // namespace tactbench::bench

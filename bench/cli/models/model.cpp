@@ -1,0 +1,255 @@
+// model show, diff, export, adjust; and what fit --check prints.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/counted.h"
+#include "analysis/error.h"
+#include "analysis/statistics/sensor/drift.h"
+#include "bench/cli/models/fit_models.h"
+#include "bench/common/build_info.h"
+#include "bench/common/output_file.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using analysis::ModelDocument;
+using analysis::ModelTaxel;
+
+std::string range_text(const std::optional<analysis::Range>& range, const std::string& unit) {
+  return range ? fmt::format("{:.4g} .. {:.4g} {}", range->low, range->high, unit) : "not known";
+}
+
+void show(const std::string& name, const Session& session) {
+  const ModelDocument model = load_model(name, session);
+  if (session.json) {
+    tty::print("{}", analysis::to_text(model));
+    return;
+  }
+  const auto line = [](const char* what, const std::string& value) {
+    tty::print("  {:<14}{}\n", what, value.empty() ? "not stated" : one_line(value, kLongestText));
+  };
+  tty::print("{} of {} ({}), sha256 {}\n", analysis::label_of(model), one_line(model.source), one_line(model.origin),
+             analysis::sha256_of(model).substr(0, 12));
+  line("fitted on", fmt::format("{}", fmt::join(model.sequences, ", ")));
+  line("content", model.content_sha256);
+  line("sensor", fmt::format("{}, scanner {}", analysis::or_not_stated(model.sensor_serial),
+                             analysis::or_not_stated(model.scanner_serial)));
+  line("units", fmt::format("{} to {}{}", analysis::or_not_stated(model.input_unit),
+                            analysis::or_not_stated(model.output_unit), model.falling ? ", falling" : ""));
+  line("valid for",
+       fmt::format("input {}; hold {}; rate {}; temperature {}", range_text(model.validity.input, model.input_unit),
+                   range_text(model.validity.hold_s, "s"), range_text(model.validity.rate, model.input_unit + "/s"),
+                   range_text(model.validity.temperature_c, "degC")));
+  line("mount", model.validity.mount);
+  line("interface", model.validity.interface_material);
+  if (!model.parent_sha256.empty())
+    line("parent", fmt::format("{}: {}", model.parent_sha256.substr(0, 12), model.adjustment));
+  std::map<std::string, int> statuses;
+  const bool alone = model.taxels.size() == 1;
+  bool with_mean = false;
+  for (const ModelTaxel& taxel : model.taxels) {
+    const bool mean = taxel.taxel == analysis::kMeanTaxel;
+    with_mean = with_mean || mean;
+    if (!mean || alone) ++statuses[taxel.fit.model ? "fitted" : taxel.status];
+  }
+  std::vector<std::string> counts;
+  for (const auto& [status, count] : statuses) counts.push_back(fmt::format("{} {}", count, status));
+  line("taxels", fmt::format("{}{}", fmt::join(counts, ", "), with_mean && !alone ? "; and the mean taxel" : ""));
+  const ModelTaxel& shown = model.taxels.back();
+  if (shown.fit.model == nullptr) return;
+  tty::print("\n{}: J {:.6g}, mean error {:.3f} % FS, max {:.3f} % FS, full scale {:.4g} {}, noise {:.3g} {}\n",
+             shown.taxel == analysis::kMeanTaxel ? "mean taxel" : fmt::format("taxel {}", shown.taxel), shown.fit.j,
+             100.0 * shown.fit.mean_error / shown.fit.full_scale, 100.0 * shown.fit.max_error / shown.fit.full_scale,
+             shown.fit.full_scale, model.output_unit, shown.noise, model.output_unit);
+  const auto parameters = shown.fit.model->parameters();
+  constexpr std::size_t kMost = 24;  // Preisach has hundreds: --json has them all
+  for (std::size_t i = 0; i < std::min(kMost, parameters.size()); ++i)
+    tty::print("  {:<14}{:<22}{}{}\n", parameters[i].name, parameters[i].value, parameters[i].unit,
+               parameters[i].at_bound() ? "  at its bound" : "");
+  if (parameters.size() > kMost) tty::print("  and {} more (--json)\n", parameters.size() - kMost);
+}
+
+// Largest and mean difference of each parameter over the taxels that both models have.
+void diff(const std::string& first, const std::string& second, Session& session) {
+  const ModelDocument a = load_model(first, session), b = load_model(second, session);
+  if (a.model != b.model)
+    throw Error(ExitCode::kUsage, "TB-MODEL-DIFF", fmt::format("one is {}, the other {}", a.model, b.model),
+                "model diff", "compare models of one kind");
+  struct Line {
+    std::string name, unit;
+    double sum = 0.0, worst = 0.0;
+    int count = 0, worst_taxel = 0;
+  };
+  std::vector<Line> lines;
+  const auto add = [&](std::size_t i, const std::string& name, const std::string& unit, double off, int taxel) {
+    if (i >= lines.size()) lines.push_back({name, unit, 0.0, 0.0, 0, 0});
+    Line& line = lines[i];
+    line.sum += off;
+    ++line.count;
+    if (std::abs(off) > std::abs(line.worst)) {
+      line.worst = off;
+      line.worst_taxel = taxel;
+    }
+  };
+  int only = 0;
+  for (const ModelTaxel& own : a.taxels) {
+    const auto other = std::ranges::find(b.taxels, own.taxel, &ModelTaxel::taxel);
+    if (other == b.taxels.end() || !own.fit.model || !other->fit.model) {
+      only += own.fit.model != nullptr ? 1 : 0;
+      continue;
+    }
+    add(0, "zero", a.output_unit, other->zero - own.zero, own.taxel);
+    add(1, "gain", "1", other->gain - own.gain, own.taxel);
+    const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
+    for (std::size_t i = 0; i < std::min(p.size(), q.size()); ++i)
+      add(i + 2, p[i].name, p[i].unit, q[i].value - p[i].value, own.taxel);
+  }
+  const bool same = analysis::to_text(a) == analysis::to_text(b);
+  session.code = same ? ExitCode::kPass : ExitCode::kCriterionFailed;
+  if (session.json) {
+    auto json = nlohmann::ordered_json::array();
+    for (const Line& line : lines)
+      json.push_back({{"name", line.name},
+                      {"unit", line.unit},
+                      {"mean", line.sum / line.count},
+                      {"largest", line.worst},
+                      {"taxel", line.worst_taxel}});
+    print_json("model.diff", {{"same", same}, {"taxels_of_first_alone", only}, {"parameters", json}});
+    return;
+  }
+  tty::print("{} against {}: {}\n", second, first, same ? "the same, byte for byte" : "not the same");
+  if (only > 0) tty::print("{} fitted in the first alone\n", analysis::counted(only, "taxel is", "taxels are"));
+  tty::print("{:<16}{:>14}{:>14}{:>8}  {}\n", "parameter", "mean diff", "largest", "taxel", "unit");
+  for (const Line& line : lines)
+    tty::print("{:<16}{:>14.6g}{:>14.6g}{:>8}  {}\n", line.name, line.sum / line.count, line.worst, line.worst_taxel,
+               line.unit);
+}
+
+nlohmann::ordered_json drift_json(const analysis::Drift& drift) {
+  auto taxels = nlohmann::ordered_json::array();
+  for (const analysis::TaxelDrift& t : drift.taxels)
+    taxels.push_back({{"taxel", t.taxel},
+                      {"zero", t.zero_alone},
+                      {"zero_with_gain", t.zero},
+                      {"zero_u", t.zero_u},
+                      {"gain", t.gain},
+                      {"gain_u", t.gain_u},
+                      {"as_is_fs", t.as_is},
+                      {"zeroed_fs", t.zeroed},
+                      {"adjusted_fs", t.adjusted}});
+  return {{"verdict", analysis::to_string(drift.verdict)},
+          {"tolerance_fs", drift.tolerance},
+          {"as_is_fs", drift.as_is},
+          {"zeroed_fs", drift.zeroed},
+          {"adjusted_fs", drift.adjusted},
+          {"taxels", taxels}};
+}
+
+struct AdjustOptions {
+  std::string model, by, output;
+  bool zero = false, gain = false;
+  TableOptions table;
+};
+
+void adjust(const AdjustOptions& options, const Session& session) {
+  if (!options.zero && !options.gain)
+    throw Error(ExitCode::kUsage, "TB-USAGE", "nothing to adjust is named", "model adjust", "add --zero, or --gain");
+  check_output(options.output, kModelFile, session.replace);
+  const ModelDocument parent = load_model(options.model, session);
+  const analysis::Histories by = read_source(options.by, options.table, session);
+  const analysis::Drift drift = analysis::drift_of(parent, by);
+  ModelDocument child = analysis::adjusted(load_model(options.model, session), drift, by, options.gain);
+  child.program_version = build_info().version;
+  write_output(options.output, analysis::to_text(child), session.replace);
+  if (session.json) {
+    print_json("model.adjust", {{"parent_sha256", child.parent_sha256},
+                                {"sha256", analysis::sha256_of(child)},
+                                {"path", options.output},
+                                {"drift", drift_json(drift)}});
+    return;
+  }
+  tty::print("{}: {}\n  mean residual on {}: {:.3f} % FS before, {:.3f} after; parent {}\n", options.output,
+             child.adjustment, by.source, 100.0 * drift.as_is, 100.0 * (options.gain ? drift.adjusted : drift.zeroed),
+             child.parent_sha256.substr(0, 12));
+}
+
+}  // namespace
+
+void check_model(const std::string& name, const FitModelsOptions& options, Session& session) {
+  const ModelDocument model = load_model(name, session);
+  const analysis::Histories histories = read_source(options.source, options.table, session);
+  const analysis::Drift drift = analysis::drift_of(model, histories);
+  if (drift.verdict == analysis::DriftVerdict::kRecalibrate) session.code = ExitCode::kCriterionFailed;
+  if (session.json) {
+    nlohmann::ordered_json json = drift_json(drift);
+    json["outside_validity"] = analysis::outside_validity(model, histories);
+    print_json("fit.check", json);
+    return;
+  }
+  tty::print("{} of {} on {}: {}\n", analysis::label_of(model), model.source, histories.source,
+             analysis::to_string(drift.verdict));
+  for (const std::string& line : analysis::outside_validity(model, histories))
+    tty::print("  outside the model's validity: {}\n", line);
+  tty::print("  mean residual of {}, % FS: as it is {:.3f}, re-zeroed {:.3f}, with gain {:.3f} (tolerance {:.3f})\n",
+             analysis::counted(drift.taxels.size(), "taxel"), 100.0 * drift.as_is, 100.0 * drift.zeroed,
+             100.0 * drift.adjusted, 100.0 * drift.tolerance);
+  std::vector<analysis::TaxelDrift> worst = drift.taxels;
+  std::ranges::stable_sort(worst, std::ranges::greater{}, &analysis::TaxelDrift::as_is);
+  worst.resize(std::min<std::size_t>(worst.size(), 5));
+  tty::print("  {:>6}{:>24}{:>24}{:>10}\n", "taxel", fmt::format("zero +- u, {}", model.output_unit), "gain +- u",
+             "% FS");
+  for (const analysis::TaxelDrift& t : worst)
+    tty::print("  {:>6}{:>24}{:>24}{:>10.3f}\n", t.taxel, fmt::format("{:.5f} +- {:.5f}", t.zero, t.zero_u),
+               fmt::format("{:.5f} +- {:.5f}", t.gain, t.gain_u), 100.0 * t.as_is);
+}
+
+void add_model(CLI::App& app, Session& session) {
+  CLI::App* model = app.add_subcommand("model", "show, compare, write out or adjust stored models");
+  model->require_subcommand(1);
+  const char* what = "a .json that fit -o wrote, or RUN or RUN:FIT of the store";
+  auto first = std::make_shared<std::string>(), second = std::make_shared<std::string>();
+  auto output = std::make_shared<std::string>();
+  CLI::App* show_verb = model->add_subcommand("show", "what a model is, and its parameters");
+  show_verb->add_option("model", *first, what)->required();
+  add_void_too(*show_verb, session);
+  add_common(*show_verb, session);
+  show_verb->callback([first, &session] { show(*first, session); });
+  CLI::App* diff_verb =
+      model->add_subcommand("diff", "how the parameters of two models of one kind differ; exit code 1 when they do");
+  diff_verb->add_option("first", *first, what)->required();
+  diff_verb->add_option("second", *second, what)->required();
+  add_void_too(*diff_verb, session);
+  add_common(*diff_verb, session);
+  diff_verb->callback([first, second, &session] { diff(*first, *second, session); });
+  CLI::App* export_verb = model->add_subcommand("export", "write a model as its JSON document");
+  export_verb->add_option("model", *first, what)->required();
+  export_verb->add_option("-o,--output", *output, "file to write")->required();
+  add_replace(*export_verb, session);
+  add_void_too(*export_verb, session);
+  add_common(*export_verb, session);
+  export_verb->callback([first, output, &session] {
+    write_output(*output, analysis::to_text(load_model(*first, session)), session.replace);
+  });
+  auto options = std::make_shared<AdjustOptions>();
+  CLI::App* adjust_verb =
+      model->add_subcommand("adjust", "a child of a model, its zero (and gain) moved to what a short run shows");
+  adjust_verb->add_option("model", options->model, what)->required();
+  adjust_verb->add_option("by", options->by, "run number or table to adjust by")->required();
+  adjust_verb->add_flag("--zero", options->zero, "adjust the zero of each taxel");
+  adjust_verb->add_flag("--gain", options->gain, "adjust its gain, too");
+  adjust_verb->add_option("-o,--output", options->output, "file to write")->required();
+  add_replace(*adjust_verb, session);
+  add_table_options(*adjust_verb, options->table);
+  add_void_too(*adjust_verb, session);
+  add_common(*adjust_verb, session);
+  adjust_verb->callback([options, &session] { adjust(*options, session); });
+}
+
+}  // namespace tactbench::bench

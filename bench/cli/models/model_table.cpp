@@ -1,0 +1,163 @@
+#include "bench/cli/models/model_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "analysis/counted.h"
+#include "bench/common/build_info.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// The mean taxel where there are several, else the last that has a model: the mean stands at the end.
+const analysis::ModelTaxel& shown(const analysis::ModelDocument& document) {
+  return *std::find_if(document.taxels.rbegin(), document.taxels.rend(),
+                       [](const analysis::ModelTaxel& taxel) { return taxel.fit.model != nullptr; });
+}
+
+std::string percent(double error, double full_scale) { return fmt::format("{:.3f}", 100.0 * error / full_scale); }
+
+std::string bins_table(const std::string& title, const std::string& unit, const std::vector<ModelRow>& rows,
+                       std::size_t target, std::vector<analysis::Bin> analysis::Score::*bins) {
+  if ((rows.front().scores[target].taxels.*bins).size() < 2) return {};
+  std::string text = fmt::format("\n  {}, mean compensation error by model\n  {:>18}{:>10}", title, unit, "samples");
+  for (const ModelRow& row : rows)
+    text += fmt::format("{:>{}}", row.label, std::max<std::size_t>(12, row.label.size() + 2));
+  text += "\n";
+  const auto& first = rows.front().scores[target].taxels.*bins;
+  for (std::size_t b = 0; b < first.size(); ++b) {
+    text +=
+        fmt::format("  {:>18}{:>10}", fmt::format("{:g} .. {:g}", first[b].low, first[b].high), first[b].error.samples);
+    for (const ModelRow& row : rows) {
+      const auto& own = row.scores[target].taxels.*bins;
+      text += fmt::format("{:>{}.3f}", b < own.size() ? own[b].error.mean() : 0.0,
+                          std::max<std::size_t>(12, row.label.size() + 2));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json error_json(const analysis::ErrorSum& error) {
+  return {{"mean", error.mean()}, {"max", error.max}, {"samples", error.samples}};
+}
+
+nlohmann::ordered_json bins_json(const std::vector<analysis::Bin>& bins) {
+  auto json = nlohmann::ordered_json::array();
+  for (const analysis::Bin& bin : bins)
+    json.push_back({{"low", bin.low}, {"high", bin.high}, {"compensated", error_json(bin.error)}});
+  return json;
+}
+
+nlohmann::ordered_json score_json(const analysis::Score& score) {
+  return {{"direct", error_json(score.direct)},
+          {"compensated", error_json(score.compensated)},
+          {"raw", error_json(score.raw)},
+          {"by_hold_s", bins_json(score.by_hold)},
+          {"by_rate", bins_json(score.by_rate)}};
+}
+
+}  // namespace
+
+std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
+                                 const std::vector<std::string>& sequences, const analysis::IdentifyOptions& options,
+                                 const std::vector<ScoreTarget>& targets) {
+  std::vector<ModelRow> rows;
+  for (const std::string& model : models) {
+    ModelRow& row = rows.emplace_back();
+    row.document = analysis::fit_models(model, histories, sequences, options);
+    row.document.program_version = build_info().version;
+    row.label = analysis::label_of(row.document);
+    const auto shown_histories =
+        std::ranges::find(histories.taxels, shown(row.document).taxel, &analysis::TaxelHistories::taxel);
+    row.crossed = analysis::cross_validate(model, analysis::fit_data_of(*shown_histories, sequences), options);
+    for (const ScoreTarget& target : targets)
+      row.scores.push_back(analysis::score_model(row.document, *target.histories, target.sequences));
+  }
+  return rows;
+}
+
+std::string fits_table(const std::vector<ModelRow>& rows) {
+  std::string text = fmt::format("{:<22}{:>6}{:>13}{:>10}{:>9}{:>11}{:>10}{:>8}\n", "model", "params", "J", "mean %FS",
+                                 "max %FS", "cross %FS", "ops/smpl", "taxels");
+  for (const ModelRow& row : rows) {
+    const analysis::ModelFit& fit = shown(row.document).fit;
+    const bool alone = row.document.taxels.size() == 1;
+    const auto taxels = std::ranges::count_if(row.document.taxels, [&](const analysis::ModelTaxel& t) {
+      return t.fit.model != nullptr && (alone || t.taxel != analysis::kMeanTaxel);
+    });
+    text += fmt::format("{:<22}{:>6}{:>13.6g}{:>10}{:>9}{:>11}{:>10}{:>8}\n", row.label, fit.model->parameters().size(),
+                        fit.j, percent(fit.mean_error, fit.full_scale), percent(fit.max_error, fit.full_scale),
+                        row.crossed.samples > 0 ? percent(row.crossed.mean(), fit.full_scale) : "-",
+                        fit.model->operations_per_sample(), taxels);
+  }
+  return text;
+}
+
+std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
+                         const std::string& unit) {
+  std::string text;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const bool array = rows.front().scores[t].count > 1;
+    text += fmt::format("\nscored on {} ({}{})\n", targets[t].title,
+                        analysis::counted(rows.front().scores[t].taxels.direct.samples, "sample"),
+                        array ? fmt::format(", {} taxels", rows.front().scores[t].count) : std::string());
+    text += fmt::format("{:<22}{:>21}{:>24}{}\n", "", "direct model, % FS", fmt::format("compensated, {}", unit),
+                        array ? "      mean taxel" : "");
+    text += fmt::format("{:<22}{:>11}{:>10}{:>12}{:>12}{}\n", "model", "mean", "max", "mean", "max",
+                        array ? fmt::format("{:>10}{:>10}", "mean", "max") : std::string());
+    const analysis::Score& any = rows.front().scores[t].taxels;
+    const analysis::Score& any_mean = rows.front().scores[t].mean;
+    text += fmt::format(
+        "{:<22}{:>11}{:>10}{:>12.3f}{:>12.3f}{}\n", "none (straight line)", "-", "-", any.raw.mean(), any.raw.max,
+        array ? fmt::format("{:>10.3f}{:>10.3f}", any_mean.raw.mean(), any_mean.raw.max) : std::string());
+    for (const ModelRow& row : rows) {
+      const analysis::ModelScore& score = row.scores[t];
+      text += fmt::format(
+          "{:<22}{:>11}{:>10}{:>12.3f}{:>12.3f}{}\n", row.label, percent(score.taxels.direct.mean(), score.full_scale),
+          percent(score.taxels.direct.max, score.full_scale), score.taxels.compensated.mean(),
+          score.taxels.compensated.max,
+          array ? fmt::format("{:>10.3f}{:>10.3f}", score.mean.compensated.mean(), score.mean.compensated.max)
+                : std::string());
+    }
+    for (const std::string& line :
+         analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences))
+      text += fmt::format("outside the models' validity: {}\n", line);
+    text += bins_table("by hold time", "s", rows, t, &analysis::Score::by_hold);
+    text += bins_table("by rate", unit + "/s", rows, t, &analysis::Score::by_rate);
+  }
+  return text;
+}
+
+nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets) {
+  const analysis::ModelFit& fit = shown(row.document).fit;
+  nlohmann::ordered_json json = {{"model", row.label}, {"fit", row.fit}};
+  auto parameters = nlohmann::ordered_json::array();
+  for (const analysis::ModelParameter& p : fit.model->parameters())
+    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});
+  json["shown_taxel"] = {{"taxel", shown(row.document).taxel},
+                         {"j", fit.j},
+                         {"mean_error", fit.mean_error},
+                         {"max_error", fit.max_error},
+                         {"full_scale", fit.full_scale},
+                         {"samples", fit.samples},
+                         {"starts", fit.starts},
+                         {"operations_per_sample", fit.model->operations_per_sample()},
+                         {"cross_validated", error_json(row.crossed)},
+                         {"parameters", parameters}};
+  json["scores"] = nlohmann::ordered_json::array();
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    json["scores"].push_back(
+        {{"on", targets[t].title},
+         {"taxels", row.scores[t].count},
+         {"outside_validity", analysis::outside_validity(row.document, *targets[t].histories, targets[t].sequences)},
+         {"all", score_json(row.scores[t].taxels)},
+         {"mean_taxel", score_json(row.scores[t].mean)},
+         {"full_scale", row.scores[t].full_scale}});
+  return json;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,192 @@
+// predict and compensate: a stored model applied to a table, line by line, so that they stand in a pipe.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/compensate/inverse_stream.h"
+#include "analysis/models/elam_hysteresis.h"
+#include "analysis/table.h"
+#include "analysis/whole_file.h"
+#include "bench/cli/runs/source.h"
+#include "bench/common/output_file.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct PredictOptions {
+  std::string model, file = "-", output, map, taxel;
+};
+
+// The one taxel of a model that the rows speak of when they name none.
+int only_taxel(const analysis::ModelDocument& model, const std::string& wanted) {
+  if (wanted == "mean") return analysis::kMeanTaxel;
+  if (!wanted.empty()) {
+    int taxel = 0;
+    const char* end = wanted.data() + wanted.size();
+    if (const auto [last, fault] = std::from_chars(wanted.data(), end, taxel); fault == std::errc() && last == end)
+      return taxel;
+    throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL", fmt::format("'{}' is the number of no taxel", wanted), "--taxel",
+                "add --taxel N or --taxel mean");
+  }
+  if (model.taxels.size() == 1) return model.taxels.front().taxel;
+  throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL",
+              fmt::format("the model has {} taxels and the table does not say which", model.taxels.size()), "--taxel",
+              "add --taxel N or --taxel mean, or a column taxel");
+}
+
+const analysis::ModelTaxel& fitted(const analysis::ModelDocument& model, int number) {
+  const analysis::ModelTaxel& taxel = model.taxel(number);
+  if (taxel.fit.model != nullptr) return taxel;
+  throw Error(ExitCode::kInconclusive, "TB-MODEL-TAXEL", fmt::format("taxel {} has no model: {}", number, taxel.status),
+              "--taxel", "choose another taxel");
+}
+
+// One history: a taxel in a sequence. What is added to a row of the table, after its separator.
+class Predictor {
+ public:
+  static constexpr std::array kColumns{"predicted"};
+  Predictor(const analysis::ModelDocument& model, const analysis::ModelTaxel& taxel)
+      : model_(&model), taxel_(&taxel), state_(taxel.fit.model->state()) {}
+  std::string step(const analysis::TableReader::Row& row, char /*separator*/) {
+    state_->go(row.input);
+    return fmt::format("{}", model_->from_model(*taxel_, state_->output_at(row.input)));
+  }
+
+ private:
+  const analysis::ModelDocument* model_;
+  const analysis::ModelTaxel* taxel_;
+  std::unique_ptr<analysis::ModelState> state_;
+};
+
+// ELAM as in the paper by the product's own compensator, which knows its uncertainty; every other model by the rule
+// that all models are compared with.
+class Compensator {
+ public:
+  static constexpr std::array kColumns{"compensated", "uncertainty", "flags"};
+  Compensator(const analysis::ModelDocument& model, const analysis::ModelTaxel& taxel)
+      : model_(&model), taxel_(&taxel) {
+    const auto* elam = dynamic_cast<const analysis::ElamHysteresis*>(taxel.fit.model.get());
+    if (elam != nullptr && elam->is_paper()) {
+      analysis::CompensatorOptions options;
+      options.noise_v = taxel.noise / taxel.gain;
+      elam_.emplace(elam->elam(), options);
+    } else {
+      stream_.emplace(*taxel.fit.model, band());
+    }
+  }
+  std::string step(const analysis::TableReader::Row& row, char separator) {
+    const double output = model_->to_model(*taxel_, row.output);
+    if (!elam_) {
+      const double low = taxel_->loop_low - band(), high = taxel_->loop_low + taxel_->fit.full_scale + band();
+      return fmt::format("{}{}{}{}", stream_->step(output), separator, separator,
+                         output < low || output > high ? "range" : "");
+    }
+    const analysis::Compensated now = elam_->step(output);
+    // Beyond the loop the pressure is its end, and how far off that is nobody knows.
+    const double uncertainty = now.out_of_range ? std::numeric_limits<double>::quiet_NaN() : now.uncertainty_psi;
+    return fmt::format("{}{}{:.4g}{}{}{}", now.pressure_psi, separator, uncertainty, separator,
+                       now.out_of_range ? "range" : "", now.flat ? (now.out_of_range ? " flat" : "flat") : "");
+  }
+
+ private:
+  [[nodiscard]] double band() const { return analysis::kBandInNoises * taxel_->noise / taxel_->gain; }
+  const analysis::ModelDocument* model_;
+  const analysis::ModelTaxel* taxel_;
+  std::optional<analysis::TaxelCompensator> elam_;
+  std::optional<analysis::InverseStream> stream_;
+};
+
+template <class Applied>
+void apply(const PredictOptions& options, const Session& session, analysis::TableNeeds needs) {
+  const analysis::ModelDocument model = load_model(options.model, session);
+  std::ifstream file;
+  if (options.file != "-") {
+    analysis::check_file(options.file, true, "TB-TABLE-OPEN", "check its name and rights; - is standard input");
+    file.open(options.file);
+    if (!file)
+      throw Error(ExitCode::kUsage, "TB-TABLE-OPEN", "the table cannot be read", options.file,
+                  "check its name and rights; - is standard input");
+  }
+  std::istream& in = options.file == "-" ? std::cin : file;
+  analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
+                               analysis::column_map_from(options.map), needs);
+  const int only = reader.has_taxel() ? 0 : only_taxel(model, options.taxel);
+  std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
+  const std::string separator(1, reader.separator());
+  std::string text = fmt::format("{}{}{}\n", reader.header(), separator, fmt::join(Applied::kColumns, separator));
+  if (!options.output.empty()) check_output(options.output, kind_of_file(text), session.replace);
+  const auto flush = [&] {
+    const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = for_people(text) : text;
+    if (std::fwrite(sent.data(), 1, sent.size(), stdout) != sent.size() || std::fflush(stdout) != 0)
+      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", "the table cannot be written", "standard output",
+                  "check space and permissions of the file, or who reads the pipe");
+    text.clear();
+  };
+  const std::optional<analysis::Range>& range = model.validity.input;
+  const double slack = range ? analysis::kInputSlack * (range->high - range->low) : 0.0;
+  std::size_t rows = 0, outside = 0;
+  for (analysis::TableReader::Row row; reader.next(row);) {
+    const analysis::ModelTaxel& taxel = fitted(model, reader.has_taxel() ? row.taxel : only);
+    ++rows;
+    if (needs == analysis::TableNeeds::kInput && range && !range->contains(row.input, slack)) ++outside;
+    try {
+      auto& history = histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel).first->second;
+      text += fmt::format("{}{}{}\n", row.text, separator, history.step(row, reader.separator()));
+    } catch (const std::invalid_argument& error) {
+      throw Error(ExitCode::kUsage, "TB-MODEL-DOCUMENT",
+                  fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),
+                  fmt::format("{}, line {}", options.file, row.line),
+                  "look at its parameters (tactbench model show), or fit it again");
+    }
+    if (options.output.empty()) flush();
+  }
+  if (options.output.empty())
+    flush();
+  else
+    write_output(options.output, text, session.replace);
+  if (outside > 0)
+    tty::print(stderr, "{} of {} inputs lie outside the model's validity, {} to {} {}\n", outside, rows, range->low,
+               range->high, model.input_unit);
+}
+
+CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<PredictOptions>& options, const char* name,
+                   const char* what) {
+  CLI::App* verb = app.add_subcommand(name, what);
+  verb->add_option("model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
+  verb->add_option("file", options->file, "table; - for standard input, line by line")->capture_default_str();
+  verb->add_option("-o,--output", options->output, "file to write (default: standard output)");
+  add_replace(*verb, session);
+  verb->add_option("--map", options->map, "which column is what: input=COL,output=COL,sequence=COL,taxel=COL");
+  verb->add_option("--taxel", options->taxel, "of a model of many, where the table has no column taxel: N, or mean")
+      ->check(CLI::NonNegativeNumber | CLI::IsMember({"mean"}));
+  add_void_too(*verb, session);
+  add_common(*verb, session);
+  return verb;
+}
+
+}  // namespace
+
+void add_predict(CLI::App& app, Session& session) {
+  auto predict = std::make_shared<PredictOptions>(), compensate = std::make_shared<PredictOptions>();
+  add_verb(app, session, predict, "predict", "outputs of a model along the inputs of a table: adds a column predicted")
+      ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
+  add_verb(app, session, compensate, "compensate",
+           "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty (of "
+           "ELAM; standard; nan where the flag range says that the output lies outside the loop, and the input is its "
+           "end) and flags (flat, range)")
+      ->callback([compensate, &session] { apply<Compensator>(*compensate, session, analysis::TableNeeds::kOutput); });
+}
+
+}  // namespace tactbench::bench

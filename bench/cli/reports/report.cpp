@@ -1,0 +1,273 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "analysis/report/overview/overview.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "bench/cli/judgement_words.h"
+#include "bench/cli/reports/report_options.h"
+#include "bench/cli/reports/report_signing.h"
+#include "bench/common/output_file.h"
+#include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/reporting/evaluation.h"
+#include "bench/reporting/report_pdf.h"
+#include "bench/reporting/signed_reports.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// Models of `model_run`, none where it has none: then the report says what it does not show.
+analysis::ArrayFit models_for(const db::RunStore& store, std::int64_t model_run) {
+  if (!store.latest_fit(model_run, analysis::kElamFit)) return {};
+  return analysis::load_fit(store, model_run);
+}
+
+// A run that sweeps no full loop is not evaluated, and has no figure after compensation.
+std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysis::ArrayFit& fit, std::int64_t run,
+                                             const std::vector<std::int64_t>& held_out) {
+  std::vector<NamedEvaluation> evaluations;
+  if (fit.taxels.empty()) return evaluations;
+  try {
+    if (run == fit.run) return evaluate_runs(runs, fit, held_out);
+    evaluations.push_back(
+        {fmt::format("run {}, models of run {}", run, fit.run), analysis::evaluate(runs.dataset(run), fit)});
+    for (const std::int64_t other : held_out)
+      evaluations.push_back({fmt::format("held-out run {}", other), analysis::evaluate(runs.dataset(other), fit)});
+  } catch (const analysis::AnalysisError& error) {
+    if (error.id() != "TB-ANALYSIS-NO-LOOP" || !held_out.empty()) throw;
+    evaluations.clear();
+  }
+  return evaluations;
+}
+
+struct JudgedInput {
+  analysis::ReportInput input;
+  Judgement judgement;
+};
+
+// --limits judges anew without storing.
+JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::int64_t run, const Session& session) {
+  const bool several = options.compare || options.batch;
+  const std::int64_t model_run = options.model_run != 0 ? options.model_run : run;
+  const analysis::ArrayFit fit = models_for(runs.store(), model_run);
+  if (fit.taxels.empty())
+    tty::print(stderr,
+               "note: run {} has no models: the report shows what was measured, nothing compensated; `tactbench fit "
+               "{}` makes some\n",
+               model_run, model_run);
+  const StoredJudgement stored = stored_judgement(runs, fit, session.void_too);
+  // A fit stays with the runs that it was judged on.
+  const bool by_store = options.held_out.empty() && run == fit.run;
+  const std::vector<NamedEvaluation> evaluations =
+      evaluations_for(runs, fit, run, by_store ? stored.runs : options.held_out);
+  JudgedInput judged;
+  judged.judgement = evaluations.empty() && options.limits.empty()
+                         ? judgement_on(runs.store(), run)
+                         : judge_for_report(runs, fit, evaluations, options.limits, stored, session.void_too);
+  const std::vector<std::int64_t> further =
+      several ? std::vector<std::int64_t>() : std::vector<std::int64_t>(options.runs.begin() + 1, options.runs.end());
+  judged.input =
+      report_input(runs, run, fit, evaluations, judged.judgement, further, several ? nullptr : &options.extras);
+  judged.judgement.verdicts = judged.input.verdicts;  // some may have been withheld
+  if (several) judged.input.held_out.clear();         // their figures stand in each run's own report
+  judged.input.issued = options.issued;
+  judged.input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;
+  return judged;
+}
+
+// The second run's data with the first run's models: what the sensor was worth before it was adjusted.
+void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const analysis::ReportInput& second) {
+  if (first.fit.taxels.empty() || second.run.sensor_serial != first.run.sensor_serial) return;
+  const std::vector<NamedEvaluation> found = evaluations_for(runs, first.fit, second.run.run, {});
+  if (!found.empty()) first.held_out.push_back({"as found", second.run, found.front().evaluation});
+}
+
+struct WrittenReport {
+  analysis::Report report;
+  std::vector<Judgement> judgements;  // of one run, or of each run that stands on the page
+  std::string origin, started_utc, path;
+  bool written = true;  // false: the file held this report already, signed
+};
+
+std::string path_of(const db::RunStore& store, const ReportOptions& options, const std::string& name) {
+  return options.output.empty() ? report_path(store, fmt::format("{}.{}", name, options.format)) : options.output;
+}
+
+WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
+  const db::RunStore& store = runs.store();
+  std::vector<analysis::ReportInput> inputs;
+  std::vector<Judgement> judgements;
+  for (const std::int64_t run : options.runs) {
+    // Of many runs the samples of one row at a time are in memory.
+    std::optional<analysis::Runs> of_row;
+    JudgedInput judged = input_for(options.batch ? of_row.emplace(store) : runs, options, run, session);
+    inputs.push_back(std::move(judged.input));
+    judgements.push_back(std::move(judged.judgement));
+  }
+  WrittenReport out;
+  if (options.compare) add_as_found(runs, inputs[0], inputs[1]);
+  out.report = options.compare ? analysis::render_comparison(inputs[0], inputs[1]) : analysis::render_batch(inputs);
+  std::vector<std::size_t> rows = options.compare ? std::vector<std::size_t>{0, 1} : analysis::batch_rows(inputs);
+  for (const std::size_t row : rows) {
+    out.judgements.push_back(judgements[row]);
+    out.started_utc = std::max(out.started_utc, inputs[row].run.started_utc);
+  }
+  out.origin = inputs.front().run.origin;
+  out.path = path_of(store, options,
+                     options.compare ? fmt::format("compare-{}-{}", options.runs[0], options.runs[1])
+                                     : fmt::format("batch-{}", out.report.number));
+  out.written = may_be_written(out.path, out.report.number, store);
+  return out;
+}
+
+WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOptions& options, const Session& session) {
+  JudgedInput judged = input_for(runs, options, options.runs.front(), session);
+  analysis::ReportInput& input = judged.input;
+  WrittenReport out;
+  out.report = analysis::render_report(input);
+  const bool signing = !options.approve_by.empty();
+  // A signed report has a file of its own, which its number names.
+  out.path = path_of(
+      store, options,
+      fmt::format("run-{}", signing || analysis::is_signed(input, out.report.number) ? out.report.number
+                                                                                     : std::to_string(input.run.run)));
+  // What an older program signed may lie where the plain name points to.
+  if (const std::string there = signed_report_in(out.path, store);
+      options.output.empty() && !there.empty() && there != out.report.number)
+    out.path = path_of(store, options, "run-" + out.report.number);
+  out.written = may_be_written(out.path, out.report.number, store);
+  if (signing) {
+    check_signature(judged.judgement, input.run.run, input.run.origin, options.without_verdict, session);
+    const std::vector<db::ReportRecord> before = store.reports(input.run.run);
+    store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.approve_by, utc_now(),
+                      before.empty() ? "" : before.back().number});
+    input.approvals = store.reports(input.run.run);
+    out.report = analysis::render_report(input);
+  }
+  out.origin = input.run.origin;
+  out.started_utc = input.run.started_utc;
+  out.judgements.push_back(std::move(judged.judgement));
+  return out;
+}
+
+std::string kind_written(const ReportOptions& options) {
+  if (options.format != "json") return options.format == "pdf" ? kPdfFile : kPageFile;
+  return fmt::format("a tactbench.{} document (JSON)", options.compare ? "comparison"
+                                                       : options.batch ? "batch"
+                                                                       : "report");
+}
+
+std::optional<analysis::Verdict> worst_of(const std::vector<Judgement>& judgements) {
+  std::optional<analysis::Verdict> worst;  // none is better than any
+  for (const Judgement& judgement : judgements) worst = std::max(worst, verdict_of(judgement));
+  return worst;
+}
+
+void report_runs(ReportOptions options, Session& session) {
+  check_report_options(options);
+  if (!options.lab.empty()) options.extras.laboratory = read_laboratory(find_config(options.lab));
+  db::RunStore store =
+      options.approve_by.empty() ? db::RunStore::open_read_only(session.db) : db::RunStore::open(session.db);
+  if (!options.output.empty()) check_output(options.output, kind_written(options), session.replace);
+  analysis::Runs runs(store);
+  check_report_runs(runs, options, session);
+  const bool one = !options.compare && !options.batch;
+  const WrittenReport written = one ? one_run(store, runs, options, session) : several_runs(runs, options, session);
+  const std::string& path = written.path;
+  if (written.written && options.format == "pdf") {
+    write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, session.replace});
+  } else if (written.written) {
+    write_output(path, options.format == "json" ? written.report.json + "\n" : written.report.html, session.replace);
+  }
+  std::vector<db::VerdictRecord> verdicts;
+  for (const Judgement& judgement : written.judgements)
+    verdicts.insert(verdicts.end(), judgement.verdicts.begin(), judgement.verdicts.end());
+  session.code = exit_code_of(worst_of(written.judgements));
+  warn_of_conditional(verdicts);
+  if (session.json) {
+    nlohmann::ordered_json json = {{"run", options.runs.front()},
+                                   {"runs", options.runs},
+                                   {"number", written.report.number},
+                                   {"path", path},
+                                   {"written", written.written},
+                                   {"origin", written.origin},
+                                   {"verdicts", verdicts_json(verdicts, written.origin)}};
+    if (one) {
+      json["judgement"] = judgement_json(written.judgements.front(), written.origin);
+    } else {
+      for (const Judgement& judgement : written.judgements)
+        json["judgements"].push_back(judgement_json(judgement, written.origin));
+    }
+    print_json("report", json);
+    return;
+  }
+  if (one && !verdicts.empty()) tty::print("{}", verdict_table(verdicts, written.origin));
+  if (one) tty::print("{}", judgement_text(written.judgements.front(), written.origin));
+  tty::print("report {}: {}{}\n", written.report.number, path,
+             written.written ? "" : " (signed: the file stays as it is)");
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Session& session) {
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "report",
+      "write the calibration report of a run (a test report where it states no uncertainty), a comparison of two, or a "
+      "page on many, as one file");
+  verb->add_option("runs", options->runs,
+                   "the run; further runs of the same sensor after it add what one does not tell (creep, temperature)")
+      ->required()
+      ->take_all();
+  verb->add_option(
+          "--held-out", options->held_out,
+          "runs of the same sensor to show compensated with the models and to judge, each by itself: the worst "
+          "counts (default: those that the fit was judged on)")
+      ->take_all();
+  verb->add_option("--previous", options->extras.previous,
+                   "models used before: the report says how this run is found with them (a .json file, or RUN[:FIT])");
+  verb->add_option(
+          "--studies", options->extras.studies,
+          "further runs of the sensor: under objects, at several rates, held (their recipes tell), at another "
+          "temperature (their thermometer tells), mounted anew (RUN:mount), turned in the chamber (RUN:90, RUN:180, "
+          "RUN:270); held levels and temperature enter the uncertainty")
+      ->take_all();
+  verb->add_option("--model", options->model_run, "take the models of this run (default: the run's own)");
+  verb->add_option("--format", options->format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
+      ->check(CLI::IsMember({"html", "pdf", "json"}))
+      ->capture_default_str();
+  verb->add_option("--limits", options->limits,
+                   "judge anew by this limits file, without storing (default: the limits that the fit was judged by)");
+  verb->add_option("--lab", options->lab, "laboratory file: what no instrument knows (init writes one)");
+  verb->add_option(
+      "--approve-by", options->approve_by,
+      "store that this person signs for the report, in a file that its number names and that is not written "
+      "over; a changed one names the number that it replaces");
+  verb->add_flag("--without-verdict", options->without_verdict, "sign for a report that has no verdict");
+  verb->add_option("--issued-at", options->issued, "date of issue, as 2026-01-31 (default: the day of the approval)");
+  verb->add_option("--paper", options->paper, "a4 or letter")
+      ->check(CLI::IsMember({"a4", "letter"}))
+      ->capture_default_str();
+  verb->add_option("--pdf-with", options->pdf_with, "chromium, or weasyprint, which attaches the data (PDF/A-3b)")
+      ->check(CLI::IsMember({"chromium", "weasyprint"}));
+  verb->add_flag("--compare", options->compare, "one page on two runs: as found and as left, or two sensors");
+  verb->add_flag("--batch", options->batch, "one page on many runs: yield, ranks, distributions, outliers");
+  add_replace(*verb, session);
+  verb->add_option(
+      "-o,--output", options->output,
+      "file to write (default: reports/run-N.html beside the store, with the report's number when signed)");
+  add_void_too(*verb, session);
+  add_common(*verb, session);
+  verb->callback([options, &session] { report_runs(*options, session); });
+}
+
+}  // namespace tactbench::bench

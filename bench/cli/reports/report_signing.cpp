@@ -1,0 +1,37 @@
+#include "bench/cli/reports/report_signing.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <string>
+
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "bench/cli/judgement_words.h"
+
+namespace tactbench::bench {
+
+void check_signature(const Judgement& judgement, std::int64_t run, const std::string& origin, bool without_verdict,
+                     const Session& session) {
+  const bool not_judged = !judgement.notes.not_judged.empty();
+  if (judgement.verdicts.empty() && !not_judged) {
+    if (without_verdict) return;
+    if (!session.json && ::isatty(STDIN_FILENO) == 1) {
+      tty::print(stderr, "the report of run {} has no verdict. Sign all the same? y/n: ", run);
+      std::string answer;
+      if (std::getline(std::cin, answer) && (answer == "y" || answer == "yes")) return;
+    }
+    throw Error(ExitCode::kUsage, "TB-REPORT-NO-VERDICT", "the report has no verdict, and nobody has signed for it",
+                fmt::format("--approve-by, run {}", run),
+                fmt::format("judge first: tactbench fit {} --held-out RUN --limits limits.toml; or sign all the same "
+                            "with --without-verdict",
+                            run));
+  }
+  const std::optional<analysis::Verdict> verdict = verdict_of(judgement);
+  if (exit_code_of(verdict) == ExitCode::kPass) return;
+  std::string word = analysis::verdict_word(verdict);
+  if (not_judged) word += ", not judged: " + judgement.notes.not_judged;
+  tty::print(stderr, "warning: signed with the verdict {}\n", shown_verdict(word, origin));
+}
+
+}  // namespace tactbench::bench

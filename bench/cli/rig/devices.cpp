@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "bench/cli/session.h"
+#include "bench/common/overrides.h"
+#include "bench/common/utc.h"
+#include "bench/config/config_calibration.h"
+#include "bench/guard/trip.h"
+#include "bench/instruments/check.h"
+#include "bench/instruments/scan.h"
+#include "bench/instruments/watch.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct DevicesOptions {
+  std::vector<std::string> modbus, set;
+  std::string bench, operator_name;
+  double interval_s = 0.5;
+  long count = 0;
+};
+
+BenchConfig bench_of(const DevicesOptions& options) {
+  return read_bench(find_config(options.bench), split_overrides(options.set).bench);
+}
+
+void scan(const DevicesOptions& options, const Session& session) {
+  const std::vector<ScanEntry> entries = scan_devices(options.modbus);
+  if (session.json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const ScanEntry& entry : entries) {
+      list.push_back({{"kind", entry.kind}, {"where", entry.where}, {"what", entry.what}});
+    }
+    print_json("devices.scan", {{"devices", list}});
+    return;
+  }
+  for (const ScanEntry& entry : entries)
+    tty::print("{:<12} {}\n{:<12}   {}\n", one_line(entry.kind), one_line(entry.where), "", one_line(entry.what));
+  if (options.modbus.empty()) tty::print("Modbus hosts are asked only when given: --modbus HOST[:PORT]\n");
+}
+
+void check(const DevicesOptions& options, Session& session) {
+  const BenchConfig config = bench_of(options);
+  Rig rig(config);
+  for (const std::string& place : placeholders_of(config)) tty::print(stderr, "warning: never filled in: {}\n", place);
+  const std::vector<DeviceCheck> checks = check_devices(rig, utc_now().substr(0, 10));
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  if (!session.json) tty::print("bench '{}' ({})\n", config.id, config.file);
+  for (const DeviceCheck& device : checks) {
+    if (device.state == DeviceCheck::State::kAbsent || device.state == DeviceCheck::State::kWrong)
+      session.code = ExitCode::kDevice;
+    list.push_back({{"role", device.role},
+                    {"state", to_string(device.state)},
+                    {"found", device.found},
+                    {"reading", device.reading},
+                    {"notes", device.notes},
+                    {"remedy", device.remedy}});
+    if (session.json) continue;
+    const auto text = [](const std::string& of_device) { return one_line(of_device, kLongestText); };
+    tty::print("{:<7} {:<18} {}\n", to_string(device.state), one_line(device.role), text(device.found));
+    if (!device.reading.empty()) tty::print("{:<26} {}\n", "", text(device.reading));
+    for (const std::string& note : device.notes) tty::print("{:<26} - {}\n", "", text(note));
+    if (!device.remedy.empty()) tty::print("{:<26} to do: {}\n", "", text(device.remedy));
+  }
+  if (session.json) print_json("devices.check", {{"bench", config.id}, {"devices", list}});
+}
+
+void watch(const DevicesOptions& options) {
+  const BenchConfig config = bench_of(options);
+  watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0});
+}
+
+// Talks to no instrument: a person has looked at the rig.
+void reset(const DevicesOptions& options, const Session& session) {
+  check_operator(options.operator_name);
+  const BenchConfig config = bench_of(options);
+  const TripFile file(config.id);
+  const std::optional<Trip> trip = file.read();
+  if (trip) file.reset(*trip, options.operator_name);
+  if (session.json) {
+    nlohmann::ordered_json json = {{"bench", config.id}, {"tripped", trip.has_value()}};
+    if (trip) json.update({{"utc", trip->utc}, {"id", trip->id}, {"what", trip->what}, {"run", trip->run}});
+    print_json("devices.reset", json);
+  } else if (trip) {
+    tty::print("bench '{}' tripped at {} ({}): {}\nreset by {}; logged in {}\n", config.id, trip->utc, trip->id,
+               trip->what, options.operator_name, file.log_path());
+  } else {
+    tty::print("bench '{}' is not tripped\n", config.id);
+  }
+}
+
+}  // namespace
+
+void add_devices(CLI::App& app, Session& session) {
+  auto options = std::make_shared<DevicesOptions>();
+  CLI::App* verb =
+      app.add_subcommand("devices", "the bench's instruments: scan, check, watch, reset, calibrate-reference");
+  verb->require_subcommand(1);
+
+  CLI::App* scan_verb = verb->add_subcommand("scan", "list serial ports, HID devices, NI-DAQmx devices, Modbus hosts");
+  scan_verb->add_option("--modbus", options->modbus, "HOST or HOST:PORT to ask; may be repeated")->take_all();
+  scan_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  scan_verb->callback([options, &session] { scan(*options, session); });
+
+  CLI::App* check_verb = verb->add_subcommand("check",
+                                              "open each instrument read-only, identify it, read zero; exit code 3 "
+                                              "when one is absent or wrong, 0 with the word "
+                                              "warning for one that is overdue for calibration");
+  CLI::App* watch_verb = verb->add_subcommand("watch", "live values, read-only, until Ctrl-C");
+  for (CLI::App* each : {check_verb, watch_verb}) {
+    each->add_option("--bench", options->bench, "bench file")->required();
+    each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
+  }
+  check_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  check_verb->callback([options, &session] { check(*options, session); });
+  watch_verb->add_option("--interval", options->interval_s, "seconds between two readings")
+      ->check(CLI::Range(0.05, 60.0))
+      ->capture_default_str();
+  watch_verb->add_option("--count", options->count, "end after so many readings; 0: never")->capture_default_str();
+  watch_verb->callback([options] { watch(*options); });
+  CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
+  reset_verb->add_option("--bench", options->bench, "bench file")->required();
+  reset_verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
+  reset_verb->add_option("--operator", options->operator_name, "who has looked at the rig; logged")->required();
+  reset_verb->add_flag("--json", session.json, "one JSON document on standard output");
+  reset_verb->callback([options, &session] { reset(*options, session); });
+  add_calibrate_reference(*verb, session);
+}
+
+}  // namespace tactbench::bench

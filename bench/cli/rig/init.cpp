@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/session.h"
+#include "bench/common/output_file.h"
+#include "bench/config/config.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct InitOptions {
+  std::string folder = ".";
+  bool rig = false;
+};
+
+void init(const InitOptions& options, const Session& session) {
+  namespace fs = std::filesystem;
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {options.rig ? "paper-rig.example.toml" : "simulated.toml", "bench.toml"},
+      {"sensor.toml", "sensor.toml"},
+      {"limits.toml", "limits.toml"},
+      {"lab.toml", "lab.toml"}};
+  for (const auto& [shipped, name] : files) {
+    const fs::path target = fs::path(options.folder) / name;
+    if (fs::exists(target) && !session.replace) {
+      throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", fmt::format("'{}' exists already", target.string()),
+                  target.string(), "give another folder, or --replace to write over it");
+    }
+    check_output(target.string(), "a file of tactbench init", session.replace);  // never over a store
+  }
+  nlohmann::ordered_json written = nlohmann::ordered_json::array();
+  std::error_code failed;
+  fs::create_directories(options.folder, failed);
+  for (const auto& [shipped, name] : files) {
+    const fs::path target = fs::path(options.folder) / name;
+    fs::copy_file(find_config(shipped), target, fs::copy_options::overwrite_existing, failed);
+    if (failed) {
+      throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write: {}", failed.message()), target.string(),
+                  "check folder, space and permissions");
+    }
+    written.push_back(target.string());
+  }
+  if (session.json) {
+    print_json("init", {{"files", written}});
+    return;
+  }
+  for (const auto& file : written) tty::print("{}\n", file.get<std::string>());
+  if (options.rig) {
+    tty::print(
+        "\nNext:  fill in bench.toml (serials, ports, certificates), then\n"
+        "       tactbench devices check --bench {}/bench.toml\n",
+        options.folder);
+    return;
+  }
+  tty::print(
+      "\nNext:  tactbench sensors add MY-SENSOR --type {0}/sensor.toml\n"
+      "       tactbench run descending ascending --bench {0}/bench.toml --sensor MY-SENSOR --operator NAME\n",
+      options.folder);
+}
+
+}  // namespace
+
+void add_init(CLI::App& app, Session& session) {
+  auto options = std::make_shared<InitOptions>();
+  CLI::App* verb =
+      app.add_subcommand("init", "write a commented bench.toml, sensor.toml, limits.toml and lab.toml to start from");
+  verb->add_option("folder", options->folder, "where to")->capture_default_str();
+  verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
+  verb->add_flag("--replace,--force", session.replace, "write over files that exist");
+  verb->add_flag("--json", session.json, "one JSON document on standard output");
+  verb->callback([options, &session] { init(*options, session); });
+}
+
+}  // namespace tactbench::bench

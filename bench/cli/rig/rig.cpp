@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/statistics/figures/rig_figures.h"
+#include "bench/cli/rig/run.h"
+#include "bench/cli/session.h"
+#include "bench/nightly/followed.h"
+#include "bench/reporting/evaluation.h"
+
+namespace tactbench::bench {
+namespace {
+
+struct RigCheckOptions {
+  RunOptions run;
+  std::vector<std::string> standard_recipes = {"production"};
+  bool press = false;
+};
+
+// One run of the store that must have completed; its number.
+std::int64_t run_of_check(const RigCheckOptions& options, const std::vector<std::string>& recipes,
+                          const std::string& purpose, Session& session) {
+  RunOptions own = options.run;
+  own.recipes = recipes;
+  own.purpose = purpose;
+  return carry_out_run(own, session).run;
+}
+
+std::string judged_word(const Followed& followed) {
+  if (std::ranges::none_of(followed.figures, [](const FollowedFigure& figure) { return figure.band.has_value(); }))
+    return "no baseline";  // or one of fewer than three runs
+  if (!outside_lines(followed).empty()) return "outside";
+  return drift_lines(followed).empty() ? "within" : "drifts";
+}
+
+// What the two control charts say together: the standard is a sensor that is used for nothing else.
+std::string conclusion(const std::string& rig, const std::string& standard) {
+  const bool rig_moved = rig == "outside" || rig == "drifts",
+             standard_moved = standard == "outside" || standard == "drifts";
+  if (rig == "no baseline" || standard == "no baseline")
+    return "not judged: accept a baseline of at least three checks (tactbench baseline accept RUNS --reason --by)";
+  if (rig_moved && standard_moved)
+    return "the rig changed, and the standard's figures with it: do not calibrate sensors on it";
+  if (rig_moved) return "the rig changed, the standard's figures did not: look at the rig; calibrations so far hold";
+  if (standard_moved)
+    return "the standard changed on an unchanged rig: the standard itself, or what the rig's own figures cannot see";
+  return "rig and standard are as they were: a change of another sensor is the sensor's own";
+}
+
+struct CheckedSubject {
+  std::string title;
+  std::int64_t run = 0;
+  Followed followed;
+};
+
+CheckedSubject checked(db::RunStore& store, const std::string& title, const std::string& subject, std::int64_t run,
+                       const std::map<std::string, double>& figures) {
+  store.replace_figures(run, subject, figures);
+  return {title, run, follow(store, subject)};
+}
+
+void show_checked(const CheckedSubject& subject) {
+  tty::print("{}, run {} ({}): {}\n", subject.title, subject.run, subject.followed.subject,
+             judged_word(subject.followed));
+  for (const FollowedFigure& figure : subject.followed.figures) {
+    const std::string band =
+        figure.band ? fmt::format("  {:.4g} to {:.4g}", figure.band->low, figure.band->high) : std::string();
+    tty::print("  {:<32}{:>11.4g}{}{}\n", one_line(figure.name), figure.values.back(), band,
+               figure.missing   ? "  MISSING"
+               : figure.outside ? "  OUTSIDE"
+               : figure.drifts  ? "  drifts"
+                                : "");
+  }
+}
+
+nlohmann::ordered_json checked_json(const CheckedSubject& subject) {
+  nlohmann::ordered_json figures;
+  for (const FollowedFigure& figure : subject.followed.figures) figures[figure.name] = figure.values.back();
+  return {{"what", subject.title},
+          {"subject", subject.followed.subject},
+          {"run", subject.run},
+          {"state", judged_word(subject.followed)},
+          {"figures", figures},
+          {"outside", outside_lines(subject.followed)},
+          {"drifts", drift_lines(subject.followed)}};
+}
+
+void check_rig(const RigCheckOptions& options, Session& session) {
+  const std::int64_t steps = run_of_check(options, {"rig-check"}, "rig check: steps and holds", session);
+  const std::int64_t standard =
+      run_of_check(options, options.standard_recipes, "rig check: the check standard", session);
+  std::int64_t pressed = 0;
+  if (options.press) pressed = run_of_check(options, {"ring"}, "rig check: force and stage", session);
+  db::RunStore store = db::RunStore::open(session.db);
+  const analysis::StoredRun stepped = analysis::read_run(store, store.run(steps));
+  const db::RunRecord& record = stepped.record;
+  const std::string rig = fmt::format("rig/{}", record.bench_id);
+  std::vector<CheckedSubject> subjects = {
+      checked(store, "chamber", rig + "/chamber", steps, analysis::chamber_figures(stepped))};
+  if (options.press)
+    subjects.push_back(checked(store, "force and stage", rig + "/press", pressed,
+                               analysis::press_figures(analysis::read_run(store, store.run(pressed)))));
+  analysis::Runs runs(store);
+  const analysis::ArrayFit fit = fit_run(store, runs.dataset(standard));
+  const std::string standard_subject =
+      follow_sensor(store, runs.record(standard), fit, evaluate_runs(runs, fit, {}).front().evaluation);
+  subjects.push_back({"check standard", standard, follow(store, standard_subject)});
+  std::string rig_word = judged_word(subjects.front().followed);
+  if (options.press && rig_word == "within") rig_word = judged_word(subjects[1].followed);
+  const std::string standard_word = judged_word(subjects.back().followed);
+  const std::string said = conclusion(rig_word, standard_word);
+  for (const std::string& word : {rig_word, standard_word}) {
+    if (word == "outside") session.code = ExitCode::kCriterionFailed;
+    if (word == "drifts" && session.code == ExitCode::kPass) session.code = ExitCode::kInconclusive;
+  }
+  if (session.json) {
+    auto json = nlohmann::ordered_json::array();
+    for (const CheckedSubject& subject : subjects) json.push_back(checked_json(subject));
+    print_json("rig.check",
+               {{"bench", record.bench_id}, {"origin", record.origin}, {"checks", json}, {"conclusion", said}});
+    return;
+  }
+  if (record.origin == "simulated") tty::print("SIMULATED DATA\n");
+  for (const CheckedSubject& subject : subjects) show_checked(subject);
+  tty::print("{}\n", said);
+}
+
+}  // namespace
+
+void add_rig(CLI::App& app, Session& session) {
+  CLI::App* group = app.add_subcommand("rig", "the rig itself: is it as it was");
+  group->require_subcommand(1);
+  auto options = std::make_shared<RigCheckOptions>();
+  CLI::App* verb = group->add_subcommand(
+      "check",
+      "steps and holds of the chamber, reference against feedback, and a check-standard sensor, each held against its "
+      "baseline; with --press the force sensor's zero and the stage's repeatability, too");
+  verb->add_option("--bench", options->run.bench, "bench file")->required();
+  verb->add_option("--standard", options->run.sensor, "serial of the sensor that is used for nothing but these checks")
+      ->required();
+  verb->add_option("--operator", options->run.operator_name, "who runs it; recorded")->required();
+  verb->add_option("--recipe", options->standard_recipes, "that characterizes the standard; always the same")
+      ->capture_default_str();
+  verb->add_flag("--press", options->press, "also three presses of the ring (asks for it to be mounted)");
+  verb->add_flag("--yes", options->run.assume_yes, "operator prompts answer themselves");
+  verb->add_option("--set", options->run.set, "override table.key=value of the bench file, or recipe.key=value")
+      ->take_all();
+  verb->add_option("--seed", options->run.seeds.seed, "simulation: noise and faults");
+  verb->add_option("--sensor-seed", options->run.seeds.sensor_seed, "simulation: makes the array");
+  add_common(*verb, session);
+  verb->callback([options, &session] { check_rig(*options, session); });
+}
+
+}  // namespace tactbench::bench

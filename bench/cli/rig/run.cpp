@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/counted.h"
+#include "analysis/documents/run_json.h"
+#include "bench/cli/rig/run.h"
+#include "bench/cli/session.h"
+#include "bench/common/overrides.h"
+#include "bench/common/utc.h"
+#include "bench/config/calibration_words.h"
+#include "bench/config/config_calibration.h"
+#include "bench/guard/trip.h"
+#include "bench/rig/device_records.h"
+#include "bench/run/characterize.h"
+#include "bench/run/control/locks.h"
+#include "bench/run/recipe_check.h"
+#include "bench/run/run_record.h"
+#include "bench/run/time_estimate.h"
+#include "db/run_store.h"
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+db::SensorRecord registered(const db::RunStore& store, const std::string& serial, const std::string& db_path) {
+  if (const std::optional<db::SensorRecord> sensor = store.sensor(serial)) return *sensor;
+  std::vector<std::string> known;
+  for (const db::SensorRecord& record : store.sensors()) known.push_back(record.serial);
+  throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN",
+              fmt::format("sensor '{}' is not registered in '{}'", serial, db_path), "--sensor " + serial,
+              known.empty() ? fmt::format("tactbench sensors add {} --type sensor.toml --db {}", serial, db_path)
+                            : fmt::format("registered: {}; or tactbench sensors add", fmt::join(known, ", ")));
+}
+
+struct CarriedOut {
+  RunResult result;
+  std::string estimated;
+};
+
+std::string prompts_text(int prompts) {
+  return prompts == 0 ? "" : fmt::format(" + {} prompt{}", prompts, prompts == 1 ? "" : "s");
+}
+
+CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string& sensor, const Session& session) {
+  request.sensor = registered(store, sensor, session.db);
+  request.sensor_type = parse_sensor_type(request.sensor.type_toml, "sensor type of " + sensor);
+  Progress progress(Progress::mode_for(session.quiet));
+  TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), time_model(request.bench));
+  estimate.learn(store, request.bench.id, request.overrides, true);
+  request.estimate = &estimate;
+  const TimeBand band = estimate.total();
+  const std::string basis =
+      band.runs > 0 ? fmt::format("learned from {} run{}", band.runs, band.runs == 1 ? "" : "s") : "by the model";
+  const std::string estimated =
+      fmt::format("{}{} ({} to {}, {})", clock_text(band.p50_s), prompts_text(request.assume_yes ? 0 : band.prompts),
+                  clock_text(band.p10_s), clock_text(band.p90_s), basis);
+  if (!session.quiet) progress.note(fmt::format("estimated, h:mm:ss of process time: {}", estimated));
+  RunResult result = characterize(request, store, progress);
+  if (result.error) throw *result.error;
+  return {std::move(result), estimated};
+}
+
+void show_run_result(const CarriedOut& done, const Session& session) {
+  const RunResult& result = done.result;
+  if (session.json) {
+    nlohmann::ordered_json json = analysis::run_json(db::RunStore::open_read_only(session.db).run(result.run));
+    json["frames"] = result.frames_kept;
+    json["most_exchanges_a_step"] = result.most_exchanges_a_step;
+    json["branches_redone"] = result.branches_redone;
+    json["process_seconds"] = result.process_seconds;
+    json["waiting_seconds"] = result.waiting_seconds;
+    json["time_spent"] = result.time_spent;
+    print_json("run", json);
+    return;
+  }
+  tty::print("run {}: {}, {} in {:.0f} min of process time; {}\n", result.run, db::to_string(result.outcome),
+             analysis::counted(result.frames_kept, "frame"), result.process_seconds / 60.0, result.safe_text);
+  const std::string waited =
+      result.waiting_seconds < 1.0 ? "" : fmt::format(" and {} of waiting", clock_text(result.waiting_seconds));
+  tty::print("took {} of process time{}, estimated {}\n{}\n",
+             clock_text(result.process_seconds - result.waiting_seconds), waited, done.estimated, result.time_spent);
+}
+
+// Before any device is opened; the run keeps the same as events.
+void warn_of_instruments(const RunRequest& request) {
+  refuse_placeholders(request.bench);
+  const auto instruments = stated_instruments(request.bench, needs_press(request.recipes));
+  for (const std::string& line : calibration_warnings(request.bench, instruments, utc_now().substr(0, 10)))
+    tty::print(stderr, "warning: {}\n", line);
+}
+
+CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session) {
+  check_operator(options.operator_name);
+  const SplitOverrides overrides = split_overrides(options.set);
+  RunRequest request;
+  request.bench = read_bench(find_config(options.bench), overrides.bench, options.seeds);
+  for (const std::string& name : options.recipes) {
+    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
+  }
+  check_recipes(request.recipes, request.bench);
+  warn_of_instruments(request);
+  refuse_tripped(request.bench);
+  request.overrides = overrides.all;
+  request.operator_name = options.operator_name;
+  request.purpose = options.purpose;
+  request.specimen_state_file = options.specimen_state;
+  request.on_event = options.on_event;
+  request.assume_yes = options.assume_yes;
+  request.check_seating = !options.no_seating;
+  if (!options.specimen_state.empty() && !request.bench.simulation) {
+    throw Error(ExitCode::kUsage, "TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
+                "leave it out: real film keeps its own state");
+  }
+  const BenchLock bench_lock(request.bench);
+  request.bench_name = bench_lock.name();
+  db::RunStore store = open_for_running(session.db, request.bench);
+  return carry_out(request, store, options.sensor, session);
+}
+
+}  // namespace
+
+RunResult carry_out_run(const RunOptions& options, const Session& session) {
+  return begin_and_carry_out(options, session).result;
+}
+
+void resume_run(std::int64_t number, const ResumeOptions& options, Session& session) {
+  const db::RunRecord record = db::RunStore::open_read_only(session.db).run(number);
+  const auto stored = stored_overrides(record.overrides_json);
+  if (!stored)
+    throw Error(ExitCode::kStore, "TB-RESUME-SETTINGS",
+                fmt::format("the settings (--set) kept with run {} cannot be read", number), session.db,
+                "tactbench db check tells what else is damaged; start a new run");
+  std::vector<std::string> set;
+  for (const sequences::Override& item : *stored) set.push_back(item.key + "=" + item.value);
+  const SplitOverrides overrides = split_overrides(set);
+  RunRequest request;
+  SeedOptions seeds;
+  if (record.origin == "simulated") {
+    seeds = {static_cast<std::uint64_t>(record.seed), static_cast<std::uint64_t>(record.sensor_seed)};
+  }
+  const std::string name = fmt::format("bench file of run {}", number);
+  request.bench = options.bench.empty() ? parse_bench(record.bench_toml, name, overrides.bench, seeds)
+                                        : read_bench(find_config(options.bench), overrides.bench, seeds);
+  if (request.bench.id != record.bench_id) {
+    throw Error(ExitCode::kUsage, "TB-RESUME-BENCH",
+                fmt::format("run {} was begun on bench '{}', not on '{}'", number, record.bench_id, request.bench.id),
+                options.bench, "resume it on its own bench, or start a new run");
+  }
+  for (const db::SequenceRecord& sequence : record.sequences) {
+    request.recipes.push_back(
+        sequences::parse_recipe(sequences::TomlDocument::from_text(
+                                    sequence.recipe_toml, fmt::format("recipe '{}' of run {}", sequence.name, number)),
+                                overrides.recipe));
+  }
+  request.resume = number;
+  warn_of_instruments(request);
+  request.on_event = options.on_event;
+  request.assume_yes = options.assume_yes;
+  const BenchLock bench_lock(request.bench);
+  request.bench_name = bench_lock.name();
+  db::RunStore store = open_for_running(session.db, request.bench);
+  show_run_result(carry_out(request, store, record.sensor_serial, session), session);
+}
+
+void add_run(CLI::App& app, Session& session) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* verb =
+      app.add_subcommand("run", "carry out recipes on a bench and store every frame; prints the run's number");
+  verb->add_option("recipe", options->recipes, "recipe files or names of shipped ones (descending, ascending)")
+      ->required();
+  verb->add_option("--bench", options->bench, "bench file")->required();
+  verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();
+  verb->add_option("--operator", options->operator_name, "who runs it; recorded")->required();
+  verb->add_option("--purpose", options->purpose, "why; recorded");
+  verb->add_option("--set", options->set, "override table.key=value of the bench file, or recipe.key=value")
+      ->take_all();
+  verb->add_option("--seed", options->seeds.seed, "simulation: noise and faults");
+  verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: makes the array");
+  verb->add_option(
+      "--specimen-state", options->specimen_state,
+      "simulation: file with the film's memory, read if it exists and written at the end; without it a run "
+      "starts from virgin film");
+  verb->add_option("--on-event", options->on_event,
+                   "shell command started when the run is done, has failed or waits for somebody; TACTBENCH_EVENT, "
+                   "TACTBENCH_RUN and TACTBENCH_REASON are in its environment");
+  verb->add_flag("--yes", options->assume_yes, "operator prompts answer themselves");
+  verb->add_flag("--no-seating", options->no_seating, "leave out the check of how the sensor sits");
+  add_common(*verb, session);
+  verb->callback([options, &session] { show_run_result(begin_and_carry_out(*options, session), session); });
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/counted.h"
+#include "bench/cli/session.h"
+#include "bench/common/utc.h"
+#include "bench/nightly/followed.h"
+#include "bench/reporting/named_runs.h"
+
+namespace tactbench::bench {
+namespace {
+
+struct BaselineOptions {
+  std::vector<std::string> runs;  // numbers and ranges
+  std::string reason, by;
+};
+
+std::int64_t run_number_of(const std::string& text, const std::string& whole) {
+  std::int64_t number = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (fault != std::errc() || end != text.data() + text.size() || number < 1)
+    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no run", whole), "RUNS",
+                "a number, or a range such as 12-55");
+  return number;
+}
+
+// Runs by subject that have figures of it, of those that `words` name.
+std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<std::string>& words,
+                                                             const db::RunStore& store, const Session& session) {
+  analysis::Runs named(store);
+  std::vector<std::pair<std::int64_t, std::int64_t>> ranges;
+  for (const std::string& word : words) {
+    const std::size_t hyphen = word.find('-');
+    const std::int64_t first = run_number_of(word.substr(0, hyphen), word);
+    ranges.emplace_back(first, hyphen == std::string::npos ? first : run_number_of(word.substr(hyphen + 1), word));
+    // There and counting, or said so; a range passes over what does not count.
+    if (hyphen == std::string::npos) (void)named_runs(named, {first}, {"RUNS", 0, false}, session.void_too);
+  }
+  std::map<std::string, std::vector<std::int64_t>> chosen;
+  for (const db::FigureRecord& figure : store.figures("")) {
+    const auto inside = [&](const auto& range) { return figure.run >= range.first && figure.run <= range.second; };
+    std::vector<std::int64_t>& runs = chosen[figure.subject];
+    if (std::ranges::any_of(ranges, inside) && (runs.empty() || runs.back() != figure.run)) runs.push_back(figure.run);
+  }
+  std::erase_if(chosen, [](const auto& subject) { return subject.second.empty(); });
+  return chosen;
+}
+
+void accept_baseline(const BaselineOptions& options, const Session& session) {
+  db::RunStore store = db::RunStore::open(session.db);
+  const auto chosen = chosen_runs(options.runs, store, session);
+  if (chosen.empty())
+    throw Error(ExitCode::kUsage, "TB-BASELINE-NO-FIGURES", "none of these runs has figures that are followed",
+                session.db, "nightly --db and fit keep figures; tactbench trend shows what there is");
+  auto json = nlohmann::ordered_json::array();
+  for (const auto& [subject, runs] : chosen) {
+    const std::int64_t number = store.add_baseline({0, subject, options.reason, options.by, utc_now(), runs});
+    const auto repeated = store.repeated_runs(subject, runs);
+    const std::size_t counted = runs.size() - repeated.size();
+    json.push_back({{"baseline", number}, {"subject", subject}, {"runs", runs}, {"counted", counted}});
+    if (session.json) continue;
+    tty::print("{:<40} {} {} accepted{}{}\n", one_line(subject), runs.size(), runs.size() == 1 ? "run" : "runs",
+               repeated.empty() ? "" : fmt::format(", {} of them counted once each", counted),
+               counted < 3 ? "; a spread needs three, so nothing is judged by it yet" : "");
+    for (const auto& [run, earlier] : repeated)
+      tty::print("  run {} repeats run {}: the same content, or the same figures\n", run, earlier);
+  }
+  if (session.json) print_json("baseline.accept", {{"store", session.db}, {"baselines", json}});
+}
+
+void list_baselines(const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  auto json = nlohmann::ordered_json::array();
+  for (const db::BaselineRecord& baseline : store.baselines()) {
+    json.push_back({{"baseline", baseline.baseline},
+                    {"subject", baseline.subject},
+                    {"reason", baseline.reason},
+                    {"accepted_by", baseline.accepted_by},
+                    {"accepted_utc", baseline.accepted_utc},
+                    {"runs", baseline.runs}});
+    if (!session.json)
+      tty::print("{:>4}  {:<36} {:>8}  {}  {}: {}\n", baseline.baseline, one_line(baseline.subject),
+                 analysis::counted(baseline.runs.size(), "run"), one_line(baseline.accepted_utc),
+                 one_line(baseline.accepted_by), one_line(baseline.reason));
+  }
+  if (session.json) print_json("baseline.list", {{"store", session.db}, {"baselines", json}});
+}
+
+}  // namespace
+
+void add_baseline(CLI::App& app, Session& session) {
+  CLI::App* group = app.add_subcommand("baseline", "runs that are as they should be: later ones are held against them");
+  group->require_subcommand(1);
+  auto options = std::make_shared<BaselineOptions>();
+  CLI::App* accept = group->add_subcommand(
+      "accept",
+      "hold later figures of each subject against the spread of these runs; replaces what was accepted before");
+  accept
+      ->add_option("runs", options->runs,
+                   "numbers and ranges, e.g. 1-88 90; runs without figures are passed over, those that repeat another "
+                   "(equal seeds and content, or equal figures) count once")
+      ->required();
+  accept->add_option("--reason", options->reason, "why these are as they should be")->required();
+  accept->add_option("--by", options->by, "who says so")->required();
+  add_common(*accept, session);
+  accept->callback([options, &session] { accept_baseline(*options, session); });
+  CLI::App* list = group->add_subcommand("list", "the accepted baselines; of a subject the last one counts");
+  add_common(*list, session);
+  list->callback([&session] { list_baselines(session); });
+}
+
+}  // namespace tactbench::bench

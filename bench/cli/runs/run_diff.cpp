@@ -1,0 +1,131 @@
+// runs diff: what two runs have in common and what not, from the run's row down to the first frame and the verdicts.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/documents/run_json.h"
+#include "analysis/json_io.h"
+#include "bench/cli/session.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct RunDifference {
+  std::string what, first, second;
+};
+
+// Members of two documents that are not equal, named by their path; `at` is empty at the top.
+void compare_members(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b, const std::string& at,
+                     std::vector<RunDifference>& found) {
+  if (a == b) return;
+  const auto path = [&](const std::string& key) { return at.empty() ? key : fmt::format("{}.{}", at, key); };
+  const auto shown = [](const nlohmann::ordered_json& value) {
+    return value.is_string() ? value.get<std::string>() : value.is_null() ? "nothing" : analysis::json_line(value);
+  };
+  if (a.is_object() && b.is_object()) {
+    for (const auto& [key, value] : a.items())
+      compare_members(value, b.value(key, nlohmann::ordered_json()), path(key), found);
+    for (const auto& [key, value] : b.items()) {
+      if (!a.contains(key)) compare_members({}, value, path(key), found);
+    }
+  } else if (a.is_array() && b.is_array() && a.size() == b.size()) {
+    for (std::size_t i = 0; i < a.size(); ++i) compare_members(a[i], b[i], fmt::format("{}[{}]", at, i), found);
+  } else if (shown(a) != shown(b)) {  // two that are not numbers are not equal, and the same to a reader
+    found.push_back({at, shown(a), shown(b)});
+  }
+}
+
+nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord& run) {
+  nlohmann::ordered_json json = analysis::run_json(run);
+  // Of no two runs the same, or said by the computer and its clock.
+  for (const char* own : {"run", "uuid", "started_utc", "ended_utc", "rest_s", "host", "time_zone"}) json.erase(own);
+  json["frames"] = store.frame_count(run.run);
+  json["checks"] = nlohmann::ordered_json::array();
+  for (const db::CheckRecord& check : store.checks(run.run)) {
+    json["checks"].push_back(fmt::format("{} {}", check.kind, check.verdict));
+  }
+  for (const db::VerdictRecord& verdict : store.verdicts(run.run)) {
+    json["verdicts"][fmt::format("{} ({})", verdict.criterion, verdict.scope)] = {
+        {"value", verdict.value}, {"limit", verdict.limit}, {"unit", verdict.unit}, {"verdict", verdict.verdict}};
+  }
+  return json;
+}
+
+// What of two frames differs first; empty: nothing.
+std::string frame_difference(const db::FrameRecord& a, const db::FrameRecord& b) {
+  const auto real = [](const char* name, double x, double y) {
+    return x == y || (std::isnan(x) && std::isnan(y)) ? std::string() : fmt::format("{} {} and {}", name, x, y);
+  };
+  if (a.ordinal != b.ordinal) return fmt::format("step {} and {}", a.ordinal, b.ordinal);
+  for (const std::string& text :
+       {real("setpoint_psi", a.setpoint_psi, b.setpoint_psi), real("reference_psi", a.reference_psi, b.reference_psi),
+        real("feedback_psi", a.feedback_psi, b.feedback_psi)}) {
+    if (!text.empty()) return text;
+  }
+  if (a.time_ns != b.time_ns) return fmt::format("time_ns {} and {}", a.time_ns, b.time_ns);
+  if (a.flags != b.flags) return fmt::format("flags '{}' and '{}'", a.flags, b.flags);
+  if (a.counts.size() != b.counts.size()) return fmt::format("{} and {} counts", a.counts.size(), b.counts.size());
+  for (std::size_t i = 0; i < a.counts.size(); ++i) {
+    if (a.counts[i] == b.counts[i]) continue;
+    const auto taxels = static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
+    return fmt::format("scan {}, taxel {}: {} and {} counts", taxels == 0 ? 0 : i / taxels,
+                       taxels == 0 ? i : i % taxels, a.counts[i], b.counts[i]);
+  }
+  return {};
+}
+
+void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  const db::RunRecord a = store.run(first), b = store.run(second);
+  std::vector<RunDifference> found;
+  compare_members(comparable(store, a), comparable(store, b), {}, found);
+  const std::vector<db::FrameRecord> frames_a = store.frames(first), frames_b = store.frames(second);
+  std::size_t equal = 0, position = 0;
+  std::string what;
+  for (std::size_t i = 0; i < std::min(frames_a.size(), frames_b.size()); ++i) {
+    const std::string difference = frame_difference(frames_a[i], frames_b[i]);
+    equal += difference.empty() ? 1 : 0;
+    if (difference.empty() || position != 0) continue;
+    position = i + 1;
+    what = difference;
+  }
+  const bool same_content = !a.content_sha256.empty() && a.content_sha256 == b.content_sha256;
+  session.code = same_content && found.empty() ? ExitCode::kPass : ExitCode::kCriterionFailed;
+  if (session.json) {
+    auto list = nlohmann::ordered_json::array();
+    for (const RunDifference& d : found) list.push_back({{"what", d.what}, {"first", d.first}, {"second", d.second}});
+    print_json("runs.diff", {{"runs", {first, second}},
+                             {"same_content", same_content},
+                             {"differences", list},
+                             {"frames_equal", equal},
+                             {"first_frame", position},
+                             {"first_frame_difference", what}});
+    return;
+  }
+  for (const RunDifference& d : found) {
+    tty::print("{:<40} {} | {}\n", one_line(d.what), one_line(d.first), one_line(d.second));
+  }
+  tty::print("frames: {} of run {} and {} of run {}, {} equal in place\n", frames_a.size(), first, frames_b.size(),
+             second, equal);
+  if (position != 0) tty::print("first frame that differs: {}: {}\n", position, what);
+  tty::print("content: {}\n", same_content ? "the same, by its hash" : "not the same");
+}
+
+}  // namespace
+
+void add_run_diff(CLI::App& runs, Session& session) {
+  auto numbers = std::make_shared<std::pair<std::int64_t, std::int64_t>>();
+  CLI::App* verb = runs.add_subcommand("diff", "what differs between two runs (exit 1) or that nothing does (0)");
+  verb->add_option("a", numbers->first, "run number")->required();
+  verb->add_option("b", numbers->second, "run number")->required();
+  add_common(*verb, session);
+  verb->callback([numbers, &session] { diff_runs(numbers->first, numbers->second, session); });
+}
+
+}  // namespace tactbench::bench

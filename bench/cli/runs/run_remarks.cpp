@@ -1,0 +1,84 @@
+// What people say of a run afterwards: tag, note, void. None of it is part of the content that `verify` looks at.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/documents/run_json.h"
+#include "bench/cli/session.h"
+#include "bench/common/utc.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct RunRemark {
+  std::int64_t run = 0;
+  std::vector<std::string> tags;
+  bool remove = false;
+  std::string text, by;
+};
+
+// A verb that changes an existing store does not make a new one.
+db::RunStore store_for_remark(const Session& session, std::int64_t run) {
+  (void)db::RunStore::open_read_only(session.db).run(run);
+  return db::RunStore::open(session.db);
+}
+
+void tell_remark(const std::string& verb, const db::RunRecord& run, const std::string& text, const Session& session) {
+  if (session.json) {
+    print_json(verb, analysis::run_json(run));
+  } else {
+    tty::print("run {}: {}\n", run.run, text);
+  }
+}
+
+void tag_run(const RunRemark& remark, const Session& session) {
+  db::RunStore store = store_for_remark(session, remark.run);
+  const std::vector<std::string> none;
+  store.set_tags(remark.run, remark.remove ? none : remark.tags, remark.remove ? remark.tags : none);
+  const db::RunRecord run = store.run(remark.run);
+  tell_remark("runs.tag", run, run.tags.empty() ? "no tags" : fmt::format("tags {}", fmt::join(run.tags, " ")),
+              session);
+}
+
+void note_run(const RunRemark& remark, const Session& session) {
+  db::RunStore store = store_for_remark(session, remark.run);
+  store.add_note(remark.run, fmt::format("{} {}", utc_now(), remark.text));
+  tell_remark("runs.note", store.run(remark.run), "noted", session);
+}
+
+void void_run(const RunRemark& remark, const Session& session) {
+  db::RunStore store = store_for_remark(session, remark.run);
+  store.void_run(remark.run, remark.text, remark.by, utc_now());
+  tell_remark("runs.void", store.run(remark.run), fmt::format("void, by {}: {}; it is kept", remark.by, remark.text),
+              session);
+}
+
+}  // namespace
+
+void add_run_remarks(CLI::App& runs, Session& session) {
+  auto remark = std::make_shared<RunRemark>();
+  CLI::App* tag = runs.add_subcommand("tag", "add tags to a run, or take them away");
+  tag->add_option("run", remark->run, "run number")->required();
+  tag->add_option("tags", remark->tags, "words of letters, digits and . _ : / + -")->required()->take_all();
+  tag->add_flag("--remove", remark->remove, "take them away");
+  add_common(*tag, session);
+  tag->callback([remark, &session] { tag_run(*remark, session); });
+  CLI::App* note = runs.add_subcommand("note", "add a line to a run's notes, with the time");
+  note->add_option("run", remark->run, "run number")->required();
+  note->add_option("text", remark->text, "what is to be known of the run")->required();
+  add_common(*note, session);
+  note->callback([remark, &session] { note_run(*remark, session); });
+  CLI::App* nullify = runs.add_subcommand("void", "a run counts no more, for good; nothing of it is deleted");
+  nullify->add_option("run", remark->run, "run number")->required();
+  nullify->add_option("--reason", remark->text, "why")->required();
+  nullify->add_option("--by", remark->by, "who says so")->required();
+  add_common(*nullify, session);
+  nullify->callback([remark, &session] { void_run(*remark, session); });
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,274 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include "analysis/counted.h"
+#include "analysis/documents/run_json.h"
+#include "analysis/error.h"
+#include "analysis/json_io.h"
+#include "analysis/report/parts.h"
+#include "bench/cli/session.h"
+#include "bench/config/calibration_words.h"
+#include "bench/reporting/judgement.h"
+#include "bench/run/control/locks.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+struct RunsListOptions {
+  std::string sensor, since, tag, verdict;  // empty: any
+  bool all = false;                         // include void runs
+};
+
+void check_since(const std::string& since) {
+  const std::string pattern = "dddd-dd-dd";
+  bool fits = since.size() >= pattern.size();
+  for (std::size_t i = 0; fits && i < pattern.size(); ++i) {
+    fits = pattern[i] == 'd' ? since[i] >= '0' && since[i] <= '9' : since[i] == '-';
+  }
+  if (fits) return;
+  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no date", since), "--since",
+              "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
+}
+
+// What --verdict asks for, in the words of the column: "conditional pass" or conditional-pass; with "simulated" before
+// it on simulated runs alone; none or "-" for runs without a verdict.
+class WantedVerdict {
+ public:
+  explicit WantedVerdict(const std::string& typed) : any_(typed.empty()) {
+    if (any_) return;
+    std::string word = typed == "-" ? kNone : typed;
+    std::ranges::replace(word, '-', ' ');
+    simulated_ = word.starts_with(kSimulated);
+    if (simulated_) word.erase(0, kSimulated.size());
+    verdict_ = analysis::verdict_from(word);
+    const std::vector<std::string> known = words();
+    if (std::ranges::find(known, word) != known.end()) return;
+    const std::string near = sequences::nearest_word(word, known);
+    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("there is no verdict '{}'", typed), "--verdict",
+                fmt::format("{}one of: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
+                            fmt::join(known, ", ")));
+  }
+
+  [[nodiscard]] bool fits(std::optional<analysis::Verdict> verdict, const std::string& origin) const {
+    return any_ || (verdict == verdict_ && (!simulated_ || origin == "simulated"));
+  }
+
+  static std::vector<std::string> words() {
+    std::vector<std::string> all = analysis::verdict_words();
+    all.emplace_back(kNone);
+    return all;
+  }
+  // For --help and the shells, which would cut a word at its blank.
+  static std::string type_name() {
+    std::string text = fmt::format("TEXT:{{{}}}", fmt::join(words(), ","));
+    std::ranges::replace(text, ' ', '-');
+    return text;
+  }
+
+ private:
+  static constexpr const char* kNone = "none";
+  static constexpr std::string_view kSimulated = "simulated ";
+  bool any_ = false, simulated_ = false;
+  std::optional<analysis::Verdict> verdict_;
+};
+
+// As the column has it.
+std::string verdict_cell(std::optional<analysis::Verdict> verdict, const std::string& origin) {
+  return verdict ? shown_verdict(*verdict, origin) : "-";
+}
+
+// What was found; where nothing was, the figures.
+std::string check_line(const db::CheckRecord& check) {
+  const auto detail = analysis::try_ordered_json(check.detail_json);
+  std::vector<std::string> parts;
+  for (const auto& finding : detail.value("findings", nlohmann::ordered_json::array())) {
+    parts.push_back(finding.value("text", ""));
+  }
+  if (!parts.empty()) return fmt::format("{}", fmt::join(parts, "; "));
+  for (const auto& [key, value] : detail.items()) {
+    if (value.is_number_float()) {
+      parts.push_back(fmt::format("{} {:.4g}", key, value.get<double>()));
+    } else if (!value.is_structured() || !value.empty()) {
+      parts.push_back(fmt::format("{} {}", key, analysis::json_line(value)));
+    }
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void list_runs(const RunsListOptions& options, const Session& session) {
+  if (!options.since.empty()) check_since(options.since);
+  const WantedVerdict wanted(options.verdict);
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  if (!session.json) {
+    tty::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {}{:<11}{}\n", "run", "started (UTC)", "sensor", "outcome", "frames",
+               cell("verdict", verdict_columns()), "origin", "purpose");
+  }
+  int left_out = 0;
+  for (const db::RunRecord& run : store.runs()) {
+    if (!options.sensor.empty() && run.sensor_serial != options.sensor) continue;
+    if (run.started_utc < options.since) continue;
+    if (!options.tag.empty() && std::ranges::find(run.tags, options.tag) == run.tags.end()) continue;
+    const std::optional<analysis::Verdict> worst = standing_verdict(standing_verdicts(store, run.run));
+    if (!wanted.fits(worst, run.origin)) continue;
+    if (run.is_void() && !options.all) {
+      ++left_out;
+      continue;
+    }
+    const std::int64_t frames = store.frame_count(run.run);
+    const std::string verdict = verdict_cell(worst, run.origin);
+    const bool unended = run.outcome == db::Outcome::kIncomplete;
+    std::optional<bool> lives;
+    if (unended) lives = is_carried_out(store.path(), run.run);
+    if (session.json) {
+      nlohmann::ordered_json row = analysis::run_json(store.run(run.run));
+      row["frames"] = frames;
+      row["verdict"] = verdict;
+      if (lives) row["lives"] = *lives;
+      json.push_back(row);
+    } else {
+      const std::string remarks =
+          fmt::format("{}{}{}", run.purpose, run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
+                      run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
+      const std::string state = !lives ? "" : *lives ? " (under way)" : " (no process carries it out)";
+      tty::print("{:>5}  {}{}{:<13}{:>7}  {}{}{}\n", run.run, cell(run.started_utc, 21), cell(run.sensor_serial, 12),
+                 db::to_string(run.outcome), frames, cell(verdict, verdict_columns()), cell(run.origin, 11),
+                 one_line(remarks + state));
+    }
+  }
+  if (session.json) {
+    print_json("runs.list", {{"runs", json}, {"void_left_out", left_out}});
+  } else if (left_out > 0) {
+    tty::print("{} void {} left out (--all)\n", left_out, left_out == 1 ? "run" : "runs");
+  }
+}
+
+// A table for each models and limits.
+void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
+  std::vector<std::vector<db::VerdictRecord>> tables;
+  for (const db::VerdictRecord& verdict : verdicts) {
+    const auto same = std::ranges::find_if(tables, [&](const std::vector<db::VerdictRecord>& rows) {
+      return rows.front().model_run == verdict.model_run && rows.front().limits_sha256 == verdict.limits_sha256;
+    });
+    (same == tables.end() ? tables.emplace_back() : *same).push_back(verdict);
+  }
+  for (const std::vector<db::VerdictRecord>& rows : tables)
+    tty::print("\nmodels of {}, limits sha256 {}\n{}",
+               rows.front().model_run == 0 ? "no stored run" : fmt::format("run {}", rows.front().model_run),
+               rows.front().limits_sha256.substr(0, 12), verdict_table(rows, origin));
+}
+
+void show_run(std::int64_t number, const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  const db::RunRecord run = store.run(number);
+  const std::vector<db::VerdictRecord> verdicts = standing_verdicts(store, number);
+  const std::string word = verdict_cell(standing_verdict(verdicts), run.origin);
+  const std::vector<db::EventRecord> events = store.events(number);
+  const std::vector<db::CheckRecord> checks = store.checks(number);
+  if (session.json) {
+    nlohmann::ordered_json json = analysis::run_json(run);
+    json["frames"] = store.frame_count(number);
+    json["events"] = nlohmann::ordered_json::array();
+    for (const db::EventRecord& event : events) {
+      json["events"].push_back({{"time_s", static_cast<double>(event.time_ns) * 1e-9},
+                                {"kind", event.kind},
+                                {"id", event.id},
+                                {"detail", event.detail}});
+    }
+    json["checks"] = nlohmann::ordered_json::array();
+    for (const db::CheckRecord& check : checks) {
+      json["checks"].push_back({{"time_s", static_cast<double>(check.time_ns) * 1e-9},
+                                {"kind", check.kind},
+                                {"verdict", check.verdict},
+                                {"detail", analysis::ordered_json_or_null(check.detail_json)}});
+    }
+    json["verdict"] = word;
+    json["verdicts"] = verdicts_json(verdicts, run.origin);
+    print_json("runs.show", json);
+    return;
+  }
+  tty::print("run {} ({})\n", run.run, run.uuid);
+  const auto line = [](const char* name, const std::string& value) {
+    tty::print("  {:<14}{}\n", name, value.empty() ? "not stated" : one_line(value, kLongestText));
+  };
+  if (run.is_void()) line("VOID", fmt::format("{} ({}, {})", run.void_reason, run.void_by, run.void_utc));
+  line("origin", run.origin);
+  line("outcome", fmt::format("{}: {}", db::to_string(run.outcome), run.reason));
+  line("safe state", db::to_string(run.safe_state));
+  line("sensor", fmt::format("{}, scanner {}", analysis::or_not_stated(run.sensor_serial),
+                             analysis::or_not_stated(analysis::scanner_serial_of(run))));
+  line("operator", run.operator_name);
+  line("purpose", run.purpose);
+  line("bench", run.bench_id.empty() ? std::string()
+                                     : fmt::format("{} (sha256 {})", run.bench_id, run.bench_sha256.substr(0, 12)));
+  line("started", run.started_utc);
+  line("ended", run.ended_utc);
+  line("program", fmt::format("{} ({}{})", run.program_version, run.git_commit, run.git_dirty ? ", modified" : ""));
+  line("content", run.content_sha256);
+  if (!run.tags.empty()) line("tags", fmt::format("{}", fmt::join(run.tags, " ")));
+  std::istringstream notes(run.notes);
+  for (std::string note; std::getline(notes, note);) line("note", note);
+  for (const db::SequenceRecord& sequence : run.sequences) {
+    line("recipe",
+         fmt::format("{}: {} x {} (sha256 {})", sequence.name, sequence.repeats,
+                     analysis::counted(sequence.frames_per_repeat, "frame"), sequence.recipe_sha256.substr(0, 12)));
+  }
+  for (const db::DeviceRecord& device : run.devices) {
+    line("device", fmt::format("{}: {}, serial {}, {}", device.role, device.model,
+                               device.serial.empty() ? "not stated" : device.serial, device.origin));
+    // What is held against a certificate; of a scanner or a module the bench file states none.
+    if (device.calibration_json.find("\"certificate\"") != std::string::npos)
+      line("", calibration_words(analysis::calibration_of(device), run.started_utc));
+  }
+  line("frames", std::to_string(store.frame_count(number)));
+  for (const db::CheckRecord& check : checks) {
+    line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
+                              check.verdict, check_line(check)));
+  }
+  for (const db::EventRecord& event : events) {
+    line("event", fmt::format("{:9.3f} s  {} {} {}", static_cast<double>(event.time_ns) * 1e-9, event.kind, event.id,
+                              event.detail));
+  }
+  if (verdicts.empty()) return;
+  tty::print("\nverdict: {}\n", word);
+  print_judgements(verdicts, run.origin);
+}
+
+}  // namespace
+
+void add_runs(CLI::App& app, Session& session) {
+  CLI::App* runs = app.add_subcommand("runs", "list, show, compare, export, copy, tag, note or void stored runs");
+  runs->require_subcommand(1);
+  auto options = std::make_shared<RunsListOptions>();
+  CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
+  list_verb->add_option("--sensor", options->sensor, "only this sensor");
+  list_verb->add_option("--since", options->since, "started on this day (UTC, 2026-01-31) or later");
+  list_verb->add_option("--tag", options->tag, "only with this tag");
+  list_verb
+      ->add_option("--verdict", options->verdict,
+                   "whose verdict is this, the run being judged or its models; none: not judged")
+      ->type_name(WantedVerdict::type_name());
+  list_verb->add_flag("--all", options->all, "include void runs");
+  add_common(*list_verb, session);
+  list_verb->callback([options, &session] { list_runs(*options, session); });
+  auto number = std::make_shared<std::int64_t>(0);
+  CLI::App* show_verb = runs->add_subcommand("show", "everything stored about a run");
+  show_verb->add_option("run", *number, "run number")->required();
+  add_common(*show_verb, session);
+  show_verb->callback([number, &session] { show_run(*number, session); });
+  add_run_remarks(*runs, session);
+  add_run_export(*runs, session);
+  add_run_copy(*runs, session);
+  add_run_diff(*runs, session);
+}
+
+}  // namespace tactbench::bench

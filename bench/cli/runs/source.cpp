@@ -1,0 +1,99 @@
+#include "bench/cli/runs/source.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "analysis/json_io.h"
+#include "bench/cli/runs/table_file.h"
+#include "bench/reporting/named_runs.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+analysis::HistoriesOptions options_of(const TableOptions& table) {
+  analysis::HistoriesOptions options;
+  options.noise = table.noise;
+  return options;
+}
+
+// The series of an imported run, with the units that its table was given.
+analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run, const TableOptions& table) {
+  std::vector<analysis::TableSeries> series;
+  for (const db::SeriesRecord& record : store.series(run.run)) {
+    const auto sequence = std::ranges::find(run.sequences, record.sequence, &db::SequenceRecord::sequence);
+    series.push_back({sequence->name, record.taxel, record.input, record.output});
+  }
+  analysis::Histories histories = analysis::histories_of(series, fmt::format("run {}", run.run), options_of(table));
+  for (const db::DeviceRecord& device : run.devices) {
+    if (device.role != kTableRole) continue;
+    const auto json = analysis::parse_json(device.calibration_json);
+    histories.input_unit = json.at("input_unit").get<std::string>();
+    histories.output_unit = json.at("output_unit").get<std::string>();
+  }
+  return histories;
+}
+
+}  // namespace
+
+void add_table_options(CLI::App& verb, TableOptions& options) {
+  verb.add_option("--map", options.map,
+                  "of a table: which column is what, as input=COL,output=COL,sequence=COL,taxel=COL (names, or numbers "
+                  "from 1)");
+  verb.add_option("--input-unit", options.input_unit, "of a table: unit of its inputs, for people");
+  verb.add_option("--noise", options.noise,
+                  "of a table: standard deviation of its outputs (default: estimated from their fourth differences); "
+                  "the dead band of compensation is six of them")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--output-unit", options.output_unit, "of a table: unit of its outputs, for people");
+}
+
+bool names_run(const std::string& source) {
+  constexpr std::size_t kLongest = 18;  // digits that a run's number has room for
+  return !source.empty() && source.size() <= kLongest && source.find_first_not_of("0123456789") == std::string::npos;
+}
+
+analysis::Histories read_source(const std::string& source, const TableOptions& table, const Session& session) {
+  if (names_run(source)) {
+    const db::RunStore store = db::RunStore::open_read_only(session.db);
+    analysis::Runs runs(store);
+    const db::RunRecord run = named_runs(runs, {std::stoll(source)}, {"run " + source}, session.void_too).front();
+    analysis::Histories histories =
+        run.origin == "imported" ? imported(store, run, table) : analysis::histories_of(runs.dataset(run.run));
+    histories.content_sha256 = run.content_sha256;
+    return histories;
+  }
+  const TableFile file = read_table_file(source, table);
+  analysis::Histories histories = analysis::histories_of(file.series, source, options_of(table));
+  histories.content_sha256 = file.sha256;
+  histories.input_unit = table.input_unit;
+  histories.output_unit = table.output_unit;
+  return histories;
+}
+
+analysis::ModelDocument load_model(const std::string& model, const Session& session) {
+  if (!names_run(model.substr(0, model.find(':')))) return analysis::load_model(model, nullptr);
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  analysis::Runs runs(store);
+  check_model_named(runs, model, "model " + model, session);
+  return analysis::load_model(model, &store);
+}
+
+void check_model_named(analysis::Runs& runs, const std::string& model, const std::string& at, const Session& session) {
+  const std::string run = model.substr(0, model.find(':'));
+  if (names_run(run)) (void)named_runs(runs, {std::stoll(run)}, {at}, session.void_too);
+}
+
+std::vector<std::string> split_list(const std::string& text) {
+  std::vector<std::string> list;
+  std::istringstream stream(text);
+  for (std::string item; std::getline(stream, item, ',');)
+    if (!item.empty()) list.push_back(item);
+  return list;
+}
+
+}  // namespace tactbench::bench

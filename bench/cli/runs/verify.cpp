@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/counted.h"
+#include "bench/cli/session.h"
+#include "bench/reporting/verification.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+nlohmann::ordered_json result_json(const VerifiedResult& result) {
+  return {{"what", result.what},
+          {"fit", result.fit},
+          {"fit_run", result.fit_run},
+          {"rows", result.rows},
+          {"recomputed", result.recomputed},
+          {"compared", result.compared},
+          {"difference", result.difference}};
+}
+
+void print_result(const VerifiedResult& result) {
+  const std::string name = result.what == "verdicts" ? analysis::counted(result.rows, "verdict")
+                                                     : fmt::format("fit {} ({})", result.fit, result.what);
+  const std::string state = !result.difference.empty() ? fmt::format("DIFFER: {}", result.difference)
+                            : result.recomputed        ? "equal"
+                                                       : "";
+  tty::print("  {:<14}{}{}{}\n", name, state, state.empty() ? "" : "; ", result.compared);
+}
+
+void verify(std::int64_t number, Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  const db::RunRecord run = store.run(number);
+  if (run.outcome == db::Outcome::kIncomplete) {
+    throw Error(ExitCode::kInconclusive, "TB-VERIFY-NOT-ENDED",
+                fmt::format("run {} has not ended: it has no hash to compare with yet", number), session.db,
+                "wait for its end; a run whose process died is closed at the next start of a run");
+  }
+  const RunVerification verified = verify_run(store, number);
+  const auto& [content, beside, results, first] = verified;
+  if (!content.holds() || !beside.empty()) {
+    session.code = ExitCode::kStore;
+  } else if (!first.empty()) {
+    session.code = ExitCode::kCriterionFailed;
+  }
+  if (session.json) {
+    auto list = nlohmann::ordered_json::array();
+    for (const VerifiedResult& result : results) list.push_back(result_json(result));
+    print_json("verify", {{"run", number},
+                          {"origin", run.origin},
+                          {"holds", first.empty()},
+                          {"first_difference", first},
+                          {"content",
+                           {{"holds", content.holds()},
+                            {"frames", content.frames},
+                            {"stored_sha256", content.stored_sha256},
+                            {"computed_sha256", content.computed_sha256}}},
+                          {"beside", beside},
+                          {"analysis", list}});
+    return;
+  }
+  tty::print("run {} ({}), {}\n", number, run.origin, analysis::counted(content.frames, "frame"));
+  if (content.holds()) {
+    tty::print("  {:<14}as it was stored, sha256 {}\n", "content", content.computed_sha256);
+  } else {
+    tty::print("  {:<14}DIFFERS: {}\n  {:<14}stored sha256 {}, recomputed {}; the analysis was not looked at\n",
+               "content", content.difference, "", content.stored_sha256, content.computed_sha256);
+  }
+  for (const std::string& line : beside) tty::print("  {:<14}{}\n", "CHANGED", line);
+  for (const VerifiedResult& result : results) print_result(result);
+  if (content.holds() && results.empty()) tty::print("  {:<14}no stored fit, no verdict\n", "analysis");
+  tty::print("{}\n", first.empty() ? "verified" : fmt::format("NOT verified; first difference: {}", first));
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, Session& session) {
+  auto number = std::make_shared<std::int64_t>(0);
+  CLI::App* verb = app.add_subcommand(
+      "verify", "recompute a run's content hash and its analysis from the raw frames; name the first difference");
+  verb->add_option("run", *number, "run number")->required();
+  verb->footer(
+      "Exit codes: 0 all as stored, 1 a fit or verdict comes out otherwise, 5 content, fits, verdicts, approvals or "
+      "void "
+      "are not what was stored, 6 not ended.");
+  add_common(*verb, session);
+  verb->callback([number, &session] { verify(*number, session); });
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "bench/cli/words/command_tree.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// Text for roff: hyphens as typed, nothing that it would take for a request.
+std::string roff(const std::string& text) {
+  std::string out;
+  bool line_start = true;
+  for (const char c : text) {
+    if (line_start && (c == '.' || c == '\'')) out += "\\&";
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else if (c == '\'') {
+      out += "\\(aq";
+    } else if (c == '`') {
+      out += "\\(ga";
+    } else if (c == '^') {
+      out += "\\(ha";
+    } else if (c == '~') {
+      out += "\\(ti";
+    } else {
+      out += c;
+    }
+    line_start = c == '\n';
+  }
+  return out;
+}
+
+// A sentence a line, as man pages are written; words are left as they are.
+std::string roff_paragraph(const std::string& text) {
+  std::string lines;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool blank = text[i] == ' ' || text[i] == '\n';
+    if (blank && !lines.empty() && lines.back() == '\n') continue;
+    if (blank && !lines.empty() && lines.back() == '.') {
+      lines += '\n';
+    } else {
+      lines += text[i] == '\n' ? ' ' : text[i];
+    }
+  }
+  while (!lines.empty() && (lines.back() == '\n' || lines.back() == ' ')) lines.pop_back();
+  return roff(lines);
+}
+
+std::string placeholder(const CommandArgument& argument) {
+  std::string name = argument.names.back();
+  name.erase(0, name.find_first_not_of('-'));
+  std::ranges::transform(name, name.begin(),
+                         [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return name;
+}
+
+std::string synopsis_of(const CommandNode& node) {
+  std::string text = fmt::format("\\fBtactbench {}\\fR", roff(node.path));
+  if (!node.verbs.empty()) text += " \\fIVERB\\fR";
+  for (const CommandArgument& argument : node.arguments) {
+    if (!argument.positional && !argument.required) continue;
+    std::string part = fmt::format("\\fI{}\\fR", roff(placeholder(argument)));
+    if (!argument.positional) part = fmt::format("\\fB{}\\fR {}", roff(argument.names.back()), part);
+    if (argument.repeated) part += "...";
+    text += argument.required ? fmt::format(" {}", part) : fmt::format(" [{}]", part);
+  }
+  return text + " [\\fIoptions\\fR]";
+}
+
+std::string option_entry(const CommandArgument& argument) {
+  std::vector<std::string> names;
+  for (const std::string& name : argument.names) names.push_back(fmt::format("\\fB{}\\fR", roff(name)));
+  if (argument.positional) names = {fmt::format("\\fI{}\\fR", roff(placeholder(argument)))};
+  std::string head = fmt::format("{}", fmt::join(names, ", "));
+  if (!argument.positional && argument.kind != ArgumentKind::kFlag)
+    head += fmt::format(" \\fI{}\\fR", roff(placeholder(argument)));
+  std::string text = fmt::format(".TP\n{}\n{}", head, roff_paragraph(argument.about));
+  if (argument.kind == ArgumentKind::kChoice)
+    text += fmt::format("; one of {}", roff(fmt::format("{}", fmt::join(argument.choices, ", "))));
+  if (!argument.default_value.empty()) text += fmt::format(" (default: {})", roff(argument.default_value));
+  return text + "\n";
+}
+
+std::string verb_section(const CommandNode& node) {
+  std::string text =
+      fmt::format(".SS {}\n{}\n.PP\n{}.\n", roff(node.path), synopsis_of(node), roff_paragraph(node.about));
+  for (const CommandArgument& argument : node.arguments) {
+    const bool help = argument.names.back() == "--help";
+    if (!help) text += option_entry(argument);
+  }
+  if (!node.footer.empty()) text += fmt::format(".PP\n{}\n", roff_paragraph(node.footer));
+  return text;
+}
+
+struct ManualEntry {
+  const char* name;
+  const char* about;
+};
+
+std::string manual_entries(const std::vector<ManualEntry>& list) {
+  std::string text;
+  for (const ManualEntry& entry : list)
+    text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", roff(entry.name), roff_paragraph(entry.about));
+  return text;
+}
+
+const std::vector<ManualEntry> manual_codes = {
+    {"0", "Done; all criteria pass. A conditional pass counts as 0, with a warning."},
+    {"1", "Done; at least one criterion failed."},
+    {"2", "Usage or configuration; no device was touched."},
+    {"3", "Device or link."},
+    {"4", "Stopped or aborted by the operator, an interlock or a limit."},
+    {"5", "Store: locked, full, damaged, wrong schema."},
+    {"6", "Inconclusive: something in the guard band, or too little data."},
+    {"7", "The safe state could not be verified. It outranks all others."},
+    {"70", "Internal error."},
+    {"129, 130, 131, 138, 140, 143",
+     "Ended by a signal, after the safe state: 128 and the number of SIGHUP (the terminal or the connection was "
+     "closed), "
+     "SIGINT, SIGQUIT, SIGUSR1, SIGUSR2 or SIGTERM. A closed standard output or error ends no run."}};
+
+const std::vector<ManualEntry> manual_environment = {
+    {"TACTBENCH_SHARE",
+     "Folder of the shipped recipes, configurations and module profiles. Without it the folder share/tactbench beside "
+     "the program's bin folder is taken, and without that the source tree that the program was built from."},
+    {"TACTBENCH_RUNTIME_DIR",
+     "A folder of yours that nobody else can enter. Programs that have it set stand apart from those of the machine: "
+     "their "
+     "runs do not lock its benches, and its words do not reach them. For tests and for simulated rigs beside each "
+     "other, "
+     "never for a rig that is real."},
+    {"XDG_STATE_HOME",
+     "Its folder tactbench holds trips that stay until a person resets them. Without it they lie in "
+     "/var/lib/tactbench, "
+     "which the packages make for the group tactbench, and where that is not, in ~/.local/state/tactbench."},
+    {"TACTBENCH_LANES",
+     "Width of the vector code of identification: base, avx2 or avx512, to try another than the best."},
+    {"TACTBENCH_EVENT", "Set for the command that --on-event names: what happened."},
+    {"CI, TERM", "With CI set, with TERM=dumb or without a terminal, progress is printed as plain lines."}};
+
+const std::vector<ManualEntry> manual_files = {
+    {"bench.toml, sensor.toml, limits.toml",
+     "Rig and its limits, type of sensor, and what passes; tactbench init writes commented ones to start from. "
+     "[reference], "
+     "[force] and [stage] take certificate, calibrated, due (dates as 2026-01-31) and an expanded uncertainty. A bench "
+     "that "
+     "drives hardware is refused while a value says FILL-IN."},
+    {"lab.toml",
+     "What a report says and no instrument knows. The run's own certificates stand; this fills in what they leave "
+     "open."},
+    {"runs.db",
+     "The store of --db where none is named: one SQLite file a bench, with runs.db-wal and runs.db-shm while "
+     "it is open, and runs.db-lock, an empty file that stays: it carries the locks of live runs."},
+    {"@tactbench/BENCH",
+     "No file: the name in /proc/net/unix under which the run on a bench of this machine listens. Whoever holds it has "
+     "the bench."},
+    {"reports/run-N.html", "Calibration and test reports, beside the store; a signed one is named by its number."},
+    {"share/tactbench/sequences", "Shipped recipes, named without folder and ending."},
+    {"share/tactbench/bench/config", "Shipped bench, sensor type and limits files."},
+    {"share/tactbench/devices/profiles", "Profiles of analog modules."}};
+
+}  // namespace
+
+std::string manual_page(const CommandNode& root, const std::string& version, const std::string& date) {
+  std::string text = fmt::format(
+      ".TH TACTBENCH 1 \"{}\" \"tactbench {}\" \"User Commands\"\n.SH NAME\ntactbench \\- control a test bench for "
+      "tactile arrays and compensate their hysteresis\n.SH SYNOPSIS\n\\fBtactbench\\fR \\fIVERB\\fR "
+      "[\\fIarguments\\fR] "
+      "[\\fIoptions\\fR]\n.br\n\\fBtactbench\\fR \\fIVERB\\fR \\fB\\-\\-help\\fR\n.br\n\\fBtactbench\\fR "
+      "\\fB\\-\\-version\\fR\n.SH DESCRIPTION\n",
+      date, roff(version));
+  text += roff_paragraph(
+      "tactbench drives a test bench that characterizes tactile sensor arrays, keeps every sample in SQLite, "
+      "identifies "
+      "hysteresis models for each taxel, scores how well they compensate, and writes a calibration report. The same "
+      "program runs against the rig and against a simulated rig at the other end of the same wires. Standard output is "
+      "the result, standard error is talk. An error says what, where and how to mend it, with an identifier TB-...");
+  text += "\n.SH VERBS\n";
+  for (const CommandNode* node : all_nodes(root)) {
+    if (!node->path.empty()) text += verb_section(*node);
+  }
+  text += ".SH WHO MAY COMMAND\n";
+  text += roff_paragraph(
+      "One run at a time has a bench, whichever user and login started it. Root, the user of the run and members of "
+      "the "
+      "group tactbench may pause, resume, stop, abort and panic it; all others are told TB-RUN-DENIED. Who does so has "
+      "to "
+      "believe who answers by the same rule: root hears any run, others their own, root's, and those of members.");
+  text += fmt::format("\n.SH EXIT STATUS\n{}.SH ENVIRONMENT\n{}.SH FILES\n{}", manual_entries(manual_codes),
+                      manual_entries(manual_environment), manual_entries(manual_files));
+  text +=
+      ".SH EXAMPLES\n.nf\ntactbench demo\ntactbench init\ntactbench plan descending ascending\n"
+      "tactbench sensors add MY\\-1 \\-\\-type sensor.toml\n"
+      "tactbench run descending ascending \\-\\-bench bench.toml \\-\\-sensor MY\\-1 \\-\\-operator me\n"
+      "tactbench fit 1 \\-\\-limits limits.toml\ntactbench report 1\ntactbench verify 1\n.fi\n";
+  return text;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,51 @@
+// Text as people may see it. What comes from a store, a file, a device or a keyboard may hold characters that move the
+// cursor, change colours or turn the direction of writing: on a terminal they would rewrite what stands beside them.
+// All talk of the program goes through tty::print(), which shows such characters instead of sending them.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace tactbench::bench {
+
+// Control characters as \x1b, \u009b, \u202e (bidirectional marks, line separators, what takes no room), bytes that are
+// not UTF-8 as \xff; line ends and tabs stay, and so does every other character. What JSON escapes stays valid JSON.
+std::string for_people(std::string_view text);
+
+// The same with line ends and tabs shown as well, cut with ... (U+2026) to `columns` of a terminal.
+inline constexpr std::size_t kLongestText = 2000;  // of one field of an error
+inline constexpr std::size_t kLongestCell = 200;   // at the end of a table's line
+std::string one_line(std::string_view text, std::size_t columns = kLongestCell);
+
+// one_line() for a table's column of `columns`: cut one short of them and filled with blanks.
+std::string cell(std::string_view text, std::size_t columns);
+
+// Columns that `text`, free of control characters, takes on a terminal: none for combining marks, two for wide letters.
+std::size_t display_width(std::string_view text);
+
+namespace tty {
+
+// As fmt::print, through for_people(). A result that cannot be written is an Error TB-FILE-WRITE; talk on standard
+// error that nobody reads is no reason to end a run.
+void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args);
+
+template <class... Args>
+void print(std::FILE* stream, fmt::format_string<Args...> format, Args&&... args) {
+  tty::vprint(stream, format, fmt::make_format_args(args...));
+}
+template <class... Args>
+void print(fmt::format_string<Args...> format, Args&&... args) {
+  tty::vprint(stdout, format, fmt::make_format_args(args...));
+}
+
+// One line of standard error, written over by the next.
+void renew_line(std::string_view text);
+// An empty screen, of standard output.
+void clear_screen();
+
+}  // namespace tty
+}  // namespace tactbench::bench

@@ -1,0 +1,18 @@
+// "--set k=v" of the command line and of a scenario: which of them are for the bench file and which for the recipes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sequences/toml/strict_toml.h"
+
+namespace tactbench::bench {
+
+// "--set k=v": keys that start with "recipe." go to the recipes (without the prefix), all others to the bench file.
+struct SplitOverrides {
+  std::vector<sequences::Override> all, bench, recipe;
+};
+// Throws Error TB-USAGE for what is not key=value.
+SplitOverrides split_overrides(const std::vector<std::string>& set);
+
+}  // namespace tactbench::bench

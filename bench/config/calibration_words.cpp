@@ -1,0 +1,38 @@
+#include "bench/config/calibration_words.h"
+
+#include <fmt/format.h>
+
+#include "bench/config/config_calibration.h"
+
+namespace tactbench::bench {
+
+using analysis::DueState;
+using analysis::InstrumentCalibration;
+
+std::string calibration_words(const InstrumentCalibration& calibration, const std::string& day) {
+  std::string text =
+      fmt::format("certificate {}", calibration.certificate.empty() ? "not stated" : calibration.certificate);
+  if (!calibration.calibrated_on.empty()) text += fmt::format(", calibrated {}", calibration.calibrated_on);
+  const DueState state = due_state(calibration, day);
+  text += state == DueState::kNotStated ? std::string(", no due date stated")
+          : state == DueState::kOverdue ? fmt::format(", OVERDUE since {}", calibration.due)
+                                        : fmt::format(", due {}", calibration.due);
+  if (!calibration.uncertainty.empty()) text += fmt::format(", {}", calibration.uncertainty);
+  for (const std::string& remark : calibration.remarks) text += fmt::format("; {}", remark);
+  return text;
+}
+
+std::vector<std::string> calibration_warnings(const BenchConfig& config, const std::vector<db::DeviceRecord>& records,
+                                              const std::string& day) {
+  std::vector<std::string> lines;
+  for (const db::DeviceRecord& record : records) {
+    const InstrumentCalibration calibration = analysis::calibration_of(record);
+    if (due_state(calibration, day) != DueState::kOverdue) continue;
+    lines.push_back(fmt::format("{} ({}, serial {}) is OVERDUE for calibration since {}", record.role, record.model,
+                                calibration.serial.empty() ? "not stated" : calibration.serial, calibration.due));
+  }
+  for (const std::string& place : placeholders_of(config)) lines.push_back(fmt::format("never filled in: {}", place));
+  return lines;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,182 @@
+// Text -> checked configuration: the bench file (rig and its limits), the sensor type file and the limits file. Units
+// are in the keys; unknown keys are errors (sequences/toml/strict_toml.h).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/figures/limits.h"
+#include "bench/config/plant_options.h"
+#include "devices/device.h"
+#include "devices/force/options.h"
+#include "devices/pressure/module_profile.h"
+#include "devices/pressure/options.h"
+#include "devices/stage/options.h"
+#include "devices/tactile/options.h"
+#include "devices/wire/options.h"
+#include "sequences/toml/strict_toml.h"
+
+namespace tactbench::bench {
+
+struct Settling {                // when a commanded level counts as reached
+  double band_psi = 0.25;        // |feedback - set-point|
+  double slope_psi_per_s = 0.5;  // |change of the reference| between two polls
+  double poll_s = 0.2;           // between two readings while it settles
+  double trace_s = 0.0;          // between two readings while it dwells; 0: at each feeding of the module
+  double landing_s = 0.5;        // rest before the last tick of a way of several
+  double timeout_s = 20.0;
+};
+
+struct SafetyLimits {
+  double command_psi = 60.0;  // inclusive
+  double trip_psi = 66.0;     // measured, either witness
+  double safe_psi = 1.0;
+  double disagreement_psi = 5.0;  // between feedback and reference, for longer than disagreement_s
+  double disagreement_s = 1.0;
+  double vent_timeout_s = 20.0;
+  double rate_psi_per_s = 20.0;                   // of the set-point upward, lasting
+  double step_psi = 2.5;                          // of the set-point upward, at once
+  double stale_s = 1.0;                           // witnesses older than this refuse upward commands
+  std::array<double, 3> force_n{5.0, 5.0, 35.0};  // measured, each axis: beyond is a trip
+  double contact_n = 0.5;                         // from this force on the indenter touches
+  double clear_z_mm = 25.0;                       // z may not be beyond this while x or y move
+};
+
+struct DeadManConfig {
+  bool enabled = true;      // where instruments outlive the sequencer: never on a bench simulated in its own process
+  double timeout_s = 0.4;   // between two signs of life of the sequencer's process
+  double progress_s = 1.5;  // between two steps of its work: more than the longest exchange that fails
+  double back_off_mm = 5.0;
+  bool blind_ends = true;  // a run whose dead-man cannot reach the module ends; else it is told and goes on
+  std::string program = "/proc/self/exe";  // what serves as the dead-man; tests name another
+};
+
+struct SimulationConfig {
+  PlantOptions plant;
+  std::string scanner_serial = "SIM-SCANNER-1";
+  int frame_source_port = 0;  // 0: the system chooses
+  devices::SimulatedModuleFaults module_faults;
+  devices::SimulatedScannerFaults scanner_faults;
+};
+
+enum class ScannerKind { kHid, kDaqmx, kFrameSource };
+enum class ForceKind { kNet, kDaq, kDigital };
+
+struct StatedCalibration {  // what the bench file states of an instrument's calibration; empty, 0: not stated
+  std::string certificate, calibrated, due;  // dates as 2026-01-31
+  double expanded_uncertainty = 0.0;         // U with k = 2 over the whole range, in psi, N or mm
+};
+
+struct StageConfig {
+  devices::SerialAddress address;
+  devices::ZaberStageOptions options;
+  StatedCalibration stated;  // of all three axes
+};
+
+struct ForceConfig {
+  ForceKind kind = ForceKind::kNet;
+  std::string model, serial;  // of the transducer
+  StatedCalibration stated;
+  double overload_share = 1.0;
+  int records = 50;  // averaged into one reading
+  devices::NetFtOptions net;
+  std::string calibration_file;  // DAQ: the .cal file
+  devices::DaqFtOptions daq;
+  devices::DaqmxGaugesOptions gauges;
+  devices::SerialAddress address;  // Digital
+  devices::DigitalFtOptions digital;
+};
+
+struct ModuleConfig {
+  devices::ModuleProfile profile;
+  devices::ModbusEndpoint endpoint;
+  bool same_line = false;  // as [module], another unit
+};
+
+struct GaugeConfig {  // a digital gauge as reference
+  devices::ModbusEndpoint endpoint;
+  bool own_line = false;
+  devices::ModbusQuantity quantity;  // psi
+};
+
+struct EnvironmentSensor {
+  std::string quantity;  // temperature_c | supply_bar
+  std::string model, serial;
+  devices::ModbusEndpoint endpoint;
+  bool own_line = false;
+  devices::ModbusQuantity place;
+};
+
+struct BenchConfig {
+  std::string id, location;
+  devices::Origin origin = devices::Origin::kHardware;
+  SafetyLimits limits;
+  DeadManConfig dead_man;
+  Settling settling;
+  ModuleConfig module;                       // drives the regulator
+  std::optional<ModuleConfig> input_module;  // reads feedback and transducer; none: `module` does
+  double watchdog_s = 0.0;                   // 0: the module has none
+  devices::RegulatorOptions regulator;
+  devices::TransducerOptions reference;
+  StatedCalibration reference_stated;     // a correction's own U wins
+  double reference_drift_psi = 0.0;       // limit of the reference's change until it is due; 0: not stated
+  double reference_resolution_psi = 0.0;  // 0: that of the converter which reads it
+  bool reference_independent = true;
+  std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`
+  devices::PressureCorrection reference_correction;
+  std::vector<EnvironmentSensor> environment;
+  ScannerKind scanner_kind = ScannerKind::kHid;
+  devices::HidScannerOptions scanner;  // geometry, serial and timeout count for every kind
+  devices::HidAddress scanner_address;
+  std::string scanner_socket;  // HID reports over a local socket instead: a simulated scanner in another process
+  devices::DaqmxScannerOptions daqmx_scanner;
+  devices::FrameSourceOptions frame_source;
+  std::string scanner_cable;  // which one; part of the measuring chain as much as the scanner
+  int scans_per_frame = 2;
+  std::optional<StageConfig> stage;
+  std::optional<ForceConfig> force;
+  bool in_process = false;                     // simulated, with the simulated ends in this process
+  double rate = 1.0;                           // of process time against real time; not 1 only with a simulator
+  std::optional<SimulationConfig> simulation;  // exactly when in_process
+  std::string file, text;                      // where it came from, stored with the run
+  std::string resolved;                        // text with the overrides in it
+  std::vector<sequences::Setting> settings;    // every value, and where it came from
+};
+
+struct SensorType {
+  std::string name;
+  int rows = 0, columns = 0;
+  double pitch_mm = 0.0, taxel_area_mm2 = 0.0;
+  double orientation_deg = 0.0;  // of row 0 against the bench's x axis
+  double output_low_v = 0.0, output_high_v = 0.0;
+  std::string full_scale;  // "highest mean output of the run"
+  std::string text;
+};
+
+struct SeedOptions {  // command line wins over the file
+  std::optional<std::uint64_t> seed, sensor_seed;
+};
+
+// Each throws sequences::FileError.
+BenchConfig read_bench(const std::string& path, const std::vector<sequences::Override>& overrides,
+                       const SeedOptions& seeds = {});
+// The same of a text; `name` stands for the file in complaints. Reads no file but those that the text names.
+BenchConfig parse_bench(const std::string& text, const std::string& name,
+                        const std::vector<sequences::Override>& overrides, const SeedOptions& seeds = {});
+SensorType read_sensor_type(const std::string& path, const std::vector<sequences::Override>& overrides = {});
+SensorType parse_sensor_type(const std::string& text, const std::string& name);
+analysis::Limits read_limits(const std::string& path);
+analysis::Limits parse_limits(const std::string& text, const std::string& name);
+
+// Folder of the shipped recipes and configuration: $TACTBENCH_SHARE, else share/tactbench where installed, else source.
+std::string share_folder();
+// Names of the TOML files in one of its folders ("sequences", "bench/config"), sorted.
+std::vector<std::string> shipped_files(const std::string& folder);
+// `name` if such a file exists or it holds a folder, else the shipped one of that name (with or without .toml). Throws
+// FileError TB-FILE-MISSING, with the nearest shipped name or all of them.
+std::string find_recipe(const std::string& name);
+std::string find_config(const std::string& name);
+
+}  // namespace tactbench::bench

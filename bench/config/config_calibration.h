@@ -1,0 +1,24 @@
+// What a bench file states of its instruments' calibrations: certificate, dates, U; and what was never filled in.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+
+namespace tactbench::bench {
+
+// "2026-01-31", or empty where the key is absent or empty. Throws FileError with place and form for anything else.
+std::string read_date(const sequences::TomlTable& table, const std::string& key);
+
+// Keys certificate, calibrated, due and `uncertainty_key`, 0 to `most`. Throws FileError.
+StatedCalibration read_stated_calibration(const sequences::TomlTable& table, const std::string& uncertainty_key,
+                                          double most);
+
+// Every value that still says FILL-IN, with its place: "reference.certificate (bench.toml:77)".
+std::vector<std::string> placeholders_of(const BenchConfig& config);
+
+// Before anything is touched: throws Error TB-BENCH-FILL-IN, exit code 2, when a bench that drives hardware holds one.
+void refuse_placeholders(const BenchConfig& config);
+
+}  // namespace tactbench::bench

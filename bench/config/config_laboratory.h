@@ -1,0 +1,14 @@
+// The laboratory file: what a report says and no instrument knows. Unknown keys are errors; missing ones are empty.
+#pragma once
+
+#include <string>
+
+#include "analysis/report/laboratory.h"
+
+namespace tactbench::bench {
+
+// Throws FileError.
+analysis::Laboratory read_laboratory(const std::string& path);
+analysis::Laboratory parse_laboratory(const std::string& text, const std::string& name);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,212 @@
+#include "bench/guard/dead_man_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "analysis/json_io.h"
+#include "bench/common/process_time.h"
+#include "devices/fault.h"
+#include "devices/wire/serial_link.h"
+#include "devices/wire/stream_link.h"
+
+namespace tactbench::bench {
+
+using devices::Fault;
+using devices::Nanoseconds;
+
+namespace {
+
+constexpr int kSocket = 3;  // in the dead-man
+constexpr Nanoseconds kStart = std::chrono::seconds(10);
+constexpr Nanoseconds kLine = std::chrono::seconds(5);
+constexpr Nanoseconds kEnd = std::chrono::seconds(1);
+constexpr Nanoseconds kEndPoll = std::chrono::milliseconds(50);
+constexpr int kSignsATimeout = 8;
+constexpr double kOwnShare = 0.9;  // this process gives itself up before the dead-man does
+
+[[noreturn]] void fail(const std::string& why) {
+  throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why),
+              "Check that the module takes a second connection (some take only one), that nothing between blocks it, "
+              "and that this program may start processes.");
+}
+
+// Between fork() and exec(): system calls only.
+void become_dead_man(int socket, char* const* arguments) {
+  ::setsid();
+  struct sigaction ignore {};
+  ignore.sa_handler = SIG_IGN;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGTSTP, SIGQUIT}) ::sigaction(number, &ignore, nullptr);
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  // dup2() on itself would leave the descriptor to be closed.
+  const int away = ::fcntl(socket, F_DUPFD, kSocket + 1);
+  const int null = ::open("/dev/null", O_RDWR);
+  if (away < 0 || null < 0 || ::dup2(null, 0) < 0 || ::dup2(null, 1) < 0 || ::dup2(away, kSocket) < 0) ::_exit(126);
+  ::close_range(kSocket + 1, ~0U, 0);
+  ::execv(arguments[0], arguments);
+  ::_exit(127);
+}
+
+}  // namespace
+
+void share_lines(BenchConfig& config, bool as_dead_man) {
+  const auto share = [&](devices::ModbusEndpoint& endpoint) {
+    endpoint.exclusive = false;
+    if (as_dead_man) endpoint.lock = false;
+  };
+  share(config.module.endpoint);
+  if (config.input_module) share(config.input_module->endpoint);
+  if (config.reference_gauge) share(config.reference_gauge->endpoint);
+  for (EnvironmentSensor& sensor : config.environment) share(sensor.endpoint);
+}
+
+DeadManProcess::DeadManProcess(const BenchConfig& config)
+    : timeout_(seconds(config.dead_man.timeout_s)),
+      progress_(seconds(config.dead_man.progress_s)),
+      reports_(timeout_, config.dead_man.blind_ends) {
+  if (config.stage) stage_address_ = config.stage->address;
+  start(config.dead_man.program);
+  const nlohmann::json bench = {{"name", config.file}, {"bench", config.resolved}};
+  if (!channel_->send(analysis::json_line(bench))) fail("it does not take the bench's description");
+  const std::optional<devices::ChannelPacket> answer = channel_->receive(kStart);
+  if (!answer || answer->text != "ready") {
+    fail(answer ? answer->text : channel_->closed() ? "it ended at once" : "it did not answer");
+  }
+  shown_ = now().count();
+  feed();
+  relay_ = std::thread([this] { relay(); });
+}
+
+void DeadManProcess::start(const std::string& program) {
+  const auto [ours, theirs] = devices::DescriptorChannel::make_pair();
+  channel_ = std::make_unique<devices::DescriptorChannel>(ours);
+  std::string words[] = {program, "dead-man", "--socket", std::to_string(kSocket)};
+  const std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  child_ = ::fork();
+  if (child_ == 0) become_dead_man(theirs, arguments.data());
+  ::close(theirs);
+  if (child_ < 0) fail("no further process can be made");
+}
+
+DeadManProcess::~DeadManProcess() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  if (relay_.joinable()) relay_.join();
+  channel_.reset();
+  // One that makes safe now is left to itself.
+  (void)::waitpid(child_, nullptr, WNOHANG);
+}
+
+// The thread that shows that this process runs and gets on, and hears the answers.
+void DeadManProcess::relay() {
+  const auto own_limit = Nanoseconds(static_cast<Nanoseconds::rep>(kOwnShare * static_cast<double>(timeout_.count())));
+  std::unique_lock lock(mutex_);
+  while (!stop_ && !fired_) {
+    const Nanoseconds time = now();
+    if (time - Nanoseconds(shown_) > own_limit) {
+      fired_ = true;  // stood still: whatever the dead-man did, no command may follow
+    } else if (time.count() < due_ && (channel_->send("feed") || reports_.lost())) {
+      shown_ = time.count();  // one that is lost may take no more, which says nothing of this process
+      reports_.asked(time);
+    }
+    // Whoever holds it hears them meanwhile.
+    if (const std::unique_lock receiving(receiving_, std::try_to_lock); receiving) {
+      listen_to_all();
+      reports_.judge(now());
+    }
+    wake_.wait_for(lock, timeout_ / kSignsATimeout, [this] { return stop_; });
+  }
+}
+
+void DeadManProcess::feed() { due_ = (now() + progress_).count(); }
+
+void DeadManProcess::allow(Nanoseconds span) { due_ = (now() + std::max(span, progress_)).count(); }
+
+void DeadManProcess::listen(const devices::ChannelPacket& packet) {
+  reports_.heard(packet.text);
+  if (packet.descriptor >= 0) ::close(packet.descriptor);  // of a request that was given up
+}
+
+void DeadManProcess::listen_to_all() {
+  while (const auto packet = channel_->receive(Nanoseconds(0))) listen(*packet);
+  if (channel_->closed()) reports_.ended();
+}
+
+bool DeadManProcess::fired() {
+  {
+    const std::lock_guard lock(receiving_);
+    listen_to_all();
+  }
+  if (reports_.fired() || now() - Nanoseconds(shown_) > timeout_) fired_ = true;
+  return fired_;
+}
+
+std::optional<WatcherLost> DeadManProcess::lost() { return fired_ || dismissed_ ? std::nullopt : reports_.lost(); }
+
+bool DeadManProcess::wait_ended(Nanoseconds longest) {
+  const Nanoseconds end = now() + longest;
+  for (;;) {
+    const std::lock_guard lock(receiving_);
+    const Nanoseconds left = std::clamp(end - now(), Nanoseconds(0), kEndPoll);
+    if (const auto packet = channel_->receive(left)) listen(*packet);
+    if (channel_->closed() || now() >= end) return channel_->closed();
+  }
+}
+
+std::unique_ptr<devices::ByteStream> DeadManProcess::open_line() {
+  const std::lock_guard lock(receiving_);
+  // It answers nothing while it opens a line.
+  struct Excused {
+    DeadManReports& reports;
+    ~Excused() { reports.excuse(); }
+  } const excused{reports_};
+  return ask_for_line();
+}
+
+std::unique_ptr<devices::ByteStream> DeadManProcess::ask_for_line() {
+  if (channel_->closed()) return devices::open_serial(stage_address_);
+  allow(kLine);
+  (void)channel_->send("line");
+  const Nanoseconds end = now() + kLine;
+  const std::string address = stage_address_.port.empty() ? stage_address_.usb_serial : stage_address_.port;
+  while (now() < end && !channel_->closed()) {
+    const auto packet = channel_->receive(end - now());
+    if (!packet) continue;
+    if (packet->text == "line" && packet->descriptor >= 0) return devices::adopt_stream(packet->descriptor, address);
+    if (packet->text.starts_with("no line: ")) {
+      throw Fault("TB-SERIAL-OPEN", address, packet->text.substr(9) + " (asked of the dead-man)",
+                  "Check the stage's power and cable, and port or usb_serial in the bench file.");
+    }
+    listen(*packet);
+  }
+  throw Fault("TB-SERIAL-OPEN", address, "the dead-man did not hand the stage's line over",
+              "Look at its words on standard error, then start anew.");
+}
+
+void DeadManProcess::name_run(std::int64_t run) { (void)channel_->send(fmt::format("run {}", run)); }
+
+void DeadManProcess::fire() noexcept {
+  fired_ = true;
+  (void)channel_->send("fire");
+}
+
+void DeadManProcess::goodbye() {
+  dismissed_ = true;
+  const bool ended = channel_->send("goodbye") && wait_ended(kEnd);
+  // It would keep the bench's next run waiting, and has nothing to do any more.
+  const std::optional<WatcherLost> lost = reports_.lost();
+  if (!ended && !fired() && lost && lost->id == kDeadManSilent) (void)::kill(child_, SIGKILL);
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,209 @@
+#include "bench/guard/guard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/common/process_time.h"
+#include "bench/guard/interlock.h"
+
+namespace tactbench::bench {
+
+using devices::Nanoseconds;
+using devices::Psi;
+
+namespace {
+
+constexpr const char* kPressure = "pressure";
+constexpr double kLoggedStepPsi = 1.0;
+constexpr double kStepRounding = 1e-9;  // of a ramp's steps, relative
+constexpr Nanoseconds kLongestDeadMan = std::chrono::seconds(15);
+
+}  // namespace
+
+GuardLimits guard_limits(const BenchConfig& config) {
+  GuardLimits limits;
+  limits.safety = config.limits;
+  limits.safety.stale_s *= std::max(1.0, config.rate);
+  limits.has_force = config.force.has_value();
+  for (std::size_t i = 0; config.stage && i < limits.axes.size(); ++i) {
+    const devices::ZaberAxisOptions& axis = config.stage->options.axes[i];
+    limits.axes[i] = {axis.low.value(), axis.high.value(), axis.maximum_speed.value()};
+  }
+  return limits;
+}
+
+void Guard::set_actuators(devices::PressureSource* source, devices::Stage* stage) {
+  source_ = source;
+  stage_ = stage;
+}
+
+void Guard::feed() {
+  if (watcher_ != nullptr) watcher_->feed();
+}
+
+void Guard::log(const std::string& actuator, const std::string& text, bool let_through) const {
+  if (log_) log_(clock_.now(), actuator, text, let_through);
+}
+
+void Guard::refuse(const char* id, const char* actuator, const std::string& asked, const std::string& why,
+                   const std::string& remedy) const {
+  log(actuator, fmt::format("{}: {}", asked, why), false);
+  throw Interlock(id, actuator,
+                  fmt::format("{} was asked for and refused by the guard: {}; nothing was sent", asked, why), remedy);
+}
+
+void Guard::trip(const std::string& id, const std::string& what) noexcept {
+  if (trip_) return;
+  try {
+    trip_ = Trip{id, what, run_, {}};
+    if (source_ != nullptr) vented(source_->vent());
+    // While the dead-man works, the stage's line is its own.
+    const bool line_is_ours = id != kDeadManFired || watcher_ == nullptr || watcher_->wait_ended(Nanoseconds(0));
+    if (stage_ != nullptr && stage_used_ && line_is_ours) (void)stage_->halt();
+    log("guard", fmt::format("trip {}: {}", id, what), false);
+    if (sink_) sink_(*trip_);
+  } catch (...) {  // a recorder that fails must not stop a trip
+  }
+}
+
+void Guard::reset(const std::string& who) {
+  log("guard", fmt::format("reset by {}", who), true);
+  trip_.reset();
+  lost_.reset();
+}
+
+// A dead-man that has fired is found here, before any command, and one that watches no more.
+void Guard::hear_watcher() {
+  if (trip_ || watcher_ == nullptr) return;
+  if (watcher_->fired()) {
+    trip(kDeadManFired, "the dead-man has fired: the sequencer was silent for too long, or somebody told it to");
+  } else if (const std::optional<WatcherLost> lost = watcher_->lost()) {
+    lost_ = lost;
+    trip(lost->id, lost->what);
+  }
+}
+
+void Guard::check_open(const char* actuator, const std::string& asked, bool away) {
+  hear_watcher();
+  if (!armed_) {
+    refuse("TB-GUARD-NOT-ARMED", actuator, asked, "it is not armed", "Arm the pressure source or the stage first.");
+  }
+  if (trip_ && trip_->id == kDeadManFired) {
+    refuse(kDeadManFired, actuator, asked, trip_->what,
+           "Find out what held the sequencer up; `tactbench devices reset` if the bench is tripped; start anew.");
+  }
+  if (!trip_ || away) return;
+  if (lost_) refuse(lost_->id.c_str(), actuator, asked, lost_->what, lost_->remedy);
+  refuse("TB-GUARD-TRIPPED", actuator, asked, fmt::format("tripped ({}): {}", trip_->id, trip_->what),
+         "Look at the rig and find the cause, then `tactbench devices reset`.");
+}
+
+void Guard::check_fresh(const char* id, const char* actuator, const std::string& asked, const char* name,
+                        const Witness& witness) const {
+  const Nanoseconds age = clock_.now() - witness.time;
+  if (witness.time >= Nanoseconds(0) && age <= seconds(limits_.safety.stale_s)) return;
+  refuse(id, actuator, asked,
+         witness.time < Nanoseconds(0) ? fmt::format("the {} has not been read", name)
+                                       : fmt::format("the last reading of the {} is {:.2f} s old, {:g} s are allowed",
+                                                     name, devices::in_seconds(age), limits_.safety.stale_s),
+         "Read the instrument before loading; [limits] stale_s.");
+}
+
+void Guard::judge_pressure(const char* name, double psi) {
+  if (!armed_ || trip_ || psi <= limits_.safety.trip_psi) return;  // not-a-number goes on
+  const std::string what =
+      fmt::format("{:.1f} psi measured by the {}, above the trip of {:.1f} psi", psi, name, limits_.safety.trip_psi);
+  trip("TB-CHAMBER-TRIP", what);
+  throw Interlock("TB-CHAMBER-TRIP", "chamber", what + "; vented",
+                  "check regulator and reference before the next run; the limit is [limits] trip_psi");
+}
+
+void Guard::note_feedback(Psi pressure, Nanoseconds time) {
+  feedback_ = {pressure.value(), time};
+  judge_pressure("regulator's feedback", pressure.value());
+}
+
+void Guard::note_reference(Psi pressure, Nanoseconds time) {
+  reference_ = {pressure.value(), time};
+  judge_pressure("reference", pressure.value());
+}
+
+void Guard::note_force(const devices::Wrench& wrench, Nanoseconds time) {
+  const auto& force = wrench.force_n;
+  force_ = {std::hypot(force[0], force[1], force[2]), time};
+  if (!armed_ || trip_) return;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (std::abs(force[i]) <= limits_.safety.force_n[i]) continue;
+    const std::string what = fmt::format("F{} = {:.2f} N measured, beyond the limit of {:g} N", "xyz"[i], force[i],
+                                         limits_.safety.force_n[i]);
+    trip("TB-FORCE-TRIP", what);
+    throw Interlock("TB-FORCE-TRIP", "force sensor", what + "; stage halted",
+                    "check what the indenter stands on; the limit is [limits] force_n");
+  }
+}
+
+void Guard::check_pressure(Psi pressure) {
+  const double psi = pressure.value();
+  const std::string asked = fmt::format("{:g} psi", psi);
+  check_open(kPressure, asked, false);
+  if (!(psi >= 0.0 && psi <= limits_.safety.command_psi)) {
+    refuse("TB-CHAMBER-LIMIT", kPressure, asked, fmt::format("allowed is 0 to {:g} psi", limits_.safety.command_psi),
+           "Correct the recipe; [limits] command_psi is what the chamber bears.");
+  }
+  if (psi > setpoint_psi_) {
+    check_fresh("TB-CHAMBER-STALE", kPressure, asked, "regulator's feedback", feedback_);
+    check_fresh("TB-CHAMBER-STALE", kPressure, asked, "reference", reference_);
+    const Nanoseconds now = clock_.now();
+    budget_psi_ = std::min(limits_.safety.step_psi,
+                           budget_psi_ + limits_.safety.rate_psi_per_s * devices::in_seconds(now - budget_time_));
+    budget_time_ = now;
+    const double rise = psi - setpoint_psi_;
+    if (rise > budget_psi_ + kStepRounding * limits_.safety.step_psi) {
+      refuse(
+          "TB-CHAMBER-RATE", kPressure, asked,
+          fmt::format("the set-point stands at {:g} psi and may rise by {:.3g} psi now ({:g} psi at once, {:g} psi/s "
+                      "lasting)",
+                      setpoint_psi_, budget_psi_, limits_.safety.step_psi, limits_.safety.rate_psi_per_s),
+          "Approach the level by a ramp; [limits] step_psi and rate_psi_per_s.");
+    }
+  }
+  if (std::abs(psi - logged_psi_) < kLoggedStepPsi && (psi > 0.0 || logged_psi_ == 0.0)) return;
+  logged_psi_ = psi;
+  log(kPressure, asked, true);
+}
+
+void Guard::set_pressure(Psi pressure) {
+  budget_psi_ -= std::max(0.0, pressure.value() - setpoint_psi_);
+  setpoint_psi_ = pressure.value();
+}
+
+void Guard::source_armed() {
+  setpoint_psi_ = 0.0;
+  budget_psi_ = limits_.safety.step_psi;
+  budget_time_ = clock_.now();
+}
+
+void Guard::stage_armed() {
+  moving_.fill(false);
+  stage_used_ = true;
+  arm();
+}
+
+void Guard::vented(bool read_back) {
+  if (read_back) setpoint_psi_ = 0.0;
+  if (logged_psi_ != 0.0 || !read_back) log(kPressure, read_back ? "vent" : "vent, not read back", true);
+  logged_psi_ = 0.0;
+}
+
+// Rewriting 0 psi harms nobody; rewriting a pressure after a trip would undo the vent.
+void Guard::check_rewriting() {
+  if (setpoint_psi_ > 0.0) check_open(kPressure, fmt::format("repeat of {:g} psi", setpoint_psi_), false);
+}
+
+bool Guard::line_is_ours() {
+  return watcher_ == nullptr || !watcher_->fired() || watcher_->wait_ended(kLongestDeadMan);
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,128 @@
+// The one gate of every actuator command: constant limits, rate of rise, fresh witnesses, joint envelopes, latched
+// trips, the dead-man. guard_devices.h wraps the drivers so that nothing passes beside it. One thread, the sequencer's.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "bench/config/config.h"
+#include "bench/guard/dead_man.h"
+#include "bench/guard/trip.h"
+#include "devices/clock.h"
+#include "devices/force/force_sensor.h"
+#include "devices/pressure/pressure_source.h"
+#include "devices/stage/stage.h"
+
+namespace tactbench::bench {
+
+struct AxisLimits {
+  double low_mm = 0.0, high_mm = 0.0, speed_mm_per_s = 0.0;  // inclusive
+};
+
+struct GuardLimits {
+  SafetyLimits safety;
+  std::array<AxisLimits, devices::kAxes> axes;
+  bool has_force = false;  // then z presses only under a fresh force reading
+};
+
+// Of a bench file. At another rate than 1 a reading ages that much faster, and stale_s is stretched by it.
+GuardLimits guard_limits(const BenchConfig& config);
+
+// When, which actuator ("pressure", "stage z", "guard"), what was asked, and whether it was let through. Refusals and
+// stage commands always; set-points when they differ by 1 psi from the last one told, or end at 0.
+using CommandLog =
+    std::function<void(devices::Nanoseconds, const std::string& actuator, const std::string& text, bool let_through)>;
+
+class Guard {
+ public:
+  Guard(const GuardLimits& limits, const devices::Clock& clock) : limits_(limits), clock_(clock) {}
+  Guard(const Guard&) = delete;
+  Guard& operator=(const Guard&) = delete;
+
+  void set_log(CommandLog log) { log_ = std::move(log); }
+  void set_run(std::int64_t run) { run_ = run; }  // named in trips
+  // Told of each new trip, to store it.
+  void set_trip_sink(std::function<void(const Trip&)> sink) { sink_ = std::move(sink); }
+  // The drivers themselves, which a trip vents and halts. Null: there is none.
+  void set_actuators(devices::PressureSource* source, devices::Stage* stage);
+  void set_watcher(Watcher* watcher) { watcher_ = watcher; }  // may be null
+
+  // From now on commands pass and readings trip; before, each command throws Interlock TB-GUARD-NOT-ARMED.
+  void arm() { armed_ = true; }
+  [[nodiscard]] bool armed() const { return armed_; }
+  void feed();  // progress, for the dead-man; the rig's clock does it in each wait
+
+  // Vents and halts at once, latches and stores. A first trip stays. Never throws.
+  void trip(const std::string& id, const std::string& what) noexcept;
+  [[nodiscard]] const std::optional<Trip>& tripped() const { return trip_; }
+  // A person has looked. A dead-man that has fired stays fired.
+  void reset(const std::string& who);
+
+  // Readings, as they are taken. Each trips when armed, and then throws Interlock TB-CHAMBER-TRIP or TB-FORCE-TRIP;
+  // once tripped they only note.
+  void note_feedback(devices::Psi pressure, devices::Nanoseconds time);
+  void note_reference(devices::Psi pressure, devices::Nanoseconds time);
+  void note_force(const devices::Wrench& wrench, devices::Nanoseconds time);
+
+  // May this pass? Each throws Interlock, logs the refusal, and logs what passes. Ids: TB-GUARD-NOT-ARMED,
+  // TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE, TB-STAGE-LIMIT,
+  // TB-STAGE-ENVELOPE, TB-FORCE-STALE.
+  void check_pressure(devices::Psi pressure);
+  void check_rewriting();  // of the set-point that stands
+  // z toward its home passes a trip too: away from the specimen is the stage's vent. x and y move only while z is
+  // homed, at rest and not beyond clear_z_mm, and no contact was felt last. `read` is called only when it matters.
+  using ReadAxis = std::function<devices::AxisState(devices::Axis)>;
+  void check_move(devices::Axis axis, double target_mm, double speed_mm_per_s, const ReadAxis& read);
+  void check_home(devices::Axis axis, const ReadAxis& read);
+
+  // What came of it.
+  void set_pressure(devices::Psi pressure);  // it stands
+  void source_armed();                       // outputs stand at 0
+  void vented(bool read_back);
+  void set_moving(devices::Axis axis, bool moving) { moving_[static_cast<std::size_t>(axis)] = moving; }
+  [[nodiscard]] const AxisLimits& axis_limits(devices::Axis axis) const {
+    return limits_.axes[static_cast<std::size_t>(axis)];
+  }
+  void stage_armed();
+  [[nodiscard]] double setpoint_psi() const { return setpoint_psi_; }
+  // For a halt: the line is ours, or was left to us in time.
+  [[nodiscard]] bool line_is_ours();
+
+ private:
+  struct Witness {
+    double value = 0.0;
+    devices::Nanoseconds time{-1};
+  };
+  [[noreturn]] void refuse(const char* id, const char* actuator, const std::string& asked, const std::string& why,
+                           const std::string& remedy) const;
+  void check_open(const char* actuator, const std::string& asked, bool away);
+  void hear_watcher();
+  void check_fresh(const char* id, const char* actuator, const std::string& asked, const char* name,
+                   const Witness& witness) const;
+  void log(const std::string& actuator, const std::string& text, bool let_through) const;
+  void judge_pressure(const char* name, double psi);
+  void check_clear(devices::Axis axis, const std::string& asked, const devices::AxisState& z) const;
+
+  GuardLimits limits_;
+  const devices::Clock& clock_;
+  CommandLog log_;
+  std::function<void(const Trip&)> sink_;
+  devices::PressureSource* source_ = nullptr;
+  devices::Stage* stage_ = nullptr;
+  Watcher* watcher_ = nullptr;
+  std::int64_t run_ = 0;
+  bool armed_ = false;
+  bool stage_used_ = false;  // one that was never armed is not halted: it may not even be there
+  std::optional<Trip> trip_;
+  std::optional<WatcherLost> lost_;       // which trip_ is of, if it is
+  Witness feedback_, reference_, force_;  // of the force: its magnitude
+  double setpoint_psi_ = 0.0;
+  double logged_psi_ = 0.0;
+  double budget_psi_ = 0.0;  // what the set-point may rise now
+  devices::Nanoseconds budget_time_{0};
+  std::array<bool, devices::kAxes> moving_{};
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,18 @@
+// What the guard refuses and what it trips by: a fault of Cause::kLimit whatever its id, so that a new interlock has
+// the exit code of one without being listed anywhere.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "devices/fault.h"
+
+namespace tactbench::bench {
+
+class Interlock final : public devices::Fault {
+ public:
+  Interlock(std::string id, std::string device, const std::string& message, std::string remedy)
+      : Fault(devices::Cause::kLimit, std::move(id), std::move(device), message, std::move(remedy)) {}
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,51 @@
+// A trip that survives the program and the computer: one small file a bench, which only a person removes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bench/config/config.h"
+
+namespace tactbench::bench {
+
+struct Trip {
+  std::string id;    // "TB-CHAMBER-TRIP"
+  std::string what;  // for people
+  std::int64_t run = 0;
+  std::string utc;  // when; filled in by store()
+};
+
+// Where a machine keeps the trips of its rigs, for all who may run one; the packages make it.
+inline constexpr const char* kMachineState = "/var/lib/tactbench";
+
+// $XDG_STATE_HOME/tactbench, else `machine` where that is, else ~/.local/state/tactbench, else (no HOME) below the
+// system's temporary folder; the login's own are made when absent, mode 0700. Throws Error TB-FOLDER-UNSAFE when it is
+// neither this user's alone nor root's for a group, TB-STATE-DENIED when the machine's is closed to this user.
+std::string state_folder(const std::string& machine = kMachineState);
+
+class TripFile {
+ public:
+  explicit TripFile(const std::string& bench_id);
+  // None: not tripped. A file that cannot be read, a link and another user's file are trips, too.
+  [[nodiscard]] std::optional<Trip> read() const;
+  // Written beside, synced and moved there; an earlier trip stays (the first cause counts). False: could not.
+  bool store(Trip trip) const noexcept;
+  // Removes the trip and appends a line to the log beside it. Throws Error TB-FILE-WRITE.
+  void reset(const Trip& trip, const std::string& operator_name) const;
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::string log_path() const;
+  [[nodiscard]] std::string dead_man_path() const;  // what the dead-man did last
+
+ private:
+  std::string stem_, path_;
+};
+
+// Throws Error TB-BENCH-TRIPPED (exit 4), naming the trip and how to reset it. A bench simulated in its own process
+// keeps trips in memory alone.
+void refuse_tripped(const BenchConfig& config);
+
+// Replaces `path` by `text`: written beside it, synced, moved. Throws std::system_error.
+void write_durably(const std::string& path, const std::string& text);
+
+}  // namespace tactbench::bench

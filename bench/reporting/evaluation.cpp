@@ -1,0 +1,155 @@
+#include "bench/reporting/evaluation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "analysis/compensate/dispatch.h"
+#include "analysis/counted.h"
+#include "analysis/report/gather.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/figures.h"
+#include "bench/common/build_info.h"
+#include "bench/common/for_people.h"
+#include "bench/common/output_file.h"
+#include "bench/common/utc.h"
+#include "bench/reporting/report_budget.h"
+#include "bench/reporting/signed_reports.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+std::string this_build() {
+  return fmt::format("commit {}; {}; {}", commit_text(), build_info().build,
+                     analysis::to_string(analysis::best_dispatch()));
+}
+
+void keep_fit(db::RunStore& store, const analysis::ArrayFit& fit) {
+  analysis::store_fit(store, fit, build_info().version, utc_now(), this_build());
+}
+
+analysis::ArrayFit fit_run(db::RunStore& store, const analysis::Dataset& dataset) {
+  analysis::ArrayFit fit = analysis::fit_array(dataset);
+  keep_fit(store, fit);
+  return fit;
+}
+
+std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis::ArrayFit& fit,
+                                           const std::vector<std::int64_t>& held_out,
+                                           const std::vector<std::string>& titles) {
+  std::vector<NamedEvaluation> evaluations;
+  evaluations.push_back(
+      {fmt::format("run {}, the fit's own", fit.run), analysis::evaluate(runs.dataset(fit.run), fit)});
+  for (std::size_t i = 0; i < held_out.size(); ++i) {
+    const std::string title = i < titles.size() ? titles[i] : fmt::format("held-out run {}", held_out[i]);
+    evaluations.push_back({title, analysis::evaluate(runs.dataset(held_out[i]), fit)});
+  }
+  return evaluations;
+}
+
+void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts) {
+  const auto count = [&](analysis::Verdict verdict) {
+    return std::ranges::count(verdicts, verdict, analysis::verdict_in);
+  };
+  if (const auto passes = count(analysis::Verdict::kConditionalPass); passes > 0)
+    tty::print(stderr, "warning: {} of {} {} conditionally: within U below the limit\n", passes,
+               analysis::counted(verdicts.size(), "criterion", "criteria"), passes == 1 ? "passes" : "pass");
+  if (const auto fails = count(analysis::Verdict::kConditionalFail); fails > 0)
+    tty::print(stderr, "warning: {} of {} {} conditionally: within U above the limit\n", fails,
+               analysis::counted(verdicts.size(), "criterion", "criteria"), fails == 1 ? "fails" : "fail");
+}
+
+std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::ArrayFit& fit,
+                          const analysis::Evaluation& own) {
+  if (run.sensor_serial.empty()) return {};
+  std::string recipes;
+  for (const db::SequenceRecord& sequence : run.sequences)
+    recipes += fmt::format("{}{}", recipes.empty() ? "" : "+", sequence.name);
+  std::string subject = fmt::format("sensor/{}/{}", run.sensor_serial, recipes);
+  store.replace_figures(fit.run, subject, analysis::figures_of(fit, own));
+  return subject;
+}
+
+void add_uncertainty(analysis::Runs& runs, const analysis::ArrayFit& fit,
+                     const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
+                     const analysis::UncertaintyInputs& inputs, std::vector<analysis::JudgedUncertainty> known) {
+  input.uncertainty = analysis::assess_uncertainty(runs.dataset(fit.run), fit, runs.record(fit.run), inputs);
+  input.judged = std::move(known);
+  for (const analysis::RunVerdict& judged : analysis::verdicts_by_run(input.verdicts)) {
+    if (std::ranges::find(input.judged, judged.run, &analysis::JudgedUncertainty::run) != input.judged.end()) continue;
+    const analysis::ReferenceUncertainty reference =
+        analysis::reference_uncertainty(runs.record(judged.run), input.laboratory.instruments);
+    for (const NamedEvaluation& named : evaluations) {
+      if (named.evaluation.run != judged.run) continue;
+      for (analysis::JudgedUncertainty& uncertainty : analysis::judged_uncertainties(
+               runs.dataset(judged.run), runs.dataset(fit.run), fit, named.evaluation, reference))
+        input.judged.push_back(std::move(uncertainty));
+    }
+  }
+}
+
+std::vector<std::string> withhold_overdue_runs(analysis::Runs& runs, std::vector<db::VerdictRecord>& verdicts,
+                                               const std::vector<analysis::InstrumentNote>& notes) {
+  std::set<std::int64_t> judged;
+  for (const db::VerdictRecord& verdict : verdicts) judged.insert(verdict.run);
+  std::vector<std::string> overdue;
+  for (const std::int64_t run : judged) {
+    const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(runs.record(run), notes);
+    if (!reference.overdue) continue;
+    analysis::withhold_overdue(verdicts, run, reference);
+    overdue.push_back(fmt::format(
+        "the pressure reference was overdue for calibration since {} when run {} was made: what rests on it "
+        "is inconclusive",
+        reference.calibration.due, run));
+  }
+  return overdue;
+}
+
+analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::ArrayFit& fit,
+                                   const std::vector<NamedEvaluation>& evaluations, const Judgement& judgement,
+                                   const std::vector<std::int64_t>& further, const ReportExtras* extras) {
+  analysis::ReportInput input;
+  input.fit = fit;
+  if (!evaluations.empty()) input.evaluation = evaluations.front().evaluation;
+  for (std::size_t i = 1; i < evaluations.size(); ++i) {
+    input.held_out.push_back(
+        {evaluations[i].title, runs.record(evaluations[i].evaluation.run), evaluations[i].evaluation});
+  }
+  if (extras != nullptr) input.laboratory = extras->laboratory;
+  input.verdicts = judgement.verdicts;
+  input.judgement = judgement.notes;
+  // They may have been stored before an overdue reference counted, or without the laboratory file.
+  (void)withhold_overdue_runs(runs, input.verdicts, input.laboratory.instruments);
+  input.program_version = build_info().version;
+  analysis::gather_run(input, runs, run, further);
+  if (extras == nullptr) return input;
+  add_results(input, runs, *extras);
+  if (!evaluations.empty() && fit.run == run)
+    add_uncertainty(runs, fit, evaluations, input, budget_inputs(runs, input, further, extras->studies),
+                    judgement.uncertainties);
+  return input;
+}
+
+std::string report_path(const db::RunStore& store, const std::string& name) {
+  return (std::filesystem::path(store.path()).parent_path() / "reports" / name).string();
+}
+
+std::string write_report(analysis::Runs& runs, const analysis::ArrayFit& fit,
+                         const std::vector<NamedEvaluation>& evaluations, const Judgement& judgement, std::string path,
+                         std::string* number, const ReportExtras& extras, bool replace) {
+  const analysis::Report report =
+      analysis::render_report(report_input(runs, fit.run, fit, evaluations, judgement, {}, &extras));
+  const db::RunStore& store = runs.store();
+  if (path.empty()) {
+    path = report_path(store, fmt::format("run-{}.html", fit.run));
+    if (!signed_report_in(path, store).empty()) path = report_path(store, fmt::format("run-{}.html", report.number));
+  }
+  if (may_be_written(path, report.number, store)) write_output(path, report.html, replace);
+  if (number != nullptr) *number = report.number;
+  return path;
+}
+
+}  // namespace tactbench::bench

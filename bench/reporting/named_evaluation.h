@@ -1,0 +1,15 @@
+// The evaluation of one run with what people call that run.
+#pragma once
+
+#include <string>
+
+#include "analysis/statistics/figures/evaluation.h"
+
+namespace tactbench::bench {
+
+struct NamedEvaluation {
+  std::string title;
+  analysis::Evaluation evaluation;
+};
+
+}  // namespace tactbench::bench

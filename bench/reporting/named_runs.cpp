@@ -1,0 +1,39 @@
+#include "bench/reporting/named_runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bench/common/error.h"
+#include "bench/common/for_people.h"
+
+namespace tactbench::bench {
+
+std::string void_in_words(const db::RunRecord& run) {
+  return fmt::format("run {} was declared void by {} on {}: {}", run.run, run.void_by, run.void_utc, run.void_reason);
+}
+
+std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
+                                      const RunsNamed& named, bool void_too) {
+  std::vector<db::RunRecord> records;
+  for (const std::int64_t run : numbers) {
+    if (std::ranges::find(records, run, &db::RunRecord::run) != records.end())
+      throw Error(ExitCode::kUsage, "TB-RUN-TWICE", fmt::format("run {} is named twice", run), named.at,
+                  "name each run once: one counted twice would seem to repeat itself");
+    if (run == named.models_of)
+      throw Error(ExitCode::kUsage, "TB-RUN-OWN",
+                  fmt::format("the models were made from run {}: it is no independent data for them", run), named.at,
+                  "name other runs of the same sensor");
+    records.push_back(runs.record(run));
+    const db::RunRecord& record = records.back();
+    if (!record.is_void()) continue;
+    if (!void_too || !named.void_can_be_taken)
+      throw Error(ExitCode::kUsage, "TB-RUN-VOID", void_in_words(record), named.at,
+                  named.void_can_be_taken ? "name another run, or add --void-too: whatever comes of it says so"
+                                          : "name another run: nothing accepted rests on a void one");
+    tty::print(stderr, "warning: {}; taken all the same by --void-too\n", void_in_words(record));
+  }
+  return records;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,26 @@
+// Runs as the command line names them: the one place that says which of them a verb may rest on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "analysis/report/runs.h"
+
+namespace tactbench::bench {
+
+struct RunsNamed {
+  std::string at;                 // the option or place, for the error: "--held-out"
+  std::int64_t models_of = 0;     // the models were made from this run, which is no independent data; 0: any run goes
+  bool void_can_be_taken = true;  // --void-too is an option of the verb
+};
+
+// The runs as stored. Each must be there, be named once (TB-RUN-TWICE), not be the models' own (TB-RUN-OWN), and count:
+// a void one is refused (TB-RUN-VOID), or with `void_too` (--void-too) taken, which a warning on standard error says.
+std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
+                                      const RunsNamed& named, bool void_too);
+
+// "run 7 was declared void by me on 2026-01-31T12:00:00Z: gauge closed"
+std::string void_in_words(const db::RunRecord& run);
+
+}  // namespace tactbench::bench

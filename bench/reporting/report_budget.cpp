@@ -1,0 +1,137 @@
+#include "bench/reporting/report_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "analysis/counted.h"
+#include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/reporting/report_results.h"
+#include "bench/run/run_record.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+constexpr double kSameStateSeconds = 86400.0;
+constexpr double kStoredDigitC = 0.001;  // readings are stored with three decimals
+
+// The bench as the run had it; none when its text can no longer be read.
+std::optional<BenchConfig> bench_of(const db::RunRecord& run) {
+  std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);
+  if (!overrides) return std::nullopt;
+  std::erase_if(*overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
+  overrides->push_back({"reference.due", "\"\""});  // older runs kept texts there that are no dates
+  try {
+    return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), *overrides);
+  } catch (const std::exception&) {
+    return std::nullopt;  // a profile that it names is gone, or it was written for another version
+  }
+}
+
+// Runs without a typed role, each once, the report's own left out.
+std::vector<std::int64_t> plain_runs(const analysis::ReportInput& input, std::vector<std::int64_t> runs,
+                                     const std::vector<std::string>& studies) {
+  std::vector<std::int64_t> turned_or_mounted = {input.run.run};
+  for (const StudyRun& study : study_runs_of(studies)) {
+    if (study.role.empty())
+      runs.push_back(study.run);
+    else
+      turned_or_mounted.push_back(study.run);
+  }
+  std::vector<std::int64_t> plain;
+  for (const std::int64_t run : runs)
+    if (std::ranges::find(turned_or_mounted, run) == turned_or_mounted.end() &&
+        std::ranges::find(plain, run) == plain.end())
+      plain.push_back(run);
+  return plain;
+}
+
+// Runs of the chamber alone; one under an indenter has no frames to hold against a level.
+std::vector<analysis::Dataset> datasets_of(analysis::Runs& runs, const std::vector<std::int64_t>& numbers) {
+  std::vector<analysis::Dataset> datasets;
+  for (const std::int64_t run : numbers)
+    if (runs.press_runs(run).empty()) datasets.push_back(runs.dataset(run));
+  return datasets;
+}
+
+analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis::ReportInput& input,
+                                           const analysis::Dataset& calibration,
+                                           const std::vector<analysis::Dataset>& others) {
+  std::vector<analysis::Dataset> same_state;
+  std::string apart;
+  for (const analysis::Dataset& other : others) {
+    const std::string why = other_state(input.run, runs.record(other.run));
+    if (why.empty()) {
+      same_state.push_back(other);
+    } else if (analysis::at_another_temperature(calibration.temperatures_c, other.temperatures_c)) {
+      apart = fmt::format("a run at {:.1f} °C was given, but {}: what it changed cannot be told from the temperature",
+                          analysis::mean_temperature_c(other), why);
+    }
+  }
+  analysis::TemperatureEffect effect =
+      analysis::temperature_effect_of(calibration, same_state, input.fit, thermometer_step_c(input.run));
+  if (!effect.assessed() && !apart.empty()) effect.not_assessed = apart;
+  return effect;
+}
+
+}  // namespace
+
+analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::ReportInput& input,
+                                          const std::vector<std::int64_t>& further,
+                                          const std::vector<std::string>& studies) {
+  const analysis::Studies& found = input.more.studies;
+  analysis::UncertaintyInputs inputs;
+  inputs.notes = input.laboratory.instruments;
+  if (found.uniformity.assessed())
+    inputs.uniformity = {found.uniformity.u_offset_psi, found.uniformity.u_share, analysis::kInfiniteDof,
+                         "runs of the sensor turned in the chamber"};
+  if (found.remount.assessed())
+    inputs.mounting = {0.0, found.remount.s_share, double(found.remount.degrees), "runs of the sensor mounted anew"};
+  const analysis::Dataset& calibration = runs.dataset(input.run.run);
+  std::vector<analysis::Dataset> datasets = datasets_of(runs, plain_runs(input, further, studies));
+  inputs.temperature = temperature_of(runs, input, calibration, datasets);
+  datasets.push_back(calibration);  // it may hold levels of its own
+  inputs.creep = analysis::creep_effect_of(calibration, datasets, input.fit);
+  return inputs;
+}
+
+std::string other_state(const db::RunRecord& run, const db::RunRecord& other) {
+  const double apart =
+      seconds_between(run.started_utc, other.started_utc) + seconds_between(other.started_utc, run.started_utc);
+  if (apart > kSameStateSeconds)
+    return fmt::format("it was made {} apart from this one", analysis::counted(std::lround(apart / 86400.0), "day"));
+  if (run.origin != "simulated") return {};
+  // Of a simulated sensor its files tell what a person would know.
+  const std::optional<BenchConfig> ours = bench_of(run), theirs = bench_of(other);
+  if (!ours || !theirs || !ours->simulation || !theirs->simulation)
+    return "its bench file, which says mount and age, can no longer be read";
+  const SpecimenOptions &a = ours->simulation->plant.specimen, &b = theirs->simulation->plant.specimen;
+  if (a.age_months != b.age_months)
+    return std::abs(a.age_months - b.age_months) == 1.0
+               ? std::string("the sensor's age differs by a month")
+               : fmt::format("the sensor's age differs by {:g} months", std::abs(a.age_months - b.age_months));
+  if (a.mount_seed != b.mount_seed || a.mount_turn != b.mount_turn || a.edge_outside_lines != b.edge_outside_lines ||
+      a.edge_outside != b.edge_outside)
+    return "the sensor was mounted anew";
+  return {};
+}
+
+double thermometer_step_c(const db::RunRecord& run) {
+  const std::optional<BenchConfig> bench = bench_of(run);
+  double step = kStoredDigitC;
+  if (!bench) return step;
+  for (const EnvironmentSensor& sensor : bench->environment) {
+    const devices::LinearScale& scale = sensor.place.scale;
+    if (sensor.quantity != "temperature_c" || sensor.place.format.type == devices::RegisterType::kF32 ||
+        scale.raw_high == scale.raw_low)
+      continue;
+    step = std::max(step, std::abs((scale.high - scale.low) / (scale.raw_high - scale.raw_low)));
+  }
+  return step;
+}
+
+}  // namespace tactbench::bench

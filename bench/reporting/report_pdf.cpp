@@ -1,0 +1,160 @@
+#include "bench/reporting/report_pdf.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "bench/common/child_process.h"
+#include "bench/common/error.h"
+#include "bench/common/output_file.h"
+#include "bench/common/private_files.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kPdfDeadline = std::chrono::seconds(120);
+
+[[noreturn]] void pdf_failed(const std::string& what, const std::string& where, const std::string& remedy) {
+  throw Error(ExitCode::kUsage, "TB-REPORT-PDF", what, where, remedy);
+}
+
+std::string in_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    std::string candidate = (fs::path(folder) / program).string();
+    if (!folder.empty() && ::access(candidate.c_str(), X_OK) == 0) return candidate;
+  }
+  return {};
+}
+
+struct PdfProgram {
+  std::string path;
+  bool browser = true;
+};
+
+PdfProgram find_pdf_program(const std::string& wanted) {
+  if (wanted != "weasyprint") {
+    for (const char* name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"}) {
+      if (const std::string path = in_path(name); !path.empty()) return {path, true};
+    }
+  }
+  if (wanted != "chromium") {
+    if (const std::string path = in_path("weasyprint"); !path.empty()) return {path, false};
+  }
+  pdf_failed(fmt::format("no program that prints HTML as PDF is installed{}{}", wanted.empty() ? "" : ": ", wanted),
+             "--format pdf",
+             "apt-get install chromium (or weasyprint), or write --format html and print it from a browser");
+}
+
+std::vector<std::string> words_of(const PdfProgram& program, const fs::path& folder) {
+  const std::string html = (folder / "report.html").string(), pdf = (folder / "report.pdf").string();
+  if (!program.browser) {
+    return {program.path, "--pdf-variant", "pdf/a-3b", "--attachment", (folder / "data.json").string(), html, pdf};
+  }
+  std::vector<std::string> words = {program.path,
+                                    "--headless",
+                                    "--disable-gpu",
+                                    "--no-first-run",
+                                    "--disable-dev-shm-usage",
+                                    "--no-pdf-header-footer",
+                                    "--user-data-dir=" + (folder / "profile").string(),
+                                    "--print-to-pdf=" + pdf};
+  if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // the sandbox refuses root
+  words.push_back("file://" + html);
+  return words;
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string digits_of(const std::string& utc) {
+  if (utc.size() < 19) return "20000101000000";
+  std::string digits;
+  for (const char c : utc)
+    if (c >= '0' && c <= '9') digits += c;
+  digits.resize(14, '0');
+  return digits;
+}
+
+// The date of the document, for programs that ask the environment for one.
+std::string date_variable(const std::string& utc) {
+  const std::string digits = digits_of(utc);
+  const auto number = [&](std::size_t from, std::size_t count) { return std::stoi(digits.substr(from, count)); };
+  std::tm time{};
+  time.tm_year = number(0, 4) - 1900;
+  time.tm_mon = number(4, 2) - 1;
+  time.tm_mday = number(6, 2);
+  time.tm_hour = number(8, 2);
+  time.tm_min = number(10, 2);
+  time.tm_sec = number(12, 2);
+  return fmt::format("SOURCE_DATE_EPOCH={}", ::timegm(&time));
+}
+
+// True when it ended by itself with 0. At the deadline all of its group goes.
+bool run_to_end(std::vector<std::string> words, const std::string& log, const std::string& utc) {
+  ChildStart start;
+  start.words = std::move(words);
+  start.environment = environment_with({date_variable(utc)});
+  start.output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  if (start.output < 0) return false;
+  try {
+    ChildProgram program(std::move(start));
+    const std::optional<int> status = program.ended_by(std::chrono::steady_clock::now() + kPdfDeadline);
+    program.kill_group();  // and what it may have left behind
+    return status && WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
+
+// "D:20240506070809+00'00'" where `field` has a date of the clock; digits only change, so that offsets hold.
+void set_pdf_date(std::string& pdf, const std::string& field, const std::string& utc) {
+  const std::string digits = digits_of(utc);
+  for (std::size_t at = pdf.find(field); at != std::string::npos; at = pdf.find(field, at + 1)) {
+    const std::size_t from = pdf.find("(D:", at);
+    if (from == std::string::npos || from > at + field.size() + 2 || from + 17 > pdf.size()) continue;
+    pdf.replace(from + 3, 14, digits);
+  }
+}
+
+}  // namespace
+
+std::string write_pdf(const PdfRequest& request) {
+  const PdfProgram program = find_pdf_program(request.program);
+  const ScratchFolder scratch("tactbench-pdf");
+  const fs::path folder = scratch.path();
+  write_whole(folder / "report.html", request.html);
+  write_whole(folder / "data.json", request.json);
+  const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
+  std::string pdf = text_of(folder / "report.pdf");
+  if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
+    std::string said = text_of(folder / "log");
+    if (said.size() > 500) said = said.substr(said.size() - 500);
+    pdf_failed(fmt::format("{} made no PDF: {}", program.path, said.empty() ? "it said nothing" : said), "--format pdf",
+               "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");
+  }
+  for (const char* field : {"/CreationDate", "/ModDate"}) set_pdf_date(pdf, field, request.date_utc);
+  write_output(request.path, pdf, request.replace);
+  return program.path;
+}
+
+}  // namespace tactbench::bench

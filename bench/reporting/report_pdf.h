@@ -1,0 +1,20 @@
+// A report's HTML as PDF, by a browser or a typesetter that is installed.
+#pragma once
+
+#include <string>
+
+namespace tactbench::bench {
+
+struct PdfRequest {
+  std::string html, json;  // json: attached to the PDF where the program can
+  std::string path;        // of the PDF; written whole
+  std::string program;     // chromium | weasyprint; empty: the first of them that is there
+  std::string date_utc;    // for the document's dates: the same report is the same bytes
+  bool replace = false;    // a file of another kind (output_file.h)
+};
+
+// Runs the program in a new folder of its own and waits 120 s at most. Returns the program used. Throws Error
+// TB-REPORT-PDF (names the packages when none is there; says what the program said when it failed).
+std::string write_pdf(const PdfRequest& request);
+
+}  // namespace tactbench::bench

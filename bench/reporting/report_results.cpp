@@ -1,0 +1,191 @@
+#include "bench/reporting/report_results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/report/data/traceability.h"
+#include "analysis/statistics/uncertainty/temperature_effect.h"
+#include "bench/common/error.h"
+#include "bench/config/config.h"
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+constexpr std::array<const char*, 5> kStudyRoles = {"mount", "0", "90", "180", "270"};
+
+std::optional<sequences::Recipe> recipe_of(const db::SequenceRecord& sequence, std::int64_t run) {
+  if (sequence.recipe_toml.empty()) return std::nullopt;
+  return sequences::parse_recipe(sequences::TomlDocument::from_text(
+      sequence.recipe_toml, fmt::format("recipe '{}' of run {}", sequence.name, run)));
+}
+
+bool studies_pace(const sequences::Recipe& recipe) {
+  return recipe.kind == sequences::RecipeKind::kLevels &&
+         (recipe.dwell_s.size() > 1 || recipe.ramp_psi_per_s.size() > 1 || recipe.frames_per_level > 1);
+}
+
+analysis::ArrayGeometry geometry_of(const db::RunRecord& run) {
+  if (run.sensor_toml.empty()) return {};
+  const SensorType type = parse_sensor_type(run.sensor_toml, fmt::format("sensor type of run {}", run.run));
+  return {type.pitch_mm, type.taxel_area_mm2};
+}
+
+[[noreturn]] void refuse_own(const StudyRun& study) {
+  throw Error(ExitCode::kUsage, "TB-REPORT-STUDY",
+              fmt::format("run {} is the report's own, which the others are held against", study.run),
+              fmt::format("--studies {}{}{}", study.run, study.role.empty() ? "" : ":", study.role),
+              "name the further runs only");
+}
+
+class StudyGatherer {
+ public:
+  StudyGatherer(analysis::ReportInput& input, analysis::Runs& runs) : input_(input), runs_(runs) {}
+
+  void take(const StudyRun& study) {
+    const bool own = study.run == input_.run.run;
+    if (own && study.role == "0") return;  // counted in any case
+    if (own && !study.role.empty()) refuse_own(study);
+    const db::RunRecord& record = runs_.record(study.run);
+    if (study.role == "mount") {
+      mounts_.push_back({study.run, analysis::sweep_estimates(runs_.dataset(study.run), input_.fit)});
+      return;
+    }
+    if (!study.role.empty()) {
+      const int angle = std::stoi(study.role);
+      turned_.push_back({study.run, angle, analysis::sweep_estimates(runs_.dataset(study.run), input_.fit)});
+      return;
+    }
+    const bool pressed = take_presses(record);
+    const bool paced = take_paces(record);
+    if (pressed || paced) return;
+    // Plain loops at another temperature say by it what they are for.
+    if (analysis::at_another_temperature(runs_.temperatures_c(input_.run.run), runs_.temperatures_c(study.run))) return;
+    if (own) refuse_own(study);
+    throw Error(
+        ExitCode::kUsage, "TB-REPORT-STUDY",
+        fmt::format("run {} holds plain loops, which do not say what they were run for", study.run),
+        fmt::format("--studies {}", study.run),
+        fmt::format("{0}:mount when the sensor was mounted anew, {0}:90 when it was turned in the chamber by 90 "
+                    "degrees counter-clockwise; a run at another temperature is known by its thermometer's readings, "
+                    "{1:g} K or more from run {2}'s; to see models on another run: --held-out {0}",
+                    study.run, analysis::kOtherTemperatureK, input_.run.run));
+  }
+
+  bool take_presses(const db::RunRecord& record) {
+    const std::vector<analysis::PressRun>& stored = runs_.press_runs(record.run);
+    for (analysis::PressRun press : stored) {
+      for (const db::SequenceRecord& sequence : record.sequences) {
+        if (sequence.name != press.sequence) continue;
+        if (const auto recipe = recipe_of(sequence, record.run)) press.object = recipe->press.object;
+      }
+      geometry_ = geometry_of(record);
+      presses_.push_back(std::move(press));
+    }
+    return !stored.empty();
+  }
+
+  void finish() {
+    analysis::ReportResults& more = input_.more;
+    // A registration holds until the sensor is mounted anew: the latest one given serves runs without their own.
+    std::vector<analysis::MountTransform> mount;
+    for (const analysis::PressRun& press : presses_)
+      if (!press.mount.empty()) mount = press.mount;
+    for (analysis::PressRun& press : presses_) {
+      if (press.mount.empty()) press.mount = mount;
+      if (press.object == "point") {
+        analysis::Crosstalk crosstalk =
+            analysis::crosstalk_of(press.run, analysis::point_frames(press), press.rows, press.columns);
+        // The touches of a registration are a poor grid: of several runs the one with most positions.
+        const analysis::Crosstalk& before = more.studies.crosstalk;
+        if (!before.assessed() || crosstalk.positions > before.positions) more.studies.crosstalk = std::move(crosstalk);
+      }
+      more.contacts.push_back(analysis::contact_result(press, input_.fit, geometry_));
+      more.contacts.back().force_traceability =
+          analysis::force_traceability(runs_.record(press.run), input_.laboratory.instruments).statement;
+    }
+    if (mounts_.empty() && turned_.empty()) return;
+    const analysis::SweepEstimates own = analysis::sweep_estimates(runs_.dataset(input_.run.run), input_.fit);
+    if (!mounts_.empty()) {
+      mounts_.insert(mounts_.begin(), {input_.run.run, own});
+      more.studies.remount = analysis::remount_of(mounts_);
+    }
+    if (!turned_.empty()) {
+      turned_.insert(turned_.begin(), {input_.run.run, 0, own});
+      more.studies.uniformity = analysis::uniformity_of(turned_, input_.fit.rows, input_.fit.columns);
+    }
+  }
+
+ private:
+  bool take_paces(const db::RunRecord& record) {
+    bool any = false;
+    for (const db::SequenceRecord& sequence : record.sequences) {
+      const auto recipe = recipe_of(sequence, record.run);
+      any = any || (recipe && studies_pace(*recipe));
+    }
+    if (!any) return false;
+    analysis::RateHold& study = input_.more.studies.rate_hold;
+    study.not_assessed.clear();
+    for (analysis::RateHoldRun& run : analysis::rate_hold_of(runs_.dataset(record.run), input_.fit))
+      study.runs.push_back(std::move(run));
+    return true;
+  }
+
+  analysis::ReportInput& input_;
+  analysis::Runs& runs_;
+  std::vector<analysis::MountedRun> mounts_;
+  std::vector<analysis::TurnedRun> turned_;
+  std::vector<analysis::PressRun> presses_;
+  analysis::ArrayGeometry geometry_;
+};
+
+}  // namespace
+
+std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words) {
+  std::vector<StudyRun> out;
+  for (const std::string& word : words) {
+    const std::size_t colon = word.find(':');
+    const std::string_view number = std::string_view(word).substr(0, colon);
+    StudyRun study;
+    study.role = colon == std::string::npos ? "" : word.substr(colon + 1);
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), study.run);
+    const bool is_number = error == std::errc() && end == number.data() + number.size() && !number.empty();
+    const bool is_role = colon == std::string::npos || std::ranges::find(kStudyRoles, study.role) != kStudyRoles.end();
+    if (!is_number || !is_role)
+      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no run with a role", word), "--studies",
+                  "RUN, RUN:mount, RUN:0, RUN:90, RUN:180 or RUN:270");
+    const auto same = [&](const StudyRun& other) { return other.run == study.run && other.role == study.role; };
+    if (std::ranges::any_of(out, same))
+      throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is named twice", word), "--studies",
+                  "each run once: one counted twice would seem to repeat itself");
+    out.push_back(std::move(study));
+  }
+  return out;
+}
+
+void add_results(analysis::ReportInput& input, analysis::Runs& runs, const ReportExtras& extras) {
+  const std::vector<StudyRun> studies = study_runs_of(extras.studies);
+  const bool evaluated = !input.evaluation.levels.empty();  // a run under an object sweeps no loop
+  if (input.fit.taxels.empty() || (!evaluated && !extras.previous.empty())) {
+    if (studies.empty() && extras.previous.empty()) return;
+    throw Error(ExitCode::kUsage, "TB-REPORT-STUDY", "studies and earlier models need models of the report's own run",
+                fmt::format("run {}", input.run.run), fmt::format("fit it first: tactbench fit {}", input.run.run));
+  }
+  std::optional<analysis::ArrayFit> previous;
+  if (!extras.previous.empty()) previous = analysis::array_fit_of(analysis::load_model(extras.previous, &runs.store()));
+  if (evaluated)
+    input.more = analysis::results_of(runs.dataset(input.run.run), input.fit, input.evaluation,
+                                      previous ? &*previous : nullptr, extras.previous);
+  StudyGatherer gatherer(input, runs);
+  (void)gatherer.take_presses(input.run);
+  for (const StudyRun& study : studies) gatherer.take(study);
+  gatherer.finish();
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,33 @@
+// What a report needs beyond fit, evaluations and verdicts: models compared, the previous models, further runs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/report/report.h"
+#include "analysis/report/runs.h"
+
+namespace tactbench::bench {
+
+struct ReportExtras {
+  std::string previous;              // MODEL: path of a .json, or RUN[:FIT]; empty: none
+  std::vector<std::string> studies;  // RUN or RUN:ROLE
+  analysis::Laboratory laboratory = {};
+};
+
+// A further run of the sensor. What its recipes do says what it is for: under an object, at several rates, held; and
+// its thermometer, at another temperature. Other plain loops do not tell why they were run, so the role is typed: mount
+// (mounted anew), or 0, 90, 180, 270 (turned in the chamber by so many degrees counter-clockwise, row 0 on top).
+struct StudyRun {
+  std::int64_t run = 0;
+  std::string role;  // mount, 0, 90, 180, 270; empty: by its recipes, or its temperature
+};
+// Throws Error TB-USAGE.
+std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words);
+
+// Fills in input.more; run, fit and evaluation must stand there already. Without an evaluation only what needs none:
+// the run's own presses, and studies. Throws Error TB-REPORT-STUDY for a run whose role is not known, AnalysisError,
+// StoreError.
+void add_results(analysis::ReportInput& input, analysis::Runs& runs, const ReportExtras& extras);
+
+}  // namespace tactbench::bench

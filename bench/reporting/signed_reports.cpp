@@ -1,0 +1,38 @@
+#include "bench/reporting/signed_reports.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "analysis/report/parts.h"
+#include "bench/common/error.h"
+#include "bench/common/signed_number.h"
+
+namespace tactbench::bench {
+
+std::string signed_report_in(const std::string& path, const db::RunStore& store) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) return {};  // a pipe would be waited for
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return {};
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string beginning = text.substr(0, 64);
+  if (beginning.starts_with('{') || beginning.starts_with("<!DOCTYPE html>")) return signed_number_in(text);
+  for (const db::RunRecord& run : store.runs())
+    for (const db::ReportRecord& report : store.reports(run.run))
+      if (text.find(analysis::signed_title_mark(report.number)) != std::string::npos) return report.number;
+  return {};
+}
+
+bool may_be_written(const std::string& path, const std::string& number, const db::RunStore& store) {
+  const std::string there = signed_report_in(path, store);
+  if (there.empty()) return true;
+  if (there == number) return false;
+  throw Error(ExitCode::kUsage, "TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", there), path,
+              "a signed report is not written over: name another file with -o");
+}
+
+}  // namespace tactbench::bench

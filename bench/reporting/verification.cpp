@@ -1,0 +1,182 @@
+// Is a stored run still what was measured, and does its analysis follow from it? Everything is recomputed from the raw
+// frames; nothing is written.
+#include "bench/reporting/verification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "analysis/identify/stored/fit_rows.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/limits.h"
+#include "bench/config/config.h"
+#include "bench/reporting/evaluation.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// Runs made before dates were dates do not; since then an overdue reference counts in their verdicts.
+bool states_calibration_dates(const db::RunRecord& run) {
+  return std::ranges::any_of(run.devices, [](const db::DeviceRecord& device) {
+    return device.calibration_json.find("\"calibrated\":") != std::string::npos;
+  });
+}
+
+class Verification {
+ public:
+  Verification(const db::RunStore& store, std::int64_t run) : store_(store), runs_(store), run_(run) {}
+
+  VerifiedResult verify_fit(const db::FitRecord& fit) {
+    VerifiedResult result{fit.fit, fit.run, fit.model, {}, {}, false, 0};
+    if (fit.model != analysis::kElamFit) {
+      result.compared = "not recomputed: it is kept as a document, not as rows";
+      return result;
+    }
+    return compared(result, fit, [&](double tolerance) {
+      const analysis::FitRows stored{fit, store_.fit_taxels(fit.fit)};
+      result.rows = stored.taxels.size();
+      return analysis::first_difference(stored, analysis::rows_of(recomputed(fit)), tolerance);
+    });
+  }
+
+  VerifiedResult verify_verdicts(const std::vector<db::VerdictRecord>& verdicts) {
+    VerifiedResult result{verdicts.front().fit, 0, "verdicts", {}, {}, false, verdicts.size()};
+    if (result.fit == 0) {
+      result.compared = "not recomputed: they were judged without a stored fit";
+      return result;
+    }
+    const db::FitRecord fit = store_.fit(result.fit);
+    result.fit_run = fit.run;
+    if (fit.model != analysis::kElamFit) {
+      result.compared = "not recomputed: their fit is kept as a document, not as rows";
+      return result;
+    }
+    if (fit.run != run_) {
+      const db::ContentCheck& content = content_of(fit.run);
+      if (!content.holds()) {
+        result.compared = "not recomputed: the run of their models is not what was stored";
+        result.difference = fmt::format("run {}, whose models they rest on: {}", fit.run, content.difference);
+        return result;
+      }
+    }
+    bool by_earlier = false, by_laboratory = false;
+    VerifiedResult verified = compared(result, fit, [&](double tolerance) {
+      const std::string& toml = verdicts.front().limits_toml;
+      if (db::sha256_hex(toml) != verdicts.front().limits_sha256) return std::string("the limits file kept with them");
+      const analysis::Limits limits = parse_limits(toml, "the limits kept with the verdicts");
+      const analysis::ArrayFit& models = recomputed(fit);
+      const analysis::Evaluation evaluation = analysis::evaluate(runs_.dataset(run_), models);
+      // On the models' own run figures are kept without a verdict; older programs gave one.
+      const bool withheld = fit.run == run_ && std::ranges::all_of(verdicts, [](const db::VerdictRecord& verdict) {
+                              return analysis::verdict_in(verdict) == analysis::Verdict::kInconclusive;
+                            });
+      const auto differs_from = [&](std::vector<db::VerdictRecord> anew) {
+        if (withheld) analysis::withhold_verdicts(anew);
+        return analysis::first_difference(verdicts, anew, tolerance);
+      };
+      std::vector<db::VerdictRecord> anew = judge_anew(runs_, models, evaluation, limits);
+      std::string difference = differs_from(anew);
+      if (difference.empty()) return difference;
+      // A laboratory file is not in the store. All that its dates can do is to withhold.
+      analysis::ReferenceUncertainty overdue;
+      overdue.overdue = true;
+      analysis::withhold_overdue(anew, run_, overdue);
+      by_laboratory = differs_from(std::move(anew)).empty();
+      if (by_laboratory || states_calibration_dates(runs_.record(run_)))
+        return by_laboratory ? std::string() : difference;
+      by_earlier = differs_from(judge_by_earlier_rules(runs_, models, evaluation, limits)).empty();
+      return by_earlier ? std::string() : difference;
+    });
+    if (by_earlier)
+      verified.compared +=
+          "; judged before an overdue reference counted: a report says inconclusive, and so does `tactbench fit` anew";
+    if (by_laboratory)
+      verified.compared +=
+          "; inconclusive where they rest on the reference, which was overdue by a laboratory file: that is not in the "
+          "store";
+    return verified;
+  }
+
+ private:
+  // Same build and class of processor: same bits; otherwise 1e-12 (docs/rules.md, Runs). What cannot be recomputed from
+  // an intact run is a difference, too.
+  template <class Compare>
+  VerifiedResult compared(VerifiedResult& result, const db::FitRecord& fit, Compare compare) {
+    const std::string maker = analysis::made_by(fit);
+    const bool same_build = maker == this_build() && maker.find("modified") == std::string::npos;
+    try {
+      result.recomputed = true;
+      result.difference = compare(same_build ? 0.0 : analysis::kRelativeTolerance);
+    } catch (const analysis::AnalysisError& error) {
+      result.difference = fmt::format("cannot be recomputed: {} [{}]", error.what(), error.id());
+    } catch (const sequences::FileError& error) {
+      result.difference = fmt::format("cannot be recomputed: {} [{}]", error.what(), error.id());
+    }
+    result.compared = same_build ? "bit for bit: same build and class of processor"
+                      : maker.empty()
+                          ? "1e-12 relative: the fit does not say which build made it"
+                          : fmt::format("1e-12 relative: the fit is of {}, this is {}", maker, this_build());
+    return result;
+  }
+
+  const db::ContentCheck& content_of(std::int64_t run) {
+    const auto known = contents_.find(run);
+    return known != contents_.end() ? known->second : contents_.emplace(run, store_.check_content(run)).first->second;
+  }
+
+  const analysis::ArrayFit& recomputed(const db::FitRecord& fit) {
+    const analysis::ElamOptions elam = analysis::options_of(fit);
+    auto& kept = fits_[{fit.run, elam.exact_outer}];
+    if (!kept) {
+      analysis::ArrayFitOptions options;
+      options.elam = elam;
+      kept = analysis::fit_array(runs_.dataset(fit.run), options);
+    }
+    return *kept;
+  }
+
+  const db::RunStore& store_;
+  analysis::Runs runs_;
+  std::int64_t run_;
+  std::map<std::int64_t, db::ContentCheck> contents_;
+  std::map<std::pair<std::int64_t, bool>, std::optional<analysis::ArrayFit>> fits_;
+};
+
+}  // namespace
+
+RunVerification verify_run(const db::RunStore& store, std::int64_t run) {
+  RunVerification verified;
+  verified.content = store.check_content(run);
+  verified.beside = store.check_seals(run);
+  verified.first_difference = verified.content.difference;
+  if (!verified.content.holds()) return verified;
+  Verification verification(store, run);
+  for (const db::FitRecord& fit : store.fits(run)) verified.results.push_back(verification.verify_fit(fit));
+  // By fit and limits, in the order stored.
+  std::vector<std::vector<db::VerdictRecord>> judgements;
+  for (const db::VerdictRecord& verdict : store.verdicts(run)) {
+    const auto same = std::ranges::find_if(judgements, [&](const std::vector<db::VerdictRecord>& rows) {
+      return rows.front().fit == verdict.fit && rows.front().limits_sha256 == verdict.limits_sha256;
+    });
+    (same == judgements.end() ? judgements.emplace_back() : *same).push_back(verdict);
+  }
+  for (const std::vector<db::VerdictRecord>& rows : judgements)
+    verified.results.push_back(verification.verify_verdicts(rows));
+  const auto differing =
+      std::ranges::find_if(verified.results, [](const VerifiedResult& result) { return !result.difference.empty(); });
+  if (differing != verified.results.end()) {
+    verified.first_difference =
+        fmt::format("{}: {}", differing->what == "verdicts" ? "verdicts" : fmt::format("fit {}", differing->fit),
+                    differing->difference);
+  } else if (!verified.beside.empty()) {
+    verified.first_difference = verified.beside.front();
+  }
+  return verified;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,119 @@
+#include "bench/rig/device_records.h"
+
+#include <nlohmann/json.hpp>
+
+#include "analysis/json_io.h"
+#include "devices/stage/zaber_binary.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using RecordJson = nlohmann::ordered_json;
+
+RecordJson span_json(const devices::LinearSpan& span) {
+  return {{"volts_low", span.volts_low.value()},
+          {"volts_high", span.volts_high.value()},
+          {"psi_low", span.low.value()},
+          {"psi_high", span.high.value()}};
+}
+
+RecordJson scale_json(const devices::LinearScale& scale) {
+  return {{"raw_low", scale.raw_low}, {"raw_high", scale.raw_high}, {"low", scale.low}, {"high", scale.high}};
+}
+
+db::DeviceRecord record_of(const devices::Identity& identity, const RecordJson& calibration) {
+  return {identity.role,
+          identity.model,
+          identity.serial,
+          identity.firmware,
+          identity.origin == devices::Origin::kSimulated ? "simulated" : "hardware",
+          analysis::json_line(calibration)};
+}
+
+void add_stated(RecordJson& json, const StatedCalibration& stated, const char* uncertainty_key) {
+  json["certificate"] = stated.certificate;
+  json["calibrated"] = stated.calibrated;
+  json["due"] = stated.due;
+  if (stated.expanded_uncertainty > 0.0) json[uncertainty_key] = stated.expanded_uncertainty;
+}
+
+}  // namespace
+
+db::DeviceRecord module_record(const devices::Identity& identity, const devices::ModuleProfile& profile) {
+  RecordJson json = {{"profile", profile.name}};
+  if (profile.outputs.channels > 0) json["output_volts"] = scale_json(profile.outputs.volts);
+  if (profile.inputs.channels > 0) json["input_volts"] = scale_json(profile.inputs.volts);
+  return record_of(identity, json);
+}
+
+db::DeviceRecord regulator_record(const devices::Identity& identity, const BenchConfig& config) {
+  return record_of(identity, span_json(config.regulator.command_span));
+}
+
+db::DeviceRecord reference_record(const devices::Identity& identity, const BenchConfig& config) {
+  RecordJson json =
+      config.reference_gauge ? scale_json(config.reference_gauge->quantity.scale) : span_json(config.reference.span);
+  if (const devices::PressureCorrection& correction = config.reference_correction; !correction.empty()) {
+    json["correction"] = {{"reading_psi", correction.reading_psi},
+                          {"correction_psi", correction.correction_psi},
+                          {"expanded_uncertainty_psi", correction.expanded_uncertainty_psi},
+                          {"coverage_factor", correction.coverage_factor}};
+  }
+  json["independent"] = config.reference_independent;
+  add_stated(json, config.reference_stated, "expanded_uncertainty_psi");
+  if (config.reference_drift_psi > 0.0) json["drift_psi"] = config.reference_drift_psi;
+  if (config.reference_resolution_psi > 0.0) json["resolution_psi"] = config.reference_resolution_psi;
+  return record_of(identity, json);
+}
+
+db::DeviceRecord environment_record(const EnvironmentSensor& sensor, const BenchConfig& config) {
+  return record_of({sensor.quantity + " sensor", sensor.model, sensor.serial, "", config.origin},
+                   scale_json(sensor.place.scale));
+}
+
+db::DeviceRecord scanner_record(const devices::Identity& identity, double volts_per_count, const BenchConfig& config) {
+  RecordJson json = {{"volts_per_count", volts_per_count}};
+  if (!config.scanner_cable.empty()) json["cable"] = config.scanner_cable;
+  return record_of(identity, json);
+}
+
+db::DeviceRecord force_record(const ForceIdentity& force, const ForceConfig& config) {
+  const auto& range = force.range;
+  RecordJson json = {{"records_per_reading", config.records}};
+  if (!force.calibration.empty()) {
+    json["calibration"] = force.calibration;
+    json["range_n"] = {range[0], range[1], range[2]};
+    json["range_nmm"] = {range[3], range[4], range[5]};
+  }
+  add_stated(json, config.stated, "expanded_uncertainty_n");
+  return record_of(force.identity, json);
+}
+
+db::DeviceRecord stage_record(const devices::Identity& identity, std::size_t axis, const StageConfig& config) {
+  const devices::ZaberAxisOptions& option = config.options.axes.at(axis);
+  RecordJson json = {{"low_mm", option.low.value()}, {"high_mm", option.high.value()}};
+  add_stated(json, config.stated, "expanded_uncertainty_mm");
+  return record_of(identity, json);
+}
+
+std::vector<db::DeviceRecord> stated_instruments(const BenchConfig& config, bool presses) {
+  std::vector<db::DeviceRecord> records = {reference_record(
+      {"pressure reference", config.reference.model, config.reference.serial, "", config.origin}, config)};
+  if (presses && config.stage) {
+    for (std::size_t axis = 0; axis < devices::kAxes; ++axis) {
+      const devices::ZaberAxisOptions& option = config.stage->options.axes.at(axis);
+      const devices::ZaberModel* model = devices::zaber_model(option.device_id);
+      const std::string name = model == nullptr ? std::string() : "Zaber " + std::string(model->name);
+      records.push_back(stage_record({std::string("stage ") + "xyz"[axis], name, option.serial, "", config.origin},
+                                     axis, *config.stage));
+    }
+  }
+  if (presses && config.force) {
+    records.push_back(force_record(
+        {{"force sensor", config.force->model, config.force->serial, "", config.origin}, {}, {}}, *config.force));
+  }
+  return records;
+}
+
+}  // namespace tactbench::bench

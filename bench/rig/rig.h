@@ -1,0 +1,117 @@
+// Builds and owns a bench's devices from its configuration; the one place that names drivers. On a simulated bench it
+// also starts the simulated ends, and the same drivers talk to them over real wires.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "bench/guard/dead_man_process.h"
+#include "bench/guard/guard.h"
+#include "bench/guard/guard_devices.h"
+#include "bench/rig/device_records.h"
+#include "db/record.h"
+#include "devices/clock.h"
+#include "devices/force/force_sensor.h"
+#include "devices/pressure/pressure_source.h"
+#include "devices/stage/zaber_stage.h"
+#include "devices/tactile/tactile_array.h"
+
+namespace tactbench::devices {
+class AnalogModule;
+class ModbusGauge;
+class ModbusLink;
+}  // namespace tactbench::devices
+
+namespace tactbench::bench {
+
+class Plant;
+class SimulatedRig;
+
+struct EnvironmentReading {
+  std::string quantity;  // temperature_c | supply_bar
+  double value = 0.0;
+};
+
+class Rig {
+ public:
+  // Starts simulated ends and makes the drivers; talks to no instrument yet. Throws Fault, and Error TB-BENCH-FILL-IN
+  // for a hardware bench that was never filled in.
+  explicit Rig(const BenchConfig& config);
+  ~Rig();
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  // Connects and arms the pressure side (module bring-up, watchdog set and verified) and opens the scanner. Stage and
+  // force sensor are opened by who needs them. Throws Fault.
+  void open();
+  void open_array();  // identifies the scanner
+  void close_array() { array_.reset(); }
+  [[nodiscard]] devices::ForceSensor* force() { return force_.get(); }  // null: not opened
+  void close_force() { force_.reset(); }
+  devices::ForceSensor& open_force();  // reads its calibration; throws std::logic_error when the bench has none
+  // What the environment's sensors tell now; one exchange each. Throws Fault.
+  [[nodiscard]] std::vector<EnvironmentReading> environment();
+  [[nodiscard]] EnvironmentReading environment(std::size_t sensor);  // as config().environment
+
+  // Waiting on it feeds the dead-man.
+  [[nodiscard]] devices::Clock& clock() { return *clock_; }
+  // Behind the guard, as stage_gate(), reference() and the force sensor are.
+  [[nodiscard]] devices::PressureSource& source() { return *source_; }
+  [[nodiscard]] devices::PressureReference& reference() { return *reference_; }
+  // Throws std::logic_error before open().
+  [[nodiscard]] devices::TactileArray& array();
+  [[nodiscard]] devices::AnalogModule& module() { return *module_; }
+  // Null: the bench has none. What moves it goes through stage_gate(); stage() is for looking and for benchmarks.
+  [[nodiscard]] devices::Stage* stage_gate() { return stage_gate_.get(); }
+  [[nodiscard]] devices::ZaberStage* stage() { return stage_.get(); }
+  // z goes home unheard (ZaberStage::send_home): for a stage that is told to be off and does not answer.
+  bool send_z_home() noexcept { return stage_ && guard_->line_is_ours() && stage_->send_home(devices::Axis::kZ); }
+  [[nodiscard]] Guard& guard() { return *guard_; }
+  // Starts at the first arming, on hardware and external simulators; null before, and where there is none.
+  [[nodiscard]] DeadManProcess* dead_man() { return dead_man_.get(); }
+  void feed_dead_man() { guard_->feed(); }  // where much is done without waiting on the clock
+  // The safe state was proved: the dead-man ends. Without this it makes safe when the rig goes.
+  void dismiss_dead_man();
+  [[nodiscard]] bool has_array() const { return array_ != nullptr; }
+  [[nodiscard]] const BenchConfig& config() const { return config_; }
+  // For a run that presses: from now on devices() names stage and force sensor, too. Asks both who they are, moves
+  // nothing, and leaves the force sensor as it was, open or closed. Throws as open_force(), and the stage's wire
+  // faults; an axis that does not answer has no firmware then.
+  void name_press_instruments();
+  // With the calibration that scales each device's raw counts.
+  [[nodiscard]] std::vector<db::DeviceRecord> devices() const;
+  // How often each row's relay closed in this run; empty where the scanner does not count.
+  [[nodiscard]] std::vector<std::uint64_t> relay_operations() const;
+  [[nodiscard]] std::uint64_t exchanges() const;  // on all wires so far
+  [[nodiscard]] Plant* plant();                   // null: not simulated in this process
+
+ private:
+  void make_guard();
+  void make_pressure();
+  void prepare_arming();
+  std::unique_ptr<devices::ModbusLink> link_to(const devices::ModbusEndpoint& endpoint, bool own_line,
+                                               const std::string& device);
+  BenchConfig config_;
+  std::unique_ptr<devices::Clock> own_clock_;
+  std::unique_ptr<SimulatedRig> simulated_;
+  std::unique_ptr<Guard> guard_;
+  std::unique_ptr<DeadManProcess> dead_man_;
+  std::unique_ptr<ProcessTimeWatcher> watcher_;  // in its place on a bench simulated in this process
+  std::unique_ptr<devices::Clock> clock_;        // own_clock_, feeding
+  std::unique_ptr<devices::AnalogModule> module_;
+  std::unique_ptr<devices::AnalogModule> input_module_;  // null: module_ reads the inputs too
+  std::unique_ptr<GuardedSource> source_;
+  std::unique_ptr<devices::PressureReference> reference_;
+  const devices::ModbusGauge* gauge_ = nullptr;                    // inside reference_
+  std::vector<std::unique_ptr<devices::ModbusLink>> environment_;  // as config().environment
+  std::unique_ptr<devices::TactileArray> array_;
+  std::unique_ptr<devices::ZaberStage> stage_;
+  std::unique_ptr<GuardedStage> stage_gate_;
+  std::unique_ptr<devices::ForceSensor> force_;
+  std::optional<ForceIdentity> press_force_;  // the run presses
+};
+
+}  // namespace tactbench::bench

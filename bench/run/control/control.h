@@ -1,0 +1,86 @@
+// Commands of people and signals to a live run. Any thread may ask; the sequencer's thread alone acts, at its next
+// wait.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "bench/common/stop_request.h"
+#include "bench/run/control/run_state.h"
+
+namespace tactbench::bench {
+
+// Every way out vents and retracts; they differ in the run's outcome and in urgency.
+enum class Command {
+  kStatus,
+  kPause,   // continues to the end of the branch, then vents and waits
+  kResume,  // a paused run continues: conditioned again, from the next branch
+  kStop,    // ends now; what is measured counts (outcome stopped)
+  kAbort,   // ends now; somebody saw something wrong (outcome aborted)
+  kPanic,   // vents and halts at once, past the sequencer; latches a trip
+};
+const char* to_string(Command command);
+
+// Thrown from the sequencer's wait when the run is to end.
+struct Leave {
+  Command command = Command::kStop;
+  int signal = 0;   // SIGINT, SIGTERM, SIGHUP, ...; 0: by a command
+  std::string who;  // "Ctrl-C", "alice (pid 812)"
+};
+
+struct RunStatus {
+  std::int64_t run = 0;
+  RunState state = RunState::kPrepared;
+  std::string store, label, reason;  // reason of the last change of state
+  std::string question;              // to the operator, while it waits for the answer; empty: none
+  int step = 0, steps = 0;
+  double left_s = 0.0;  // process time
+};
+
+class Control {
+ public:
+  struct Answer {
+    bool taken = false;
+    std::string text;
+  };
+  // Answers from the present status; never waits for the sequencer.
+  Answer ask(Command command, const std::string& who);
+  [[nodiscard]] RunStatus status() const;
+  // Called at once, on the asking thread, at a panic. Set before the socket opens.
+  void on_panic(std::function<void()> action) { panic_ = std::move(action); }
+
+  // Without an operator who could resume the run after a pause: the first Ctrl-C ends it. Set before it begins.
+  void end_by_first_interrupt() { interrupts_that_end_ = 1; }
+
+  // The sequencer's side. poll() throws Leave when the run is to end; otherwise it turns signals into commands.
+  void poll(const StopRequest& signals);
+  // The Leave that poll() would throw: a panic before signals before other commands. None: the run continues.
+  [[nodiscard]] std::optional<Leave> asked(const StopRequest& signals) const;
+  // All steps are done. Throws Leave for commands until now; a later pause or stop is answered as too late. Abort and
+  // panic are still accepted.
+  void finish(const StopRequest& signals);
+  // From now on no command is accepted; returns the one until now.
+  std::optional<Leave> close(const StopRequest& signals);
+  [[nodiscard]] bool pause_wanted() const;
+  // True once after a resume.
+  [[nodiscard]] bool take_resume();
+  void publish(const RunStatus& status);
+  [[nodiscard]] std::string who() const;  // asked last
+
+ private:
+  [[nodiscard]] std::optional<Leave> leave(const StopRequest& signals) const;  // under the lock
+  mutable std::mutex mutex_;
+  RunStatus status_;
+  bool finished_ = false, closed_ = false;
+  Command command_ = Command::kStatus;  // the strongest asked so far; kStatus: nothing
+  bool pause_ = false, resume_ = false;
+  int interrupts_seen_ = 0, interrupts_answered_ = 0;  // answered: the pause was taken back or ended
+  int interrupts_that_end_ = 2;
+  std::string who_, leaver_;  // asked last; asked for the end
+  std::function<void()> panic_;
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,225 @@
+#include "bench/run/control/control_client.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "analysis/json_io.h"
+#include "bench/common/private_files.h"
+#include "bench/run/control/machine_name.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using WordClock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kConnectAgain{5};
+
+RunState state_of(const std::string& text) {
+  for (int i = 0; i <= static_cast<int>(RunState::kEnded); ++i) {
+    if (text == to_string(static_cast<RunState>(i))) return static_cast<RunState>(i);
+  }
+  return RunState::kEnded;
+}
+
+}  // namespace
+
+std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, const std::string& text) {
+  const nlohmann::json answer = analysis::try_json(text);
+  if (!answer.is_object()) return std::nullopt;
+  try {
+    LiveRun live;
+    live.name = name;
+    live.server = server;
+    live.bench = answer.value("bench", "");
+    live.status.run = answer.value("run", std::int64_t{0});
+    live.status.state = state_of(answer.value("state", ""));
+    live.status.store = answer.value("store", "");
+    live.status.label = answer.value("label", "");
+    live.status.reason = answer.value("reason", "");
+    live.status.step = answer.value("step", 0);
+    live.status.steps = answer.value("steps", 0);
+    live.status.left_s = answer.value("left_s", 0.0);
+    live.taken = answer.value("taken", false);
+    live.denied = answer.value("denied", false);
+    live.text = answer.value("text", "");
+    return live;
+  } catch (const nlohmann::json::exception&) {  // not of our making
+    return std::nullopt;
+  }
+}
+
+namespace {
+
+std::string bench_part(const std::string& name) { return name.substr(0, name.find('/')); }
+
+// "BENCH/run/7" beside "BENCH": 7; none is 0.
+std::int64_t told_run(const std::string& name, const std::vector<std::string>& held) {
+  const std::string prefix = name + "/run/";
+  for (const std::string& other : held) {
+    if (!other.starts_with(prefix)) continue;
+    std::int64_t run = 0;
+    (void)std::from_chars(other.data() + prefix.size(), other.data() + other.size(), run);
+    return run;
+  }
+  return 0;
+}
+
+// One conversation, of which no step waits.
+class Asking {
+ public:
+  enum class State { kToConnect, kAsked, kAnswered, kSilent, kGone };
+
+  Asking(std::string name, std::string word, std::optional<gid_t> group)
+      : name_(std::move(name)), word_(std::move(word)), group_(group) {
+    connect();
+  }
+  ~Asking() { hang_up(); }
+  Asking(Asking&& other) noexcept
+      : name_(std::move(other.name_)),
+        word_(std::move(other.word_)),
+        group_(other.group_),
+        descriptor_(std::exchange(other.descriptor_, -1)),
+        server_(other.server_),
+        stranger_(other.stranger_),
+        state_(other.state_),
+        answer_(std::move(other.answer_)) {}
+  Asking& operator=(Asking&&) = delete;
+
+  void connect() {
+    descriptor_ = connect_to_name(name_);
+    if (descriptor_ < 0) {  // no room to wait there: again, as long as there is time
+      state_ = errno == EAGAIN || errno == EINTR ? State::kToConnect : State::kGone;
+      return;
+    }
+    server_ = peer_of(descriptor_, group_);
+    const uid_t own = ::geteuid();
+    stranger_ = !server_ || !is_trusted(*server_, own);
+    if (!server_ || (stranger_ && own != 0)) {
+      state_ = State::kSilent;
+      hang_up();
+      return;
+    }
+    // A server that hangs up at once may still have said something.
+    (void)::send(descriptor_, word_.data(), word_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    state_ = State::kAsked;
+  }
+  void receive() {
+    std::array<char, 8192> bytes{};
+    const ssize_t size = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (size > 0) answer_ = read_answer(name_, *server_, std::string(bytes.data(), static_cast<std::size_t>(size)));
+    state_ = answer_ ? State::kAnswered : size > 0 ? State::kSilent : State::kGone;
+    hang_up();
+  }
+  [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] bool open() const { return state_ == State::kToConnect || state_ == State::kAsked; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  [[nodiscard]] const LiveRun& answer() const { return *answer_; }
+  [[nodiscard]] SilentBench silent(const std::vector<std::string>& held) const {
+    return {name_, bench_part(name_), told_run(name_, held), server_, stranger_};
+  }
+
+ private:
+  void hang_up() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+
+  std::string name_, word_;
+  std::optional<gid_t> group_;
+  int descriptor_ = -1;
+  std::optional<Peer> server_;
+  bool stranger_ = false;
+  State state_ = State::kToConnect;
+  std::optional<LiveRun> answer_;
+};
+
+// Until one of them says something, at most until `end`; those that could not connect try again.
+void wait_for_any(std::vector<Asking>& all, WordClock::time_point end) {
+  std::vector<pollfd> ready;
+  std::vector<Asking*> asked;
+  bool again = false;
+  for (Asking& one : all) {
+    again = again || one.state() == Asking::State::kToConnect;
+    if (one.state() != Asking::State::kAsked) continue;
+    ready.push_back({one.descriptor(), POLLIN, 0});
+    asked.push_back(&one);
+  }
+  auto left = std::chrono::ceil<std::chrono::milliseconds>(end - WordClock::now());
+  if (again) left = std::min(left, kConnectAgain);
+  (void)::poll(ready.data(), ready.size(), static_cast<int>(std::max(left, std::chrono::milliseconds(0)).count()));
+  for (std::size_t i = 0; i < ready.size(); ++i)
+    if (ready[i].revents != 0) asked[i]->receive();
+  for (Asking& one : all)
+    if (one.state() == Asking::State::kToConnect) one.connect();
+}
+
+}  // namespace
+
+std::vector<std::string> run_names(const std::string& bench_id) {
+  const std::string wanted = bench_id.empty() ? std::string() : file_name(bench_id);
+  std::vector<std::string> names;
+  for (std::string& name : held_names()) {
+    const std::size_t slash = name.find('/');
+    const bool is_run = slash == std::string::npos || name.compare(slash, 9, "/process/") == 0;
+    const bool is_part = is_run && slash != std::string::npos && name.find('/', slash + 9) != std::string::npos;
+    if (is_run && !is_part && (wanted.empty() || bench_part(name) == wanted)) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+Heard say_to(const std::vector<std::string>& names, Command command, const ListenOptions& options) {
+  const auto begun = WordClock::now();
+  auto end = begun + options.longest;
+  const std::optional<gid_t> group = commanding_group();
+  std::vector<Asking> all;
+  all.reserve(names.size());
+  for (const std::string& name : names) all.emplace_back(name, to_string(command), group);
+  bool heard_wanted = false, heard_enough = false;
+  while (!heard_enough && std::any_of(all.begin(), all.end(), [](const Asking& one) { return one.open(); }) &&
+         WordClock::now() < end) {
+    wait_for_any(all, end);
+    for (const Asking& one : all) {
+      if (one.state() != Asking::State::kAnswered) continue;
+      if (!heard_wanted && (!options.wanted || options.wanted(one.answer()))) {
+        heard_wanted = true;
+        end = std::min(end, WordClock::now() + options.stragglers);
+      }
+      heard_enough = heard_enough || (options.enough && options.enough(one.answer()));
+    }
+  }
+  Heard heard;
+  std::vector<std::string> held;
+  for (const Asking& one : all) {
+    if (one.state() == Asking::State::kAnswered) {
+      heard.answers.push_back(one.answer());
+    } else if (one.state() != Asking::State::kGone && !heard_enough) {
+      if (held.empty()) held = held_names();
+      heard.silent.push_back(one.silent(held));
+    }
+  }
+  return heard;
+}
+
+std::optional<LiveRun> send_command(const std::string& name, Command command) {
+  Heard heard = say_to({name}, command);
+  if (heard.answers.empty()) return std::nullopt;
+  return std::move(heard.answers.front());
+}
+
+std::vector<LiveRun> live_runs() {
+  std::vector<LiveRun> answers = say_to(run_names(), Command::kStatus).answers;
+  std::erase_if(answers, [](const LiveRun& live) { return live.denied; });
+  return answers;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,30 @@
+#include "bench/run/control/notify.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include "bench/common/child_process.h"
+#include "bench/common/for_people.h"
+
+namespace tactbench::bench {
+
+void Notify::tell(const std::string& event, std::int64_t run, const std::string& reason) const {
+  if (command_.empty()) return;
+  ChildStart shell;
+  // In the background of a shell of its own, which ends at once: the command may take as long as it likes and is
+  // nobody's child afterwards.
+  shell.words = {"/bin/sh", "-c", "(" + command_ + "\n) </dev/null >&2 &"};
+  // In place of those of a run which started this one.
+  shell.environment = environment_with(
+      {"TACTBENCH_EVENT=" + event, fmt::format("TACTBENCH_RUN={}", run), "TACTBENCH_REASON=" + reason});
+  try {
+    (void)ChildProgram(std::move(shell)).wait();
+  } catch (const std::system_error& error) {
+    tty::print(stderr, "warning: --on-event could not be started: {}\n", error.code().message());
+  }
+}
+
+}  // namespace tactbench::bench

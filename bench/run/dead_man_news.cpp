@@ -1,0 +1,39 @@
+#include "bench/run/dead_man_news.h"
+
+#include <fmt/format.h>
+
+#include "bench/common/for_people.h"
+#include "bench/guard/interlock.h"
+#include "bench/rig/rig.h"
+#include "bench/run/control/progress.h"
+#include "bench/run/recorder.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+std::string news_in_words(const DeadManNews& news) {
+  return news.id.empty() ? news.what : fmt::format("warning: {} [{}]", news.what, news.id);
+}
+
+}  // namespace
+
+void record_dead_man_news(Rig& rig, Recorder& recorder, Progress& progress) {
+  if (rig.dead_man() == nullptr) return;
+  for (const DeadManNews& news : rig.dead_man()->take_news()) {
+    recorder.event("dead-man", news.id, news.what);
+    progress.note(news_in_words(news));
+  }
+}
+
+void tell_dead_man_news(Rig& rig) {
+  if (rig.dead_man() == nullptr) return;
+  for (const DeadManNews& news : rig.dead_man()->take_news()) tty::print(stderr, "{}\n", news_in_words(news));
+}
+
+void check_dead_man(Rig& rig) {
+  if (rig.dead_man() == nullptr) return;
+  if (const auto lost = rig.dead_man()->lost()) throw Interlock(lost->id, "dead-man", lost->what, lost->remedy);
+}
+
+}  // namespace tactbench::bench

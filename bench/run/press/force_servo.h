@@ -1,0 +1,56 @@
+// Brings the force to a level from one side only: a loading branch never goes back, an unloading one never forth, since
+// a correction the other way would start a minor loop in a hysteretic specimen. Stands between press.h and
+// press_axis.h.
+#pragma once
+
+#include <optional>
+
+#include "bench/run/press/approach.h"
+#include "bench/run/press/press_axis.h"
+
+namespace tactbench::bench {
+
+enum class Branch { kLoading, kUnloading };
+
+struct BranchBroken {  // a level was passed by more than its tolerance: the branch has to be done again
+  double target_n = 0.0, force_n = 0.0;
+  double overshoot_n = 0.0;  // beyond the target, in the branch's direction
+};
+
+struct ServoResult {
+  ForceSample reading;  // the last
+  int moves = 0;
+  std::optional<BranchBroken> broken;
+};
+
+class ForceServo {
+ public:
+  explicit ForceServo(PressAxis& axis) : axis_(axis) {}
+  // Forgets the specimen before; z stands in that contact, come from above.
+  void begin(const ContactPoint& contact);
+  // Steps of z, each followed by a reading at rest, until the force is within `band_n` short of the target or beyond
+  // it; beyond by more than the level's tolerance is `broken`. A step is what is left divided by the stiffness seen on
+  // the last step and by a caution for stiffness that grows ahead. Throws TB-PRESS-TIMEOUT (moves or time used up),
+  // TB-PRESS-NO-FORCE (z at its end without the force), and those of PressAxis.
+  [[nodiscard]] ServoResult to(double target_n, Branch branch, double band_n);
+  [[nodiscard]] double stiffness_n_per_mm() const { return stiffness_; }
+
+ private:
+  void turn(Branch branch, double force_n);
+  [[nodiscard]] double step(double force_n, double target_n, double left_n) const;
+  void learn(const ForceSample& before, const ForceSample& after);
+  void check_bounds(double target_n, double force_n, int moves, devices::Nanoseconds deadline) const;
+  [[nodiscard]] double next_z(double target_n, double force_n, double step_mm, Branch branch) const;
+  PressAxis& axis_;
+  double contact_z_mm_ = 0.0;
+  double stiffness_ = 0.0;  // N/mm of the last step that told one
+  double span_n_ = 0.0;     // change of force that it was seen over
+  double seen_at_n_ = 0.0;  // the force in the middle of it
+  double power_ = 0.0;      // stiffness grows as this power of the force
+  double since_turn_mm_ = 0.0;
+  double turned_at_n_ = 0.0;
+  double last_step_mm_ = 0.0;  // at this level
+  Branch branch_ = Branch::kLoading;
+};
+
+}  // namespace tactbench::bench

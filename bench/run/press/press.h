@@ -1,0 +1,84 @@
+// The second platform's steps, one method each: tare, home, move to x, y, approach, press to a level, retract. Called
+// by the sequencer; keeps nothing but what the next step needs. Results are structs that the recorder stores.
+#pragma once
+
+#include <optional>
+
+#include "bench/run/press/approach.h"
+#include "bench/run/press/force_servo.h"
+#include "bench/run/press/press_axis.h"
+#include "bench/safety/retract.h"
+
+namespace tactbench::bench {
+
+struct BenchConfig;
+
+// Limits and speeds of the bench's stage; the rest as by default. Throws std::logic_error without a [stage].
+[[nodiscard]] PressOptions press_options(const BenchConfig& config);
+
+struct TareReading {
+  devices::Nanoseconds time{0};
+  devices::Wrench removed;               // the sensor's offset in the air
+  std::optional<devices::Wrench> drift;  // of the offset since the tare before
+};
+
+struct PressLevel {
+  double force_n = 0.0;
+  Branch branch = Branch::kLoading;
+  double dwell_s = 0.0;
+  bool hold_force = false;  // corrections while dwelling, in the branch's direction only; else z stands
+};
+
+struct PressReading {
+  devices::Nanoseconds commanded_at{0}, in_band_since{0};
+  ForceSample start;          // when the level was reached
+  ForceSample before, after;  // right before and right after the frame
+  devices::Wrench wrench;     // their mean
+  double force_n = 0.0;       // the level: pressing force at frame time, their mean
+  double z_mm = 0.0;          // at frame time
+  double relaxation_n = 0.0;  // at the start less at the end of the dwell: what the specimen gave way, z standing
+  double stiffness_n_per_mm = 0.0;
+  int moves = 0;
+  std::optional<BranchBroken> broken;  // then there is no frame, and what follows `start` is empty
+};
+
+class Press {
+ public:
+  // `hooks.wait` is needed; it is the only thing waited by, but for the few milliseconds in which a move comes to rest,
+  // homing, and x and y. Everything must outlive this.
+  Press(devices::Stage& stage, devices::ForceSensor& force, devices::Clock& clock, PressOptions options,
+        PressHooks hooks);
+  Press(const Press&) = delete;
+  Press& operator=(const Press&) = delete;
+
+  // In the air. Throws TB-PRESS-NOT-HOMED, TB-PRESS-NOT-CLEAR when z is beyond clear.
+  TareReading tare();
+  void home();  // z first: that way it leaves the specimen; blocks as Stage::home does
+  // Throws TB-PRESS-NOT-CLEAR when z is beyond clear or a force is felt, and the stage's.
+  void move_xy(double x_mm, double y_mm);
+  ContactPoint approach();
+  // Throws TB-PRESS-NO-APPROACH before an approach at this place. `frame` reads the array; null: no frame is wanted.
+  PressReading press(const PressLevel& level, const std::function<void()>& frame);
+  [[nodiscard]] RetractProof retract() noexcept;
+
+  [[nodiscard]] const std::optional<ContactPoint>& contact() const { return contact_; }  // none: off the specimen
+  [[nodiscard]] double clear_z_mm() const { return clear_z_mm_; }
+  [[nodiscard]] const PressOptions& options() const { return options_; }
+
+ private:
+  void check_clear();
+  bool dwell(const PressLevel& level, PressReading& reading);
+  bool correct(const PressLevel& level, ForceSample& last, PressReading& reading);
+  devices::Stage& stage_;
+  devices::ForceSensor& force_;
+  devices::Clock& clock_;
+  PressOptions options_;
+  PressHooks hooks_;
+  PressAxis axis_;
+  ForceServo servo_;
+  double clear_z_mm_;
+  std::optional<ContactPoint> contact_;
+  std::optional<devices::Wrench> removed_;
+};
+
+}  // namespace tactbench::bench

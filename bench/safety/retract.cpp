@@ -1,0 +1,115 @@
+#include "bench/safety/retract.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include "bench/common/process_time.h"
+
+namespace tactbench::bench {
+
+using devices::Axis;
+using devices::Nanoseconds;
+
+namespace {
+
+constexpr int kRetreatTries = 2;
+constexpr Nanoseconds kSlice = std::chrono::milliseconds(100);
+constexpr Nanoseconds kSettle = std::chrono::milliseconds(100);
+constexpr double kArrivedMm = 0.001;  // as the stage rounds to microsteps
+
+class Retraction {
+ public:
+  Retraction(devices::Stage& stage, devices::ForceSensor* force, devices::Clock& clock, const RetractOptions& options,
+             const std::function<void(Nanoseconds)>& wait)
+      : stage_(stage), force_(force), clock_(clock), options_(options), wait_(wait) {}
+
+  RetractProof prove() {
+    RetractProof proof;
+    std::string trouble;
+    for (int i = 0; i < kRetreatTries && !proof.z_mm; ++i) proof.z_mm = back_off(proof.halted, trouble);
+    proof.force_n = force_now(trouble);
+    const bool clear = proof.z_mm && *proof.z_mm <= options_.clear_z_mm + kArrivedMm;
+    const bool free = proof.force_n && *proof.force_n < options_.safe_force_n;  // NaN is not
+    proof.verified = clear && free;
+    const char* head = proof.verified               ? "retracted, verified"
+                       : proof.force_n && !free     ? "NOT SAFE: a force stands on the indenter"
+                       : clear && force_ != nullptr ? "retracted, NOT verified: no force reading"
+                       : clear                      ? "retracted, NOT verified: no force sensor"
+                                                    : "retraction NOT verified";
+    proof.text =
+        fmt::format("{} ({}, {}{}{})", head, proof.z_mm ? fmt::format("z {:.3f} mm", *proof.z_mm) : "z not known",
+                    proof.force_n ? fmt::format("{:.2f} N", *proof.force_n) : "force not known",
+                    trouble.empty() ? "" : "; ", trouble);
+    return proof;
+  }
+
+ private:
+  // Where z stands in the end; none when the stage did not obey.
+  std::optional<double> back_off(bool& halted, std::string& trouble) {
+    try {
+      halted = stage_.halt();
+      stage_.arm();
+      const devices::AxisState state = stage_.state(Axis::kZ);
+      if (!state.homed) {
+        stage_.home(Axis::kZ);
+      } else if (state.position.value() > options_.clear_z_mm + kArrivedMm) {
+        stage_.start_move_to(Axis::kZ, devices::Millimetres(options_.clear_z_mm),
+                             devices::MillimetresPerSecond(options_.speed_mm_per_s));
+        const double way_mm = state.position.value() - options_.clear_z_mm;
+        pause(seconds(way_mm / options_.speed_mm_per_s));
+        (void)stage_.wait(Axis::kZ);
+      }
+      pause(kSettle);
+      return stage_.state(Axis::kZ).position.value();
+    } catch (const std::exception& error) {
+      trouble = error.what();
+      return std::nullopt;
+    }
+  }
+
+  std::optional<double> force_now(std::string& trouble) {
+    for (int i = 0; i < kRetreatTries && force_ != nullptr; ++i) {
+      try {
+        return std::abs(force_->read(options_.records).wrench.force_n[2]);
+      } catch (const std::exception& error) {
+        trouble = error.what();
+      }
+    }
+    return std::nullopt;
+  }
+
+  void pause(Nanoseconds span) {
+    const Nanoseconds end = clock_.now() + span;
+    while (clock_.now() < end) {
+      const Nanoseconds next = std::min(end, clock_.now() + kSlice);
+      try {
+        if (wait_) wait_(next);
+      } catch (...) {
+        // A request to stop: this is how it is answered.
+      }
+      clock_.wait_until(next);
+    }
+  }
+
+  devices::Stage& stage_;
+  devices::ForceSensor* force_;
+  devices::Clock& clock_;
+  const RetractOptions& options_;
+  const std::function<void(Nanoseconds)>& wait_;
+};
+
+}  // namespace
+
+RetractProof retract(devices::Stage& stage, devices::ForceSensor* force, devices::Clock& clock,
+                     const RetractOptions& options, const std::function<void(Nanoseconds)>& wait) noexcept {
+  try {
+    return Retraction(stage, force, clock, options, wait).prove();
+  } catch (...) {
+    return {};
+  }
+}
+
+}  // namespace tactbench::bench

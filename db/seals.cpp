@@ -1,0 +1,112 @@
+// Models, verdicts, approvals and voids come after a run's end and are not part of its content. Each kind has a row in
+// seals, renewed with every change: the number of its rows, and their SHA-256.
+#include <fmt/format.h>
+
+#include "db/run_store_database.h"
+
+namespace tactbench::db {
+
+Digest HashChain::fits(const std::vector<FitRecord>& fits, const std::vector<std::vector<FitTaxelRecord>>& taxels) {
+  begin("fits");
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const FitRecord& fit = fits[i];
+    add(fit.fit);
+    for (const std::string* text : {&fit.model, &fit.options_json, &fit.summary_json, &fit.program_version,
+                                    &fit.created_utc, &fit.patterns_json}) {
+      add(*text);
+    }
+    add(static_cast<std::int64_t>(taxels[i].size()));
+    for (const FitTaxelRecord& taxel : taxels[i]) {
+      add(std::int64_t{taxel.taxel});
+      add(taxel.status);
+      for (const auto* values : {&taxel.parameters, &taxel.ascending_v, &taxel.descending_v}) add(*values);
+      for (const double value :
+           {taxel.noise_v, taxel.j_v2, taxel.mean_error_v, taxel.max_error_v, taxel.full_scale_v}) {
+        add(value);
+      }
+      add(std::int64_t{taxel.at_bound});
+    }
+  }
+  return finish();
+}
+
+Digest HashChain::verdicts(const std::vector<VerdictRecord>& verdicts) {
+  begin("verdicts");
+  for (const VerdictRecord& v : verdicts) {
+    add(v.fit);
+    for (const std::string* text :
+         {&v.criterion, &v.scope, &v.unit, &v.rule, &v.verdict, &v.limits_toml, &v.limits_sha256}) {
+      add(*text);
+    }
+    add(v.value);
+    add(v.limit);
+  }
+  return finish();
+}
+
+Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
+  begin("approvals");
+  for (const ReportRecord& r : reports) {
+    for (const std::string* text : {&r.number, &r.content_sha256, &r.approved_by, &r.approved_utc, &r.replaces}) {
+      add(*text);
+    }
+  }
+  return finish();
+}
+
+Digest HashChain::voided(const RunRecord& run) {
+  begin("void");
+  for (const std::string* text : {&run.void_reason, &run.void_by, &run.void_utc}) add(*text);
+  return finish();
+}
+
+RunStore::Sealed RunStore::sealed_now(std::int64_t run, const std::string& kind) const {
+  HashChain& hasher = database_->hasher;
+  if (kind == "fits") {
+    const std::vector<FitRecord> rows = fits(run);
+    std::vector<std::vector<FitTaxelRecord>> taxels;
+    for (const FitRecord& fit : rows) taxels.push_back(fit_taxels(fit.fit));
+    return {static_cast<std::int64_t>(rows.size()), hex(hasher.fits(rows, taxels))};
+  }
+  if (kind == "verdicts") {
+    const std::vector<VerdictRecord> rows = verdicts(run);
+    return {static_cast<std::int64_t>(rows.size()), hex(hasher.verdicts(rows))};
+  }
+  if (kind == "approvals") {
+    const std::vector<ReportRecord> rows = reports(run);
+    return {static_cast<std::int64_t>(rows.size()), hex(hasher.approvals(rows))};
+  }
+  const RunRecord record = database_->run(run);
+  return {record.is_void() ? 1 : 0, hex(hasher.voided(record))};
+}
+
+void RunStore::seal(std::int64_t run, const std::string& kind) {
+  const Sealed now = sealed_now(run, kind);
+  sqlite::Statement(database_->connection,
+                    "INSERT INTO seals (run, kind, count, sha256) VALUES (?, ?, ?, ?) "
+                    "ON CONFLICT (run, kind) DO UPDATE SET count = excluded.count, sha256 = excluded.sha256")
+      .bind(run, kind, now.count, now.sha256)
+      .run();
+}
+
+std::vector<std::string> RunStore::check_seals(std::int64_t run) const {
+  std::vector<std::string> wrong;
+  for (const char* kind : kSealed) {
+    const Sealed now = sealed_now(run, kind);
+    Sealed stored;
+    sqlite::Statement row(database_->connection, "SELECT count, sha256 FROM seals WHERE run = ? AND kind = ?");
+    const bool there = row.bind(run, kind).step();
+    if (there) row.read(stored.count, stored.sha256);
+    if (!there) {
+      wrong.push_back(
+          fmt::format("{}: the count and hash of what was stored are missing; {} there now", kind, now.count));
+    } else if (stored.count != now.count) {
+      wrong.push_back(fmt::format("{}: {} were stored, {} there now", kind, stored.count, now.count));
+    } else if (!stored.sha256.empty() && stored.sha256 != now.sha256) {
+      wrong.push_back(fmt::format("{}: what is there is not what was stored", kind));
+    }
+  }
+  return wrong;
+}
+
+}  // namespace tactbench::db

@@ -1,0 +1,19 @@
+// UTF-8, one character at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace tactbench::db {
+
+struct CodePoint {
+  std::uint32_t value = 0;
+  std::size_t bytes = 1;
+  bool valid = false;  // false: one byte that begins no sequence
+};
+
+// The first sequence of `text`, which is not empty (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF).
+CodePoint decode_utf8(std::string_view text);
+
+}  // namespace tactbench::db

@@ -1,0 +1,24 @@
+// Faults injected into a simulated end: before it answers a request, it asks how the reply is to be corrupted. The
+// injector is bench/simulation/faults.h; an end carries out what applies to its wire.
+#pragma once
+
+#include <functional>
+
+namespace tactbench::devices {
+
+enum class InjectedFault {
+  kNone,
+  kSilent,     // no reply
+  kLate,       // the reply comes just before the next one
+  kCorrupt,    // a bit of the reply is flipped
+  kStale,      // the reply carries old values
+  kRefused,    // the device refuses the request
+  kTorn,       // a part of the reply is missing
+  kSaturated,  // the device reports an overloaded transducer
+  kUnplugged,  // the wire is gone; each end states what that means on its wire
+};
+
+// Called once a request from the end's thread, which then holds no lock; empty: nothing is ever wrong.
+using FaultInjector = std::function<InjectedFault()>;
+
+}  // namespace tactbench::devices

@@ -1,0 +1,92 @@
+// The used part of NI-DAQmx, loaded at run time so that tactbench builds and runs without NI's driver. NI may not
+// support the USB-6259 on Linux at all. Prototypes and constants are our own, from NI's public documentation. Not
+// verified on hardware; verified against the tests' own libnidaqmx.so.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/fault.h"
+#include "devices/units.h"
+#include "devices/wire/options.h"
+
+namespace tactbench::devices {
+
+struct DaqmxCalls;  // the library's functions; daqmx_calls.h
+
+struct DaqmxDevice {
+  std::string name;          // "Dev1"
+  std::string product_type;  // "USB-6259"
+  std::string serial;        // hexadecimal, as on NI's label: "01A2B3C4"
+  bool simulated = false;    // by the driver: no hardware behind it
+};
+
+// Fault TB-DAQMX-ERROR: the driver refused; what() holds number, name and the driver's own text.
+class DaqmxError : public Fault {
+ public:
+  DaqmxError(int code, const std::string& message, const std::string& remedy)
+      : Fault("TB-DAQMX-ERROR", "NI-DAQmx", message, remedy), code_(code) {}
+  [[nodiscard]] int code() const { return code_; }
+  [[nodiscard]] bool timed_out() const;     // the samples did not come in time
+  [[nodiscard]] bool device_gone() const;   // absent, removed or out of reach
+  [[nodiscard]] bool samples_lost() const;  // overrun, or overwritten before they were read
+
+ private:
+  int code_;
+};
+
+class DaqmxApi {
+ public:
+  // Loads `library`, or where it is empty libnidaqmx.so, else libnidaqmx.so.1. It stays loaded for the life of the
+  // process. Throws Fault TB-DAQMX-LIBRARY (not there, or a function is missing in it).
+  explicit DaqmxApi(const std::string& library = {});
+
+  // All of these throw DaqmxError.
+  [[nodiscard]] std::vector<DaqmxDevice> list_devices();
+  // Also throws Fault TB-DAQMX-DEVICE (no such device: names those present) and TB-DAQMX-SERIAL (another serial;
+  // `expected_serial` empty: any).
+  [[nodiscard]] DaqmxDevice device(const std::string& name, const std::string& expected_serial);
+  // `code` is what a call returned: below 0 throws, above 0 is a warning and kept.
+  void check(int code, const std::string& asked);
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }  // each once
+  [[nodiscard]] const DaqmxCalls& calls() const { return *calls_; }
+
+ private:
+  std::string text(const std::function<int(char*, std::uint32_t)>& query, const std::string& asked);
+  std::shared_ptr<const DaqmxCalls> calls_;
+  std::vector<std::string> warnings_;
+};
+
+// One task of the driver; stopped and cleared at the end. `api` has to outlive it. All but stop() throw DaqmxError.
+class DaqmxTask {
+ public:
+  explicit DaqmxTask(DaqmxApi& api);
+  ~DaqmxTask();
+  DaqmxTask(const DaqmxTask&) = delete;
+  DaqmxTask& operator=(const DaqmxTask&) = delete;
+
+  // `channels` as NI writes them, "Dev1/ai0:15"; measured from -range to +range.
+  void add_voltages(const std::string& channels, DaqmxTerminal terminal, Volts range);
+  void add_output_lines(const std::string& lines);  // "Dev1/port0/line0:15"
+  [[nodiscard]] int channels();                     // lines count one each
+  void finite_samples(double rate_hz, int samples);
+  void convert_rate(double rate_hz);  // from one channel to the next within a sample
+  void commit();                      // takes the hardware, so that starting is quick
+  void start();
+  void stop() noexcept;
+  // Waits up to `timeout` for `samples` of each channel; volts (samples x channels) is filled sample by sample. Fewer
+  // samples than requested, and a value that is not finite, throw Fault TB-DAQMX-SHORT.
+  void read(int samples, Nanoseconds timeout, std::span<double> volts);
+  void write_lines(std::span<const std::uint8_t> levels);  // one 0 or 1 for each line
+
+ private:
+  DaqmxApi& api_;
+  void* handle_ = nullptr;
+};
+
+}  // namespace tactbench::devices

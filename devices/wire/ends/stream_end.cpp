@@ -1,0 +1,131 @@
+#include "devices/wire/ends/stream_end.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <utility>
+
+#include "devices/fault.h"
+
+namespace tactbench::devices {
+namespace {
+
+constexpr const char* kTcpForm = "tcp:";
+constexpr const char* kUnixForm = "unix:";
+
+[[noreturn]] void fail_listen(const std::string& listen, const std::string& why) {
+  throw Fault("TB-SIM-LISTEN", "simulated serial line", fmt::format("listening on {}: {}", listen, why),
+              "Choose another port or path; the forms are tcp:PORT and unix:PATH.");
+}
+
+void close_all(std::initializer_list<int*> descriptors) {
+  for (int* descriptor : descriptors) {
+    if (*descriptor >= 0) ::close(std::exchange(*descriptor, -1));
+  }
+}
+
+}  // namespace
+
+StreamEnd::StreamEnd(std::string listen) : listen_(std::move(listen)) { plug_in(); }
+
+void StreamEnd::plug_in() {
+  hang_up();
+  if (listen_.empty()) {
+    terminal_ = std::make_unique<PseudoTerminal>();
+    address_ = terminal_->path();
+  } else if (listen_.starts_with(kTcpForm)) {
+    int port = -1;
+    const char* text = listen_.c_str() + std::strlen(kTcpForm);
+    const char* end = listen_.c_str() + listen_.size();
+    if (std::from_chars(text, end, port).ptr != end || port < 0 || port > 65535) fail_listen(listen_, "no such port");
+    listen_tcp(port);
+  } else if (listen_.starts_with(kUnixForm)) {
+    listen_unix(listen_.substr(std::strlen(kUnixForm)));
+  } else {
+    fail_listen(listen_, "the address is not of a known form");
+  }
+}
+
+void StreamEnd::listen_at(const void* address, std::size_t size) {
+  const auto* generic = static_cast<const sockaddr*>(address);
+  listener_ = ::socket(generic->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int one = 1;
+  if (listener_ >= 0) ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
+  if (listener_ < 0 || ::bind(listener_, generic, static_cast<socklen_t>(size)) != 0 || ::listen(listener_, 4) != 0) {
+    const int error = errno;
+    close_all({&listener_});
+    fail_listen(listen_, std::strerror(error));
+  }
+}
+
+void StreamEnd::listen_tcp(int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  listen_at(&address, sizeof address);
+  socklen_t size = sizeof address;
+  ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+  listen_ = fmt::format("{}{}", kTcpForm, ntohs(address.sin_port));
+  address_ = fmt::format("{}127.0.0.1:{}", kTcpForm, ntohs(address.sin_port));
+}
+
+void StreamEnd::listen_unix(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path) fail_listen(listen_, "the path is empty or too long");
+  std::copy(path.begin(), path.end(), address.sun_path);
+  // A socket file without a listener was left by a program that was killed.
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int result = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  if (result != 0 && errno == ECONNREFUSED) ::unlink(path.c_str());
+  if (probe >= 0) ::close(probe);
+  listen_at(&address, sizeof address);
+  address_ = listen_;
+}
+
+int StreamEnd::descriptor() const {
+  if (terminal_) return terminal_->master();
+  return client_ >= 0 ? client_ : listener_;
+}
+
+std::size_t StreamEnd::receive(std::span<std::uint8_t> into) {
+  if (!terminal_ && client_ < 0) {
+    client_ = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    const int one = 1;
+    if (client_ >= 0)
+      ::setsockopt(client_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);  // without effect on a local one
+    return 0;
+  }
+  const ssize_t got = ::read(descriptor(), into.data(), into.size());
+  if (got > 0) return static_cast<std::size_t>(got);
+  const bool later = got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+  if (!later) close_all({&client_});
+  return 0;
+}
+
+void StreamEnd::send(std::span<const std::uint8_t> bytes) {
+  if (terminal_) {
+    [[maybe_unused]] const ssize_t written = ::write(terminal_->master(), bytes.data(), bytes.size());
+  } else if (client_ >= 0) {
+    ::send(client_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+}
+
+void StreamEnd::hang_up() {
+  terminal_.reset();
+  if (listener_ >= 0 && listen_.starts_with(kUnixForm)) ::unlink(listen_.c_str() + std::strlen(kUnixForm));
+  // The listener first: a client that sees the connection break must not get a new one.
+  close_all({&listener_, &client_});
+}
+
+}  // namespace tactbench::devices

@@ -1,0 +1,196 @@
+#include "devices/wire/modbus/modbus_line.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <modbus.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/select.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <thread>
+#include <utility>
+
+#include "devices/fault.h"
+#include "devices/wire/stream_link.h"
+#include "devices/wire/wait.h"
+
+namespace tactbench::devices {
+namespace {
+
+using RealClock = std::chrono::steady_clock;
+
+constexpr std::size_t kTcpHeader = 6;  // transaction, protocol, length
+constexpr std::size_t kCheckSum = 2;
+// Rates of which libmodbus 3.1.6 knows the constant.
+constexpr std::array kRates{110,   300,   600,    1200,   2400,   4800,   9600,   19200,
+                            38400, 57600, 115200, 230400, 460800, 500000, 576000, 921600};
+
+// Modbus over serial line 1.02, section 2.5.1.1: 3.5 characters of 11 bits between frames, 1.75 ms above 19200 baud.
+RealClock::duration frame_gap(int baud) {
+  return baud > 19200 ? std::chrono::microseconds(1750) : std::chrono::microseconds(38'500'000 / baud);
+}
+
+// modbus_send_raw_request() would give each request the transaction id 0.
+int send_tcp(int socket, std::uint16_t transaction, std::span<const std::uint8_t> request) {
+  std::vector<std::uint8_t> frame{
+      static_cast<std::uint8_t>(transaction >> 8U),    static_cast<std::uint8_t>(transaction & 0xFFU),   0, 0,
+      static_cast<std::uint8_t>(request.size() >> 8U), static_cast<std::uint8_t>(request.size() & 0xFFU)};
+  frame.insert(frame.end(), request.begin(), request.end());
+  const ssize_t sent = ::send(socket, frame.data(), frame.size(), MSG_NOSIGNAL);
+  return sent == static_cast<ssize_t>(frame.size()) ? static_cast<int>(sent) : -1;
+}
+
+}  // namespace
+
+struct ModbusLine::Context {
+  modbus_t* modbus = nullptr;
+  ~Context() {
+    if (modbus == nullptr) return;
+    modbus_close(modbus);
+    modbus_free(modbus);
+  }
+};
+
+ModbusLine::ModbusLine(ModbusEndpoint endpoint, Clock& clock) : endpoint_(std::move(endpoint)), clock_(clock) {}
+
+ModbusLine::~ModbusLine() = default;
+
+void ModbusLine::close() noexcept { context_.reset(); }
+
+void ModbusLine::close_after_error() noexcept {
+  close();
+  if (is_rtu()) quiet_until_ = RealClock::now() + endpoint_.max_reply_delay;
+}
+
+void ModbusLine::look_up(const std::string& device, const std::string& peer) {
+  in_addr numeric{};
+  if (inet_pton(AF_INET, endpoint_.host.c_str(), &numeric) == 1) {
+    address_ = endpoint_.host;
+    return;
+  }
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int result = getaddrinfo(endpoint_.host.c_str(), nullptr, &hints, &found);
+  if (result != 0) {
+    throw Fault("TB-MODBUS-CONNECT", device,
+                fmt::format("connecting to {}: the host's name has no address ({})", peer, gai_strerror(result)),
+                "Check the host in the bench file, or give its IPv4 address.");
+  }
+  char text[NI_MAXHOST] = "";
+  getnameinfo(found->ai_addr, found->ai_addrlen, text, sizeof text, nullptr, 0, NI_NUMERICHOST);
+  freeaddrinfo(found);
+  address_ = text;
+}
+
+void ModbusLine::open(const std::string& device, const std::string& peer) {
+  auto fresh = std::make_unique<Context>();
+  if (is_rtu()) {
+    if (std::find(kRates.begin(), kRates.end(), endpoint_.baud) == kRates.end()) fail(EINVAL, device, peer);
+    std::this_thread::sleep_until(quiet_until_);
+    fresh->modbus =
+        modbus_new_rtu(endpoint_.serial_port.c_str(), endpoint_.baud, endpoint_.parity, 8, endpoint_.stop_bits);
+  } else {
+    if (address_.empty()) look_up(device, peer);
+    fresh->modbus = modbus_new_tcp(address_.c_str(), endpoint_.port);
+  }
+  const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(endpoint_.response_timeout).count();
+  // With a byte timeout of 0 the response timeout bounds the whole reply: a peer that trickles bytes cannot stretch it.
+  const bool set = fresh->modbus != nullptr && timeout > 0 && modbus_set_slave(fresh->modbus, endpoint_.unit) == 0 &&
+                   modbus_set_response_timeout(fresh->modbus, static_cast<std::uint32_t>(timeout / 1'000'000),
+                                               static_cast<std::uint32_t>(timeout % 1'000'000)) == 0 &&
+                   modbus_set_byte_timeout(fresh->modbus, 0, 0) == 0;
+  if (!set) fail(EINVAL, device, peer);
+  errno = 0;
+  int result = modbus_connect(fresh->modbus);
+  if (result != 0 && errno == EINTR) result = modbus_connect(fresh->modbus);
+  // libmodbus leaves EINPROGRESS when its wait for the connection timed out.
+  if (result != 0) fail(errno == EINPROGRESS ? ETIMEDOUT : errno, device, peer);
+  const int descriptor = modbus_get_socket(fresh->modbus);
+  // libmodbus waits with select(), which cannot hold a descriptor beyond FD_SETSIZE.
+  if (descriptor >= FD_SETSIZE) fail(EMFILE, device, peer);
+  if (is_rtu() && endpoint_.lock && flock(descriptor, LOCK_EX | LOCK_NB) != 0) fail(EBUSY, device, peer);
+  // On a pseudo-terminal it would outlive a killed client, since the simulated end keeps the terminal open.
+  if (is_rtu() && endpoint_.exclusive && !is_stream_address(endpoint_.serial_port)) ioctl(descriptor, TIOCEXCL);
+  context_ = std::move(fresh);
+  transaction_ = 0;
+}
+
+void ModbusLine::fail(int error, const std::string& device, const std::string& peer) {
+  const std::string what = fmt::format("connecting to {}: ", peer);
+  if (error == ETIMEDOUT) {
+    clock_.reply_lost(endpoint_.response_timeout);
+    throw Fault("TB-MODBUS-TIMEOUT", device,
+                what + fmt::format("no answer within {:g} ms",
+                                   std::chrono::duration<double, std::milli>(endpoint_.response_timeout).count()),
+                "Check the module's power and network cable, and the host in the bench file.");
+  }
+  if (error == EINVAL) {
+    throw Fault("TB-MODBUS-CONNECT", device,
+                what + (is_rtu() ? fmt::format("{} baud, parity {}, {} stop bits or the unit is not valid",
+                                               endpoint_.baud, endpoint_.parity, endpoint_.stop_bits)
+                                 : "address, port, unit or response timeout is not valid"),
+                is_rtu() ? fmt::format("Correct the endpoint in the bench file. Rates: {}.", fmt::join(kRates, ", "))
+                         : "Correct the endpoint in the bench file.");
+  }
+  if (error == EBUSY) {
+    throw Fault("TB-MODBUS-CONNECT", device, what + "another program has the port open",
+                "Stop the other program; a serial port has one owner.");
+  }
+  throw Fault("TB-MODBUS-CONNECT", device, what + modbus_strerror(error),
+              is_rtu() ? "Check the adapter's cable, the port in the bench file and who may open it (group dialout)."
+                       : "Check that the module is on and that host and port in the bench file are its own.");
+}
+
+void ModbusLine::wait_for_gap() {
+  std::this_thread::sleep_until(quiet_until_);
+  modbus_flush(context_->modbus);  // a late answer to an earlier request, or noise
+}
+
+// Waits here and not in libmodbus, which does not know simulated ends. The rest of the reply has the rest of the time.
+int ModbusLine::receive(std::span<std::uint8_t> answer) {
+  const RealTime end = RealClock::now() + endpoint_.response_timeout;
+  if (wait_for(modbus_get_socket(context_->modbus), POLLIN, endpoint_.response_timeout) == 0) {
+    errno = ETIMEDOUT;
+    return -1;
+  }
+  constexpr std::chrono::microseconds kLeast(1000);  // for bytes that have already come
+  const auto left = std::max(kLeast, std::chrono::duration_cast<std::chrono::microseconds>(end - RealClock::now()));
+  modbus_set_response_timeout(context_->modbus, static_cast<std::uint32_t>(left.count() / 1'000'000),
+                              static_cast<std::uint32_t>(left.count() % 1'000'000));
+  return modbus_receive_confirmation(context_->modbus, answer.data());
+}
+
+std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> request) {
+  modbus_t* modbus = context_->modbus;
+  if (is_rtu()) wait_for_gap();
+  std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> answer{};
+  errno = 0;
+  modbus_set_slave(modbus, request[0]);
+  int length = is_rtu() ? modbus_send_raw_request(modbus, request.data(), static_cast<int>(request.size()))
+                        : send_tcp(modbus_get_socket(modbus), ++transaction_, request);
+  if (length > 0) length = receive(answer);
+  error_ = length > 0 ? 0 : length == 0 ? EMBBADSLAVE : errno;  // 0: libmodbus ignores another unit's answer
+  if (is_rtu()) quiet_until_ = RealClock::now() + frame_gap(endpoint_.baud);
+  if (length > 0) {
+    const auto bytes = std::span(answer).first(static_cast<std::size_t>(length));
+    if (is_rtu()) {
+      if (bytes.size() > kCheckSum + 1) return {bytes.begin(), bytes.end() - kCheckSum};
+    } else if (bytes.size() > kTcpHeader + 1 && bytes[0] == transaction_ >> 8U && bytes[1] == (transaction_ & 0xFFU) &&
+               bytes[2] == 0 && bytes[3] == 0) {
+      return {bytes.begin() + kTcpHeader, bytes.end()};
+    }
+    error_ = EMBBADDATA;
+  }
+  close_after_error();
+  return {};
+}
+
+}  // namespace tactbench::devices

@@ -1,0 +1,79 @@
+// The size of a recipe by arithmetic alone, before a list of its steps is made.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sequences/recipe_parts.h"
+
+namespace tactbench::sequences {
+
+namespace {
+
+constexpr double kMostSeconds = 366.0 * 86400.0;  // a clock of nanoseconds in 64 bits holds 292 years
+
+double levels_of(const Recipe& recipe) {
+  double levels = 1.0;
+  for (std::size_t turn = 1; turn < recipe.turning_points.size(); ++turn) {
+    levels += std::round(std::abs((recipe.turning_points[turn] - recipe.turning_points[turn - 1]) / recipe.step));
+  }
+  return levels;
+}
+
+double forces_of(const Recipe& recipe) { return 2.0 * static_cast<double>(recipe.press.forces_n.size()) - 1.0; }
+double positions_of(const Recipe& recipe) { return static_cast<double>(recipe.press.positions_mm.size()); }
+
+double press_steps(const Recipe& recipe) {
+  const double positions = positions_of(recipe), tares = recipe.press.tare ? 1.0 : 0.0;
+  const double moved = 3.0 + forces_of(recipe);  // to the position, down to contact, the forces, back
+  return 1.0 + recipe.repeats * (tares + positions * moved) + positions * 3.0 * recipe.conditioning.cycles + tares;
+}
+
+double dwelt_s(const Recipe& recipe) {
+  const bool press = recipe.kind == RecipeKind::kPress;
+  const double stops = press ? positions_of(recipe) * forces_of(recipe) : levels_of(recipe);
+  double sum = recipe.conditioning.cycles * (press ? positions_of(recipe) : 2.0) * recipe.dwell_s.front();
+  for (int repeat = 0; repeat < recipe.repeats; ++repeat) {
+    sum += stops * (recipe.dwell_s[static_cast<std::size_t>(repeat) % recipe.dwell_s.size()] +
+                    (recipe.frames_per_level - 1.0) * recipe.frame_interval_s);
+  }
+  return sum;
+}
+
+// Refuses the key whose number contributes most.
+void refuse_steps(const TomlTable& root, const Recipe& recipe, double steps) {
+  const bool press = recipe.kind == RecipeKind::kPress;
+  const double stops = press ? positions_of(recipe) : levels_of(recipe);
+  const double frames = press ? forces_of(recipe) : recipe.frames_per_level;
+  const std::string message =
+      press ? fmt::format("the recipe has {:.0f} steps ({:.0f} positions, {:.0f} forces up and down, {} repeats)",
+                          steps, stops, frames, recipe.repeats)
+            : fmt::format("the recipe has {:.0f} steps ({:.0f} levels a repeat, {} frames a level, {} repeats)", steps,
+                          stops, recipe.frames_per_level, recipe.repeats);
+  const std::string remedy =
+      fmt::format("a run may have {:.0f} steps: {}", kMostSteps,
+                  press ? "fewer positions, forces or repeats" : "a larger step, or fewer frames a level or repeats");
+  if (recipe.repeats > stops && recipe.repeats > frames) root.fail("repeats", message, remedy);
+  if (!press) root.fail(frames > stops ? "frames_per_level" : "step", message, remedy);
+  const TomlTable table = root.table("press");
+  table.fail(frames > stops ? "forces_n" : table.has("grid") ? "grid" : "positions_mm", message, remedy);
+}
+
+}  // namespace
+
+double step_count(const Recipe& recipe) {
+  const double prompt = recipe.prompt_before.empty() ? 0.0 : 1.0;
+  if (recipe.kind == RecipeKind::kPress) return prompt + press_steps(recipe);
+  return prompt + 2.0 * recipe.conditioning.cycles + recipe.repeats * levels_of(recipe) * recipe.frames_per_level;
+}
+
+void check_size(const TomlTable& root, const Recipe& recipe) {
+  if (const double steps = step_count(recipe); !(steps <= kMostSteps)) refuse_steps(root, recipe, steps);
+  const double seconds = dwelt_s(recipe);
+  if (seconds <= kMostSeconds) return;
+  const bool held = (recipe.frames_per_level - 1.0) * recipe.frame_interval_s > recipe.dwell_s.front();
+  root.fail(held ? "frame_interval_s" : "dwell_s",
+            fmt::format("the recipe dwells for {:.0f} days in {:.0f} steps", seconds / 86400.0, step_count(recipe)),
+            fmt::format("a recipe may dwell for {:.0f} days", kMostSeconds / 86400.0));
+}
+
+}  // namespace tactbench::sequences

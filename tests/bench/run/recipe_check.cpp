@@ -1,0 +1,169 @@
+// What a preflight says of recipes: margins to their limits, the devices they need, the levels that limits judge at.
+#include "bench/run/recipe_check.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "bench/common/error.h"
+
+using namespace tactbench;
+using bench::BenchConfig;
+using bench::Margin;
+using sequences::Recipe;
+using sequences::RecipeKind;
+using sequences::Step;
+using sequences::StepKind;
+
+namespace {
+
+Step measure(double level, double from, double to) {
+  Step step;
+  step.setpoint = devices::Psi(level);
+  step.branch_from = devices::Psi(from);
+  step.branch_to = devices::Psi(to);
+  return step;
+}
+
+std::vector<bench::LackingLevel> lacking(const std::vector<Step>& steps, const std::vector<double>& judged) {
+  analysis::Limits limits;
+  for (const double level : judged) limits.mismatch.push_back({level, 0.1});
+  return bench::lacking_levels(steps, limits);
+}
+
+Recipe levels_recipe(double peak) {
+  Recipe recipe;
+  recipe.name = "levels";
+  recipe.turning_points = {devices::Psi(0.0), devices::Psi(peak), devices::Psi(0.0)};
+  recipe.step = devices::Psi(peak / 2.0);
+  return recipe;
+}
+
+std::string refusal(const Recipe& recipe, const BenchConfig& config) {
+  try {
+    bench::check_recipes({recipe}, config);
+  } catch (const bench::Error& error) {
+    CHECK(error.code() == bench::ExitCode::kUsage);
+    return error.id() + ": " + error.what() + " / " + error.remedy();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("recipe margins: the nearer limit counts, a rounding beyond it is within") {
+  const Margin margin{"x", "mm", 3.0, 8.0, 1.0, 10.0};
+  CHECK(margin.margin() == 2.0);
+  CHECK(Margin{"x", "mm", 3.0, 8.0, 1.5, 12.0}.margin() == 1.5);
+  CHECK(Margin{"x", "mm", 1.0, 10.0, 1.0, 10.0}.within());
+  CHECK(Margin{"x", "psi", 0.0, 60.0 + 5.9e-8, -1e9, 60.0}.within());
+  CHECK_FALSE(Margin{"x", "psi", 0.0, 60.0 + 6.1e-8, -1e9, 60.0}.within());
+  CHECK(Margin{"x", "psi", 0.0, 0.5 + 0.9e-9, -1e9, 0.5}.within());
+  CHECK_FALSE(Margin{"x", "psi", 0.0, 0.5 + 1.1e-9, -1e9, 0.5}.within());
+  CHECK_FALSE(Margin{"x", "mm", 0.9, 8.0, 1.0, 10.0}.within());
+}
+
+TEST_CASE("recipe margins: of pressure, places and force, where the steps have them") {
+  BenchConfig config;
+  config.limits.command_psi = 55.0;
+  config.limits.force_n = {4.0, 6.0, 30.0};
+  std::vector<Step> steps = {measure(10.0, 0.0, 40.0), measure(40.0, 0.0, 40.0)};
+  auto margins = bench::margins(steps, config);
+  REQUIRE(margins.size() == 1);
+  CHECK((margins[0].axis == "pressure" && margins[0].unit == "psi"));
+  CHECK((margins[0].highest == 40.0 && margins[0].high_limit == 55.0 && margins[0].margin() == 15.0));
+  Step move;
+  move.kind = StepKind::kMoveXy;
+  move.x_mm = 10.0;
+  move.y_mm = 20.0;
+  Step press;
+  press.kind = StepKind::kPress;
+  press.force_n = 12.0;
+  steps = {move, press};
+  CHECK(bench::margins(steps, config).size() == 1);  // no stage: of the force alone
+  config.stage.emplace();
+  config.stage->options.axes[0].low = devices::Millimetres(2.0);
+  config.stage->options.axes[1].high = devices::Millimetres(50.0);
+  margins = bench::margins(steps, config);
+  REQUIRE(margins.size() == 3);
+  CHECK((margins[0].axis == "x" && margins[0].lowest == 10.0 && margins[0].low_limit == 2.0));
+  CHECK((margins[1].axis == "y" && margins[1].highest == 20.0 && margins[1].high_limit == 50.0));
+  CHECK((margins[2].axis == "force" && margins[2].highest == 12.0 && margins[2].high_limit == 30.0));
+  CHECK(margins[2].lowest == 0.0);
+}
+
+TEST_CASE("recipe check: at the limit it passes, beyond it is refused with what is beyond and what to change") {
+  BenchConfig config;
+  CHECK(refusal(levels_recipe(60.0), config) == "none");
+  config.limits.command_psi = 59.0;
+  CHECK_THAT(
+      refusal(levels_recipe(60.0), config),
+      Catch::StartsWith("TB-RECIPE-LIMIT: recipe 'levels' goes to 60.00 psi of pressure, beyond the bench's limit of "
+                        "59.00 psi") &&
+          Catch::Contains("command_psi"));
+  Recipe press;
+  press.name = "press";
+  press.kind = RecipeKind::kPress;
+  press.press.positions_mm = {{30.0, 30.0}};
+  press.press.forces_n = {2.0, 10.0};
+  config = {};
+  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-DEVICES") && Catch::Contains("needs a stage"));
+  config.stage.emplace();
+  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-DEVICES") && Catch::Contains("a force sensor"));
+  config.force.emplace();
+  CHECK(refusal(press, config) == "none");
+  config.limits.force_n[2] = 9.5;
+  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-LIMIT: recipe 'press' goes to 10.00 N of force") &&
+                                         Catch::Contains("[limits] force_n"));
+  config.limits.force_n[2] = 10.1;  // not with tolerance and overshoot
+  CHECK_THAT(refusal(press, config), Catch::StartsWith("TB-RECIPE-LIMIT: 10 N, with its tolerance"));
+  config.limits.force_n[2] = 35.0;
+  config.stage->options.axes[0].high = devices::Millimetres(29.0);
+  CHECK_THAT(refusal(press, config), Catch::Contains("30.00 mm of x, beyond the bench's limit of 29.00 mm") &&
+                                         Catch::Contains("low_mm and high_mm"));
+  Recipe waits = levels_recipe(20.0);
+  waits.suspend.push_back({"supply_bar", true, 6.0, 6.5});
+  config = {};
+  config.environment.emplace_back().quantity = "temperature_c";
+  CHECK_THAT(refusal(waits, config), Catch::Contains("a sensor of supply_bar"));
+  config.environment.emplace_back().quantity = "supply_bar";
+  CHECK(refusal(waits, config) == "none");
+}
+
+TEST_CASE("recipe check: the devices that recipes need, each once, in the order of use") {
+  Recipe levels, press;
+  press.kind = RecipeKind::kPress;
+  levels.suspend.push_back({"supply_bar", true, 6.0, 6.5});
+  using Names = std::vector<std::string>;
+  CHECK(bench::devices_needed({levels, levels}) ==
+        Names{"pressure source", "pressure reference", "tactile array", "supply_bar"});
+  CHECK(bench::devices_needed({press}) == Names{"stage", "force sensor", "tactile array"});
+  CHECK(bench::devices_needed({press, levels}) ==
+        Names{"stage", "force sensor", "tactile array", "pressure source", "pressure reference", "supply_bar"});
+  CHECK(bench::needs_press({levels, press}));
+  CHECK_FALSE(bench::needs_press({levels, levels}));
+}
+
+TEST_CASE("lacking levels: what no pair of sweeps passes, with the nearest that one does") {
+  // Up over 2, 4, 6 to 8, down over 5 to 0: both pass 0 and 8, which turn.
+  std::vector<Step> steps = {measure(0.0, 0.0, 8.0), measure(2.0, 0.0, 8.0), measure(4.0, 0.0, 8.0),
+                             measure(8.0, 0.0, 8.0), measure(5.0, 8.0, 0.0), measure(0.0, 8.0, 0.0)};
+  CHECK(lacking(steps, {0.0, 8.0}).empty());
+  const auto found = lacking(steps, {4.0, 9.0, -1.0, 5.0});
+  REQUIRE(found.size() == 4);
+  CHECK(found[0].pressure_psi == 4.0);
+  CHECK(found[0].nearest_psi == std::vector<double>{0.0, 8.0});
+  CHECK(found[1].nearest_psi == std::vector<double>{8.0});
+  CHECK(found[2].nearest_psi == std::vector<double>{0.0});
+  CHECK(found[3].pressure_psi == 5.0);
+  steps.push_back(measure(4.0 + 4e-7, 8.0, 0.0));  // the same but for a rounding
+  CHECK(lacking(steps, {4.0}).empty());
+  CHECK(lacking(steps, {4.0 + 4e-7}).empty());
+  CHECK(lacking(steps, {4.000002}).size() == 1);
+  steps.back().setpoint = devices::Psi(4.000002);
+  CHECK(lacking(steps, {4.0}).size() == 1);
+  steps.back().kind = StepKind::kConditioning;
+  steps.back().setpoint = devices::Psi(4.0);
+  CHECK(lacking(steps, {4.0}).size() == 1);  // travelled, not measured
+  CHECK(lacking({measure(4.0, 4.0, 4.0)}, {4.0}).empty());
+  CHECK(lacking({}, {4.0}).front().nearest_psi.empty());
+}

@@ -1,0 +1,287 @@
+// What the recorder and the run's own record write down, field by field, into a store without a rig.
+#include "bench/run/recorder.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/common/build_info.h"
+#include "bench/common/error.h"
+#include "bench/common/utc.h"
+#include "bench/run/resume.h"
+#include "bench/run/run_record.h"
+#include "tests/devices/fault_of.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::Recorder;
+using bench::RunState;
+using bench::StepReadings;
+using std::chrono::milliseconds;
+
+namespace {
+
+struct Records {
+  Records() : store(db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal)) {
+    request = small_request();
+    store.add_sensor(request.sensor);
+    run = store.begin_run(bench::record_of(request));
+  }
+  TemporaryFolder folder;
+  db::RunStore store;
+  bench::RunRequest request;
+  std::int64_t run = 0;
+  devices::TurnedClock clock;
+};
+
+sequences::Step step_of(int branch, int ordinal, double psi) {
+  sequences::Step step;
+  step.repeat = 1;
+  step.branch = branch;
+  step.ordinal = ordinal;
+  step.setpoint = devices::Psi(psi);
+  step.branch_from = devices::Psi(2.0);
+  step.branch_to = devices::Psi(8.0);
+  return step;
+}
+
+devices::PressureReading pressure_of(double psi, std::int32_t counts) {
+  return {devices::Psi(psi), devices::Volts(0.0), counts, {}};
+}
+
+StepReadings readings_at(devices::Nanoseconds time) {
+  StepReadings readings;
+  readings.setpoint_counts = 11;
+  readings.feedback = pressure_of(5.5, 22);
+  readings.reference = pressure_of(5.25, 33);
+  readings.scans = {1, 2, 1, {7, 8}, {1}, 99, 3, time};
+  readings.commanded_at = time - milliseconds(2500);
+  readings.in_band_since = time - milliseconds(2000);
+  readings.exchanges = 12;
+  readings.flags = "dwell";
+  return readings;
+}
+
+}  // namespace
+
+TEST_CASE("recorder: a frame's row, each field, times with the run's offset, and the looks since the frame before") {
+  Records records;
+  Recorder recorder(records.store, records.run, records.clock, milliseconds(100'000));
+  recorder.open_branch(step_of(2, 4, 6.0));
+  records.clock.wait_until(milliseconds(1000));
+  recorder.poll(devices::Psi(6.0), pressure_of(5.0, 1), pressure_of(4.5, 1));
+  records.clock.wait_until(milliseconds(1500));
+  recorder.poll(devices::Psi(6.5), pressure_of(5.5, 1), pressure_of(5.25, 1));
+  recorder.frame(step_of(2, 4, 6.0), readings_at(milliseconds(3000)));
+  StepReadings busy = readings_at(milliseconds(4000));
+  busy.exchanges = 20;
+  recorder.frame(step_of(2, 5, 8.0), busy);
+  recorder.frame(step_of(2, 6, 8.0), readings_at(milliseconds(5000)));
+  CHECK(recorder.frames() == 3);
+  CHECK(recorder.most_exchanges() == 20);
+  CHECK(recorder.store_seconds() > 0.0);
+  CHECK(recorder.store_seconds() < 60.0);
+  const std::vector<db::FrameRecord> frames = records.store.frames(records.run);
+  REQUIRE(frames.size() == 3);
+  const db::FrameRecord& frame = frames[0];
+  CHECK(frame.ordinal == 4);
+  CHECK(frame.setpoint_psi == 6.0);
+  CHECK(frame.feedback_psi == 5.5);
+  CHECK(frame.reference_psi == 5.25);
+  CHECK((frame.setpoint_counts == 11 && frame.feedback_counts == 22 && frame.reference_counts == 33));
+  CHECK(frame.time_ns == 103'000'000'000);
+  CHECK(frame.since_command_ns == 2'500'000'000);
+  CHECK(frame.in_band_ns == 2'000'000'000);
+  CHECK((frame.device_time_us == 99 && frame.status == 3 && frame.exchanges == 12));
+  CHECK((frame.rows == 1 && frame.columns == 2 && frame.scans == 1));
+  CHECK(frame.counts == std::vector<std::uint16_t>{7, 8});
+  CHECK(frame.flags == "dwell");
+  CHECK_FALSE(frame.wrench);
+  REQUIRE(frame.trace.size() == 2);
+  CHECK(frame.trace[0].before_frame_s == 2.0F);
+  CHECK(frame.trace[1].before_frame_s == 1.5F);
+  CHECK(frame.trace[1].setpoint_psi == 6.5F);
+  CHECK(frame.trace[1].feedback_psi == 5.5F);
+  CHECK(frame.trace[1].reference_psi == 5.25F);
+  CHECK(frames[1].trace.empty());
+}
+
+TEST_CASE("recorder: branches and their attempts, voids, repeats, and those of an earlier process") {
+  Records records;
+  {
+    Recorder recorder(records.store, records.run, records.clock);
+    recorder.void_branch("none is open");
+    recorder.open_branch(step_of(0, 0, 2.0));
+    recorder.void_branch("broken");
+    recorder.void_branch("twice");
+    recorder.open_branch(step_of(0, 0, 2.0));
+    recorder.close_branch();
+    recorder.void_branch("closed");
+    recorder.open_branch(step_of(1, 0, 2.0));
+  }
+  Recorder later(records.store, records.run, records.clock);
+  later.open_branch(step_of(0, 0, 2.0));
+  sequences::Step press = step_of(3, 0, 0.0);
+  press.kind = sequences::StepKind::kPress;
+  press.force_from_n = 2.0;
+  press.force_to_n = 30.0;
+  press.repeat = 2;
+  later.open_branch(press);
+  std::vector<db::BranchRecord> branches = records.store.branches(records.run);
+  REQUIRE(branches.size() == 5);
+  CHECK((branches[0].attempt == 0 && branches[0].is_void && branches[0].void_reason == "broken"));
+  CHECK((branches[1].attempt == 1 && !branches[1].is_void));
+  CHECK((branches[2].attempt == 0 && branches[2].ordinal == 1));
+  CHECK(branches[3].attempt == 2);
+  CHECK((branches[0].repeat == 1 && branches[0].from_psi == 2.0 && branches[0].to_psi == 8.0));
+  CHECK_FALSE(branches[0].from_n);
+  CHECK(branches[4].from_n == 2.0);
+  CHECK(branches[4].to_n == 30.0);
+  CHECK_FALSE(records.store.run(records.run).seen_utc.empty());
+  later.void_repeat(0, 1, "rested");
+  branches = records.store.branches(records.run);
+  CHECK(branches[0].void_reason == "broken");
+  for (const std::size_t i : {1U, 2U, 3U}) CHECK(branches[i].void_reason == "rested");
+  CHECK_FALSE(branches[4].is_void);
+  later.void_repeat(1, 2, "another sequence");
+  CHECK_FALSE(records.store.branches(records.run)[4].is_void);
+}
+
+TEST_CASE("recorder: events, checks and states carry the run's time, a state that may not follow is refused") {
+  Records records;
+  Recorder recorder(records.store, records.run, records.clock, milliseconds(5000));
+  records.clock.wait_until(milliseconds(20));
+  recorder.event("kind", "TB-X", "detail");
+  recorder.check("mount", "pass", "{}", {1.5, 2.5});
+  CHECK_THROWS_AS(recorder.state(RunState::kPaused, "x"), std::logic_error);
+  recorder.state(RunState::kRunning, "devices open");
+  CHECK(recorder.state() == RunState::kRunning);
+  CHECK(recorder.run() == records.run);
+  CHECK(records.store.run(records.run).state == "running");
+  const auto events = records.store.events(records.run);
+  REQUIRE(events.size() == 2);
+  CHECK((events[0].time_ns == 5'020'000'000 && events[0].kind == "kind" && events[0].id == "TB-X"));
+  CHECK(events[1].detail == "prepared -> running: devices open");
+  const auto checks = records.store.checks(records.run);
+  REQUIRE(checks.size() == 1);
+  CHECK((checks[0].time_ns == 5'020'000'000 && checks[0].kind == "mount" && checks[0].data[1] == 2.5));
+}
+
+TEST_CASE("run record: what is asked of a run, its seeds, recipes and frames, and the program that makes it") {
+  bench::RunRequest request = small_request({}, {5, 7});
+  request.recipes.push_back(sequences::read_recipe(bench::find_recipe("descending")));
+  request.purpose = "why";
+  request.overrides = {{"a.b", "1"}, {"c", "x\"y"}};
+  request.sensor.scanner_serial = "SC";
+  const db::RunRecord record = bench::record_of(request);
+  CHECK(record.origin == "simulated");
+  CHECK((record.operator_name == "test" && record.purpose == "why" && record.sensor_serial == "S-1"));
+  CHECK((record.scanner_serial == "SC" && record.bench_id == request.bench.id));
+  CHECK((record.seed == 5 && record.sensor_seed == 7));
+  CHECK((record.state == "prepared" && record.program_version == bench::build_info().version));
+  CHECK(record.bench_sha256 == db::sha256_hex(request.bench.text));
+  CHECK(record.sensor_sha256 == db::sha256_hex(request.sensor_type.text));
+  REQUIRE(record.sequences.size() == 2);
+  CHECK((record.sequences[0].frames_per_repeat == 15 && record.sequences[0].repeats == 2));
+  CHECK((record.sequences[1].frames_per_repeat == 211 && record.sequences[1].repeats == 5));
+  CHECK((record.sequences[1].sequence == 1 && record.sequences[1].name == "descending"));
+  std::array<char, 256> host{};
+  REQUIRE(gethostname(host.data(), host.size() - 1) == 0);
+  CHECK(record.host == host.data());
+  CHECK_FALSE(record.time_zone.empty());
+  CHECK(bench::seconds_between(record.started_utc, bench::utc_now()) < 60.0);
+  const auto overrides = bench::stored_overrides(record.overrides_json);
+  REQUIRE(overrides);
+  CHECK((overrides->size() == 2 && overrides->at(1).key == "c" && overrides->at(1).value == "x\"y"));
+  for (const char* strange : {"{}", "", "[1]", R"([{"key":"a"}])", R"([{"value":"a"}])", R"([{"key":1,"value":"a"}])"})
+    CHECK_FALSE(bench::stored_overrides(strange));
+  CHECK(bench::stored_overrides("[]").value().empty());
+  request.bench.origin = devices::Origin::kHardware;
+  request.bench.simulation.reset();
+  const db::RunRecord hardware = bench::record_of(request);
+  CHECK((hardware.origin == "hardware" && hardware.seed == 0 && hardware.sensor_seed == 0));
+}
+
+TEST_CASE("run record: sensor and scanner have to be of one shape, rows and columns each") {
+  bench::RunRequest request = small_request();
+  CHECK_NOTHROW(bench::check_geometry(request));
+  request.sensor_type.rows = 8;
+  CHECK_THROWS_AS(bench::check_geometry(request), bench::Error);
+  request.sensor_type.rows = 16;
+  request.sensor_type.columns = 8;
+  try {
+    bench::check_geometry(request);
+    FAIL("accepted");
+  } catch (const bench::Error& error) {
+    CHECK(error.id() == "TB-SENSOR-GEOMETRY");
+    CHECK_THAT(error.what(), Catch::Contains("has 16 x 8 taxels, the bench's scanner 16 x 16"));
+  }
+}
+
+TEST_CASE("run record: a resumed run wants each of its devices again, by role, model and serial") {
+  const db::DeviceRecord device{"stage", "M", "1", "5", "simulated", "{}"};
+  db::RunRecord begun;
+  begun.devices = {device};
+  const auto id = [&](db::DeviceRecord now) {
+    return devices::fault_id_of([&] { bench::check_same_devices(begun, {{"x", "y", "z", "", "", ""}, now}); });
+  };
+  CHECK(id(device) == "none");
+  CHECK(id({"stage", "M", "1", "6", "hardware", "{1}"}) == "none");
+  CHECK(id({"other", "M", "1", "5", "simulated", "{}"}) == "TB-RESUME-DEVICES");
+  CHECK(id({"stage", "N", "1", "5", "simulated", "{}"}) == "TB-RESUME-DEVICES");
+  CHECK(id({"stage", "M", "2", "5", "simulated", "{}"}) == "TB-RESUME-DEVICES");
+}
+
+TEST_CASE("run record: a sensor's rest counts from the last sign of its last run before this one") {
+  Records records;
+  CHECK_FALSE(bench::rest_of_sensor(records.store, "S-1", records.run));  // the run itself is none
+  db::RunRecord early = bench::record_of(records.request);
+  early.started_utc = "2020-01-01T00:00:00Z";
+  const std::int64_t second = records.store.begin_run(early);
+  records.store.end_run(second, db::Outcome::kStopped, "", db::SafeState::kVerified, "2020-01-03T00:00:00Z");
+  const double since = bench::seconds_between("2020-01-03T00:00:00Z", bench::utc_now());
+  const auto rest = bench::rest_of_sensor(records.store, "S-1", second + 1);
+  REQUIRE(rest);
+  CHECK(*rest == Approx(since).margin(60.0).epsilon(0.0));
+  CHECK(bench::rest_of_sensor(records.store, "S-1", second).value() < 60.0);  // only the first run lies before it
+  CHECK_FALSE(bench::rest_of_sensor(records.store, "S-2", second + 1));
+}
+
+TEST_CASE("reopened runs: rest and time go on from the end, a whole repeat is done again after a longer rest alone") {
+  for (const double rest_s : {1e12, 0.0}) {
+    Records records;
+    records.request.recipes[0].rest_restart_s = rest_s;
+    const auto steps = sequences::compile(records.request.recipes);
+    Recorder recorder(records.store, records.run, records.clock);
+    int whole = 0;  // frames of the first branch and half of the second
+    for (const sequences::Step& step : steps) {
+      if (!takes_frame(step) || step.branch > 1) continue;
+      if (step.branch == 1 && ++whole > 2) break;
+      if (step.ordinal == 0 || (step.branch == 1 && whole == 1)) recorder.open_branch(step);
+      StepReadings readings = readings_at(milliseconds(1000 + 1000 * step.ordinal));
+      recorder.frame(step, readings);
+    }
+    records.store.end_run(records.run, db::Outcome::kStopped, "why", db::SafeState::kVerified, "2020-01-01T00:00:00Z");
+    const double since = bench::seconds_between("2020-01-01T00:00:00Z", bench::utc_now());
+    const bench::ResumePoint point = bench::reopen(records.store, records.run, records.request.recipes, steps);
+    CHECK(point.rest_s == Approx(since).margin(60.0).epsilon(0.0));
+    CHECK(devices::in_seconds(point.offset) ==
+          Approx(devices::in_seconds(devices::Nanoseconds(records.store.frames(records.run).back().time_ns)) +
+                 point.rest_s)
+              .margin(1.0)
+              .epsilon(0.0));
+    CHECK(point.had_ended == "stopped: why");
+    const auto branches = records.store.branches(records.run);
+    REQUIRE(branches.size() == 2);
+    CHECK(branches[1].void_reason == "half done when the run ended");
+    CHECK(branches[0].is_void == (rest_s == 0.0));
+    CHECK(point.voided == (rest_s == 0.0 ? 2 : 1));
+    CHECK(point.done.size() == (rest_s == 0.0 ? 0U : 1U));
+    CHECK(records.store.run(records.run).state == "prepared");
+  }
+}

@@ -1,0 +1,193 @@
+// How the plant goes through time, in numbers of another implementation: when the film is moved, what turns it, how an
+// object under the stage comes to it, and what of faults each question meets.
+#include <array>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "devices/tactile/scan_report.h"
+#include "tests/bench/simulation/small_plant.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+using namespace std::chrono_literals;
+
+namespace {
+
+Approx digits(double value) { return Approx(value).epsilon(1e-10); }
+
+// Down to 30.5 mm, a hold, back to 30.25 mm, sideways at 20 s, and off at 30 s.
+ScriptedStage::Place scripted(double time_s) {
+  const double z_mm = time_s < 2.0    ? 29.9 + 0.3 * time_s
+                      : time_s < 3.0  ? 30.5
+                      : time_s < 4.0  ? 30.5 - 0.25 * (time_s - 3.0)
+                      : time_s < 30.0 ? 30.25
+                                      : 29.5;
+  return time_s < 20.0 ? ScriptedStage::Place{30.0, 30.0, z_mm} : ScriptedStage::Place{31.0, 29.5, z_mm};
+}
+
+void point(PlantOptions& options) { options.contact.object = Footprint::kPoint; }
+
+}  // namespace
+
+TEST_CASE("plant coupling: in calm the film is moved at times that grow, at each small turn of the pressure too") {
+  SmallPlant calm;
+  calm.drive(1.5);
+  calm.at(400s);
+  calm.check_film({19.602433847357556, 19.602433847357556, 0.7979305218383512, 20.15780560050148, 114.64501509189341,
+                   114.68121572758837, 114.68121572758837, 114.68121572758837, 114.68121572758837, 114.68121572758837,
+                   4.536382270397945, 4.536382270397945, 4.536365293321497, 3.5850047988530127});
+  SmallPlant turning;
+  devices::Nanoseconds now = 0ms;
+  int i = 0;
+  for (const double volts : {1.5, 1.51, 1.49, 1.52, 1.5, 2.0, 1.98}) {
+    turning.drive(volts);
+    now += std::chrono::milliseconds(130 + 7 * i++);
+    turning.at(now);
+  }
+  turning.check_film({25.425176806080245, 10.875254392785665, 0.6959394185410527, 25.575055320680086,
+                      143.45758317677306, 143.45758317677306, 143.45758317677306, 143.45758317677306,
+                      143.45758317677306, 143.45758317677306, 3.8708565907488683, 0.9451348696556967,
+                      0.13048658233958332, 0.016518965492596127});
+}
+
+TEST_CASE("plant coupling: an object's force, its pressure on each taxel and what the film keeps of it") {
+  ScriptedStage stage(scripted);
+  SmallPlant bed(point);
+  bed.plant.set_stage(&stage);
+  CHECK(bed.plant.true_contact_psi().empty());
+  for (const auto& [time, force_n] : {std::pair{400ms, 0.419823745976}, std::pair{1000ms, 4.548079856896},
+                                      std::pair{2500ms, 12.761986495513}, std::pair{3700ms, 7.183409193033}}) {
+    bed.at(time);
+    CHECK(bed.plant.true_force().value() == digits(force_n));
+  }
+  bed.at(3705ms);  // between two cells of the grid
+  CHECK(bed.plant.true_force().value() == digits(7.151452023985));
+  CHECK(bed.plant.wrench().force_n[2] == digits(-7.151452023985 - 0.0017756322253430473));
+  bed.at(25s);
+  const std::vector<double> psi = bed.plant.true_contact_psi();
+  const std::vector<double> expected = {0.123309293, 54.023194766, 32.31250117,
+                                        0.039153792, 20.522767047, 12.052383919};
+  REQUIRE(psi.size() == 6);
+  for (std::size_t k = 0; k < 6; ++k) CHECK(psi[k] == Approx(expected[k]).epsilon(0.0).margin(2e-9));
+  bed.check_film({0.0, 0.0, 1.0, 0.0, 128.9764924798102, 134.01532450090244, 139.94944034877093, 146.7312870320492,
+                  155.20859538614707, 167.07682708188406, 3.234188756482185, 3.198779449800697, 1.7046603863092629,
+                  0.29154261120849667});
+  bed.at(31s);
+  CHECK(bed.plant.true_force().value() == 0.0);
+  CHECK(bed.plant.true_contact_psi().empty());
+}
+
+TEST_CASE("plant coupling: a stage at rest in the air is not asked, one that was forgotten presses no more") {
+  ScriptedStage stage([](double) { return ScriptedStage::Place{30.0, 30.0, 29.0}; });
+  SmallPlant bed(point);
+  bed.plant.set_stage(&stage);
+  bed.at(1s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 100);  // it was not placed before: each cell
+  stage.rests = true;
+  bed.at(2s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 100);
+  stage.rests = false;
+  stage.where = [](double) { return ScriptedStage::Place{30.0, 30.0, 30.4}; };
+  bed.at(3s);
+  CHECK(bed.plant.true_force().value() > 1.0);
+  CHECK(stage.asked == 200);
+  stage.rests = true;  // in contact it is looked at all the same
+  bed.at(4s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 300);
+  bed.plant.forget_stage();
+  bed.at(5s);
+  (void)bed.plant.true_pressure();
+  CHECK(stage.asked == 300);
+  bed.plant.set_stage(nullptr);
+  CHECK(bed.plant.true_force().value() == 0.0);
+}
+
+TEST_CASE("plant coupling: a scan's status tells what had no time to settle and what stands at the converter's ends") {
+  SmallPlant slow([](PlantOptions& options) { options.scanner.relay_settle_s = 0.002; });
+  slow.drive(2.0);
+  slow.at(13ms);
+  slow.drive(3.0);
+  slow.at(420ms);
+  (void)slow.scan();
+  CHECK(slow.status == std::vector<std::uint8_t>{devices::kStatusNotSettled, devices::kStatusNotSettled});
+  // exp(-settle / 0.6 ms) is a hundredth at 2.763 ms.
+  for (const auto& [settle_s, told] : {std::pair{0.002764, false}, std::pair{0.002762, true}}) {
+    SmallPlant edge([settle = settle_s](PlantOptions& options) { options.scanner.relay_settle_s = settle; });
+    (void)edge.scan();
+    CHECK((edge.status[0] == devices::kStatusNotSettled) == told);
+  }
+  SmallPlant instant([](PlantOptions& options) { options.scanner.relay_time_constant_s = 0.0; });
+  (void)instant.scan();
+  CHECK(instant.status == std::vector<std::uint8_t>{0, 0});
+  SmallPlant ends([](PlantOptions& options) {
+    options.scanner.noise_v = 0.0;
+    options.scanner.relay_time_constant_s = 0.0;
+    options.specimen.defects = {{TaxelDefect::Kind::kDead, 0, 2, 0, 0}, {TaxelDefect::Kind::kSaturated, 1, 0, 0, 0}};
+  });
+  std::vector<int> counts = ends.scan();
+  CHECK((counts[2] == 0 && counts[3] == 65535));
+  CHECK(ends.status == std::vector<std::uint8_t>{devices::kStatusAtLimit, devices::kStatusAtLimit});
+  // What is left of the row before: of the last one in the first row.
+  SmallPlant carried([](PlantOptions& options) {
+    options.scanner.noise_v = 0.0;
+    options.scanner.relay_settle_s = options.scanner.relay_time_constant_s;
+    options.specimen.defects = {{TaxelDefect::Kind::kSaturated, 1, 0, 0, 0}};
+  });
+  const std::vector<int> plain = ends.scan();
+  counts = carried.scan();
+  const double left = std::exp(-1.0);
+  CHECK(counts[0] == Approx(plain[0] + left * (65535 - plain[0])).epsilon(0.0).margin(1.01));
+  CHECK(counts[3] == Approx(65535 + left * (plain[0] - 65535)).epsilon(0.0).margin(1.01));
+  std::vector<std::uint16_t> wrong(5);
+  CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
+  wrong.resize(6);
+  ends.status.resize(3);
+  CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
+}
+
+TEST_CASE("plant coupling: faults of the witnesses, the supply and a row are there while they last") {
+  SmallPlant bed([](PlantOptions& options) { options.supply_bar = 7.5; });
+  bed.drive(2.0);
+  bed.at(3s);
+  CHECK(bed.plant.supply_bar() == 7.5);
+  const double psi = bed.plant.true_pressure().value();
+  bed.plant.inject(FaultKind::kFeedbackOffset, 3.0);
+  bed.plant.inject(FaultKind::kReferenceOffset, -2.0);
+  CHECK(bed.plant.feedback().value() / 10.0 * 130.534 == Approx(psi + 3.0).margin(0.3));
+  CHECK(bed.plant.reference_pressure().value() == Approx(psi - 2.0).margin(0.1));
+  bed.plant.clear(FaultKind::kFeedbackOffset);
+  CHECK(bed.plant.feedback().value() / 10.0 * 130.534 == Approx(psi).margin(0.3));
+  bed.plant.inject(FaultKind::kRegulatorUnpowered);
+  CHECK(bed.plant.feedback().value() == 0.0);
+  bed.plant.clear(FaultKind::kRegulatorUnpowered);
+  bed.plant.inject(FaultKind::kSupplyLost);
+  CHECK(bed.plant.supply_bar() == 0.0);
+  bed.plant.clear(FaultKind::kSupplyLost);
+  CHECK(bed.plant.supply_bar() == 7.5);
+  const std::vector<int> before = bed.scan();
+  bed.plant.inject(FaultKind::kRowStuck, 1.0);
+  const std::vector<int> first = bed.scan();
+  bed.drive(4.0);
+  bed.at(6s);
+  const std::vector<int> later = bed.scan();
+  CHECK(std::equal(first.begin() + 3, first.end(), later.begin() + 3));
+  CHECK_FALSE(first[0] == later[0]);
+  bed.plant.clear(FaultKind::kRowStuck);
+  CHECK(bed.scan()[3] > first[3] + 100);
+  bed.plant.inject(FaultKind::kRowStuck, 77.0);  // beyond the array: its last row
+  const std::vector<int> last = bed.scan();
+  bed.at(60s);
+  CHECK(std::equal(last.begin() + 3, last.end(), bed.scan().begin() + 3));
+  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kNone);
+  bed.plant.inject(FaultKind::kScannerTorn, std::nullopt, 2);
+  CHECK(bed.plant.injected(Instrument::kModule) == devices::InjectedFault::kNone);
+  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kTorn);
+  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kTorn);
+  CHECK(bed.plant.injected(Instrument::kScanner) == devices::InjectedFault::kNone);
+}

@@ -1,0 +1,116 @@
+// Baselines and repetitions at their edges.
+#include <catch2/catch.hpp>
+
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+
+namespace {
+
+std::int64_t seeded(RunStore& store, std::int64_t seed, const std::string& origin = "simulated") {
+  db::RunRecord record = example_run();
+  record.seed = seed;
+  record.origin = origin;
+  return store_example(store, record);
+}
+
+}  // namespace
+
+TEST_CASE("a repetition is named by the earlier run, in whatever order they are asked for") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = seeded(store, 1), second = seeded(store, 1), third = seeded(store, 1);
+  using Repeated = std::map<std::int64_t, std::int64_t>;
+  CHECK(store.repeated_runs("rig", {third, first, second}) == Repeated{{second, first}, {third, first}});
+  CHECK(store.repeated_runs("rig", {third, second}) == Repeated{{third, second}});
+  CHECK(store.repeated_runs("rig", {}).empty());
+}
+
+TEST_CASE("runs without figures, or without an end, repeat nothing for that") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t one = seeded(store, 1), two = seeded(store, 2);
+  CHECK(store.repeated_runs("rig", {one, two}).empty());
+  const std::int64_t open = store.begin_run(example_run()), other = store.begin_run(example_run());
+  store.replace_figures(open, "rig", {{"x_psi", 1.0}});
+  store.replace_figures(other, "rig", {{"x_psi", 2.0}});
+  CHECK(store.repeated_runs("rig", {open, other}).empty());
+  store.replace_figures(other, "rig", {{"x_psi", 1.0}});
+  CHECK(store.repeated_runs("rig", {open, other}) == std::map<std::int64_t, std::int64_t>{{other, open}});
+}
+
+TEST_CASE("a baseline has a date and one origin") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t simulated = seeded(store, 1), real = seeded(store, 2, "hardware");
+  for (const std::int64_t run : {simulated, real}) {
+    store.replace_figures(run, "rig", {{"x_psi", static_cast<double>(run)}});
+  }
+  const auto added = [&](const std::string& utc, const std::vector<std::int64_t>& runs) {
+    std::string message;
+    const auto add = [&] { store.add_baseline({0, "rig", "as made", "K. Lee", utc, runs}); };
+    const std::string id = store_error(add, &message);
+    CHECK(id == (message.empty() ? "" : "TB-STORE-CONFLICT"));
+    return message;
+  };
+  CHECK_FALSE(added("", {simulated}).empty());
+  CHECK_THAT(added(kUtc, {simulated, real}), Catch::Contains("origin"));
+  CHECK(store.baselines().empty());
+  CHECK(added(kUtc, {simulated}).empty());
+  CHECK(added(kUtc, {real}).empty());
+  CHECK(store.baselines().size() == 2);
+  // A repetition beside a run measured anew is no reason to refuse: one figure has a spread.
+  const std::int64_t again = seeded(store, 1), anew = seeded(store, 5);
+  store.replace_figures(again, "rig", {{"x_psi", 7.0}});
+  store.replace_figures(anew, "rig", {{"x_psi", 8.0}});
+  CHECK(added(kUtc, {simulated, again, anew}).empty());
+  CHECK_FALSE(added(kUtc, {simulated, again}).empty());
+}
+
+TEST_CASE("a report says which one it replaces, the first none") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  const auto approved = [&](const std::string& number, const std::string& replaces) {
+    return store_error([&] { store.add_report({run, number, "c", "K. Lee", kUtc, replaces}); });
+  };
+  CHECK(approved("1-a", "1-0") == "TB-STORE-CONFLICT");
+  CHECK(approved("1-a", "").empty());
+  CHECK(approved("1-b", "") == "TB-STORE-CONFLICT");
+  CHECK(approved("1-b", "1-a").empty());
+  CHECK(approved("1-a", "1-b") == "TB-STORE-CONFLICT");
+  REQUIRE(store.reports(run).size() == 2);
+  const db::ReportRecord last = store.reports(run).back();
+  CHECK((last.run == run && last.number == "1-b" && last.content_sha256 == "c" && last.approved_by == "K. Lee"));
+  CHECK((last.approved_utc == kUtc && last.replaces == "1-a"));
+}
+
+TEST_CASE("a tag may have 64 characters, and any of the signs that tags may have") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  const std::vector<std::string> good = {std::string(64, 'x'), "AZaz09._:/+-"};
+  store.set_tags(run, good, {});
+  CHECK(store.run(run).tags == std::vector<std::string>{"AZaz09._:/+-", std::string(64, 'x')});
+  for (const char* sign : {"@", "[", "`", "{", "/*", ";", " ", "\t", ","}) {
+    CAPTURE(sign);
+    CHECK(store_error([&] { store.set_tags(run, {sign}, {}); }) == "TB-STORE-TAG");
+    CHECK(store_error([&] { store.set_tags(run, {}, {sign}); }) == "TB-STORE-TAG");
+  }
+  store.set_tags(run, {}, good);
+  CHECK(store.run(run).tags.empty());
+}
+
+TEST_CASE("a run is void with a reason, a name and a date") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  CHECK(store_error([&] { store.void_run(run, "why", "me", ""); }) == "TB-STORE-CONFLICT");
+  CHECK_FALSE(store.run(run).is_void());
+  store.void_run(run, std::string(db::kLongestText, 'w'), std::string(db::kLongestName, 'm'), kUtc);
+  CHECK(store.run(run).is_void());
+  CHECK(store.check_seals(run).empty());
+}

@@ -1,0 +1,191 @@
+// The thin wrapper itself: what goes into a statement comes out of it, what it is told fails says so and leaves it
+// usable.
+#include "db/sqlite.h"
+
+#include <sqlite3.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+using db::sqlite::Statement;
+using db::sqlite::Transaction;
+
+namespace {
+
+std::string message_of(const std::string& id, const std::function<void()>& action) {
+  std::string message;
+  CHECK(store_error(action, &message) == id);
+  return message;
+}
+
+}  // namespace
+
+TEST_CASE("a statement that failed, or ran to its end, keeps no value of before") {
+  Connection connection(":memory:", Access::kReadWrite);
+  connection.execute("CREATE TABLE t (a INTEGER UNIQUE, b REAL, c TEXT, d BLOB)");
+  Statement insert(connection, "INSERT INTO t VALUES (?, ?, ?, ?)", true);
+  using Text = std::optional<std::string>;
+  using Blob = std::optional<std::vector<double>>;
+  const Text text = "word";
+  const Blob blob = std::vector<double>{1.5};
+  insert.bind(1, std::optional(2.5), text, blob).run();
+  insert.bind(2, std::optional<double>{}, Text{}, Blob{}).run();
+  CHECK(message_of("TB-STORE-CONFLICT", [&] { insert.bind(2, std::optional(7.5), text, blob).run(); }).find("UNIQUE") !=
+        std::string::npos);
+  insert.bind(3, std::optional<double>{}, Text{}, Blob{}).run();
+  CHECK(connection.integer("SELECT count(*) FROM t WHERE b IS NULL AND c IS NULL AND d IS NULL") == 2);
+  CHECK(connection.integer("SELECT a FROM t WHERE b = 2.5 AND c = 'word' AND length(d) = 8") == 1);
+}
+
+TEST_CASE("nothing is not no text, and no text and no bytes are not nothing") {
+  Connection connection(":memory:", Access::kReadWrite);
+  Statement row(connection, "SELECT typeof(?1), length(?1), typeof(?2), length(?2), ?3, ?4");
+  row.bind(std::string_view(), std::vector<double>{}, std::nan(""), std::string("a\0b", 3));
+  REQUIRE(row.step());
+  std::string kind_of_text, kind_of_blob, text;
+  int text_length = -1, blob_length = -1;
+  double number = 0.0;
+  row.read(kind_of_text, text_length, kind_of_blob, blob_length, number, text);
+  CHECK((kind_of_text == "text" && text_length == 0 && kind_of_blob == "blob" && blob_length == 0));
+  CHECK(std::isnan(number));
+  CHECK(text == std::string("a\0b", 3));
+  Statement nothing(connection, "SELECT NULL, NULL, NULL");
+  REQUIRE(nothing.step());
+  std::vector<double> values = {1.0};
+  std::int64_t count = 7;
+  nothing.read(text, values, count);
+  CHECK((text.empty() && values.empty() && count == 0));
+}
+
+TEST_CASE("an array takes as many bytes as there are, and no more than it holds") {
+  Connection connection(":memory:", Access::kReadWrite);
+  Statement row(connection, "SELECT x'0102', x'030405060708'");
+  REQUIRE(row.step());
+  struct {
+    std::array<std::uint8_t, 4> few = {9, 9, 9, 9}, many = {9, 9, 9, 9}, behind = {9, 9, 9, 9};
+  } got;
+  row.read(got.few, got.many);
+  CHECK(got.few == std::array<std::uint8_t, 4>{1, 2, 9, 9});
+  CHECK(got.many == std::array<std::uint8_t, 4>{3, 4, 5, 6});
+  CHECK(got.behind == std::array<std::uint8_t, 4>{9, 9, 9, 9});
+}
+
+TEST_CASE("a question without an answer is an error") {
+  Connection connection(":memory:", Access::kReadWrite);
+  CHECK(connection.integer("SELECT 41 + 1") == 42);
+  CHECK(connection.text("SELECT 'a' || 'b'") == "ab");
+  message_of("TB-STORE-SQL", [&] { (void)connection.integer("SELECT 1 WHERE 0"); });
+  message_of("TB-STORE-SQL", [&] { (void)connection.text("SELECT 1 WHERE 0"); });
+}
+
+TEST_CASE("what failed is quoted by its first eighty characters") {
+  Connection connection(":memory:", Access::kReadWrite);
+  connection.execute("CREATE TABLE t (a CHECK (a > 0))");
+  const std::string filling(100, 'x');
+  for (const std::string& sql : {"SELEC " + filling, "INSERT INTO t SELECT 0 AS " + filling}) {
+    const std::string quoted = "; " + sql.substr(0, 80) + ") | ";
+    std::string message;
+    CHECK_FALSE(store_error([&] { connection.execute(sql); }, &message).empty());
+    CHECK_THAT(message, Catch::Contains(quoted));
+    CHECK_FALSE(store_error([&] { Statement(connection, sql).run(); }, &message).empty());
+    CHECK_THAT(message, Catch::Contains(quoted));
+  }
+}
+
+TEST_CASE("a value beyond the library's bound is refused where it is bound") {
+  Connection connection(":memory:", Access::kReadWrite);
+  sqlite3_limit(connection.handle(), SQLITE_LIMIT_LENGTH, 1000);
+  Statement row(connection, "SELECT length(?)");
+  const std::vector<std::uint8_t> bytes(1001);
+  message_of("TB-STORE-TOO-LARGE", [&] { row.bind(std::string(1001, 'x')); });
+  message_of("TB-STORE-TOO-LARGE", [&] { row.bind(bytes); });
+  row.bind(std::string(990, 'x'));
+  REQUIRE(row.step());
+}
+
+TEST_CASE("a connection keeps foreign keys, trusts no schema and takes no name in quotes for a text") {
+  Connection connection(":memory:", Access::kReadWrite);
+  CHECK(connection.integer("PRAGMA foreign_keys") == 1);
+  CHECK(connection.integer("PRAGMA trusted_schema") == 0);
+  connection.execute("CREATE TABLE t (a)");
+  message_of("TB-STORE-SQL", [&] { connection.execute("INSERT INTO t VALUES (\"no column\")"); });
+  message_of("TB-STORE-SQL", [&] {
+    connection.execute("PRAGMA writable_schema = ON; UPDATE sqlite_master SET sql = 'CREATE TABLE t (b)'");
+  });
+}
+
+TEST_CASE("who may only read is told so at once, in the library's own words for that") {
+  const TemporaryFolder folder;
+  Connection(folder.path("a.db"), Access::kReadWrite).execute("CREATE TABLE t (a)");
+  Connection reader(folder.path("a.db"), Access::kReadOnly);
+  CHECK(reader.is_read_only());
+  CHECK_FALSE(Connection(folder.path("a.db"), Access::kReadWrite).is_read_only());
+  const std::string message = message_of("TB-STORE-OPEN", [&] { const Transaction transaction(reader); });
+  CHECK_THAT(message, Catch::Contains(sqlite3_errstr(SQLITE_READONLY)) && !Catch::Contains(sqlite3_errstr(SQLITE_OK)));
+  CHECK_FALSE(reader.in_transaction());
+  message_of("TB-STORE-OPEN", [&] { Connection(folder.path("none.db"), Access::kReadOnly); });
+  CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
+}
+
+TEST_CASE("a file whose name has signs of its own in a URI is read as it stands") {
+  const TemporaryFolder folder;
+  for (const std::string name : {"a?mode=memory.db", "a%41.db", "a#b.db", "a b&c=d.db", "Zz-_.~09\xc3\xa4.db"}) {
+    CAPTURE(name);
+    Connection(folder.path(name), Access::kReadWrite).execute("CREATE TABLE t (a); INSERT INTO t VALUES (7)");
+    Connection still(folder.path(name), Access::kImmutable);
+    CHECK(still.integer("SELECT a FROM t") == 7);
+    CHECK_FALSE(store_error([&] { still.execute("INSERT INTO t VALUES (8)"); }).empty());
+  }
+}
+
+TEST_CASE("a transaction that is not committed is taken back, one that is stays, and rows are counted") {
+  const TemporaryFolder folder;
+  Connection connection(folder.path("a.db"), Access::kReadWrite);
+  connection.execute("CREATE TABLE t (a)");
+  {
+    const Transaction transaction(connection);
+    CHECK(connection.in_transaction());
+    connection.execute("INSERT INTO t VALUES (1)");
+  }
+  CHECK_FALSE(connection.in_transaction());
+  CHECK(connection.integer("SELECT count(*) FROM t") == 0);
+  {
+    Transaction transaction(connection);
+    connection.execute("INSERT INTO t VALUES (1), (2), (3)");
+    CHECK(connection.changes() == 3);
+    CHECK(connection.last_row() == 3);
+    transaction.commit();
+  }
+  CHECK(Connection(folder.path("a.db"), Access::kReadOnly).integer("SELECT count(*) FROM t") == 3);
+  {
+    Transaction transaction(connection);  // a failure in it is the caller's to judge
+    CHECK_FALSE(store_error([&] { connection.execute("INSERT INTO none VALUES (1)"); }).empty());
+  }
+  CHECK_FALSE(connection.in_transaction());
+}
+
+TEST_CASE("a copy takes all pages, and one over a database that is in use fails") {
+  const TemporaryFolder folder;
+  Connection source(folder.path("a.db"), Access::kReadWrite), target(folder.path("b.db"), Access::kReadWrite, 0);
+  source.execute("CREATE TABLE t (a); INSERT INTO t VALUES (zeroblob(100000))");
+  source.copy_to(target);
+  CHECK(target.integer("SELECT length(a) FROM t") == 100'000);
+  CHECK(target.text("PRAGMA integrity_check") == "ok");
+  {
+    Connection other(folder.path("b.db"), Access::kReadWrite);
+    const Transaction held(other);
+    CHECK_FALSE(store_error([&] { source.copy_to(target); }).empty());
+  }
+  CHECK_FALSE(store_error([&] { source.copy_to(source); }).empty());
+}

@@ -1,0 +1,161 @@
+// What a store's file is taken for by its first hundred bytes, built here by hand after sqlite.org/fileformat2.html.
+#include "db/store_file.h"
+
+#include <fmt/format.h>
+#include <linux/magic.h>
+
+#include <catch2/catch.hpp>
+
+#include "db/run_store.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::FileKind;
+
+namespace {
+
+std::string& put(std::string& header, std::size_t at, std::size_t bytes, std::uint32_t value) {
+  for (std::size_t i = 0; i < bytes; ++i)
+    header[at + i] = static_cast<char>(static_cast<unsigned char>(value >> (8 * (bytes - 1 - i))));
+  return header;
+}
+
+std::string good_header() {
+  std::string header("SQLite format 3\0", 16);
+  header.resize(100, '\0');
+  put(header, 16, 2, 4096);
+  put(header, 18, 1, 2);
+  put(header, 19, 1, 2);
+  put(header, 21, 1, 64);
+  put(header, 22, 1, 32);
+  put(header, 23, 1, 32);
+  put(header, 28, 4, 10);
+  put(header, 44, 4, 4);
+  put(header, 56, 4, 1);
+  put(header, 68, 4, 0x54424348);  // "TBCH"
+  return header;
+}
+
+// "" for a store; else what is said.
+std::string wrong_with(const std::string& bytes) {
+  const TemporaryFolder folder;
+  write_file(folder.path("runs.db"), bytes);
+  std::string message;
+  FileKind kind = FileKind::kStore;
+  const std::string id = store_error([&] { kind = db::look_at_file(folder.path("runs.db")); }, &message);
+  CHECK(kind == FileKind::kStore);
+  CHECK(id == (message.empty() ? "" : "TB-STORE-OPEN"));
+  return message;
+}
+
+std::string with(std::size_t at, std::size_t bytes, std::uint32_t value) {
+  std::string header = good_header();
+  return wrong_with(put(header, at, bytes, value));
+}
+
+}  // namespace
+
+TEST_CASE("a hundred bytes are enough to know a store, and no fewer") {
+  CHECK(wrong_with(good_header()).empty());
+  CHECK(wrong_with(good_header() + std::string(5000, 'x')).empty());
+  CHECK_THAT(wrong_with(good_header().substr(0, 99)), Catch::Contains("neither a store"));
+  CHECK_THAT(with(15, 1, 'x'), Catch::Contains("neither a store"));
+  CHECK_THAT(with(0, 1, 's'), Catch::Contains("neither a store"));
+  const TemporaryFolder folder;
+  CHECK(db::look_at_file(folder.path("runs.db")) == FileKind::kMissing);
+  write_file(folder.path("runs.db"), "");
+  CHECK(db::look_at_file(folder.path("runs.db")) == FileKind::kEmpty);
+}
+
+TEST_CASE("each byte of the application's number counts") {
+  CHECK_THAT(with(68, 4, 0x54424349), Catch::Contains("0x54424349") && Catch::Contains("0x54424348"));
+  CHECK_THAT(with(68, 1, 0x55), Catch::Contains("0x55424348"));
+  CHECK_THAT(with(68, 4, 0), Catch::Contains("another program"));
+}
+
+TEST_CASE("each byte of what is the same in all stores is looked at, and named with its value") {
+  struct Field {
+    std::size_t at, bytes;
+    std::uint32_t value;
+    const char* name;
+  };
+  for (const Field& field : std::vector<Field>{{16, 2, 4096, "page size"},
+                                               {20, 1, 0, "bytes left free in each page"},
+                                               {21, 1, 64, "largest payload fraction"},
+                                               {22, 1, 32, "smallest payload fraction"},
+                                               {23, 1, 32, "leaf payload fraction"},
+                                               {44, 4, 4, "schema format"},
+                                               {48, 4, 0, "cache size"},
+                                               {52, 4, 0, "largest root page"},
+                                               {56, 4, 1, "text encoding"},
+                                               {64, 4, 0, "incremental vacuum"}}) {
+    for (std::size_t byte = 0; byte < field.bytes; ++byte) {
+      const std::uint32_t value = field.value ^ (0x80U << (8 * byte));
+      CHECK_THAT(with(field.at, field.bytes, value),
+                 Catch::Contains(fmt::format("{} is {}, and {} in every store", field.name, value, field.value)));
+    }
+  }
+}
+
+TEST_CASE("the format's versions are both 1 or both 2") {
+  for (const std::uint32_t write : {0U, 1U, 2U, 3U}) {
+    for (const std::uint32_t read : {0U, 1U, 2U, 3U}) {
+      CAPTURE(write, read);
+      const std::string said = with(18, 2, (write << 8) | read);
+      CHECK(said.empty() == (write == read && (write == 1 || write == 2)));
+      if (!said.empty()) CHECK_THAT(said, Catch::Contains(fmt::format("versions are {} and {}", write, read)));
+    }
+  }
+}
+
+TEST_CASE("free pages are among the pages, and the first of them is named where there are some") {
+  const auto holds = [](std::uint32_t pages, std::uint32_t first_free, std::uint32_t free) {
+    std::string header = good_header();
+    put(header, 28, 4, pages);
+    put(header, 32, 4, first_free);
+    put(header, 36, 4, free);
+    const std::string said = wrong_with(header);
+    if (!said.empty()) {
+      CHECK_THAT(said,
+                 Catch::Contains(fmt::format("{} of {} pages are free, from page {} on", free, pages, first_free)));
+    }
+    return said.empty();
+  };
+  CHECK((holds(10, 0, 0) && holds(10, 5, 3) && holds(10, 10, 1) && holds(10, 2, 9) && holds(0, 0, 0)));
+  CHECK((!holds(10, 0, 1) && !holds(10, 5, 0) && !holds(10, 11, 1) && !holds(10, 2, 10) && !holds(10, 2, 11)));
+  // All four bytes of each.
+  CHECK((holds(0x01020304, 0x01020304, 1) && !holds(0x01020304, 0x01020305, 1)));
+  CHECK((holds(0x01020304, 1, 0x01020303) && !holds(0x01020304, 1, 0x01020304)));
+}
+
+TEST_CASE("network file systems by the numbers of statfs(2) and of the kernel's header") {
+  const std::vector<std::pair<std::uint64_t, std::string>> known = {
+      {NFS_SUPER_MAGIC, "NFS"},
+      {SMB_SUPER_MAGIC, "SMB"},
+      {CIFS_SUPER_MAGIC, "CIFS"},
+      {SMB2_SUPER_MAGIC, "SMB"},
+      {V9FS_MAGIC, "9P"},
+      {CODA_SUPER_MAGIC, "Coda"},
+      {AFS_SUPER_MAGIC, "AFS"},
+      {AFS_FS_MAGIC, "AFS"},
+      {NCP_SUPER_MAGIC, "NCP"},
+      {CEPH_SUPER_MAGIC, "Ceph"},
+      {OCFS2_SUPER_MAGIC, "OCFS2"},
+      // Of file systems outside the kernel, or without a name there.
+      {0x01161970, "GFS2"},
+      {0x0bd00bd0, "Lustre"},
+      {0x20030528, "OrangeFS"},
+      {0x19830326, "BeeGFS"},
+      {0x47504653, "GPFS"},
+      {0xaad7aaea, "PanFS"},
+      {0x786f4256, "vboxsf"},
+      {0xbacbacbc, "vmhgfs"}};
+  for (const auto& [number, name] : known) CHECK(db::network_file_system(number, "") == name);
+  CHECK(db::network_file_system(FUSE_SUPER_MAGIC, "fuse.rclone") == "fuse.rclone");
+  for (const char* local : {"fuseblk", "fuse.fuse-overlayfs"}) {
+    CHECK_FALSE(db::network_file_system(FUSE_SUPER_MAGIC, local));
+  }
+  CHECK_FALSE(db::network_file_system(EXT4_SUPER_MAGIC, "fuse.sshfs"));
+}

@@ -1,0 +1,155 @@
+// Two processes at one run: each changes the state that it has checked, and a run that another ended is not written.
+#include <sys/wait.h>
+#include <unistd.h>
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "db/sqlite.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+
+namespace {
+
+constexpr int kGoesOn = 0, kRefused = 5, kOther = 9;
+
+int resume_in_child(const std::string& path, int start) {
+  char none = 0;
+  if (read(start, &none, 1) != 0) return kOther;  // until the parent closes its end
+  const std::string id = store_error([&] {
+    RunStore store = RunStore::open(path);
+    store.reopen_run(1, {9, "state", "", "ended -> prepared: resumed"});
+  });
+  return id.empty() ? kGoesOn : id == "TB-STORE-CONFLICT" ? kRefused : kOther;
+}
+
+// Starts `count` processes that resume run 1; `held`: all of them wait for the store when it becomes free.
+std::map<int, int> resume_at_once(const std::string& path, int count, bool held) {
+  std::array<int, 2> ends{};
+  REQUIRE(pipe(ends.data()) == 0);
+  std::vector<pid_t> children;
+  for (int i = 0; i < count; ++i) {
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      close(ends[1]);
+      _exit(resume_in_child(path, ends[0]));
+    }
+    children.push_back(child);
+  }
+  close(ends[0]);
+  {
+    Connection holder(path, Access::kReadWrite);
+    std::unique_ptr<db::sqlite::Transaction> transaction;
+    if (held) transaction = std::make_unique<db::sqlite::Transaction>(holder);
+    close(ends[1]);
+    if (held) usleep(300'000);
+  }
+  std::map<int, int> fates;
+  for (const pid_t child : children) {
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    ++fates[WIFEXITED(status) ? WEXITSTATUS(status) : -1];
+  }
+  return fates;
+}
+
+}  // namespace
+
+TEST_CASE("of those that resume a run at once one continues, and the run is as it was") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  {
+    RunStore store = RunStore::open(path);
+    const Begun begun = begin_example(store);
+    store.append_frame(begun.run, example_frame(begun.branch, 0));
+    REQUIRE(store.mark_interrupted(kUtc) == 1);
+  }
+  for (int round = 0; round < 20; ++round) {
+    CAPTURE(round);
+    const std::map<int, int> fates = resume_at_once(path, 3, round < 5);
+    CHECK(fates == std::map<int, int>{{kGoesOn, 1}, {kRefused, 2}});
+    RunStore store = RunStore::open(path);
+    CHECK(store.events(1).size() == static_cast<std::size_t>(2 * round + 2));  // interrupted and resumed, each once
+    CHECK(store.check_content(1).holds());
+    REQUIRE(store.mark_interrupted(kUtc) == 1);
+    CHECK(store.check_content(1).holds());
+  }
+}
+
+TEST_CASE("a run that another process ended takes no more rows, and stays verified") {
+  const TemporaryFolder folder;
+  RunStore own = RunStore::open(folder.path("runs.db")), other = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(own);
+  own.append_frame(begun.run, example_frame(begun.branch, 0));
+  REQUIRE(other.mark_interrupted(kUtc) == 1);
+  std::string message;
+  CHECK(store_error([&] { own.append_frame(begun.run, example_frame(begun.branch, 1)); }, &message) ==
+        "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("ended"));
+  const auto begun_anew = [&](auto action) {  // each as the first to notice
+    other.reopen_run(begun.run, {9, "state", "", "resumed"});
+    own.set_seen(begun.run, kUtc);
+    REQUIRE(other.mark_interrupted(kUtc) == 1);
+    return store_error(action);
+  };
+  db::BranchRecord branch = example_branch();
+  branch.attempt = 1;
+  CHECK(begun_anew([&] { own.begin_branch(begun.run, branch); }) == "TB-STORE-CONFLICT");
+  CHECK(begun_anew([&] { own.void_branch(begun.branch, "late"); }) == "TB-STORE-CONFLICT");
+  CHECK(begun_anew([&] { own.set_state(begun.run, "running", {1, "state", "", ""}); }) == "TB-STORE-CONFLICT");
+  CHECK(begun_anew([&] { own.append_event(begun.run, {1, "note", "", ""}); }) == "TB-STORE-CONFLICT");
+  CHECK(begun_anew([&] {
+          own.append_check(begun.run, {begun.run, 1, "tare", "pass", "{}", {}});
+        }) == "TB-STORE-CONFLICT");
+  CHECK(begun_anew([&] { own.append_series(begun.run, {{0, 0, {1.0}, {2.0}}}); }) == "TB-STORE-CONFLICT");
+  CHECK(begun_anew([&] { own.end_run(begun.run, db::Outcome::kFailed, "late", {}, kUtc); }) == "TB-STORE-CONFLICT");
+  CHECK(other.frame_count(begun.run) == 1);
+  CHECK(other.run(begun.run).outcome == db::Outcome::kInterrupted);
+  CHECK(other.check_content(begun.run).holds());
+}
+
+TEST_CASE("a run that was changed since it ended is not resumed, since its next end would hide that") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  store.append_frame(begun.run, example_frame(begun.branch, 0));
+  store.append_check(begun.run, {begun.run, 4, "seating", "fail", "{}", {}});
+  store.end_run(begun.run, db::Outcome::kStopped, "stopped", db::SafeState::kVerified, kUtc);
+  Connection(store.path(), Access::kReadWrite).execute("DELETE FROM checks");
+  std::string message;
+  CHECK(store_error(
+            [&] {
+              store.reopen_run(begun.run, {9, "state", "", "resumed"});
+            },
+            &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("tactbench verify 1") && Catch::Contains("a check"));
+  CHECK(store.run(begun.run).outcome == db::Outcome::kStopped);
+  CHECK(store.events(begun.run).empty());
+  CHECK_FALSE(store.check_content(begun.run).holds());
+}
+
+TEST_CASE("of two approvals that replace the same report the second is refused") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  store.add_report({run, "1-a", "a", "K. Lee", kUtc, ""});
+  store.add_report({run, "1-b", "b", "K. Lee", kUtc, "1-a"});
+  std::string message;
+  CHECK(store_error(
+            [&] {
+              store.add_report({run, "1-c", "c", "M. Ito", kUtc, "1-a"});
+            },
+            &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("the one approved last is '1-b'"));
+  CHECK(store.reports(run).size() == 2);
+}

@@ -1,0 +1,58 @@
+// UTF-8 by RFC 3629, all of it.
+#include "db/utf8.h"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+using tactbench::db::CodePoint;
+using tactbench::db::decode_utf8;
+
+namespace {
+
+char of(std::uint32_t byte) { return static_cast<char>(static_cast<unsigned char>(byte)); }
+
+// As section 3 of the RFC draws the bits.
+std::string encoded(std::uint32_t value) {
+  const auto tail = [&](int shift) { return of(0x80 | ((value >> shift) & 0x3f)); };
+  if (value < 0x80) return {of(value)};
+  if (value < 0x800) return {of(0xc0 | (value >> 6)), tail(0)};
+  if (value < 0x10000) return {of(0xe0 | (value >> 12)), tail(6), tail(0)};
+  return {of(0xf0 | (value >> 18)), tail(12), tail(6), tail(0)};
+}
+
+}  // namespace
+
+TEST_CASE("every character is decoded, whatever follows, and surrogates are none") {
+  std::size_t wrong = 0;
+  for (std::uint32_t value = 0; value <= 0x10ffff; ++value) {
+    const std::string bytes = encoded(value);
+    const CodePoint found = decode_utf8(bytes + "\x80z");
+    const bool surrogate = value >= 0xd800 && value <= 0xdfff;
+    const bool right = surrogate ? !found.valid && found.bytes == 1
+                                 : found.valid && found.value == value && found.bytes == bytes.size();
+    if (!right && wrong++ < 5) FAIL_CHECK("U+" << std::hex << value);
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("of two bytes those alone are a character that RFC 3629 allows") {
+  for (std::uint32_t first = 0x80; first < 0x100; ++first) {
+    for (std::uint32_t second = 0; second < 0x100; ++second) {
+      const bool valid = first >= 0xc2 && first <= 0xdf && second >= 0x80 && second <= 0xbf;
+      if (decode_utf8(std::string{of(first), of(second)}).valid != valid) FAIL_CHECK(first << " " << second);
+    }
+  }
+}
+
+TEST_CASE("overlong forms, surrogates, what lies above U+10FFFF and torn sequences are one wrong byte") {
+  for (const std::string& bytes : std::vector<std::string>{
+           "\xe0\x9f\xbf",     "\xe0\x80\x80",     "\xed\xa0\x80",     "\xed\xbf\xbf", "\xf0\x8f\xbf\xbf",
+           "\xf0\x80\x80\x80", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xc1\xbf",     "\xc2",
+           "\xe1\x80",         "\xf1\x80\x80",     "\xe1z\x80",        "\xe1\x80z",    "\xf1z\x80\x80",
+           "\xf1\x80z\x80",    "\xf1\x80\x80z",    "\xe1\xc0\x80",     "\xff",         "\x80"}) {
+    const CodePoint found = decode_utf8(bytes);
+    CAPTURE(bytes);
+    CHECK_FALSE(found.valid);
+    CHECK((found.bytes == 1 && found.value == 0));
+  }
+}

@@ -1,0 +1,144 @@
+// The very steps that a recipe of levels becomes, all their fields, against lists written out by hand.
+#include <catch2/catch.hpp>
+
+#include "sequences/recipe.h"
+#include "tests/sequences/recipe_text.h"
+
+using namespace tactbench::sequences;
+using tactbench::devices::Psi;
+
+namespace {
+
+struct Level {
+  int branch;
+  double from_psi, to_psi, psi;
+};
+
+Step step_of(StepKind kind, int sequence, int repeat, const Level& level, double dwell_s) {
+  Step step;
+  step.kind = kind;
+  step.sequence = sequence;
+  step.repeat = repeat;
+  step.branch = level.branch;
+  step.branch_from = Psi(level.from_psi);
+  step.branch_to = Psi(level.to_psi);
+  step.setpoint = Psi(level.psi);
+  step.dwell_s = dwell_s;
+  return step;
+}
+
+void check_same(const std::vector<Step>& steps, const std::vector<Step>& wanted) {
+  REQUIRE(steps.size() == wanted.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    INFO("step " << i << ": " << step_line(steps[i]) << "\n wanted " << step_line(wanted[i]));
+    CHECK(steps[i] == wanted[i]);
+  }
+}
+
+// Cycles of conditioning 0 -> peak -> 0.
+void append_cycles(std::vector<Step>& steps, int sequence, int cycles, double peak_psi, double dwell_s) {
+  for (int cycle = 0; cycle < cycles; ++cycle) {
+    steps.push_back(step_of(StepKind::kConditioning, sequence, cycle, {-1, 0.0, peak_psi, peak_psi}, dwell_s));
+    steps.push_back(step_of(StepKind::kConditioning, sequence, cycle, {-1, peak_psi, 0.0, 0.0}, dwell_s));
+  }
+}
+
+const std::string kUpAndDown =
+    "turning_points = [2, 6, 4]\nstep = 2\ndwell_s = [1, 3]\nramp_psi_per_s = [0.5, 0.25]\nrepeats = 3\n"
+    "frames_per_level = 2\nframe_interval_s = 0.125\n";
+
+}  // namespace
+
+TEST_CASE("a recipe of levels becomes these steps, field by field") {
+  const Recipe recipe =
+      recipe_of(kUpAndDown + "[conditioning]\ncycles = 2\npeak = 8\n[prompt]\nbefore = \"loaded?\"\n");
+  std::vector<Step> wanted;
+  Step prompt;
+  prompt.kind = StepKind::kPrompt;
+  prompt.sequence = 5;
+  prompt.text = "loaded?";
+  wanted.push_back(prompt);
+  append_cycles(wanted, 5, 2, 8.0, 1.0);
+  // The frame of a turning point belongs to the branch that reaches it; the start belongs to the first branch.
+  const std::vector<Level> levels = {{0, 2, 6, 2}, {0, 2, 6, 4}, {0, 2, 6, 6}, {1, 6, 4, 4}};
+  const std::vector<double> dwell_s = {1.0, 3.0, 1.0}, ramp = {0.5, 0.25, 0.5};
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    int ordinal = 0;
+    for (const Level& level : levels) {
+      for (const bool hold : {false, true}) {
+        Step step = step_of(StepKind::kMeasure, 5, repeat, level, hold ? 0.125 : dwell_s[repeat]);
+        step.ramp_psi_per_s = ramp[repeat];
+        step.hold = hold;
+        step.ordinal = ordinal++;
+        wanted.push_back(step);
+      }
+    }
+  }
+  check_same(compile(recipe, 5), wanted);
+}
+
+TEST_CASE("a recipe of one level becomes its frames alone") {
+  const Recipe recipe = recipe_of("turning_points = [3]\nstep = 1\nframes_per_level = 3\nframe_interval_s = 4\n");
+  std::vector<Step> wanted;
+  for (int i = 0; i < 3; ++i) {
+    wanted.push_back(step_of(StepKind::kMeasure, 0, 0, {0, 3, 3, 3}, i == 0 ? 2.0 : 4.0));
+    wanted.back().hold = i > 0;
+    wanted.back().ordinal = i;
+  }
+  check_same(compile(recipe, 0), wanted);
+  const auto back = way_back(recipe, 0, 0, 0);  // a cycle to the highest level, for the recipe has none of its own
+  std::vector<Step> cycle;
+  append_cycles(cycle, 0, 1, 3.0, 2.0);
+  check_same(back, cycle);
+}
+
+TEST_CASE("a level between turning points lies on the grid, the turning point itself is exact") {
+  // Three steps of 0.1 from 0.1 are 0.4 on paper; as sums of doubles they are not.
+  const auto steps = compile(recipe_of("turning_points = [0.1, 0.4]\nstep = 0.1\n"), 0);
+  REQUIRE(steps.size() == 4);
+  CHECK(steps[1].setpoint.value() == Approx(0.2).epsilon(1e-12));
+  CHECK(steps[2].setpoint.value() == Approx(0.3).epsilon(1e-12));
+  CHECK(steps[3].setpoint == Psi(0.4));
+}
+
+TEST_CASE("the way back to a branch of a later repeat, field by field") {
+  const Recipe recipe = recipe_of(kUpAndDown + "[conditioning]\ncycles = 2\npeak = 8\n");
+  std::vector<Step> wanted;
+  append_cycles(wanted, 4, 2, 8.0, 1.0);
+  // Repeat 1 dwells 3 s and ramps at 0.25 psi/s. To branch 1: the start, then the turning point that branch 0 ends in.
+  for (const Level& level : std::vector<Level>{{0, 2, 2, 2}, {0, 2, 6, 6}}) {
+    wanted.push_back(step_of(StepKind::kConditioning, 4, 1, level, 3.0));
+    wanted.back().ramp_psi_per_s = 0.25;
+  }
+  check_same(way_back(recipe, 4, 1, 1), wanted);
+}
+
+TEST_CASE("the way back of a press recipe is its own") {
+  const Recipe press = parse_recipe(
+      TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n[press]\nobject = \"ring\"\nforces_n = [1]\n"
+                              "positions_mm = [[1, 1]]\n",
+                              "p.toml"));
+  CHECK(way_back(press, 0, 0, 0).front().kind == StepKind::kRetract);
+  CHECK(way_back(recipe_of(kUpAndDown), 0, 0, 0).front().kind == StepKind::kConditioning);
+}
+
+TEST_CASE("the steps of a run are those of its recipes, one after another, numbered") {
+  const Recipe first = recipe_of("turning_points = [0, 2]\nstep = 1\n"), second = recipe_of(kUpAndDown);
+  std::vector<Step> wanted = compile(first, 0);
+  for (const Step& step : compile(second, 1)) wanted.push_back(step);
+  check_same(compile({first, second}), wanted);
+}
+
+TEST_CASE("a million steps together are made, one more is refused by the names of the recipes") {
+  // 2 levels x 500 repeats x 1000 frames.
+  const std::string million = "turning_points = [0, 2]\nstep = 2\nrepeats = 500\nframes_per_level = 1000\n";
+  CHECK(compile({recipe_of(million)}).size() == 1'000'000);
+  try {
+    (void)compile({recipe_of(million), recipe_of("turning_points = [0]\nstep = 2\nframes_per_level = 2\n")});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK(error.id() == "TB-FILE-VALUE");
+    CHECK_THAT(error.what(), Catch::Contains(" 1000002 "));
+    CHECK_THAT(error.where(), Catch::EndsWith(" t, t"));
+  }
+}

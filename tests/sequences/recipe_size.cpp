@@ -1,0 +1,107 @@
+// Which key a recipe that is too large is told to change, and the longest dwell that is allowed.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "sequences/recipe.h"
+
+using namespace tactbench::sequences;
+
+namespace {
+
+std::string too_large(const std::string& text, const std::string& fact) {
+  try {
+    (void)parse_recipe(TomlDocument::from_text(text, "s.toml"));
+    return "accepted";
+  } catch (const FileError& error) {
+    CHECK_THAT(error.what(), Catch::Contains(fact));
+    return error.where().substr(error.where().find(' ') + 1);
+  }
+}
+
+// `levels` levels a repeat.
+std::string sweep(int levels, int repeats, int frames, const std::string& more = {}) {
+  return fmt::format(
+             "schema = 1\nname = \"t\"\nunit = \"psi\"\nturning_points = [0, {}]\nstep = 1\nrepeats = {}\n"
+             "frames_per_level = {}\n",
+             levels - 1, repeats, frames) +
+         more;
+}
+
+std::string grid(int positions, int forces, int repeats, bool listed, bool tare = false) {
+  std::string list;
+  for (int i = 1; i <= forces; ++i) list += fmt::format("{},", i);
+  std::string text = fmt::format(
+      "schema = 1\nname = \"t\"\nkind = \"press\"\nrepeats = {}\ndwell_s = 0\n[press]\nobject = \"ring\"\n"
+      "forces_n = [{}]\ntare = {}\n",
+      repeats, list, tare);
+  if (!listed) return text + fmt::format("[press.grid]\nx = [1, {}, 1]\ny = [1, 1, 1]\n", positions);
+  text += "positions_mm = [";
+  for (int i = 0; i < positions; ++i) text += "[1, 1],";
+  return text + "]\n";
+}
+
+constexpr double kDay = 86400.0;
+
+bool dwells(const std::string& text) { return too_large(text, "dwells") == "accepted"; }
+
+}  // namespace
+
+TEST_CASE("a recipe of a million steps is allowed, and one step more is not") {
+  CHECK(too_large(sweep(100, 100, 100), "") == "accepted");
+  CHECK(too_large(sweep(100, 100, 100, "[prompt]\nbefore = \"?\"\n"), "has 1000001 steps") == "step");
+  // Home, 62 times a tare and at each of 2016 positions move, approach, 5 presses, retract, then a tare:
+  // 1 + 62 x (1 + 2016 x 8) + 1 = 1000000.
+  CHECK(too_large(grid(2016, 3, 62, false, true), "") == "accepted");
+  const std::string asked = grid(2016, 3, 62, false, true) + "[prompt]\nbefore = \"?\"\n";
+  CHECK(too_large(asked, "has 1000001 steps") == "press.grid");
+}
+
+TEST_CASE("the complaint of too many steps is of the key whose number is the largest") {
+  CHECK(too_large(sweep(100, 100, 101), "100 levels a repeat, 101 frames a level, 100 repeats") == "frames_per_level");
+  CHECK(too_large(sweep(100, 101, 101), "1020100 steps") == "frames_per_level");
+  CHECK(too_large(sweep(101, 100, 101), "1020100 steps") == "step");
+  CHECK(too_large(sweep(101, 101, 100), "1020100 steps") == "step");
+  CHECK(too_large(sweep(100, 101, 100), "1010000 steps") == "repeats");
+  CHECK(too_large(sweep(200, 101, 100), "2020000 steps") == "step");
+  // Of a press: the positions, or the forces up and down, of which 501 are 1001.
+  CHECK(too_large(grid(1000, 501, 1, false),
+                  "has 1004001 steps (1000 positions, 1001 forces up and down, 1 repeats)") == "press.forces_n");
+  CHECK(too_large(grid(1001, 501, 1, false), "has 1005005 steps") == "press.grid");
+  CHECK(too_large(grid(1001, 501, 1, true), "has 1005005 steps") == "press.positions_mm");
+  CHECK(too_large(grid(501, 1, 1000, true), "has 2004001 steps") == "repeats");
+}
+
+TEST_CASE("a recipe may dwell for 366 days, all its frames, repeats and cycles counted") {
+  const auto levels = [](int repeats, double dwell_s, const std::string& more = {}) {
+    return sweep(2, repeats, 1, fmt::format("dwell_s = {}\n", dwell_s) + more);
+  };
+  CHECK(dwells(levels(183, kDay)));
+  CHECK(!dwells(levels(184, kDay)));
+  // A cycle dwells at its peak and at 0, as long as the first repeat.
+  const std::string cycles = "[conditioning]\npeak = 1\ncycles = ";
+  CHECK(dwells(levels(182, kDay, cycles + "1\n")));
+  CHECK(!dwells(levels(182, kDay, cycles + "2\n")));
+  // Repeats take their dwells in turn: 122 x (86400 s + 43200 s + 0 s) x 2 levels are 366 days.
+  CHECK(dwells(sweep(2, 366, 1, "dwell_s = [86400, 43200, 0]\n")));
+  CHECK(!dwells(sweep(2, 367, 1, "dwell_s = [86400, 43200, 0]\n")));
+  // 2 levels x 61 repeats x (a day, and two more frames a day apart) are 366 days.
+  const std::string held = "dwell_s = 86400\nframe_interval_s = 86400\n";
+  CHECK(dwells(sweep(2, 61, 3, held)));
+  CHECK(too_large(sweep(2, 62, 3, held), "dwells for 372 days in 372 steps") == "frame_interval_s");
+  CHECK(too_large(sweep(2, 92, 2, held), "dwells for 368 days") == "dwell_s");  // as long at first as held
+}
+
+TEST_CASE("a press recipe may dwell as long, at every force of every position") {
+  const auto press = [](int repeats, int cycles) {
+    return fmt::format(
+        "schema = 1\nname = \"t\"\nkind = \"press\"\nrepeats = {}\ndwell_s = 86400\n[press]\nobject = \"ring\"\n"
+        "forces_n = [1, 2]\npositions_mm = [[1, 1], [2, 2]]\n[conditioning]\ncycles = {}\n",
+        repeats, cycles);
+  };
+  // 2 positions x 3 forces a repeat, 2 positions a cycle.
+  CHECK(dwells(press(61, 0)));
+  CHECK(!dwells(press(62, 0)));
+  CHECK(dwells(press(60, 3)));
+  CHECK(!dwells(press(60, 4)));
+}

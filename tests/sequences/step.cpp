@@ -1,0 +1,140 @@
+// Lines, spans and extremes of steps.
+#include "sequences/step.h"
+
+#include <catch2/catch.hpp>
+
+#include "sequences/recipe.h"
+#include "tests/sequences/recipe_text.h"
+
+using namespace tactbench::sequences;
+using tactbench::devices::Psi;
+
+namespace {
+
+Recipe two_touches(const std::string& more = {}) {
+  return parse_recipe(
+      TomlDocument::from_text("schema = 1\nname = \"t\"\nkind = \"press\"\n[press]\nobject = \"ring\"\n"
+                              "forces_n = [2, 6]\npositions_mm = [[30, 20], [10, 40], [20, 5]]\n" +
+                                  more,
+                              "p.toml"));
+}
+
+struct Stretch {
+  SpanKind kind;
+  std::size_t first, count;
+};
+
+void check_stretches(const std::vector<BranchSpan>& spans, const std::vector<Stretch>& wanted) {
+  REQUIRE(spans.size() == wanted.size());
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    INFO("span " << i);
+    CHECK(spans[i].kind == wanted[i].kind);
+    CHECK(spans[i].first == wanted[i].first);
+    CHECK(spans[i].count == wanted[i].count);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a step's line names what the step has, and nothing that it has not") {
+  Step step;
+  step.setpoint = step.branch_to = Psi(2.0);
+  CHECK(step_line(step) == "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2), dwell 0 s");
+  step.ramp_psi_per_s = 0.5;
+  step.settle = false;
+  step.hold = true;
+  CHECK(step_line(step) ==
+        "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2), dwell 0 s, ramp 0.5 psi/s, in passing, held");
+  Step cycle;
+  cycle.kind = StepKind::kConditioning;
+  cycle.branch = -1;
+  CHECK(step_line(cycle) == "conditioning sequence 0 repeat 0 branch -1 step 0: 0 psi (0 to 0), dwell 0 s");
+  Step press;
+  press.kind = StepKind::kPress;
+  press.force_n = 2.0;
+  press.force_to_n = 6.0;
+  press.x_mm = 1.5;
+  CHECK(step_line(press) == "press sequence 0 repeat 0 branch 0 step 0: 2 N (0 to 6) at x 1.5 y 0 mm, dwell 0 s");
+  press.frame = false;
+  press.hold_force = true;
+  CHECK(step_line(press) ==
+        "press sequence 0 repeat 0 branch 0 step 0: 2 N (0 to 6) at x 1.5 y 0 mm, dwell 0 s, no frame, force held");
+  const std::vector<std::pair<StepKind, std::string>> plain = {
+      {StepKind::kPrompt, "prompt sequence 0 repeat 0 branch 0 step 0"},
+      {StepKind::kTare, "tare sequence 0 repeat 0 branch 0 step 0"},
+      {StepKind::kHome, "home sequence 0 repeat 0 branch 0 step 0"},
+      {StepKind::kMoveXy, "move sequence 0 repeat 0 branch 0 step 0 at x 0 y 0 mm"},
+      {StepKind::kApproach, "approach sequence 0 repeat 0 branch 0 step 0 at x 0 y 0 mm"},
+      {StepKind::kRetract, "retract sequence 0 repeat 0 branch 0 step 0 at x 0 y 0 mm"}};
+  for (const auto& [kind, line] : plain) {
+    Step other;
+    other.kind = kind;
+    CHECK(step_line(other) == line);
+  }
+  Step prompt;
+  prompt.kind = StepKind::kPrompt;
+  prompt.text = "ready?";
+  CHECK(step_line(prompt) == "prompt sequence 0 repeat 0 branch 0 step 0: \"ready?\"");
+}
+
+TEST_CASE("a frame is taken at levels and presses alone, and not by a press that only travels") {
+  for (const StepKind kind :
+       {StepKind::kConditioning, StepKind::kMeasure, StepKind::kPrompt, StepKind::kTare, StepKind::kHome,
+        StepKind::kMoveXy, StepKind::kApproach, StepKind::kPress, StepKind::kRetract}) {
+    Step step;
+    step.kind = kind;
+    CHECK(takes_frame(step) == (kind == StepKind::kMeasure || kind == StepKind::kPress));
+    step.frame = false;
+    CHECK(!takes_frame(step));
+  }
+}
+
+TEST_CASE("each recipe of a run has spans of its own") {
+  const Recipe up = recipe_of("turning_points = [0, 2]\nstep = 2\n");
+  const auto spans = branches(compile({up, up}));
+  check_stretches(spans, {{SpanKind::kBranch, 0, 2}, {SpanKind::kBranch, 2, 2}});
+  CHECK((spans[0].key == BranchKey{0, 0, 0} && spans[1].key == BranchKey{1, 0, 0}));
+  const Recipe conditioned = recipe_of("turning_points = [0, 2]\nstep = 2\n[conditioning]\ncycles = 2\npeak = 2\n");
+  check_stretches(branches(way_back(conditioned, 3, 0, 0)), {{SpanKind::kConditioning, 0, 4}});
+}
+
+TEST_CASE("the spans of a press are its branches, what conditions, and what is between") {
+  const auto steps = compile(two_touches("[conditioning]\ncycles = 2\n"), 0);
+  // home, tare | move | 2 x (approach, press, retract) | approach | 2 up | 1 down | retract and so on.
+  const auto travel = SpanKind::kTravel, conditioning = SpanKind::kConditioning, branch = SpanKind::kBranch;
+  const auto spans = branches(steps);
+  check_stretches({spans.begin(), spans.begin() + 5},
+                  {{travel, 0, 3}, {conditioning, 3, 6}, {travel, 9, 1}, {branch, 10, 2}, {branch, 12, 1}});
+  CHECK((spans[3].key == BranchKey{0, 0, 0} && spans[4].key == BranchKey{0, 0, 1}));
+  std::size_t covered = 0;
+  for (const BranchSpan& span : spans) covered += span.count;
+  CHECK(covered == steps.size());
+  // retract, home, tare, move | a cycle | approach | up to the peak without frames: it conditions, too.
+  const Recipe once = two_touches("[conditioning]\ncycles = 1\n");
+  check_stretches(branches(way_back(once, 0, 0, 1)),
+                  {{travel, 0, 4}, {conditioning, 4, 3}, {travel, 7, 1}, {conditioning, 8, 2}});
+}
+
+TEST_CASE("the extremes of steps, the lowest and the highest neither first nor last") {
+  const Extremes levels = extremes(compile(recipe_of("turning_points = [4, 8, 2, 6]\nstep = 2\nsettle = \"none\"\n"
+                                                     "ramp_psi_per_s = [0.5, 0.75, 0.25]\n"),
+                                           0));
+  CHECK((levels.lowest == Psi(2.0) && levels.highest == Psi(8.0) && levels.fastest_ramp_psi_per_s == 0.75));
+  CHECK((levels.pressurizes && !levels.presses && !levels.moves && levels.largest_force_n == 0.0));
+  // Levels of conditioning count.
+  const Extremes conditioned =
+      extremes(compile(recipe_of("turning_points = [4, 8]\nstep = 2\n[conditioning]\ncycles = 1\npeak = 9\n"), 0));
+  CHECK((conditioned.lowest == Psi(0.0) && conditioned.highest == Psi(9.0)));
+  CHECK(conditioned.fastest_ramp_psi_per_s == 0.0);
+  const Extremes touches = extremes(compile(two_touches(), 0));
+  CHECK((touches.presses && touches.moves && !touches.pressurizes && touches.largest_force_n == 6.0));
+  CHECK((touches.lowest_x_mm == 10.0 && touches.highest_x_mm == 30.0));
+  CHECK((touches.lowest_y_mm == 5.0 && touches.highest_y_mm == 40.0));
+  CHECK((touches.lowest == Psi(0.0) && touches.highest == Psi(0.0)));
+  Step approach;
+  approach.kind = StepKind::kApproach;
+  CHECK(extremes({approach}).presses);
+  CHECK(!extremes({approach}).moves);
+  const Extremes none = extremes({});
+  CHECK((!none.presses && !none.moves && !none.pressurizes && none.fastest_ramp_psi_per_s == 0.0));
+}
