@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +13,7 @@
 
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/control_socket.h"
+#include "devices/wire/wait.h"
 
 using namespace tactbench;
 
@@ -40,24 +41,16 @@ struct Listening {
   std::optional<bench::ControlSocket> socket;
 };
 
-// libFuzzer's own timer interrupts what waits.
-template <typename Call>
-auto uninterrupted(const Call& call) {
-  auto result = call();
-  while (result < 0 && errno == EINTR) result = call();
-  return result;
-}
-
 // Empty: hung up without a word.
 std::string answer_to(const std::string& name, const std::string& said) {
-  constexpr int kLongestMs = 5000;
-  const int descriptor = uninterrupted([&] { return bench::connect_to_name(name); });
+  constexpr std::chrono::seconds kLongest(5);
+  const int descriptor = bench::connect_to_name(name);
   if (descriptor < 0) std::abort();
-  if (uninterrupted([&] { return ::send(descriptor, said.data(), said.size(), MSG_NOSIGNAL); }) < 0) std::abort();
-  pollfd ready{descriptor, POLLIN, 0};
-  if (uninterrupted([&] { return ::poll(&ready, 1, kLongestMs); }) != 1) std::abort();
+  if (::send(descriptor, said.data(), said.size(), MSG_NOSIGNAL) < 0) std::abort();
+  // libFuzzer's own timer interrupts a bare poll().
+  if (devices::wait_for(descriptor, POLLIN, kLongest) == 0) std::abort();
   std::array<char, 8192> bytes{};
-  const ssize_t size = uninterrupted([&] { return ::recv(descriptor, bytes.data(), bytes.size(), 0); });
+  const ssize_t size = ::recv(descriptor, bytes.data(), bytes.size(), 0);
   ::close(descriptor);
   return {bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
 }
