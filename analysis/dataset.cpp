@@ -102,11 +102,11 @@ double temperature_in(const db::EventRecord& event, std::int64_t run) {
   const char* end = event.detail.data() + event.detail.size();
   if (std::from_chars(event.detail.data(), end, celsius).ec == std::errc() && std::isfinite(celsius)) return celsius;
   throw AnalysisError("TB-ANALYSIS-FRAME",
-                      fmt::format("run {}: the temperature \"{}\" is no number", run, event.detail),
+                      fmt::format("run {}: the temperature \"{}\" is not a number", run, event.detail),
                       "check the store: tactbench db check");
 }
 
-// No recipe makes more; a damaged number shall not ask for memory.
+// No recipe has more; a damaged number must not request so much memory.
 constexpr int kMostFramesPerRepeat = 10'000'000;
 
 }  // namespace
@@ -151,7 +151,7 @@ Dataset load_dataset(const StoredRun& stored) {
     lengths[sequence.sequence] = sequence.frames_per_repeat;
     if (sequence.frames_per_repeat >= 0 && sequence.frames_per_repeat <= kMostFramesPerRepeat) continue;
     throw AnalysisError("TB-ANALYSIS-FRAME",
-                        fmt::format("run {}: sequence {} says that a repeat has {}", run, sequence.name,
+                        fmt::format("run {}: sequence {} states a repeat of {}", run, sequence.name,
                                     counted(sequence.frames_per_repeat, "frame")),
                         "check the store: tactbench db check");
   }
@@ -159,7 +159,8 @@ Dataset load_dataset(const StoredRun& stored) {
   for (const db::FrameRecord& frame : frames) {
     const auto branch = branches.find(frame.branch);
     if (branch == branches.end() || !lengths.contains(branch->second.sequence))
-      throw AnalysisError("TB-ANALYSIS-FRAME", fmt::format("run {}: a frame belongs to no branch of the run", run),
+      throw AnalysisError("TB-ANALYSIS-FRAME",
+                          fmt::format("run {}: a frame does not belong to any branch of the run", run),
                           "check the store: tactbench db check");
     if (branch->second.is_void) continue;
     const int length = lengths[branch->second.sequence];
@@ -168,10 +169,11 @@ Dataset load_dataset(const StoredRun& stored) {
     slots.resize(static_cast<std::size_t>(length), nullptr);
     const db::FrameRecord*& slot = slots[static_cast<std::size_t>(frame.ordinal)];
     if (slot != nullptr)
-      throw AnalysisError("TB-ANALYSIS-FRAME",
-                          fmt::format("run {}: step {} of repeat {} is stored twice in branches that both count", run,
-                                      frame.ordinal, branch->second.repeat),
-                          "void one of the two branches: tactbench runs void");
+      throw AnalysisError(
+          "TB-ANALYSIS-FRAME",
+          fmt::format("run {}: step {} of repeat {} is stored in two branches, neither of which is void", run,
+                      frame.ordinal, branch->second.repeat),
+          "void one of the two branches: tactbench runs void");
     slot = &frame;
   }
 

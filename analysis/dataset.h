@@ -1,5 +1,5 @@
-// Stored run -> aligned arrays. A Dataset is what every analysis starts from: per sequence and repeat the measured
-// pressures and the output voltages of all taxels, in step order, void branches left out.
+// Stored run -> aligned arrays. Every analysis starts from a Dataset: per sequence and repeat the measured pressures
+// and the output voltages of all taxels, in step order, without void branches.
 #pragma once
 
 #include <cstdint>
@@ -43,10 +43,10 @@ struct Dataset {
 // `volts_per_count` comes from the run's scanner calibration. Throws AnalysisError TB-ANALYSIS-EMPTY when no repeat is
 // complete (says how many frames are missing); incomplete repeats are left out.
 Dataset load_dataset(const StoredRun& run);
-// Of a run that nothing else is read of; a command that needs more takes it from Runs (report/runs.h).
+// For commands that read nothing else of the run; others use Runs (report/runs.h).
 Dataset load_dataset(const db::RunStore& store, std::int64_t run);
 
-// Dataset::temperatures_c alone, for a run without a complete repeat, too. Throws AnalysisError TB-ANALYSIS-FRAME.
+// Dataset::temperatures_c alone, also for a run without a complete repeat. Throws AnalysisError TB-ANALYSIS-FRAME.
 std::vector<double> temperatures_of(const StoredRun& run);
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,4 @@
-// The one error type of this room: a stable identifier, what was wrong where, and how to mend it.
+// The error type of this room: a stable identifier, the fault and its place, and how to correct it.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace tactbench::analysis {
 
-// what() would end at a NUL, which a text of a file may hold.
+// Escapes NUL characters from file contents, at which what() would end.
 inline std::string without_nul(std::string message) {
   for (std::size_t at = 0; (at = message.find('\0', at)) != std::string::npos;) message.replace(at, 1, "\\x00");
   return message;
 }
 
-// A name in a message where nobody may have given one.
+// A name for a message; it may be empty.
 inline std::string or_not_stated(const std::string& name) { return name.empty() ? "(not stated)" : name; }
 
 // What kind of failure it is; the exit code depends on this alone, not on the id.
@@ -28,7 +28,7 @@ class AnalysisError : public std::runtime_error {
  public:
   AnalysisError(Cause cause, std::string id, const std::string& message, std::string remedy)
       : std::runtime_error(without_nul(message)), cause_(cause), id_(std::move(id)), remedy_(std::move(remedy)) {}
-  // Of kNoResult, as most are.
+  // With cause kNoResult.
   AnalysisError(std::string id, const std::string& message, std::string remedy)
       : AnalysisError(Cause::kNoResult, std::move(id), message, std::move(remedy)) {}
   [[nodiscard]] Cause cause() const { return cause_; }

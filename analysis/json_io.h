@@ -1,25 +1,31 @@
-// JSON text to documents and back. Parser and serializer are compiled once, here: they cost most of what a source that
-// includes <nlohmann/json.hpp> takes to compile.
+// JSON text to documents and back. Parser and serializer are compiled only here: they take most of the compile time of
+// a source that includes <nlohmann/json.hpp>.
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace tactbench::analysis {
 
-// Throw nlohmann::json::parse_error where `text` is no JSON.
+// JSON comes from files, stores and sockets: text of more bytes, or with lists and objects nested deeper, is none. A
+// parsed text takes many times its length of memory, and what is nested is written by recursion.
+inline constexpr std::size_t kLongestJson = 64'000'000;  // a Preisach model of 64 x 64 taxels has about 20 million
+inline constexpr int kDeepestJson = 100;
+
+// Throw nlohmann::json::exception where `text` is no JSON.
 nlohmann::json parse_json(const std::string& text);
 nlohmann::ordered_json parse_ordered_json(const std::string& text);
-// A discarded value instead.
+// Returns a discarded value instead of throwing.
 nlohmann::json try_json(const std::string& text);
 nlohmann::ordered_json try_ordered_json(const std::string& text);
-// Null instead: for text that goes into a document, empty text as well.
+// Returns null instead of throwing, also for empty text: for text that is embedded in a document.
 nlohmann::ordered_json ordered_json_or_null(const std::string& text);
 
 // One line. Throw nlohmann::json::type_error where a text in it is not UTF-8.
 std::string json_line(const nlohmann::json& json);
 std::string json_line(const nlohmann::ordered_json& json);
-// What is not UTF-8 is replaced by U+FFFD. Below 0 one line, else so many blanks a level.
+// Replaces bytes that are not UTF-8 by U+FFFD. Indent below 0: one line; else that many blanks per level.
 std::string printable_json(const nlohmann::json& json, int indent = -1);
 std::string printable_json(const nlohmann::ordered_json& json, int indent = -1);
 

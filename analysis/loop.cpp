@@ -1,8 +1,12 @@
 #include "analysis/loop.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace tactbench::analysis {
 namespace {
@@ -18,7 +22,7 @@ class LocalSlope {
     const Sample &a = repeat.steps[before_], &b = repeat.steps[after_];
     const double commanded = b.setpoint_psi - a.setpoint_psi;
     double moved = b.reference_psi - a.reference_psi;
-    // Where the reference hardly moved (or back) the quotient is noise over nothing: the commanded step serves.
+    // Where the reference hardly moved or went back, the quotient would be noise: uses the commanded step.
     if (moved * commanded <= 0.1 * commanded * commanded) moved = commanded;
     inverse_ = moved == 0.0 ? 0.0 : 1.0 / moved;
   }
@@ -143,34 +147,56 @@ void add_sweep(const Sweep& sweep, std::span<const double> grid, std::size_t tax
   }
 }
 
-}  // namespace
-
-ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels) {
-  double low = 0.0, high = 0.0;
-  bool any = false;
-  for (const TaxelTable& sequence : sequences) {
-    for (const double pressure : sequence.pressure_psi) {
-      low = any ? std::min(low, pressure) : pressure;
-      high = any ? std::max(high, pressure) : pressure;
-      any = true;
-    }
-  }
-  const double near = kEndShare * (high - low);
+struct FullSweeps {
   std::vector<Sweep> up, down;
+  double left_out = 0.0;
+};
+
+FullSweeps full_sweeps(std::span<const TaxelTable> sequences, double low, double high, double near) {
+  FullSweeps full;
   for (const TaxelTable& sequence : sequences) {
     for (const Branch& branch : sequence.branches) {
       const Sweep sweep{&sequence, &branch};
       if (sweep.pressure(0) - low > near || high - sweep.pressure(sweep.size() - 1) > near) continue;
-      (branch.ascending ? up : down).push_back(sweep);
+      (branch.ascending ? full.up : full.down).push_back(sweep);
     }
   }
-  if (!any || up.empty() || down.empty())
-    throw AnalysisError(
-        "TB-ANALYSIS-NO-LOOP",
-        up.empty() ? "no sweep rises over the full pressure range" : "no sweep falls over the full pressure range",
-        "run a recipe that goes from its lowest to its highest pressure and back without a turn");
+  return full;
+}
+
+// Between the extremes of the inputs; of measured ones between percentiles where there are none.
+FullSweeps full_sweeps(std::span<const TaxelTable> sequences, double turn) {
+  std::vector<double> inputs;
+  for (const TaxelTable& sequence : sequences)
+    inputs.insert(inputs.end(), sequence.pressure_psi.begin(), sequence.pressure_psi.end());
+  if (inputs.empty()) return {};
+  std::ranges::sort(inputs);
+  constexpr std::array kLeftOut = {0.0, 0.002, 0.005, 0.01, 0.02};
+  FullSweeps widest;
+  for (const double share : kLeftOut) {
+    const auto out = static_cast<std::size_t>(share * static_cast<double>(inputs.size()));
+    const double low = inputs[out], high = inputs[inputs.size() - 1 - out];
+    FullSweeps full = full_sweeps(sequences, low, high, std::max(kEndShare * (high - low), turn));
+    full.left_out = share;
+    if (!full.up.empty() && !full.down.empty()) return full;
+    if (share == 0.0) widest = std::move(full);
+    if (turn <= 0.0) break;
+  }
+  return widest;
+}
+
+}  // namespace
+
+ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels, double turn) {
+  const auto [up, down, left_out] = full_sweeps(sequences, turn);
+  if (up.empty() || down.empty())
+    throw AnalysisError("TB-ANALYSIS-NO-LOOP",
+                        fmt::format("no sweep {} over the full {}", up.empty() ? "rises" : "falls",
+                                    turn > 0.0 ? "range of inputs" : "pressure range"),
+                        "measure from the lowest to the highest and back without a turn");
   const Sweep& finest = *std::ranges::max_element(up, {}, &Sweep::size);
   ExternalLoop loop;
+  loop.left_out = left_out;
   for (std::size_t k = 0; k < finest.size(); ++k) {
     const double pressure = finest.pressure(k);
     // A held step (or, with measured pressures, one that did not advance) gives no new grid point.

@@ -1,4 +1,4 @@
-// Branches, repeats brought to common pressures, and the external loop: Dataset -> what identification fits.
+// Branches, repeats interpolated to common pressures, and the external loop: Dataset -> input of identification.
 #pragma once
 
 #include <span>
@@ -42,9 +42,13 @@ struct ExternalLoop {
   std::vector<double> pressure_psi;  // n grid points, ascending
   std::vector<double> ascending;     // n x taxels
   std::vector<double> descending;    // n x taxels
+  double left_out = 0.0;             // share of the inputs that lies beyond each end
 };
 
-// Throws AnalysisError TB-ANALYSIS-NO-LOOP when no full sweep up or down is there.
-ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels);
+// A sweep is full when it begins and ends within 1 % of the span from the ends of the inputs, or within `turn` (0 for
+// commanded inputs). Of measured ones the ends are the extremes or, where no full sweeps up and down lie between these,
+// the nearest percentiles up to the second between which they do. Throws AnalysisError TB-ANALYSIS-NO-LOOP when no full
+// sweep up or down is there.
+ExternalLoop external_loop(std::span<const TaxelTable> sequences, int taxels, double turn = 0.0);
 
 }  // namespace tactbench::analysis

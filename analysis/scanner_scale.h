@@ -1,4 +1,4 @@
-// What one count of a run's scanner is worth.
+// The value of one count of a run's scanner.
 #pragma once
 
 #include "db/record.h"

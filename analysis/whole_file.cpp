@@ -12,19 +12,20 @@ namespace tactbench::analysis {
 
 namespace fs = std::filesystem;
 
-void check_file(const std::string& path, bool or_pipe, const std::string& id, const std::string& remedy) {
+bool check_file(const std::string& path, bool or_pipe, const std::string& id, const std::string& remedy) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
   if (unknown || status.type() == fs::file_type::not_found)
     throw AnalysisError(Cause::kUsage, id, fmt::format("{} cannot be read", path), remedy);
-  if (status.type() == fs::file_type::regular || (or_pipe && status.type() == fs::file_type::fifo)) return;
-  throw AnalysisError(Cause::kUsage, id, fmt::format("{} is no regular file", path),
+  if (status.type() == fs::file_type::regular) return fs::file_size(path, unknown) > 0;
+  if (or_pipe && status.type() == fs::file_type::fifo) return true;
+  throw AnalysisError(Cause::kUsage, id, fmt::format("{} is not a regular file", path),
                       or_pipe ? "name a file or a pipe" : "name a file: devices, folders and pipes are not read");
 }
 
 std::string whole_file(const std::string& path, const FileBounds& bounds, const std::string& id,
                        const std::string& remedy) {
-  check_file(path, bounds.or_pipe, id, remedy);
+  if (!check_file(path, bounds.or_pipe, id, remedy)) return {};
   std::ifstream file(path, std::ios::binary);
   if (!file) throw AnalysisError(Cause::kUsage, id, fmt::format("{} cannot be read", path), remedy);
   std::string text;

@@ -1,12 +1,12 @@
-// SHA-256 over the canonical content of a run: a header, then one link a frame, then the closing part.
-// Canonical content is all that a run holds except UUID, wall-clock times and time zone, host, tags, notes, and the
-// keys that a file happens to give (run, branch, frame and event). Program version, commit and build belong to it.
+// SHA-256 over the canonical content of a run: a header, then one link per frame, then the closing part.
+// Canonical content is everything in a run except UUID, wall-clock times and time zone, host, tags, notes, and the keys
+// that a file assigns (run, branch, frame and event). Program version, commit and build belong to it.
 //   chain(0) = H(header: origin, operator, purpose, serials, bench, sensor and recipe texts, overrides, program, seeds,
 //                devices)
 //   chain(i) = H(chain(i - 1), the i-th frame with the place and attempt of its branch, its counts)
 //   content  = H(chain(n), n, events, branches with their voids, checks, series, outcome, reason, safe state)
-// Columns of later schemas enter only where they are set (each behind its own keyword), so that older runs keep their
-// hashes.
+// Columns of later schemas are included only if they are set (each after its own keyword), so that older runs keep
+// their hashes.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ namespace tactbench::db {
 using Digest = std::array<std::uint8_t, 32>;
 std::string hex(const Digest& digest);
 
-// The content of a run beside its header and its frames.
+// The content of a run besides its header and its frames.
 struct RunEnd {
   std::vector<EventRecord> events;
   std::vector<BranchRecord> branches;
@@ -54,8 +54,8 @@ class HashChain {
   [[nodiscard]] Digest digest(std::span<const std::uint8_t> bytes);
 
  private:
-  // Each value is a letter for its kind, then 8 bytes little-endian: an integer, the bits of a double, or the length of
-  // the bytes that follow. So no two contents have the same bytes.
+  // Each value is one letter for its kind, then 8 bytes little-endian: an integer, the bits of a double, or the length
+  // of the bytes that follow. Different contents therefore never have the same bytes.
   void begin(std::string_view name);
   void add(std::int64_t value);
   void add(double value);  // -0.0 as 0.0 and every NaN as one, since SQLite does not distinguish them

@@ -1,4 +1,4 @@
-// Versions of the shared objects with which this room stores and hashes.
+// Versions of the shared libraries that db/ uses to store and to hash.
 #pragma once
 
 #include <string>

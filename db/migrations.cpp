@@ -187,7 +187,7 @@ JOIN branches b ON b.branch = f.branch
 JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence;
 )sql";
 
-// Tables of other programs, at full precision: an imported run.
+// Imported runs: tables of other programs, at full precision.
 constexpr const char* kVersion3 = R"sql(
 CREATE TABLE series (
   run INTEGER NOT NULL,
@@ -270,8 +270,8 @@ SELECT f.run, r.origin, r.sensor_serial, r.started_utc, f.subject, f.name, f.val
 FROM figures f JOIN runs r ON r.run = f.run;
 )sql";
 
-// Models, verdicts, approvals and voids lie under hashes, as the content does, so that a deletion or change of them is
-// detected.
+// Models, verdicts, approvals and voids are covered by hashes, as the content is, so that a deletion or change of them
+// is detected.
 constexpr const char* kVersion6 = R"sql(
 CREATE TABLE seals (
   run INTEGER NOT NULL REFERENCES runs (run),

@@ -12,7 +12,7 @@
 
 namespace tactbench::db {
 
-// How a run ended. Not its state, which is the sequencer's, nor its verdict, which is the judgement by limits.
+// How a run ended; separate from its state (set by the sequencer) and from its verdict (judged by limits).
 enum class Outcome { kIncomplete, kCompleted, kStopped, kAborted, kFailed, kInterrupted };
 enum class SafeState { kUnknown, kVerified, kUnverified, kFailed };
 const char* to_string(Outcome outcome);
@@ -45,12 +45,12 @@ struct SequenceRecord {
 };
 
 struct RunRecord {
-  std::int64_t run = 0;  // short number, given by the store
+  std::int64_t run = 0;  // short number, assigned by the store
   std::string uuid;
   std::string origin;  // simulated | hardware | imported
   std::string state;   // bench/run/control/run_state.h
   Outcome outcome = Outcome::kIncomplete;
-  std::string reason;  // of the outcome; error identifier first
+  std::string reason;  // of the outcome; starts with the error identifier
   SafeState safe_state = SafeState::kUnknown;
   std::string operator_name, purpose, sensor_serial, scanner_serial;
   std::string bench_id, bench_toml, bench_sha256, sensor_toml, sensor_sha256;
@@ -71,7 +71,7 @@ struct RunRecord {
 };
 
 struct BranchRecord {
-  std::int64_t branch = 0;  // given by the store
+  std::int64_t branch = 0;  // assigned by the store
   int sequence = 0;
   int repeat = 0;
   int ordinal = 0;  // within the repeat, from 0
@@ -83,10 +83,10 @@ struct BranchRecord {
   std::optional<double> from_n = {}, to_n = {};  // of a branch of force; then the pressures are 0
 };
 
-// Of a frame under an indenter.
+// Data of a frame taken under an indenter.
 struct WrenchRecord {
   double target_n = 0.0;
-  double force_start_n = 0.0;        // pressing is positive here, at the dwell's start
+  double force_start_n = 0.0;        // at the dwell's start; pressing is positive here
   std::array<double, 6> wrench{};    // at frame time: Fx Fy Fz N, Tx Ty Tz N mm, in the sensor's frame
   std::array<double, 6> raw{};       // as read: counts or volts
   std::array<double, 3> place_mm{};  // x, y, z of the stage
@@ -111,8 +111,8 @@ struct FrameRecord {
   int exchanges = 0;                  // on all wires for this step
   int rows = 0, columns = 0, scans = 0;
   std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest; stored little-endian
-  std::string flags;                  // why the frame is not comparable, keywords separated by spaces; empty: it is
-  std::vector<TracePoint> trace;      // since the frame before
+  std::string flags;                  // keywords separated by spaces: why the frame is not comparable; empty: it is
+  std::vector<TracePoint> trace;      // since the previous frame
   std::optional<WrenchRecord> wrench;
 };
 
@@ -134,8 +134,8 @@ struct CheckRecord {
   std::vector<double> data;  // its meaning depends on the kind
 };
 
-// An imported run has no frames but series: the samples of one taxel in one sequence, in the order of the table's rows,
-// in the units that the run's device of role "table" names.
+// An imported run has series instead of frames: the samples of one taxel in one sequence, in the order of the table's
+// rows, in the units named by the run's device of role "table".
 struct SeriesRecord {
   int sequence = 0;
   int taxel = 0;
@@ -163,7 +163,7 @@ struct TimedEvent {  // a change of a run's state, or the beginning of a way bac
 struct EventRecord {
   std::int64_t time_ns = 0;
   std::string kind;  // state | fault | safe | note | conditioning
-  std::string id;    // stable identifier where it is a fault
+  std::string id;    // stable identifier if it is a fault
   std::string detail;
 };
 
@@ -202,7 +202,7 @@ struct VerdictRecord {
   std::int64_t model_run = 0;  // run that the fit's models were made from; 0: without a stored fit; not written
 };
 
-// A figure of a subject that is followed over time, from a run's analysis.
+// A figure of a subject, followed over time; from a run's analysis.
 struct FigureRecord {
   std::int64_t run = 0;
   std::string subject;  // what the figure is of: "nightly/paper", "sensor", "rig"
@@ -213,7 +213,7 @@ struct FigureRecord {
 
 // Runs that someone accepted as normal: later ones are compared with their spread.
 struct BaselineRecord {
-  std::int64_t baseline = 0;  // given by the store
+  std::int64_t baseline = 0;  // assigned by the store
   std::string subject, reason, accepted_by, accepted_utc;
   std::vector<std::int64_t> runs;
 };
@@ -222,7 +222,7 @@ struct BaselineRecord {
 struct ReportRecord {
   std::int64_t run = 0;
   std::string number, content_sha256, approved_by, approved_utc;
-  std::string replaces;  // number of the one approved before it; empty: none
+  std::string replaces;  // number of the previously approved one; empty: none
 };
 
 }  // namespace tactbench::db

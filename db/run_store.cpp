@@ -20,8 +20,8 @@ namespace {
 
 std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
 
-// SQLite does not wait for another process here, although a busy timeout is set: two processes that create one store at
-// once would collide.
+// SQLite does not wait for another process here despite the busy timeout: two processes that create one store at once
+// would collide.
 std::string switch_to_log(sqlite::Connection& connection) {
   using RealClock = std::chrono::steady_clock;
   const auto deadline = RealClock::now() + std::chrono::milliseconds(sqlite::kBusyTimeoutMs);
@@ -56,7 +56,7 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
   check_version(connection);
   refuse_foreign(connection, Foreign::kRefuseAll);
   keep_before_migration(connection, database->path);
-  // The first migration comes before WAL, so that the application id is in the file itself and never in the log alone.
+  // The first migration runs before WAL, so that the application id is in the file itself and never only in the log.
   connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
   migrate(connection);
   if (switch_to_log(connection) != "wal") {
@@ -100,9 +100,9 @@ RunStore RunStore::open_read_only(const std::string& path) {
 }
 
 void RunStore::add_sensor(const SensorRecord& sensor) {
-  check_words("the serial", sensor.serial, kLongestName);
-  check_words("the type's name", sensor.type, kLongestName);
-  check_words("the scanner's serial", sensor.scanner_serial, kLongestName);
+  check_said("the serial", sensor.serial, kLongestName);
+  check_said("the type's name", sensor.type, kLongestName);
+  if (!sensor.scanner_serial.empty()) check_said("the scanner's serial", sensor.scanner_serial, kLongestName);
   check_words("the note", sensor.note, kLongestText);
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);

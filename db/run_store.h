@@ -1,5 +1,5 @@
-// The one file of a bench: runs, frames, events, models, verdicts in SQLite (WAL). One committed transaction a frame:
-// a process that dies loses nothing that was acknowledged. Not thread-safe: one owner; other processes may read.
+// The store of a bench, one SQLite file (WAL): runs, frames, events, models, verdicts. Each frame is one committed
+// transaction, so a dying process loses nothing acknowledged. Not thread-safe: one owner; other processes may read.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,20 @@
 
 namespace tactbench::db {
 
-// What kind of failure it is; the exit code depends on this alone, not on the id.
+// The kind of failure; the exit code depends only on this, not on the id.
 enum class Cause {
-  kStore,  // the store cannot be used, or contradicts what is asked of it
-  kUsage,  // what was named is not there, is there already, or is not allowed as a name; the store is sound
+  kStore,  // the store cannot be used, or contradicts the request
+  kUsage,  // the named item is missing, exists already, or has a name that is not allowed; the store is sound
 };
 
-// The one error type of this room. id: TB-STORE-OPEN, TB-STORE-NEWER, TB-STORE-NETWORK, TB-STORE-LOCKED,
-// TB-STORE-FULL, TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
-// TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT.
+// The error type of db/. id: TB-STORE-OPEN, TB-STORE-NEWER, TB-STORE-NETWORK, TB-STORE-LOCKED, TB-STORE-FULL,
+// TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
+// TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT, TB-STORE-BLANK.
 class StoreError : public std::runtime_error {
  public:
   StoreError(Cause cause, std::string id, const std::string& message, std::string remedy)
       : std::runtime_error(message), cause_(cause), id_(std::move(id)), remedy_(std::move(remedy)) {}
-  // Of kStore, as most are.
+  // With cause kStore, the most common one.
   StoreError(std::string id, const std::string& message, std::string remedy)
       : StoreError(Cause::kStore, std::move(id), message, std::move(remedy)) {}
   [[nodiscard]] Cause cause() const { return cause_; }
@@ -41,45 +41,47 @@ class StoreError : public std::runtime_error {
 };
 
 enum class Durability {
-  kFull,    // synchronous=FULL: survives a power cut; on hardware
+  kFull,    // synchronous=FULL: survives a power failure; on hardware
   kNormal,  // survives the process's death; under the turned clock
 };
 
 inline constexpr int kSchemaVersion = 6;
 
-// Greatest lengths, in characters, of texts that people enter. Longer ones and such as are not UTF-8 are refused before
-// anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT).
+// Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
+// before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
+// visible character (TB-STORE-BLANK).
 inline constexpr std::size_t kLongestName = 200;    // names, serials, also those that instruments report
 inline constexpr std::size_t kLongestText = 10000;  // purposes, notes, reasons
 inline constexpr std::size_t kMostTags = 100;
 void check_words(const std::string& what, const std::string& text, std::size_t longest);
+void check_said(const std::string& what, const std::string& text, std::size_t longest);  // also refuses a blank text
 
-// Who hears, in a sentence, what is no error of a store and has to be known: this room prints nothing. The whole
-// program's; empty, as it is at first: nobody. To be set before there are threads.
+// Sets the function that receives warnings, one sentence each, for the whole program, since db/ prints nothing. Empty
+// (the default): warnings are dropped. Set it before threads are started.
 void tell_warnings_to(std::function<void(const std::string&)> tell);
 
 struct ContentCheck {
   std::string stored_sha256, computed_sha256;  // in hex; stored is empty until the run ends
   std::int64_t frames = 0;
-  // The first thing that is not as it was stored, for people, as far as the links kept with the frames show; empty:
-  // none.
+  // The first difference from what was stored, as text for people, as far as the links kept with the frames show it;
+  // empty: none.
   std::string difference;
   [[nodiscard]] bool holds() const { return difference.empty(); }
 };
 
-// Schema of the file, without opening it for writing and without migrating it. TB-STORE-OPEN when it is not a store.
+// Schema version of the file, which is neither opened for writing nor migrated. TB-STORE-OPEN when it is not a store.
 int schema_version_of(const std::string& path);
-// Name of the backup that opening an older store makes: beside it, the first free name ("runs.db.schema-2.backup").
+// Name of the backup made when an older store is opened: beside it, first free name ("runs.db.schema-2.backup").
 std::string backup_path(const std::string& path, int version);
 
 class RunStore {
  public:
   // Opens or creates `path`; refuses a newer schema (TB-STORE-NEWER), a file that is not a store, foreign tables,
-  // indexes, views or triggers in a store (TB-STORE-FOREIGN), and network file systems. An older schema is brought up
-  // to kSchemaVersion, after a backup was made beside it (backup_path).
+  // indexes, views or triggers in a store (TB-STORE-FOREIGN), and network file systems. An older schema is migrated to
+  // kSchemaVersion after a backup has been made beside it (backup_path).
   static RunStore open(const std::string& path, Durability durability = Durability::kFull);
   // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist. A store on a network file
-  // system is read as it is, with a warning (tell_warnings_to); TB-STORE-NETWORK when a log lies beside it.
+  // system is read as it is, with a warning (tell_warnings_to); TB-STORE-NETWORK when it has a write-ahead log.
   static RunStore open_read_only(const std::string& path);
   RunStore(RunStore&&) noexcept;
   RunStore& operator=(RunStore&&) noexcept;
@@ -90,7 +92,7 @@ class RunStore {
   [[nodiscard]] std::optional<SensorRecord> sensor(const std::string& serial) const;
   [[nodiscard]] std::vector<SensorRecord> sensors() const;
 
-  // Writing a run. begin_run stores the row (outcome incomplete) with its sequences and devices and returns the
+  // Writing a run. begin_run stores the row (outcome incomplete) with its sequences and devices and returns the run's
   // number; every call is one durable commit.
   std::int64_t begin_run(const RunRecord& run);
   void set_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);  // once known, before the first frame
@@ -100,29 +102,29 @@ class RunStore {
   void append_frame(std::int64_t run, const FrameRecord& frame);
   void append_event(std::int64_t run, const EventRecord& event);
   void append_check(std::int64_t run, const CheckRecord& check);
-  // TB-STORE-CONFLICT when the series exists already, or has not one output for each input.
+  // TB-STORE-CONFLICT when the series exists already, or does not have one output for each input.
   void append_series(std::int64_t run, const std::vector<SeriesRecord>& series);
   void set_rest(std::int64_t run, double rest_s);           // wall clock: no part of the canonical content
-  void set_seen(std::int64_t run, const std::string& utc);  // a sign of life, for a resume
+  void set_seen(std::int64_t run, const std::string& utc);  // last sign of life, for a resume
   // People's remarks on a run; none is canonical content, and all but void_run are possible in any state of the run.
   // A tag is one word of letters, digits and . _ : / + -; adding one twice or removing an absent one is not an error.
   // TB-STORE-TAG for another kind of tag.
   void set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove);
   void add_note(std::int64_t run, const std::string& text);  // appends a line
-  // The run counts no more, for good; its rows stay. TB-STORE-CONFLICT when it has not ended, is void already, or
-  // reason or name is missing.
+  // The run no longer counts, permanently; its rows stay. TB-STORE-CONFLICT when it has not ended, is void already, or
+  // has no reason or name.
   void void_run(std::int64_t run, const std::string& reason, const std::string& by, const std::string& utc);
   // Closes the run: state ended, outcome, reason, safe state, content hash.
   void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
-  // The runs that have not ended become interrupted, with an event and their content hash; returns their number. Only
-  // for a caller that knows that no process is writing a run to this store.
+  // Marks every run that has not ended as interrupted, with an event and its content hash; returns their number. Call
+  // it only when it is certain that no process is writing a run to this store.
   int mark_interrupted(const std::string& utc);
-  // An ended run that was not completed takes rows again: state prepared, outcome incomplete; `event` holds the reason
-  // and what had ended it. TB-STORE-CONFLICT for a completed or a running one, and for one whose content is not what
-  // was stored: its next end would put a new hash over that.
+  // Reopens an ended run that was not completed: state prepared, outcome incomplete; `event` holds the reason and the
+  // cause of its end. TB-STORE-CONFLICT for a completed or a running run, and for one whose content differs from what
+  // was stored, because its next end would put a new hash over the changed content.
   void reopen_run(std::int64_t run, const EventRecord& event);
 
-  // Reading. TB-STORE-NOT-FOUND names the runs there are.
+  // Reading. TB-STORE-NOT-FOUND names the existing runs.
   [[nodiscard]] std::vector<RunRecord> runs() const;  // newest last; without sequences and devices
   [[nodiscard]] RunRecord run(std::int64_t number) const;
   [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
@@ -130,41 +132,41 @@ class RunStore {
   void each_frame(std::int64_t run,
                   const std::function<void(const FrameRecord&)>& see) const;  // one in memory at a time
   [[nodiscard]] std::int64_t frame_count(std::int64_t run) const;
-  [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, in void branches, too
+  [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, also in void branches
   [[nodiscard]] int scans_of_first_frame(std::int64_t run) const;          // 0: the run has no frame
   [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;
   [[nodiscard]] std::vector<CheckRecord> checks(std::int64_t run) const;
   [[nodiscard]] std::vector<SeriesRecord> series(std::int64_t run) const;  // by sequence, then taxel
-  // The newest check of that kind of an earlier run of this sensor with that verdict; void runs do not count.
+  // The newest check of that kind and verdict from an earlier run of this sensor; void runs do not count.
   [[nodiscard]] std::optional<CheckRecord> last_check(const std::string& sensor_serial, const std::string& kind,
                                                       const std::string& verdict, std::int64_t before_run) const;
   [[nodiscard]] std::int64_t last_time_ns(std::int64_t run) const;  // of its newest frame or event; 0: none
 
-  // For time estimates, cheap: no frame is read. The sequences of the `newest` completed runs of a bench, newest first.
+  // For time estimates; cheap, no frame is read. The sequences of the `newest` completed runs of a bench, newest first.
   [[nodiscard]] std::vector<TimedSequence> timed_sequences(const std::string& bench_id, int newest) const;
-  [[nodiscard]] std::int64_t last_position(std::int64_t run) const;  // of a frame within the run, from 1; 0: none
+  [[nodiscard]] std::int64_t last_position(std::int64_t run) const;  // of a frame in the run, from 1; 0: no frame
   [[nodiscard]] std::optional<FrameTime> frame_time(std::int64_t run, std::int64_t position) const;
   [[nodiscard]] std::vector<TimedEvent> timed_events(std::int64_t run) const;  // in the order written
 
-  // Checks that a run's rows are those it was ended with. For any run; one that has not ended has no stored hash, and
-  // only its links are checked.
+  // Checks that a run's rows are those present when it ended. Accepts any run; one that has not ended has no stored
+  // hash, so only its links are checked.
   [[nodiscard]] ContentCheck check_content(std::int64_t run) const;
-  // Checks that the run's fits, verdicts, approvals and void are those that were stored: a line for each that is not.
+  // Checks that the run's fits, verdicts, approvals and void are those that were stored: one line per difference.
   [[nodiscard]] std::vector<std::string> check_seals(std::int64_t run) const;
   // SQLite's own checks of the file (integrity_check, foreign_key_check), foreign objects, and missing runs and
-  // baselines, since none is ever deleted: a line for each defect; empty: none.
+  // baselines, since none is ever deleted: one line per defect; empty: none.
   [[nodiscard]] std::vector<std::string> check_structure() const;
-  // Copies the present state of the store into a new file, also while another process writes a run. TB-STORE-EXISTS
+  // Copies the present state of the store into a new file, even while another process writes a run. TB-STORE-EXISTS
   // when the file exists already; a copy that fails leaves no file.
   void snapshot(const std::string& path) const;
-  // Takes ended runs of another store with their sensors, fits and verdicts; returns their numbers here. All of them or
-  // none: TB-STORE-EXISTS when one is here already (by its UUID), TB-STORE-CONFLICT when one is not as stored, has not
-  // ended, or its sensor is registered here as another. Models, verdicts and approvals must be as stored, too. Verdicts
-  // are copied with the run that was judged; without it they are left out, though the run of the models is copied.
+  // Copies ended runs of another store with their sensors, fits and verdicts; returns their numbers here. All or none:
+  // TB-STORE-EXISTS when one is here already (same UUID), TB-STORE-CONFLICT when one is not as stored, has not ended,
+  // or its sensor is registered differently here. Models, verdicts and approvals must be as stored, too. Verdicts are
+  // copied with the judged run; without it they are left out, even if the models' run is copied.
   std::vector<std::int64_t> copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs);
 
-  // SHA-256 chained over the run's canonical content: everything but UUID, wall-clock times and time zone, host, tags,
-  // notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows.
+  // SHA-256 chained over the run's canonical content: everything except UUID, wall-clock times and time zone, host,
+  // tags, notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows.
   [[nodiscard]] std::string content_hash(std::int64_t run) const;
 
   // Models and verdicts.
@@ -174,27 +176,27 @@ class RunStore {
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitRecord> fits(std::int64_t run) const;  // oldest first
   [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
-  // Replaces verdicts on the run by the same limits, of any fit of the run that `fit` was made from. Those by other
+  // Replaces the run's verdicts by the same limits, from any fit of the run that `fit` was made from. Verdicts by other
   // limits stay: a later file does not undo an earlier one's verdict. fit 0: judged without a stored fit.
   void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;  // on the run; in the order stored
-  // On any run, of all fits that were made from this one; in the order stored.
+  // Verdicts on any run, from all fits that were made from this run; in the order stored.
   [[nodiscard]] std::vector<VerdictRecord> verdicts_of_models(std::int64_t run) const;
 
-  // Figures followed over time. Replaces all figures of that subject in that run.
+  // Figures followed over time. Replaces all figures of this subject in this run.
   void replace_figures(std::int64_t run, const std::string& subject, const std::map<std::string, double>& figures);
-  // Of runs that are not void, by run, then name. An empty subject: of all.
+  // Figures of runs that are not void, by run, then name. Empty subject: figures of all subjects.
   [[nodiscard]] std::vector<FigureRecord> figures(const std::string& subject) const;
-  // TB-STORE-CONFLICT without reason, name or runs, for a void run, for one without figures of the subject, when runs
-  // of several origins are mixed, and when all of several runs repeat one, so that no figure has a spread.
+  // TB-STORE-CONFLICT without reason, name or runs, for a void run, for a run without figures of the subject, for runs
+  // of several origins, and for several runs that all repeat one, so that no figure has a spread.
   std::int64_t add_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
-  // Of `runs`, those that repeat an earlier one of them, with that one: the same content (and so the same seeds), or
-  // the same value of every figure of the subject. A repetition contributes nothing to a spread.
+  // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same
+  // seeds), or the same value of every figure of the subject. A repetition contributes nothing to a spread.
   [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
                                                                    std::vector<std::int64_t> runs) const;
-  // Approved reports. TB-STORE-CONFLICT when that number is approved already, without a name, or when `replaces` is not
-  // the one approved last.
+  // Approved reports. TB-STORE-CONFLICT when that number is approved already, when the name is missing, or when
+  // `replaces` is not the last approved report.
   void add_report(const ReportRecord& report);
   [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first
 

@@ -24,7 +24,7 @@ std::string text_that_changed(const RunRecord& run) {
   return {};
 }
 
-// A frame's place in the run, for people.
+// A frame's place in the run, as text for people.
 std::string place_of(std::int64_t position, const RunRecord& run, const BranchRecord* branch, const FrameRecord& f) {
   if (branch == nullptr) return fmt::format("frame {} (of no branch of this run)", position);
   const auto sequence = std::ranges::find(run.sequences, branch->sequence, &SequenceRecord::sequence);
@@ -38,10 +38,7 @@ std::string place_of(std::int64_t position, const RunRecord& run, const BranchRe
 ContentCheck RunStore::check_content(std::int64_t number) const {
   Database& database = *database_;
   const RunRecord run = database.run(number);
-  RunEnd end = database.end_of(number);
-  end.outcome = run.outcome;
-  end.reason = run.reason;
-  end.safe = run.safe_state;
+  const RunEnd end = database.end_of(run);
 
   ContentCheck check;
   check.stored_sha256 = run.content_sha256;

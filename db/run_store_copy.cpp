@@ -31,7 +31,7 @@ class AttachedStore {
   sqlite::Connection& connection_;
 };
 
-using Replaced = std::map<std::string, std::string>;  // column -> expression; empty: left to the store
+using Replaced = std::map<std::string, std::string>;  // column -> expression; empty: the store assigns it
 
 void take_rows(sqlite::Connection& connection, const std::string& table, const Replaced& replaced,
                const std::string& condition) {
@@ -51,7 +51,7 @@ void take_rows(sqlite::Connection& connection, const std::string& table, const R
                                  table, columns, values, condition));
 }
 
-// Offset from a key of the source to the key that follows those here.
+// Offset from a key of the source to its new key, which follows the keys of this store.
 std::int64_t offset_of(sqlite::Connection& connection, const std::string& table, const std::string& key,
                        const std::string& condition) {
   return connection.integer(
@@ -132,20 +132,20 @@ std::vector<std::int64_t> RunStore::copy_runs_from(const RunStore& other, const 
                      fmt::format("store {}: run {} is not what was stored: {}", other.path(), run, wrong.front()),
                      "nothing was copied; tactbench verify RUN, and take the last snapshot");
   }
-  refuse_network(other.path());  // it is opened once more here, with locks
+  refuse_network(other.path());  // the other store is opened again here, with locks
   const AttachedStore attached(connection, std::filesystem::absolute(other.path()).string());
   connection.execute("CREATE TEMP TABLE copied_fits (old INTEGER PRIMARY KEY, new INTEGER NOT NULL)");
   sqlite::Transaction transaction(connection);
   std::vector<std::int64_t> numbers;
   for (const std::int64_t run : runs) numbers.push_back(take_run(connection, run));
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    // Verdicts often rest on a fit of another run; it is named where that run was copied, too.
+    // A verdict often rests on a fit of another run; it refers to that fit if that run was copied, too.
     take_rows(connection, "verdicts",
               {{"verdict_row", ""},
                {"run", std::to_string(numbers[i])},
                {"fit", "(SELECT new FROM temp.copied_fits WHERE old = t.fit)"}},
               fmt::format("t.run = {}", runs[i]));
-    for (const char* kind : kSealed) seal(numbers[i], kind);  // with the keys that they have here
+    for (const char* kind : kSealed) seal(numbers[i], kind);  // with the keys assigned here
     const ContentCheck check = check_content(numbers[i]);
     if (check.holds()) continue;
     throw StoreError(

@@ -1,4 +1,4 @@
-// The inside of a RunStore: its connection, the statements used at every frame, and the chain of each open run.
+// Internals of a RunStore: its connection, the statements used at every frame, and the chain of each open run.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@
 
 namespace tactbench::db {
 
-// Kinds of rows stored beside a run's content, each under a hash of its own (seals.cpp).
+// Kinds of rows stored beside a run's content, each kind with its own hash (seals.cpp).
 inline constexpr std::array kSealed = {"fits", "verdicts", "approvals", "void"};
 
-// The keys of a run's frames lie above first and below end.
+// The keys of a run's frames are above `first` and below `end`.
 constexpr std::int64_t frames_above(std::int64_t run) { return run * kFramesPerRun; }
 constexpr std::int64_t frames_below(std::int64_t run) { return (run + 1) * kFramesPerRun; }
 
@@ -30,24 +30,24 @@ class RunStore::Database {
     connection.trust_no_schema();
   }
 
-  // A run that takes rows. The chain is empty until the first frame, up to which devices may still be set.
+  // A run that accepts rows. The chain is empty until the first frame; devices may be set until then.
   struct OpenRun {
     std::int64_t frames = 0;
     std::optional<Digest> chain;
   };
 
   OpenRun& open_run(std::int64_t run);  // TB-STORE-NOT-FOUND, TB-STORE-CONFLICT when it has ended
-  // Within a transaction: another process may have ended it since. TB-STORE-CONFLICT.
+  // Call within a transaction: another process may have ended the run since. TB-STORE-CONFLICT.
   void require_open(std::int64_t run);
   const BranchRecord& branch_of(std::int64_t run, std::int64_t branch);
   void require_run(std::int64_t run);  // TB-STORE-NOT-FOUND, naming the existing ones
   Digest header_digest(std::int64_t run);
-  // A log that grows costs a commit of the file system's journal at each commit of the store; one that is written over
-  // does not. So it is extended once to the length at which SQLite restarts it (1000 pages), where commits are durable.
+  // A log that grows costs a commit of the file system's journal at each commit of the store; a log that is overwritten
+  // does not. So with durable commits it is extended once to the length at which SQLite restarts it (1000 pages).
   void lengthen_log();
   void insert_devices(std::int64_t run, const std::vector<DeviceRecord>& devices);
   void insert_event(std::int64_t run, const EventRecord& event);
-  // The run row's last update. Part of the caller's transaction.
+  // The last update of the run's row. Part of the caller's transaction.
   void close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
 
   RunRecord run(std::int64_t number);
@@ -55,7 +55,8 @@ class RunStore::Database {
   std::vector<EventRecord> events(std::int64_t run);
   std::vector<CheckRecord> checks(std::int64_t run);
   std::vector<SeriesRecord> series(std::int64_t run);
-  RunEnd end_of(std::int64_t run);
+  RunEnd end_of(std::int64_t run);  // of an open run: outcome, reason and safe state are not filled in
+  RunEnd end_of(const RunRecord& run);
   template <class Take>
   void each_frame(std::int64_t run, Take take);
 
@@ -63,7 +64,7 @@ class RunStore::Database {
   sqlite::Connection connection;
   HashChain hasher;
   std::map<std::int64_t, OpenRun> open_runs;
-  BranchRecord last_branch;  // of the last frame; its run beside it
+  BranchRecord last_branch;  // branch of the last frame; its run beside it
   std::int64_t last_branch_run = 0;
   std::unique_ptr<sqlite::Statement> frame_statement, time_statement;
 };

@@ -1,4 +1,4 @@
-// The end of a run, by its sequencer or found dead at the next start, and its content hash.
+// The end of a run and its content hash: ended by its sequencer, or found dead at the next start.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +11,14 @@ Digest RunStore::Database::header_digest(std::int64_t run) { return hasher.heade
 
 RunEnd RunStore::Database::end_of(std::int64_t run) {
   return {events(run), branches(run), checks(run), series(run), Outcome::kIncomplete, {}, SafeState::kUnknown};
+}
+
+RunEnd RunStore::Database::end_of(const RunRecord& run) {
+  RunEnd end = end_of(run.run);
+  end.outcome = run.outcome;
+  end.reason = run.reason;
+  end.safe = run.safe_state;
+  return end;
 }
 
 void RunStore::Database::close_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe,
@@ -73,7 +81,7 @@ void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} {}", path(), run, what), remedy);
   };
-  // Checked and changed in one transaction: of two that resume a run, one finds it open already.
+  // Checked and changed in one transaction: when two processes resume a run, the second finds it open already.
   sqlite::Transaction transaction(database_->connection);
   const RunRecord record = database_->run(run);
   if (record.outcome == Outcome::kCompleted) refuse("is completed: nothing is left to do", "start a new run");
@@ -99,17 +107,14 @@ void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
 std::string RunStore::content_hash(std::int64_t number) const {
   Database& database = *database_;
   const RunRecord run = database.run(number);
-  RunEnd end = database.end_of(number);
-  end.outcome = run.outcome;
-  end.reason = run.reason;
-  end.safe = run.safe_state;
+  const RunEnd end = database.end_of(run);
   const std::vector<BranchRecord>& branches = end.branches;
   Digest chain = database.hasher.header(run);
   std::int64_t frames = 0;
   database.each_frame(number, [&](const FrameRecord& frame) {
     const auto branch = std::lower_bound(branches.begin(), branches.end(), frame.branch,
                                          [](const BranchRecord& b, std::int64_t key) { return b.branch < key; });
-    // A frame of no branch of this run can only come from a manual change of the file; it still counts for the hash.
+    // A frame without a branch of this run can only come from a manual change of the file; it still enters the hash.
     const bool known = branch != branches.end() && branch->branch == frame.branch;
     chain = database.hasher.frame(chain, known ? *branch : BranchRecord{}, frame);
     ++frames;

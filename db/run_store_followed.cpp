@@ -66,11 +66,11 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
     throw StoreError("TB-STORE-CONFLICT",
                      fmt::format("store {}: the baseline of {} {}", path(), baseline.subject, what), remedy);
   };
-  if (baseline.reason.empty() || baseline.accepted_by.empty() || baseline.accepted_utc.empty())
-    refuse("is not accepted without a reason and a name", "give both");
+  check_said("the baseline's reason", baseline.reason, kLongestText);
+  check_said("the name of the person who accepts it", baseline.accepted_by, kLongestName);
+  if (baseline.accepted_utc.empty())
+    refuse("is not accepted without a date", "this is a defect of the caller: please report it");
   if (baseline.runs.empty()) refuse("names no run", "name the runs to accept");
-  check_words("the baseline's reason", baseline.reason, kLongestText);
-  check_words("the name of the person who accepts it", baseline.accepted_by, kLongestName);
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   std::set<std::string> origins;
@@ -118,10 +118,7 @@ std::vector<BaselineRecord> RunStore::baselines() const {
 }
 
 void RunStore::add_report(const ReportRecord& report) {
-  if (report.approved_by.empty())
-    throw StoreError("TB-STORE-CONFLICT", fmt::format("report {} is not approved without a name", report.number),
-                     "give the name of the person responsible");
-  check_words("the signer's name", report.approved_by, kLongestName);
+  check_said("the signer's name", report.approved_by, kLongestName);
   sqlite::Transaction transaction(database_->connection);
   database_->require_run(report.run);
   const std::vector<ReportRecord> before = reports(report.run);

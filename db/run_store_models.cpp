@@ -103,11 +103,11 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   sqlite::Transaction transaction(connection);
   database_->require_run(run);
   if (fit != 0) static_cast<void>(this->fit(fit));
-  // A fit made twice of one run has the same models.
+  // A repeated fit of one run has the same models.
   sqlite::Statement before(
       connection,
-      "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run FROM "
-      "fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run FROM fits WHERE fit = ?), 0)");
+      "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run || f.model FROM "
+      "fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run || model FROM fits WHERE fit = ?), 0)");
   std::set<std::string> limits;
   for (const VerdictRecord& v : verdicts) limits.insert(v.limits_sha256);
   for (const std::string& sha256 : limits) before.bind(run, sha256, fit).run();

@@ -39,6 +39,13 @@ void check_words(const std::string& what, const std::string& text, std::size_t l
                    "shorten it; nothing was stored");
 }
 
+void check_said(const std::string& what, const std::string& text, std::size_t longest) {
+  check_words(what, text, longest);
+  if (!is_blank(text)) return;
+  throw StoreError(Cause::kUsage, "TB-STORE-BLANK", fmt::format("{} says nothing: it is empty or blank", what),
+                   "write what is to stand there; nothing was stored");
+}
+
 void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove) {
   for (const std::string& tag : add) check_tag(tag);
   for (const std::string& tag : remove) check_tag(tag);
@@ -59,8 +66,7 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
 }
 
 void RunStore::add_note(std::int64_t run, const std::string& text) {
-  if (text.empty()) throw StoreError("TB-STORE-CONFLICT", "the note is empty", "write a text");
-  check_words("the note", text, kLongestText);
+  check_said("the note", text, kLongestText);
   sqlite::Transaction transaction(database_->connection);
   database_->require_run(run);
   sqlite::Statement(database_->connection,
@@ -74,8 +80,8 @@ void RunStore::void_run(std::int64_t run, const std::string& reason, const std::
   const auto refuse = [&](const std::string& what, const std::string& remedy) {
     throw StoreError("TB-STORE-CONFLICT", fmt::format("store {}: run {} {}", path(), run, what), remedy);
   };
-  check_words("the reason", reason, kLongestText);
-  check_words("the name of the person who voids it", by, kLongestName);
+  check_said("the reason", reason, kLongestText);
+  check_said("the name of the person who voids it", by, kLongestName);
   sqlite::Transaction transaction(database_->connection);
   const RunRecord record = database_->run(run);
   if (record.outcome == Outcome::kIncomplete) refuse("has not ended", "wait for its end, or stop it");
@@ -83,9 +89,7 @@ void RunStore::void_run(std::int64_t run, const std::string& reason, const std::
     refuse(fmt::format("is void already, by {} ({})", record.void_by, record.void_reason),
            "write additions into a note");
   }
-  if (reason.empty() || by.empty() || utc.empty()) {
-    refuse("is not made void without a reason and a name", "give both");
-  }
+  if (utc.empty()) refuse("is not made void without a date", "this is a defect of the caller: please report it");
   sqlite::Statement(database_->connection, "UPDATE runs SET void_reason = ?, void_by = ?, void_utc = ? WHERE run = ?")
       .bind(reason, by, utc, run)
       .run();

@@ -29,7 +29,7 @@ void check_shape(const FrameRecord& frame) {
                  "this is a defect of the caller: please report it");
 }
 
-// What an instrument tells of itself is bounded like what people type. A table bears the name of its file.
+// Texts that an instrument reports are bounded like those that people type. A table has the name of its file.
 void check_device(const DeviceRecord& device) {
   if (device.origin == "imported") return;
   check_words(fmt::format("the model of the {}", device.role), device.model, kLongestName);
@@ -107,8 +107,8 @@ void RunStore::Database::insert_event(std::int64_t run, const EventRecord& event
       .run();
 }
 
-// By SQLite alone: pages of a transaction that do not fit its cache go to the log before the commit; after a rollback
-// they are unused, but the file keeps its length.
+// Only through SQLite: pages of a transaction that do not fit its cache go to the log before the commit. After a
+// rollback they are unused, but the file keeps its length.
 void RunStore::Database::lengthen_log() {
   constexpr std::uintmax_t kLongest = 1000 * (4096 + 24) + 32;
   constexpr int kFullSync = 2;
@@ -120,13 +120,13 @@ void RunStore::Database::lengthen_log() {
   try {
     const sqlite::Transaction never_committed(connection);
     connection.execute("CREATE TABLE longer (bytes BLOB); INSERT INTO longer VALUES (zeroblob(4200000))");
-  } catch (const StoreError&) {  // a disk this full reports it at the next write
+  } catch (const StoreError&) {  // a full disk reports it at the next write
   }
   connection.execute(fmt::format("PRAGMA cache_size = {}", cache));
 }
 
 std::int64_t RunStore::begin_run(const RunRecord& run) {
-  check_words("the operator's name", run.operator_name, kLongestName);
+  if (!run.operator_name.empty()) check_said("the operator's name", run.operator_name, kLongestName);
   check_words("the purpose", run.purpose, kLongestText);
   check_words("the scanner's serial", run.scanner_serial, kLongestName);
   check_words("the bench's id", run.bench_id, kLongestName);

@@ -40,7 +40,7 @@ struct SchemaObject {
 };
 using SchemaObjects = std::map<std::pair<std::string, std::string>, SchemaObject>;  // by name and kind
 
-// Without the tables of ANALYSE: they hold statistics, and only SQLite itself can make tables of such names.
+// Skips the tables of ANALYSE: they hold statistics, and only SQLite itself can make tables with such names.
 SchemaObjects objects_of(sqlite::Connection& connection) {
   sqlite::Statement rows(connection,
                          "SELECT type, name, tbl_name, coalesce(sql, '') FROM main.sqlite_master "
@@ -63,8 +63,8 @@ std::string digest_of(const SchemaObjects& objects) {
   return sha256_hex(text);
 }
 
-// digest_of() each version, so that opening a store needs no new one in memory for comparison. Where another version of
-// SQLite writes the schema differently, the digests differ and one is made.
+// digest_of() of each version, so that opening a store does not have to build a new schema in memory for comparison. If
+// another version of SQLite writes the schema differently, the digests differ and one is built.
 constexpr std::array<const char*, kSchemaVersion> kDigests = {
     "a06648b6bba521633f66580e42b22891042467e9b60edd5ed332d8573d0004aa",
     "30affbd5674cd25c8a90f43d34e2b841984dba5bcef582d9f7d8679bb7c05386",

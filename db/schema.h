@@ -1,5 +1,5 @@
-// The tables of a store as numbered migrations; the number reached is the file's user_version. From the first release
-// on a migration is never edited: a change is a new one.
+// The tables of a store as numbered migrations; the file's user_version is the number of the last one applied. After
+// the first release a migration is never edited; each change is a new one.
 #pragma once
 
 #include <cstdint>
@@ -16,29 +16,29 @@ inline constexpr std::uint32_t kPageSize = 4096;
 inline constexpr const char* kDamagedRemedy =
     "keep a copy, take your last snapshot, and check the disk; sqlite3's .recover may save the rest";
 
-// A frame's key is run * kFramesPerRun + its position in the run, from 1: the frames of a run lie together and are
-// found without an index, whose second page a commit would cost a third of the time to store a frame.
+// A frame's key is run * kFramesPerRun + its position in the run, from 1: a run's frames are contiguous and need no
+// index, which would add a second page to each commit, a third of the time to store a frame.
 inline constexpr std::int64_t kFramesPerRun = 1'000'000'000;
 
-// The SQL that leads from `version` to the next one.
+// The SQL that migrates from `version` to the next one.
 const char* migration(std::int64_t version);
 
 // Refuses a newer schema (TB-STORE-NEWER), a version that no program has written, and a file with more pages than its
-// header states: a write would overwrite them (TB-STORE-OPEN).
+// header states, because a write would overwrite them (TB-STORE-OPEN).
 void check_version(sqlite::Connection& connection);
 
 // Differences between the file's tables, indexes, views and triggers and those of this program for the file's version.
 struct ForeignObjects {
   std::vector<std::string>
       changed;  // own ones that are missing or differ: the file cannot be trusted, not even for reading
-  std::vector<std::string> added;  // foreign ones beside the store's
+  std::vector<std::string> added;  // foreign ones besides the store's
 };
 ForeignObjects foreign_objects(sqlite::Connection& connection);
-// TB-STORE-FOREIGN. Reading tolerates additions, since no trigger fires and no view is read.
+// Throws TB-STORE-FOREIGN. Reading tolerates additions, since no trigger fires and no view is read.
 enum class Foreign { kRefuseChanged, kRefuseAll };
 void refuse_foreign(sqlite::Connection& connection, Foreign refused);
 
-// Brings an empty or older file up to kSchemaVersion, in one transaction.
+// Migrates an empty or older file to kSchemaVersion, in one transaction.
 void migrate(sqlite::Connection& connection);
 
 }  // namespace tactbench::db

@@ -25,8 +25,8 @@ std::string immutable_uri(const std::string& path) {
   return uri + "?immutable=1";
 }
 
-// The operating system's error number of a failed read or write, kept beside the open file of log or database: the one
-// of sqlite3_system_errno is lost when the statement ends.
+// The operating system's error number of a failed read or write, kept with the open file of log or database, because
+// that of sqlite3_system_errno is lost when the statement ends.
 int error_of_files(sqlite3* handle) {
   sqlite3_file* log = nullptr;  // in WAL mode this is the log
   int number = 0;
@@ -103,7 +103,7 @@ Connection::~Connection() { sqlite3_close_v2(handle_); }
 void Connection::fail(int code, const std::string& doing) const {
   const bool own_message = handle_ != nullptr && (sqlite3_errcode(handle_) & 0xff) == (code & 0xff);
   std::string detail = own_message ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
-  // These numbers may be from an earlier call: they belong to this one only where a file failed.
+  // These numbers may be from an earlier call: they belong to this one only if a file failed.
   const int base = code & 0xff;
   int system_error = 0;
   if (handle_ != nullptr && (base == SQLITE_IOERR || base == SQLITE_CANTOPEN)) {
@@ -229,13 +229,13 @@ void Statement::get_blob(int column, std::span<std::byte> value) const {
 }
 
 Transaction::Transaction(Connection& connection) : connection_(connection) {
-  // SQLite itself would complain only at the first row that changes.
+  // SQLite itself would report this only at the first row that changes.
   if (connection_.is_read_only()) connection_.fail(SQLITE_READONLY, "BEGIN IMMEDIATE");
   connection_.execute("BEGIN IMMEDIATE");
 }
 
 Transaction::~Transaction() {
-  // A failure may have rolled back already; on a failed disk the log remains, which the next open drops.
+  // A failure may have rolled back already; on a failed disk the log remains, and the next open discards it.
   if (connection_.in_transaction()) sqlite3_exec(connection_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
 }
 

@@ -30,7 +30,7 @@ enum class Access {
 
 inline constexpr int kBusyTimeoutMs = 5000;
 
-// Greatest length of a text or blob in a store, also in a damaged file: checked before memory is allocated.
+// Greatest length of a text or blob in a store, checked before memory is allocated, so also in a damaged file.
 inline constexpr int kLongestValue = 256 << 20;
 
 class Connection {
@@ -42,7 +42,7 @@ class Connection {
 
   // For a store: no trigger fires and no view is read, since the program needs none; values are of bounded length.
   void trust_no_schema();
-  void execute(const std::string& sql);                        // one or more statements; rows are dropped
+  void execute(const std::string& sql);                        // one or more statements; result rows are discarded
   [[nodiscard]] std::int64_t integer(const std::string& sql);  // first column of the one row
   [[nodiscard]] std::string text(const std::string& sql);
   // Copies the present state of the database into that of `target`, page by page; others may write meanwhile.
@@ -64,7 +64,7 @@ class Connection {
 // are blobs. A double that is not a number is NULL in the file and comes back as NaN.
 class Statement {
  public:
-  Statement(Connection& connection, std::string_view sql, bool kept = false);  // kept: to be run many times
+  Statement(Connection& connection, std::string_view sql, bool kept = false);  // kept: run many times
   ~Statement();
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
@@ -76,8 +76,8 @@ class Statement {
     (put(++index, values), ...);
     return *this;
   }
-  [[nodiscard]] bool step();  // true: there is a row
-  void run();                 // to the end, then ready to be bound again
+  [[nodiscard]] bool step();  // true: a row is available
+  void run();                 // to the end; then ready to be bound again
   template <class... Values>
   void read(Values&... values) const {
     read_from(0, values...);
@@ -139,7 +139,7 @@ class Statement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-// Takes the right to write at once; rolls back unless committed.
+// Takes the write lock at once; rolls back unless committed.
 class Transaction {
  public:
   explicit Transaction(Connection& connection);

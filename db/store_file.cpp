@@ -39,7 +39,7 @@ constexpr std::array kNetwork = {
 };
 constexpr std::uint64_t kFuse = 0x65735546;
 
-// The type in the mount table of the file system that `path` lies on.
+// The type, in the mount table, of the file system that holds `path`.
 std::string mount_type_of(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) return {};
@@ -109,7 +109,7 @@ std::optional<std::string> network_file_system(std::uint64_t magic, const std::s
     if (entry.number == magic) return entry.name;
   }
   if (magic != kFuse) return std::nullopt;
-  // Local file systems that run through FUSE; any other may be a network's, and FUSE does not report it.
+  // Local file systems that run through FUSE; any other may be on a network, which FUSE does not report.
   if (mount_type == "fuseblk" || mount_type == "fuse.fuse-overlayfs") return std::nullopt;
   return mount_type.empty() ? "FUSE" : mount_type;
 }
@@ -180,6 +180,7 @@ FileKind look_at_file(const std::string& path) {
   if (!fs::is_regular_file(path, failed)) refuse("not a regular file", "name a file with --db");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) refuse(std::strerror(errno), "check owner and permissions of the file");
+  if (fs::file_size(path, failed) == 0) return FileKind::kEmpty;  // also files of /proc: reading may block forever
   Header header{};
   stream.read(header.data(), header.size());
   if (stream.gcount() == 0) return FileKind::kEmpty;

@@ -10,10 +10,13 @@ namespace tactbench::db {
 struct CodePoint {
   std::uint32_t value = 0;
   std::size_t bytes = 1;
-  bool valid = false;  // false: one byte that begins no sequence
+  bool valid = false;  // false: one byte that starts no sequence
 };
 
-// The first sequence of `text`, which is not empty (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF).
+// The first sequence of the non-empty `text` (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF).
 CodePoint decode_utf8(std::string_view text);
+
+// True without a visible character: only blanks of any kind, zero-width marks or line ends, or no character at all.
+bool is_blank(std::string_view text);
 
 }  // namespace tactbench::db

@@ -15,7 +15,7 @@ void SteadyClock::wait_until(Nanoseconds time) {
 }
 
 void TurnedClock::wait_until(Nanoseconds time) {
-  // One thread turns the clock, so load and store need not be atomic together; it never goes back.
+  // Only one thread turns the clock, so load and store need not be one atomic operation; it never goes back.
   if (time > now()) now_.store(time.count(), std::memory_order_release);
 }
 

@@ -1,6 +1,6 @@
-// Process time: dwell, settling, creep, watchdogs and time stamps all read this one clock. A rig uses SteadyClock;
-// a simulated rig uses TurnedClock, which the sequencer's thread alone turns and which stands still while a request
-// is open, so that the same seed gives the same store.
+// Process time: the one clock for dwell, settling, creep, watchdogs and time stamps. A rig uses SteadyClock. A
+// simulated rig uses TurnedClock: only the sequencer's thread advances it, and it stands still while a request is open,
+// so that the same seed gives the same store.
 #pragma once
 
 #include <atomic>
@@ -20,17 +20,17 @@ class Clock {
   [[nodiscard]] virtual Nanoseconds now() const = 0;
   // Returns once now() >= time. Sequencer's thread only.
   virtual void wait_until(Nanoseconds time) = 0;
-  // A reply did not come within `nominal` of real time: process time advances by as much.
+  // Call when no reply came within `nominal` of real time: advances process time by the same amount.
   virtual void reply_lost(Nanoseconds nominal) = 0;
 };
 
 class SteadyClock final : public Clock {
  public:
-  // `rate`: process time runs that many times as fast as real time (a simulated rig in a process of its own).
+  // `rate`: speed of process time relative to real time (for a simulated rig in its own process).
   explicit SteadyClock(double rate = 1.0) : rate_(rate) {}
   [[nodiscard]] Nanoseconds now() const override;
   void wait_until(Nanoseconds time) override;
-  void reply_lost(Nanoseconds) override {}  // the waiting itself has moved this clock
+  void reply_lost(Nanoseconds) override {}  // the wait itself has advanced this clock
 
  private:
   double rate_;

@@ -1,5 +1,5 @@
-// The one error type of the devices room: a failed exchange with the outside. `what()` states what was asked, what
-// came and from whom; `remedy()` what to try. `id()` is stable across releases, e.g. TB-MODBUS-TIMEOUT.
+// The error type of devices/: a failed exchange with something outside the program. `what()` states what was requested,
+// what was received and from whom; `remedy()` what to try. `id()` is stable across releases, e.g. TB-MODBUS-TIMEOUT.
 #pragma once
 
 #include <stdexcept>
@@ -8,9 +8,9 @@
 
 namespace tactbench::devices {
 
-// What kind of failure it is; the exit code depends on this alone, not on the id.
+// The kind of failure; the exit code depends only on this, not on the id.
 enum class Cause {
-  kDevice,  // an instrument or its link failed, or is not as it should be
+  kDevice,  // an instrument or its link failed, or is not as expected
   kLimit,   // a limit or an interlock refused a command, or ended the work
 };
 
@@ -22,7 +22,7 @@ class Fault : public std::runtime_error {
         id_(std::move(id)),
         device_(std::move(device)),
         remedy_(std::move(remedy)) {}
-  // Of kDevice, as most are.
+  // With cause kDevice, the most common one.
   Fault(std::string id, std::string device, const std::string& message, std::string remedy)
       : Fault(Cause::kDevice, std::move(id), std::move(device), message, std::move(remedy)) {}
   [[nodiscard]] Cause cause() const { return cause_; }

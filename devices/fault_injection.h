@@ -1,5 +1,5 @@
-// Faults injected into a simulated end: before it answers a request, it asks how the reply is to be corrupted. The
-// injector is bench/simulation/faults.h; an end carries out what applies to its wire.
+// Faults injected into a simulated end: before the end answers a request, it asks how to corrupt the reply. The
+// injector is bench/simulation/faults.h; an end applies the faults that exist on its wire.
 #pragma once
 
 #include <functional>
@@ -15,10 +15,10 @@ enum class InjectedFault {
   kRefused,    // the device refuses the request
   kTorn,       // a part of the reply is missing
   kSaturated,  // the device reports an overloaded transducer
-  kUnplugged,  // the wire is gone; each end states what that means on its wire
+  kUnplugged,  // the wire is disconnected; each end states what that means on its wire
 };
 
-// Called once a request from the end's thread, which then holds no lock; empty: nothing is ever wrong.
+// Called once per request from the end's thread, which then holds no lock; empty: no fault is ever injected.
 using FaultInjector = std::function<InjectedFault()>;
 
 }  // namespace tactbench::devices

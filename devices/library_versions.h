@@ -1,5 +1,5 @@
-// Versions of the libraries that this room uses for instruments: of the shared object in use where the library reports
-// it, of its header otherwise.
+// Versions of the instrument libraries that devices/ uses: of the loaded shared object if the library reports it, else
+// of its header.
 #pragma once
 
 #include <string>

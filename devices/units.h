@@ -1,5 +1,5 @@
-// Physical quantities as types that do not mix. At an instrument a value carries its unit in its type; analysis and db
-// use double with the unit in the name. Used by every room that drives an instrument.
+// Physical quantities as types that cannot be mixed. Values read from or sent to an instrument have their unit in the
+// type; analysis and db use double with the unit in the name. Used by all code that drives an instrument.
 #pragma once
 
 #include <compare>

@@ -1,4 +1,4 @@
-// Estimated time of compiled steps, from a model before anything was measured, and the size of their rows in the store.
+// Time of compiled steps, estimated from a model before any measurement, and the size of their rows in the store.
 #pragma once
 
 #include <vector>
@@ -12,16 +12,16 @@ struct TimeModel {
   double settle_s = 0.65;                               // from the end of the ramp to pressure in band
   double frame_s = 0.0;                                 // to read one frame
   double prompt_s = 30.0, home_s = 20.0, tare_s = 2.0, move_s = 5.0;
-  double stiffness_n_per_mm = 20.0;  // of the contact: converts the servo's way to newtons
+  double stiffness_n_per_mm = 20.0;  // of the contact: converts the servo's travel to newtons
 };
 
-// A tenth of the runs should be shorter than `low`, a tenth longer than `high`. For a model these are bounds by
-// judgement: settling takes 0.7 to 2 times its time, cycles and warm-up that a criterion may end are left out of `low`.
+// A tenth of the runs should be shorter than `low`, a tenth longer than `high`. For a model these bounds are a
+// judgement: settling takes 0.7 to 2 times its time; `low` omits cycles and warm-up that a criterion may end.
 struct StepTime {
   double low_s = 0.0, likely_s = 0.0, high_s = 0.0;
 };
 
-// One for each step, process time.
+// One per step, in process time.
 std::vector<StepTime> step_times(const std::vector<Recipe>& recipes, const std::vector<Step>& steps,
                                  const TimeModel& model);
 
@@ -32,7 +32,7 @@ struct Estimate {
   double bytes = 0.0;  // in the store
 };
 
-// `frame_bytes` is one stored frame's blob.
+// `frame_bytes`: size of one stored frame's blob.
 Estimate estimate(const std::vector<Recipe>& recipes, const std::vector<Step>& steps, const TimeModel& model,
                   double frame_bytes);
 

@@ -1,4 +1,4 @@
-// Version of the library that this room reads files with: of its header.
+// Version of the library that sequences/ uses to read files, from its header.
 #pragma once
 
 #include <string>

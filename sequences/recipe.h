@@ -1,5 +1,5 @@
 // Recipes: measurements as data. A recipe names turning points and a step, or positions and forces; the compiler turns
-// it into the steps that the sequencer carries out. `plan` and `run` use the same compiler.
+// it into the steps that the sequencer executes. `plan` and `run` use the same compiler.
 #pragma once
 
 #include <string>
@@ -14,16 +14,16 @@ namespace tactbench::sequences {
 
 enum class RecipeKind { kLevels, kPress };
 
-// 0 -> peak -> 0 before the first repeat, without frames; in a press recipe before the first branch at each position.
+// Cycles 0 -> peak -> 0 without frames before the first repeat; of press before the first branch at each position.
 struct Conditioning {
   int cycles = 0;               // at most
-  int least = 1;                // at least, where change_percent may end it
-  double change_percent = 0.0;  // of full scale, from loop to loop: below it, enough; 0: always all cycles
-  devices::Psi peak{0.0};       // levels
-  double peak_n = 0.0;          // press
+  int least = 1;                // at least, if change_percent may end it
+  double change_percent = 0.0;  // of full scale, from loop to loop: ends when below; 0: always all cycles
+  devices::Psi peak{0.0};       // for levels
+  double peak_n = 0.0;          // for press
 };
 
-struct WarmUp {  // before the first command, until the unloaded output stands still; none when at_most_s is 0
+struct WarmUp {  // before the first command, until the unloaded output is stable; none when at_most_s is 0
   double drift_percent_per_min = 0.1;
   double at_most_s = 0.0;
 };
@@ -35,12 +35,12 @@ struct BranchRule {
   bool fail_when_broken = true;  // else the branch is flagged and the run continues
 };
 
-struct Suspension {      // measured outside trip: wait at a safe point until inside resume for hold_s
+struct Suspension {      // past `trip` the run waits at a safe point until inside `resume` for hold_s
   std::string quantity;  // supply_bar | temperature_c
   bool below = true;     // trips below `trip`, resumes above `resume`; else the reverse
   double trip = 0.0, resume = 0.0;
   double hold_s = 10.0;
-  double timeout_s = 3600.0;  // longer: the run ends
+  double timeout_s = 3600.0;  // after a longer wait the run ends
 };
 
 struct FailFast {                 // stops a hopeless run in its first cycle
@@ -55,12 +55,12 @@ struct Retry {
 };
 
 struct PressPlan {
-  std::string object;  // ring, point, ...: the pressing object; stored, and the simulated rig's footprint
+  std::string object;  // ring, point, ...: the pressing object; stored, and the footprint on a simulated rig
   std::vector<std::pair<double, double>> positions_mm;
   std::vector<double> forces_n;  // rising; up, then down, the peak once
-  bool hold_force = false;       // else z stands while dwelling
+  bool hold_force = false;       // else z stands still during the dwell
   double approach_mm_per_s = 0.5, contact_n = 0.2, servo_mm_per_s = 0.05, clear_mm = 5.0;
-  bool registers = false;  // the touches locate the taxels under the stage
+  bool registers = false;  // the touches are used to locate the taxels under the stage
   bool tare = true;        // before each repeat and after the last
 };
 
@@ -75,14 +75,14 @@ struct Recipe {
   RecipeKind kind = RecipeKind::kLevels;
   std::vector<devices::Psi> turning_points;
   devices::Psi step{2.0};
-  std::vector<double> dwell_s{2.0};         // from pressure (force) in band to the frame; repeat i takes i % size
-  std::vector<double> ramp_psi_per_s{0.0};  // likewise by repeat; 0: the bench's own rate limit
+  std::vector<double> dwell_s{2.0};         // from pressure (force) in band to the frame; repeat i uses i % size
+  std::vector<double> ramp_psi_per_s{0.0};  // per repeat in the same way; 0: the bench's own rate limit
   bool settle = true;                       // false: frames as the ramp passes the levels
   int frames_per_level = 1;
   double frame_interval_s = 0.0;
   int repeats = 1;
-  double dwell_tolerance_s = 0.25;  // frames whose dwell is off by more are flagged
-  double rest_restart_s = 3600.0;   // resumed after a longer rest, the whole repeat is redone
+  double dwell_tolerance_s = 0.25;  // frames whose dwell deviates by more are flagged
+  double rest_restart_s = 3600.0;   // after a longer rest, a resumed run redoes the whole repeat
   double step_timeout_s = 0.0;      // 0: the bench's own timeouts alone
   Conditioning conditioning;
   WarmUp warm_up;
@@ -90,32 +90,32 @@ struct Recipe {
   std::vector<Suspension> suspend;
   FailFast limits;
   Retry retry;
-  std::string prompt_before;  // asked before the sequence; empty: nothing
+  std::string prompt_before;  // shown before the sequence; empty: no prompt
   PressPlan press;            // RecipeKind::kPress
   std::vector<Parameter> parameters;
   std::string text;  // the file, stored with the run
 };
 
-// Reads a recipe file, `overrides` applied: the name of a declared parameter sets it, another key replaces the file's.
-// Throws FileError.
+// Reads a recipe file and applies `overrides`: the name of a declared parameter sets it, any other key replaces the
+// file's. Throws FileError.
 Recipe read_recipe(const std::string& path, const std::vector<Override>& overrides = {});
 Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides = {});
 
-// Greatest number of steps of a run: a step takes about 300 bytes here and a row in the store, and at the least dwell
-// of 0.1 s a million of them take more than a day.
+// Greatest number of steps of a run: a step takes about 300 bytes in memory and a row in the store, and at the least
+// dwell of 0.1 s a million steps take more than a day.
 constexpr double kMostSteps = 1e6;
-// The number of steps of compile(), by arithmetic alone. A recipe that was read has at most kMostSteps.
+// Number of steps that compile() returns, by arithmetic alone. A recipe that was read has at most kMostSteps.
 double step_count(const Recipe& recipe);
 
-// 211 measuring steps a repeat for the paper's descending set, 451 for the ascending one.
+// Per repeat 211 measuring steps for the paper's descending set, 451 for the ascending one.
 std::vector<Step> compile(const Recipe& recipe, int sequence);
-// Throws FileError where all recipes together have more than kMostSteps.
+// Throws FileError when all recipes together have more than kMostSteps.
 std::vector<Step> compile(const std::vector<Recipe>& recipes);
 
-// The way to travel before `branch` of `repeat` may be redone, all without frames: the conditioning cycles (one
-// to the highest level when the recipe has none), then the repeat's turning points up to the one that the branch
-// leaves. Press: retract, home, tare, move, approach, conditioning, and for a falling branch up to the peak. kHome may
-// be skipped where the axes are homed.
+// Travel steps needed before `branch` of `repeat` can be redone, all without frames: the conditioning cycles (one to
+// the highest level when the recipe has none), then the repeat's turning points up to the one at which the branch
+// starts. Press: retract, home, tare, move, approach, conditioning, and for a falling branch up to the peak. kHome may
+// be skipped when the axes are homed.
 std::vector<Step> way_back(const Recipe& recipe, int sequence, int repeat, int branch);
 
 }  // namespace tactbench::sequences

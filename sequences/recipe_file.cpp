@@ -68,7 +68,7 @@ void read_rules(const TomlTable& root, Recipe& recipe) {
   recipe.rest_restart_s = root.number_in("rest_restart_s", 3600.0, 0.0, 1e9);
 }
 
-constexpr const char* kTypedPrefix = "recipe.";  // of keys of a recipe on the command line
+constexpr const char* kTypedPrefix = "recipe.";  // prefix of a recipe's keys on the command line
 
 // Errors in a typed value name the key as typed, not the place where the value is kept.
 double value_of(const TomlTable& table, const Parameter& parameter, const std::vector<Override>& overrides,
@@ -132,8 +132,7 @@ Recipe parse_recipe(TomlDocument document, const std::vector<Override>& override
   const TomlTable root = document.root();
   (void)root.table("parameters");
   (void)root.integer("schema", 1, 1);
-  recipe.name = root.text("name");
-  if (recipe.name.empty()) root.fail("name", "'name' is empty", "give the recipe a short name");
+  recipe.name = root.name("name");
   recipe.title = root.text("title", recipe.name);
   const bool press = root.word("kind", "levels", {"levels", "press"}) == "press";
   recipe.kind = press ? RecipeKind::kPress : RecipeKind::kLevels;

@@ -24,8 +24,8 @@ bool on_grid(double distance, double step) {
   return std::abs(steps - std::round(steps)) <= 1e-6;
 }
 
-// 0, high, 0, then `count` random points that rise and fall in turn, then 0. In steps of the grid; drawn with the raw
-// generator, as the library's distributions differ from one library to the next.
+// 0, high, 0, then `count` random points that alternately rise and fall, then 0. On the grid; drawn with the raw
+// generator, because the distributions differ between standard libraries.
 std::vector<long> draw(std::uint64_t seed, int count, long low, long high) {
   std::mt19937_64 generator(seed);
   const auto between = [&](long from, long to) {
@@ -119,7 +119,7 @@ void read_conditioning(const TomlTable& root, Recipe& recipe, double unit) {
   Conditioning& conditioning = recipe.conditioning;
   conditioning.cycles = static_cast<int>(table.integer("cycles", 0, 0, 100));
   conditioning.least = static_cast<int>(table.integer("least", std::min(1, conditioning.cycles), 0, 100));
-  // `--set recipe.conditioning.cycles=0` turns it off whatever else the file holds.
+  // `--set recipe.conditioning.cycles=0` turns it off regardless of the rest of the file.
   if (conditioning.cycles == 0) conditioning.least = 0;
   if (conditioning.least > conditioning.cycles) {
     table.fail("least", fmt::format("at least {} cycles, at most {}", conditioning.least, conditioning.cycles),

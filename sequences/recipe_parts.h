@@ -7,7 +7,7 @@
 
 namespace tactbench::sequences {
 
-// [parameters.NAME]: declares them to the document, `overrides` of that name applied, and returns the other overrides.
+// [parameters.NAME]: declares them to the document, applies `overrides` of these names, returns the other ones.
 std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, const std::vector<Override>& overrides);
 
 // kind = "levels": unit, turning points or [random], step, ramp, frames of a level, [conditioning], [limits].

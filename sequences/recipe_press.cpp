@@ -29,7 +29,7 @@ std::vector<double> grid_axis(const TomlTable& grid, const std::string& key) {
   return values;
 }
 
-// Row after row, every other one backward, so that the stage never travels a whole row idly.
+// Row by row, every other row backward, so that the stage never travels a whole row without pressing.
 void read_grid(const TomlTable& press, PressPlan& plan) {
   const TomlTable grid = press.table("grid");
   const std::vector<double> xs = grid_axis(grid, "x");

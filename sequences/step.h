@@ -1,5 +1,5 @@
-// The steps that the sequencer carries out, in order, and their extremes, known without a device. `plan` lists them,
-// `run` carries them out, and both get them from compile() in recipe.h.
+// The steps that the sequencer executes in order, and their extremes, which are known without a device. `plan` lists
+// them, `run` executes them, and both get them from compile() in recipe.h.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@ enum class StepKind {
   kConditioning,  // travel to a chamber level, no frame
   kMeasure,       // a chamber level: ramp, settle, dwell, frame
   kPrompt,        // asks the operator `text` and waits
-  kTare,          // off contact: reads the force (its drift since the last tare), then biases the sensor
+  kTare,          // without contact: reads the force (its drift since the last tare), then biases the sensor
   kHome,          // axes z, x, y
-  kMoveXy,        // off contact, to x_mm, y_mm
-  kApproach,      // z down until contact is felt
+  kMoveXy,        // without contact, to x_mm, y_mm
+  kApproach,      // z down until contact is detected
   kPress,         // servo to force_n, dwell, frame (none where `frame` is false)
   kRetract,       // z back to clear
 };
@@ -29,16 +29,16 @@ struct Step {
   int repeat = 0;    // of a conditioning cycle: the cycle
   int branch = 0;    // within the repeat; a turning point's frame belongs to the branch that reaches it; -1: a
                      // conditioning cycle, which a criterion may skip
-  int ordinal = 0;   // of the frame within the repeat; of a step without a frame: of the frame to come
+  int ordinal = 0;   // of the frame within the repeat; of a step without a frame: of the next frame
   devices::Psi setpoint;
   devices::Psi branch_from, branch_to;
   double dwell_s = 0.0;         // from in band to the frame
   double ramp_psi_per_s = 0.0;  // 0: the bench's own rate limit
-  bool settle = true;           // false: the frame as the ramp passes the level, without a band
-  bool hold = false;            // a further frame at the same level: no new command, dwell_s after the frame before
-  bool frame = true;            // kPress alone: false is travel to the force without a frame
+  bool settle = true;           // false: the frame is taken as the ramp passes the level, without a band
+  bool hold = false;            // a further frame at the same level: no new command, dwell_s after the previous frame
+  bool frame = true;            // kPress only: false means travel to the force without a frame
   double force_n = 0.0, force_from_n = 0.0, force_to_n = 0.0;  // 0 in steps of pressure
-  bool hold_force = false;                                     // the servo continues while dwelling; else z stands
+  bool hold_force = false;                                     // servo continues during the dwell; else z stands still
   double x_mm = 0.0, y_mm = 0.0;
   std::string text;
   bool operator==(const Step&) const = default;
@@ -46,7 +46,7 @@ struct Step {
 
 [[nodiscard]] bool takes_frame(const Step& step);
 
-// One line that describes a step completely; equal steps give equal lines, others differ.
+// One line that describes a step completely: equal steps give equal lines, different steps different lines.
 std::string step_line(const Step& step);
 
 struct BranchKey {

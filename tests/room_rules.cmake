@@ -41,12 +41,12 @@ file(READ ${root}/quickstart quickstart)
 # Libraries that cost seconds a source: included by sources, and by headers that few sources include.
 set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
 set(may_be_heavy
-  analysis/identify/rivals/gpi_search.h  # its functions take Eigen's matrices; gpi*.cpp alone include it
-  analysis/identify/rivals/nnls.h        # likewise; gpi.cpp, preisach.cpp and its test
+  analysis/identify/rivals/nnls.h  # its functions take Eigen's matrices; preisach.cpp and its test
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
   devices/force/daq_ft.h          # keeps such a matrix; bench/rig/rig.cpp and its test
   devices/force/digital_ft.h      # likewise
-  tests/devices/scripted_digital.h  # the tests of that driver
+  tests/analysis/support/gpi_reference.h  # the tests of GPI's search
+  tests/devices/force/scripted_digital.h  # the tests of that driver
   sequences/toml/strict_toml_view.h)   # what strict_toml*.cpp share
 
 # All that bench/config/config.h may reach: option structs and what they are made of. No driver, no plant, no statistics.

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <new>
-#include <optional>
 #include <stdexcept>
-#include <type_traits>
 #include <vector>
 
-#include "analysis/compensate/frame_compensator.h"
+#include "analysis/compensate/compensator_handle.h"
 
 using namespace tactbench::analysis;
 
@@ -17,41 +16,10 @@ static_assert(static_cast<int>(TB_TAXEL_VALID) == kTaxelValid && static_cast<int
               static_cast<int>(TB_TAXEL_DEAD) == kTaxelDead && static_cast<int>(TB_TAXEL_OUTSIDE) == kTaxelOutside &&
               static_cast<int>(TB_TAXEL_UNKNOWN) == kTaxelUnknown && static_cast<int>(TB_TAXEL_LOST) == kTaxelLost);
 
-struct tb_compensator {
-  std::optional<FrameCompensator<float>> single;
-  std::optional<FrameCompensator<double>> whole;
-  // Buffers for results that the caller does not request, and the results of a lost frame.
-  std::vector<float> single_spare;
-  std::vector<double> whole_spare;
-  std::vector<std::uint16_t> status_spare;
-
-  template <class Real>
-  std::optional<FrameCompensator<Real>>& own() {
-    if constexpr (std::is_same_v<Real, float>)
-      return single;
-    else
-      return whole;
-  }
-  template <class Real>
-  std::vector<Real>& spare() {
-    if constexpr (std::is_same_v<Real, float>)
-      return single_spare;
-    else
-      return whole_spare;
-  }
-  // Calls `act` with the compensator of the handle's precision.
-  template <class Act>
-  auto with(const Act& act) {
-    return single ? act(*single) : act(*whole);
-  }
-};
-
 namespace {
 
 // Version 1's structs; later ones are longer.
 constexpr std::size_t kSetupSize = sizeof(tb_compensator_setup), kTaxelSize = sizeof(tb_compensator_taxel);
-
-double or_default(double value, double standard) { return value != 0.0 ? value : standard; }
 
 TaxelSetup taxel_of(const tb_compensator_taxel& given, std::size_t knots) {
   TaxelSetup taxel;
@@ -79,25 +47,17 @@ FrameSetup setup_of(const tb_compensator_setup& given, const std::vector<tb_comp
   return setup;
 }
 
-int refuse(int code, const char* why, char* message, std::size_t size) {
-  if (message != nullptr && size > 0) {
-    const std::size_t length = std::min(std::strlen(why), size - 1);
-    std::memcpy(message, why, length);
-    message[length] = 0;
-  }
-  return code;
-}
-
 template <class Real, class Sample>
 int run(tb_compensator* handle, const Sample* samples, std::size_t count, Real* pressure, Real* uncertainty,
         std::uint16_t* status) {
   if (handle == nullptr || samples == nullptr || pressure == nullptr) return TB_COMPENSATOR_NULL;
-  auto& own = handle->own<Real>();
-  if (!own) return TB_COMPENSATOR_PRECISION;
-  if (count != own->taxels()) return TB_COMPENSATOR_SIZE;
+  if (!handle->is<Real>()) return TB_COMPENSATOR_PRECISION;
+  if (count != handle->status_spare.size()) return TB_COMPENSATOR_SIZE;
   Real* const doubt = uncertainty != nullptr ? uncertainty : handle->spare<Real>().data();
   std::uint16_t* const bits = status != nullptr ? status : handle->status_spare.data();
-  own->frame(std::span<const Sample>(samples, count), {{pressure, count}, {doubt, count}, {bits, count}});
+  handle->with_real<Real>([&](auto& own) {
+    own.frame(std::span<const Sample>(samples, count), {{pressure, count}, {doubt, count}, {bits, count}});
+  });
   return TB_COMPENSATOR_OK;
 }
 
@@ -174,14 +134,17 @@ int tb_compensator_volts_double(tb_compensator* handle, const double* volts, siz
 int tb_compensator_lost_frame(tb_compensator* handle) {
   if (handle == nullptr) return TB_COMPENSATOR_NULL;
   const std::size_t count = handle->status_spare.size();
-  const auto lose = [&](auto& compensator, auto& spare) {
-    compensator.lost_frame(
-        {{spare.data(), count}, {spare.data() + count, count}, {handle->status_spare.data(), count}});
-  };
-  if (handle->single)
-    lose(*handle->single, handle->single_spare);
+  std::uint16_t* const bits = handle->status_spare.data();
+  if (handle->is<float>())
+    handle->with_real<float>([&](auto& own) {
+      float* const spare = handle->single_spare.data();
+      own.lost_frame({{spare, count}, {spare + count, count}, {bits, count}});
+    });
   else
-    lose(*handle->whole, handle->whole_spare);
+    handle->with_real<double>([&](auto& own) {
+      double* const spare = handle->whole_spare.data();
+      own.lost_frame({{spare, count}, {spare + count, count}, {bits, count}});
+    });
   return TB_COMPENSATOR_OK;
 }
 

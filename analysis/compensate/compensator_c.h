@@ -118,6 +118,44 @@ TB_COMPENSATOR_API int tb_compensator_tare(tb_compensator* handle, const uint16_
                                            size_t* refused);
 TB_COMPENSATOR_API int tb_compensator_set_outside_validity(tb_compensator* handle, int outside);
 
+/* The dynamic Preisach model: Preisach on the linearised output, creep and lag undone. The handle works with all the
+ * functions above, and is to be told the time between frames. Added in version 1; found by its symbols. */
+typedef struct tb_dynamic_setup {
+  size_t struct_size;
+  uint32_t flags;       /* tb_compensator_flags; TB_COMPENSATOR_EXACT_OUTER has no meaning here */
+  uint32_t longest_gap; /* as tb_compensator_setup's */
+  size_t taxels;
+  size_t intervals; /* n: of the pressure range in each table, 1 to 100 */
+  double pressure_low, pressure_high;
+  double volts_per_count;
+  double flat_pressure, known_pressure, tare_share; /* as tb_compensator_setup's */
+  double creep_seconds[3], creep_share[3];          /* shares 0: no creep; then seconds may be 0 */
+  double creep_half;                                /* pressure at which creep is half of its most; 0: 10 */
+  double lag_seconds;                               /* 0: 1 */
+  double top_share; /* of the full output: what a turn may lie below the top and set the gain; 0: 0.02, below 0: off */
+  const double* residual; /* 2 n: what the model leaves, rms, by interval, rising and then falling; null: not known */
+} tb_dynamic_setup;
+
+typedef struct tb_dynamic_taxel {
+  size_t struct_size;   /* of this struct; also the step from one array element to the next */
+  uint32_t flags;       /* tb_compensator_taxel_flags */
+  uint32_t reserved;    /* 0 */
+  double zero_volts;    /* output without load; of a falling sensor the negated one, as the table */
+  double per_amplitude; /* 1 / the divider's highest output in volts; 0: the output is taken as it is */
+  /* (n + 1) (n + 2) / 2 linearised volts: the rise from grid point j to i at i (i + 1) / 2 + j. */
+  const double* everett;
+  double creep_scale;    /* of this taxel over the array's; 0: 1 (without creep set the shares 0) */
+  double lag_share;      /* of the pressure that comes late */
+  double noise_volts;    /* standard deviation of a sample */
+  double residual_scale; /* of `residual`; 0: 1 */
+} tb_dynamic_taxel;
+
+TB_COMPENSATOR_API int tb_compensator_create_dynamic(const tb_dynamic_setup* setup, const tb_dynamic_taxel* taxels,
+                                                     tb_compensator** handle, char* message, size_t message_size);
+/* Seconds from one frame to the next, from now on; before the first call creep and lag rest. May change with each
+ * frame. A handle of tb_compensator_create takes and ignores it. TB_COMPENSATOR_VALUE: negative or not finite. */
+TB_COMPENSATOR_API int tb_compensator_set_interval(tb_compensator* handle, double seconds);
+
 #ifdef __cplusplus
 }
 #endif

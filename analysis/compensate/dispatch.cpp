@@ -10,7 +10,7 @@ namespace {
 std::size_t dispatches_here() {
 #if defined(__x86_64__)
   if (!__builtin_cpu_supports("avx2")) return 1;
-  // All that any version is compiled for: processors that have some of these and not the others are not known.
+  // All instruction sets used by a version are checked; no known processor has only some of them.
   const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                       __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
   return avx512 ? 3 : 2;

@@ -1,5 +1,5 @@
-// Which of the processor's vectors code with several versions uses: frames of the compensator, lanes of identification.
-// Results are bit for bit the same with each.
+// Selects the vector level of code that exists in several versions: frames of the compensator, lanes of identification.
+// Results are bit-identical at every level.
 #pragma once
 
 #include <span>

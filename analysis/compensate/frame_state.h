@@ -1,4 +1,5 @@
-// Inside of a frame compensator: the vectors' memory, the curves behind it, and the work left by the vector pass.
+// Internals of a frame compensator: the vectors' memory, the curves from which it is filled, and the work left by the
+// vector pass.
 #pragma once
 
 #include "analysis/compensate/composed_curve.h"
@@ -18,7 +19,7 @@ struct FrameCompensator<Real>::State {
     [[nodiscard]] bool holds(Real mean) const { return mean >= low && mean <= high; }
     [[nodiscard]] Real along(Real mean) const { return at + slope * (mean - origin); }
   };
-  // Data of a taxel behind its lane.
+  // Data of a taxel besides its lane.
   struct Taxel {
     bool rises = true;      // the lane's outputs are the sensor's, else their negatives
     bool unknown = false;   // its history is

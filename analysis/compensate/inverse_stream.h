@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "analysis/models/model.h"
 
@@ -17,12 +18,26 @@ class InverseStream {
   InverseStream(const HysteresisModel& model, double dead_band);
   // Throws std::invalid_argument when `output` is not finite; the state is then as before.
   double step(double output);
+  // What a next sample of `output` would give; nothing is remembered of it.
+  [[nodiscard]] double reads(double output) const;
+  void reset();  // to the virgin state
+  // The next output is on a branch that began before. Of all histories one that only rose ends at the highest input and
+  // one that fell from the top at the lowest: both are followed, the estimate lies midway, until both are within 1 % of
+  // the input's range of each other (as TaxelCompensator).
+  void reset_unknown();
 
  private:
-  std::unique_ptr<ModelState> state_;
+  struct Way {
+    std::unique_ptr<ModelState> state;
+    double furthest = 0.0;
+    int direction = 1;  // that of rest at the lowest input
+    bool begun = false;
+    double step(double output, double dead_band);
+  };
+  const HysteresisModel* model_;
   double dead_band_;
-  double furthest_ = 0.0;
-  int direction_ = 0;  // 0: no sample yet
+  Way way_;
+  std::optional<Way> other_;  // unknown: the one that fell from the top
 };
 
 }  // namespace tactbench::analysis

@@ -5,7 +5,7 @@ namespace tactbench::analysis {
 
 // The defaults were found by a random search over random reversals of 8 synthetic taxels, 1.5 to 32 mV of noise and
 // 0.004 to 2 psi a sample. They are a compromise: a fixed dead band that happens to suit a noise and a speed is up to
-// 22 % better there (tests/analysis/direction_slow.cpp, on other taxels). Not verified on hardware.
+// 22 % better there (tests/analysis/compensate/direction_slow.cpp, on other taxels). Not verified on hardware.
 struct CompensatorOptions {
   double noise_v = 0.0;          // standard deviation of a sample
   double moving = 2.4;           // mean square of a sample's step, in noises squared, above which nothing is averaged

@@ -1,5 +1,5 @@
-// Figures of a run and what was judged of them, as JSON. The one writer of both for verbs and for the data of reports;
-// neither names a run: a verb puts its number before them, a report its title.
+// Figures and verdicts of a run as JSON, for verbs and for the data of reports. Neither contains the run: a verb adds
+// its number, a report its title.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,5 @@
-// A run and its sensor as JSON. The one writer of both: `runs show --json` and its like, `runs export`, the data of
-// reports and the attributes of HDF5 files have these keys and no others for what they say of a run.
+// A run and its sensor as JSON. All outputs use these keys for the facts of a run: `runs show --json` and other verbs,
+// `runs export`, the data of reports and the attributes of HDF5 files.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,8 +13,9 @@ namespace tactbench::analysis {
 // Of the schema tactbench.run, a run exported as JSON or HDF5. 2: the root of an HDF5 file has these keys, too.
 inline constexpr int kRunSchemaVersion = 2;
 
-// Every key is always there. Empty texts: not known; `overrides` and `rest_s` are null then. What is stated of an
-// instrument's calibration is resolved with `notes` (instrument_calibration.h); what was never filled in is not stated.
+// Every key is always present. Empty texts: not known; `overrides` and `rest_s` are then null. Instruments'
+// calibrations are completed with `notes` (instrument_calibration.h); a value that still says FILL-IN counts as not
+// stated.
 //   run uuid origin state outcome reason safe_state operator purpose sensor sensor_type_sha256 scanner bench
 //   bench_sha256 overrides seed sensor_seed started_utc ended_utc rest_s host time_zone program_version git_commit
 //   git_dirty build_id content_sha256 tags notes void void_reason void_by void_utc

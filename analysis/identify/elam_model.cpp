@@ -38,6 +38,7 @@ Walk walk(const ElamHysteresis& model, const FitData& data, bool free_run) {
   Walk result;
   for (const History& history : data.histories) {
     const auto state = model.state();
+    if (begins_falling(history)) state->go(model.x_high());
     for (const Branch& branch : history.branches) {
       const auto first = static_cast<std::size_t>(branch.first), last = static_cast<std::size_t>(branch.last);
       state->go(history.x[first]);
@@ -57,18 +58,39 @@ Walk walk(const ElamHysteresis& model, const FitData& data, bool free_run) {
   return result;
 }
 
+// Scored as it was identified: the walk of a model takes the same way, and rounds otherwise.
+ModelFit as_model_fit(ElamFit fit, const std::vector<TaxelBranch>& branches) {
+  ModelFit out;
+  out.j = fit.j_v2;
+  out.mean_error = fit.mean_error_v;
+  out.max_error = fit.max_error_v;
+  out.full_scale = fit.model.yu() - fit.model.y0();
+  out.at_bound = fit.at_bound;
+  out.undetermined = undetermined_names(fit);
+  for (const TaxelBranch& branch : branches) out.samples += static_cast<int>(branch.volts.size()) - 1;
+  out.model = std::make_shared<ElamHysteresis>(std::move(fit.model));
+  return out;
+}
+
 }  // namespace
 
 ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
+  const bool paper = !options.free_run && !options.memory && options.splits == 1;
   if (options.splits < 1 || options.splits > kMostSplits)
     throw std::invalid_argument(
         fmt::format("ELAM: {} split points a branch were asked for; 1 to {} can be had", options.splits, kMostSplits));
   std::vector<TaxelBranch> branches = branches_in(data);
   const ElamOptions elam{options.exact_outer};
+  const auto identified = [&] {
+    return options.genetic ? identify_elam_ga(data.ascending, data.descending, branches, elam)
+                           : identify_elam(data.ascending, data.descending, branches, elam, options.settle);
+  };
+  if (paper) return as_model_fit(identified(), branches);
+  std::vector<std::string> undetermined;
   const auto fitted = [&] {
-    ElamModel model = (options.genetic ? identify_elam_ga(data.ascending, data.descending, branches, elam)
-                                       : identify_elam(data.ascending, data.descending, branches, elam))
-                          .model;
+    ElamFit found = identified();
+    undetermined = undetermined_names(found);
+    ElamModel model = std::move(found.model);
     ElamPieces pieces;
     if (options.splits > 1) pieces = fit_pieces(model, collect_samples(model, branches), options.splits);
     return std::make_unique<ElamHysteresis>(std::move(model), options.memory, std::move(pieces));
@@ -86,6 +108,7 @@ ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
     model = std::move(next);
   }
   ModelFit fit;
+  fit.undetermined = std::move(undetermined);
   fit.j = best.j;
   fit.mean_error = best.sum / best.samples;
   fit.max_error = best.max;

@@ -21,9 +21,14 @@ struct History {
   std::vector<double> time_s = {}, held_s = {};
 };
 
+// The recording begins on a branch that falls: it is taken to have come from the highest input. Any other has come from
+// the lowest input by one rise.
+[[nodiscard]] bool begins_falling(const History& history);
+
 struct FitData {
   std::vector<History> histories;
   PatternCurve ascending, descending;  // mean full sweeps, ends common to both [A11]
+  std::string no_loop = {};  // what is missing of the external loop; the patterns then say where its ends would lie
 };
 
 struct IdentifyOptions {
@@ -31,19 +36,29 @@ struct IdentifyOptions {
   bool exact_outer = false;  // ELAM: external branches follow the pattern [A6]
   bool genetic = false;      // ELAM: the paper's genetic algorithm instead of the exact way (genetic.h)
   bool memory = false;       // ELAM: return-point memory, inner loops close; ours, not the paper's [A10]
+  bool settle = true;  // ELAM: what the data leave open is taken near the pattern; false: as fits were made before
   int splits = 1;   // ELAM: split points a branch, up to 8; more than 1 is ElamPieces, named in the paper's conclusion
   int starts = 16;  // GPI: of the search
+  int cells = 30;   // Preisach: intervals of the input range
+  bool by_input = false;  // Preisach: errors count as inputs, by the local slope, not as outputs
+  // The model is one of the output with its readout divider undone, where the congruency test tells its amplitude
+  // (congruency.h).
+  bool linearise = false;
 };
 
 // Errors over all samples but the first of each branch, its turning point.
 struct ModelFit {
-  std::unique_ptr<HysteresisModel> model;
+  std::shared_ptr<const HysteresisModel> model;
   double j = 0.0;           // Eq. (1)
   double mean_error = 0.0;  // Eq. (49)
   double max_error = 0.0;
   double full_scale = 0.0;  // what the external loop spans; the paper's sensors start near 0
   int samples = 0;
-  int starts = 1;  // searches that were made
+  int starts = 1;         // searches that were made
+  unsigned at_bound = 0;  // ELAM: bit i: parameter i at a bound, as ElamFit::at_bound
+  // Names of parameters that the data leave open: any value would fit as well. Those of ELAM are then taken near the
+  // pattern, Preisach's weights small and even.
+  std::vector<std::string> undetermined = {};
 };
 
 // One a model, in the model's own file; deterministic. Throw std::invalid_argument when the data cannot carry the model
@@ -55,7 +70,8 @@ ModelFit identify_poly(const FitData& data, const IdentifyOptions& options);
 ModelFit identify_preisach(const FitData& data, const IdentifyOptions& options);
 ModelFit identify_monotone(const FitData& data, const IdentifyOptions& options);
 
-// By name: elam, gpi, mpi, poly, preisach, monotone.
+// By name: elam, gpi, mpi, poly, preisach, monotone. Throws AnalysisError TB-ANALYSIS-NO-LOOP, too: elam and poly are
+// made of the external loop.
 std::span<const char* const> model_names();
 ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options = {});
 

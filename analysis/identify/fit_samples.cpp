@@ -51,7 +51,7 @@ bool same(const Branch& a, const Branch& b) {
 
 }  // namespace
 
-FitSamples::FitSamples(const FitData& data) {
+FitSamples::FitSamples(const FitData& data, bool one_way) {
   check_patterns(data);
   x_low = data.ascending.x().front();
   x_high = data.ascending.x().back();
@@ -62,8 +62,8 @@ FitSamples::FitSamples(const FitData& data) {
     for (const double input : history.x) x.push_back(std::clamp(input, x_low, x_high));
     bool opens = true;
     for (const Branch& branch : history.branches) {
-      const Part part{branch.ascending, opens, begin + static_cast<std::size_t>(branch.first),
-                      begin + static_cast<std::size_t>(branch.last)};
+      const Part part{branch.ascending, opens, opens && begins_falling(history),
+                      begin + static_cast<std::size_t>(branch.first), begin + static_cast<std::size_t>(branch.last)};
       for (std::size_t i = part.first + 1; i <= part.last; ++i) scored.push_back(i);
       parts.push_back(part);
       opens = false;
@@ -72,7 +72,7 @@ FitSamples::FitSamples(const FitData& data) {
     inputs_.push_back(history.x);
     branches_.push_back(history.branches);
   }
-  if (!up || !down) throw std::invalid_argument("branches of both directions are needed");
+  if (one_way ? !up && !down : !up || !down) throw std::invalid_argument("branches of both directions are needed");
   // As thin() in elam_samples.h: in step with no period of the data.
   constexpr double kGolden = 0.6180339887498949;
   const double share = static_cast<double>(kFittedSamples) / static_cast<double>(scored.size());

@@ -1,6 +1,7 @@
 // The samples of all histories in one row, checked once, and what every identification does with them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,16 +10,18 @@
 
 namespace tactbench::analysis {
 
-// A history that does not begin at the lowest input was reached from there by one rise. Between two turning points
-// only the way from the branch's first sample counts: a measured input that steps back within a branch is no turn.
+// A history that does not begin at the lowest input was reached from there by one rise, or from the highest input by
+// one fall where its first branch falls. Between two turning points only the way from the branch's first sample counts:
+// a measured input that steps back within a branch is no turn.
 struct FitSamples {
   struct Part {
     bool ascending = true;
-    bool opens_history = false;  // the model is virgin before it
+    bool opens_history = false;  // the model is virgin before it,
+    bool from_top = false;       // or has come to the highest input
     std::size_t first = 0, last = 0;
   };
-  // Throws std::invalid_argument when data are missing, not finite, or of one direction only.
-  explicit FitSamples(const FitData& data);
+  // Throws std::invalid_argument when data are missing, not finite, or of one direction only and not `one_way`.
+  explicit FitSamples(const FitData& data, bool one_way = false);
 
   double x_low = 0.0, x_high = 0.0;  // of the external loop
   std::vector<double> x;             // clamped to it
@@ -43,11 +46,15 @@ inline constexpr std::size_t kFittedSamples = 20000;
 template <class State, class Visit>
 void walk_branches(const FitSamples& samples, const State& virgin, const Visit& visit) {
   State state = virgin;
+  std::size_t last = 0;
   for (const FitSamples::Part& part : samples.parts) {
     if (part.opens_history) state = virgin;
-    state.move(samples.x[part.first]);
+    if (part.from_top) state.move(samples.x_high);
+    // What lies between two branches of a history is walked, too.
+    for (std::size_t i = part.opens_history ? part.first : std::min(last + 1, part.first); i <= part.first; ++i)
+      state.move(samples.x[i]);
     for (std::size_t i = part.first + 1; i <= part.last; ++i) visit(i, state);
-    state.move(samples.x[part.last]);
+    state.move(samples.x[last = part.last]);
   }
 }
 

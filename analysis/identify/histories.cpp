@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
-#include "analysis/counted.h"
 #include "analysis/statistics/numbers/moments.h"
+#include "analysis/workers.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -32,25 +31,11 @@ History history_of(const std::string& name, const Repeat& repeat, const std::vec
   return history;
 }
 
-struct Span {
-  double low = 0.0, high = 0.0;
-  [[nodiscard]] double length() const { return high - low; }
-};
-
-Span span_of(const std::vector<History>& histories, std::vector<double> History::*values) {
-  Span span{(histories.front().*values).front(), (histories.front().*values).front()};
-  for (const History& history : histories) {
-    const auto [low, high] = std::ranges::minmax(history.*values);
-    span = {std::min(span.low, low), std::max(span.high, high)};
-  }
-  return span;
-}
-
 // Of input and output over all samples of all taxels that can be fitted.
 double covariance(const std::vector<TaxelHistories>& taxels) {
   double sum = 0.0;
   for (const TaxelHistories& taxel : taxels) {
-    if (!taxel.status.empty()) continue;
+    if (!taxel.usable()) continue;
     for (const History& history : taxel.fit) {
       const double x = mean_by_shares(history.x), y = mean_by_shares(history.y);
       for (std::size_t i = 0; i < history.x.size(); ++i) sum += (history.x[i] - x) * (history.y[i] - y);
@@ -64,19 +49,13 @@ void negate(std::vector<History>& histories) {
     for (double& y : history.y) y = -y;
 }
 
-// The mean of the taxels that can be fitted, sample by sample; empty when their histories are not of one shape.
-std::vector<History> mean_histories(const std::vector<TaxelHistories>& taxels,
+// The mean of some taxels, sample by sample; empty when their histories are not of one shape.
+std::vector<History> mean_histories(const std::vector<const TaxelHistories*>& taxels,
                                     std::vector<History> TaxelHistories::*which) {
-  std::vector<History> mean;
-  double count = 0.0;
-  for (const TaxelHistories& taxel : taxels) {
-    if (!taxel.status.empty()) continue;
-    const std::vector<History>& own = taxel.*which;
-    if (count == 0.0) {
-      mean = own;
-      for (History& history : mean) std::ranges::fill(history.y, 0.0);
-    }
-    count += 1.0;
+  std::vector<History> mean = taxels.front()->*which;
+  for (History& history : mean) std::ranges::fill(history.y, 0.0);
+  for (const TaxelHistories* taxel : taxels) {
+    const std::vector<History>& own = taxel->*which;
     if (own.size() != mean.size()) return {};
     for (std::size_t h = 0; h < own.size(); ++h) {
       if (own[h].x != mean[h].x) return {};
@@ -84,15 +63,28 @@ std::vector<History> mean_histories(const std::vector<TaxelHistories>& taxels,
     }
   }
   for (History& history : mean)
-    for (double& y : history.y) y /= count;
+    for (double& y : history.y) y /= static_cast<double>(taxels.size());
   return mean;
 }
 
+}  // namespace
+
+Span span_of(const std::vector<History>& histories, std::vector<double> History::*values) {
+  Span span{(histories.front().*values).front(), (histories.front().*values).front()};
+  for (const History& history : histories) {
+    const auto [low, high] = std::ranges::minmax(history.*values);
+    span = {std::min(span.low, low), std::max(span.high, high)};
+  }
+  return span;
+}
+
 void finish(Histories& histories) {
-  const auto usable = std::ranges::count_if(histories.taxels, [](const auto& t) { return t.status.empty(); });
-  if (usable == 0)
+  std::vector<const TaxelHistories*> usable;
+  for (const TaxelHistories& taxel : histories.taxels)
+    if (taxel.usable()) usable.push_back(&taxel);
+  if (usable.empty())
     throw AnalysisError("TB-ANALYSIS-NO-TAXEL", fmt::format("{}: no taxel can be fitted", histories.source),
-                        "look at the samples: dead, stuck, saturated and constant outputs are left out");
+                        "check the samples: dead, stuck, saturated and constant outputs are left out");
   histories.falling = covariance(histories.taxels) < 0.0;
   for (TaxelHistories& taxel : histories.taxels) {
     if (!histories.falling) break;
@@ -102,18 +94,19 @@ void finish(Histories& histories) {
   if (histories.taxels.size() == 1) return;
   TaxelHistories mean;
   mean.taxel = kMeanTaxel;
-  mean.fit = mean_histories(histories.taxels, &TaxelHistories::fit);
-  mean.score = mean_histories(histories.taxels, &TaxelHistories::score);
-  for (const TaxelHistories& taxel : histories.taxels)
-    if (taxel.status.empty()) mean.noise += taxel.noise * taxel.noise;
-  mean.noise = std::sqrt(mean.noise) / static_cast<double>(usable);
+  mean.fit = mean_histories(usable, &TaxelHistories::fit);
+  mean.score = mean_histories(usable, &TaxelHistories::score);
+  for (const TaxelHistories* taxel : usable) {
+    mean.noise += taxel->noise * taxel->noise;
+    mean.turn = std::max(mean.turn, taxel->turn);
+  }
+  mean.noise = std::sqrt(mean.noise) / static_cast<double>(usable.size());
   if (!mean.fit.empty()) histories.taxels.push_back(std::move(mean));
 }
 
-}  // namespace
-
 Histories histories_of(const Dataset& dataset, const HistoriesOptions& options) {
   Histories histories;
+  histories.run = dataset.run;
   histories.source = fmt::format("run {}", dataset.run);
   histories.origin = dataset.origin;
   histories.sensor_serial = dataset.sensor_serial;
@@ -122,65 +115,33 @@ Histories histories_of(const Dataset& dataset, const HistoriesOptions& options) 
   histories.columns = dataset.columns;
   histories.scans = dataset.scans;
   histories.temperatures_c = dataset.temperatures_c;
+  histories.least_span = options.dead_v;
   const auto width = static_cast<std::size_t>(dataset.taxels());
-  std::vector<TaxelTable> common;
-  for (const SequenceData& sequence : dataset.sequences) {
-    histories.sequences.push_back(sequence.name);
-    common.push_back(bring_to_common(sequence, dataset.taxels(), options.common));
-  }
-  for (std::size_t taxel = 0; taxel < width; ++taxel) {
-    TaxelHistories own;
+  std::vector<TaxelTable> common(dataset.sequences.size());
+  for (const SequenceData& sequence : dataset.sequences) histories.sequences.push_back(sequence.name);
+  for_each_index(common.size(), options.threads, [&](std::size_t s) {
+    common[s] = bring_to_common(dataset.sequences[s], dataset.taxels(), options.common);
+  });
+  histories.taxels.resize(width);
+  const auto add_scores = [&](std::size_t taxel) {
+    for (std::size_t s = 0; s < common.size(); ++s)
+      for (const Repeat& repeat : dataset.sequences[s].repeats)
+        histories.taxels[taxel].score.push_back(
+            history_of(dataset.sequences[s].name, repeat, common[s].branches, width, taxel));
+  };
+  for_each_index(width, options.threads, [&](std::size_t taxel) {
+    TaxelHistories& own = histories.taxels[taxel];
     own.taxel = static_cast<int>(taxel);
     own.noise = dataset.noise_v[taxel];
-    for (std::size_t s = 0; s < common.size(); ++s) {
-      const SequenceData& sequence = dataset.sequences[s];
-      own.fit.push_back(history_of(sequence.name, common[s], width, taxel));
-      for (const Repeat& repeat : sequence.repeats)
-        own.score.push_back(history_of(sequence.name, repeat, common[s].branches, width, taxel));
-    }
+    for (std::size_t s = 0; s < common.size(); ++s)
+      own.fit.push_back(history_of(dataset.sequences[s].name, common[s], width, taxel));
     const Span span = span_of(own.fit, &History::y);
-    if (dataset.at_limit[taxel])
-      own.status = "saturated";
-    else if (span.length() < options.dead_v)
-      own.status = std::max(std::abs(span.low), std::abs(span.high)) < options.dead_v ? "dead" : "stuck";
-    histories.taxels.push_back(std::move(own));
-  }
-  finish(histories);
-  return histories;
-}
-
-Histories histories_of(const std::vector<TableSeries>& series, const std::string& source,
-                       const HistoriesOptions& options) {
-  Histories histories;
-  histories.source = source;
-  histories.origin = "imported";
-  std::map<int, TaxelHistories> taxels;
-  for (const TableSeries& own : series) {
-    if (own.input.size() < 4)
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-SHORT",
-                          fmt::format("{}: sequence {} of taxel {} has {}", source, own.sequence, own.taxel,
-                                      counted(own.input.size(), "sample")),
-                          "a history of at least 4 samples is needed to see a loop");
-    if (std::ranges::find(histories.sequences, own.sequence) == histories.sequences.end())
-      histories.sequences.push_back(own.sequence);
-    TaxelHistories& taxel = taxels[own.taxel];
-    taxel.taxel = own.taxel;
-    taxel.fit.push_back({own.sequence, own.input, own.output, {}, {}, {}});
-  }
-  for (auto& [number, taxel] : taxels) {
-    const Span x = span_of(taxel.fit, &History::x), y = span_of(taxel.fit, &History::y);
-    if (x.length() <= 0.0)
-      throw AnalysisError(Cause::kUsage, "TB-TABLE-CONSTANT",
-                          fmt::format("{}: the input of taxel {} is {} in all rows", source, number, x.low),
-                          "a history needs inputs that rise and fall; --map input=COL names another column");
-    for (History& history : taxel.fit) history.branches = branches_along(history.x, options.turn_share * x.length());
-    if (y.length() <= 0.0) taxel.status = "constant";
-    for (const History& history : taxel.fit)
-      taxel.noise = std::max(taxel.noise, options.noise < 0.0 ? noise_of(history.y) : options.noise);
-    taxel.score = taxel.fit;
-    histories.taxels.push_back(std::move(taxel));
-  }
-  histories.rows = static_cast<int>(histories.taxels.size());
+    own.status = status_of({span.low, span.high}, dataset.at_limit[taxel], options.dead_v);
+    if (options.all_scores) add_scores(taxel);
+  });
+  const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
+  if (!options.all_scores && first != histories.taxels.end())
+    add_scores(static_cast<std::size_t>(first - histories.taxels.begin()));
   finish(histories);
   return histories;
 }
@@ -188,16 +149,6 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
 Histories mean_taxel_of(Histories histories) {
   if (histories.taxels.size() > 1) histories.taxels.erase(histories.taxels.begin(), histories.taxels.end() - 1);
   return histories;
-}
-
-double noise_of(const std::vector<double>& outputs) {
-  std::vector<double> differences;
-  for (std::size_t i = 4; i < outputs.size(); ++i)
-    differences.push_back(
-        std::abs(outputs[i] - 4.0 * outputs[i - 1] + 6.0 * outputs[i - 2] - 4.0 * outputs[i - 3] + outputs[i - 4]));
-  if (differences.empty()) return 0.0;
-  constexpr double kMedianOfNormal = 0.67449;  // of its absolute value, in standard deviations
-  return quantile_of(std::move(differences), 0.5) / (kMedianOfNormal * std::sqrt(70.0));  // 1 + 16 + 36 + 16 + 1
 }
 
 std::vector<History> named(const std::vector<History>& histories, const std::vector<std::string>& names) {
@@ -218,12 +169,45 @@ std::vector<History> named(const std::vector<History>& histories, const std::vec
   return chosen;
 }
 
-FitData fit_data_of(const TaxelHistories& taxel, const std::vector<std::string>& names) {
-  FitData data;
-  data.histories = named(taxel.fit, names);
+namespace {
+
+// What stands for the loop where there is none: from the mean output at the lowest inputs to that at the highest.
+ExternalLoop ends_of(const std::vector<TaxelTable>& sequences) {
+  constexpr double kEnd = 0.01;  // of the span
+  double low = sequences.front().pressure_psi.front(), high = low;
+  for (const TaxelTable& sequence : sequences) {
+    const auto [least, most] = std::ranges::minmax(sequence.pressure_psi);
+    low = std::min(low, least);
+    high = std::max(high, most);
+  }
+  std::vector<double> at_low, at_high;
+  for (const TaxelTable& sequence : sequences) {
+    for (std::size_t i = 0; i < sequence.values.size(); ++i) {
+      if (sequence.pressure_psi[i] - low <= kEnd * (high - low)) at_low.push_back(sequence.values[i]);
+      if (high - sequence.pressure_psi[i] <= kEnd * (high - low)) at_high.push_back(sequence.values[i]);
+    }
+  }
+  const std::vector<double> line = {mean_of(at_low), mean_of(at_high)};
+  return {{low, high}, line, line};
+}
+
+struct LoopOrEnds {
+  ExternalLoop loop;    // or its ends
+  std::string no_loop;  // what is missing of it
+};
+
+LoopOrEnds loop_of(const std::vector<History>& histories, double turn) {
   std::vector<TaxelTable> sequences;
-  for (const History& history : data.histories) sequences.push_back({history.x, history.y, history.branches});
-  const ExternalLoop loop = external_loop(sequences, 1);
+  for (const History& history : histories) sequences.push_back({history.x, history.y, history.branches});
+  try {
+    return {external_loop(sequences, 1, turn), {}};
+  } catch (const AnalysisError& error) {
+    return {ends_of(sequences), error.what()};
+  }
+}
+
+FitData with_patterns(std::vector<History> histories, const LoopOrEnds& own) {
+  const ExternalLoop& loop = own.loop;
   // Both patterns start and end in the mean of the two measured ends [A11].
   const double low = 0.5 * (loop.ascending.front() + loop.descending.front());
   const double high = 0.5 * (loop.ascending.back() + loop.descending.back());
@@ -231,9 +215,40 @@ FitData fit_data_of(const TaxelHistories& taxel, const std::vector<std::string>&
     throw AnalysisError("TB-ANALYSIS-FALLING",
                         fmt::format("the output goes from {:g} to {:g} where the input rises", low, high),
                         "only outputs that change with the input the same way all along are modelled");
-  data.ascending = PatternCurve(loop.pressure_psi, loop.ascending, low, high);
-  data.descending = PatternCurve(loop.pressure_psi, loop.descending, low, high);
-  return data;
+  return {std::move(histories), PatternCurve(loop.pressure_psi, loop.ascending, low, high),
+          PatternCurve(loop.pressure_psi, loop.descending, low, high), own.no_loop};
+}
+
+}  // namespace
+
+FitData fit_data_of(const TaxelHistories& taxel, const std::vector<std::string>& names) {
+  std::vector<History> histories = named(taxel.fit, names);
+  const LoopOrEnds loop = loop_of(histories, taxel.turn);
+  return with_patterns(std::move(histories), loop);
+}
+
+std::optional<FitData> mean_fit_data(const Histories& histories, const std::vector<std::size_t>& taxels,
+                                     const std::vector<std::string>& names) {
+  std::vector<const TaxelHistories*> chosen;
+  for (const std::size_t taxel : taxels) chosen.push_back(&histories.taxels[taxel]);
+  std::vector<History> means = mean_histories(chosen, &TaxelHistories::fit);
+  if (means.empty()) return std::nullopt;
+  LoopOrEnds mean;
+  for (const TaxelHistories* taxel : chosen) {
+    const LoopOrEnds own = loop_of(named(taxel->fit, names), taxel->turn);
+    if (mean.loop.pressure_psi.empty()) {
+      const std::vector<double> none(own.loop.ascending.size(), 0.0);
+      mean = {{own.loop.pressure_psi, none, none, own.loop.left_out}, own.no_loop};
+    }
+    if (own.loop.pressure_psi != mean.loop.pressure_psi) return std::nullopt;
+    for (std::size_t i = 0; i < own.loop.ascending.size(); ++i) {
+      mean.loop.ascending[i] += own.loop.ascending[i];
+      mean.loop.descending[i] += own.loop.descending[i];
+    }
+  }
+  for (std::vector<double>* outputs : {&mean.loop.ascending, &mean.loop.descending})
+    for (double& y : *outputs) y /= static_cast<double>(chosen.size());
+  return with_patterns(named(means, names), mean);
 }
 
 }  // namespace tactbench::analysis

@@ -2,61 +2,90 @@
 // were measured.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/dataset.h"
 #include "analysis/identify/fit_data.h"
+#include "analysis/identify/taxel_status.h"
 #include "analysis/table.h"
 
 namespace tactbench::analysis {
 
+inline constexpr double kBandInNoises = 6.0;  // dead band of compensation, in standard deviations of a sample
+
 struct TaxelHistories {
-  int taxel = 0;               // kMeanTaxel: the mean of those that can be fitted
-  std::string status;          // empty: can be fitted; else dead, stuck, saturated, constant, falling
-  double noise = 0.0;          // standard deviation of a sample; 0: not known
+  int taxel = 0;                              // kMeanTaxel: the mean of those that can be fitted
+  TaxelStatus status = TaxelStatus::kFitted;  // dead, stuck, saturated and constant ones cannot be fitted
+  double noise = 0.0;                         // standard deviation of a sample; 0: not known
+  double turn = 0.0;           // of a table: an input that goes back by more has turned; 0: inputs are commanded
   std::vector<History> fit;    // one a sequence: a run's repeats brought to common inputs and averaged
   std::vector<History> score;  // one a sequence and repeat, as measured
+  [[nodiscard]] bool usable() const { return status == TaxelStatus::kFitted; }
 };
 inline constexpr int kMeanTaxel = -1;
 
 struct Histories {
+  std::int64_t run = 0;        // 0: a table
   std::string source;          // "run 3", or the table's name
   std::string origin;          // simulated | hardware | imported
   std::string content_sha256;  // of the run, or of the table's bytes
   std::string sensor_serial, scanner_serial;
   std::string input_unit = "psi", output_unit = "V";
   int rows = 1, columns = 1, scans = 1;  // scans: averaged into a sample
-  bool falling = false;                  // the output falls when the input rises: all outputs here are negated [A20]
+  double least_span = 0.0;               // a taxel whose loop rises by less does not follow the input
+  // The output falls when the input rises: all outputs here are negated [A20]. Decided by the sign of the covariance of
+  // input and output over all taxels that can be fitted.
+  bool falling = false;
   std::vector<std::string> sequences;
   std::vector<double> temperatures_c;  // of the surroundings, where a run measured it
   std::vector<TaxelHistories> taxels;  // mean included, at the end, when there are several
+  std::vector<std::string> assumed;    // of a table: what was taken for granted in reading it, a line each
+  std::vector<std::string> warnings;   // of a table: what is doubtful about it, a line each
 };
 
 struct HistoriesOptions {
   CommonOptions common;
-  double dead_v = 0.05;       // of a run: a taxel whose output spans less is dead (0 V) or stuck
-  double turn_share = 0.001;  // of a table's input span: an input that goes back by more has turned
-  double noise = -1.0;        // of a table's outputs; negative: estimated by noise_of
+  double dead_v = kDeadV;  // of a run: a taxel whose output spans less is dead (0 V) or stuck
+  bool all_scores = true;  // of a run; false: only the first taxel that can be fitted has TaxelHistories::score
+  int threads = 0;         // of a run; 0: as many as there are cores
+  // Of a table:
+  std::vector<std::string> fitted;  // sequences that models are fitted on: noise is theirs alone; empty: all
+  double turn = -1.0;   // an input that goes back by more has turned; negative: by more than seven times the noise of
+                        // the inputs, and 0.1 % of their span
+  double noise = -1.0;  // of the outputs; negative: from differences within the branches that are fitted
 };
 
 // Throws AnalysisError, TB-ANALYSIS-NO-TAXEL when no taxel can be fitted.
 Histories histories_of(const Dataset& dataset, const HistoriesOptions& options = {});
-// Series of a table or of an imported run. Throws AnalysisError TB-TABLE-SHORT (fewer than 4 samples),
-// TB-TABLE-CONSTANT.
+// Series of a table or of an imported run (table_histories.cpp). Throws AnalysisError TB-TABLE-SHORT (fewer than 4
+// samples), TB-TABLE-CONSTANT.
 Histories histories_of(const std::vector<TableSeries>& series, const std::string& source,
                        const HistoriesOptions& options = {});
+
+// Of the inputs or outputs of some histories, none of them empty.
+struct Span {
+  double low = 0.0, high = 0.0;
+  [[nodiscard]] double length() const { return high - low; }
+};
+Span span_of(const std::vector<History>& histories, std::vector<double> History::*values);
+
+// Puts the sign of the outputs right and adds the mean taxel: the last step of both above.
+void finish(Histories& histories);
 
 // The mean taxel alone; one taxel stays as it is.
 Histories mean_taxel_of(Histories histories);
 
-// Standard deviation of the noise on outputs that are smooth but for it: median of their fourth differences, which see
-// neither slope nor curvature of the branches, and few turns.
-double noise_of(const std::vector<double>& outputs);
-
-// The named sequences of one taxel, their external loop as patterns. Empty `names`: all. Throws AnalysisError
-// TB-MODEL-SEQUENCE (says which there are) and TB-ANALYSIS-NO-LOOP.
+// The named sequences of one taxel, their external loop as patterns. Without a full sweep up and one down FitData says
+// so, and its patterns are straight lines between the mean outputs at both ends of the inputs. Empty `names`: all.
+// Throws AnalysisError TB-MODEL-SEQUENCE (says which there are) and TB-ANALYSIS-FALLING (the loop does not rise).
 FitData fit_data_of(const TaxelHistories& taxel, const std::vector<std::string>& names);
+// The same of the mean of some taxels, given by their places: their loops' mean. Nothing when they do not share their
+// inputs.
+std::optional<FitData> mean_fit_data(const Histories& histories, const std::vector<std::size_t>& taxels,
+                                     const std::vector<std::string>& names);
 std::vector<History> named(const std::vector<History>& histories, const std::vector<std::string>& names);
 
 }  // namespace tactbench::analysis

@@ -24,7 +24,7 @@ std::unique_ptr<Identifier> prepare_poly(const FitData& like, const IdentifyOpti
 std::unique_ptr<Identifier> prepare_preisach(const FitData& like, const IdentifyOptions& options);
 std::unique_ptr<Identifier> prepare_monotone(const FitData& like, const IdentifyOptions& options);
 
-// By name, as identify().
+// By name, as identify(): from the `no_loop` of `like`, too.
 std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like, const IdentifyOptions& options = {});
 
 }  // namespace tactbench::analysis

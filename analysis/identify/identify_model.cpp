@@ -2,8 +2,12 @@
 #include <array>
 #include <stdexcept>
 
+#include "analysis/error.h"
+#include "analysis/identify/congruency.h"
 #include "analysis/identify/elam/genetic.h"
+#include "analysis/identify/fit_samples.h"
 #include "analysis/identify/identifier.h"
+#include "analysis/models/linearised.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -18,6 +22,26 @@ class ElamIdentifier final : public Identifier {
 
  private:
   IdentifyOptions options_;
+};
+
+// Any model on the linearised output; the plain model where no divider is found.
+class LinearisedIdentifier final : public Identifier {
+ public:
+  LinearisedIdentifier(const FitData& like, std::unique_ptr<Identifier> inner, bool free_run)
+      : samples_(like), inner_(std::move(inner)), free_run_(free_run) {}
+  [[nodiscard]] ModelFit fit(const FitData& data) const override {
+    const Congruency found = find_divider(data);
+    if (found.divider.per_amplitude == 0.0) return inner_->fit(data);
+    ModelFit fit = inner_->fit(linearised(data, found.divider));
+    fit.model = std::make_unique<LinearisedModel>(found.divider, std::move(fit.model));
+    score_walk(fit, data, samples_, samples_.outputs(data), free_run_);
+    return fit;
+  }
+
+ private:
+  FitSamples samples_;
+  std::unique_ptr<Identifier> inner_;
+  bool free_run_;
 };
 
 std::unique_ptr<Identifier> prepare_elam(const FitData& /*like*/, const IdentifyOptions& options) {
@@ -36,7 +60,13 @@ std::span<const char* const> model_names() { return kModelNames; }
 std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like, const IdentifyOptions& options) {
   const auto found = std::ranges::find(kModelNames, name);
   if (found == kModelNames.end()) throw std::invalid_argument("there is no model named \"" + name + "\"");
-  return kPrepare[static_cast<std::size_t>(found - kModelNames.begin())](like, options);
+  if (!like.no_loop.empty() && (name == "elam" || name == "poly"))
+    throw AnalysisError("TB-ANALYSIS-NO-LOOP", name + " is made of the external loop: " + like.no_loop,
+                        "measure from the lowest to the highest and back without a turn, or fit a model that needs no "
+                        "external loop: --model gpi,mpi,preisach,monotone");
+  std::unique_ptr<Identifier> own = kPrepare[static_cast<std::size_t>(found - kModelNames.begin())](like, options);
+  if (!options.linearise) return own;
+  return std::make_unique<LinearisedIdentifier>(like, std::move(own), options.free_run);
 }
 
 ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options) {
@@ -59,10 +89,15 @@ ModelFit identify_monotone(const FitData& data, const IdentifyOptions& options) 
   return prepare_monotone(data, options)->fit(data);
 }
 
+bool begins_falling(const History& history) {
+  return !history.branches.empty() && history.branches.front().first == 0 && !history.branches.front().ascending;
+}
+
 // Samples outside of any branch are walked one by one. Within a branch the way is the one from its first sample: an
 // input that steps back there (noise of a measured reference) is no turn.
 std::vector<double> predict_history(const HysteresisModel& model, const History& history, bool free_run) {
   const auto state = model.state();
+  if (begins_falling(history)) state->go(model.x_high());
   std::vector<double> outputs(history.x.size());
   std::size_t next = 0;
   const auto walk_to = [&](std::size_t end) {

@@ -8,6 +8,7 @@
 #include "analysis/models/elam_hysteresis.h"
 #include "analysis/models/gpi.h"
 #include "analysis/models/json_members.h"
+#include "analysis/models/linearised.h"
 #include "analysis/models/monotone.h"
 #include "analysis/models/mpi.h"
 #include "analysis/models/poly.h"
@@ -53,6 +54,7 @@ std::unique_ptr<HysteresisModel> model_from_json(const nlohmann::ordered_json& j
   if (name == "poly") return PolyModel::from_json(json);
   if (name == "preisach") return PreisachModel::from_json(json);
   if (name == "monotone") return MonotoneModel::from_json(json);
+  if (name == "linearised") return LinearisedModel::from_json(json);
   throw std::invalid_argument("model: \"model\" is \"" + name + "\", which this program does not know");
 }
 

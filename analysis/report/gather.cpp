@@ -9,7 +9,7 @@
 namespace tactbench::analysis {
 namespace {
 
-Dataset seen_by(const ArrayFit& fit, const Dataset& dataset) {
+Dataset seen_by(const SensorModel& fit, const Dataset& dataset) {
   return fit.taxels.empty() ? dataset : as_modelled(dataset, fit);
 }
 
@@ -27,7 +27,7 @@ void check_sensor(const db::RunRecord& run, const db::RunRecord& further) {
 
 }  // namespace
 
-std::vector<int> counted_taxels(const ArrayFit& fit, const Health& health) {
+std::vector<int> counted_taxels(const SensorModel& fit, const Health& health) {
   std::vector<bool> out(static_cast<std::size_t>(health.rows * health.columns), false);
   for (const TaxelHealth& finding : health.findings)
     if (finding.excluded) out[static_cast<std::size_t>(finding.taxel)] = true;
@@ -52,7 +52,7 @@ void gather_run(ReportInput& input, Runs& runs, std::int64_t run, const std::vec
   if (!input.history.seating_v.empty() && !input.history.earlier_seating_v.empty() &&
       input.history.seating_v.size() == static_cast<std::size_t>(dataset.taxels())) {
     input.health.swaps_assessed = true;
-    // A taxel that does not follow the pressure would hide that its line changed places.
+    // A taxel that does not follow the pressure would hide a swapped line.
     std::vector<double> seating = input.history.seating_v;
     for (const TaxelHealth& finding : input.health.findings)
       if (finding.excluded) seating[static_cast<std::size_t>(finding.taxel)] = kNan;

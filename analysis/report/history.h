@@ -1,4 +1,4 @@
-// What happened on the way to a run's frames: attempts, voids, flags, pauses, surroundings. Store -> report.
+// The events of a run: attempts, voids, flags, pauses, environment. Store -> report.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct RunHistory {
   bool presses = false;  // frames were taken under an indenter, not in the chamber
   std::vector<HistoryEvent> events;
   std::vector<VoidBranch> voids;
-  std::map<std::string, int> flags;              // word -> frames that count and carry it
+  std::map<std::string, int> flags;              // flag -> number of valid frames with it
   int frames = 0, flagged = 0, void_frames = 0;  // that count; of these with a flag; in void branches
   std::vector<SurroundingsRange> surroundings;
   std::vector<db::CheckRecord> checks;  // seating, warm-up, conditioning, mount, tare

@@ -1,5 +1,4 @@
-// What no instrument can know of a calibration and somebody has to type: the fields of a laboratory file. Empty fields
-// print as "not stated".
+// The fields of a laboratory file: facts of a calibration that no instrument knows. Empty fields print as "not stated".
 #pragma once
 
 #include <string>

@@ -111,10 +111,7 @@ Deviation deviation(std::span<const double> a, std::span<const double> b) {
   return {sum / static_cast<double>(n), maximum};
 }
 
-int fitted_taxels(const ArrayFit& fit) {
-  return static_cast<int>(std::count_if(fit.taxels.begin(), fit.taxels.end(),
-                                        [](const TaxelFit& taxel) { return taxel.status == TaxelStatus::kFitted; }));
-}
+int fitted_taxels(const SensorModel& fit) { return static_cast<int>(fit.fitted().size()); }
 
 double observable(const LevelFigures& level, double LevelFigures::*figure, int fitted) {
   return level.flat_taxels < fitted ? level.*figure : kNan;

@@ -1,4 +1,4 @@
-// What the report's sections, its data and the pages on several runs share.
+// Shared by the report's sections, its data and the pages on several runs.
 #pragma once
 
 #include <initializer_list>
@@ -31,7 +31,7 @@ bool is_simulated(const ReportInput& input);
 bool is_certificate(const ReportInput& input);
 // Without stated uncertainties a document is a test report.
 bool states_uncertainty(const ReportInput& input);
-std::string model_sha256(const ArrayFit& fit);  // of all parameters and patterns, bit for bit
+std::string model_sha256(const SensorModel& fit);  // of all parameters and patterns, bit for bit
 // A pressure reference that is a device of its own, not the regulator's feedback.
 bool has_reference(const db::RunRecord& run);
 // "✓ pass", "▲ inconclusive", "✗ fail"; with "simulated" before the word for a simulated run.
@@ -49,11 +49,11 @@ struct Deviation {
 };
 Deviation deviation(std::span<const double> a, std::span<const double> b);
 
-int fitted_taxels(const ArrayFit& fit);
+int fitted_taxels(const SensorModel& fit);
 // A figure over the observable taxels of a level: NaN where none is left, which the evaluation gives as 0.
 double observable(const LevelFigures& level, double LevelFigures::*figure, int fitted);
 
-// In which way compensation made a level worse than it was raw.
+// States how compensation made a level worse than raw.
 struct LevelJudgement {
   bool distance = false, std_up = false, std_down = false;
   [[nodiscard]] bool any() const { return distance || std_up || std_down; }

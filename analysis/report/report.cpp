@@ -24,7 +24,7 @@ void keep_content_only(db::RunRecord& run) {
   for (std::string* field : {&run.uuid, &run.started_utc, &run.ended_utc, &run.host, &run.time_zone}) field->clear();
 }
 
-// Verdicts keep to which run of the report they belong, by its place: the report's own 0, the first held out -1.
+// Verdicts name their run by its place in the report: 0 the report's own, -1 the first held out.
 void forget_verdicts_runs(ReportInput& content) {
   std::map<std::int64_t, std::int64_t> places;
   for (std::size_t i = 0; i < content.held_out.size(); ++i) {
@@ -62,7 +62,7 @@ ReportInput content_of(const ReportInput& input) {
   return content;
 }
 
-// The order of the page and of its list of contents: a section more is a line more.
+// The order of the page and of its list of contents: one line per section.
 struct ReportPart {
   const char* id;     // of its heading
   const char* title;  // in the list of contents
@@ -102,7 +102,7 @@ Markup write_part(const ReportPart& part, const ReportInput& input) {
   return out;
 }
 
-// Of the hashes of data, identification and each part, so that nothing of their size is put together for it.
+// The hash over the hashes of data, identification and each part, without concatenating them.
 std::string content_hash(const ReportInput& input, const std::vector<Markup>& parts, const std::string& results) {
   const ReportInput content = content_of(input);
   std::string hashes = db::sha256_hex(results) + db::sha256_hex(identification_json(content));
@@ -111,7 +111,7 @@ std::string content_hash(const ReportInput& input, const std::vector<Markup>& pa
   return db::sha256_hex(hashes);
 }
 
-// What the store says of signatures under this report and under those of the same run before it.
+// Signatures stored for this report and for earlier reports of the same run.
 struct Issue {
   std::string authorised_by, authorised_utc, issued, replaces;
 };
@@ -136,7 +136,7 @@ const char* document_name(const ReportInput& input) {
                                      : "Test report";
 }
 
-// The date of the run rules what was measured; that the reference fell due since then is said, and changes nothing.
+// The date of the run decides whether a reference was overdue; one that fell due later is mentioned without effect.
 html::Text due_since_then(const ReportInput& input, const std::string& issued) {
   const ReferenceUncertainty reference = reference_uncertainty(input.run, input.laboratory.instruments);
   if (reference.overdue || due_state(reference.calibration, issued) != DueState::kOverdue) return Text("");

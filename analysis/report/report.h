@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/report/history.h"
 #include "analysis/report/laboratory.h"
 #include "analysis/report/page/style.h"
@@ -29,25 +29,25 @@ struct HeldOut {
   Evaluation evaluation;
 };
 
-// What is to be known of the verdicts beside their rows; page 1 says it.
+// Remarks on the verdicts besides their rows, for page 1.
 struct JudgementNotes {
-  std::string not_judged;            // why the rows are no verdict; empty: they are one
-  std::vector<std::string> remarks;  // void runs that count all the same, held-out runs that do not
+  std::string not_judged;            // why the rows are not a verdict; empty: they are one
+  std::vector<std::string> remarks;  // void runs that were counted, held-out runs that were not
   // Stored verdicts on these models that are worse than the rows: by other limits, or on runs that the rows leave out.
   std::vector<db::VerdictRecord> stored_worse;
 };
 
-// What the rows and their notes come to: inconclusive where the rows are no verdict, a stored fail whatever the rows
-// say, else the worst row; none without rows.
+// The overall verdict of rows and notes: inconclusive when the rows are not a verdict, fail when a stored verdict is
+// fail, else the worst row; none without rows.
 std::optional<Verdict> final_verdict(std::span<const db::VerdictRecord> verdicts, const JudgementNotes& notes);
 
 struct ReportInput {
   db::RunRecord run;  // the characterization
   std::optional<db::SensorRecord> sensor;
-  ArrayFit fit;           // without taxels: no models, and the sections that need some say so
+  SensorModel fit;        // without taxels: no models, and the sections that need some say so
   Evaluation evaluation;  // the fit's own run; without levels: not evaluated
   std::vector<HeldOut> held_out;
-  std::vector<db::RunRecord> further;  // of the same sensor, for what one run does not tell: creep, mounts, objects
+  std::vector<db::RunRecord> further;       // of the same sensor, for creep, mounts, objects
   std::vector<db::VerdictRecord> verdicts;  // of each run judged, one after the other
   JudgementNotes judgement;
   std::optional<Uncertainty> uncertainty;  // of a reading of this run's taxels
@@ -73,7 +73,7 @@ struct Report {
 
 // Whether `input` carries a signature for report `number`.
 bool is_signed(const ReportInput& input, const std::string& number);
-// What the title of a signed report has and no other: also a PDF keeps it.
+// The mark of a signed report in its title, which a PDF keeps.
 std::string signed_title_mark(const std::string& number);
 
 Report render_report(const ReportInput& input);

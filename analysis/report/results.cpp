@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/identify/histories.h"
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
@@ -15,10 +14,9 @@ TaxelTrace trace_of_mean(const NamedTaxel& taxel, const Trace& trace) {
 }
 
 // All sequences of one taxel: the compensator's state carries over from repeat to repeat and sequence to sequence.
-std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const TaxelFit& fit, const NamedTaxel& named) {
+std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const ModelTaxel& fit, const NamedTaxel& named) {
   const auto width = static_cast<std::size_t>(dataset.taxels()), taxel = static_cast<std::size_t>(named.taxel);
-  TaxelCompensator compensator = compensator_of(fit);
-  const ElamHysteresis model(fit.fit.model);
+  TaxelStream compensator(fit);
   std::vector<TaxelTrace> out;
   for (const SequenceData& sequence : dataset.sequences) {
     const std::size_t steps = sequence.repeats.front().steps.size();
@@ -36,15 +34,15 @@ std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const TaxelFit& 
     std::vector<double> commanded;
     for (const Sample& step : sequence.repeats.front().steps) commanded.push_back(step.setpoint_psi);
     const History history{sequence.name, trace.pressure_psi, trace.measured_v, branches_along(commanded), {}, {}};
-    trace.model_v = predict_history(model, history, false);
+    trace.model_v = fit.predicted(history, false);
     out.push_back(std::move(trace));
   }
   return out;
 }
 
-StraightLine straight_line(const Dataset& dataset, const ArrayFit& fit) {
+StraightLine straight_line(const Dataset& dataset, const SensorModel& fit) {
   const Fitted fitted(fit);
-  const ElamModel& mean = fit.mean_taxel.fit.model;
+  const ModelTaxel& mean = fit.mean_taxel();
   const double per_volt = (mean.xu() - mean.x0()) / (mean.yu() - mean.y0());
   StraightLine out;
   double sum = 0.0, samples = 0.0;
@@ -68,17 +66,17 @@ StraightLine straight_line(const Dataset& dataset, const ArrayFit& fit) {
   return out;
 }
 
-// Models of taxels that this run leaves out are left out too: every column of a table has the same taxels.
-ArrayFit of_taxels_in_use(ArrayFit previous, const ArrayFit& fit) {
-  for (std::size_t i = 0; i < std::min(previous.taxels.size(), fit.taxels.size()); ++i)
-    if (fit.taxels[i].status != TaxelStatus::kFitted) previous.taxels[i].status = fit.taxels[i].status;
+// Omits models of taxels that this run omits, so that every column of a table has the same taxels.
+SensorModel of_taxels_in_use(SensorModel previous, const SensorModel& fit) {
+  for (std::size_t i = 0; i < std::min(previous.array().size(), fit.array().size()); ++i)
+    if (!fit.taxels[i].fitted()) previous.taxels[i].status = fit.taxels[i].status;
   return previous;
 }
 
 }  // namespace
 
-ReportResults results_of(const Dataset& measured, const ArrayFit& fit, const Evaluation& evaluation,
-                         const ArrayFit* previous, const std::string& previous_name, int threads) {
+ReportResults results_of(const Dataset& measured, const SensorModel& fit, const Evaluation& evaluation,
+                         const SensorModel* previous, const std::string& previous_name, int threads) {
   const Dataset dataset = as_modelled(measured, fit);
   const ChosenTaxels chosen = choose_taxels(evaluation);
   ReportResults out;
@@ -94,7 +92,7 @@ ReportResults results_of(const Dataset& measured, const ArrayFit& fit, const Eva
   out.straight = straight_line(dataset, fit);
   out.usable = usable_range(fit);
   if (previous != nullptr) {
-    const ArrayFit in_use = of_taxels_in_use(*previous, fit);
+    const SensorModel in_use = of_taxels_in_use(*previous, fit);
     const Fitted fitted(in_use);
     out.previous =
         AsFound{previous_name, evaluate(measured, in_use, threads), static_cast<int>(fitted.taxels().size())};

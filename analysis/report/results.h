@@ -1,5 +1,5 @@
 // Results of a report beyond its evaluation: models compared, traces of chosen taxels, the previous models, further
-// runs. All computed before the page is written, so that writing it stays cheap.
+// runs. All are computed before rendering, so that rendering stays fast.
 #pragma once
 
 #include <optional>
@@ -46,10 +46,10 @@ struct ReportResults {
 
 // models, traces, straight and usable of the fit's own run; `previous` when given. GPI, MPI and POLY are fitted here,
 // for four taxels: the part that takes time. Throws AnalysisError as evaluate().
-ReportResults results_of(const Dataset& dataset, const ArrayFit& fit, const Evaluation& evaluation,
-                         const ArrayFit* previous, const std::string& previous_name, int threads = 0);
+ReportResults results_of(const Dataset& dataset, const SensorModel& fit, const Evaluation& evaluation,
+                         const SensorModel* previous, const std::string& previous_name, int threads = 0);
 
-// Leaves out what names runs, for the content hash.
+// Omits names of runs, for the content hash.
 void forget_run_numbers(ReportResults& results);
 
 }  // namespace tactbench::analysis

@@ -1,5 +1,5 @@
-// The runs that one command works on, each read from the store once: its row when it is first asked for, everything
-// else when the first result that needs it is. Functions take a Runs instead of a store and a run number.
+// Cache of the runs that one command uses, each read from the store once: its row on first use, everything else with
+// the first result that needs it. Functions take a Runs instead of a store and a run number.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,8 @@
 
 namespace tactbench::analysis {
 
-// For one command and one thread. A result is that of the first call and does not change afterwards; references are
-// valid as long as the Runs. The frames are not kept: they need more memory than all the results. `store` must outlive
-// the Runs.
+// For one command and one thread. A result does not change after the first call; references are valid as long as the
+// Runs. The frames are not kept: they need more memory than all the results. `store` must outlive the Runs.
 class Runs {
  public:
   explicit Runs(const db::RunStore& store) : store_(store) {}
@@ -26,7 +25,7 @@ class Runs {
   [[nodiscard]] const db::RunStore& store() const { return store_; }
   // The run's row. Throws StoreError TB-STORE-NOT-FOUND.
   const db::RunRecord& record(std::int64_t run);
-  // Results of load_dataset, load_press_runs, load_history and temperatures_of. What one of them throws is thrown at
+  // Results of load_dataset, load_press_runs, load_history and temperatures_of. An exception of theirs is thrown at
   // each call; StoreError when the run cannot be read. The history is without the sensor's earlier seating.
   const Dataset& dataset(std::int64_t run);
   const std::vector<PressRun>& press_runs(std::int64_t run);

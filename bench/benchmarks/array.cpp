@@ -20,7 +20,7 @@ constexpr double kArrayVoltsPerCount = 5.0 / 65535.0;
 
 double pressure_at(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame / 200.0); }
 
-// Twelve play operators a taxel, normal noise, 16 bit: as anybody would write it.
+// Twelve play operators per taxel, normal noise, 16 bit: the simplest form.
 class PlainArray {
  public:
   PlainArray() : plays_(kArrayTaxels) {}

@@ -43,8 +43,8 @@ std::uint16_t counts_of(double volts) {
   return static_cast<std::uint16_t>(std::clamp(std::lround(volts / kStreamedVoltsPerCount), 0L, 65535L));
 }
 
-// The other work on the machine comes and goes: the stream is cut into stretches, and each counts with the best of the
-// rounds. All forms are measured so.
+// Other work on the machine varies: the stream is cut into pieces, and each counts with its best round. All forms are
+// measured in this way.
 double best_seconds(int rounds, std::size_t frames, const std::function<void(std::size_t)>& act_on) {
   constexpr std::size_t kStretch = 100;
   std::vector<double> best((frames + kStretch - 1) / kStretch, 1e9);
@@ -89,7 +89,7 @@ double plain_seconds(int rounds, const CompensationCase& c, Results& results) {
   });
 }
 
-// The least that anybody would write: a fixed dead band, a search in the curve, no flags, no uncertainty, no averaging.
+// The simplest form: a fixed dead band, a search in the curve, no flags, no uncertainty, no averaging.
 double bare_seconds(int rounds, const CompensationCase& c, Results& results) {
   struct Bare {
     ElamCurve curve;
@@ -244,7 +244,7 @@ std::vector<Figure> benchmark_compensate(int rounds) {
     const double taken = fast_seconds(rounds, large, many, all) / static_cast<double>(large.frames);
     figures.add(fmt::format("growth_{0}x{0}_per_taxel", side), 1e9 * taken / static_cast<double>(side * side), "ns");
   }
-  // The plain form computes uncertainty and flags too; the bare one is what anybody would write first.
+  // The plain form computes uncertainty and flags too; the bare one is the simplest form.
   figures.add("speedup", plain / fast, "x");
   figures.add_at_least("speedup_over_bare", bare / fast, 3.0);
   figures.add_at_most("over_scale_only", fast / scale, 25.0);

@@ -19,7 +19,7 @@ struct CompensationCase {
 };
 // In phase, 0-60-10-50-0 psi, 4 mV of noise.
 CompensationCase slow_cycles(std::size_t taxels, std::size_t frames);
-// Counts drawn anew for each frame and taxel: two thirds of the taxels turn in each.
+// Independent random counts for each frame and taxel: two thirds of the taxels turn in each frame.
 CompensationCase random_frames(std::size_t taxels, std::size_t frames);
 
 // The first `frames` of a case, its array laid down `times` times.

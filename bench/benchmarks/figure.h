@@ -1,4 +1,4 @@
-// What every benchmark hands back, and how times are taken.
+// The result of a benchmark, and how times are measured.
 #pragma once
 
 #include <functional>
@@ -28,17 +28,17 @@ class FigureList {
   std::vector<Figure> figures_;
 };
 
-// By the wall clock where disks and threads are waited for; by the processor's where one thread computes, so that other
-// work on the machine does not count.
+// Wall clock for work that waits for disks or threads; processor time for one computing thread, so that other work on
+// the machine does not count.
 enum class By { kWall, kProcessor };
 
-// The best of the rounds: what other work does hides in a mean.
+// The best of the rounds: a mean would include the effect of other work.
 double best_seconds(int rounds, const std::function<void()>& act, By by = By::kWall);
 
 // Several in turn, round by round, so that a slow spell of the machine does not fall on one of them alone.
 std::vector<double> best_seconds(int rounds, const std::vector<std::function<void()>>& acts, By by = By::kWall);
 
-// Keeps the compiler from dropping work whose result nobody reads.
+// Keeps the compiler from removing work whose result is not read.
 template <class T>
 void keep(const T& value) {
   asm volatile("" : : "r"(&value) : "memory");

@@ -45,10 +45,10 @@ void identify_all(const std::vector<Taxel>& taxels) {
 }
 
 double fit_seconds(int rounds, const Dataset& dataset, int threads, By by) {
-  ArrayFitOptions options;
+  FitOptions options;
   options.threads = threads;
   return best_seconds(
-      rounds, [&] { keep(fit_array(dataset, options).full_scale_v); }, by);
+      rounds, [&] { keep(fit_array(dataset, options).full_scale_v()); }, by);
 }
 
 void time_elam(FigureList& figures, const std::vector<Taxel>& taxels, int rounds) {
@@ -102,17 +102,17 @@ void time_genetic(FigureList& figures, const std::vector<Taxel>& taxels) {
   figures.add("elam_genetic_j_over_exact_worst_taxel", worst, "x");
 }
 
-// From a stored run to the parameters of all taxels, beside reading its frames and identifying alone.
+// From a stored run to the parameters of all taxels, against reading its frames and identifying alone.
 void time_store(FigureList& figures, const Dataset& dataset, const std::string& folder, int rounds) {
   db::RunStore store = db::RunStore::open(folder + "/identify.db", db::Durability::kNormal);
   const std::int64_t run = store_run(store, dataset);
   const std::vector<Taxel> taxels = taxels_of(load_dataset(store, run));
-  ArrayFitOptions options;
+  FitOptions options;
   options.threads = 1;
   const std::vector<double> taken =
       best_seconds(rounds,
                    {[&] { keep(store.frames(run).size()); }, [&] { identify_all(taxels); },
-                    [&] { keep(fit_array(load_dataset(store, run), options).full_scale_v); }},
+                    [&] { keep(fit_array(load_dataset(store, run), options).full_scale_v()); }},
                    By::kProcessor);
   figures.add("array_reading", 1e3 * taken[0], "ms");
   figures.add("array_identification_alone", 1e3 * taken[1], "ms");
@@ -132,7 +132,7 @@ void time_threads_and_growth(FigureList& figures, const Dataset& dataset, int ro
   }
 }
 
-// Each beside its own plain J: one walk of the found model along all samples.
+// Each against its own plain J: one evaluation of the fitted model along all samples.
 void time_models(FigureList& figures, const std::vector<Taxel>& taxels, int rounds) {
   for (const char* name : {"gpi", "mpi", "poly", "preisach"}) {
     const auto identifier = prepare(name, taxels.front().data);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 #include "bench/benchmarks/figure.h"
 
 namespace tactbench::bench {

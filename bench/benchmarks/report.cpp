@@ -31,7 +31,7 @@ std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
   analysis::Runs runs(store);
   analysis::gather_run(input, runs, run);
   input.uncertainty = analysis::assess_uncertainty(dataset, input.fit, input.run);
-  // Fitted and compared before: the page's own cost is what is measured here.
+  // Fit and comparison come before: only the page's own cost is measured here.
   input.more = analysis::results_of(dataset, input.fit, input.evaluation, nullptr, {});
   const std::string bytes = analysis::render_report(input).html;
   const std::vector<double> taken =

@@ -1,4 +1,4 @@
-// What the sequencer costs beside what it cannot do without: the same round trips bare, and the same rows stored bare.
+// Cost of the sequencer against its necessary parts alone: the same exchanges, and storing the same rows.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 namespace tactbench::bench {
 
 // One repeat of the descending sequence on the simulated rig in this process (turned clock), then its exchanges again
-// without a sequencer, at the times that its trace tells, then its frames again into an empty store. The ratio is
-// run / (exchanges + store). Best of `rounds`, each of the three on its own. Writes to `folder`.
+// without a sequencer, at the times of its trace, then its frames again into an empty store. The ratio is run /
+// (exchanges + store). Best of `rounds`, each of the three on its own. Writes to `folder`.
 std::vector<Figure> benchmark_sequence(int rounds, const std::string& folder);
 
 }  // namespace tactbench::bench

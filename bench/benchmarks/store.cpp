@@ -141,8 +141,8 @@ class BareTable {
   std::int64_t key_ = 0;
 };
 
-// The other work on the machine comes and goes: what is written is cut into stretches, and each counts with the best of
-// the rounds. All subjects are measured so.
+// Other work on the machine varies: the data are cut into pieces, and each counts with its best round. All subjects are
+// measured in this way.
 class BestStretches {
  public:
   void write(std::vector<db::FrameRecord>& frames, const std::function<void(Frames)>& append) {

@@ -43,7 +43,7 @@ double median_microseconds(int times, const std::function<void()>& act) {
   return analysis::quantile_of(std::move(taken), 0.5);
 }
 
-// What no driver on loopback can be quicker than: twelve bytes there and back between two threads.
+// The lower bound for any driver on loopback: twelve bytes there and back between two threads.
 class Echo {
  public:
   Echo() {

@@ -1,4 +1,4 @@
-// Time per exchange over each wire of the simulated rig, beside the floor that the machine sets.
+// Time per exchange over each wire of the simulated rig, against the machine's lower bound.
 #pragma once
 
 #include <vector>

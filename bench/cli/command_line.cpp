@@ -23,10 +23,10 @@ Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touc
   4 stopped by operator, interlock or limit, 5 store, 6 inconclusive, 7 safe state not verified,
   70 internal error, 128 + N ended by signal N after the safe state (129 hang-up, 130 Ctrl-C twice, 131 quit,
   143 terminated). Ctrl-C once: pause at the end of the branch; twice: stop now.
-  Every way out of a run vents, retracts, proves the safe state and keeps all frames.
+  However a run ends, it vents, retracts, proves the safe state and keeps all frames.
 First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
 
-// CLI11 says no more than "a subcommand is required" to a misspelled verb.
+// For a misspelled verb CLI11 reports only "a subcommand is required".
 void check_verb(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return;
   std::vector<std::string> verbs;
@@ -41,7 +41,7 @@ void check_verb(const CLI::App& app, int argc, char** argv) {
       near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
-// CLI11 misses a required option before it says that another is misspelled, which is mostly the cause.
+// CLI11 reports a missing required option before a misspelled one, which usually is the cause.
 Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> left = app.remaining(true);
   const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
@@ -49,7 +49,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   });
   if (unknown == left.end()) {
     return {ExitCode::kUsage, "TB-USAGE", error.what(), "command line",
-            "tactbench --help, or tactbench VERB --help, lists what is taken"};
+            "see tactbench --help, or tactbench VERB --help"};
   }
   const CLI::App* verb = &app;
   std::string words = app.get_name();
@@ -67,7 +67,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
           near.empty() ? fmt::format("{} --help lists what is taken", words) : fmt::format("did you mean '{}'?", near)};
 }
 
-// Verbs that talk to instruments, or to a run that does.
+// Verbs that talk to instruments, or to a run that uses them.
 bool may_touch_devices(const std::string& verb) {
   constexpr std::array kVerbs{"run",   "resume", "rig",   "devices", "live",     "demo",
                               "pause", "stop",   "abort", "panic",   "simulate", "dead-man"};

@@ -41,8 +41,9 @@ std::string judgement_text(const Judgement& judgement, const std::string& origin
   if (!notes.stored_worse.empty()) {
     std::vector<std::int64_t> runs;
     for (const analysis::RunVerdict& run : analysis::verdicts_by_run(notes.stored_worse)) runs.push_back(run.run);
-    text += fmt::format("stored verdict on these models, worse: {} on {}, by other limits or of runs left out here\n",
-                        shown_verdict(*analysis::overall_verdict(notes.stored_worse), origin), numbers_text(runs));
+    text +=
+        fmt::format("stored verdict on these models, worse: {} on {}, by other limits or of runs not included here\n",
+                    shown_verdict(*analysis::overall_verdict(notes.stored_worse), origin), numbers_text(runs));
   }
   for (const std::string& remark : notes.remarks) text += fmt::format("note: {}\n", remark);
   return text;

@@ -11,8 +11,8 @@
 
 namespace tactbench::bench {
 
-// The judgement's worst word with what decided: "simulated fail, decided by run 4; judged on runs 2, 3, 4". Several
-// lines where there is more to be said.
+// The overall verdict and what decided it: "simulated fail, decided by run 4; judged on runs 2, 3, 4". More lines for
+// remarks.
 std::string judgement_text(const Judgement& judgement, const std::string& origin);
 nlohmann::ordered_json judgement_json(const Judgement& judgement, const std::string& origin);
 // final_verdict() of its rows and notes, and its exit code.

@@ -14,6 +14,7 @@
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/reporting/named_evaluation.h"
 #include "db/record.h"
+#include "db/utf8.h"
 
 namespace tactbench::bench {
 
@@ -104,7 +105,7 @@ std::string figures_table(const std::vector<NamedEvaluation>& evaluations) {
                         100.0 * e.worst_taxel_distance, 100.0 * e.worst_taxel_distance_observable, e.mean_error_psi);
   }
   return text +
-         "array: the outputs (pressures) of all taxels averaged first; *: without the levels flagged unobservable\n";
+         "array: the outputs (pressures) of all taxels are averaged first; *: without levels flagged unobservable\n";
 }
 
 ordered_json evaluation_json(const NamedEvaluation& named) {
@@ -120,23 +121,23 @@ std::string clock_text(double seconds) {
 }
 
 void check_operator(const std::string& name) {
-  if (name.find_first_not_of(" \t\r\n") != std::string::npos) return;
-  throw Error(ExitCode::kUsage, "TB-USAGE", "--operator names nobody", "--operator", "give a name: it is recorded");
+  if (!db::is_blank(name)) return;
+  throw Error(ExitCode::kUsage, "TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
 }
 
 void add_common(CLI::App& verb, Session& session) {
-  verb.add_option("--db", session.db, "run store, one SQLite file a bench")->capture_default_str();
+  verb.add_option("--db", session.db, "run store, one SQLite file per bench")->capture_default_str();
   verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
   verb.add_flag("-q,--quiet", session.quiet, "no progress line");
 }
 
 void add_replace(CLI::App& verb, Session& session) {
   verb.add_flag("--replace", session.replace,
-                "write over a file of another kind, too; one of the same kind is replaced anyway, a store never");
+                "also overwrite a file of another kind; one of the same kind is replaced anyway, a store never");
 }
 
 void add_void_too(CLI::App& verb, Session& session) {
-  verb.add_flag("--void-too", session.void_too, "take runs that were declared void, too; what comes of it says so");
+  verb.add_flag("--void-too", session.void_too, "also use void runs; the results are marked");
 }
 
 }  // namespace tactbench::bench

@@ -1,5 +1,5 @@
-// What the verbs share: the common options, how results and verdicts are printed, and the exit code. Standard output
-// is the result, standard error is talk.
+// Shared by the verbs: common options, printing of results and verdicts, exit codes. Results go to standard output,
+// messages to standard error.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ struct Session {
   bool json = false;
   bool quiet = false;
   bool replace = false;   // --replace: bench/common/output_file.h
-  bool void_too = false;  // runs that were declared void count all the same, where the verb offers it
+  bool void_too = false;  // include void runs, where the verb offers it
   std::string db = "runs.db";
   ExitCode code = ExitCode::kPass;
 };
@@ -35,17 +35,17 @@ struct Session {
 // One document on standard output, with schema "tactbench.<verb>" and version 1 in front.
 void print_json(const std::string& verb, const nlohmann::ordered_json& body);
 
-// The exit code that a verdict ends a verb with: 0 also without one, and where conformity is not stated.
+// A verb's exit code by its verdict: 0 also without one, and where conformity is not stated.
 ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
-// The verdict's word as people read it: "simulated pass" on a simulated run.
+// The verdict in words: "simulated pass" on a simulated run.
 std::string shown_verdict(const std::string& word, const std::string& origin);
 std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
-// Of a cell() that holds the longest of these words.
+// Width of a cell() for the longest of these words.
 std::size_t verdict_columns();
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 nlohmann::ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 
-// Figures of evaluations beside each other: raw, compensated, with and without unobservable levels.
+// Table of the figures of evaluations: raw, compensated, with and without unobservable levels.
 std::string figures_table(const std::vector<NamedEvaluation>& evaluations);
 nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 
@@ -83,14 +83,14 @@ void add_dead_man(CLI::App& app, Session& session);
 // "h:mm:ss".
 std::string clock_text(double seconds);
 
-// Throws Error TB-USAGE for a name that names nobody.
+// Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);
 
 // --db, --json, -q on a verb.
 void add_common(CLI::App& verb, Session& session);
 // --replace on a verb that writes files (bench/common/output_file.h).
 void add_replace(CLI::App& verb, Session& session);
-// --void-too on a verb that rests on runs (bench/reporting/named_runs.h).
+// --void-too on a verb that uses runs as evidence (bench/reporting/named_runs.h).
 void add_void_too(CLI::App& verb, Session& session);
 
 // Parses and runs; never throws; returns the process's exit code.

@@ -1,5 +1,4 @@
-// Which build of the program this is. The values stand in one source, so that a commit compiles that source alone
-// again.
+// Which build of the program this is. One source holds the values, so that a new commit recompiles only that source.
 #pragma once
 
 #include <string>

@@ -30,7 +30,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 
 struct ChildExec {
   pid_t parent;
-  int output, complaint;  // complaint: a pipe that takes errno, and closes where the program begins
+  int output, complaint;  // complaint: a pipe that carries errno, and closes when the program starts
   bool ends_with_us;
   char* const* words;
   char* const* environment;
@@ -58,7 +58,7 @@ struct ChildExec {
   ::_exit(127);
 }
 
-// What the pipe brings: errno of a program that did not begin, 0 of one that did.
+// Reads the pipe: errno when the program did not start, 0 when it did.
 int complaint_in(int pipe_end) {
   int why = 0;
   ssize_t got = 0;

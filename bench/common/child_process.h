@@ -1,4 +1,5 @@
-// A program that this one starts and watches, in a process group of its own: Ctrl-C in the terminal is not for it.
+// A program that this one starts and watches, in a process group of its own, which Ctrl-C in the terminal does not
+// reach.
 #pragma once
 
 #include <sys/types.h>
@@ -12,34 +13,35 @@ namespace tactbench::bench {
 
 struct ChildStart {
   std::vector<std::string> words;        // the program's path first
-  std::vector<std::string> environment;  // all that it sees, NAME=value each
-  // Open descriptor for its standard output and error, which is closed here, whatever comes; its input is /dev/null
-  // then. -1: all three as ours.
+  std::vector<std::string> environment;  // its whole environment, NAME=value each
+  // Open descriptor for its standard output and error; closed in this process in any case; its input is then /dev/null.
+  // -1: inherits all three.
   int output = -1;
-  // SIGTERM reaches it when the thread that starts it ends, however that ends; and it is not begun then.
+  // SIGTERM is sent to it when the starting thread ends for any reason; if that has already ended, the program is not
+  // started.
   bool ends_with_us = false;
 };
 
-// Our environment, with `own` instead of what had their names.
+// This process's environment, with the variables in `own` added or replaced.
 std::vector<std::string> environment_with(std::vector<std::string> own);
 
 class ChildProgram {
  public:
-  // No signal is blocked in it; SIGINT, SIGTERM and SIGPIPE are what they are by default. Returns once the program has
-  // taken the process over. Throws std::system_error where no process can be made or the program cannot be started.
+  // Starts with no signal blocked and default handling of SIGINT, SIGTERM and SIGPIPE. Returns once exec() has
+  // succeeded. Throws std::system_error when no process can be made or the program cannot be started.
   explicit ChildProgram(ChildStart start);
-  ~ChildProgram();  // kills it with its group and waits for its end, if it still lives
+  ~ChildProgram();  // if it still runs: kills it with its group and waits for its end
   ChildProgram(ChildProgram&& other) noexcept;
   ChildProgram& operator=(ChildProgram&& other) noexcept;
 
-  // How it ended, as waitpid() says it (WIFEXITED ...); none: it lives. One whose end the system does not tell counts
-  // as exit code 127.
+  // Its wait status as waitpid() reports it (WIFEXITED ...); none: it still runs. Exit code 127 when the system does
+  // not report its end.
   std::optional<int> ended();
-  std::optional<int> ended_by(std::chrono::steady_clock::time_point last);  // looks every 20 ms
-  int wait();                                                               // as long as it takes
+  std::optional<int> ended_by(std::chrono::steady_clock::time_point last);  // polls every 20 ms
+  int wait();                                                               // without a time limit
 
-  void terminate() const;   // SIGTERM to the program, if it lives
-  void kill_group() const;  // SIGKILL to it and to what it has started or left behind in its group
+  void terminate() const;   // SIGTERM to the program, if it still runs
+  void kill_group() const;  // SIGKILL to it and to all processes of its group
 
  private:
   pid_t process_ = -1;  // and its group; -1: moved from

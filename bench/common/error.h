@@ -44,7 +44,7 @@ class Error : public std::runtime_error {
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
   [[nodiscard]] const std::string& rig_state() const { return rig_state_; }
 
-  // The same error of an operator's word, not of a failure: error_text() does not call it an error.
+  // The same as the result of an operator's command, not a failure: error_text() does not call it an error.
   [[nodiscard]] Error by_word() const;
   [[nodiscard]] bool asked_for() const { return asked_for_; }
   // The same error with the state that the rig was left in; `safe` false: with the exit code kUnsafe.
@@ -56,11 +56,12 @@ class Error : public std::runtime_error {
   bool asked_for_ = false;
 };
 
-// The rooms' own errors as an Error. `where` is used where the room's error does not say.
+// Converts the rooms' own errors. `where` is used when the room's error names no place.
 Error as_error(const std::exception_ptr& exception, const std::string& where = {});
 
-// Up to four lines, each for_people() and of bounded length: what (no "error" where the operator asked for it), where,
-// how to mend it, and the rig's state; without one "no device was touched", where one could have been.
+// Up to four lines, each through for_people() and of bounded length: what (without "error" where the operator asked for
+// it), where, how to mend it, and the rig's state; without a state "no device was touched", where a device could have
+// been.
 std::string error_text(const Error& error, bool devices = true);
 std::string error_json(const Error& error);
 

@@ -15,7 +15,7 @@ namespace tactbench::bench {
 
 namespace {
 
-// Not the joiners U+200C and U+200D, which scripts and emoji are written with.
+// Not the joiners U+200C and U+200D, which some scripts and emoji need.
 bool is_hidden(std::uint32_t c) {
   return c < 0x20 || (c >= 0x7F && c <= 0x9F) || c == 0x061C || c == 0x200B || c == 0x200E || c == 0x200F ||
          (c >= 0x2028 && c <= 0x202E) || (c >= 0x2060 && c <= 0x2069) || c == 0xFEFF;
@@ -76,7 +76,7 @@ std::string_view fitting(std::string_view text, std::size_t columns) {
 void write_raw(std::FILE* stream, std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stream) == text.size() || stream == stderr) return;
   throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("the result cannot be written: {}", std::strerror(errno)),
-              "standard output", "check space and permissions of the file, or who reads the pipe");
+              "standard output", "check space and permissions of the file, or the reader of the pipe");
 }
 
 }  // namespace

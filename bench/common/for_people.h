@@ -1,6 +1,6 @@
-// Text as people may see it. What comes from a store, a file, a device or a keyboard may hold characters that move the
-// cursor, change colours or turn the direction of writing: on a terminal they would rewrite what stands beside them.
-// All talk of the program goes through tty::print(), which shows such characters instead of sending them.
+// Text made safe for terminals. Text from a store, file, device or keyboard may hold characters that move the cursor,
+// change colours or reverse the writing direction, and so rewrite the text around them. All terminal output goes
+// through tty::print(), which shows such characters as escapes.
 #pragma once
 
 #include <fmt/core.h>
@@ -13,7 +13,7 @@
 namespace tactbench::bench {
 
 // Control characters as \x1b, \u009b, \u202e (bidirectional marks, line separators, what takes no room), bytes that are
-// not UTF-8 as \xff; line ends and tabs stay, and so does every other character. What JSON escapes stays valid JSON.
+// not UTF-8 as \xff; line ends, tabs and all other characters stay. Valid JSON stays valid JSON.
 std::string for_people(std::string_view text);
 
 // The same with line ends and tabs shown as well, cut with ... (U+2026) to `columns` of a terminal.
@@ -21,7 +21,7 @@ inline constexpr std::size_t kLongestText = 2000;  // of one field of an error
 inline constexpr std::size_t kLongestCell = 200;   // at the end of a table's line
 std::string one_line(std::string_view text, std::size_t columns = kLongestCell);
 
-// one_line() for a table's column of `columns`: cut one short of them and filled with blanks.
+// one_line() for a table's column of width `columns`: cut to one less and padded with blanks.
 std::string cell(std::string_view text, std::size_t columns);
 
 // Columns that `text`, free of control characters, takes on a terminal: none for combining marks, two for wide letters.
@@ -29,8 +29,8 @@ std::size_t display_width(std::string_view text);
 
 namespace tty {
 
-// As fmt::print, through for_people(). A result that cannot be written is an Error TB-FILE-WRITE; talk on standard
-// error that nobody reads is no reason to end a run.
+// As fmt::print, through for_people(). Standard output that cannot be written throws Error TB-FILE-WRITE; standard
+// error that cannot be written is ignored, so that it does not end a run.
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args);
 
 template <class... Args>

@@ -98,7 +98,10 @@ std::string beginning_of(const std::string& path) {
 bool belongs_to_store(const std::string& path) {
   for (const std::string_view ending : {"-wal", "-shm", "-journal", "-lock"}) {
     if (!path.ends_with(ending)) continue;
-    std::ifstream stream(path.substr(0, path.size() - ending.size()), std::ios::binary);
+    const std::string database = path.substr(0, path.size() - ending.size());
+    struct stat status {};  // a pipe, a device or a file of /proc may be waited for without end
+    if (::stat(database.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0) continue;
+    std::ifstream stream(database, std::ios::binary);
     std::array<char, 16> head{};
     stream.read(head.data(), head.size());
     if (kind_of_file({head.data(), head.size()}) == kStoreFile) return true;
@@ -160,7 +163,7 @@ std::size_t write_into(int file, const std::string& path, const WriteOutput& wri
   return buffer.end();
 }
 
-// The open file that a name such as /dev/stdout stands for: to open it anew would begin at its start.
+// The open file behind a name such as /dev/stdout: opening it again would write from its start.
 std::optional<int> named_descriptor(const std::string& path) {
   if (path == "/dev/stdout") return STDOUT_FILENO;
   if (path == "/dev/stderr") return STDERR_FILENO;
@@ -180,7 +183,7 @@ std::pair<HalfFile, int> open_half_file(const std::string& path) {
   const fs::path link_end = fs::canonical(path, failed);
   HalfFile half{{}, failed ? path : link_end.string()};
   half.name = fmt::format("{}.partial-{}", half.target, getpid());
-  ::unlink(half.name.c_str());  // of an earlier process of this number
+  ::unlink(half.name.c_str());  // left by an earlier process of this number
   const int file = ::open(half.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (file < 0) cannot_write(path, errno);
   if (struct stat before{}; ::stat(half.target.c_str(), &before) == 0) (void)::fchmod(file, before.st_mode & 0777);
@@ -226,7 +229,7 @@ void check_output(const std::string& path, const std::string& kind, bool replace
     throw Error(ExitCode::kUsage, "TB-FILE-STORE", fmt::format("the file is {} and is never written over", found), path,
                 "write to another name");
   }
-  if (named_descriptor(path)) return;  // whoever redirected it has chosen
+  if (named_descriptor(path)) return;  // the user chose the redirection
   if (found == kPageFile || found == kReportDocument) {
     if (const std::string number = signed_number_in(whole_text(path)); !number.empty())
       throw Error(ExitCode::kUsage, "TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", number),

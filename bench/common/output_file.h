@@ -1,5 +1,5 @@
-// Files that verbs write on request. What lies there already is replaced only by its like: a store never is, another
-// kind of file only with --replace.
+// Files that verbs write on request. An existing file is replaced only by one of the same kind: another kind takes
+// --replace, and a store is never replaced.
 #pragma once
 
 #include <cstddef>
@@ -13,38 +13,38 @@ namespace tactbench::bench {
 // "frames of a run (CSV)", "a table (CSV) with the columns ...", "an SQLite database (a store, perhaps)", ...
 std::string kind_of_file(const std::string& beginning);
 
-// Kinds that verbs know before they have the text.
+// Kinds that verbs know before they make the text.
 inline constexpr const char* kPageFile = "a page of tactbench (HTML)";
 inline constexpr const char* kPdfFile = "a PDF";
 inline constexpr const char* kHdf5File = "an HDF5 file";
 inline constexpr const char* kRunTable = "frames of a run (CSV)";
 inline constexpr const char* kRunDocument = "a tactbench.run document (JSON)";
 inline constexpr const char* kModelFile = "a tactbench.model document (JSON)";
-inline constexpr const char* kTalkFile = "the talk of a night's scenario";
-inline constexpr const char* kTalkHead = "# Talk of tactbench nightly, scenario ";  // how it begins
+inline constexpr const char* kTalkFile = "the output of a night's scenario";
+inline constexpr const char* kTalkHead = "# Talk of tactbench nightly, scenario ";  // first line of such a file
 
 // Throws Error TB-FILE-STORE when `path` is an SQLite database, its log or its lock, also through a link,
 // TB-REPORT-SIGNED when it is a signed report, and TB-FILE-EXISTS when it is a file of another kind than `kind` and may
-// not be replaced. Passes what is not there, is empty, or is no file but a
-// device or a pipe. For verbs that work long before they write.
+// not be replaced. Accepts a missing or empty file, a device and a pipe. For verbs that work long before they write.
 void check_output(const std::string& path, const std::string& kind, bool replace);
 
-// Checks, then writes: a file whole (a reader never sees half of it) in the place of what a link leads to, with its
-// folder if need be; into a device or pipe as it comes. Throws Error TB-FILE-WRITE, too.
+// Checks, then writes: replaces a file at once (a reader never sees half of it), follows a link, and makes the folder
+// if needed; a device or pipe is written to directly. Also throws Error TB-FILE-WRITE.
 void write_output(const std::string& path, const std::string& text, bool replace);
-// The same of what `write` streams, for what is too long to be held at once; returns how many bytes.
+// The same for text that `write` streams because it is too long for memory; returns the number of bytes.
 using WriteOutput = std::function<void(std::ostream&)>;
 std::size_t write_output(const std::string& path, const std::string& kind, const WriteOutput& write, bool replace);
 
-// A new, empty file beside the one that `path` means, for a library that writes under a name; to be renamed to it.
+// A new, empty file beside `path`, for a library that opens files by name; to be renamed to the target.
 struct HalfFile {
-  std::string name;    // with the rights of the file that it is going to replace
+  std::string name;    // has the permissions of the file that it will replace
   std::string target;  // where a link at `path` leads to
 };
 // Throws Error TB-FILE-WRITE, also where `path` is a pipe or a device.
 HalfFile make_half_file(const std::string& path);
 
-// Writes a file whole whatever lies there: for files of our own. Makes the folder. Throws Error TB-FILE-WRITE.
+// Replaces the file at once, whatever its kind: for the program's own files. Makes the folder. Throws Error
+// TB-FILE-WRITE.
 void write_whole(const std::string& path, const std::string& text);
 
 }  // namespace tactbench::bench

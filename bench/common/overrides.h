@@ -1,4 +1,4 @@
-// "--set k=v" of the command line and of a scenario: which of them are for the bench file and which for the recipes.
+// Splits "--set k=v" of the command line or a scenario into overrides of the bench file and of the recipes.
 #pragma once
 
 #include <string>

@@ -36,7 +36,7 @@ bool may_stand_in_name(char c) {
               "remove it, or name a folder of your own (TMPDIR, XDG_STATE_HOME, TACTBENCH_RUNTIME_DIR)");
 }
 
-// Of whatever lies there, a link included.
+// The status of what is there; does not follow a link.
 struct stat looked_at(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) refuse_folder(path, std::strerror(errno));
@@ -51,7 +51,7 @@ int open_folder(const std::string& path) {
   return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
-// One whose process died holds no lock; one that is being made is looked at again by its maker.
+// A folder whose process died holds no lock; the maker of a new folder checks it again after locking.
 void remove_abandoned(const fs::path& base, const std::string& prefix) {
   std::error_code failed;
   fs::directory_iterator entry(base, failed);
@@ -93,7 +93,7 @@ std::string file_name(const std::string& text) {
 void check_private_folder(const std::string& path) {
   const struct stat found = looked_at(path);
   if ((found.st_mode & kOthersRead) != 0)
-    refuse_folder(path, fmt::format("others may enter it (mode {:04o}; it has to be 0700)", found.st_mode & 07777));
+    refuse_folder(path, fmt::format("other users may enter it (mode {:04o}; it must be 0700)", found.st_mode & 07777));
 }
 
 void make_private_folder(const std::string& path) {
@@ -101,7 +101,7 @@ void make_private_folder(const std::string& path) {
   if (errno != EEXIST) refuse_folder(path, fmt::format("it cannot be made: {}", std::strerror(errno)));
   const struct stat found = looked_at(path);
   if ((found.st_mode & kOthersWrite) != 0)
-    refuse_folder(path, fmt::format("others may write to it (mode {:04o})", found.st_mode & 07777));
+    refuse_folder(path, fmt::format("other users may write to it (mode {:04o})", found.st_mode & 07777));
   if ((found.st_mode & kOthersRead) == 0) return;
   const int folder = open_folder(path);
   if (folder < 0 || ::fchmod(folder, 0700) != 0) {
@@ -116,7 +116,8 @@ bool is_group_folder(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 && errno == ENOENT) return false;
   if (!S_ISDIR(found.st_mode)) refuse_folder(path, "it is no folder");
-  if (found.st_uid != 0 || (found.st_mode & S_ISGID) == 0) refuse_folder(path, "it is not root's for a group");
+  if (found.st_uid != 0 || (found.st_mode & S_ISGID) == 0)
+    refuse_folder(path, "it does not belong to root and a group");
   if ((found.st_mode & S_IWOTH) != 0) refuse_folder(path, "all can write to it");
   return true;
 }
@@ -130,7 +131,7 @@ int open_own_file(const std::string& path, int flags) {
   if (file < 0) return -1;
   struct stat found {};
   const bool ours = ::fstat(file, &found) == 0 && S_ISREG(found.st_mode) && (shared || found.st_uid == ::geteuid()) &&
-                    found.st_nlink == 1;  // no second name of a file that lies elsewhere
+                    found.st_nlink == 1;  // not a second name (hard link) of another file
   if (ours && shared && found.st_uid == ::geteuid()) (void)!::fchmod(file, 0660);
   if (ours && ((flags & O_TRUNC) == 0 || ::ftruncate(file, 0) == 0)) return file;
   ::close(file);
@@ -156,7 +157,7 @@ ScratchFolder::ScratchFolder(const std::string& prefix) {
     while (lock_ >= 0 && ::flock(lock_, LOCK_EX) != 0 && errno == EINTR) {
     }
     if (lock_ >= 0 && is_there(path_, lock_)) return;
-    if (lock_ >= 0) ::close(lock_);  // another process took it for abandoned before it was locked
+    if (lock_ >= 0) ::close(lock_);  // another process removed it before it was locked
   }
 }
 

@@ -1,11 +1,11 @@
-// Reports that somebody signed, told by their own data.
+// Recognises signed reports by their data.
 #pragma once
 
 #include <string>
 
 namespace tactbench::bench {
 
-// The number of the report that a page or a JSON document holds signed, by its own data; empty: it holds none.
+// Number of the signed report in a page or JSON document, from its data; empty: not a signed report.
 std::string signed_number_in(const std::string& text);
 
 }  // namespace tactbench::bench

@@ -13,11 +13,11 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr int kPatienceMs = 200;  // with who reads stderr, once; much less than what a dead-man waits for
+constexpr int kPatienceMs = 200;  // wait for a reader of stderr, once; much less than a dead-man's timeout
 
 std::atomic<bool> output_lost{false}, error_stalls{false};
 
-// A pager or a stopped terminal (Ctrl-S) must not hold up who drives devices.
+// A pager or a stopped terminal (Ctrl-S) must not delay a process that drives devices.
 bool takes_words() {
   pollfd stream{STDERR_FILENO, POLLOUT, 0};
   const bool ready = ::poll(&stream, 1, error_stalls ? 0 : kPatienceMs) > 0;
@@ -25,7 +25,7 @@ bool takes_words() {
   return ready;
 }
 
-// The cookie points to the descriptor. Always as if all had been written.
+// The cookie points to the descriptor. Always reports that all was written.
 ssize_t write_or_drop(void* cookie, const char* bytes, std::size_t size) {
   const int descriptor = *static_cast<const int*>(cookie);
   const int before = errno;
@@ -62,7 +62,7 @@ void keep_standard_files() {
 
 void outlive_readers() {
   (void)std::signal(SIGPIPE, SIG_IGN);
-  (void)std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of the one who writes it
+  (void)std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer, not a signal
   (void)std::fflush(stdout);
   static int output = STDOUT_FILENO, errors = STDERR_FILENO;
   if (std::FILE* out = stream_on(output, ::isatty(output) != 0 ? _IOLBF : _IOFBF)) stdout = out;

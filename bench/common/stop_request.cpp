@@ -2,14 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <atomic>
 
 namespace tactbench::bench {
 
 namespace {
 
-// Also those by which the machine says that it is going down (power, processor time).
-constexpr std::array<int, 8> kSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPWR, SIGXCPU};
+// Including signals for a shutdown of the machine (power) and for limits (processor time).
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPWR, SIGXCPU};
+// What nobody sends on purpose would end the process, too; a profiler or a fuzzer has its own use for some.
+constexpr std::array kUnexpected{SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGSTKFLT};
+
+std::vector<int> unexpected_signals() {
+  std::vector<int> all(kUnexpected.begin(), kUnexpected.end());
+  for (int number = SIGRTMIN; number <= SIGRTMAX; ++number) all.push_back(number);
+  return all;
+}
 
 std::atomic<int> caught{0};  // the first
 std::atomic<int> ends{0};    // the first but SIGINT
@@ -30,25 +39,32 @@ void on_signal(int number) {
 }  // namespace
 
 StopRequest::StopRequest() {
-  caught = 0;
-  ends = 0;
-  interrupted = 0;
+  struct sigaction there {};
+  sigaction(SIGTERM, nullptr, &there);
+  if (there.sa_handler != on_signal) {  // no other one is around this one
+    caught = 0;
+    ends = 0;
+    interrupted = 0;
+  }
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    sigaction(kSignals[i], nullptr, &old_[i].action);
-    if (kSignals[i] == SIGHUP && old_[i].action.sa_handler == SIG_IGN) continue;
-    old_[i].number = kSignals[i];
-    sigaction(kSignals[i], &action, nullptr);
-  }
+  const auto take = [&](int number, bool only_unused) {
+    Old old;
+    old.number = number;
+    sigaction(number, nullptr, &old.action);
+    if (only_unused && old.action.sa_handler != SIG_DFL) return;
+    if (number == SIGHUP && old.action.sa_handler == SIG_IGN) return;
+    sigaction(number, &action, nullptr);
+    old_.push_back(old);
+  };
+  for (const int number : kSignals) take(number, false);
+  for (const int number : unexpected_signals()) take(number, true);
 }
 
 StopRequest::~StopRequest() {
-  for (const Old& old : old_) {
-    if (old.number != 0) sigaction(old.number, &old.action, nullptr);
-  }
+  for (const Old& old : old_) sigaction(old.number, &old.action, nullptr);
 }
 
 int StopRequest::signal() const { return caught; }

@@ -31,7 +31,7 @@ std::vector<std::string> calibration_warnings(const BenchConfig& config, const s
     lines.push_back(fmt::format("{} ({}, serial {}) is OVERDUE for calibration since {}", record.role, record.model,
                                 calibration.serial.empty() ? "not stated" : calibration.serial, calibration.due));
   }
-  for (const std::string& place : placeholders_of(config)) lines.push_back(fmt::format("never filled in: {}", place));
+  for (const std::string& place : placeholders_of(config)) lines.push_back(fmt::format("not filled in: {}", place));
   return lines;
 }
 

@@ -1,4 +1,4 @@
-// Whether the instruments that results are held against are in date, in words: for devices check, plan and run.
+// Calibration status of the instruments that results are traced to, in words: for devices check, plan and run.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ namespace tactbench::bench {
 // as 2026-01-31.
 std::string calibration_words(const analysis::InstrumentCalibration& calibration, const std::string& day);
 
-// What a person should know before a run, a line each: overdue instruments among `records`, values that were never
-// filled in, texts that are no dates. None: nothing.
+// Warnings before a run, one line each: overdue instruments among `records`, values that still say FILL-IN, texts that
+// are not dates.
 std::vector<std::string> calibration_warnings(const BenchConfig& config, const std::vector<db::DeviceRecord>& records,
                                               const std::string& day);
 

@@ -12,7 +12,7 @@ struct ChamberOptions {
   double resolution_v = 0.002;        // of the command as the regulator sees it
   double hysteresis_share = 0.002;    // regulator's own, as a share of its span (up to 0.005): its sensor lags, so the
                                       // pressure runs ahead of what it believes by half of it on each side
-  double leak_psi_per_s = 0.0;        // a defect: pressure lost while held; the regulator makes up for it but for an
+  double leak_psi_per_s = 0.0;        // a defect: pressure lost while held; the regulator compensates it except for an
                                       // offset of 2 * damping * time constant * leak
   double dump_psi_per_s = 300.0;      // through the open dump valve, more than the regulator can fill
   double reference_noise_psi = 0.01;  // transducer's noise, standard deviation

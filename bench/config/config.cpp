@@ -19,7 +19,7 @@ namespace {
 
 SafetyLimits read_safety(const TomlTable& table) {
   SafetyLimits limits;
-  // The regulator could exceed what the chamber bears; no file may raise these.
+  // The regulator could exceed the chamber's limit; no file may raise these.
   limits.command_psi = table.number_in("command_psi", limits.command_psi, 1.0, 100.0);
   limits.trip_psi = table.number_in("trip_psi", limits.trip_psi, limits.command_psi, 110.0);
   limits.safe_psi = table.number_in("safe_psi", limits.safe_psi, 0.1, 1.0);
@@ -80,7 +80,7 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
   config.resolved = document.to_text();
   (void)root.integer("schema", 1, 1);
   const TomlTable bench = root.table("bench");
-  config.id = bench.text("id");
+  config.id = bench.name("id");
   config.location = bench.text("location", "not stated");
   config.origin = bench.word("origin", {"simulated", "hardware"}) == "simulated" ? devices::Origin::kSimulated
                                                                                  : devices::Origin::kHardware;
@@ -98,7 +98,7 @@ BenchConfig read_document(sequences::TomlDocument document, const std::vector<se
     root.fail("simulation",
               simulated ? "an external simulator has its own [simulation] table"
                         : "a hardware bench has a [simulation] table",
-              "remove it, or set origin = \"simulated\": simulated data must never pass for real");
+              "remove it, or set origin = \"simulated\": simulated data must never be taken for real data");
   }
   config.limits = read_safety(root.table("limits"));
   config.dead_man = read_dead_man(root.table("dead_man"));
@@ -151,7 +151,7 @@ std::vector<std::string> shipped_files(const std::string& folder) {
 namespace {
 
 std::string find_in(const std::string& folder, const std::string& name, bool with_ending, const char* what) {
-  std::error_code unusable;  // a name that no file can have is not there
+  std::error_code unusable;  // an invalid name counts as a missing file
   if (name.find('/') != std::string::npos || std::filesystem::exists(name, unusable)) return name;
   for (const char* ending : {"", ".toml"}) {
     std::string candidate = fmt::format("{}/{}/{}{}", share_folder(), folder, name, ending);
@@ -163,7 +163,7 @@ std::string find_in(const std::string& folder, const std::string& name, bool wit
   }
   const std::string near = sequences::nearest_word(name, shipped);
   throw sequences::FileError(
-      "TB-FILE-MISSING", fmt::format("there is no file '{}' here, and no {} of that name is shipped", name, what), name,
+      "TB-FILE-MISSING", fmt::format("there is no file '{}', and no shipped {} of that name", name, what), name,
       fmt::format("{}shipped: {}{}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
                   fmt::join(shipped, ", "), with_ending ? "; 'tactbench init' writes files to start from" : ""));
 }

@@ -40,17 +40,17 @@ struct SafetyLimits {
   double step_psi = 2.5;                          // of the set-point upward, at once
   double stale_s = 1.0;                           // witnesses older than this refuse upward commands
   std::array<double, 3> force_n{5.0, 5.0, 35.0};  // measured, each axis: beyond is a trip
-  double contact_n = 0.5;                         // from this force on the indenter touches
+  double contact_n = 0.5;                         // from this force on the indenter is in contact
   double clear_z_mm = 25.0;                       // z may not be beyond this while x or y move
 };
 
 struct DeadManConfig {
-  bool enabled = true;      // where instruments outlive the sequencer: never on a bench simulated in its own process
+  bool enabled = true;      // used where instruments outlive the process: never on a bench simulated in its own process
   double timeout_s = 0.4;   // between two signs of life of the sequencer's process
   double progress_s = 1.5;  // between two steps of its work: more than the longest exchange that fails
   double back_off_mm = 5.0;
-  bool blind_ends = true;  // a run whose dead-man cannot reach the module ends; else it is told and goes on
-  std::string program = "/proc/self/exe";  // what serves as the dead-man; tests name another
+  bool blind_ends = true;                  // ends a run whose dead-man cannot reach the module; false: only reports it
+  std::string program = "/proc/self/exe";  // the program that serves as the dead-man; tests set another
 };
 
 struct SimulationConfig {
@@ -64,7 +64,7 @@ struct SimulationConfig {
 enum class ScannerKind { kHid, kDaqmx, kFrameSource };
 enum class ForceKind { kNet, kDaq, kDigital };
 
-struct StatedCalibration {  // what the bench file states of an instrument's calibration; empty, 0: not stated
+struct StatedCalibration {  // an instrument's calibration as stated in the bench file; empty, 0: not stated
   std::string certificate, calibrated, due;  // dates as 2026-01-31
   double expanded_uncertainty = 0.0;         // U with k = 2 over the whole range, in psi, N or mm
 };
@@ -133,7 +133,7 @@ struct BenchConfig {
   std::string scanner_socket;  // HID reports over a local socket instead: a simulated scanner in another process
   devices::DaqmxScannerOptions daqmx_scanner;
   devices::FrameSourceOptions frame_source;
-  std::string scanner_cable;  // which one; part of the measuring chain as much as the scanner
+  std::string scanner_cable;  // identifies the cable, which is part of the measuring chain like the scanner
   int scans_per_frame = 2;
   std::optional<StageConfig> stage;
   std::optional<ForceConfig> force;
@@ -142,7 +142,7 @@ struct BenchConfig {
   std::optional<SimulationConfig> simulation;  // exactly when in_process
   std::string file, text;                      // where it came from, stored with the run
   std::string resolved;                        // text with the overrides in it
-  std::vector<sequences::Setting> settings;    // every value, and where it came from
+  std::vector<sequences::Setting> settings;    // every value, and its source
 };
 
 struct SensorType {
@@ -162,7 +162,7 @@ struct SeedOptions {  // command line wins over the file
 // Each throws sequences::FileError.
 BenchConfig read_bench(const std::string& path, const std::vector<sequences::Override>& overrides,
                        const SeedOptions& seeds = {});
-// The same of a text; `name` stands for the file in complaints. Reads no file but those that the text names.
+// The same from a text; `name` stands for the file in error messages. Reads only the files that the text names.
 BenchConfig parse_bench(const std::string& text, const std::string& name,
                         const std::vector<sequences::Override>& overrides, const SeedOptions& seeds = {});
 SensorType read_sensor_type(const std::string& path, const std::vector<sequences::Override>& overrides = {});

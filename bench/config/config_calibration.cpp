@@ -25,7 +25,7 @@ StatedCalibration read_stated_calibration(const sequences::TomlTable& table, con
   const auto calibrated = analysis::day_of(stated.calibrated), due = analysis::day_of(stated.due);
   if (calibrated && due && *due <= *calibrated) {
     table.fail("due", fmt::format("due on {}, which is not after the calibration of {}", stated.due, stated.calibrated),
-               "mend the date that is wrong");
+               "correct the wrong date");
   }
   return stated;
 }
@@ -42,8 +42,8 @@ void refuse_placeholders(const BenchConfig& config) {
   const std::vector<std::string> found = placeholders_of(config);
   if (found.empty()) return;
   throw Error(ExitCode::kUsage, "TB-BENCH-FILL-IN",
-              fmt::format("the bench file was never filled in: {}", fmt::join(found, ", ")), config.file,
-              "replace each FILL-IN by what stands on the instrument or its certificate; \"\" where there is none");
+              fmt::format("the bench file is not filled in: {}", fmt::join(found, ", ")), config.file,
+              "replace each FILL-IN by the value on the instrument or its certificate; \"\" where there is none");
 }
 
 }  // namespace tactbench::bench

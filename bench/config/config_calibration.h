@@ -1,4 +1,4 @@
-// What a bench file states of its instruments' calibrations: certificate, dates, U; and what was never filled in.
+// The calibrations stated in a bench file: certificate, dates, U; and values that still say FILL-IN.
 #pragma once
 
 #include <string>

@@ -72,7 +72,7 @@ void read_scanner(const TomlTable& table, BenchConfig& config) {
     devices::FrameSourceOptions& source = config.frame_source;
     source.address = table.text("address", config.in_process ? "tcp:127.0.0.1:0" : "");
     if (!devices::is_stream_address(source.address)) {
-      table.fail("address", fmt::format("\"{}\" is no frame source's address", source.address),
+      table.fail("address", fmt::format("\"{}\" is not the address of a frame source", source.address),
                  "write \"tcp:HOST:PORT\" or \"unix:PATH\"");
     }
     source.expected_serial = config.scanner.expected_serial;

@@ -1,4 +1,4 @@
-// The laboratory file: what a report says and no instrument knows.
+// The laboratory file: facts for reports that no instrument knows.
 #include "bench/config/config_laboratory.h"
 
 #include "bench/config/config_calibration.h"

@@ -1,4 +1,4 @@
-// The laboratory file: what a report says and no instrument knows. Unknown keys are errors; missing ones are empty.
+// The laboratory file: facts for reports that no instrument knows. Unknown keys are errors; missing ones are empty.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Modbus addresses in configuration files: where a device is (TCP or serial line) and where a quantity stands in it.
+// Modbus addresses in configuration files: the address of a device (TCP or serial line) and of a quantity in it.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ devices::RegisterFormat read_format(const sequences::TomlTable& table, const std
 // Keys function, address, spare, type, word_order, raw_span; `physical_key` (such as "span_psi") is its other end.
 devices::ModbusQuantity read_quantity_place(const sequences::TomlTable& table, const std::string& physical_key);
 
-// What stands for the serial port of a simulated line until the line exists.
+// Placeholder for the serial port of a simulated line until the line exists.
 inline constexpr const char* kSimulatedLine = "simulated line";
 
 }  // namespace tactbench::bench

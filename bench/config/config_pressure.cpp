@@ -39,7 +39,7 @@ void read_channels(const TomlTable& table, devices::ModuleProfile& profile) {
 void check_transport(const TomlTable& table, const ModuleConfig& module) {
   const bool rtu = !module.endpoint.serial_port.empty();
   if (rtu ? module.profile.rtu : module.profile.tcp) return;
-  table.fail("profile", fmt::format("'{}' does not speak Modbus {}", module.profile.name, rtu ? "RTU" : "TCP"),
+  table.fail("profile", fmt::format("'{}' does not support Modbus {}", module.profile.name, rtu ? "RTU" : "TCP"),
              rtu ? "set transport = \"tcp\", or choose another profile" : "set transport = \"rtu\" and serial_port");
 }
 
@@ -63,7 +63,7 @@ void read_modules(const TomlTable& root, BenchConfig& config) {
     config.watchdog_s = table.number_in("watchdog_ms", 1000, 500, 60000) / 1000.0;
   } else if (table.has("watchdog_ms")) {
     table.fail("watchdog_ms", fmt::format("'{}' has no watchdog that can be set", config.module.profile.name),
-               "leave it out; `tactbench plan` and `devices check` print what fail-safe there is");
+               "omit it; `tactbench plan` and `devices check` print the fail-safe layers");
   } else {
     config.watchdog_s = 0.0;
   }
@@ -167,7 +167,7 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     }
     for (const char* key : {"channel", "span_v", "span_psi"}) {
       if (table.has(key))
-        table.fail(key, "a gauge tells pressure itself", fmt::format("remove '{}' or the gauge", key));
+        table.fail(key, "a gauge reads pressure directly", fmt::format("remove '{}' or the gauge", key));
     }
     read_gauge(table.table("gauge"), config);
   } else if (config.reference_independent) {
@@ -177,7 +177,7 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
                  "wire the transducer to an input of its own, or set independent = false");
     }
     reference.span = read_span(table, "span_v", "span_psi", 1.0, {0.0, 100.0});
-  } else {  // the regulator's own monitor output stands in
+  } else {  // the regulator's own monitor output serves as reference
     reference.model = config.regulator.model + " (feedback)";
     reference.serial = config.regulator.serial;
     reference.channel = config.regulator.feedback_channel;

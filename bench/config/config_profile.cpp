@@ -51,7 +51,7 @@ devices::ModuleOutputs read_outputs(const TomlTable& table) {
   out.deadline = seconds(table.zero_or_in("deadline_ms", 0.0, 1.0, 10000.0) / 1000.0);
   out.volts = volts_scale(table);
   if (out.volts.raw_low < 0.0 || out.volts.raw_high > 65535.0) {
-    table.fail("raw_span", "a register holds 0 to 65535 counts", "give the counts as they stand in the register");
+    table.fail("raw_span", "a register holds 0 to 65535 counts", "give the counts as in the register");
   }
   table.finish();
   return out;
@@ -88,7 +88,7 @@ std::string profile_folder() { return share_folder() + "/devices/profiles"; }
 
 std::string find_profile(const std::string& name) {
   std::string shipped = fmt::format("{}/{}.toml", profile_folder(), name);
-  std::error_code unusable;  // a name that no file can have is not there
+  std::error_code unusable;  // an invalid name counts as a missing file
   if (name.find('/') == std::string::npos && std::filesystem::is_regular_file(shipped, unusable)) return shipped;
   if (std::filesystem::is_regular_file(name, unusable)) return name;
   const auto known = shipped_profiles();

@@ -8,8 +8,8 @@
 
 namespace tactbench::bench {
 
-// `name` is a shipped profile ("beckhoff-ek9000") or the path of a .toml file. Throws sequences::FileError, naming the
-// shipped ones when there is none of that name.
+// `name` is a shipped profile ("beckhoff-ek9000") or the path of a .toml file. Throws sequences::FileError, which lists
+// the shipped profiles when there is none of that name.
 devices::ModuleProfile read_module_profile(const std::string& name);
 std::vector<std::string> shipped_profiles();
 

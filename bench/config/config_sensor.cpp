@@ -17,7 +17,7 @@ SensorType sensor_type_of(const TomlDocument& document) {
   SensorType type;
   type.text = document.text();
   (void)root.integer("schema", 1, 1);
-  type.name = root.text("name");
+  type.name = root.name("name");
   type.rows = static_cast<int>(root.integer("rows", 1, 64));
   type.columns = static_cast<int>(root.integer("columns", 1, 64));
   type.pitch_mm = root.number_in("pitch_mm", 2.54, 0.01, 100.0);
@@ -49,7 +49,7 @@ analysis::Limits limits_of(const TomlDocument& document) {
   limits.toml = document.text();
   limits.sha256 = db::sha256_hex(limits.toml);
   (void)root.integer("schema", 1, 1);
-  limits.name = root.text("name");
+  limits.name = root.name("name");
   limits.rule = *analysis::decision_rule_from(
       root.word("rule", "default", {"default", "simple", "guarded", "four-way", "report-only"}));
   limits.mean_compensation_error_psi = root.number("mean_compensation_error_psi");

@@ -9,7 +9,7 @@ using sequences::TomlTable;
 
 namespace {
 
-// The value of an enumeration whose words stand in its order.
+// The value of an enumeration by its word; `words` are in the enumeration's order.
 template <typename Enum>
 Enum word_of(const TomlTable& table, const char* key, Enum usual, const std::vector<std::string>& words) {
   const std::string word = table.word(key, words[static_cast<std::size_t>(usual)], words);
@@ -140,6 +140,8 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   plant.seed = seeds.seed.value_or(static_cast<std::uint64_t>(table.integer("seed", 1, 0, kMost)));
   specimen.sensor_seed =
       seeds.sensor_seed.value_or(static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kMost)));
+  specimen.kind = word_of(table, "specimen", specimen.kind, specimen_words());
+  specimen.seed = plant.seed;
   specimen.mount_seed = static_cast<std::uint64_t>(table.integer("mount_seed", 0, 0, kMost));
   specimen.temperature_c = table.number_in("temperature_c", specimen.temperature_c, -20.0, 80.0);
   specimen.age_months = table.number_in("age_months", specimen.age_months, 0.0, 1200.0);

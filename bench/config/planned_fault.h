@@ -19,10 +19,10 @@ enum class FaultKind {  // with the unit of the value, where there is one
   kModuleSilent,
   kModuleLate,
   kModuleCorrupt,
-  kModuleStale,      // reads tell what was read before
+  kModuleStale,      // reads return the previous values
   kModuleException,  // server device failure
   kModuleUnplugged,  // TCP: connections close at once; serial: silence
-  kStageStalled,     // 1 x, 2 y, 3 z, 0 all: stands still while the device takes it to be moving
+  kStageStalled,     // 1 x, 2 y, 3 z, 0 all: does not move although the device counts steps
   kStageSilent,
   kStageLate,
   kStageCorrupt,
@@ -50,7 +50,7 @@ struct PlannedFault {
   std::optional<double> at_n;    // the force on the specimen first comes to this
   double lasts_s = std::numeric_limits<double>::infinity();
   std::optional<double> value;  // none: the usual one
-  long times = 0;               // answers that it spoils before it is over; 0: as long as it lasts; kOvershoot: 1
+  long times = 0;               // number of answers affected; 0: no limit; kOvershoot: 1
 };
 
 }  // namespace tactbench::bench

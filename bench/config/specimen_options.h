@@ -7,6 +7,11 @@
 
 namespace tactbench::bench {
 
+// Which film the simulated sensor has: the paper's, or one that is harder on every model and every compensation
+// (bench/simulation/README.md). The words stand in the order of the values.
+enum class SpecimenKind { kPaper, kHarsh };
+std::vector<std::string> specimen_words();
+
 // Switchable effects with known truth; all off (zero, empty) unless said.
 struct SpecimenEffects {
   double row_crosstalk = 0.0;  // share of the other taxels' mean output in the same row added to a taxel
@@ -46,7 +51,9 @@ enum class MountEdge { kFirstRow, kLastRow, kFirstColumn, kLastColumn };
 std::vector<std::string> mount_edge_words();
 
 struct SpecimenOptions {
+  SpecimenKind kind = SpecimenKind::kPaper;
   std::uint64_t sensor_seed = 1;  // makes the array
+  std::uint64_t seed = 1;         // harsh: what differs from run to run; a plant gives its own seed
   std::uint64_t mount_seed = 0;   // 0: the mount of the first characterization
   MountTurn mount_turn = MountTurn::kNone;
   // The sensor turned in the chamber with its leads, counter-clockwise with row 0 on top: each taxel keeps its row and

@@ -1,5 +1,5 @@
-// A dead-man's memory: fed in time it is silent, fed late it has fired, and stays so. The same object runs under
-// process time inside a simulated bench and under real time in the dead-man's own process.
+// The timer of a dead-man: it fires when it is fed late, and stays fired. It runs on process time inside a simulated
+// bench and on real time in the dead-man's own process.
 #pragma once
 
 #include <optional>
@@ -10,25 +10,25 @@
 namespace tactbench::bench {
 
 inline constexpr const char* kDeadManFired = "TB-DEADMAN-FIRED";  // fault and trip
-// Faults: it watches no more, though it has not fired.
+// Faults: it no longer watches, though it has not fired.
 inline constexpr const char* kDeadManSilent = "TB-DEADMAN-SILENT";  // does not answer
 inline constexpr const char* kDeadManEnded = "TB-DEADMAN-ENDED";    // its process is gone
 inline constexpr const char* kDeadManBlind = "TB-DEADMAN-BLIND";    // does not reach the module
 
-// Why a dead-man cannot be counted on.
+// Why a dead-man can no longer be relied on.
 struct WatcherLost {
   std::string id, what, remedy;
 };
 
 class DeadMan {
  public:
-  // Counts from the first feeding.
+  // Starts with the first feeding.
   explicit DeadMan(devices::Nanoseconds timeout) : timeout_(timeout) {}
   void feed(devices::Nanoseconds now) {
     if (!late(now)) last_ = now;
     started_ = true;
   }
-  // True once more than `timeout` lay between two feedings, or lies between the last one and `now`.
+  // True once more than `timeout` passed between two feedings, or has passed since the last one; stays true.
   [[nodiscard]] bool late(devices::Nanoseconds now) {
     fired_ = fired_ || (started_ && now - last_ > timeout_);
     return fired_;
@@ -42,20 +42,22 @@ class DeadMan {
   bool fired_ = false;
 };
 
-// What the guard asks of whichever dead-man watches its bench.
+// What the guard needs from the dead-man of its bench.
 class Watcher {
  public:
   virtual ~Watcher() = default;
   virtual void feed() = 0;  // the sequencer has made progress
   [[nodiscard]] virtual bool fired() = 0;
-  // It watches no more and has not fired, and a run must not go on without it. None: it watches. Stays.
+  // Why the dead-man no longer watches although it has not fired: a run must not continue without it. None: it watches.
+  // Once set it stays set.
   [[nodiscard]] virtual std::optional<WatcherLost> lost() = 0;
-  // The wires are the dead-man's: it makes safe over them. Waits until it has ended, at most `longest`; false: it still
-  // works.
+  // While the dead-man makes the bench safe, the wires belong to it. Waits until it has ended, at most `longest`;
+  // false: it still works.
   [[nodiscard]] virtual bool wait_ended(devices::Nanoseconds longest) = 0;
 };
 
-// Of a bench simulated in its own process, in process time. Whoever finds it fired has to make safe.
+// The dead-man of a bench simulated in this process, on process time. Whoever finds it fired has to make the bench
+// safe.
 class ProcessTimeWatcher final : public Watcher {
  public:
   ProcessTimeWatcher(devices::Nanoseconds timeout, const devices::Clock& clock) : dead_man_(timeout), clock_(clock) {}

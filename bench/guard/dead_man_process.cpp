@@ -29,12 +29,12 @@ constexpr Nanoseconds kLine = std::chrono::seconds(5);
 constexpr Nanoseconds kEnd = std::chrono::seconds(1);
 constexpr Nanoseconds kEndPoll = std::chrono::milliseconds(50);
 constexpr int kSignsATimeout = 8;
-constexpr double kOwnShare = 0.9;  // this process gives itself up before the dead-man does
+constexpr double kOwnShare = 0.9;  // of the timeout: this process counts itself as stopped before the dead-man fires
 
 [[noreturn]] void fail(const std::string& why) {
   throw Fault("TB-DEADMAN-START", "dead-man", fmt::format("starting the dead-man: {}", why),
-              "Check that the module takes a second connection (some take only one), that nothing between blocks it, "
-              "and that this program may start processes.");
+              "Check that the module accepts a second connection (some accept only one), that nothing on the network "
+              "blocks it, and that this program may start processes.");
 }
 
 // Between fork() and exec(): system calls only.
@@ -75,7 +75,7 @@ DeadManProcess::DeadManProcess(const BenchConfig& config)
   if (config.stage) stage_address_ = config.stage->address;
   start(config.dead_man.program);
   const nlohmann::json bench = {{"name", config.file}, {"bench", config.resolved}};
-  if (!channel_->send(analysis::json_line(bench))) fail("it does not take the bench's description");
+  if (!channel_->send(analysis::json_line(bench))) fail("it does not accept the bench's description");
   const std::optional<devices::ChannelPacket> answer = channel_->receive(kStart);
   if (!answer || answer->text != "ready") {
     fail(answer ? answer->text : channel_->closed() ? "it ended at once" : "it did not answer");
@@ -104,23 +104,23 @@ DeadManProcess::~DeadManProcess() {
   wake_.notify_all();
   if (relay_.joinable()) relay_.join();
   channel_.reset();
-  // One that makes safe now is left to itself.
+  // A dead-man that is making the bench safe is left alone.
   (void)::waitpid(child_, nullptr, WNOHANG);
 }
 
-// The thread that shows that this process runs and gets on, and hears the answers.
+// The thread that reports that this process runs and makes progress, and receives the answers.
 void DeadManProcess::relay() {
   const auto own_limit = Nanoseconds(static_cast<Nanoseconds::rep>(kOwnShare * static_cast<double>(timeout_.count())));
   std::unique_lock lock(mutex_);
   while (!stop_ && !fired_) {
     const Nanoseconds time = now();
     if (time - Nanoseconds(shown_) > own_limit) {
-      fired_ = true;  // stood still: whatever the dead-man did, no command may follow
+      fired_ = true;  // this process was stopped: the dead-man may have vented, so no command may follow
     } else if (time.count() < due_ && (channel_->send("feed") || reports_.lost())) {
-      shown_ = time.count();  // one that is lost may take no more, which says nothing of this process
+      shown_ = time.count();  // a lost dead-man may no longer read, which says nothing about this process
       reports_.asked(time);
     }
-    // Whoever holds it hears them meanwhile.
+    // Whoever holds the lock receives them meanwhile.
     if (const std::unique_lock receiving(receiving_, std::try_to_lock); receiving) {
       listen_to_all();
       reports_.judge(now());
@@ -135,7 +135,7 @@ void DeadManProcess::allow(Nanoseconds span) { due_ = (now() + std::max(span, pr
 
 void DeadManProcess::listen(const devices::ChannelPacket& packet) {
   reports_.heard(packet.text);
-  if (packet.descriptor >= 0) ::close(packet.descriptor);  // of a request that was given up
+  if (packet.descriptor >= 0) ::close(packet.descriptor);  // answers a request that timed out
 }
 
 void DeadManProcess::listen_to_all() {
@@ -166,7 +166,7 @@ bool DeadManProcess::wait_ended(Nanoseconds longest) {
 
 std::unique_ptr<devices::ByteStream> DeadManProcess::open_line() {
   const std::lock_guard lock(receiving_);
-  // It answers nothing while it opens a line.
+  // The dead-man does not answer while it opens a line.
   struct Excused {
     DeadManReports& reports;
     ~Excused() { reports.excuse(); }
@@ -191,7 +191,7 @@ std::unique_ptr<devices::ByteStream> DeadManProcess::ask_for_line() {
     listen(*packet);
   }
   throw Fault("TB-SERIAL-OPEN", address, "the dead-man did not hand the stage's line over",
-              "Look at its words on standard error, then start anew.");
+              "Read its messages on standard error, then start again.");
 }
 
 void DeadManProcess::name_run(std::int64_t run) { (void)channel_->send(fmt::format("run {}", run)); }
@@ -204,7 +204,7 @@ void DeadManProcess::fire() noexcept {
 void DeadManProcess::goodbye() {
   dismissed_ = true;
   const bool ended = channel_->send("goodbye") && wait_ended(kEnd);
-  // It would keep the bench's next run waiting, and has nothing to do any more.
+  // It has nothing left to do and would keep the bench's next run waiting.
   const std::optional<WatcherLost> lost = reports_.lost();
   if (!ended && !fired() && lost && lost->id == kDeadManSilent) (void)::kill(child_, SIGKILL);
 }

@@ -1,10 +1,10 @@
-// The dead-man as a process of its own, seen from the sequencer: started before any device is opened, fed by progress,
-// it makes the bench safe over its own connection when the feeding ends. dead_man_server.h is its other side.
+// The dead-man's process as the sequencer sees it: started before any device is opened and fed by progress; it makes
+// the bench safe over its own connection when the feeding stops. dead_man_server.h is the other side.
 //
-// Two times: every `timeout` the process has to show that it runs (a thread does that, which SIGSTOP and SIGKILL stop
-// like any other), and every `progress` its work has to have moved on. So a process that is stopped is found soon, and
-// an exchange that fails slowly does not fire. The dead-man answers each sign, and is watched by that: the thread hears
-// the answers, and whoever asks here waits for nothing.
+// There are two deadlines. Within every `timeout` the process must send a sign of life (from a thread, which SIGSTOP
+// and SIGKILL stop like any other), and within every `progress` its work must have advanced. So a stopped process is
+// detected soon, and an exchange that fails slowly does not fire. The dead-man answers each sign of life, and is itself
+// watched by these answers: the thread receives them, and the functions here never wait.
 #pragma once
 
 #include <sys/types.h>
@@ -28,27 +28,26 @@ class DeadManProcess final : public Watcher {
   // Returns once the dead-man has reached the module over its own connection, at most 10 s. Throws Fault
   // TB-DEADMAN-START.
   explicit DeadManProcess(const BenchConfig& config);
-  // Without a goodbye the dead-man makes safe.
+  // Unless goodbye() was called, the dead-man makes the bench safe.
   ~DeadManProcess() override;
   DeadManProcess(const DeadManProcess&) = delete;
   DeadManProcess& operator=(const DeadManProcess&) = delete;
 
   void feed() override;
-  // Something slow comes, such as opening an instrument, while nothing is loaded: no feeding is due before.
+  // Announces slow work while nothing is loaded, such as opening an instrument: the next feeding is due after it.
   void allow(devices::Nanoseconds span);
-  // It has fired, or must have fired because this process stood still. Stays true.
+  // It has fired, or must have fired because this process was stopped. Stays true.
   [[nodiscard]] bool fired() override;
   [[nodiscard]] std::optional<WatcherLost> lost() override;
-  [[nodiscard]] bool alive() { return !fired() && !lost(); }
-  // What it said of its sight of the module since the last call.
+  // What it reported about reaching the module since the last call.
   [[nodiscard]] std::vector<DeadManNews> take_news() { return reports_.take_news(); }
   [[nodiscard]] bool wait_ended(devices::Nanoseconds longest) override;
-  // The stage's line, opened by the dead-man, anew at each call. Throws Fault TB-SERIAL-OPEN with its reason. Once it
-  // has ended the line is opened here.
+  // The stage's line, which the dead-man opens at each call. Throws Fault TB-SERIAL-OPEN with the dead-man's reason.
+  // Once the dead-man has ended, the line is opened here.
   [[nodiscard]] std::unique_ptr<devices::ByteStream> open_line();
   void name_run(std::int64_t run);  // for its record
   void fire() noexcept;             // now; any thread
-  void goodbye();                   // the safe state was proved: it ends and does nothing; one that is frozen is ended
+  void goodbye();  // the safe state was proved: the dead-man ends without acting; a frozen one is killed
 
  private:
   void start(const std::string& program);
@@ -74,8 +73,8 @@ class DeadManProcess final : public Watcher {
   std::thread relay_;
 };
 
-// An RTU line that a standing program holds open has to be reachable for its dead-man: neither keeps it exclusively,
-// and the dead-man takes no lock.
+// The dead-man must reach an RTU line that a stopped program still holds open: neither opens it exclusively, and the
+// dead-man takes no lock.
 void share_lines(BenchConfig& config, bool as_dead_man);
 
 }  // namespace tactbench::bench

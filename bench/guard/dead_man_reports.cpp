@@ -46,25 +46,25 @@ void DeadManReports::heard_blind(const std::string& why) {
   if (failed_reads_ == 1) news_.push_back({kDeadManBlind, what});
   if (failed_reads_ < kFailedReadsToBeBlind || !blind_ends_ || lost_) return;
   lost_ = WatcherLost{kDeadManBlind, fmt::format("{}, {} times in a row", what, failed_reads_),
-                      "Check that the module takes a second connection and that nothing else takes it; then start "
-                      "anew or `tactbench resume`."};
+                      "Check that the module accepts a second connection and that no other program uses it; then start "
+                      "again or `tactbench resume`."};
 }
 
 void DeadManReports::ended() {
   const std::lock_guard lock(mutex_);
   if (fired_ || lost_) return;
   lost_ = WatcherLost{kDeadManEnded, "the dead-man's process has ended",
-                      "Find out who ended it (the system's log, memory), then start anew or `tactbench resume`."};
+                      "Find out what ended it (system log, memory), then start again or `tactbench resume`."};
 }
 
 void DeadManReports::judge(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   if (fired_ || lost_ || !owed_since_ || now - *owed_since_ <= timeout_) return;
-  lost_ = WatcherLost{kDeadManSilent,
-                      fmt::format("the dead-man does not answer: nothing came from it for {:.2f} s, {:g} s are allowed",
-                                  devices::in_seconds(now - *owed_since_), devices::in_seconds(timeout_)),
-                      "Its process stands still, or the computer has no time for it: find out why, then start anew or "
-                      "`tactbench resume`."};
+  lost_ = WatcherLost{
+      kDeadManSilent,
+      fmt::format("the dead-man does not answer: no message from it for {:.2f} s, {:g} s are allowed",
+                  devices::in_seconds(now - *owed_since_), devices::in_seconds(timeout_)),
+      "Its process is stopped, or the computer is overloaded: find out why, then start again or `tactbench resume`."};
 }
 
 bool DeadManReports::fired() const {

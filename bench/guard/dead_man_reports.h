@@ -1,5 +1,5 @@
-// What a dead-man's process is known to be by its answers: at watch, fired, ended, frozen, or blind to the module. Any
-// thread may tell and ask.
+// The state of a dead-man's process by its answers: watching, fired, ended, frozen, or blind (it cannot reach the
+// module). Thread-safe.
 #pragma once
 
 #include <mutex>
@@ -18,16 +18,17 @@ struct DeadManNews {  // for the record and for people
 
 class DeadManReports {
  public:
-  // An answer is owed within `timeout`. `blind_ends`: the second failed reading of the module in a row makes it lost.
+  // An answer is due within `timeout`. `blind_ends`: a second failed reading of the module in a row makes the dead-man
+  // lost.
   DeadManReports(devices::Nanoseconds timeout, bool blind_ends) : timeout_(timeout), blind_ends_(blind_ends) {}
 
   void asked(devices::Nanoseconds now);  // a feeding was sent, which it answers
-  // Its words: "fed", "fired", "blind: REASON" at each failed reading, "sees". Others are not for here.
+  // The dead-man's messages: "fed", "fired", "blind: REASON" at each failed reading, "sees". Others are ignored here.
   void heard(const std::string& word);
-  void ended();  // nobody is at the other end of its channel
-  // To be called when all that had come by `now` was heard: is an answer overdue?
+  void ended();  // the other end of its channel is closed
+  // To be called once everything received by `now` was passed on: checks whether an answer is overdue.
   void judge(devices::Nanoseconds now);
-  void excuse();  // it was kept busy at our wish: what it owes is asked for anew
+  void excuse();  // we kept it busy: the deadline of its answer starts again
 
   [[nodiscard]] bool fired() const;
   [[nodiscard]] std::optional<WatcherLost> lost() const;  // stays
@@ -38,7 +39,7 @@ class DeadManReports {
   const devices::Nanoseconds timeout_;
   const bool blind_ends_;
   mutable std::mutex mutex_;
-  std::optional<devices::Nanoseconds> owed_since_;  // the oldest feeding without an answer
+  std::optional<devices::Nanoseconds> owed_since_;  // time of the oldest feeding without an answer
   bool fired_ = false;
   int failed_reads_ = 0;  // in a row
   std::optional<WatcherLost> lost_;

@@ -59,7 +59,7 @@ void Guard::trip(const std::string& id, const std::string& what) noexcept {
   try {
     trip_ = Trip{id, what, run_, {}};
     if (source_ != nullptr) vented(source_->vent());
-    // While the dead-man works, the stage's line is its own.
+    // While the dead-man works, the stage's line belongs to it.
     const bool line_is_ours = id != kDeadManFired || watcher_ == nullptr || watcher_->wait_ended(Nanoseconds(0));
     if (stage_ != nullptr && stage_used_ && line_is_ours) (void)stage_->halt();
     log("guard", fmt::format("trip {}: {}", id, what), false);
@@ -74,11 +74,11 @@ void Guard::reset(const std::string& who) {
   lost_.reset();
 }
 
-// A dead-man that has fired is found here, before any command, and one that watches no more.
+// Before any command: has the dead-man fired, or does it no longer watch?
 void Guard::hear_watcher() {
   if (trip_ || watcher_ == nullptr) return;
   if (watcher_->fired()) {
-    trip(kDeadManFired, "the dead-man has fired: the sequencer was silent for too long, or somebody told it to");
+    trip(kDeadManFired, "the dead-man has fired: the sequencer was silent for too long, or a panic was commanded");
   } else if (const std::optional<WatcherLost> lost = watcher_->lost()) {
     lost_ = lost;
     trip(lost->id, lost->what);
@@ -92,12 +92,12 @@ void Guard::check_open(const char* actuator, const std::string& asked, bool away
   }
   if (trip_ && trip_->id == kDeadManFired) {
     refuse(kDeadManFired, actuator, asked, trip_->what,
-           "Find out what held the sequencer up; `tactbench devices reset` if the bench is tripped; start anew.");
+           "Find out what delayed the sequencer; `tactbench devices reset` if the bench is tripped; start again.");
   }
   if (!trip_ || away) return;
   if (lost_) refuse(lost_->id.c_str(), actuator, asked, lost_->what, lost_->remedy);
   refuse("TB-GUARD-TRIPPED", actuator, asked, fmt::format("tripped ({}): {}", trip_->id, trip_->what),
-         "Look at the rig and find the cause, then `tactbench devices reset`.");
+         "Inspect the rig and find the cause, then `tactbench devices reset`.");
 }
 
 void Guard::check_fresh(const char* id, const char* actuator, const std::string& asked, const char* name,
@@ -112,7 +112,7 @@ void Guard::check_fresh(const char* id, const char* actuator, const std::string&
 }
 
 void Guard::judge_pressure(const char* name, double psi) {
-  if (!armed_ || trip_ || psi <= limits_.safety.trip_psi) return;  // not-a-number goes on
+  if (!armed_ || trip_ || psi <= limits_.safety.trip_psi) return;  // NaN does not return here
   const std::string what =
       fmt::format("{:.1f} psi measured by the {}, above the trip of {:.1f} psi", psi, name, limits_.safety.trip_psi);
   trip("TB-CHAMBER-TRIP", what);
@@ -140,7 +140,7 @@ void Guard::note_force(const devices::Wrench& wrench, Nanoseconds time) {
                                          limits_.safety.force_n[i]);
     trip("TB-FORCE-TRIP", what);
     throw Interlock("TB-FORCE-TRIP", "force sensor", what + "; stage halted",
-                    "check what the indenter stands on; the limit is [limits] force_n");
+                    "check what the indenter presses on; the limit is [limits] force_n");
   }
 }
 
@@ -150,7 +150,7 @@ void Guard::check_pressure(Psi pressure) {
   check_open(kPressure, asked, false);
   if (!(psi >= 0.0 && psi <= limits_.safety.command_psi)) {
     refuse("TB-CHAMBER-LIMIT", kPressure, asked, fmt::format("allowed is 0 to {:g} psi", limits_.safety.command_psi),
-           "Correct the recipe; [limits] command_psi is what the chamber bears.");
+           "Correct the recipe; [limits] command_psi is the chamber's limit.");
   }
   if (psi > setpoint_psi_) {
     check_fresh("TB-CHAMBER-STALE", kPressure, asked, "regulator's feedback", feedback_);
@@ -161,12 +161,11 @@ void Guard::check_pressure(Psi pressure) {
     budget_time_ = now;
     const double rise = psi - setpoint_psi_;
     if (rise > budget_psi_ + kStepRounding * limits_.safety.step_psi) {
-      refuse(
-          "TB-CHAMBER-RATE", kPressure, asked,
-          fmt::format("the set-point stands at {:g} psi and may rise by {:.3g} psi now ({:g} psi at once, {:g} psi/s "
-                      "lasting)",
-                      setpoint_psi_, budget_psi_, limits_.safety.step_psi, limits_.safety.rate_psi_per_s),
-          "Approach the level by a ramp; [limits] step_psi and rate_psi_per_s.");
+      refuse("TB-CHAMBER-RATE", kPressure, asked,
+             fmt::format(
+                 "the set-point is {:g} psi and may rise by {:.3g} psi now ({:g} psi at once, {:g} psi/s continuously)",
+                 setpoint_psi_, budget_psi_, limits_.safety.step_psi, limits_.safety.rate_psi_per_s),
+             "Approach the level by a ramp; [limits] step_psi and rate_psi_per_s.");
     }
   }
   if (std::abs(psi - logged_psi_) < kLoggedStepPsi && (psi > 0.0 || logged_psi_ == 0.0)) return;
@@ -197,7 +196,7 @@ void Guard::vented(bool read_back) {
   logged_psi_ = 0.0;
 }
 
-// Rewriting 0 psi harms nobody; rewriting a pressure after a trip would undo the vent.
+// Rewriting 0 psi is harmless; rewriting a pressure after a trip would undo the vent.
 void Guard::check_rewriting() {
   if (setpoint_psi_ > 0.0) check_open(kPressure, fmt::format("repeat of {:g} psi", setpoint_psi_), false);
 }

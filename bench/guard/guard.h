@@ -1,5 +1,5 @@
 // The one gate of every actuator command: constant limits, rate of rise, fresh witnesses, joint envelopes, latched
-// trips, the dead-man. guard_devices.h wraps the drivers so that nothing passes beside it. One thread, the sequencer's.
+// trips, the dead-man. guard_devices.h wraps the drivers so that no command bypasses it. One thread, the sequencer's.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ struct GuardLimits {
 // Of a bench file. At another rate than 1 a reading ages that much faster, and stale_s is stretched by it.
 GuardLimits guard_limits(const BenchConfig& config);
 
-// When, which actuator ("pressure", "stage z", "guard"), what was asked, and whether it was let through. Refusals and
-// stage commands always; set-points when they differ by 1 psi from the last one told, or end at 0.
+// Time, actuator ("pressure", "stage z", "guard"), command, and whether it passed. Called for each refusal and stage
+// command; for set-points when they differ by 1 psi from the last one logged, or are 0.
 using CommandLog =
     std::function<void(devices::Nanoseconds, const std::string& actuator, const std::string& text, bool let_through)>;
 
@@ -43,7 +43,7 @@ class Guard {
 
   void set_log(CommandLog log) { log_ = std::move(log); }
   void set_run(std::int64_t run) { run_ = run; }  // named in trips
-  // Told of each new trip, to store it.
+  // Called with each new trip, to store it.
   void set_trip_sink(std::function<void(const Trip&)> sink) { sink_ = std::move(sink); }
   // The drivers themselves, which a trip vents and halts. Null: there is none.
   void set_actuators(devices::PressureSource* source, devices::Stage* stage);
@@ -57,29 +57,29 @@ class Guard {
   // Vents and halts at once, latches and stores. A first trip stays. Never throws.
   void trip(const std::string& id, const std::string& what) noexcept;
   [[nodiscard]] const std::optional<Trip>& tripped() const { return trip_; }
-  // A person has looked. A dead-man that has fired stays fired.
+  // A person has inspected the rig. A dead-man that has fired stays fired.
   void reset(const std::string& who);
 
-  // Readings, as they are taken. Each trips when armed, and then throws Interlock TB-CHAMBER-TRIP or TB-FORCE-TRIP;
-  // once tripped they only note.
+  // Readings, as they are taken. When armed, one beyond its limit trips and throws Interlock TB-CHAMBER-TRIP or
+  // TB-FORCE-TRIP; after a trip readings are only kept.
   void note_feedback(devices::Psi pressure, devices::Nanoseconds time);
   void note_reference(devices::Psi pressure, devices::Nanoseconds time);
   void note_force(const devices::Wrench& wrench, devices::Nanoseconds time);
 
-  // May this pass? Each throws Interlock, logs the refusal, and logs what passes. Ids: TB-GUARD-NOT-ARMED,
-  // TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE, TB-STAGE-LIMIT,
-  // TB-STAGE-ENVELOPE, TB-FORCE-STALE.
+  // Checks of commands. Each logs what passes, and logs and throws Interlock for what does not. Ids:
+  // TB-GUARD-NOT-ARMED, TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE,
+  // TB-STAGE-LIMIT, TB-STAGE-ENVELOPE, TB-FORCE-STALE.
   void check_pressure(devices::Psi pressure);
-  void check_rewriting();  // of the set-point that stands
+  void check_rewriting();  // of the present set-point
   // z toward its home passes a trip too: away from the specimen is the stage's vent. x and y move only while z is
   // homed, at rest and not beyond clear_z_mm, and no contact was felt last. `read` is called only when it matters.
   using ReadAxis = std::function<devices::AxisState(devices::Axis)>;
   void check_move(devices::Axis axis, double target_mm, double speed_mm_per_s, const ReadAxis& read);
   void check_home(devices::Axis axis, const ReadAxis& read);
 
-  // What came of it.
-  void set_pressure(devices::Psi pressure);  // it stands
-  void source_armed();                       // outputs stand at 0
+  // Results of commands.
+  void set_pressure(devices::Psi pressure);  // the new set-point
+  void source_armed();                       // outputs are 0
   void vented(bool read_back);
   void set_moving(devices::Axis axis, bool moving) { moving_[static_cast<std::size_t>(axis)] = moving; }
   [[nodiscard]] const AxisLimits& axis_limits(devices::Axis axis) const {

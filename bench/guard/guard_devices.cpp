@@ -29,7 +29,8 @@ std::uint16_t GuardedSource::command(devices::Psi pressure) {
 void GuardedSource::keep_alive() {
   guard_.check_rewriting();
   source_->keep_alive();
-  // A process stopped between check and writing undoes the dead-man's vent when it goes on: this vents again.
+  // A process that was stopped between check and write would undo the dead-man's vent when it continues: this vents
+  // again.
   guard_.check_rewriting();
 }
 

@@ -1,5 +1,5 @@
 // The bench's actuators and witnesses behind the guard: every command is checked before it reaches the driver, every
-// reading is told to the guard.
+// reading is passed to the guard.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ class GuardedSource final : public devices::PressureSource {
   void arm() override;
   void disarm() noexcept override { source_->disarm(); }
   [[nodiscard]] bool armed() const override { return source_->armed(); }
-  // Beside the driver's faults those of Guard::check_pressure().
+  // Throws the driver's faults and those of Guard::check_pressure().
   std::uint16_t command(devices::Psi pressure) override;
   void keep_alive() override;
   [[nodiscard]] devices::PressureReading feedback() override;
@@ -52,8 +52,8 @@ class GuardedStage final : public devices::Stage {
   void arm() override;
   void disarm() noexcept override { stage_.disarm(); }
   [[nodiscard]] bool armed() const override { return stage_.armed(); }
-  // Home z before x and y. Beside the driver's faults those of Guard::check_move(). x and y cost a
-  // question about z, start_move_by() one about the axis.
+  // Home z before x and y. Throws the driver's faults and those of Guard::check_move(). A move of x or y costs one
+  // query of z, start_move_by() one of the axis.
   void home(devices::Axis axis) override;
   void start_move_to(devices::Axis axis, devices::Millimetres position,
                      std::optional<devices::MillimetresPerSecond> speed) override;
@@ -63,7 +63,7 @@ class GuardedStage final : public devices::Stage {
   devices::Millimetres wait(devices::Axis axis) override;
   devices::Millimetres stop(devices::Axis axis) override;
   [[nodiscard]] devices::AxisState state(devices::Axis axis) override { return stage_.state(axis); }
-  // Waits for a dead-man that works on the line to end, at most 15 s real time: stopping its back-off would be wrong.
+  // Waits, at most 15 s real time, for a dead-man that works on the line to end: its back-off must not be stopped.
   [[nodiscard]] bool halt() noexcept override;
   [[nodiscard]] std::vector<devices::Identity> identities() const override { return stage_.identities(); }
   [[nodiscard]] std::uint64_t exchanges() const override { return stage_.exchanges(); }
@@ -79,8 +79,8 @@ class GuardedForce final : public devices::ForceSensor {
  public:
   GuardedForce(std::unique_ptr<devices::ForceSensor> sensor, Guard& guard)
       : sensor_(std::move(sensor)), guard_(guard) {}
-  // Told to the guard from the first bias() on: before, the offset may be a good part of the range. An overload or a
-  // saturated converter trips (TB-FORCE-TRIP is then the guard's, the sensor's own fault is thrown).
+  // Readings are passed to the guard from the first bias() on: before, the offset may be a large part of the range. An
+  // overload or a saturated converter trips (TB-FORCE-TRIP is then the guard's, the sensor's own fault is thrown).
   [[nodiscard]] devices::ForceReading read(int records) override;
   devices::Wrench bias(int records) override;
   [[nodiscard]] std::array<double, 6> range() const override { return sensor_->range(); }
@@ -94,7 +94,7 @@ class GuardedForce final : public devices::ForceSensor {
   bool tared_ = false;
 };
 
-// The rig's clock as drivers and sequencer see it: waits are cut in slices, and each feeds the dead-man.
+// The rig's clock as drivers and sequencer see it: waits are cut into slices, each of which feeds the dead-man.
 class FeedingClock final : public devices::Clock {
  public:
   FeedingClock(devices::Clock& clock, devices::Nanoseconds slice, std::function<void()> feed)

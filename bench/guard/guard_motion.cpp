@@ -36,7 +36,7 @@ void Guard::check_move(Axis axis, double target_mm, double speed_mm_per_s, const
   if (loads && !away) {
     if (moving_[0] || moving_[1]) {
       refuse("TB-STAGE-ENVELOPE", name(axis), asked,
-             fmt::format("x or y moves, and beyond {:g} mm they must stand", limits_.safety.clear_z_mm),
+             fmt::format("x or y moves, and beyond {:g} mm they must be at rest", limits_.safety.clear_z_mm),
              "Wait for the end of the move first; [limits] clear_z_mm.");
     }
     if (limits_.has_force) check_fresh("TB-FORCE-STALE", name(axis), asked, "force sensor, tared,", force_);
@@ -56,16 +56,16 @@ void Guard::check_clear(Axis axis, const std::string& asked, const devices::Axis
   const auto refuse_for = [&](const std::string& why, const char* remedy) {
     refuse("TB-STAGE-ENVELOPE", name(axis), asked, why, remedy);
   };
-  if (!z.homed) refuse_for("z was not homed, so nobody knows whether it touches", "Home z before x and y.");
-  if (moving_[2] || z.activity != devices::Activity::kIdle) refuse_for("z moves", "Wait for z to stand first.");
+  if (!z.homed) refuse_for("z was not homed, so it may be in contact", "Home z before x and y.");
+  if (moving_[2] || z.activity != devices::Activity::kIdle) refuse_for("z moves", "Wait until z is at rest.");
   if (!(z.position.value() <= clear)) {
-    refuse_for(fmt::format("z stands at {:.2f} mm, beyond {:g} mm", z.position.value(), clear),
+    refuse_for(fmt::format("z is at {:.2f} mm, beyond {:g} mm", z.position.value(), clear),
                "Retract z first; [limits] clear_z_mm.");
   }
   if (force_.time < devices::Nanoseconds(0) || force_.value < limits_.safety.contact_n) return;
   refuse_for(fmt::format("the last force reading was {:.2f} N, in contact from {:g} N", force_.value,
                          limits_.safety.contact_n),
-             "Retract z and read the force anew; [limits] contact_n.");
+             "Retract z and read the force again; [limits] contact_n.");
 }
 
 }  // namespace tactbench::bench

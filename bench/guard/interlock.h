@@ -1,5 +1,5 @@
-// What the guard refuses and what it trips by: a fault of Cause::kLimit whatever its id, so that a new interlock has
-// the exit code of one without being listed anywhere.
+// A refusal or trip of the guard: a fault of Cause::kLimit whatever its id, so that a new interlock gets the right exit
+// code without being listed anywhere.
 #pragma once
 
 #include <string>

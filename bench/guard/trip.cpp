@@ -76,15 +76,15 @@ std::string state_folder(const std::string& machine) {
     if (::faccessat(AT_FDCWD, machine.c_str(), R_OK | W_OK | X_OK, AT_EACCESS) == 0) return machine;
     throw Error(ExitCode::kUsage, "TB-STATE-DENIED",
                 fmt::format("user {} may not see the trips of this machine's rigs", geteuid()), machine,
-                "become a member of the group that has it (adduser NAME tactbench); for a simulated rig set "
-                "XDG_STATE_HOME to a folder of your own");
+                "become a member of its group (adduser NAME tactbench); for a simulated rig set XDG_STATE_HOME to a "
+                "folder of your own");
   } else if (const std::string home = set_variable("HOME"); !home.empty()) {
     base = fs::path(home) / ".local/state";
   } else {
     base = fs::path(temporary_folder()) / fmt::format("tactbench-state-{}", geteuid());
-    make_private_folder(base.string());  // where anybody may have been before
+    make_private_folder(base.string());  // another user may have made it
   }
-  std::error_code ignored;  // whoever makes the folder in it will complain
+  std::error_code ignored;  // making the folder in it reports the error
   fs::create_directories(base, ignored);
   const fs::path folder = base / "tactbench";
   make_private_folder(folder.string());
@@ -113,7 +113,7 @@ std::optional<Trip> TripFile::read() const {
   std::string text;
   try {
     text = File(path_, O_RDONLY).read();
-  } catch (const std::system_error&) {  // another's, or a link: a trip
+  } catch (const std::system_error&) {  // another user's, or a link: counts as a trip
   }
   const auto json = analysis::try_json(text);
   Trip trip{"TB-TRIP-UNREADABLE", "the trip's file cannot be read", 0, "unknown"};
@@ -138,7 +138,7 @@ bool TripFile::store(Trip trip) const noexcept {
 }
 
 void TripFile::reset(const Trip& trip, const std::string& operator_name) const {
-  // The line first: a reset that nobody can find again did not happen.
+  // The log line first: no reset without a record of it.
   try {
     File(log_path(), O_WRONLY | O_CREAT | O_APPEND)
         .write(fmt::format("{} reset by {}: {} of {}, run {}: {}\n", utc_now(), operator_name, trip.id, trip.utc,
@@ -158,7 +158,7 @@ void refuse_tripped(const BenchConfig& config) {
   if (!trip) return;
   throw Error(ExitCode::kStopped, "TB-BENCH-TRIPPED",
               fmt::format("bench '{}' tripped at {} ({}): {}", config.id, trip->utc, trip->id, trip->what), file.path(),
-              "look at the rig and find the cause, then: tactbench devices reset --bench FILE --operator NAME");
+              "inspect the rig and find the cause, then: tactbench devices reset --bench FILE --operator NAME");
 }
 
 }  // namespace tactbench::bench

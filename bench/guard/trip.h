@@ -1,4 +1,4 @@
-// A trip that survives the program and the computer: one small file a bench, which only a person removes.
+// A trip that survives restarts of the program and the computer: one small file per bench, which only a person removes.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ struct Trip {
   std::string utc;  // when; filled in by store()
 };
 
-// Where a machine keeps the trips of its rigs, for all who may run one; the packages make it.
+// The machine's folder for trips, shared by all who may run a rig; the packages make it.
 inline constexpr const char* kMachineState = "/var/lib/tactbench";
 
 // $XDG_STATE_HOME/tactbench, else `machine` where that is, else ~/.local/state/tactbench, else (no HOME) below the
-// system's temporary folder; the login's own are made when absent, mode 0700. Throws Error TB-FOLDER-UNSAFE when it is
-// neither this user's alone nor root's for a group, TB-STATE-DENIED when the machine's is closed to this user.
+// system's temporary folder; the user's own folders are made when absent, mode 0700. Throws Error TB-FOLDER-UNSAFE when
+// it is neither this user's alone nor root's for a group, TB-STATE-DENIED when the machine's is closed to this user.
 std::string state_folder(const std::string& machine = kMachineState);
 
 class TripFile {
@@ -29,7 +29,8 @@ class TripFile {
   explicit TripFile(const std::string& bench_id);
   // None: not tripped. A file that cannot be read, a link and another user's file are trips, too.
   [[nodiscard]] std::optional<Trip> read() const;
-  // Written beside, synced and moved there; an earlier trip stays (the first cause counts). False: could not.
+  // Written to a temporary file, synced and renamed; an earlier trip stays (the first cause counts). False: could not
+  // be stored.
   bool store(Trip trip) const noexcept;
   // Removes the trip and appends a line to the log beside it. Throws Error TB-FILE-WRITE.
   void reset(const Trip& trip, const std::string& operator_name) const;

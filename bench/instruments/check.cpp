@@ -22,7 +22,7 @@ namespace {
 
 using State = DeviceCheck::State;
 
-// Faults that mean nobody is there; all others mean that something else is.
+// Faults that mean that nothing answers; all others mean that the device is not the expected one or not sound.
 bool means_absent(const std::string& id) {
   constexpr std::array kAbsent{"TB-MODBUS-CONNECT", "TB-MODBUS-TIMEOUT", "TB-HID-OPEN",      "TB-SERIAL-OPEN",
                                "TB-SERIAL-LOST",    "TB-HID-LOST",       "TB-SCANNER-LOST",  "TB-SCANNER-TIMEOUT",
@@ -50,13 +50,13 @@ void complain(DeviceCheck& result, const std::string& note, const std::string& r
   result.remedy = remedy;
 }
 
-// In words; overdue is a warning, which what is wrong outranks.
+// In words; overdue is a warning, which any fault outranks.
 void tell_calibration(const db::DeviceRecord& record, const std::string& today, DeviceCheck& result) {
   const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
   result.notes.push_back(calibration_words(calibration, today));
   if (due_state(calibration, today) != analysis::DueState::kOverdue || result.state != State::kOk) return;
   result.state = State::kWarning;
-  result.remedy = "have it calibrated: what is measured with it until then is inconclusive";
+  result.remedy = "have it calibrated: results measured with it until then are inconclusive";
 }
 
 std::string name_of(const devices::Identity& identity) {
@@ -154,7 +154,7 @@ void look_at_force(Rig& rig, DeviceCheck& result, const std::string& today) {
                                      range[3], range[4], range[5]));
   tell_calibration(force_record({sensor.identity(), {}, {}}, *rig.config().force), today, result);
   if (std::abs(force[2]) > 0.1 * range[2]) {
-    result.notes.emplace_back("far from zero: something rests on the sensor, or it needs a tare");
+    result.notes.emplace_back("far from zero: an object rests on the sensor, or it needs a tare");
   }
 }
 

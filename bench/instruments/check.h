@@ -1,4 +1,4 @@
-// Opens each instrument of a bench read-only, identifies it and reads zero: what `devices check` shows.
+// `devices check`: opens each instrument of a bench read-only, identifies it and reads its zero.
 #pragma once
 
 #include <string>

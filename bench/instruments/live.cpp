@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "analysis/compensate/frame_compensator.h"
 #include "analysis/error.h"
+#include "analysis/identify/stored/array_stream.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
@@ -24,19 +24,10 @@ namespace {
 using RealClock = std::chrono::steady_clock;
 
 constexpr int kMostLostInARow = 10;
-constexpr std::size_t kMostLatencies = 1'000'000;  // kept for the percentiles; later ones count for the worst alone
+constexpr std::size_t kMostLatencies = 1'000'000;  // kept for the percentiles; later ones count only for the worst
 
 double microseconds_since(RealClock::time_point start) {
   return std::chrono::duration<double, std::micro>(RealClock::now() - start).count();
-}
-
-analysis::FrameSetup setup_of(const analysis::ModelDocument& model, const LiveOptions& options,
-                              double volts_per_count) {
-  analysis::FrameSetup setup = analysis::frame_setup_of(model, volts_per_count);
-  setup.longest_gap = kMostLostInARow;
-  const double noisier = std::sqrt(static_cast<double>(model.scans) / options.scans);
-  for (analysis::TaxelSetup& taxel : setup.taxels) taxel.noise_v *= noisier;
-  return setup;
 }
 
 double percentile(const std::vector<double>& values, double share) {
@@ -55,7 +46,7 @@ void average(const devices::ScanSet& scan, double volts_per_count, std::vector<f
 
 }  // namespace
 
-LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument& model, const LiveOptions& options,
+LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& model, const LiveOptions& options,
                         const std::function<bool(const LiveFrame&)>& show) {
   Rig rig(config);
   rig.open_array();
@@ -68,10 +59,11 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
   const double volts_per_count = array.volts_per_count().value();
   auto compensator = [&] {
     try {
-      return analysis::FrameCompensator<float>(setup_of(model, options, volts_per_count));
-    } catch (const std::invalid_argument& error) {  // numbers of a model that was changed by hand
+      const double noisier = std::sqrt(static_cast<double>(model.scans) / options.scans);
+      return analysis::ArrayStream(model, volts_per_count, noisier, kMostLostInARow);
+    } catch (const std::invalid_argument& error) {  // invalid numbers of a hand-edited model
       throw Error(ExitCode::kUsage, "TB-MODEL-COMPENSATOR", error.what(), model.source,
-                  "look at its parameters (tactbench model show), or fit it again");
+                  "check its parameters (tactbench model show), or fit it again");
     }
   }();
   LiveSummary summary;
@@ -89,7 +81,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
   const std::size_t taxels = compensator.taxels();
   std::vector<float> volts(taxels), pressure(taxels), uncertainty(taxels);
   std::vector<std::uint16_t> status(taxels);
-  const analysis::FrameCompensator<float>::Output output{pressure, uncertainty, status};
+  const analysis::ArrayStream::Output output{pressure, uncertainty, status};
   std::vector<double> latencies, compensations;
   const StopRequest stop;
   const auto begun = RealClock::now();
@@ -99,7 +91,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
       const devices::ScanSet scan = array.read(options.scans);
       const auto came = RealClock::now();
       average(scan, volts_per_count, volts);
-      compensator.frame(std::span<const float>(volts), output);
+      compensator.frame(volts, output);
       compensations.push_back(microseconds_since(came));
       lost = 0;
     } catch (const devices::Fault& fault) {
@@ -115,7 +107,7 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument
     ++summary.frames;
     if (!looked_at) break;
     rig.clock().wait_until(rig.clock().now() + seconds(options.interval_s * config.rate));
-    // A turned clock does not wait, but who looks does.
+    // A turned clock does not wait, but a person needs real time.
     if (config.in_process && options.interval_s > 0.0) std::this_thread::sleep_for(seconds(options.interval_s));
   }
   summary.median_us = percentile(latencies, 0.5);

@@ -33,10 +33,10 @@ struct LiveSummary {
   double median_us = 0.0, p99_us = 0.0, worst_us = 0.0, compensation_median_us = 0.0;
 };
 
-// Calls `show` with every frame, until it says that nobody looks any more. A frame that times out or comes corrupt is
-// lost; ten in a row, or a lost scanner, throw the scanner's Fault. Throws Error TB-LIVE-SHAPE when array and model
-// differ in rows or columns, AnalysisError TB-MODEL-COMPENSATOR when the model cannot be streamed.
-LiveSummary live_frames(const BenchConfig& config, const analysis::ModelDocument& model, const LiveOptions& options,
+// Calls `show` with every frame until it returns false. A frame that times out or comes corrupt is lost; ten in a row,
+// or a lost scanner, throw the scanner's Fault. Throws Error TB-LIVE-SHAPE when array and model differ in rows or
+// columns, AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array.
+LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& model, const LiveOptions& options,
                         const std::function<bool(const LiveFrame&)>& show);
 
 }  // namespace tactbench::bench

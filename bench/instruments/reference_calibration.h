@@ -1,5 +1,5 @@
-// Calibrating the pressure reference against a hand gauge: readings at levels going up and down become corrections,
-// what remains, and an expanded uncertainty. Pure.
+// Calibrating the pressure reference against a hand gauge: from readings at rising and falling levels to corrections,
+// residuals and an expanded uncertainty. Pure functions.
 #pragma once
 
 #include <string>

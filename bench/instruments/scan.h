@@ -1,4 +1,4 @@
-// What is attached to this computer and answers at the addresses given: what `devices scan` lists.
+// `devices scan`: lists what is attached to this computer or answers at the given addresses.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace tactbench::bench {
 
 struct ScanEntry {
   std::string kind;   // "serial port", "HID device", "Modbus TCP", "NI-DAQmx"
-  std::string where;  // what a bench file names
+  std::string where;  // as written in a bench file
   std::string what;
 };
 

@@ -11,7 +11,7 @@ struct WatchOptions {
   bool terminal = false;  // redraw in place; else one block of lines a reading
 };
 
-// An instrument that fails shows why and is tried again at the next reading.
+// A failing instrument shows its fault and is tried again at the next reading.
 void watch_devices(const BenchConfig& config, const WatchOptions& options);
 
 }  // namespace tactbench::bench

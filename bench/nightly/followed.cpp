@@ -86,7 +86,7 @@ std::vector<std::string> drift_lines(const Followed& followed) {
   for (const FollowedFigure& figure : followed.figures) {
     if (!figure.drifts) continue;
     lines.push_back(fmt::format(
-        "{} drifts: {:+.3g} a run, {:+.3g} in all, by chance with p = {:.1g}{}", figure.name, figure.trend->slope,
+        "{} drifts: {:+.3g} per run, {:+.3g} in all, by chance with p = {:.1g}{}", figure.name, figure.trend->slope,
         figure.trend->moved, figure.trend->probability,
         figure.band ? fmt::format("; the baseline's spread is {:.2g}", figure.band->deviation) : std::string()));
   }

@@ -109,10 +109,9 @@ Markup page_start(const std::string& title, bool simulated) {
 }
 
 constexpr const char* kBandNote =
-    "Band: where one more run lies if it is of the baseline's kind (prediction interval from the spread of the "
-    "accepted "
-    "runs; the chance that any figure of a night falls outside is 1 %). Drifts: the runs since the baseline go one way "
-    "(Mann-Kendall, p below 0.001) by more than the baseline's own spread.";
+    "Band: prediction interval for one further run of the baseline's kind, from the spread of the accepted runs; the "
+    "chance that any figure of a night falls outside is 1 %. Drifts: the runs since the baseline have a monotone trend "
+    "(Mann-Kendall, p below 0.001) that exceeds the baseline's own spread.";
 
 Markup result_row(const ScenarioResult& result) {
   Markup row = markup("<tr><th scope=\"row\">{}</th><td class=\"state\">", Text(result.name));
@@ -139,8 +138,8 @@ std::string night_page(const Suite& suite, const NightPage& night) {
                  Text(analysis::counted(suite.scenarios.size(), "scenario")), red,
                  suite.scenarios.size() - night.results.size(), Text(night.program));
   page += markup(
-      "<h2>Scenarios</h2>\n<div class=\"wide\"><table><thead><tr><th>scenario</th><th></th><th class=\"n\">s</th><th>"
-      "the run</th><th>what it is about, and what was wrong</th></tr></thead><tbody>\n");
+      "<h2>Scenarios</h2>\n<div class=\"wide\"><table><thead><tr><th>scenario</th><th></th><th "
+      "class=\"n\">s</th><th>the run</th><th>subject, and what was wrong</th></tr></thead><tbody>\n");
   for (const bool wrong : {true, false})  // red ones first
     for (const ScenarioResult& result : night.results)
       if (result.wrong.empty() != wrong) page += result_row(result);

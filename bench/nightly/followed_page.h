@@ -1,5 +1,5 @@
-// Pages for people: a night with what changed and when, and the figures of a sensor or rig over its runs. One file
-// each, no script, inline SVG, well-formed XML.
+// HTML pages: a night with its changes over time, and the figures of a sensor or rig over its runs. One file each, no
+// script, inline SVG, well-formed XML.
 #pragma once
 
 #include <string>

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using NightClock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kWayOut{10};  // of a scenario that is told to end
+constexpr std::chrono::seconds kWayOut{10};  // time that a scenario gets to end on request
 
 struct Child {
   std::size_t scenario = 0;
@@ -45,7 +45,7 @@ std::string whole_text(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// What a scenario said, without the line that the night put before it.
+// A scenario's output without the heading that the night wrote.
 std::string talk_in(const fs::path& log) {
   const std::string text = whole_text(log);
   return text.starts_with(kTalkHead) ? text.substr(text.find('\n') + 1) : text;
@@ -54,8 +54,9 @@ std::string talk_in(const fs::path& log) {
 void refuse_store_of_others(const std::string& path) {
   std::error_code missing;
   if (fs::file_size(path, missing) == 0 || missing || is_scenario_store(path)) return;
-  throw Error(ExitCode::kUsage, "TB-FILE-STORE", "there is a file that is no store of a night, and it is never removed",
-              path, "name another folder with --stores");
+  throw Error(ExitCode::kUsage, "TB-FILE-STORE",
+              "a file of this name exists that is not a store of a night; it is never removed", path,
+              "name another folder with --stores");
 }
 
 class Night {
@@ -82,7 +83,7 @@ class Night {
   }
 
  private:
-  // Nobody can look at what a scenario does alone: all of them end, and the night with them.
+  // Without a process to watch them, all scenarios end, and the night with them.
   [[noreturn]] void stop(int signal) {
     for (const Child& child : children_) child.program.terminate();
     const auto last = NightClock::now() + kWayOut;
@@ -90,18 +91,17 @@ class Night {
       if (!child.program.ended_by(last)) child.program.kill_group();
     children_.clear();
     const auto done = std::ranges::count_if(results_, [](const auto& result) { return result.has_value(); });
-    throw Error(
-        signal == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated, "TB-NIGHTLY-STOPPED",
-        fmt::format("the night was ended by {} after {} of {}", signal == SIGINT ? "Ctrl-C" : "a request to terminate",
-                    done, analysis::counted(results_.size(), "scenario")),
-        suite_.file, "nothing is kept with --db of a night that did not end; start it again");
+    throw Error(signal == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated, "TB-NIGHTLY-STOPPED",
+                fmt::format("the night was ended by {} after {} of {}", signal_text(signal), done,
+                            analysis::counted(results_.size(), "scenario")),
+                suite_.file, "--db keeps nothing of a night that did not end; start it again");
   }
 
   [[nodiscard]] fs::path file(std::size_t scenario, const char* ending) const {
     return fs::path(options_.stores) / (suite_.scenarios[scenario].label + ending);
   }
 
-  // For nobody but the night: it lies where nothing of others does.
+  // A private folder of the night.
   [[nodiscard]] fs::path result_file(std::size_t scenario) const {
     return fs::path(scope_.path()) / (suite_.scenarios[scenario].label + ".json");
   }
@@ -121,7 +121,7 @@ class Night {
                    file(scenario, ".db").string(),
                    "--result",
                    result_file(scenario).string()};
-    // A scenario is nobody's run but the night's: words to live runs do not meet it.
+    // Scenarios use names of their own: commands to live runs do not reach them.
     child.environment = environment_with({"TACTBENCH_RUNTIME_DIR=" + scope_.path()});
     child.ends_with_us = true;
     const std::string program = child.words.front(), log = file(scenario, ".log").string();
@@ -129,18 +129,18 @@ class Night {
     if (child.output < 0)
       throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write the file: {}", std::strerror(errno)),
                   log, "check folder, space and permissions; a link is not followed");
-    const std::string head = fmt::format("{}{}\n", kTalkHead, own.label);  // by which the next night knows it
+    const std::string head = fmt::format("{}{}\n", kTalkHead, own.label);  // by which the next night recognises it
     (void)!::write(child.output, head.data(), head.size());
     try {
       children_.push_back({scenario, ChildProgram(std::move(child)), NightClock::now(), false});
     } catch (const std::system_error& error) {
       throw Error(ExitCode::kInternal, "TB-NIGHTLY-SPAWN",
                   fmt::format("scenario {} could not be started: {}", own.label, error.code().message()), program,
-                  "look at the limits of processes and memory");
+                  "check the limits of processes and memory");
     }
   }
 
-  // The scenario that ended, if one did within a short while.
+  // A scenario that ended within a short wait, if any.
   std::optional<std::size_t> wait() {
     for (auto child = children_.begin(); child != children_.end(); ++child) {
       if (const std::optional<int> status = child->program.ended()) {

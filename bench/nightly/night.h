@@ -1,5 +1,5 @@
-// A night: the scenarios of a suite, each in a process and a store of its own, several at once, reported in the
-// suite's order. A scenario whose process dies is red and says so; the others go on.
+// A night: the scenarios of a suite, each in a process and a store of its own, several at once, reported in the suite's
+// order. A scenario whose process dies is reported red; the others continue.
 #pragma once
 
 #include <functional>
@@ -14,18 +14,18 @@ class StopRequest;
 
 struct NightOptions {
   int jobs = 2;
-  double limit_s = 300.0;  // real time a scenario: then its process is killed and it is red
+  double limit_s = 300.0;  // real time per scenario; after it the process is killed and the scenario is red
   bool stop_on_red = false;
-  std::string stores;                    // folder that keeps each scenario's store as NAME.db and its talk as NAME.log
-  std::string program;                   // that carries out `nightly SUITE --only NAME --result FILE`; empty: this one
-  const StopRequest* signals = nullptr;  // that end it; null: none is looked at
-  bool replace = false;                  // a NAME.log that is no night's, too
+  std::string stores;                    // folder for each scenario's store NAME.db and output NAME.log
+  std::string program;                   // runs `nightly SUITE --only NAME --result FILE`; empty: this one
+  const StopRequest* signals = nullptr;  // signals that end the night; null: none
+  bool replace = false;                  // also replaces a NAME.log that no night wrote
 };
 
-// `on_result` is told of each result as it comes in. Scenarios that were not reached are missing at the end. Ctrl-C
-// and a request to terminate end all that runs. Throws Error TB-NIGHTLY-STOPPED then, TB-NIGHTLY-SPAWN when no process
-// can be started, TB-FILE-WRITE. Stores and talk of an earlier night are replaced; before anything is, TB-FILE-STORE
-// for a NAME.db that no night made, TB-FILE-EXISTS for such a NAME.log.
+// Calls `on_result` with each result as it comes in; scenarios that were not reached are missing in the end. Ctrl-C and
+// termination signals end all scenarios. Throws Error TB-NIGHTLY-STOPPED then, TB-NIGHTLY-SPAWN when no process can be
+// started, TB-FILE-WRITE. Replaces stores and output of an earlier night; before it replaces anything it throws
+// TB-FILE-STORE for a NAME.db that no night made and TB-FILE-EXISTS for such a NAME.log.
 std::vector<ScenarioResult> carry_out_night(const Suite& suite, const NightOptions& options,
                                             const std::function<void(const std::vector<ScenarioResult>&)>& on_result);
 

@@ -8,7 +8,7 @@
 namespace tactbench::bench {
 namespace {
 
-// As text or attribute value of XML 1.0, which has no way to say most control characters.
+// Escapes text for XML 1.0, which cannot represent most control characters.
 std::string xml_text(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -65,11 +65,11 @@ std::string junit_xml(const Suite& suite, const std::vector<ScenarioResult>& res
 
 std::string metrics_text(const Suite& suite, const std::vector<ScenarioResult>& results) {
   std::string green =
-      "# HELP tactbench_nightly_green 1 where a scenario came out as it has to.\n# TYPE tactbench_nightly_green "
+      "# HELP tactbench_nightly_green 1 when a scenario gave the expected result.\n# TYPE tactbench_nightly_green "
       "gauge\n";
   std::string figures =
-      "# HELP tactbench_nightly_figure What a scenario measured; the unit is in the figure's name.\n"
-      "# TYPE tactbench_nightly_figure gauge\n";
+      "# HELP tactbench_nightly_figure Figure measured by a scenario; its name includes the unit.\n# TYPE "
+      "tactbench_nightly_figure gauge\n";
   for (const Scenario& scenario : suite.scenarios) {
     const ScenarioResult* result = result_of(results, scenario);
     green += fmt::format("tactbench_nightly_green{{scenario=\"{}\"}} {}\n", scenario.label,

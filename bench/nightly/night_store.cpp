@@ -54,7 +54,7 @@ std::vector<Followed> keep_night(const Suite& suite, std::vector<ScenarioResult>
     Followed followed = follow(store, subject, figures);
     std::ranges::move(outside_lines(followed), std::back_inserter(result.wrong));
     std::ranges::move(drift_lines(followed), std::back_inserter(result.remarks));
-    if (!all.empty() && all.back().subject == subject) all.pop_back();  // another seed of it
+    if (!all.empty() && all.back().subject == subject) all.pop_back();  // another seed of the same scenario
     all.push_back(std::move(followed));
   }
   return all;

@@ -1,5 +1,4 @@
-// The store that keeps nights: takes in each scenario's runs, and holds what came out against baselines and the nights
-// before.
+// The store that keeps nights: imports each scenario's runs and compares the results with baselines and earlier nights.
 #pragma once
 
 #include <string>
@@ -11,14 +10,14 @@
 
 namespace tactbench::bench {
 
-// What is followed of a scenario.
+// The subject under which a scenario's figures are followed.
 std::string subject_of(const Scenario& scenario);  // "nightly/NAME"
 
 // Copies the runs of `results` from `stores`/NAME.db in the suite's order, with tag and figures; numbers in `results`
-// become those of `store`. Says in each result whether the run's content is that of the last night with its seed, adds
-// figures outside their baseline to `wrong`, and drifts to `remarks`. A scenario without a result has nothing to take.
-// Throws StoreError, e.g. TB-STORE-CONFLICT when a run's content is not what was stored. Returns what is followed of
-// each scenario that came out, once where it has several seeds.
+// become those of `store`. Notes in each result whether the run's content equals that of the last night with its seed,
+// adds figures outside their baseline to `wrong`, and drifts to `remarks`. Skips scenarios without a result. Throws
+// StoreError, e.g. TB-STORE-CONFLICT when a run's content is not what was stored. Returns the followed figures of each
+// scenario with a result, once for several seeds.
 std::vector<Followed> keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
                                  db::RunStore& store);
 

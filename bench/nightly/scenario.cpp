@@ -27,7 +27,8 @@
 namespace tactbench::bench {
 namespace {
 
-constexpr std::uint64_t kHeldOutSeeds = 1'000'000;  // apart from those of a suite with many seeds
+constexpr std::uint64_t kHeldOutSeeds =
+    1'000'000;  // added to the seed, so that it differs from those of a suite with many seeds
 constexpr const char* kSpecimenNote = "simulated array of the nightly suite";
 constexpr const char* kNightOperator = "nightly";
 
@@ -89,7 +90,7 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
   for (std::size_t i = 1; i < result.runs.size(); ++i) held_out.push_back(result.runs[i].run);
   if (scenario.void_held_out) store.void_run(held_out.front(), "by the scenario", "nightly", utc_now());
   analysis::Runs runs(store);
-  const analysis::ArrayFit fit = fit_run(store, runs.dataset(result.runs.front().run));
+  const analysis::SensorModel fit = fit_run(store, runs.dataset(result.runs.front().run));
   const std::vector<NamedEvaluation> evaluations = evaluate_runs(runs, fit, held_out);
   const std::size_t shown = scenario.held_out.empty() ? 0 : scenario.void_held_out ? evaluations.size() - 1 : 1;
   const analysis::Evaluation& e = evaluations[shown].evaluation;
@@ -101,13 +102,13 @@ void judge(const Scenario& scenario, db::RunStore& store, ScenarioResult& result
     result.verdicts = words_of(verdicts);
     result.verdicts["overall"] = analysis::verdict_word(analysis::overall_verdict(verdicts));
   }
-  for (std::size_t taxel = 0; taxel < fit.taxels.size(); ++taxel)
+  for (std::size_t taxel = 0; taxel < fit.array().size(); ++taxel)
     if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted)
       result.taxels[to_string(fit.taxels[taxel].status)].push_back(static_cast<int>(taxel));
   result.figures.merge(analysis::figures_of(fit, e));
 }
 
-// A run that is not fitted shows the rig that made it.
+// A run that is not fitted gives figures of its rig.
 void look_at_rig(const db::RunStore& store, ScenarioResult& result) {
   const analysis::StoredRun run = analysis::read_run(store, store.run(result.runs.back().run));
   result.figures["instruments"] = static_cast<double>(run.record.devices.size());
@@ -184,7 +185,7 @@ std::vector<std::string> differences(const Scenario& scenario, const ScenarioRes
       return verdict.first == criterion || verdict.first.starts_with(criterion + " ");
     };
     if (std::ranges::none_of(result.verdicts, own))
-      lines.push_back(fmt::format("nothing was judged by {}, must be {}", criterion, wanted));
+      lines.push_back(fmt::format("there is no verdict by {}, must be {}", criterion, wanted));
     for (const auto& [name, word] : result.verdicts)
       if (own(std::pair(name, word))) compare("the verdict on " + name, wanted, word, lines);
   }
@@ -233,7 +234,7 @@ ScenarioResult result_from_json(const std::string& text) {
           {run.at("run"), run.at("outcome"), run.at("error"), run.at("safe"), run.at("content_sha256")});
     return result;
   } catch (const nlohmann::json::exception& error) {
-    throw std::invalid_argument(fmt::format("a scenario's result is not understood: {}", error.what()));
+    throw std::invalid_argument(fmt::format("a scenario's result cannot be read: {}", error.what()));
   }
 }
 

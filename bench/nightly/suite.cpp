@@ -20,7 +20,8 @@ std::vector<int> read_taxels(const TomlTable& table, const std::string& status) 
   std::vector<int> taxels;
   for (const double number : table.numbers(status)) {
     if (number < 0.0 || number > 1e6 || number != static_cast<double>(static_cast<int>(number)))
-      table.fail(status, fmt::format("taxel {} is no whole number from 0", number), "taxel = row x columns + column");
+      table.fail(status, fmt::format("taxel {} is not a whole number from 0", number),
+                 "taxel = row x columns + column");
     taxels.push_back(static_cast<int>(number));
   }
   std::ranges::sort(taxels);
@@ -34,7 +35,7 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   if (scenario.name.empty() || !std::ranges::all_of(scenario.name, plain))
     table.fail("name", fmt::format("'{}' names a file too", scenario.name), "use small letters, digits and hyphens");
   if (taken.count(scenario.name) != 0)
-    table.fail("name", fmt::format("two scenarios are named '{}'", scenario.name), "name one of them otherwise");
+    table.fail("name", fmt::format("two scenarios are named '{}'", scenario.name), "rename one of them");
   scenario.label = scenario.name;
   scenario.about = table.text("about");
   scenario.bench = table.text("bench", scenario.bench);
@@ -56,7 +57,7 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   for (const std::string& status : taxels.keys()) {
     if (const std::vector<std::string> known = {"dead", "stuck", "saturated", "unfit"};
         std::ranges::find(known, status) == known.end())
-      taxels.fail(status, fmt::format("no taxel is ever '{}'", status), "use dead, stuck, saturated or unfit");
+      taxels.fail(status, fmt::format("'{}' is not a taxel's status", status), "use dead, stuck, saturated or unfit");
     scenario.taxels[status] = read_taxels(taxels, status);
   }
   const TomlTable verdicts = table.table("verdicts");
@@ -65,12 +66,12 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   const TomlTable figures = table.table("figures");
   for (const std::string& figure : figures.keys()) scenario.figures[figure] = figures.span(figure, {});
   if (!scenario.fits && !(scenario.taxels.empty() && scenario.verdicts.empty()))
-    table.fail("fits", "verdicts and taxels come from a fit, and fits = false", "leave them out, or let it fit");
+    table.fail("fits", "verdicts and taxels come from a fit, and fits = false", "omit them, or remove fits = false");
   if (scenario.own_run && !scenario.held_out.empty())
-    table.fail("own_run", "the fit's own run is held against the limits, and so are held-out runs", "leave one out");
+    table.fail("own_run", "own_run and held_out cannot be combined", "leave one out");
   if (!scenario.verdicts.empty() && scenario.held_out.empty() && !scenario.own_run)
-    table.fail("verdicts", "no run but the fit's own is there to be judged",
-               "add held_out, or own_run = true to hold the own figures against the limits");
+    table.fail("verdicts", "there is no run to be judged except the fit's own",
+               "add held_out, or own_run = true to judge the own figures");
   if (scenario.void_held_out && scenario.held_out.empty())
     table.fail("void_held_out", "there is no held-out run to be declared void", "add held_out");
   for (const TomlTable* part : {&taxels, &verdicts, &figures}) part->finish();
@@ -83,7 +84,7 @@ Suite suite_from(const TomlDocument& document) {
   suite.file = document.name();
   const TomlTable root = document.root();
   (void)root.integer("schema", 1, 1);
-  suite.name = root.text("name");
+  suite.name = root.name("name");
   std::set<std::string> names;
   for (const TomlTable& table : root.tables("scenario")) {
     suite.scenarios.push_back(read_scenario(table, names));

@@ -1,4 +1,4 @@
-// The nightly suite: scenarios on the simulated rig, each with what must come out of it. A TOML file; unknown keys are
+// The nightly suite: scenarios on the simulated rig, each with its expected result. A TOML file; unknown keys are
 // errors; sequences/nightly.toml is the shipped one and explains the keys.
 #pragma once
 
@@ -12,19 +12,19 @@ namespace tactbench::bench {
 
 struct Scenario {
   std::string name, about;  // name: letters, digits and hyphens; unique in its suite
-  std::string label;        // the name; with several seeds the seed, too
+  std::string label;        // the name, and with several seeds the seed
   std::string bench = "simulated.toml";
   std::vector<std::string> recipes;  // names of shipped ones or files
   std::vector<std::string> set;      // as --set of the verb run
-  // Further runs that the models never see, each with its own beside `set`: judged, the worst one counts.
+  // Held-out runs, each with its own overrides besides `set`: judged, the worst one counts.
   std::vector<std::vector<std::string>> held_out;
-  bool void_held_out = false;  // the first of them is declared void before anything is judged
-  bool own_run = false;        // the figures of the fit's own run are held against the limits: no verdict on the sensor
-  bool fits = true;            // the runs are fitted and judged
-  std::string limits = "nightly-limits.toml";  // that the verdicts are by
+  bool void_held_out = false;                  // the first of them is declared void before anything is judged
+  bool own_run = false;                        // judges the figures of the fit's own run: no verdict on the sensor
+  bool fits = true;                            // the runs are fitted and judged
+  std::string limits = "nightly-limits.toml";  // for the verdicts
   std::uint64_t seed = 1, sensor_seed = 1;
 
-  // What must come out.
+  // Expectations.
   std::string outcome = "completed";  // of the last run
   std::string error;                  // its stable identifier; empty: none
   std::string safe = "verified";
@@ -42,7 +42,7 @@ struct Suite {
 Suite read_suite(const std::string& path);
 Suite parse_suite(const std::string& text, const std::string& file);
 
-// Each scenario as often, with its own seed and those that follow; labels "NAME-seed-S".
+// Each scenario that many times, with its seed and the following ones; labels "NAME-seed-S".
 Suite with_seeds(const Suite& suite, int seeds);
 
 }  // namespace tactbench::bench

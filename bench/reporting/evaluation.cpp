@@ -8,6 +8,7 @@
 
 #include "analysis/compensate/dispatch.h"
 #include "analysis/counted.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -27,17 +28,17 @@ std::string this_build() {
                      analysis::to_string(analysis::best_dispatch()));
 }
 
-void keep_fit(db::RunStore& store, const analysis::ArrayFit& fit) {
-  analysis::store_fit(store, fit, build_info().version, utc_now(), this_build());
+std::int64_t keep_fit(db::RunStore& store, const analysis::SensorModel& fit) {
+  return analysis::store_fit(store, fit, build_info().version, utc_now(), this_build());
 }
 
-analysis::ArrayFit fit_run(db::RunStore& store, const analysis::Dataset& dataset) {
-  analysis::ArrayFit fit = analysis::fit_array(dataset);
-  keep_fit(store, fit);
+analysis::SensorModel fit_run(db::RunStore& store, const analysis::Dataset& dataset) {
+  analysis::SensorModel fit = analysis::fit_array(dataset);
+  fit.fit = keep_fit(store, fit);
   return fit;
 }
 
-std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis::ArrayFit& fit,
+std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis::SensorModel& fit,
                                            const std::vector<std::int64_t>& held_out,
                                            const std::vector<std::string>& titles) {
   std::vector<NamedEvaluation> evaluations;
@@ -62,7 +63,7 @@ void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts) {
                analysis::counted(verdicts.size(), "criterion", "criteria"), fails == 1 ? "fails" : "fail");
 }
 
-std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::ArrayFit& fit,
+std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
                           const analysis::Evaluation& own) {
   if (run.sensor_serial.empty()) return {};
   std::string recipes;
@@ -73,7 +74,7 @@ std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const a
   return subject;
 }
 
-void add_uncertainty(analysis::Runs& runs, const analysis::ArrayFit& fit,
+void add_uncertainty(analysis::Runs& runs, const analysis::SensorModel& fit,
                      const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
                      const analysis::UncertaintyInputs& inputs, std::vector<analysis::JudgedUncertainty> known) {
   input.uncertainty = analysis::assess_uncertainty(runs.dataset(fit.run), fit, runs.record(fit.run), inputs);
@@ -100,15 +101,15 @@ std::vector<std::string> withhold_overdue_runs(analysis::Runs& runs, std::vector
     const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(runs.record(run), notes);
     if (!reference.overdue) continue;
     analysis::withhold_overdue(verdicts, run, reference);
-    overdue.push_back(fmt::format(
-        "the pressure reference was overdue for calibration since {} when run {} was made: what rests on it "
-        "is inconclusive",
-        reference.calibration.due, run));
+    overdue.push_back(
+        fmt::format("the pressure reference was overdue for calibration since {} when run {} was made: verdicts that "
+                    "rest on it are inconclusive",
+                    reference.calibration.due, run));
   }
   return overdue;
 }
 
-analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::ArrayFit& fit,
+analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const analysis::SensorModel& fit,
                                    const std::vector<NamedEvaluation>& evaluations, const Judgement& judgement,
                                    const std::vector<std::int64_t>& further, const ReportExtras* extras) {
   analysis::ReportInput input;
@@ -121,7 +122,7 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   if (extras != nullptr) input.laboratory = extras->laboratory;
   input.verdicts = judgement.verdicts;
   input.judgement = judgement.notes;
-  // They may have been stored before an overdue reference counted, or without the laboratory file.
+  // Stored verdicts may predate the rule on overdue references, or the laboratory file.
   (void)withhold_overdue_runs(runs, input.verdicts, input.laboratory.instruments);
   input.program_version = build_info().version;
   analysis::gather_run(input, runs, run, further);
@@ -137,7 +138,7 @@ std::string report_path(const db::RunStore& store, const std::string& name) {
   return (std::filesystem::path(store.path()).parent_path() / "reports" / name).string();
 }
 
-std::string write_report(analysis::Runs& runs, const analysis::ArrayFit& fit,
+std::string write_report(analysis::Runs& runs, const analysis::SensorModel& fit,
                          const std::vector<NamedEvaluation>& evaluations, const Judgement& judgement, std::string path,
                          std::string* number, const ReportExtras& extras, bool replace) {
   const analysis::Report report =

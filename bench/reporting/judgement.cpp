@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/report/parts.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/limits.h"
@@ -22,7 +23,7 @@ using analysis::Verdict;
 namespace {
 
 constexpr const char* kNoIndependentData =
-    "no independent data, for the figures are of the run that the models were made from";
+    "no independent data: the figures are of the run that the models were made from";
 
 // A void run is no evidence.
 bool run_counts(const db::RunRecord& run, bool void_too) { return void_too || !run.is_void(); }
@@ -32,14 +33,14 @@ std::vector<db::VerdictRecord> stored_on(const StoredJudgement& stored, std::int
   std::ranges::copy_if(stored.verdicts, std::back_inserter(rows), [&](const db::VerdictRecord& verdict) {
     return verdict.run == run && verdict.limits_sha256 == sha256;
   });
-  // Of two fits with the same models the newer one's.
+  // Of two fits with the same models the newer one counts.
   std::int64_t newest = 0;
   for (const db::VerdictRecord& row : rows) newest = std::max(newest, row.fit);
   std::erase_if(rows, [&](const db::VerdictRecord& row) { return row.fit != newest; });
   return rows;
 }
 
-// Stored verdicts of independent runs that are worse than what was found now, whatever they were judged by.
+// Stored verdicts of independent runs that are worse than the present ones, by whichever limits.
 std::vector<db::VerdictRecord> worse_than(const std::vector<db::VerdictRecord>& now, const StoredJudgement& stored) {
   const Verdict found = std::max(analysis::overall_verdict(now).value_or(Verdict::kPass), Verdict::kPass);
   std::vector<db::VerdictRecord> worse;
@@ -48,7 +49,7 @@ std::vector<db::VerdictRecord> worse_than(const std::vector<db::VerdictRecord>& 
   return worse;
 }
 
-std::vector<db::VerdictRecord> judge_with(analysis::Runs& runs, const analysis::ArrayFit& fit,
+std::vector<db::VerdictRecord> judge_with(analysis::Runs& runs, const analysis::SensorModel& fit,
                                           const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                           const analysis::ReferenceUncertainty& reference,
                                           std::vector<analysis::JudgedUncertainty>& known) {
@@ -63,7 +64,7 @@ std::vector<db::VerdictRecord> judge_with(analysis::Runs& runs, const analysis::
 
 }  // namespace
 
-StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::ArrayFit& fit, bool void_too) {
+StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorModel& fit, bool void_too) {
   StoredJudgement stored;
   if (fit.taxels.empty()) return stored;
   const db::RunStore& store = runs.store();
@@ -76,8 +77,7 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::ArrayFit&
     const auto [same, added] = same_models.try_emplace(verdict.fit, false);
     if (added) {
       const db::FitRecord record = store.fit(verdict.fit);
-      same->second =
-          record.model == analysis::kElamFit && analysis::model_sha256(analysis::load_fit(store, record)) == models;
+      same->second = verdict.fit == fit.fit || analysis::model_sha256(analysis::load_fit(store, record)) == models;
     }
     if (!same->second) {
       other_limits = verdict.limits_toml;
@@ -100,13 +100,13 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::ArrayFit&
   }
   if (stored.limits_toml.empty() && other_fit != 0) {
     stored.limits_toml = other_limits;
-    stored.lost.push_back(fmt::format("fit {} of run {} was judged, and its models are not these", other_fit, fit.run));
+    stored.lost.push_back(fmt::format("fit {} of run {} was judged, which has other models", other_fit, fit.run));
   }
   std::ranges::sort(stored.runs);
   return stored;
 }
 
-std::vector<db::VerdictRecord> judge_by_earlier_rules(analysis::Runs& runs, const analysis::ArrayFit& fit,
+std::vector<db::VerdictRecord> judge_by_earlier_rules(analysis::Runs& runs, const analysis::SensorModel& fit,
                                                       const analysis::Evaluation& evaluation,
                                                       const analysis::Limits& limits) {
   std::vector<analysis::JudgedUncertainty> known;
@@ -114,7 +114,7 @@ std::vector<db::VerdictRecord> judge_by_earlier_rules(analysis::Runs& runs, cons
                     analysis::by_earlier_rules(analysis::reference_uncertainty(runs.record(evaluation.run))), known);
 }
 
-std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::ArrayFit& fit,
+std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::SensorModel& fit,
                                           const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                           std::vector<analysis::JudgedUncertainty>* uncertainties) {
   std::vector<analysis::JudgedUncertainty> known;
@@ -124,7 +124,7 @@ std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::
   return verdicts;
 }
 
-Judgement judge_runs(analysis::Runs& runs, const analysis::ArrayFit& fit,
+Judgement judge_runs(analysis::Runs& runs, const analysis::SensorModel& fit,
                      const std::vector<NamedEvaluation>& evaluations, const analysis::Limits& limits, bool void_too,
                      const StoredJudgement& stored) {
   Judgement judgement;
@@ -150,7 +150,7 @@ Judgement judge_runs(analysis::Runs& runs, const analysis::ArrayFit& fit,
     judgement.verdicts.insert(judgement.verdicts.end(), rows.begin(), rows.end());
   }
   for (const db::RunRecord& run : judgement.void_runs)
-    judgement.notes.remarks.push_back(void_in_words(run) + "; by --void-too it counts all the same");
+    judgement.notes.remarks.push_back(void_in_words(run) + "; --void-too includes it");
   for (std::string& why : left_out) judgement.notes.remarks.push_back(std::move(why));
   if (judgement.verdicts.empty()) {
     judgement.verdicts = judge_anew(runs, fit, evaluations.front().evaluation, limits, &judgement.uncertainties);
@@ -163,7 +163,7 @@ Judgement judge_runs(analysis::Runs& runs, const analysis::ArrayFit& fit,
   return judgement;
 }
 
-Judgement judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis::ArrayFit& fit,
+Judgement judge_and_store(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
                           const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
                           bool void_too, const std::vector<analysis::InstrumentNote>& notes) {
   const analysis::Limits limits = read_limits(find_config(limits_file));
@@ -171,26 +171,25 @@ Judgement judge_and_store(db::RunStore& store, analysis::Runs& runs, const analy
   if (limits.rule == analysis::DecisionRule::kReportOnly) return judgement;
   for (std::string& why : withhold_overdue_runs(runs, judgement.verdicts, notes))
     judgement.notes.remarks.push_back(std::move(why));
-  const std::optional<db::FitRecord> record = store.latest_fit(fit.run, analysis::kElamFit);
   for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts)) {
     std::vector<db::VerdictRecord> rows;
     std::ranges::copy_if(judgement.verdicts, std::back_inserter(rows),
                          [&](const db::VerdictRecord& verdict) { return verdict.run == run.run; });
-    store.replace_verdicts(run.run, record ? record->fit : 0, rows);
+    store.replace_verdicts(run.run, fit.fit, rows);
   }
-  // What earlier files found of these models stands beside it.
+  // Verdicts by earlier limits files are reported with it.
   if (judgement.notes.not_judged.empty())
     judgement.notes.stored_worse = worse_than(judgement.verdicts, stored_judgement(runs, fit, void_too));
   return judgement;
 }
 
-Judgement judge_for_report(analysis::Runs& runs, const analysis::ArrayFit& fit,
+Judgement judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fit,
                            const std::vector<NamedEvaluation>& evaluations, const std::string& limits_file,
                            const StoredJudgement& stored, bool void_too) {
   if (!limits_file.empty())
     return judge_runs(runs, fit, evaluations, read_limits(find_config(limits_file)), void_too, stored);
   if (stored.limits_toml.empty()) return {};
-  return judge_runs(runs, fit, evaluations, parse_limits(stored.limits_toml, "the limits kept with the verdicts"),
+  return judge_runs(runs, fit, evaluations, parse_limits(stored.limits_toml, "the limits stored with the verdicts"),
                     void_too, stored);
 }
 

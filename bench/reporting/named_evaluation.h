@@ -1,4 +1,4 @@
-// The evaluation of one run with what people call that run.
+// The evaluation of one run, and the run's name as typed.
 #pragma once
 
 #include <string>

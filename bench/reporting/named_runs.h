@@ -1,4 +1,4 @@
-// Runs as the command line names them: the one place that says which of them a verb may rest on.
+// Runs named on the command line, and the rules which of them a verb may use.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct RunsNamed {
 };
 
 // The runs as stored. Each must be there, be named once (TB-RUN-TWICE), not be the models' own (TB-RUN-OWN), and count:
-// a void one is refused (TB-RUN-VOID), or with `void_too` (--void-too) taken, which a warning on standard error says.
+// a void one is refused (TB-RUN-VOID), or, with `void_too` (--void-too), used with a warning on standard error.
 std::vector<db::RunRecord> named_runs(analysis::Runs& runs, const std::vector<std::int64_t>& numbers,
                                       const RunsNamed& named, bool void_too);
 

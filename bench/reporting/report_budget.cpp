@@ -19,19 +19,6 @@ namespace {
 constexpr double kSameStateSeconds = 86400.0;
 constexpr double kStoredDigitC = 0.001;  // readings are stored with three decimals
 
-// The bench as the run had it; none when its text can no longer be read.
-std::optional<BenchConfig> bench_of(const db::RunRecord& run) {
-  std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);
-  if (!overrides) return std::nullopt;
-  std::erase_if(*overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
-  overrides->push_back({"reference.due", "\"\""});  // older runs kept texts there that are no dates
-  try {
-    return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), *overrides);
-  } catch (const std::exception&) {
-    return std::nullopt;  // a profile that it names is gone, or it was written for another version
-  }
-}
-
 // Runs without a typed role, each once, the report's own left out.
 std::vector<std::int64_t> plain_runs(const analysis::ReportInput& input, std::vector<std::int64_t> runs,
                                      const std::vector<std::string>& studies) {
@@ -50,7 +37,7 @@ std::vector<std::int64_t> plain_runs(const analysis::ReportInput& input, std::ve
   return plain;
 }
 
-// Runs of the chamber alone; one under an indenter has no frames to hold against a level.
+// Only runs in the chamber; a run under an indenter has no frames at a pressure level.
 std::vector<analysis::Dataset> datasets_of(analysis::Runs& runs, const std::vector<std::int64_t>& numbers) {
   std::vector<analysis::Dataset> datasets;
   for (const std::int64_t run : numbers)
@@ -68,8 +55,9 @@ analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis:
     if (why.empty()) {
       same_state.push_back(other);
     } else if (analysis::at_another_temperature(calibration.temperatures_c, other.temperatures_c)) {
-      apart = fmt::format("a run at {:.1f} °C was given, but {}: what it changed cannot be told from the temperature",
-                          analysis::mean_temperature_c(other), why);
+      apart = fmt::format(
+          "a run at {:.1f} °C was given, but {}: this effect cannot be separated from that of the temperature",
+          analysis::mean_temperature_c(other), why);
     }
   }
   analysis::TemperatureEffect effect =
@@ -94,7 +82,7 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
   const analysis::Dataset& calibration = runs.dataset(input.run.run);
   std::vector<analysis::Dataset> datasets = datasets_of(runs, plain_runs(input, further, studies));
   inputs.temperature = temperature_of(runs, input, calibration, datasets);
-  datasets.push_back(calibration);  // it may hold levels of its own
+  datasets.push_back(calibration);  // it may include holds
   inputs.creep = analysis::creep_effect_of(calibration, datasets, input.fit);
   return inputs;
 }
@@ -105,11 +93,12 @@ std::string other_state(const db::RunRecord& run, const db::RunRecord& other) {
   if (apart > kSameStateSeconds)
     return fmt::format("it was made {} apart from this one", analysis::counted(std::lround(apart / 86400.0), "day"));
   if (run.origin != "simulated") return {};
-  // Of a simulated sensor its files tell what a person would know.
-  const std::optional<BenchConfig> ours = bench_of(run), theirs = bench_of(other);
+  // For a simulated sensor the configuration holds what a person would know.
+  const std::optional<BenchConfig> ours = stored_bench(run), theirs = stored_bench(other);
   if (!ours || !theirs || !ours->simulation || !theirs->simulation)
-    return "its bench file, which says mount and age, can no longer be read";
+    return "its bench file, which states mount and age, can no longer be read";
   const SpecimenOptions &a = ours->simulation->plant.specimen, &b = theirs->simulation->plant.specimen;
+  if (a.kind != b.kind) return "its simulated sensor is another specimen";
   if (a.age_months != b.age_months)
     return std::abs(a.age_months - b.age_months) == 1.0
                ? std::string("the sensor's age differs by a month")
@@ -121,7 +110,7 @@ std::string other_state(const db::RunRecord& run, const db::RunRecord& other) {
 }
 
 double thermometer_step_c(const db::RunRecord& run) {
-  const std::optional<BenchConfig> bench = bench_of(run);
+  const std::optional<BenchConfig> bench = stored_bench(run);
   double step = kStoredDigitC;
   if (!bench) return step;
   for (const EnvironmentSensor& sensor : bench->environment) {

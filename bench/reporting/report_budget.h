@@ -1,5 +1,5 @@
-// What further runs of the sensor tell the uncertainty budgets: chamber and mounts from the studies, creep from holds,
-// temperature from loops at another one. Runs are recognised by what they hold.
+// Contributions of further runs to the uncertainty budgets: chamber and mounts from the studies, creep from holds,
+// temperature from loops at another temperature. Runs are recognised by their data.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
                                           const std::vector<std::int64_t>& further,
                                           const std::vector<std::string>& studies);
 
-// What kept two runs apart beside their temperature, as far as the store knows: more than a day, or, of a simulated
-// sensor, its age and its mount. Empty: nothing.
+// Other differences between two runs besides temperature, as far as the store knows: more than a day between them, or,
+// for a simulated sensor, age and mount. Empty: none.
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other);
 
-// The step of the run's thermometer in kelvin: of its register's scale, at least the last digit that is kept.
+// Resolution of the run's thermometer in kelvin: one count of its register, at least the last stored digit.
 double thermometer_step_c(const db::RunRecord& run);
 
 }  // namespace tactbench::bench

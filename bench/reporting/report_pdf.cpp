@@ -109,7 +109,7 @@ std::string date_variable(const std::string& utc) {
   return fmt::format("SOURCE_DATE_EPOCH={}", ::timegm(&time));
 }
 
-// True when it ended by itself with 0. At the deadline all of its group goes.
+// True when it ended by itself with 0. At the deadline its whole group is killed.
 bool run_to_end(std::vector<std::string> words, const std::string& log, const std::string& utc) {
   ChildStart start;
   start.words = std::move(words);
@@ -119,7 +119,7 @@ bool run_to_end(std::vector<std::string> words, const std::string& log, const st
   try {
     ChildProgram program(std::move(start));
     const std::optional<int> status = program.ended_by(std::chrono::steady_clock::now() + kPdfDeadline);
-    program.kill_group();  // and what it may have left behind
+    program.kill_group();  // and processes that it left behind
     return status && WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
   } catch (const std::system_error&) {
     return false;
@@ -149,8 +149,8 @@ std::string write_pdf(const PdfRequest& request) {
   if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
     std::string said = text_of(folder / "log");
     if (said.size() > 500) said = said.substr(said.size() - 500);
-    pdf_failed(fmt::format("{} made no PDF: {}", program.path, said.empty() ? "it said nothing" : said), "--format pdf",
-               "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");
+    pdf_failed(fmt::format("{} made no PDF: {}", program.path, said.empty() ? "it printed nothing" : said),
+               "--format pdf", "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");
   }
   for (const char* field : {"/CreationDate", "/ModDate"}) set_pdf_date(pdf, field, request.date_utc);
   write_output(request.path, pdf, request.replace);

@@ -1,4 +1,4 @@
-// A report's HTML as PDF, by a browser or a typesetter that is installed.
+// Converts a report's HTML to PDF with an installed browser or typesetter.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct PdfRequest {
 };
 
 // Runs the program in a new folder of its own and waits 120 s at most. Returns the program used. Throws Error
-// TB-REPORT-PDF (names the packages when none is there; says what the program said when it failed).
+// TB-REPORT-PDF (names the packages when none is installed; includes the program's message when it failed).
 std::string write_pdf(const PdfRequest& request);
 
 }  // namespace tactbench::bench

@@ -65,7 +65,7 @@ class StudyGatherer {
     const bool pressed = take_presses(record);
     const bool paced = take_paces(record);
     if (pressed || paced) return;
-    // Plain loops at another temperature say by it what they are for.
+    // Plain loops at another temperature serve the temperature study.
     if (analysis::at_another_temperature(runs_.temperatures_c(input_.run.run), runs_.temperatures_c(study.run))) return;
     if (own) refuse_own(study);
     throw Error(
@@ -93,7 +93,7 @@ class StudyGatherer {
 
   void finish() {
     analysis::ReportResults& more = input_.more;
-    // A registration holds until the sensor is mounted anew: the latest one given serves runs without their own.
+    // A registration holds until the sensor is mounted again: the latest one given serves runs without their own.
     std::vector<analysis::MountTransform> mount;
     for (const analysis::PressRun& press : presses_)
       if (!press.mount.empty()) mount = press.mount;
@@ -171,14 +171,14 @@ std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words) {
 
 void add_results(analysis::ReportInput& input, analysis::Runs& runs, const ReportExtras& extras) {
   const std::vector<StudyRun> studies = study_runs_of(extras.studies);
-  const bool evaluated = !input.evaluation.levels.empty();  // a run under an object sweeps no loop
+  const bool evaluated = !input.evaluation.levels.empty();  // a run under an object has no full loop
   if (input.fit.taxels.empty() || (!evaluated && !extras.previous.empty())) {
     if (studies.empty() && extras.previous.empty()) return;
     throw Error(ExitCode::kUsage, "TB-REPORT-STUDY", "studies and earlier models need models of the report's own run",
                 fmt::format("run {}", input.run.run), fmt::format("fit it first: tactbench fit {}", input.run.run));
   }
-  std::optional<analysis::ArrayFit> previous;
-  if (!extras.previous.empty()) previous = analysis::array_fit_of(analysis::load_model(extras.previous, &runs.store()));
+  std::optional<analysis::SensorModel> previous;
+  if (!extras.previous.empty()) previous = analysis::load_model(extras.previous, &runs.store());
   if (evaluated)
     input.more = analysis::results_of(runs.dataset(input.run.run), input.fit, input.evaluation,
                                       previous ? &*previous : nullptr, extras.previous);

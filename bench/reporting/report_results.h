@@ -1,4 +1,4 @@
-// What a report needs beyond fit, evaluations and verdicts: models compared, the previous models, further runs.
+// A report's results beyond fit, evaluations and verdicts: model comparison, previous models, further runs.
 #pragma once
 
 #include <string>
@@ -15,9 +15,9 @@ struct ReportExtras {
   analysis::Laboratory laboratory = {};
 };
 
-// A further run of the sensor. What its recipes do says what it is for: under an object, at several rates, held; and
-// its thermometer, at another temperature. Other plain loops do not tell why they were run, so the role is typed: mount
-// (mounted anew), or 0, 90, 180, 270 (turned in the chamber by so many degrees counter-clockwise, row 0 on top).
+// A further run of the sensor. Its recipes show its purpose: under an object, at several rates, held; its thermometer
+// shows another temperature. The purpose of other plain loops is typed as a role: mount (mounted again), or 0, 90, 180,
+// 270 (turned in the chamber by that many degrees counter-clockwise, row 0 on top).
 struct StudyRun {
   std::int64_t run = 0;
   std::string role;  // mount, 0, 90, 180, 270; empty: by its recipes, or its temperature
@@ -25,9 +25,9 @@ struct StudyRun {
 // Throws Error TB-USAGE.
 std::vector<StudyRun> study_runs_of(const std::vector<std::string>& words);
 
-// Fills in input.more; run, fit and evaluation must stand there already. Without an evaluation only what needs none:
-// the run's own presses, and studies. Throws Error TB-REPORT-STUDY for a run whose role is not known, AnalysisError,
-// StoreError.
+// Fills in input.more; run, fit and evaluation must be filled in before. Without an evaluation only the results that
+// need none: the run's own presses, and studies. Throws Error TB-REPORT-STUDY for a run whose role is not known,
+// AnalysisError, StoreError.
 void add_results(analysis::ReportInput& input, analysis::Runs& runs, const ReportExtras& extras);
 
 }  // namespace tactbench::bench

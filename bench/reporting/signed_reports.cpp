@@ -15,7 +15,8 @@ namespace tactbench::bench {
 
 std::string signed_report_in(const std::string& path, const db::RunStore& store) {
   std::error_code unknown;
-  if (!std::filesystem::is_regular_file(path, unknown)) return {};  // a pipe would be waited for
+  // A pipe would be waited for, and so would some files of /proc, which say that they are empty.
+  if (!std::filesystem::is_regular_file(path, unknown) || std::filesystem::file_size(path, unknown) == 0) return {};
   std::ifstream file(path, std::ios::binary);
   if (!file) return {};
   const std::string text{std::istreambuf_iterator<char>(file), {}};

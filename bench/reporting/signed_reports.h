@@ -1,4 +1,4 @@
-// No file with a signed report is written over.
+// Protects signed reports from being overwritten.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace tactbench::bench {
 
-// Number of the signed report that the file holds; empty: it is not there, or holds none. HTML and JSON tell it by
-// their own data, whatever they are called; a PDF by the numbers that were signed in this store.
+// Number of the signed report in the file; empty: no such file, or not a signed report. HTML and JSON are recognised by
+// their data, whatever their names; a PDF by the numbers that were signed in this store.
 std::string signed_report_in(const std::string& path, const db::RunStore& store);
 
-// Whether report `number` may be written to `path`: false where the file holds it signed already. Throws
-// TB-REPORT-SIGNED where it holds another signed one.
+// Whether report `number` may be written to `path`: false when the file already holds this report, signed. Throws
+// TB-REPORT-SIGNED when it holds another signed report.
 bool may_be_written(const std::string& path, const std::string& number, const db::RunStore& store);
 
 }  // namespace tactbench::bench

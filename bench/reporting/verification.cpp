@@ -1,5 +1,5 @@
-// Is a stored run still what was measured, and does its analysis follow from it? Everything is recomputed from the raw
-// frames; nothing is written.
+// Verifies that a stored run is unchanged and that its analysis follows from it. Recomputes everything from the raw
+// frames; writes nothing.
 #include "bench/reporting/verification.h"
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "analysis/identify/stored/fit_rows.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/figures/limits.h"
@@ -20,7 +21,7 @@ namespace tactbench::bench {
 
 namespace {
 
-// Runs made before dates were dates do not; since then an overdue reference counts in their verdicts.
+// Older runs stored dates as free text; in later ones an overdue reference counts in the verdicts.
 bool states_calibration_dates(const db::RunRecord& run) {
   return std::ranges::any_of(run.devices, [](const db::DeviceRecord& device) {
     return device.calibration_json.find("\"calibrated\":") != std::string::npos;
@@ -33,13 +34,10 @@ class Verification {
 
   VerifiedResult verify_fit(const db::FitRecord& fit) {
     VerifiedResult result{fit.fit, fit.run, fit.model, {}, {}, false, 0};
-    if (fit.model != analysis::kElamFit) {
-      result.compared = "not recomputed: it is kept as a document, not as rows";
-      return result;
-    }
+    const analysis::FitRows stored{fit, store_.fit_taxels(fit.fit)};
+    if (result.compared = why_not(fit); !result.compared.empty()) return result;
     return compared(result, fit, [&](double tolerance) {
-      const analysis::FitRows stored{fit, store_.fit_taxels(fit.fit)};
-      result.rows = stored.taxels.size();
+      result.rows = std::max<std::size_t>(stored.taxels.size(), 1);
       return analysis::first_difference(stored, analysis::rows_of(recomputed(fit)), tolerance);
     });
   }
@@ -52,10 +50,7 @@ class Verification {
     }
     const db::FitRecord fit = store_.fit(result.fit);
     result.fit_run = fit.run;
-    if (fit.model != analysis::kElamFit) {
-      result.compared = "not recomputed: their fit is kept as a document, not as rows";
-      return result;
-    }
+    if (result.compared = why_not(fit); !result.compared.empty()) return result;
     if (fit.run != run_) {
       const db::ContentCheck& content = content_of(fit.run);
       if (!content.holds()) {
@@ -69,9 +64,9 @@ class Verification {
       const std::string& toml = verdicts.front().limits_toml;
       if (db::sha256_hex(toml) != verdicts.front().limits_sha256) return std::string("the limits file kept with them");
       const analysis::Limits limits = parse_limits(toml, "the limits kept with the verdicts");
-      const analysis::ArrayFit& models = recomputed(fit);
+      const analysis::SensorModel& models = recomputed(fit);
       const analysis::Evaluation evaluation = analysis::evaluate(runs_.dataset(run_), models);
-      // On the models' own run figures are kept without a verdict; older programs gave one.
+      // Figures on the models' own run have no verdict; older programs gave one.
       const bool withheld = fit.run == run_ && std::ranges::all_of(verdicts, [](const db::VerdictRecord& verdict) {
                               return analysis::verdict_in(verdict) == analysis::Verdict::kInconclusive;
                             });
@@ -82,7 +77,7 @@ class Verification {
       std::vector<db::VerdictRecord> anew = judge_anew(runs_, models, evaluation, limits);
       std::string difference = differs_from(anew);
       if (difference.empty()) return difference;
-      // A laboratory file is not in the store. All that its dates can do is to withhold.
+      // The laboratory file is not in the store. Its dates can only withhold a verdict.
       analysis::ReferenceUncertainty overdue;
       overdue.overdue = true;
       analysis::withhold_overdue(anew, run_, overdue);
@@ -103,8 +98,8 @@ class Verification {
   }
 
  private:
-  // Same build and class of processor: same bits; otherwise 1e-12 (docs/rules.md, Runs). What cannot be recomputed from
-  // an intact run is a difference, too.
+  // Same build and class of processor: same bits; otherwise 1e-12 (docs/rules.md, Runs). A result that cannot be
+  // recomputed from an intact run is also a difference.
   template <class Compare>
   VerifiedResult compared(VerifiedResult& result, const db::FitRecord& fit, Compare compare) {
     const std::string maker = analysis::made_by(fit);
@@ -129,14 +124,40 @@ class Verification {
     return known != contents_.end() ? known->second : contents_.emplace(run, store_.check_content(run)).first->second;
   }
 
-  const analysis::ArrayFit& recomputed(const db::FitRecord& fit) {
-    const analysis::ElamOptions elam = analysis::options_of(fit);
-    auto& kept = fits_[{fit.run, elam.exact_outer}];
-    if (!kept) {
-      analysis::ArrayFitOptions options;
-      options.elam = elam;
-      kept = analysis::fit_array(runs_.dataset(fit.run), options);
+  bool in_rows(const db::FitRecord& fit) const {
+    return fit.model == analysis::kElamFit || !store_.fit_taxels(fit.fit).empty();
+  }
+
+  // Empty: it can be recomputed from its run.
+  std::string why_not(const db::FitRecord& fit) const {
+    if (in_rows(fit)) return {};
+    if (analysis::made_by(fit).empty())
+      return "not recomputed: it is kept as a document of an older program, which rounds otherwise";
+    if (store_.run(fit.run).origin == "imported") return "not recomputed: it was made from an imported table";
+    return {};
+  }
+
+  const analysis::SensorModel& recomputed(const db::FitRecord& fit) {
+    std::optional<analysis::SensorModel>& kept = fits_[fit.fit];
+    if (kept) return *kept;
+    const analysis::Dataset& dataset = runs_.dataset(fit.run);
+    analysis::FitOptions options;
+    if (in_rows(fit)) {  // of them the options alone are read: what else differs is named
+      options.identify = analysis::options_of(fit);
+      return kept.emplace(analysis::fit_array(dataset, options));
     }
+    const analysis::SensorModel stored = analysis::load_fit(store_, fit);
+    options.model = stored.model;
+    options.identify = stored.options;
+    const bool all = std::ranges::equal(stored.sequences, dataset.sequences, {}, {}, &analysis::SequenceData::name);
+    if (!all) options.sequences = stored.sequences;
+    options.mean_alone = stored.array().empty();
+    kept = analysis::fit_array(dataset, options);
+    // What no frame says.
+    kept->content_sha256 = stored.content_sha256;
+    kept->program_version = stored.program_version;
+    kept->validity.mount = stored.validity.mount;
+    kept->validity.interface_material = stored.validity.interface_material;
     return *kept;
   }
 
@@ -144,7 +165,7 @@ class Verification {
   analysis::Runs runs_;
   std::int64_t run_;
   std::map<std::int64_t, db::ContentCheck> contents_;
-  std::map<std::pair<std::int64_t, bool>, std::optional<analysis::ArrayFit>> fits_;
+  std::map<std::int64_t, std::optional<analysis::SensorModel>> fits_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What `tactbench verify` found of a run: its content, and each stored result beside the recomputed one.
+// `tactbench verify`: checks a run's content and compares each stored result with the recomputed one.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct VerifiedResult {
 
 struct RunVerification {
   db::ContentCheck content;
-  std::vector<std::string> beside;      // what of fits, verdicts, approvals and void is not what was stored
-  std::vector<VerifiedResult> results;  // none when the content does not hold
+  std::vector<std::string> beside;      // changed parts among fits, verdicts, approvals and voids
+  std::vector<VerifiedResult> results;  // none when the content has changed
   std::string first_difference;         // empty: all as stored
 };
 

@@ -1,5 +1,5 @@
-// What a run keeps of each instrument: who it is, what scales it, its range, and what the bench file states of its
-// calibration.
+// The record that a run keeps of each instrument: identity, scaling, range, and its calibration as stated in the bench
+// file.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace tactbench::bench {
 
-// What an open force sensor tells of itself.
+// What an open force sensor reports about itself.
 struct ForceIdentity {
   devices::Identity identity;
   std::string calibration;        // its id
@@ -27,8 +27,8 @@ db::DeviceRecord force_record(const ForceIdentity& force, const ForceConfig& con
 // `axis`: 0, 1, 2 for x, y, z.
 db::DeviceRecord stage_record(const devices::Identity& identity, std::size_t axis, const StageConfig& config);
 
-// The instruments that results are held against, as the bench file names them; no instrument is asked. Pressure
-// reference; stage and force sensor where the bench has them and `presses`.
+// The instruments that results are traced to, as the bench file names them; queries no instrument. Pressure reference;
+// stage and force sensor where the bench has them and `presses`.
 std::vector<db::DeviceRecord> stated_instruments(const BenchConfig& config, bool presses);
 
 }  // namespace tactbench::bench

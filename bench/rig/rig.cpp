@@ -60,7 +60,7 @@ void Rig::make_guard() {
     watcher_ = std::make_unique<ProcessTimeWatcher>(seconds(times.timeout_s + times.progress_s), *own_clock_);
     guard_->set_watcher(watcher_.get());
   } else {
-    // A dead-man that fired stores its own, and knows more; one that is lost says nothing of the rig.
+    // A dead-man that fired stores its own trip with more detail; a lost dead-man says nothing about the rig.
     guard_->set_trip_sink([this](const Trip& trip) {
       if (!trip.id.starts_with("TB-DEADMAN-")) (void)TripFile(config_.id).store(trip);
     });
@@ -71,7 +71,7 @@ void Rig::make_guard() {
 void Rig::prepare_arming() {
   refuse_tripped(config_);
   if (config_.in_process || !config_.dead_man.enabled || dead_man_) return;
-  // A module that is not there is named as that, not as a dead-man that does not start.
+  // Reports a missing module as such, not as a dead-man that does not start.
   (void)module_->read_all();
   if (input_module_) (void)input_module_->read_all();
   dead_man_ = std::make_unique<DeadManProcess>(config_);

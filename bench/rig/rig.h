@@ -1,5 +1,5 @@
-// Builds and owns a bench's devices from its configuration; the one place that names drivers. On a simulated bench it
-// also starts the simulated ends, and the same drivers talk to them over real wires.
+// Builds and owns a bench's devices from its configuration; only this unit names drivers. On a simulated bench it also
+// starts the simulated ends, and the same drivers talk to them over real wires.
 #pragma once
 
 #include <memory>
@@ -38,21 +38,21 @@ struct EnvironmentReading {
 class Rig {
  public:
   // Starts simulated ends and makes the drivers; talks to no instrument yet. Throws Fault, and Error TB-BENCH-FILL-IN
-  // for a hardware bench that was never filled in.
+  // for a hardware bench file that still says FILL-IN.
   explicit Rig(const BenchConfig& config);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
   // Connects and arms the pressure side (module bring-up, watchdog set and verified) and opens the scanner. Stage and
-  // force sensor are opened by who needs them. Throws Fault.
+  // force sensor are opened where they are needed. Throws Fault.
   void open();
   void open_array();  // identifies the scanner
   void close_array() { array_.reset(); }
   [[nodiscard]] devices::ForceSensor* force() { return force_.get(); }  // null: not opened
   void close_force() { force_.reset(); }
   devices::ForceSensor& open_force();  // reads its calibration; throws std::logic_error when the bench has none
-  // What the environment's sensors tell now; one exchange each. Throws Fault.
+  // The present readings of the environment's sensors; one exchange each. Throws Fault.
   [[nodiscard]] std::vector<EnvironmentReading> environment();
   [[nodiscard]] EnvironmentReading environment(std::size_t sensor);  // as config().environment
 
@@ -64,22 +64,23 @@ class Rig {
   // Throws std::logic_error before open().
   [[nodiscard]] devices::TactileArray& array();
   [[nodiscard]] devices::AnalogModule& module() { return *module_; }
-  // Null: the bench has none. What moves it goes through stage_gate(); stage() is for looking and for benchmarks.
+  // Null: the bench has none. All moves go through stage_gate(); stage() is for reading and for benchmarks.
   [[nodiscard]] devices::Stage* stage_gate() { return stage_gate_.get(); }
   [[nodiscard]] devices::ZaberStage* stage() { return stage_.get(); }
-  // z goes home unheard (ZaberStage::send_home): for a stage that is told to be off and does not answer.
+  // Sends z home without waiting for a reply (ZaberStage::send_home): for a stage that does not answer.
   bool send_z_home() noexcept { return stage_ && guard_->line_is_ours() && stage_->send_home(devices::Axis::kZ); }
   [[nodiscard]] Guard& guard() { return *guard_; }
   // Starts at the first arming, on hardware and external simulators; null before, and where there is none.
   [[nodiscard]] DeadManProcess* dead_man() { return dead_man_.get(); }
-  void feed_dead_man() { guard_->feed(); }  // where much is done without waiting on the clock
-  // The safe state was proved: the dead-man ends. Without this it makes safe when the rig goes.
+  void feed_dead_man() { guard_->feed(); }  // for long work that does not wait on the clock
+  // To be called when the safe state is proved: ends the dead-man. Otherwise it makes the bench safe when the rig is
+  // destroyed.
   void dismiss_dead_man();
   [[nodiscard]] bool has_array() const { return array_ != nullptr; }
   [[nodiscard]] const BenchConfig& config() const { return config_; }
-  // For a run that presses: from now on devices() names stage and force sensor, too. Asks both who they are, moves
-  // nothing, and leaves the force sensor as it was, open or closed. Throws as open_force(), and the stage's wire
-  // faults; an axis that does not answer has no firmware then.
+  // For a run that presses: from now on devices() includes stage and force sensor. Identifies both, moves nothing, and
+  // leaves the force sensor as it was, open or closed. Throws as open_force(), and the stage's wire faults; an axis
+  // that does not answer has no firmware then.
   void name_press_instruments();
   // With the calibration that scales each device's raw counts.
   [[nodiscard]] std::vector<db::DeviceRecord> devices() const;

@@ -57,7 +57,7 @@ void save_specimen(Rig& rig, const std::string& file) {
   }
 }
 
-// On a rig simulated in this process the object of the recipe is what hangs on the stage.
+// A rig simulated in this process gets the recipe's object on its stage.
 BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>& recipes) {
   if (!bench.simulation) return bench;
   constexpr std::array<std::pair<const char*, Footprint>, 3> kObjects = {
@@ -72,7 +72,8 @@ BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>&
   return bench;
 }
 
-// One run from its row to its end. Each part of the way out is bounded in time and none stops the next.
+// One run from its row to its end. Each part of the way out is bounded in time, and a failure in one does not skip the
+// next.
 class RunLifecycle {
  public:
   RunLifecycle(const RunRequest& request, db::RunStore& store, Progress& progress)
@@ -134,7 +135,7 @@ class RunLifecycle {
   void set_up() {
     RunStatus status;
     status.run = result_.run;
-    status.store = std::filesystem::absolute(store_.path()).string();  // who asks may be elsewhere
+    status.store = std::filesystem::absolute(store_.path()).string();  // the client may have another working directory
     control_.publish(status);
     control_.on_panic([this] {
       if (DeadManProcess* const dead_man = dead_man_) dead_man->fire();
@@ -156,7 +157,7 @@ class RunLifecycle {
     dead_man_ = rig_->dead_man();
     if (rig_->dead_man() != nullptr) rig_->dead_man()->name_run(result_.run);
     keep_devices();
-    control_.poll(signals_);  // what was asked while the devices opened
+    control_.poll(signals_);  // commands that came while the devices opened
     for (const std::string& layer : fail_safe_layers(request_.bench)) recorder_->event("fail-safe", "", layer);
     record_environment(*rig_, *recorder_);
     check_scanner(request_, rig_->array().identity().serial);
@@ -182,7 +183,7 @@ class RunLifecycle {
       recorder_->event("warning", "TB-CALIBRATION", line);
   }
 
-  // A store that cannot be written ends the run by its next frame or step; it never holds up a command.
+  // A store that cannot be written ends the run at its next frame or step; it never delays a command.
   void log_command(const std::string& kind, const std::string& actuator, const std::string& text) {
     if (store_lost_) return;
     try {
@@ -223,11 +224,11 @@ class RunLifecycle {
     result_.branches_redone = conductor_ ? conductor_->redone() : 0;
     result_.safe = proof_.state;
     result_.safe_text = proof_.text;
-    ending_.hear_last_words(place());
+    ending_.take_last_command(place());
     const bool safe = proof_.state == db::SafeState::kVerified;
     if (!safe) {
       ending_.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved",
-                       fmt::format("run {}", result_.run), "look at the chamber's own gauge before touching the rig"));
+                       fmt::format("run {}", result_.run), "read the chamber's own gauge before touching the rig"));
     }
     result_.outcome = ending_.outcome();
     const std::string reason =
@@ -273,17 +274,17 @@ class RunLifecycle {
   Work work_;
   const RunLock lock_;  // of the run in its store
   devices::Nanoseconds offset_{0};
-  std::int64_t frames_before_ = 0;  // of a run that was opened again
+  std::int64_t frames_before_ = 0;  // of a resumed run
   RunResult result_;
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<Sequencer> sequencer_;
   std::unique_ptr<Conductor> conductor_;
-  std::atomic<DeadManProcess*> dead_man_{nullptr};  // the rig's, for who panics
+  std::atomic<DeadManProcess*> dead_man_{nullptr};  // the rig's, for a panic
   std::unique_ptr<ControlSocket> socket_;
   Baseline baseline_;
   SafeProof proof_;
-  bool store_lost_ = false;  // nobody waits for its locks on the way out
+  bool store_lost_ = false;  // then the way out does not wait for its locks
 };
 
 }  // namespace

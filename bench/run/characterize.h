@@ -8,7 +8,8 @@
 
 namespace tactbench::bench {
 
-// Throws only what happens before the run row exists or is opened again (FileError, StoreError, Error).
+// Throws (FileError, StoreError, Error) only before the run's row is made or opened again; later errors are in the
+// result.
 RunResult characterize(const RunRequest& request, db::RunStore& store, Progress& progress);
 
 }  // namespace tactbench::bench

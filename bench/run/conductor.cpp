@@ -54,7 +54,7 @@ void Conductor::run() {
       } else {
         travel(span);
       }
-    } catch (const Suspended& suspended) {  // the branch or the stretch is done again
+    } catch (const Suspended& suspended) {  // the branch or the step before it is repeated
       suspend(suspended);
       i = after_rest(i);
       continue;
@@ -67,8 +67,8 @@ void Conductor::run() {
   }
 }
 
-// Work goes on at the first branch that is not done: from the stretches before it where its sequence has not begun,
-// else by its way back.
+// Continues at the first branch that is not done: from the steps before it where its sequence has not begun, else by
+// the path to its start.
 std::size_t Conductor::first_span() {
   if (work_.done.empty()) return 0;
   std::size_t after_done = 0;
@@ -111,13 +111,13 @@ void Conductor::branch(const BranchSpan& span) {
       throw;
     } catch (const Fault& fault) {
       const bool by_device = as_error(std::current_exception()).code() == ExitCode::kDevice;
-      // Who has asked for the end does not wait for another attempt; after a panic the fault may be its own doing.
+      // No further attempt once the end was asked for; after a panic the panic itself may have caused the fault.
       if (!by_device || sequencer_.leaving() || failed++ >= recipe.retry.branch) throw;
       recorder_.event("attempt", fault.id(),
                       fmt::format("branch {} of repeat {}, {} of {}: {}", span.key.branch, span.key.repeat, failed,
                                   recipe.retry.branch + 1, fault.what()));
       give_up(fault.id() + ": " + fault.what());
-      // The first fault is the reason; the way out tries again to make safe.
+      // The first fault is the reason; the way out tries again to reach the safe state.
       if (!vented("after a fault") || !recovered()) throw;
     }
     ++redone_;
@@ -149,11 +149,11 @@ void Conductor::go_back(const BranchKey& key) {
 }
 
 void Conductor::conditioning(const BranchSpan& span) {
-  displaced_ = false;  // this is a way back itself
+  displaced_ = false;  // these steps are the path back themselves
   while (!condition(span)) pause("asked by " + control_.who());
 }
 
-// All cycles from the first; false when a pause was asked for on the way.
+// Runs all cycles from the first; false when a pause was asked for meanwhile.
 bool Conductor::condition(const BranchSpan& span) {
   const Recipe& recipe = work_.recipes[static_cast<std::size_t>(span.key.sequence)];
   ConditioningWatch watch(recipe.conditioning);
@@ -185,7 +185,7 @@ void Conductor::carry_out(const Step& step) {
   } else {
     stage_.carry_out(step, work_.recipes[static_cast<std::size_t>(step.sequence)]);
   }
-  // A turned clock does not tell how long a person waits: there the pace so far does.
+  // Under a turned clock process time says nothing about a person's wait: there the pace so far is used.
   const BenchConfig& bench = sequencer_.rig().config();
   const bool known = work_.estimate != nullptr && !bench.in_process;
   progress_.step(status_.label, status_.step, status_.steps, step, known ? status_.left_s / bench.rate : -1.0);
@@ -232,7 +232,7 @@ void Conductor::set_state(RunState state, const std::string& reason) {
   publish();
 }
 
-// A pause that was asked for shows at once, and so does its being taken back.
+// Shows at once that a pause was asked for or taken back.
 void Conductor::listen() {
   record_dead_man_news(sequencer_.rig(), recorder_, progress_);
   check_dead_man(sequencer_.rig());

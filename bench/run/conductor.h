@@ -1,6 +1,6 @@
-// Leads a run through its branches: what is done when a branch breaks, a device fails, a condition trips or a person
-// asks. A branch is done whole or done again, from a path that begins at a conditioned state: a hysteretic sensor's
-// output depends on where it has been.
+// Carries out a run branch by branch and handles broken branches, device failures, tripped conditions and operators'
+// commands. A branch is completed or repeated as a whole, starting from a conditioned state, since a hysteretic
+// sensor's output depends on its history.
 #pragma once
 
 #include <memory>
@@ -21,9 +21,9 @@ struct Work {
   std::vector<sequences::Recipe> recipes;
   std::vector<sequences::Step> steps;                   // compile(recipes)
   std::set<sequences::BranchKey> done;                  // by an earlier process
-  std::function<void(const sequences::Step&)> on_step;  // told of each step before it is carried out; may be empty
+  std::function<void(const sequences::Step&)> on_step;  // called with each step before it is carried out; may be empty
   const TimeEstimate* estimate = nullptr;               // of time left; null: none
-  bool assume_yes = false;                              // operator prompts answer themselves
+  bool assume_yes = false;                              // operator prompts are answered with yes
   std::string label = "run";                            // of the progress line
 };
 
@@ -50,13 +50,13 @@ class Conductor {
   void carry_out(const sequences::Step& step);
   void go_back(const sequences::BranchKey& key);
   void fail_fast(const sequences::Step& step);
-  void give_up(const std::string& reason);  // voids the open branch; the path is lost
+  void give_up(const std::string& reason);  // voids the open branch; the sensor's state is no longer the expected one
   void pause(const std::string& why);
   void prompt(const sequences::Step& step);
   bool vented(const std::string& why);  // and proved so
   void vent(const std::string& why);    // throws when that cannot be proved
   void wait_for_resume();
-  // Where work goes on after a rest: `next`, or after a long one the first branch of its repeat.
+  // Where work continues after a rest: at `next`, or after a long one at the first branch of its repeat.
   [[nodiscard]] std::size_t after_rest(std::size_t next);
   void recover();    // arms the source and opens the array anew
   bool recovered();  // the same; false when a device does not come back
@@ -72,7 +72,7 @@ class Conductor {
   RunStatus status_;
   StageSteps stage_;
   std::vector<sequences::BranchSpan> spans_;
-  bool displaced_ = false;  // the next branch needs its way back
+  bool displaced_ = false;  // the next branch needs the path to its start
   double rested_s_ = 0.0;   // in the last wait, unloaded
   bool peak_seen_ = false;  // fail-fast limits were judged
   int redone_ = 0;

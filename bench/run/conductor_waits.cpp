@@ -1,4 +1,4 @@
-// Where the conductor waits: for a person, for a condition. The rig is vented and proved safe meanwhile.
+// The conductor's waits, for a person or a condition. Meanwhile the rig is vented and proved safe.
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@ void Conductor::pause(const std::string& why) {
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, why);
   vent("to pause");
   set_state(RunState::kPaused, why);
-  progress_.note(fmt::format("run {} is paused, vented: `tactbench resume {}` goes on, `tactbench stop {}` ends it",
+  progress_.note(fmt::format("run {} is paused, vented: `tactbench resume {}` continues, `tactbench stop {}` ends it",
                              status_.run, status_.run, status_.run));
   notify_.tell("waiting", status_.run, "paused: " + why);
   wait_for_resume();
@@ -29,7 +29,7 @@ void Conductor::pause(const std::string& why) {
 void Conductor::wait_for_resume() {
   (void)sequencer_.times().start(Spent::kWaiting);
   const Nanoseconds start = sequencer_.rig().clock().now();
-  do sequencer_.idle();  // at least once: the clock goes on while a person decides
+  do sequencer_.idle();  // at least once: the clock runs while a person decides
   while (!control_.take_resume());
   rested_s_ = devices::in_seconds(sequencer_.rig().clock().now() - start);
   recover();
@@ -37,7 +37,7 @@ void Conductor::wait_for_resume() {
   displaced_ = true;
 }
 
-// As for a run that is opened again (resume.h): the branches of one repeat are to have one past.
+// As for a resumed run (resume.h): all branches of a repeat must share one loading history.
 std::size_t Conductor::after_rest(std::size_t next) {
   if (next == spans_.size() || spans_[next].kind != sequences::SpanKind::kBranch) return next;
   const sequences::BranchKey key = spans_[next].key;
@@ -68,7 +68,8 @@ void Conductor::suspend(const Suspended& suspended) {
     if (rig.clock().now() > deadline) {
       throw Fault("TB-RUN-SUSPENDED", "surroundings",
                   fmt::format("{}, and it did not come back within {:g} s", suspended.what, suspended.timeout_s),
-                  "mend the supply or the room, then `tactbench resume`; the recipe's [[suspend]] has timeout_s");
+                  "restore the supply or the room's temperature, then `tactbench resume`; the recipe's [[suspend]] has "
+                  "timeout_s");
     }
     sequencer_.idle();
   }
@@ -117,7 +118,7 @@ bool Conductor::vented(const std::string& why) {
 void Conductor::vent(const std::string& why) {
   if (vented(why)) return;
   throw Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved " + why,
-              fmt::format("run {}", status_.run), "look at the chamber's own gauge before touching the rig");
+              fmt::format("run {}", status_.run), "read the chamber's own gauge before touching the rig");
 }
 
 void Conductor::recover() {

@@ -11,23 +11,23 @@ Error error_of(const Leave& leave, const std::string& where) {
     const bool panic = leave.command == Command::kPanic;
     return Error(ExitCode::kStopped, panic ? "TB-RUN-PANIC" : "TB-RUN-ABORTED",
                  fmt::format("{} by {}", panic ? "panic" : "aborted", leave.who), where,
-                 "look at the rig before the next run; the frames so far are kept")
+                 "inspect the rig before the next run; the frames so far are kept")
         .by_word();
   }
   return Error(leave.signal != 0 ? code_of_signal(leave.signal) : ExitCode::kStopped, "TB-RUN-STOPPED",
                "stopped by " + leave.who, where,
-               "the frames so far are kept; `tactbench resume` goes on with the branch that was under way")
+               "the frames so far are kept; `tactbench resume` repeats the interrupted branch and continues")
       .by_word();
 }
 
-bool word_wins(const Leave& leave, const Error& met) {
+bool command_wins(const Leave& leave, const Error& met) {
   return leave.command == Command::kPanic || met.code() == ExitCode::kDevice;
 }
 
 // 7 outranks all other exit codes.
 Error with_fault(const Error& word, const Error& met) {
   const ExitCode code = met.code() == ExitCode::kUnsafe ? ExitCode::kUnsafe : word.code();
-  return Error(code, word.id(), fmt::format("{}; met on the way out: {}", word.what(), met.id()), word.where(),
+  return Error(code, word.id(), fmt::format("{}; also, while the run ended: {}", word.what(), met.id()), word.where(),
                word.remedy())
       .by_word();
 }
@@ -44,7 +44,7 @@ void Ending::by_exception(const std::string& where) {
     const Error met = as_error(std::current_exception(), where);
     met_store_ = met_store_ || met.code() == ExitCode::kStore;
     const std::optional<Leave> leave = control_.asked(signals_);
-    if (!leave || !word_wins(*leave, met)) {
+    if (!leave || !command_wins(*leave, met)) {
       heard_.reset();
       error_ = met;
       return;
@@ -59,7 +59,7 @@ void Ending::by(const Error& error) {
   if (!error_) error_ = error;
 }
 
-void Ending::hear_last_words(const std::string& where) {
+void Ending::take_last_command(const std::string& where) {
   const std::optional<Leave> leave = control_.close(signals_);
   if (!leave || leave->command == heard_) return;
   const Error word = error_of(*leave, where);
@@ -67,7 +67,7 @@ void Ending::hear_last_words(const std::string& where) {
     heard_ = leave->command;
     error_ = word;
   } else {
-    last_word_ = word;
+    last_command_ = word;
   }
 }
 
@@ -80,7 +80,7 @@ db::Outcome Ending::outcome() const {
 void Ending::write(Recorder& recorder) const {
   if (met_) recorder.event("fault", met_->id(), met_->what());
   if (error_) recorder.event("fault", error_->id(), error_->what());
-  if (last_word_) recorder.event("word", last_word_->id(), last_word_->what());
+  if (last_command_) recorder.event("word", last_command_->id(), last_command_->what());
 }
 
 }  // namespace tactbench::bench

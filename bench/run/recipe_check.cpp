@@ -60,7 +60,7 @@ void check_devices_of(const Recipe& recipe, const BenchConfig& bench) {
   }
 }
 
-// What the force sensor was calibrated to is not known before it is open: StageSteps asks again then.
+// The force sensor's calibrated range is known once it is open: StageSteps checks again then.
 void check_press_of(const Recipe& recipe, const BenchConfig& bench) {
   if (recipe.kind != RecipeKind::kPress) return;
   std::array<double, 6> any;
@@ -83,7 +83,7 @@ std::vector<Margin> margins(const std::vector<sequences::Step>& steps, const Ben
   std::vector<Margin> list;
   const sequences::Extremes all = sequences::extremes(steps);
   if (all.pressurizes) {
-    // Gauge pressure has no limit below: the way down to 0 is no approach to a danger.
+    // No lower limit for gauge pressure: falling to 0 is not dangerous.
     list.push_back({"pressure", "psi", all.lowest.value(), all.highest.value(), -1e9, bench.limits.command_psi});
   }
   if (all.moves && bench.stage) {
@@ -115,7 +115,7 @@ std::vector<std::string> devices_needed(const std::vector<Recipe>& recipes) {
 }
 
 std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& steps, const analysis::Limits& limits) {
-  // In millionths of a psi, as verdicts are looked up: up and down a level may differ by a rounding.
+  // In millionths of a psi, as verdicts look up levels: a level's value may differ by rounding between up and down.
   const auto key = [](double psi) { return std::llround(1e6 * psi); };
   std::set<long long> up, down, both;
   for (const sequences::Step& step : steps) {

@@ -11,7 +11,7 @@
 
 namespace tactbench::bench {
 
-struct Margin {  // one axis of what the recipes do, beside its limit
+struct Margin {  // range of one axis in the recipes, and its limits
   std::string axis, unit;
   double lowest = 0.0, highest = 0.0;
   double low_limit = 0.0, high_limit = 0.0;  // inclusive
@@ -19,20 +19,20 @@ struct Margin {  // one axis of what the recipes do, beside its limit
   [[nodiscard]] bool within() const;
 };
 
-// Of `steps`: pressure, and x, y where they move. An axis that the bench does not have has no margin here.
+// Of `steps`: pressure, and x, y where they move. No margin for an axis that the bench lacks.
 std::vector<Margin> margins(const std::vector<sequences::Step>& steps, const BenchConfig& bench);
 
-// "pressure source", "stage" and so on, each once, in the order of use.
+// "pressure source", "stage" ..., each once, in the order of use.
 std::vector<std::string> devices_needed(const std::vector<sequences::Recipe>& recipes);
 
-// A level that limits judge at and no full pair of sweeps of the steps passes: what is judged there is inconclusive.
+// A level at which limits judge but through which no full pair of sweeps passes: the verdict there is inconclusive.
 struct LackingLevel {
   double pressure_psi = 0.0;
-  std::vector<double> nearest_psi;  // levels of the steps, the next below and above where there are such
+  std::vector<double> nearest_psi;  // nearest levels of the steps, below and above, where there are any
 };
 std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& steps, const analysis::Limits& limits);
 
-// One of them presses objects on the array: it measures with stage and force sensor.
+// True when a recipe presses objects on the array, which needs stage and force sensor.
 bool needs_press(const std::vector<sequences::Recipe>& recipes);
 
 // Throws Error with ExitCode::kUsage: TB-RECIPE-LIMIT (names recipe, axis and limit), TB-RECIPE-DEVICES.

@@ -28,8 +28,8 @@ struct StepReadings {
 
 class Recorder {
  public:
-  // `offset` is added to the clock's time: a run that was opened again goes on in time. Attempts already stored are
-  // counted on.
+  // `offset` is added to the clock's time, so that the time of a resumed run continues. Counting of attempts continues
+  // after the stored ones.
   Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
 
   void open_branch(const sequences::Step& step);                          // the next attempt at the step's branch

@@ -82,7 +82,7 @@ ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequ
             fmt::format("ended -> prepared: resumed after {:.0f} s; it had ended {}", point.rest_s, point.had_ended)});
   for (const std::int64_t branch : half) store.void_branch(branch, "half done when the run ended");
   point.voided = static_cast<int>(half.size());
-  // The first branch that is not done says which repeat goes on.
+  // The run continues in the repeat of the first branch that is not done.
   const auto next = std::find_if(spans.begin(), spans.end(), [&](const BranchSpan& span) {
     return span.kind == SpanKind::kBranch && !whole.contains(span.key);
   });

@@ -1,5 +1,5 @@
-// What of a run that died or was ended still stands: whole branches. A half one is void, and after a long rest the
-// whole repeat is.
+// Opens an interrupted or ended run again: its complete branches are kept, an incomplete branch becomes void, and after
+// a long rest the whole repeat.
 #pragma once
 
 #include <set>
@@ -14,15 +14,15 @@ namespace tactbench::bench {
 
 struct ResumePoint {
   std::set<sequences::BranchKey> done;
-  devices::Nanoseconds offset{0};  // of the new process's clock: time in the run goes on, the rest included
+  devices::Nanoseconds offset{0};  // of the new process's clock: time in the run continues, including the rest
   double rest_s = 0.0;             // since the run's last sign of life, by the wall clock
-  int voided = 0;                  // branches that were made void now
+  int voided = 0;                  // branches made void now
   std::string had_ended;           // how, for people
 };
 
-// Opens the run again (db::RunStore::reopen_run) and voids what has to be done again; deletes nothing. `steps` is what
-// compile() makes of the recipes. Throws StoreError; Error TB-RUN-COMPLETED, and TB-RUN-CHANGED when what is
-// stored does not fit `recipes` and `steps`.
+// Opens the run again (db::RunStore::reopen_run) and voids what must be repeated; deletes nothing. `steps`: compile()
+// of the recipes. Throws StoreError; Error TB-RUN-COMPLETED, and TB-RUN-CHANGED when what is stored does not fit
+// `recipes` and `steps`.
 ResumePoint reopen(db::RunStore& store, std::int64_t run, const std::vector<sequences::Recipe>& recipes,
                    const std::vector<sequences::Step>& steps);
 

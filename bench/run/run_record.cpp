@@ -94,6 +94,18 @@ std::optional<std::vector<sequences::Override>> stored_overrides(const std::stri
   return found;
 }
 
+std::optional<BenchConfig> stored_bench(const db::RunRecord& run) {
+  std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);
+  if (!overrides) return std::nullopt;
+  std::erase_if(*overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
+  overrides->push_back({"reference.due", "\"\""});  // older runs kept texts there that are no dates
+  try {
+    return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), *overrides);
+  } catch (const std::exception&) {
+    return std::nullopt;  // a profile that it names is gone, or it was written for another version
+  }
+}
+
 void check_geometry(const RunRequest& request) {
   const devices::HidScannerOptions& scanner = request.bench.scanner;
   if (request.sensor_type.rows == scanner.rows && request.sensor_type.columns == scanner.columns) return;
@@ -101,7 +113,7 @@ void check_geometry(const RunRequest& request) {
               fmt::format("sensor type '{}' has {} x {} taxels, the bench's scanner {} x {}", request.sensor_type.name,
                           request.sensor_type.rows, request.sensor_type.columns, scanner.rows, scanner.columns),
               request.bench.file + " [scanner], sensor " + request.sensor.serial,
-              "use the bench file of this sensor's scanner, or mend rows and columns");
+              "use the bench file of this sensor's scanner, or correct rows and columns");
 }
 
 void check_same_devices(const db::RunRecord& begun, const std::vector<db::DeviceRecord>& now) {

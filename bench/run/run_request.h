@@ -18,8 +18,8 @@ class MachineName;
 class Rig;
 class TimeEstimate;
 
-// Moments at which tests inspect a simulated rig, or break it: before it is opened, before the unloaded frame, before
-// it is made safe, and last of all with the row closed.
+// Moments at which tests inspect or break a simulated rig: before it is opened, before the unloaded frame, before the
+// safe state, and at the end with the row closed.
 enum class RigMoment { kMade, kOpened, kTearingDown, kLeft };
 
 struct RunRequest {
@@ -33,9 +33,9 @@ struct RunRequest {
   std::string label = "run";                   // of the progress line
   std::int64_t resume = 0;                     // a run of the store to continue; 0: a new one
   std::string on_event;                        // command for the events done, failed, waiting; empty: none
-  bool assume_yes = false;                     // operator prompts answer themselves
+  bool assume_yes = false;                     // operator prompts are answered with yes
   bool check_seating = true;
-  bool attended = true;                     // somebody can resume it after a pause; else the first Ctrl-C ends it
+  bool attended = true;                     // a person can resume it after a pause; else the first Ctrl-C ends it
   const MachineName* bench_name = nullptr;  // that the caller holds (BenchLock); null: the run takes one itself
   const TimeEstimate* estimate = nullptr;   // of time left; null: by the pace
   std::function<void(const sequences::Step&)> on_step;  // called with each step; may be empty
@@ -49,7 +49,7 @@ struct RunResult {
   db::SafeState safe = db::SafeState::kUnknown;
   std::string safe_text;
   int frames = 0;                // stored by this process
-  std::int64_t frames_kept = 0;  // of the run in the store, those of earlier processes too
+  std::int64_t frames_kept = 0;  // of the run in the store, including earlier processes
   int most_exchanges_a_step = 0;
   int branches_redone = 0;
   double process_seconds = 0.0;

@@ -18,8 +18,8 @@ namespace tactbench::bench {
 namespace {
 
 constexpr double kHighestPsi = 8.0;
-constexpr double kLowestPsi = 5.0;  // below, the weaker taxels do not answer
-// The fast creep is over after 20 s; after the vent the film gets 10 s of the rest that it had before.
+constexpr double kLowestPsi = 5.0;  // below, weak taxels do not respond
+// Fast creep is over after 20 s; after the vent the film rests for 10 s.
 constexpr double kLoadedDwell = 20.0, kVentedDwell = 10.0;
 
 sequences::Step at_level(double psi, double dwell_s) {
@@ -37,11 +37,11 @@ std::vector<double> in_volts(const double* counts, std::size_t taxels, double vo
   return volts;
 }
 
-// Nothing where there is none of this shape.
+// Empty where no check has this shape.
 std::optional<analysis::SeatingFrames> last_seating(const db::RunStore& store, const RunRequest& request,
                                                     std::int64_t run, std::size_t taxels) {
   for (const char* verdict : {"pass", "warning"}) {
-    // A run that was opened again is compared with its own first seating.
+    // A resumed run is compared with its own first seating.
     const std::optional<db::CheckRecord> check = store.last_check(request.sensor.serial, "seating", verdict, run + 1);
     if (!check || check->data.size() != 2 * taxels) continue;
     const nlohmann::json detail = analysis::parse_json(check->detail_json);
@@ -55,7 +55,7 @@ std::optional<analysis::SeatingFrames> last_seating(const db::RunStore& store, c
   return std::nullopt;
 }
 
-// What was measured and found, nothing of earlier runs: the same run stored again has the same content.
+// Only what this run measured and found: the same run in another store has the same content.
 std::string detail_of(const analysis::SeatingResult& result, const analysis::SeatingFrames& now, int rows, int columns,
                       double volts_per_count) {
   nlohmann::ordered_json json = {{"pressure_psi", now.pressure_psi},
@@ -124,7 +124,7 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
   if (failed.empty()) return;
   throw Error(ExitCode::kCriterionFailed, "TB-SEATING", fmt::format("{}", fmt::join(failed, "; ")),
               fmt::format("sensor {}, seating check at {:.1f} psi", request.sensor.serial, now.pressure_psi),
-              "seat the sensor and its connector anew; `tactbench runs show` has what the check saw");
+              "reseat the sensor and its connector; `tactbench runs show` prints what the check found");
 }
 
 }  // namespace tactbench::bench

@@ -35,7 +35,7 @@ Baseline Sequencer::read_baseline() {
   const double highest = std::max(readings_.feedback.pressure.value(), readings_.reference.pressure.value());
   if (highest >= rig_.config().limits.safe_psi) {
     throw Fault("TB-CHAMBER-NOT-VENTED", "chamber",
-                fmt::format("{:.1f} psi stand in the chamber before the first command", highest),
+                fmt::format("the chamber holds {:.1f} psi before the first command", highest),
                 "vent the chamber; check the zero of regulator and reference");
   }
   std::string flags;
@@ -57,7 +57,7 @@ void Sequencer::chamber_step(const Step& step) {
   const std::uint64_t exchanges_before = rig_.exchanges();
   readings_.flags.clear();
   left_band_ = false;
-  if (!rig_.source().armed()) {  // the stage had its turn
+  if (!rig_.source().armed()) {  // the stage was in use
     rig_.source().arm();
     setpoint_ = Psi(0.0);
   }
@@ -82,7 +82,7 @@ void Sequencer::chamber_step(const Step& step) {
 }
 
 void Sequencer::check_array() {
-  constexpr double kFollows = 1.0;  // psi over which a row with a wire has to move
+  constexpr double kFollows = 1.0;  // psi of pressure change after which a connected row must have changed
   const StuckRows stuck = stuck_rows_.see(readings_.scans, readings_.reference.pressure.value(), kFollows);
   if (stuck.all) {
     throw Fault("TB-SCANNER-STALE", "tactile scanner",
@@ -98,8 +98,8 @@ void Sequencer::add_flag(const std::string& flag) {
   readings_.flags += flag;
 }
 
-// The set-point goes at a limited rate, in ticks; a small step is one tick. Where frames are read in passing, the
-// pressure follows the ramp and nothing settles.
+// The set-point moves in ticks at a limited rate; a small step is one tick. Where frames are read during the ramp, the
+// pressure follows it and does not settle.
 void Sequencer::ramp(const Step& step) {
   (void)times_.start(Spent::kMoving);
   const SafetyLimits& limits = rig_.config().limits;
@@ -108,10 +108,10 @@ void Sequencer::ramp(const Step& step) {
   readings_.commanded_at = readings_.in_band_since = rig_.clock().now();
   RampHooks hooks;
   hooks.before = [&](const RampTick& tick) {
-    // The last tick of a long way is taken from rest: its overshoot is then that of a small step.
+    // The last tick of a long ramp starts from rest: its overshoot is then that of a small step.
     const bool lands = tick.last && !tick.first && step.settle;
     if (lands) wait_until(rig_.clock().now() + seconds(rig_.config().settling.landing_s));
-    if (rig_.clock().now() - polled_ > seconds(0.5 * limits.stale_s)) poll();  // the guard wants fresh witnesses
+    if (rig_.clock().now() - polled_ > seconds(0.5 * limits.stale_s)) poll();  // the guard requires fresh readings
   };
   hooks.after = [&](const RampTick& tick) {
     if (tick.last && step.settle) return;
@@ -128,8 +128,8 @@ void Sequencer::settle(const Step& step) {
   const Nanoseconds start = clock.now();
   const Nanoseconds deadline = start + seconds(settling.timeout_s);
   const Nanoseconds feed = rig_.config().regulator.feed_interval;
-  // The first reading when the first feeding is due, then a few quick ones while a small step arrives; a long way is
-  // read only as often as the module is fed, to spare exchanges.
+  // The first reading comes with the first feeding, then a few quick ones while a small step arrives; a long ramp is
+  // read only as often as the module is fed, to save exchanges.
   constexpr int kQuickPolls = 4;
   double last_reference = std::numeric_limits<double>::infinity();
   for (int polls = 0;; ++polls) {
@@ -198,7 +198,7 @@ void Sequencer::poll() {
   broken_ = broken_ || broken.has_value();
 }
 
-// On the way to a level the two may differ by what one lags behind the other; standing apart, one of them lies.
+// During a ramp the two may differ by their lag; a lasting difference means that one of them is wrong.
 void Sequencer::check_agreement() {
   const SafetyLimits& limits = rig_.config().limits;
   const double apart = std::abs((readings_.feedback.pressure - readings_.reference.pressure).value());
@@ -253,7 +253,7 @@ void Sequencer::hold_vented(double duration_s) {
 void Sequencer::idle() {
   constexpr auto kTurn = std::chrono::milliseconds(200);
   step_deadline_ = Nanoseconds::max();
-  // A turned clock does not wait by itself, and a person takes real time.
+  // A turned clock does not wait, but a person needs real time.
   if (rig_.config().in_process) std::this_thread::sleep_for(kTurn / 10);
   const Nanoseconds end = rig_.clock().now() + kTurn;
   while (rig_.clock().now() < end) {

@@ -1,5 +1,5 @@
-// Carries out single steps on the chamber: ramp, settle, dwell, read, record. What a fault means is decided one floor
-// up (conductor.h).
+// Carries out single steps on the chamber: ramp, settle, dwell, read, record. conductor.h, one layer above, handles
+// faults.
 #pragma once
 
 #include <functional>
@@ -25,48 +25,47 @@ class Sequencer {
   Sequencer(Rig& rig, Recorder& recorder, Control& control, const StopRequest& signals)
       : rig_(rig), recorder_(recorder), control_(control), signals_(signals), times_(rig.clock()) {}
 
-  // Whose rules hold from now on: tolerances, retries, conditions. It has to outlive this.
+  // Its rules (tolerances, retries, conditions) apply from now on. Has to outlive this.
   void follow(const sequences::Recipe& recipe);
-  // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when pressure stands in the
-  // chamber.
+  // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when the chamber is under pressure.
   Baseline read_baseline();
 
-  // Between these two the measured reference has to go one way, else a step throws PathBroken.
-  // Tolerant: a broken path is only flagged on its frames.
+  // Between these two calls the measured reference must move in one direction, else a step throws PathBroken. Tolerant:
+  // a broken path is only flagged on its frames.
   void begin_branch(const sequences::Step& first, bool tolerant);
   void end_branch() { guard_.reset(); }
-  void begin_step();  // from here the recipe's time for one step runs
+  void begin_step();  // starts the recipe's time limit for one step
   // A step of kind kConditioning or kMeasure. Throws Fault (devices, TB-CHAMBER-TIMEOUT, TB-CHAMBER-DISAGREE,
   // TB-STEP-TIMEOUT), Leave, Suspended, PathBroken.
   void chamber_step(const sequences::Step& step);
-  // All K scans; tries again as the recipe allows, each failure an event. `flags` tells of it.
+  // Reads all K scans and retries as the recipe allows; each failure is an event and sets `flags`.
   [[nodiscard]] devices::ScanSet read_array(std::string& flags);
   [[nodiscard]] const StepReadings& last() const { return readings_; }
 
-  // Waits in slices, so that a word or a signal is heard within 0.1 s of real time. Throws Leave, Suspended.
+  // Waits in slices, so that a command or a signal takes effect within 0.1 s of real time. Throws Leave, Suspended.
   void wait_until(devices::Nanoseconds time);
-  // For a vented rig that waits for a person: 0.2 s in which both pressures are watched. Throws Leave.
+  // Waits 0.2 s for a person on a vented rig, watching both pressures. Throws Leave.
   void idle();
-  // `duration_s` at 0 psi with the module fed and the pressures watched.
+  // Waits `duration_s` at 0 psi, feeding the module and watching the pressures.
   void hold_vented(double duration_s);
   [[nodiscard]] const SuspensionWatch& conditions() const { return suspension_; }
 
-  // A command or a signal has asked for the end, which the next wait will find.
+  // True when a command or signal has asked for the end; the next wait throws.
   [[nodiscard]] bool leaving() const { return control_.asked(signals_).has_value(); }
   // Called after each poll of commands and signals.
   void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
   [[nodiscard]] TimeSpent& times() { return times_; }
   [[nodiscard]] Rig& rig() { return rig_; }
-  // Where the path began anew: pressure is 0, nothing dwells.
+  // Starts a new path: pressure is 0, no dwell is under way.
   void forget() { setpoint_ = devices::Psi(0.0); }
 
  private:
   void ramp(const sequences::Step& step);
   void settle(const sequences::Step& step);
   void dwell(const sequences::Step& step);
-  void poll();  // feeds when due, reads both witnesses, keeps the trace
+  void poll();  // feeds when due, reads both pressures, adds to the trace
   void check_agreement();
-  void check_array();  // against a scanner that repeats its last scan
+  void check_array();  // detects a scanner that repeats its last scan
   void add_flag(const std::string& flag);
   void check_conditions();
   void poll_commands();

@@ -20,8 +20,8 @@ namespace {
 constexpr double kPollInterval = 15.0;  // s between two unloaded frames of the warm-up
 constexpr double kConverterRange = 65535.0;
 
-// Until the unloaded output drifts less than asked, or the time is up. The newest unloaded frame; `cold` where there is
-// nothing to wait for.
+// Waits until the unloaded output drifts less than required, or the time is up. Returns the newest unloaded frame;
+// `cold` where there is nothing to wait for.
 Baseline warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::WarmUp& rule, const Baseline& cold) {
   if (rule.at_most_s <= 0.0) return cold;
   Rig& rig = sequencer.rig();

@@ -1,5 +1,4 @@
-// What is looked at before the first step: the surroundings, the scanner, how the sensor sits, whether the electronics
-// are warm.
+// Checks before the first step: environment, scanner, seating of the sensor, warm-up of the electronics.
 #pragma once
 
 #include "bench/run/run_request.h"
@@ -14,7 +13,7 @@ namespace tactbench::bench {
 class Progress;
 
 void record_environment(Rig& rig, Recorder& recorder);  // one event a sensor
-// Throws Fault TB-SCANNER-SERIAL when another scanner answers than the sensor is registered with.
+// Throws Fault TB-SCANNER-SERIAL when the scanner is not the one that the sensor is registered with.
 void check_scanner(const RunRequest& request, const std::string& serial);
 // Warm-up by the first recipe's criterion, then seating; each a stored check. Throws Error TB-SEATING and what the
 // sequencer throws; after Suspended it may be called again.

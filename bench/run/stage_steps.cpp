@@ -54,13 +54,13 @@ void StageSteps::open(const sequences::Recipe& recipe) {
                 fmt::format("recipe '{}' presses, but the bench has no stage or no force sensor", recipe.name),
                 rig.config().file, "add [stage] and [force] to the bench file, or leave the recipe out");
   }
-  // The module's watchdog may take its outputs to 0 meanwhile: that is where they stand.
+  // The module's watchdog may set its outputs to 0 meanwhile, where they are anyway.
   if (rig.source().armed()) rig.source().disarm();
   if (press_ && rig.stage_gate()->armed()) return;
   devices::ForceSensor& force = rig.force() != nullptr ? *rig.force() : rig.open_force();
   if (!rig.stage_gate()->armed()) rig.stage_gate()->arm();
   const PressOptions options = press_options(rig.config(), recipe);
-  // Only the open sensor tells what its calibration was fitted to. Nothing has moved yet.
+  // The calibrated range is known only once the sensor is open. Nothing has moved yet.
   const std::vector<std::string> complaints = press_complaints(recipe, rig.config(), force.range());
   if (!complaints.empty()) {
     throw Error(ExitCode::kStopped, "TB-PRESS-LIMIT", fmt::format("recipe '{}': {}", recipe.name, complaints.front()),
@@ -100,7 +100,7 @@ void StageSteps::carry_out(const Step& step, const sequences::Recipe& recipe) {
     case StepKind::kRetract: {
       const RetractProof proof = press_->retract();
       if (proof.verified) return;
-      throw devices::Fault("TB-PRESS-NOT-CLEAR", "stage z", proof.text, "look at the indenter before anything moves");
+      throw devices::Fault("TB-PRESS-NOT-CLEAR", "stage z", proof.text, "check the indenter before any move");
     }
     default:
       throw std::logic_error("no step of the stage");
@@ -157,7 +157,7 @@ void StageSteps::register_mount(double pitch_mm, const std::vector<double>& base
   }
   touches_.clear();
   RegistrationOptions options;
-  options.most_rms_mm = 0.4 * pitch_mm;  // a point smaller than a taxel is seen no finer
+  options.most_rms_mm = 0.4 * pitch_mm;  // a point smaller than a taxel cannot be located better
   const MountRegistration mount = bench::register_mount(touches, pitch_mm, options);
   recorder_.check("mount", "pass", mount.json(),
                   {mount.angle_deg, mount.offset_mm[0], mount.offset_mm[1], mount.rms_mm});

@@ -1,5 +1,5 @@
-// The stage's steps of a run on the second platform: home, move, approach, press, retract. Recipe steps -> Press, its
-// results -> the recorder. The chamber stands disarmed and vented meanwhile.
+// The stage's steps of a run that presses: home, move, approach, press, retract. Recipe steps -> Press, its results ->
+// the recorder. The chamber is disarmed and vented meanwhile.
 #pragma once
 
 #include <memory>
@@ -16,8 +16,8 @@ namespace tactbench::bench {
 
 // Of the bench, its limits and the recipe.
 PressOptions press_options(const BenchConfig& config, const sequences::Recipe& recipe);
-// What of the recipe does not fit bench and force sensor, overshoot included (press_preflight.h); none: all does. The
-// bench has stage and force sensor.
+// What in the recipe does not fit bench and force sensor, overshoot included (press_preflight.h); empty: it fits.
+// Requires a bench with stage and force sensor.
 std::vector<std::string> press_complaints(const sequences::Recipe& recipe, const BenchConfig& config,
                                           const std::array<double, 6>& force_range);
 
@@ -27,9 +27,9 @@ class StageSteps {
   // Opens stage and force sensor at the first step. Throws Fault, Leave, PathBroken (a level was overshot), and Error
   // TB-BENCH-NO-STAGE when the bench has none.
   void carry_out(const sequences::Step& step, const sequences::Recipe& recipe);
-  // The rig was made safe: what stood in contact no longer does.
+  // To be called after the rig was made safe: nothing is in contact any more.
   void forget();
-  // Of the touches so far (a recipe that registers); stored as a check of kind "mount". Throws Fault TB-MOUNT-*.
+  // Registration from the touches so far; stored as a check of kind "mount". Throws Fault TB-MOUNT-*.
   void register_mount(double pitch_mm, const std::vector<double>& baseline);
 
  private:

@@ -28,8 +28,8 @@ double at(const std::vector<std::pair<double, double>>& line, double x) {
   return below->second + (above->second - below->second) * (x - below->first) / (above->first - below->first);
 }
 
-// Few values: a prediction interval by Student's t, with a floor, since runs on one day are more alike than runs are.
-// Ten and more: their own quantiles.
+// Few values: a prediction interval by Student's t, with a floor, since runs of one day vary less than runs in general.
+// Ten or more: their quantiles.
 TimeBand band_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
@@ -102,7 +102,7 @@ TimeEstimate::TimeEstimate(const std::vector<Recipe>& recipes, const std::vector
     part.prompts += steps[i].kind == sequences::StepKind::kPrompt ? 1 : 0;
     frames_done_[i] = frames;
     if (!takes_frame(steps[i])) continue;
-    // What comes before a frame counts as parts of it.
+    // Steps before a frame count as fractions of it.
     for (std::size_t j = since_frame; j <= i; ++j) {
       frames_done_[j] = frames + static_cast<double>(j - since_frame) / static_cast<double>(i + 1 - since_frame);
     }
@@ -176,7 +176,7 @@ TimeBand TimeEstimate::of_part(const Part& part, std::size_t steps_done) const {
   return band_of(std::move(left));
 }
 
-// Recipes vary one without the other: their spreads add as squares.
+// Recipes vary independently: their spreads add in squares.
 TimeBand TimeEstimate::sum(std::size_t first_part, std::size_t last_part, std::size_t steps_done) const {
   TimeBand all;
   double down = 0.0, up = 0.0;

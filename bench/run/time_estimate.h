@@ -1,6 +1,6 @@
-// How long a run will work and how much of it is left: learned from completed runs of the same recipes on the same
-// bench, by the model of sequences/estimate.h where there are none. Always a band. Waiting for people and conditions is
-// no part of it (lost_time.h): prompts are counted beside it.
+// Estimates a run's working time and the time left: learned from completed runs of the same recipes on the same bench,
+// or, without such runs, from the model of sequences/estimate.h. Always a band. Waiting for people and conditions is
+// not included (lost_time.h); prompts are counted separately.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ sequences::TimeModel time_model(const BenchConfig& bench);
 
 struct TimeBand {  // a tenth of the runs is expected to be shorter than p10, a tenth longer than p90
   double p10_s = 0.0, p50_s = 0.0, p90_s = 0.0;
-  int runs = 0;     // fewest that any of the recipes learned from; 0: at least one is by the model
-  int prompts = 0;  // to the operator, beside it
+  int runs = 0;     // smallest number of runs learned from, over the recipes; 0: at least one is by the model
+  int prompts = 0;  // to the operator, not included
 };
 
 class TimeEstimate {
@@ -29,8 +29,8 @@ class TimeEstimate {
                const sequences::TimeModel& model);
 
   // Replaces the model by what `store` holds: completed runs of bench `bench_id` with the same recipe text and the same
-  // recipe overrides. `remaining_too`: also how the time passed inside the runs, which costs some milliseconds more;
-  // without it remaining() follows the model's shape. Throws StoreError.
+  // recipe overrides. `remaining_too`: also learns how time passed within the runs, which takes some milliseconds more;
+  // without it remaining() follows the model's course. Throws StoreError.
   void learn(const db::RunStore& store, const std::string& bench_id, const std::vector<sequences::Override>& overrides,
              bool remaining_too);
 

@@ -1,4 +1,4 @@
-// Where a run's process time went: the dead-time breakdown printed and stored at its end.
+// Breakdown of a run's process time, printed and stored at its end.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@ const char* to_string(Spent spent);
 class TimeSpent {
  public:
   explicit TimeSpent(const devices::Clock& clock) : clock_(clock), since_(clock.now()) {}
-  // From now on time is spent on `spent`; returns on what before.
+  // From now on time counts as `spent`; returns the previous category.
   Spent start(Spent spent);
-  // As long as it lives all parts count as this one (conditioning, redoing), however it is left.
+  // While this object lives all time counts as this category (conditioning, redoing).
   class Stretch {
    public:
     Stretch(TimeSpent& times, Spent spent);
@@ -30,7 +30,7 @@ class TimeSpent {
   };
   [[nodiscard]] double seconds(Spent spent) const;  // up to the last start()
   [[nodiscard]] double total() const;
-  // "dwelling 71 %, settling 18 %, ...": only what took a share that shows.
+  // "dwelling 71 %, settling 18 %, ...": only shares that do not round to zero.
   [[nodiscard]] std::string text() const;
 
  private:

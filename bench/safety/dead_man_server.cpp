@@ -39,10 +39,10 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr Nanoseconds kFirstPacket = std::chrono::seconds(10);
-constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);  // below what its starter waits
+constexpr Nanoseconds kEarlierEnds = std::chrono::seconds(8);  // less than the starter waits
 constexpr Nanoseconds kLongestWait = std::chrono::seconds(5);
 constexpr Nanoseconds kSeldom = std::chrono::seconds(5);
-constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to whatever was asked last
+constexpr Nanoseconds kRtuSilence = std::chrono::milliseconds(50);  // longer than the answer to the last request
 constexpr Nanoseconds kBackOff = std::chrono::seconds(10);
 constexpr int kDeadManTries = 2;
 
@@ -53,13 +53,12 @@ BenchConfig read_description(devices::DescriptorChannel& channel) {
   const auto json = analysis::parse_json(packet->text);
   BenchConfig config = parse_bench(json.at("bench"), json.at("name"), {});
   share_lines(config, true);
-  config.dead_man.enabled = false;  // this is the one
+  config.dead_man.enabled = false;  // this process is the dead-man
   return config;
 }
 
-// Time between two readings of the module. Each reading is a sign of life to a watchdog that counts any request as one,
-// as a module's own page may have set it: such a module is read so seldom that the watchdog still runs out when nobody
-// writes.
+// Time between two readings of the module. A watchdog that was set by the module's own web page may accept any request
+// as a sign of life: such a module is read so rarely that the watchdog still expires when nothing writes.
 Nanoseconds poll_interval(const BenchConfig& config) {
   const bool may_feed = config.watchdog_s <= 0.0 && !config.module.profile.fail_safe.layers.empty();
   return may_feed ? kSeldom : seconds(config.dead_man.timeout_s);
@@ -69,7 +68,7 @@ class Server {
  public:
   Server(devices::DescriptorChannel& channel, const BenchConfig& config)
       : channel_(channel), config_(config), rig_(config) {
-    if (!is_rtu()) read_module();  // an RTU line has one user at a time: it is opened when needed
+    if (!is_rtu()) read_module();  // an RTU line has one user at a time: opened only when needed
   }
   ~Server() { stop_reading(); }
   Server(const Server&) = delete;
@@ -83,8 +82,8 @@ class Server {
     for (;;) {
       bool fed = false;
       auto packet = channel_.receive(std::clamp(dead_man.left(now()), Nanoseconds(0), kLongestWait));
-      // What waits counts as said now: a dead-man that was itself held up must not blame the sequencer, which judges
-      // itself whether it stood still.
+      // Waiting messages count as sent now: a dead-man that was itself delayed must not blame the sequencer, which
+      // checks itself whether it was stopped.
       for (; packet; packet = channel_.receive(Nanoseconds(0))) {
         if (packet->text == "goodbye") return 0;
         if (packet->text == "fire") return fire("told to", false);
@@ -112,7 +111,7 @@ class Server {
     (void)rig_.source().feedback();
   }
 
-  // In a thread of its own: an exchange that nobody answers must not keep the sequencer waiting for its answers.
+  // In a thread of its own: an exchange that times out must not delay the answers to the sequencer.
   void keep_reading() {
     const Nanoseconds pause = poll_interval(config_);
     for (bool blind = false;;) {
@@ -124,7 +123,7 @@ class Server {
         read_module();
         if (blind) (void)channel_.send("sees");
         blind = false;
-      } catch (const std::exception& error) {  // firing connects anew
+      } catch (const std::exception& error) {  // firing opens a new connection
         blind = true;
         (void)channel_.send(fmt::format("blind: {}", error.what()));
       }
@@ -151,7 +150,7 @@ class Server {
     }
   }
 
-  // `gone`: the sequencer is no more, which alone asks for no person once everything is proved safe.
+  // `gone`: the sequencer's process has ended; this alone needs no person once everything is proved safe.
   int fire(const std::string& why, bool gone) {
     const Nanoseconds start = now();
     (void)channel_.send("fired");
@@ -162,7 +161,7 @@ class Server {
       stage_s = devices::in_seconds(now() - start);
     });
     SafeProof proof;
-    stop_reading();  // the connection is this thread's from now on
+    stop_reading();  // from now on this thread owns the connection
     if (is_rtu()) std::this_thread::sleep_for(kRtuSilence);
     for (int i = 0; i < kDeadManTries && proof.state != db::SafeState::kVerified; ++i) proof = make_safe(rig_, {});
     const double pressure_s = devices::in_seconds(now() - start);
@@ -201,7 +200,7 @@ class Server {
     for (int i = 0; i < kDeadManTries && !(result.stands && result.backed_off); ++i) {
       try {
         if (!line_) line_ = devices::open_serial(config_.stage.value().address);
-        // A copy: the line cannot be opened anew while a sequencer that stands still holds its own.
+        // A copy of the descriptor: the line cannot be opened again while a stopped sequencer holds it.
         const int copy = ::fcntl(line_->descriptor(), F_DUPFD_CLOEXEC, 0);
         result = devices::retreat(devices::adopt_stream(copy, line_->description()), config_.stage->options,
                                   devices::Millimetres(config_.dead_man.back_off_mm), kBackOff);
@@ -228,7 +227,8 @@ class Server {
 }  // namespace
 
 int serve_dead_man(int socket) {
-  // Ahead of the sequencer where that is allowed, so that a busy computer does not look like a dead one.
+  // With higher priority than the sequencer where that is allowed, so that a busy computer does not look like a dead
+  // one.
   (void)::setpriority(PRIO_PROCESS, 0, -10);
   devices::DescriptorChannel channel(socket);
   std::unique_ptr<MachineName> lock;

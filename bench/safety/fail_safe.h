@@ -1,4 +1,4 @@
-// What stands between a dead program and a pressed specimen: the fail-safe layers of a bench, in words for preflight.
+// The fail-safe layers of a bench that act when the program dies, in words for preflight.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tactbench::bench {
 
-// One line a layer, from the fastest to the last. Never empty: says so when the module has none.
+// One line per layer, fastest first. Never empty: a module without any gets a line that says so.
 std::vector<std::string> fail_safe_layers(const BenchConfig& config);
 
 }  // namespace tactbench::bench

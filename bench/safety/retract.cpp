@@ -47,7 +47,7 @@ class Retraction {
   }
 
  private:
-  // Where z stands in the end; none when the stage did not obey.
+  // The final position of z; none when the stage did not obey.
   std::optional<double> back_off(bool& halted, std::string& trouble) {
     try {
       halted = stage_.halt();
@@ -88,7 +88,7 @@ class Retraction {
       try {
         if (wait_) wait_(next);
       } catch (...) {
-        // A request to stop: this is how it is answered.
+        // A request to stop: retracting is the answer to it.
       }
       clock_.wait_until(next);
     }

@@ -1,4 +1,5 @@
-// z off the specimen, proved by the force sensor: the stage's half of the safe state, and the end of each press.
+// Moves z off the specimen and proves it with the force sensor: the stage's half of the safe state, and the end of each
+// press.
 #pragma once
 
 #include <functional>
@@ -13,24 +14,24 @@ namespace tactbench::bench {
 
 struct RetractOptions {
   double clear_z_mm = 0.0;
-  double speed_mm_per_s = 4.0;  // what the z axis may go
+  double speed_mm_per_s = 4.0;  // largest speed of the z axis
   double safe_force_n = 0.5;
   int records = 50;
 };
 
 struct RetractProof {
-  bool verified = false;          // z stands at clear or further off, and the force is below the safe one
-  bool halted = false;            // every axis answered that it stands before z was moved
+  bool verified = false;          // z is at clear or further away, and the force is below the safe one
+  bool halted = false;            // every axis reported standstill before z was moved
   std::optional<double> z_mm;     // none: not known
   std::optional<double> force_n;  // |Fz|; none: the sensor could not be read
   std::string text;               // for people: "retracted, verified (z 24.000 mm, 0.01 N)"
 };
 
-// Halts all axes, arms anew and moves z to clear; a z that is not homed is homed instead, which goes the same way; a z
-// further off stays. Never moves toward the specimen. Without a sensor (null) it is not verified. `wait` until a
-// process time is asked first, in slices of 100 ms, so that it may feed a dead-man; when it throws or returns early
-// the clock itself is waited for. Longest: twice the halt, the way at that speed (or the home timeout) and a few
-// replies.
+// Halts all axes, arms the stage again and moves z to clear. A z that is not homed is homed instead, which moves in the
+// same direction; a z that is further away stays. Never moves toward the specimen. Without a sensor (null) the result
+// is not verified. Waits by calling `wait` in slices of 100 ms, so that it may feed a dead-man; when that throws or
+// returns early, waits on the clock itself. Bounded by twice the halt, the travel at that speed (or the home timeout)
+// and a few replies.
 [[nodiscard]] RetractProof retract(devices::Stage& stage, devices::ForceSensor* force, devices::Clock& clock,
                                    const RetractOptions& options,
                                    const std::function<void(devices::Nanoseconds)>& wait) noexcept;

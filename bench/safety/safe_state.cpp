@@ -18,7 +18,7 @@ using devices::Nanoseconds;
 namespace {
 
 constexpr double kFilmRelaxes = 10.0;
-constexpr int kTries = 3;  // a link that fails this often in a row is given up
+constexpr int kTries = 3;  // after this many failures in a row the link is not tried again
 
 struct Witnesses {
   std::optional<double> feedback_psi, reference_psi;
@@ -53,14 +53,14 @@ std::optional<bool> array_at_baseline(Rig& rig, const Baseline& baseline) {
     Baseline rise = baseline_of(rig.array().read(1));
     for (std::size_t i = 0; i < rise.size(); ++i) rise[i] -= baseline.at(i);
     const double middle = analysis::quantile_of(std::move(rise), 0.5);
-    return middle < 0.02 * 65535.0;  // below it, it was the unloaded frame that still relaxed
+    return middle < 0.02 * 65535.0;  // outputs below the unloaded frame: that frame still relaxed
   } catch (const std::exception&) {
     return std::nullopt;
   }
 }
 
-// Both pressures come through one module, and one that repeats old readings shows 0 psi at 60. The film needs a moment
-// after the pressure has gone.
+// Both pressures come through one module, and a module that repeats old readings may show 0 psi at 60. The film needs a
+// moment to recover after the vent.
 void hear_array(Rig& rig, const Baseline& baseline, SafeProof& proof) {
   const Nanoseconds deadline = rig.clock().now() + seconds(kFilmRelaxes);
   std::optional<bool> at_baseline = array_at_baseline(rig, baseline);
@@ -91,7 +91,7 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
   judge("feedback", seen.feedback_psi);
   if (rig.config().reference_independent) judge("reference", seen.reference_psi);
   if (below < 2) {
-    if (!ordered) {  // the module's own watchdog vents it: give it the time that it needs
+    if (!ordered) {  // the module's own watchdog vents: waits for its timeout
       rig.clock().wait_until(rig.clock().now() + seconds(rig.config().watchdog_s + limits.vent_timeout_s / 2));
     }
     const std::optional<bool> at_baseline = array_at_baseline(rig, baseline);
@@ -112,7 +112,8 @@ SafeProof prove(Rig& rig, const Baseline& baseline) {
   return proof;
 }
 
-// A stage whose replies are lost may still obey. The force on the indenter in the end; none: not known.
+// For a stage whose replies are lost but which may still obey. Returns the final force on the indenter; none: not
+// known.
 std::optional<double> send_home_unheard(Rig& rig, SafeProof& proof) {
   bool sent = rig.send_z_home();
   if (sent) proof.text += "; z was sent home without hearing of it";
@@ -128,15 +129,15 @@ std::optional<double> send_home_unheard(Rig& rig, SafeProof& proof) {
     }
     if (!sent || rig.clock().now() >= deadline) break;
     rig.clock().wait_until(rig.clock().now() + seconds(5.0));
-    sent = rig.send_z_home();  // one order may have been lost as well
+    sent = rig.send_z_home();  // a single command may have been lost as well
   }
-  // A blind witness: the way home takes this long.
+  // No position is known: waits as long as homing takes.
   if (sent && !force_n) rig.clock().wait_until(deadline);
   if (force_n) proof.text += fmt::format(", {:.2f} N then", *force_n);
   return force_n;
 }
 
-// Only where force is measured has the stage been near the specimen.
+// The stage has been near the specimen only where force is measured.
 void retract_stage(Rig& rig, SafeProof& proof) {
   if (rig.stage_gate() == nullptr || rig.force() == nullptr) return;
   const SafetyLimits& limits = rig.config().limits;

@@ -1,5 +1,5 @@
-// The safe state, brought about and proved (docs/rules.md): vented, and pressure below the safe limit by two
-// witnesses. What cannot be reached is reported unverified.
+// Brings the bench to the safe state and proves it (docs/rules.md): vented, and pressure below the safe limit by two
+// witnesses. What cannot be proved is reported unverified.
 #pragma once
 
 #include <string>
@@ -19,9 +19,9 @@ struct SafeProof {
 using Baseline = std::vector<double>;
 Baseline baseline_of(const devices::ScanSet& scans);
 
-// Vents, then retracts z where the stage was used, then hears the tactile array, which may contradict the pressures and
-// when it is there. Bounded by 10 s, SafetyLimits::vent_timeout_s of process time, the way of
-// z to clear, and a few link timeouts.
+// Vents, then retracts z where the stage was used, then reads the tactile array, when it is there: it may contradict
+// the pressures. Bounded by 10 s, SafetyLimits::vent_timeout_s of process time, the travel of z to clear, and a few
+// link timeouts.
 SafeProof make_safe(Rig& rig, const Baseline& baseline) noexcept;
 
 }  // namespace tactbench::bench

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "analysis/compensate/frame_compensator.h"
-#include "analysis/identify/elam/identify.h"
 #include "analysis/identify/elam/lanes.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/elam_hysteresis.h"
 #include "bench/benchmarks/synthetic_array.h"
 #include "bench/selfcheck/selfcheck.h"
@@ -26,9 +26,11 @@ std::string fitted_on(Dispatch level, const Dataset& dataset) {
   } unforced;
   force_lane_dispatch(level);
   std::string bytes;
-  for (const TaxelFit& taxel : fit_array(dataset).taxels) {
-    const ElamParameters& p = taxel.fit.model.parameters;
-    for (const double value : {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a, taxel.fit.j_v2})
+  const SensorModel fit = fit_array(dataset);
+  for (const ModelTaxel& taxel : fit.array()) {
+    const ElamModel* const elam = elam_of(taxel);
+    const ElamParameters p = elam != nullptr ? elam->parameters : ElamParameters{};
+    for (const double value : {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a, taxel.fit.j})
       bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
   return bytes;

@@ -106,7 +106,7 @@ double largest_departure(const HysteresisModel& truth, const HysteresisModel& fi
 }
 
 struct KnownTolerance {
-  std::vector<std::size_t> parameters;  // those that are told apart by data; others share a scale
+  std::vector<std::size_t> parameters;  // those that data determine; others share a scale
   double of_parameters, of_outputs;
 };
 KnownTolerance tolerance_of(const std::string& model) {

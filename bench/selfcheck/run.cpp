@@ -25,7 +25,7 @@ RunResult short_run(db::RunStore& store) {
                     "",          utc_now()};
   if (!store.sensor("SELFCHECK")) store.add_sensor(request.sensor);
   request.operator_name = "selfcheck";
-  request.check_seating = false;  // of a sensor without a past it says nothing
+  request.check_seating = false;  // a new sensor has no earlier seating to compare with
   Progress progress(Progress::Mode::kQuiet);
   RunResult result = characterize(request, store, progress);
   if (result.error) throw *result.error;

@@ -1,5 +1,5 @@
-// Does this program do on this machine what it is said to do? Each check computes something whose right answer is
-// known beforehand, by the code that users run, and says what it expected and what it found.
+// Validation of the installed program on this machine: each check runs the code that users run on a problem with a
+// known answer and reports what it expected and what it found.
 #pragma once
 
 #include <functional>
@@ -20,17 +20,17 @@ struct SelfcheckAnswer {
   bool pass = false;
   std::string found;
 };
-// A check that throws has failed; what it threw is what was found.
+// A check that throws has failed; its finding is the exception's text.
 SelfcheckLine selfchecked(const std::string& area, const std::string& what, const std::string& expected,
                           const std::function<SelfcheckAnswer()>& check);
 
-// ELAM, GPI, MPI and POLY, each fitted to data without noise that one of its kind made: the model comes out again.
+// ELAM, GPI, MPI and POLY, each fitted to noise-free data of a known model of its kind: the fit recovers the model.
 SelfcheckLines check_known_fits();
 // direct(inverse(y)) = y along random histories, 1e-9 of the output's span (analysis/models/model.h).
 SelfcheckLines check_round_trips();
-// The same bits on every level of vector code that this machine has.
+// The same bits on every vector level of this machine.
 SelfcheckLines check_dispatch_levels();
-// The streaming compensator gives back the pressures that the direct formula made its outputs from.
+// The streaming compensator recovers the pressures from which the direct formula computed its outputs.
 SelfcheckLines check_compensator();
 // In files of their own in `folder`, which exists: fdatasync, write and read back, a writer killed in mid-run, flipped
 // bytes.

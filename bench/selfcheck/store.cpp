@@ -108,7 +108,7 @@ SelfcheckAnswer read_back(const std::string& path) {
                   content ? "holds" : "DIFFERS", wrong.empty() ? "sound" : wrong.front())};
 }
 
-// A process of its own writes frames for ever and says so after each commit; it is killed after 25.
+// A child process writes frames endlessly and reports each commit; it is killed after 25.
 int killed_writer(const std::string& path) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "pipe");

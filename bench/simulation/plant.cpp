@@ -17,6 +17,11 @@ constexpr double kNotSettledShare = 0.01;
 
 enum PlantStream : std::uint64_t { kFeedback = 101, kReference, kScan, kWrench };
 
+SpecimenOptions with_seed(SpecimenOptions specimen, std::uint64_t seed) {
+  specimen.seed = seed;
+  return specimen;
+}
+
 }  // namespace
 
 Plant::Plant(const PlantOptions& options, const devices::Clock& clock)
@@ -25,7 +30,7 @@ Plant::Plant(const PlantOptions& options, const devices::Clock& clock)
       faults_(options.faults),
       chamber_(options.chamber),
       contact_(options.contact, options.specimen.rows, options.specimen.columns),
-      specimen_(options.specimen),
+      specimen_(with_seed(options.specimen, options.seed)),
       time_(clock.now()),
       volts_(static_cast<std::size_t>(options.specimen.rows) * static_cast<std::size_t>(options.specimen.columns)) {}
 
@@ -97,6 +102,19 @@ devices::Wrench Plant::wrench() {
   return wrench;
 }
 
+void Plant::read_specimen() {
+  advance_to(clock_.now());
+  if (volts_fresh_) return;
+  specimen_.output_after(chamber_.pressure().value(), pending_s_, volts_, contact_psi(contact_state_.force_n));
+  volts_fresh_ = true;
+}
+
+std::vector<double> Plant::true_output() {
+  const std::lock_guard lock(mutex_);
+  read_specimen();
+  return volts_;
+}
+
 void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) {
   const auto rows = static_cast<std::size_t>(options_.specimen.rows);
   const auto columns = static_cast<std::size_t>(options_.specimen.columns);
@@ -104,11 +122,9 @@ void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status
     throw std::invalid_argument("Plant::scan: spans do not fit the array");
   }
   const std::lock_guard lock(mutex_);
-  advance_to(clock_.now());
-  if (!volts_fresh_) {
-    specimen_.output_after(chamber_.pressure().value(), pending_s_, volts_, contact_psi(contact_state_.force_n));
-    volts_fresh_ = true;
-  }
+  read_specimen();
+  std::vector<double> volts = volts_;
+  specimen_.add_film_noise(devices::in_seconds(clock_.now()), volts);
   const ScannerFrontEnd& front = options_.scanner;
   const double left_over =
       front.relay_time_constant_s > 0.0 ? std::exp(-front.relay_settle_s / front.relay_time_constant_s) : 0.0;
@@ -120,8 +136,9 @@ void Plant::scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status
       const std::size_t i = r * columns + c;
       const double own = specimen_.noise_v(static_cast<int>(i));
       const double spread = own > 0.0 ? std::hypot(front.noise_v, own) : front.noise_v;
-      const double settled = volts_[i] + left_over * (volts_[row_before * columns + c] - volts_[i]);
-      const double count = std::round((settled + spread * bell_of(mix64(key ^ i))) / front.volts_per_count);
+      const double settled = volts[i] + left_over * (volts[row_before * columns + c] - volts[i]);
+      const double noise = spread * specimen_.white_noise(mix64(key ^ i));
+      const double count = std::round((settled + noise) / front.volts_per_count);
       counts[i] = static_cast<std::uint16_t>(std::clamp(count, 0.0, 65535.0));
       if (counts[i] == 0 || counts[i] == 65535) status[r] |= devices::kStatusAtLimit;
     }

@@ -59,6 +59,9 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   [[nodiscard]] devices::Psi true_pressure();
   [[nodiscard]] devices::Newtons true_force();           // of the object on the specimen, 0 or more
   [[nodiscard]] std::vector<double> true_contact_psi();  // by taxel, without the chamber's
+  // Outputs of all taxels in volts as a scan now would find them, without noise, relays and converter. The walks and
+  // the cycles of the harsh specimen are in it: they are the sensor's.
+  [[nodiscard]] std::vector<double> true_output();
   [[nodiscard]] std::string specimen_state();
   void set_specimen_state(const std::string& text);
 
@@ -78,6 +81,7 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   // Pressure by taxel of the object; empty without contact. Valid until the next call.
   [[nodiscard]] std::span<const double> contact_psi(double force_n);
   [[nodiscard]] ContactState contact_now();
+  void read_specimen();  // into volts_, at clock_'s time
 
   PlantOptions options_;
   const devices::Clock& clock_;

@@ -2,9 +2,12 @@
 
 #include <stdexcept>
 
+#include "bench/simulation/counter_noise.h"
 #include "bench/simulation/specimen_film.h"
 
 namespace tactbench::bench {
+
+std::vector<std::string> specimen_words() { return {"paper", "harsh"}; }
 
 Specimen::Specimen(const SpecimenOptions& options) : film_(std::make_unique<Film>(options)) {}
 Specimen::~Specimen() = default;
@@ -28,6 +31,12 @@ void Specimen::output_after(double pressure_psi, double seconds, std::span<doubl
 }
 
 double Specimen::noise_v(int taxel) const { return film_->noise_v.at(static_cast<std::size_t>(taxel)); }
+double Specimen::white_noise(std::uint64_t hash) const { return film_->harsh ? heavy_tailed_of(hash) : bell_of(hash); }
+
+void Specimen::add_film_noise(double time_s, std::span<double> volts) const {
+  if (film_->harsh) film_->harsh->add_flicker(time_s, volts);
+}
+
 std::string Specimen::state() const { return write_state(film_->memory, film_->options); }
 void Specimen::set_state(const std::string& text) { film_->memory = read_state(text, film_->options); }
 const SpecimenOptions& Specimen::options() const { return film_->options; }

@@ -36,7 +36,8 @@ Specimen::Film::Film(const SpecimenOptions& given)
       wiring(turned_wiring(given)) {
   const auto size = static_cast<std::size_t>(taxels);
   for (auto& play : memory.plays) play.assign(size, 0.0);
-  for (auto& creep : memory.creep) creep.assign(size, 0.0);
+  memory.creep.assign(kCreepTimes, std::vector<double>(size, 0.0));
+  if (options.kind == SpecimenKind::kHarsh) harsh.emplace(options, make).begin(memory);
   noise_v.assign(size, 0.0);
   for (const TaxelDefect& defect : options.defects) {
     const int at = index_of(options, defect.row, defect.column);
@@ -56,6 +57,18 @@ void Specimen::Film::turn(std::span<double> values) const {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = film[wiring[i]];
 }
 
+std::vector<double> Specimen::Film::local_psi(double pressure_psi, double lag_psi,
+                                              std::span<const double> contact_psi) const {
+  std::vector<double> local(static_cast<std::size_t>(taxels));
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    const double arrived = pressure_psi + make.lag_share[i] * (lag_psi - pressure_psi);
+    local[i] = make.sensitivity[i] * (share_of_chamber[i] * arrived - make.lift_off_psi[i]);
+  }
+  for (std::size_t i = 0; i < contact_psi.size(); ++i) local[i] += make.sensitivity[i] * contact_psi[i];
+  for (double& q : local) q = q > 0.0 ? q : 0.0;
+  return local;
+}
+
 void Specimen::Film::advance(FilmMemory& state, double pressure_psi, double seconds,
                              std::span<const double> contact_psi) const {
   const double rise = std::max(0.0, pressure_psi - state.pressure_psi);
@@ -66,32 +79,24 @@ void Specimen::Film::advance(FilmMemory& state, double pressure_psi, double seco
   state.pressure_psi = pressure_psi;
   state.lag_psi = pressure_psi + (state.lag_psi - pressure_psi) * std::exp(-seconds / film::kLagSeconds);
 
+  const double friction_now = 1.0 + film::kVirginFriction * state.virgin;
+  const std::vector<double> local = local_psi(pressure_psi, state.lag_psi, contact_psi);
+  if (harsh) return harsh->advance(state, local, seconds, friction_now);
+
   std::array<double, kCreepTimes> kept{};
   for (std::size_t j = 0; j < kept.size(); ++j) kept[j] = std::exp(-seconds / film::kCreepSeconds[j]);
-  const double friction_now = 1.0 + film::kVirginFriction * state.virgin;
   constexpr double kLinear = 1.0 / film::kFrictionLinearPsi;
   constexpr double kSquare = 1.0 / (film::kFrictionPeakPsi * film::kFrictionPeakPsi);
 
   // Blocks that stay in the first-level cache, elements outside, taxels inside: the inner loops vectorise.
   constexpr int kBlock = 64;
-  std::array<double, kBlock> q{};
   std::array<double, kBlock> friction{};
   for (int start = 0; start < taxels; start += kBlock) {
     const int count = std::min(kBlock, taxels - start);
+    const double* const q = local.data() + start;
     for (int b = 0; b < count; ++b) {
       const auto at = static_cast<std::size_t>(b);
       const std::size_t i = static_cast<std::size_t>(start) + at;
-      const double arrived = pressure_psi + make.lag_share[i] * (state.lag_psi - pressure_psi);
-      q[at] = make.sensitivity[i] * (share_of_chamber[i] * arrived - make.lift_off_psi[i]);
-    }
-    for (int b = 0; b < count && !contact_psi.empty(); ++b) {
-      const std::size_t i = static_cast<std::size_t>(start) + static_cast<std::size_t>(b);
-      q[static_cast<std::size_t>(b)] += make.sensitivity[i] * contact_psi[i];
-    }
-    for (int b = 0; b < count; ++b) {
-      const auto at = static_cast<std::size_t>(b);
-      const std::size_t i = static_cast<std::size_t>(start) + at;
-      q[at] = q[at] > 0.0 ? q[at] : 0.0;
       friction[at] = friction_now * make.friction[i] * q[at] / (1.0 + q[at] * (kLinear + q[at] * kSquare));
     }
     for (std::size_t k = 0; k < state.plays.size(); ++k) {
@@ -127,6 +132,12 @@ void Specimen::Film::output(const FilmMemory& state, std::span<double> volts) co
                              (1.0 + effects.gain_drift_per_thousand_cycles * cycles / 1000.0) *
                              (1.0 - film::kVirginGainLoss * state.virgin);
   for (std::size_t i = 0; i < volts.size(); ++i) {
+    const double gain = common_gain * (1.0 + effects.gain_drift_per_month * options.age_months * make.age_drift[i]);
+    const double zero = make.zero_v[i] + effects.zero_drift_v_per_month * options.age_months;
+    if (harsh) {
+      volts[i] = zero + state.harsh.zero_v[i] + gain * make.amplitude_v[i] * harsh->response(state, i);
+      continue;
+    }
     double rest = 0.0;
     double displaced = 0.0;
     for (std::size_t k = 0; k < state.plays.size(); ++k) {
@@ -138,13 +149,12 @@ void Specimen::Film::output(const FilmMemory& state, std::span<double> volts) co
     double crept = 0.0;
     for (std::size_t j = 0; j < state.creep.size(); ++j) crept += film::kCreepShares[j] * (state.creep[j][i] - 1.0);
     const double ratio = contact > 0.0 ? std::pow(contact / film::kHalfPsi, make.exponent[i]) : 0.0;
-    const double gain = common_gain * (1.0 + effects.gain_drift_per_month * options.age_months * make.age_drift[i]);
-    const double zero = make.zero_v[i] + effects.zero_drift_v_per_month * options.age_months;
     volts[i] = zero + gain * make.amplitude_v[i] * (1.0 + make.creep[i] * crept) * ratio / (1.0 + ratio);
   }
   // A dead or stuck taxel also disturbs its neighbours with what it reads, and reads that whatever they do.
   apply_defects(volts);
   apply_crosstalk(volts);
+  if (harsh) harsh->couple(volts);
   apply_defects(volts);
   for (const TaxelDefect& defect : options.defects) {
     if (defect.kind != TaxelDefect::Kind::kSwapped) continue;

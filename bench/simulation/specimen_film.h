@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/simulation/specimen.h"
+#include "bench/simulation/specimen_harsh.h"
 
 namespace tactbench::bench {
 
@@ -76,6 +78,8 @@ struct FilmMake {
 // `taxels` values of each kind. The distributions belong to the process and are met exactly by every sensor
 // (stratified quantiles); which taxel gets which value belongs to the seed.
 FilmMake make_film(const SpecimenOptions& options);
+// Shares of the friction elements, adding up to 1: a Gaussian bump over their widths.
+std::array<double, kFrictionElements> element_shares(double centre, double spread);
 
 // Local over chamber pressure, a value a taxel of the film: non-uniformity, tilt, mount, edge outside the membrane.
 std::vector<double> shares_of_chamber(const SpecimenOptions& options);
@@ -84,11 +88,12 @@ std::vector<std::size_t> turned_wiring(const SpecimenOptions& options);
 
 struct FilmMemory {
   std::array<std::vector<double>, kFrictionElements> plays;  // psi, per taxel
-  std::array<std::vector<double>, kCreepTimes> creep;        // 0..1, per taxel
+  std::vector<std::vector<double>> creep;                    // 0..1, by relaxation time and taxel
   double pressure_psi = 0.0;                                 // chamber, last advance
   double lag_psi = 0.0;                                      // what has come through the membrane
   double virgin = 1.0;                                       // 1 new, 0 conditioned
   double travel_psi = 0.0;                                   // loading travel so far
+  HarshMemory harsh;                                         // empty in the paper's specimen
 };
 
 struct Specimen::Film {
@@ -103,9 +108,12 @@ struct Specimen::Film {
   std::vector<double> share_of_chamber;
   std::vector<std::size_t> wiring;
   std::vector<double> noise_v;
+  std::optional<HarshFilm> harsh;
   FilmMemory memory;
 
  private:
+  [[nodiscard]] std::vector<double> local_psi(double pressure_psi, double lag_psi,
+                                              std::span<const double> contact_psi) const;
   void turn(std::span<double> values) const;
   void apply_defects(std::span<double> volts) const;
   void apply_crosstalk(std::span<double> volts) const;

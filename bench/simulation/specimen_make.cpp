@@ -66,8 +66,9 @@ std::vector<double> thickness_keys(const SpecimenOptions& options) {
   return keys;
 }
 
-// Shares proportional to exp(-((width - centre) / spread)^2 / 2), adding up to 1.
-std::array<double, kFrictionElements> bump(double centre, double spread) {
+}  // namespace
+
+std::array<double, kFrictionElements> element_shares(double centre, double spread) {
   std::array<double, kFrictionElements> shares{};
   double sum = 0.0;
   for (std::size_t k = 0; k < shares.size(); ++k) {
@@ -78,8 +79,6 @@ std::array<double, kFrictionElements> bump(double centre, double spread) {
   for (double& share : shares) share /= sum;
   return shares;
 }
-
-}  // namespace
 
 FilmMake make_film(const SpecimenOptions& options) {
   const auto taxels = static_cast<std::size_t>(options.rows) * static_cast<std::size_t>(options.columns);
@@ -96,8 +95,8 @@ FilmMake make_film(const SpecimenOptions& options) {
 
   FilmMake make;
   make.age_drift = white(kAge);
-  make.rest_share = bump(film::kRestCentre, film::kRestSpread);
-  make.displaced_share = bump(film::kDisplacedCentre, film::kDisplacedSpread);
+  make.rest_share = element_shares(film::kRestCentre, film::kRestSpread);
+  make.displaced_share = element_shares(film::kDisplacedCentre, film::kDisplacedSpread);
   const auto blend = [](double correlation, double shared, double own) {
     return correlation * shared + std::sqrt(1.0 - correlation * correlation) * own;
   };

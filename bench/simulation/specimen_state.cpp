@@ -1,6 +1,9 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/json_io.h"
 #include "bench/simulation/specimen_film.h"
@@ -17,13 +20,17 @@ double number(const nlohmann::json& json, const char* key) {
   return value;
 }
 
-template <std::size_t kCount>
-void read_columns(const nlohmann::json& json, const char* key, std::size_t taxels,
-                  std::array<std::vector<double>, kCount>& columns) {
+void check_values(const std::vector<double>& values, const char* key, std::size_t taxels) {
+  if (values.size() != taxels) throw std::invalid_argument(std::string("specimen state: wrong length of ") + key);
+}
+
+template <typename Columns>
+void read_columns(const nlohmann::json& json, const char* key, std::size_t taxels, Columns& columns) {
   const auto given = json.at(key).get<std::vector<std::vector<double>>>();
-  if (given.size() != kCount) throw std::invalid_argument(std::string("specimen state: wrong number of ") + key);
-  for (std::size_t k = 0; k < kCount; ++k) {
-    if (given[k].size() != taxels) throw std::invalid_argument(std::string("specimen state: wrong length of ") + key);
+  if (given.size() != columns.size())
+    throw std::invalid_argument(std::string("specimen state: wrong number of ") + key);
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    check_values(given[k], key, taxels);
     for (const double value : given[k]) {
       if (!std::isfinite(value) || value < 0.0) {
         throw std::invalid_argument(std::string("specimen state: a value of ") + key + " is negative or not finite");
@@ -33,15 +40,42 @@ void read_columns(const nlohmann::json& json, const char* key, std::size_t taxel
   }
 }
 
+constexpr std::array kHarshValues = {
+    std::pair{"load_psi", &HarshMemory::load_psi}, std::pair{"sliding", &HarshMemory::sliding},
+    std::pair{"drag_psi", &HarshMemory::drag_psi}, std::pair{"zero_walk_v", &HarshMemory::zero_v},
+    std::pair{"gain_walk", &HarshMemory::gain}};
+
+nlohmann::json harsh_json(const HarshMemory& memory) {
+  nlohmann::json json = {{"path_psi", memory.path_psi}, {"time_s", memory.time_s}};
+  for (const auto& [key, values] : kHarshValues) json[key] = memory.*values;
+  return json;
+}
+
+HarshMemory read_harsh(const nlohmann::json& json, std::size_t taxels) {
+  HarshMemory memory;
+  memory.path_psi = number(json, "path_psi");
+  memory.time_s = number(json, "time_s");
+  if (memory.path_psi < 0.0 || memory.time_s < 0.0)
+    throw std::invalid_argument("specimen state: path_psi or time_s is negative");
+  for (const auto& [key, values] : kHarshValues) {
+    memory.*values = json.at(key).get<std::vector<double>>();
+    check_values(memory.*values, key, taxels);
+    if (!std::ranges::all_of(memory.*values, [](double value) { return std::isfinite(value); }))
+      throw std::invalid_argument(std::string("specimen state: a value of ") + key + " is not finite");
+  }
+  return memory;
+}
+
 }  // namespace
 
 std::string write_state(const FilmMemory& memory, const SpecimenOptions& options) {
   // nlohmann writes the shortest text that reads back to the same double.
-  const nlohmann::json json = {
+  nlohmann::json json = {
       {"format", kFormat},         {"version", kVersion},        {"sensor_seed", options.sensor_seed},
       {"rows", options.rows},      {"columns", options.columns}, {"pressure_psi", memory.pressure_psi},
       {"lag_psi", memory.lag_psi}, {"virgin", memory.virgin},    {"travel_psi", memory.travel_psi},
       {"plays", memory.plays},     {"creep", memory.creep}};
+  if (options.kind == SpecimenKind::kHarsh) json["harsh"] = harsh_json(memory.harsh);
   return analysis::json_line(json);
 }
 
@@ -55,6 +89,11 @@ FilmMemory read_state(const std::string& text, const SpecimenOptions& options) {
         json.at("rows").get<int>() != options.rows || json.at("columns").get<int>() != options.columns) {
       throw std::invalid_argument("specimen state: belongs to another sensor (sensor_seed, rows or columns differ)");
     }
+    const bool harsh = options.kind == SpecimenKind::kHarsh;
+    if (json.contains("harsh") != harsh) {
+      throw std::invalid_argument(harsh ? "specimen state: belongs to the specimen \"paper\", this one is \"harsh\""
+                                        : "specimen state: belongs to the specimen \"harsh\", this one is \"paper\"");
+    }
     FilmMemory memory;
     memory.pressure_psi = number(json, "pressure_psi");
     memory.lag_psi = number(json, "lag_psi");
@@ -62,7 +101,9 @@ FilmMemory read_state(const std::string& text, const SpecimenOptions& options) {
     memory.travel_psi = number(json, "travel_psi");
     const auto taxels = static_cast<std::size_t>(options.rows) * static_cast<std::size_t>(options.columns);
     read_columns(json, "plays", taxels, memory.plays);
+    memory.creep.resize(harsh ? kHarshCreepTimes : kCreepTimes);
     read_columns(json, "creep", taxels, memory.creep);
+    if (harsh) memory.harsh = read_harsh(json.at("harsh"), taxels);
     return memory;
   } catch (const nlohmann::json::exception& error) {
     throw std::invalid_argument(std::string("specimen state: ") + error.what());

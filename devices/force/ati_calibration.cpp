@@ -156,6 +156,8 @@ AtiCalibration read_ati_calibration(const std::string& path) {
   if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) {
     CalibrationReader(path).fail("it is not a regular file");
   }
+  // Files of /proc and /sys also have size 0; reading some of them blocks forever.
+  if (std::filesystem::file_size(path, unknown) == 0) CalibrationReader(path).fail("it is empty");
   std::ifstream file(path, std::ios::binary);
   if (!file) CalibrationReader(path).fail("it cannot be opened");
   std::string text(kLargestFile + 1, '\0');

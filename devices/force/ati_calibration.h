@@ -1,5 +1,5 @@
-// Calibration of an ATI transducer: `.cal` text to numbers. No I/O but read_ati_calibration(). Not verified on
-// hardware.
+// Calibration of an ATI transducer: parses `.cal` text into numbers. No I/O except in read_ati_calibration(). Not
+// verified on hardware.
 //
 // XML: FTSensor (Serial, BodyStyle, NumGages = 6, CalFileVersion 1.0 or 1.1) > Calibration (PartNumber, CalDate,
 // ForceUnits, TorqueUnits, DistUnits, AngleUnits default degrees) > six Axis (Name, values, max, scale default 1),
@@ -41,7 +41,7 @@ struct AtiCalibration {
   std::array<AtiAxis, 6> axes{};  // Fx, Fy, Fz, Tx, Ty, Tz
   AtiTransform basic;
   std::optional<AtiTemperature> temperature;
-  // Version 1.1: the final rows, basic transform included; the ones to use according to the file's own header.
+  // Version 1.1: the final rows, basic transform included; the file's own header says to use these.
   std::optional<std::array<AtiAxis, 6>> user_axes;
   bool operator==(const AtiCalibration&) const = default;
 };
@@ -49,7 +49,7 @@ struct AtiCalibration {
 // `where` names the text in faults. Throws Fault TB-FORCE-CALIBRATION, naming the missing, duplicate or non-numeric
 // element.
 AtiCalibration parse_ati_calibration(std::string_view xml, const std::string& where);
-// As above from a file of up to 1 MiB.
+// The same from a file of up to 1 MiB.
 AtiCalibration read_ati_calibration(const std::string& path);
 
 }  // namespace tactbench::devices

@@ -16,15 +16,15 @@ namespace tactbench::devices {
 
 class DaqFt final : public ForceSensor {
  public:
-  // Reads nothing. Throws Fault TB-FORCE-SERIAL, TB-FORCE-GAUGES (the source has not six gauges, or no thermistor where
-  // compensation needs it).
+  // Reads nothing. Throws Fault TB-FORCE-SERIAL, TB-FORCE-GAUGES (the source does not have six gauges, or lacks the
+  // thermistor that compensation needs).
   DaqFt(std::unique_ptr<GaugeSource> source, AtiCalibration calibration, DaqFtOptions options);
-  // `raw` holds gauge volts as they came, before compensation and bias. Saturation and overload are judged for every
-  // sample, overload in the transducer's frame. Bounded by the source's timeout, whose faults pass through.
+  // `raw` holds gauge volts as acquired, before compensation and bias. Saturation and overload are checked for every
+  // sample, overload in the transducer's frame. Bounded by the source's timeout; the source's faults pass through.
   [[nodiscard]] ForceReading read(int records) override;
-  // A voltage vector, taken after compensation.
+  // The bias is a vector of voltages, taken after compensation.
   Wrench bias(int records) override;
-  // In the transducer's frame, also with a tool transform.
+  // In the transducer's frame, even with a tool transform.
   [[nodiscard]] SixAxes range() const override { return range_; }
   [[nodiscard]] std::string calibration_serial() const override { return calibration_.serial; }
   [[nodiscard]] std::uint64_t exchanges() const override { return source_->exchanges(); }

@@ -1,4 +1,4 @@
-// The gauge voltages of a DAQ F/T through an NI card: six differential inputs, a thermistor as the seventh where it is
+// Gauge voltages of a DAQ F/T acquired by an NI card: six differential inputs, and a thermistor as the seventh if it is
 // wired. Not verified on hardware.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace tactbench::devices {
 
 class DaqmxGauges final : public GaugeSource {
  public:
-  // Throws the faults of DaqmxApi, and TB-DAQMX-CHANNELS where the channels are neither 6 nor 7.
+  // Throws the faults of DaqmxApi, and TB-DAQMX-CHANNELS when the number of channels is neither 6 nor 7.
   DaqmxGauges(DaqmxGaugesOptions options, Clock& clock);
   // Throws DaqmxError, Fault TB-DAQMX-SHORT; std::invalid_argument below 1 sample.
   [[nodiscard]] GaugeSamples read(int samples) override;
@@ -28,7 +28,7 @@ class DaqmxGauges final : public GaugeSource {
   DaqmxDevice device_;
   DaqmxTask inputs_;
   int channels_ = 0;
-  int samples_ = 0;  // that the task is set up for
+  int samples_ = 0;  // number for which the task is set up
   std::uint64_t exchanges_ = 0;
 };
 

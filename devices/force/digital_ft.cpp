@@ -72,7 +72,7 @@ void DigitalFt::stop() {
   do {
     stream_->write(jam);
     auto calm = std::chrono::steady_clock::now() + options_.quiet;
-    // A full buffer may still hold much: bytes that come within the quiet time restart it, a few times.
+    // A full buffer may still hold many bytes: bytes that come within the quiet time restart it, a few times.
     for (int part = 0; part < 64; ++part) {
       if (stream_->read(sink, left_until(calm)) == 0) return;
       calm = std::chrono::steady_clock::now() + options_.quiet;
@@ -163,7 +163,7 @@ void DigitalFt::stream_samples(int records, const Wrench& bias, Vector6& sum) {
     if (got == 0) timed_out(fmt::format("asking {} samples", records), fmt::format("{} came", came), nominal);
     bytes.insert(bytes.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got));
     std::size_t at = 0;
-    // Off the track a sum may be right by chance (1 in 128): two in a row have to be.
+    // Out of step, a sum may be right by chance (1 in 128), so two in a row have to be right.
     while (came < records && bytes.size() - at >= (aligned ? 1 : 2) * kDigitalSampleBytes) {
       const auto rest = std::span(bytes).subspan(at);
       const auto sample = decode_digital_sample(rest.first(kDigitalSampleBytes));

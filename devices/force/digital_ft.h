@@ -18,12 +18,12 @@ namespace tactbench::devices {
 
 class DigitalFt final : public ForceSensor {
  public:
-  // Stops a stream that may run, reads the calibration and checks that the active gains and offsets are those of the
-  // calibration. Writes no register. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-FORCE-TIMEOUT,
+  // Stops a stream that may be running, reads the calibration and checks that the active gains and offsets are those of
+  // the calibration. Writes no register. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-FORCE-TIMEOUT,
   // TB-FORCE-PROTOCOL and the stream's.
   DigitalFt(std::unique_ptr<ByteStream> stream, DigitalFtOptions options, Clock& clock);
-  // Damaged samples are left out and counted as lost; the next is found where two in a row have the right sum. The
-  // samples carry no counter: a sensor that repeats itself is not detected. `raw` holds gauge counts G0 to G5.
+  // Damaged samples are discarded and counted as lost; reading resumes where two samples in a row have the right sum.
+  // Samples carry no counter: a sensor that repeats itself is not detected. `raw` holds gauge counts G0 to G5.
   [[nodiscard]] ForceReading read(int records) override;
   Wrench bias(int records) override;
   [[nodiscard]] SixAxes range() const override { return range_; }

@@ -1,4 +1,4 @@
-// Checks and means that all force drivers share: number of records, load against the rated range, serial number.
+// Checks and means shared by all force drivers: number of records, load against the rated range, serial number.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ Wrench operator-(const Wrench& wrench, const Wrench& bias);
 
 // Throws Fault TB-FORCE-RECORDS unless 1 <= records <= kMostForceRecords.
 void check_records(int records);
-// `load`, in the frame of `range` (N, N*mm), against share * range of each axis. Throws Fault TB-FORCE-OVERLOAD.
+// Compares `load`, in the frame of `range` (N, N*mm), with share * range of each axis. Throws Fault TB-FORCE-OVERLOAD.
 void check_overload(const Wrench& load, const SixAxes& range, double share);
 // Throws Fault TB-FORCE-SERIAL when a serial number is expected (not empty) and another one is found.
 void check_serial(const std::string& asked, const std::string& found, const std::string& where);

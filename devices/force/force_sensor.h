@@ -1,5 +1,5 @@
-// A six-axis force and torque sensor (ATI Nano17) behind any of its interfaces. One call gives one averaged reading
-// with the raw counts or gauge voltages beside the scaled wrench.
+// A six-axis force and torque sensor (ATI Nano17) with any of its interfaces. One call returns one averaged reading:
+// the scaled wrench and the raw counts or gauge voltages.
 #pragma once
 
 #include <array>
@@ -20,12 +20,12 @@ struct Wrench {                        // in the sensor's frame, or the tool's w
 
 struct ForceReading {
   Wrench wrench;                          // mean of the records, bias removed
-  std::array<double, 6> raw{};            // mean as it came: counts (Net, Digital) or gauge volts (DAQ)
-  int records = 0;                        // how many were averaged
+  std::array<double, 6> raw{};            // mean as acquired: counts (Net, Digital) or gauge volts (DAQ)
+  int records = 0;                        // number averaged
   std::uint32_t status = 0;               // of all records, or-ed; 0: healthy
   std::uint64_t lost = 0, reordered = 0;  // records, since the sensor was opened
   Nanoseconds time{0};                    // process time when the reading was requested
-  std::optional<double> thermistor_v;  // DAQ with a thermistor: its mean, without which the raw volts cannot be scaled
+  std::optional<double> thermistor_v;     // DAQ with a thermistor: its mean, needed to scale the raw volts
 };
 
 inline constexpr int kMostForceRecords = 100'000;
@@ -40,11 +40,11 @@ class ForceSensor {
   // amount), TB-FORCE-PROTOCOL (a reply that is not a record), TB-FORCE-RECORDS (outside 1 to 100 000), and the
   // transport's own (TB-UDP-LOST, TB-SERIAL-LOST, a gauge source's).
   [[nodiscard]] virtual ForceReading read(int records) = 0;
-  // Takes the mean of `records` as zero from now on (software bias; raw values stay raw). Returns the removed wrench.
-  // To be called without load: an unloaded transducer's offset can be a good part of the range, and overload is judged
-  // relative to it.
+  // Uses the mean of `records` as zero from now on (software bias; raw values are not changed). Returns the removed
+  // wrench. Call it without load: the offset of an unloaded transducer can be a large part of the range, and overload
+  // is judged relative to it.
   virtual Wrench bias(int records) = 0;
-  // Rated range of each axis, N and N*mm, of the calibration fitted: Fx, Fy, Fz, Tx, Ty, Tz.
+  // Rated range of each axis, N and N*mm, from the calibration in use: Fx, Fy, Fz, Tx, Ty, Tz.
   [[nodiscard]] virtual std::array<double, 6> range() const = 0;
   [[nodiscard]] virtual std::string calibration_serial() const = 0;
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;

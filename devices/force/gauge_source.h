@@ -1,5 +1,5 @@
-// Source of a DAQ F/T's gauge voltages: six strain gauges and, where the transducer has one, a thermistor as the
-// seventh channel. The real source is NI-DAQmx; the driver above (daq_ft.h) does not distinguish.
+// Source of a DAQ F/T's gauge voltages: six strain gauges and, if the transducer has one, a thermistor as the seventh
+// channel. The real source is NI-DAQmx; the driver (daq_ft.h) works with any source.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,12 @@ class GaugeSource {
  public:
   virtual ~GaugeSource() = default;
   // Acquires `samples` (at least 1) fresh samples of all channels; nothing from a buffer is used. Bounded by the
-  // source's own timeout. Throws the source's own Faults, which the driver above passes on.
+  // source's own timeout. Throws the source's own Faults, which the driver passes on.
   [[nodiscard]] virtual GaugeSamples read(int samples) = 0;
-  // Constant for the life of the source: 6, or 7 when the thermistor is wired too.
+  // Constant during the life of the source: 6, or 7 when the thermistor is wired too.
   [[nodiscard]] virtual int channels() const = 0;
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
-  // The interface card, not the transducer.
+  // Identity of the interface card, not of the transducer.
   [[nodiscard]] virtual Identity identity() const = 0;
 };
 

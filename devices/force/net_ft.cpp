@@ -15,7 +15,7 @@
 namespace tactbench::devices {
 namespace {
 
-// A burst of that many datagrams fits the receive buffer that Linux gives by default (about 270 of this size).
+// A burst of this many datagrams fits the receive buffer that Linux gives by default (about 270 of this size).
 constexpr int kRequestRecords = 100;
 constexpr int kSettingAttempts = 3;
 constexpr std::size_t kLongestPageFile = 1'000'000;  // bytes; an instrument's has a few thousand
@@ -29,7 +29,10 @@ NetFtPage configuration(const NetFtOptions& options, Clock& clock) {
   std::error_code unknown;
   std::ifstream file;
   std::string text(kLongestPageFile, '\0');
-  if (std::filesystem::is_regular_file(options.page_file, unknown)) file.open(options.page_file, std::ios::binary);
+  // Files of /proc and /sys also have size 0; reading some of them blocks forever.
+  if (std::filesystem::is_regular_file(options.page_file, unknown) &&
+      std::filesystem::file_size(options.page_file, unknown) > 0)
+    file.open(options.page_file, std::ios::binary);
   if (file.is_open()) file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad() || file.gcount() == 0) {
     throw Fault("TB-FORCE-CALIBRATION", kForceDevice,
@@ -112,7 +115,7 @@ void NetFt::request(int records, Sum& sum) {
 
 // One request; returns the number of fresh records that came before `limit`.
 int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
-  // After a request that did not end well its records may still be on their way: to a port that is no longer ours.
+  // Records of a request that did not end well may still be on their way; after renew() they go to a closed port.
   if (!std::exchange(settled_, false)) link_.renew();
   link_.drain();
   link_.send(encode(RdtRequest{RdtCommand::kStartRealtime, static_cast<std::uint32_t>(records)}));
@@ -138,8 +141,8 @@ int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
           fmt::format("a datagram of {} bytes came from {}; a record has {}", size, link_.peer(), kRdtRecordBytes),
           "Check that the port is the sensor's RDT port and that its RDT buffer size is 1.");
     }
-    // Differences of counters that wrap. A record that is not newer than the last reading belongs to it, or the
-    // sensor's counter stands still: then no record is newer.
+    // Differences, since the counters wrap. A record that is not newer than the last reading belongs to that reading,
+    // or the sensor's counter stands still; then no record is newer.
     if (before && static_cast<std::int32_t>(record->ft_sequence - *before) <= 0) {
       if (++old == records) stalled(*before);
       continue;
@@ -157,7 +160,7 @@ int NetFt::gather(int records, Sum& sum, Nanoseconds limit) {
 }
 
 void NetFt::stalled(std::uint32_t sample) {
-  newest_.reset();  // a sensor that has restarted counts from the beginning: the next reading accepts that
+  newest_.reset();  // a restarted sensor counts from the beginning: the next reading accepts that
   throw Fault("TB-FORCE-STALL", kForceDevice,
               fmt::format("requesting records from the sensor at {}: its sample counter does not go beyond {}",
                           link_.peer(), sample),

@@ -1,4 +1,4 @@
-// Driver of the ATI Net F/T (and related sensors) over RDT: every reading is requested with a count, over UDP; the
+// Driver of the ATI Net F/T (and related sensors) over RDT: each reading requests a number of records over UDP; the
 // scale of the counts comes from the sensor's page netftapi2.xml. Not verified on hardware.
 #pragma once
 
@@ -18,11 +18,11 @@ class NetFt final : public ForceSensor {
  public:
   // Reads the page, requests no record. Throws Fault TB-FORCE-CALIBRATION, TB-FORCE-SERIAL, TB-HTTP-*, TB-UDP-OPEN.
   NetFt(NetFtOptions options, Clock& clock);
-  // In requests of up to 100 records. Missing records are requested again twice, from another local port, so that late
-  // ones are never taken for replies. Bounded by three times (reply timeout + the records' time) a request. A tripped
-  // threshold monitor is not an error: it is in the reading's status.
+  // Requests up to 100 records at a time. Missing records are requested again twice, from another local port, so that
+  // late ones are never taken for replies. Each request is bounded by three times (reply timeout + the records' time).
+  // A tripped threshold monitor is not an error; it is shown in the reading's status.
   [[nodiscard]] ForceReading read(int records) override;
-  // Kept here, not in the sensor: raw counts stay what the sensor measures.
+  // The bias is kept in this driver, not in the sensor, so that raw counts stay what the sensor measures.
   Wrench bias(int records) override;
   [[nodiscard]] SixAxes range() const override { return range_; }
   [[nodiscard]] std::string calibration_serial() const override { return page_.calibration_serial; }

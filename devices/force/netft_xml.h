@@ -1,4 +1,4 @@
-// The Net F/T's own page netftapi2.xml: the scale of its counts. Text to values and back, no I/O.
+// The Net F/T's page netftapi2.xml, which holds the scale of its counts. Text to values and back, no I/O.
 //
 // Elements, anywhere below the root: prodname, cfgcpf and cfgcpt (counts per force and torque unit), scfgfu
 // and scfgtu (units), each exactly once; cfgcalsn (calibration's serial), cfgmr (ranges of six axes in these units,
@@ -23,7 +23,7 @@ struct NetFtPage {
   std::string force_unit = "N";
   std::string torque_unit = "Nmm";
   std::optional<std::array<double, 6>> range;  // as written: force_unit and torque_unit, each above 0
-  double records_per_second = 7000.0;          // above 0; 7000 where the page does not state it
+  double records_per_second = 7000.0;          // above 0; 7000 when the page does not state it
   bool operator==(const NetFtPage&) const = default;
 
   [[nodiscard]] double newtons_per_count() const;

@@ -17,20 +17,20 @@ using SixAxes = std::array<double, 6>;  // Fx, Fy, Fz, Tx, Ty, Tz
 
 struct NetFtOptions {
   std::string model = "ATI Nano17, Net F/T";
-  std::string host = "192.168.1.1";  // in numbers
+  std::string host = "192.168.1.1";  // numeric address
   int port = 49152;
   int http_port = 80;
   std::string page_file;         // a saved netftapi2.xml, read instead of the sensor's page; empty: read the sensor's
   std::string expected_serial;   // of the calibration; empty: any
-  std::optional<SixAxes> range;  // N, N*mm; where the page does not state it
+  std::optional<SixAxes> range;  // N, N*mm; used when the page does not state it
   double overload_share = 1.0;   // of the range
   Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the time that the records themselves take
   Nanoseconds page_timeout = std::chrono::seconds(3);
   Origin origin = Origin::kHardware;
 };
 
-// Position of another frame relative to the first: displaced along the first frame's axes, then turned about x, then
-// the new y, then the new z.
+// Position of a second frame relative to a first: displaced along the first frame's axes, then turned about x, then
+// about the new y, then about the new z.
 struct AtiTransform {
   std::array<double, 3> displacement_mm{};
   std::array<double, 3> rotation_deg{};
@@ -40,8 +40,8 @@ struct AtiTransform {
 struct DaqFtOptions {
   std::string model = "ATI Nano17, DAQ F/T";
   std::string expected_serial;           // of the transducer; empty: any
-  AtiTransform tool;                     // the wrench is given in this frame, seen from the transducer's
-  bool temperature_compensation = true;  // where the .cal file has it; needs the thermistor on channel 7
+  AtiTransform tool;                     // the wrench is reported in this frame, given relative to the transducer's
+  bool temperature_compensation = true;  // if the .cal file has it; needs the thermistor on channel 7
   Volts converter_limit{10.0};
   double saturation_share = 0.999;  // of the converter's limit
   double overload_share = 1.0;      // of the range
@@ -66,8 +66,8 @@ struct DigitalFtOptions {
   std::string expected_serial;  // of the transducer; empty: any
   double overload_share = 1.0;  // of the range
   double samples_per_second = 7000.0;
-  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // on top of the samples' own time
-  Nanoseconds quiet = std::chrono::milliseconds(20);           // no byte for so long: the stream has stopped
+  Nanoseconds reply_timeout = std::chrono::milliseconds(500);  // plus the time that the samples take
+  Nanoseconds quiet = std::chrono::milliseconds(20);           // no byte for this long: the stream has stopped
   Origin origin = Origin::kHardware;
 };
 

@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::uint32_t kHeader = 0x1234;
 
-// From bit 0 on; empty: no source names that bit.
+// From bit 0 on; empty: no source names this bit.
 constexpr std::array<const char*, 32> kBitNames{"",
                                                 "HTTP",
                                                 "temperature",

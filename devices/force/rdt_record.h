@@ -1,7 +1,7 @@
 // Codec of RDT, the Net F/T's data over UDP: bytes to values and back, no I/O. All integers big-endian.
 //
 // Request, 8 bytes: u16 0x1234, u16 command, u32 sample count (0: until stopped). Never acknowledged.
-// Record, 36 bytes: u32 RDT sequence (one more with each record of a stream), u32 F/T sequence (one more with each
+// Record, 36 bytes: u32 RDT sequence (increments with each record of a stream), u32 F/T sequence (increments with each
 //   internal sample), u32 status, i32 Fx Fy Fz Tx Ty Tz in counts.
 #pragma once
 
@@ -39,7 +39,7 @@ struct RdtRecord {
   bool operator==(const RdtRecord&) const = default;
 };
 
-// Status bits. Any error sets the summary; a tripped monitor (bit 16) sets it too, though the data are good.
+// Status bits. Any error sets the summary bit; a tripped monitor (bit 16) sets it too, although the data are good.
 inline constexpr std::uint32_t kRdtSummary = 1U << 31U;
 inline constexpr std::uint32_t kRdtSaturated = 1U << 17U;  // or the A/D converter has failed
 inline constexpr std::uint32_t kRdtMonitorTripped = 1U << 16U;
@@ -53,7 +53,7 @@ std::array<std::uint8_t, kRdtRecordBytes> encode(const RdtRecord& record);
 
 // True when the status marks the record as unusable: anything but a tripped monitor.
 [[nodiscard]] bool rdt_status_is_error(std::uint32_t status);
-// The bits set, highest first: "error summary, saturation or A/D error".
+// Names of the bits set, highest first: "error summary, saturation or A/D error".
 [[nodiscard]] std::string rdt_status_text(std::uint32_t status);
 
 }  // namespace tactbench::devices

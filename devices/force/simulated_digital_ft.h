@@ -13,18 +13,18 @@ namespace tactbench::devices {
 
 struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by default; samples count from 0
   long silent_after_samples = -1;
-  long damaged_sample = -1;   // loses a byte
-  long error_sample = -1;     // carries the status error
-  FaultInjector inject = {};  // of 100 samples at once: silent, saturated (the status error)
+  long damaged_sample = -1;   // this sample loses a byte
+  long error_sample = -1;     // this sample carries the status error
+  FaultInjector inject = {};  // for 100 samples at once: silent, saturated (the status error)
 };
 
 class SimulatedDigitalFt {
  public:
-  // The wrench is requested once at each start of the stream and then every 100 samples, since the number of samples
+  // The wrench is requested once at each start of the stream and then every 100 samples, because the number of samples
   // sent before the stop arrives depends on real time. The calibration's matrix must be invertible. Throws Fault
   // TB-SIM-LISTEN.
   SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port, SimulatedDigitalFtFaults faults = {});
-  ~SimulatedDigitalFt();  // stops the thread, bounded
+  ~SimulatedDigitalFt();  // stops the thread in bounded time
   SimulatedDigitalFt(const SimulatedDigitalFt&) = delete;
   SimulatedDigitalFt& operator=(const SimulatedDigitalFt&) = delete;
   [[nodiscard]] const std::string& path() const;  // the path that a client opens

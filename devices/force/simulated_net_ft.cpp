@@ -134,7 +134,7 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // Sends the records that are due. A thread that was held up leaves out those it missed; the sequence numbers show it.
+  // Sends the records that are due. A delayed thread omits those it missed; the sequence numbers show the gap.
   void keep_pace() {
     const SteadyTime time = now();
     if (time - due(endless_->sent) > std::chrono::seconds(1)) {
@@ -166,7 +166,7 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // Records `sequence + 1` and on of a stream, in one call; false when the client cannot be reached.
+  // Sends a stream's records from `sequence + 1` on in one call; false when the client cannot be reached.
   bool send(const sockaddr_in& client, std::uint32_t sequence, std::uint32_t count) {
     const SimulatedNetFtFaults& faults = options_.faults;
     const InjectedFault injected = faults.inject ? faults.inject() : InjectedFault::kNone;

@@ -1,5 +1,5 @@
 // Simulated Net F/T on loopback: RDT over UDP and the page netftapi2.xml over HTTP; the wrench comes from a ForcePort.
-// A counted request is answered at once, an endless one is paced in real time.
+// Requests for a number of records are answered at once, endless streams are paced in real time.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 namespace tactbench::devices {
 
 struct SimulatedNetFtFaults {      // test and nightly switches, all off by default; records count from 0
-  long silent_after_records = -1;  // sends that many records, then none
-  long drop_record = -1;           // leaves that one out
-  long late_record = -1;           // sends that one after the next (within one request)
-  long stall_from_record = -1;     // the F/T sequence stands still from that one on
-  long status_record = -1;         // that one carries status_bits
+  long silent_after_records = -1;  // sends this many records, then none
+  long drop_record = -1;           // omits this record
+  long late_record = -1;           // sends this record after the next (within one request)
+  long stall_from_record = -1;     // the F/T sequence stands still from this record on
+  long status_record = -1;         // this record carries status_bits
   std::uint32_t status_bits = 0x80020000U;
-  FaultInjector inject = {};  // of up to 64 records at once: silent, stale (the F/T sequence stands still), saturated
+  FaultInjector inject = {};  // for up to 64 records at once: silent, stale (the F/T sequence stands still), saturated
 };
 
 struct SimulatedNetFtOptions {
@@ -30,11 +30,11 @@ struct SimulatedNetFtOptions {
 
 class SimulatedNetFt {
  public:
-  // Listens on 127.0.0.1. Sends only on request, to one client at a time (the last to ask). Bias and stop are carried
-  // out; buffered and multi-unit start are taken as a real-time start. No monitor ever trips, so that the latch has
-  // nothing to reset. Throws Fault TB-SIM-LISTEN.
+  // Listens on 127.0.0.1. Sends only on request, to one client at a time (the last that asked). Executes bias and stop;
+  // treats buffered and multi-unit start as a real-time start. No monitor ever trips, so resetting the latch has no
+  // effect. Throws Fault TB-SIM-LISTEN.
   SimulatedNetFt(SimulatedNetFtOptions options, ForcePort& port);
-  ~SimulatedNetFt();  // stops the thread, bounded
+  ~SimulatedNetFt();  // stops the thread in bounded time
   SimulatedNetFt(const SimulatedNetFt&) = delete;
   SimulatedNetFt& operator=(const SimulatedNetFt&) = delete;
   [[nodiscard]] int rdt_port() const;

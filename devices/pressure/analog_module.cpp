@@ -76,8 +76,8 @@ void AnalogModule::feed() {
   send_outputs(outputs_);
 }
 
-// A watchdog that still ran from an earlier run and fell back while other instruments were opened has interrupted
-// nothing: nothing was commanded yet, and it is set up again.
+// A watchdog left running by an earlier run may have fallen back while other instruments were opened. This interrupted
+// nothing, because nothing was commanded yet, and the watchdog is set up again.
 void AnalogModule::send_first(const std::vector<std::uint16_t>& image) {
   try {
     send_outputs(image);
@@ -225,10 +225,10 @@ bool AnalogModule::zero_outputs() noexcept {
         }
         last_write_time_ = time;
       } catch (const Fault& fault) {
-        // A module whose watchdog has tripped refuses the write, but its output is zero: the reading decides.
+        // A module whose watchdog has tripped refuses the write, but its output is zero: the readback decides.
         if (fault.id() != "TB-MODBUS-EXCEPTION") throw;
       }
-      // Without a way to read back, the acknowledged write is all there is.
+      // If outputs cannot be read back, the acknowledged write is the only evidence.
       if (profile_.outputs.readback == 0 || same(read_outputs(), zeros)) {
         outputs_ = zeros;
         return true;

@@ -1,5 +1,5 @@
-// A Modbus analog module as data (profile) and as process image: output words written and read back, input words read,
-// raw counts kept beside volts. Profiles are files (devices/profiles/*.toml), read by bench/config_profile.
+// A Modbus analog module as data (profile) and as process image: writes output words and reads them back, reads input
+// words, keeps raw counts beside volts. Profiles are files (devices/profiles/*.toml), read by bench/config_profile.
 #pragma once
 
 #include <cstdint>
@@ -18,29 +18,29 @@ namespace tactbench::devices {
 
 class AnalogModule {
  public:
-  // `watchdog`: the time to set in a module that has one; zero where it has none.
+  // `watchdog`: the timeout to set in a module that has a watchdog; zero for a module without one.
   AnalogModule(ModuleProfile profile, ModbusEndpoint endpoint, Nanoseconds watchdog, Clock& clock, Origin origin);
-  // On the line of another module.
+  // A module on the same line as another one.
   AnalogModule(ModuleProfile profile, const AnalogModule& line_of, int unit, Clock& clock, Origin origin);
 
-  // Makes the module writable and discards earlier writes: the next feeding writes 0 V unless a command came.
+  // Makes the module writable and discards earlier writes: the next feeding writes 0 V unless a command comes first.
   // Beckhoff: clears a fallback of an earlier run (0xBECF, 0xAFFE to 0x1121; not verified on hardware), then sets and
   // verifies by reading: 0x1124 = 0 (more than one writer), 0x1122 = 0 (fed by writes only), 0x1120 = the watchdog
   // time, 1 ms to 1 min. Moxa: clears a channel's safe mode and verifies that. Throws Fault TB-MODULE-WATCHDOG when a
   // register does not read back or a time was given for a module without a watchdog.
   void bring_up();
-  // Reads inputs and outputs and writes nothing; returns the counts at the outputs (empty: the module cannot read
+  // Reads inputs and outputs, writes nothing. Returns the counts at the outputs (empty: the module cannot read them
   // back).
   std::vector<std::uint16_t> read_all();
   // Writes the output word, reads the inputs (in the same exchange with FC 23), then reads the output back. Throws
-  // Fault TB-MODULE-READBACK when the output has another value after the profile's deadline, TB-MODULE-WATCHDOG when
-  // the module refuses because its watchdog has fallen back since bring_up(): only bring_up() makes it writable again.
+  // Fault TB-MODULE-READBACK when the output still differs after the profile's deadline, TB-MODULE-WATCHDOG when the
+  // module refuses because its watchdog has fallen back since bring_up(); only bring_up() makes it writable again.
   void write(int output, std::uint16_t counts);
-  // Reads the last written outputs back, then rewrites them and reads the inputs: feeds the watchdog. Reading first
-  // finds another master's write since the last feeding, which rewriting would hide. As write().
+  // Feeds the watchdog: reads the last written outputs back, then rewrites them and reads the inputs. Reading first
+  // detects another master's write since the last feeding, which rewriting would hide. Throws as write().
   void feed();
-  // Reads the outputs back; Fault TB-MODULE-READBACK when another master has changed them. A module that cannot be
-  // read back passes.
+  // Reads the outputs back. Throws Fault TB-MODULE-READBACK when another master has changed them. A module that cannot
+  // be read back passes this check.
   void verify_outputs();
   // Reads the input image (one exchange) unless it is at most `max_age` old. Throws Fault TB-MODULE-INPUT when a
   // status word names a channel out of range.
@@ -59,12 +59,12 @@ class AnalogModule {
   [[nodiscard]] Identity identity() const;
   [[nodiscard]] const ModuleProfile& profile() const { return profile_; }
   [[nodiscard]] const ModbusLink& link() const { return link_; }
-  // Writes 0 V to every output and reads it back, reconnecting once if needed: at most two attempts of two exchanges.
-  // True: every output read back as 0 V.
+  // Writes 0 V to every output and reads it back; reconnects once if needed: at most two attempts of two exchanges.
+  // True: every output was read back as 0 V.
   [[nodiscard]] bool zero_outputs() noexcept;
-  // The dump valve on the profile's coil (FC 5, energised = closed). Both do nothing without such a valve. close_dump()
-  // writes only when the valve is not known to be closed and throws Fault; open_dump() tries twice. True: the module
-  // echoed the order (a coil is not read back), or there is no valve. Not verified on hardware.
+  // The dump valve on the profile's coil (FC 5, energised = closed). Without such a valve both functions do nothing.
+  // close_dump() writes only when the valve is not known to be closed, and throws Fault; open_dump() tries twice. True:
+  // the module echoed the command (a coil is not read back), or there is no valve. Not verified on hardware.
   void close_dump();
   [[nodiscard]] bool open_dump() noexcept;
 
@@ -89,11 +89,11 @@ class AnalogModule {
   Origin origin_;
   ModbusLink link_;
   std::vector<std::uint16_t> inputs_;
-  std::vector<std::uint16_t> outputs_;  // only what was read back
+  std::vector<std::uint16_t> outputs_;  // only values that were read back
   std::uint16_t fallbacks_at_start_ = 0;
   Nanoseconds image_time_{-1};
   Nanoseconds last_write_time_{-1};
-  bool dump_closed_ = false;  // by our last order
+  bool dump_closed_ = false;  // according to our last command
 };
 
 }  // namespace tactbench::devices

@@ -10,10 +10,10 @@ namespace tactbench::devices {
 class ChamberPort {
  public:
   virtual ~ChamberPort() = default;
-  // The output terminal drives `command` from now on until `hold_until`, then `fallback` (the module's watchdog).
+  // From now on the output terminal drives `command` until `hold_until`, then `fallback` (the module's watchdog).
   virtual void drive(Volts command, Nanoseconds hold_until, Volts fallback) = 0;
-  // The dump valve beside the regulator, on a digital output: exhausts the chamber whatever the regulator does.
-  // Called when that changes.
+  // The dump valve beside the regulator, on a digital output: exhausts the chamber regardless of the regulator. Called
+  // when its state changes.
   virtual void dump(bool open) = 0;
   [[nodiscard]] virtual Volts feedback() = 0;   // regulator's monitor output now
   [[nodiscard]] virtual Volts reference() = 0;  // reference transducer's output now

@@ -13,11 +13,11 @@ namespace tactbench::devices {
 
 struct ModuleOutputs {
   int function = 16;        // 6, 16, or 23 (which reads the inputs in the same exchange)
-  int address = 0;          // zero-based, of channel 0; one word a channel
+  int address = 0;          // zero-based, of channel 0; one word per channel
   int channels = 0;         // 0: the module has no outputs
   int readback = 3;         // function that reads the outputs back at `address`; 0: none
   int dead_band = 0;        // counts by which the reading may differ from what was written
-  Nanoseconds deadline{0};  // how long after writing the reading may differ; 0: not at all
+  Nanoseconds deadline{0};  // how long after writing the reading may differ; 0: never
   LinearScale volts{0, 32767, 0, 10};
 };
 
@@ -25,9 +25,9 @@ struct ModuleInputs {
   int function = 4;  // 3 or 4
   int address = 0;
   int channels = 0;  // 0: the module has no inputs
-  int spare = 0;     // readable registers behind the last channel (RTU readings alternate their length)
+  int spare = 0;     // readable registers after the last channel (used to vary the length of RTU readings)
   RegisterFormat format{RegisterType::kI16};
-  int status_offset = -1;  // registers from `address` to a status word a channel (ADAM-6024: 20); -1: none
+  int status_offset = -1;  // registers from `address` to the status words, one per channel (ADAM-6024: 20); -1: none
   LinearScale volts{0, 32767, 0, 10};
 };
 
@@ -35,7 +35,7 @@ struct ModuleFailSafe {
   std::vector<std::string> layers;   // as preflight prints them; empty: none known
   int watchdog_address = -1;         // Beckhoff: 0x1120 time, +1 reset, +2 type, +3 fallback, +4 write lock; -1: none
   int fallbacks_address = -1;        // Beckhoff 0x1021: how often the watchdog fell back; -1: not reported
-  int safe_mode_address = -1;        // Moxa: discrete inputs, one an output: the channel stands in safe mode; -1: none
+  int safe_mode_address = -1;        // Moxa: discrete inputs, one per output: the channel is in safe mode; -1: none
   int safe_mode_clear_address = -1;  // Moxa: coils that clear it
 };
 

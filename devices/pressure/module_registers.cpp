@@ -43,13 +43,13 @@ ModuleRegisters::ModuleRegisters(SimulatedUnit unit, ChamberPort& chamber, const
 
 void ModuleRegisters::turn() {
   if (watchdog_at_ < 0 || !armed_ || settings_[kWatchdogType] == kOff || clock_.now() < deadline_) return;
-  // The port was given time and value of the fall at the last write; here only the registers follow.
+  // The last write already gave the port time and value of the fallback; here only the registers follow.
   armed_ = false;
   tripped_ = true;
   ++fallbacks_;
   if (settings_[kFallback] != kFallToZero) return;
   std::fill(outputs_.begin(), outputs_.end(), zero_counts(out_));
-  if (unit_.profile.dump_coil >= 0) chamber_.dump(true);  // late, at the next request: the port is given no time
+  if (unit_.profile.dump_coil >= 0) chamber_.dump(true);  // late, at the next request: the port takes no time
 }
 
 bool ModuleRegisters::outputs_hold(int address, std::size_t count) const {
@@ -89,7 +89,7 @@ Refusal ModuleRegisters::read(int client, int function, int address, std::span<s
 }
 
 std::uint16_t ModuleRegisters::read_one(int function, int address) {
-  // ADAM's input block has the outputs in its middle.
+  // ADAM's input block contains the outputs in its middle.
   if (function == 3 && outputs_hold(address, 1)) return outputs_[static_cast<std::size_t>(address - out_.address)];
   if (inputs_hold(address, 1)) return read_input(address - in_.address);
   if (const SimulatedQuantity* quantity = quantity_at(function, address, 1)) {
@@ -111,7 +111,7 @@ std::uint16_t ModuleRegisters::read_one(int function, int address) {
   }
 }
 
-// The regulator's monitor and the transducer are wired to a channel each; the others are open.
+// The regulator's monitor and the transducer are each wired to one channel; the others are open.
 std::uint16_t ModuleRegisters::read_input(int offset) {
   const int words = static_cast<int>(in_.format.words());
   const int channel = offset / words;

@@ -1,12 +1,12 @@
-// Register map of one unit of the simulated module: outputs and inputs where the profile puts them, the EK9000's
-// watchdog on process time and its write lock, Moxa's safe mode, further quantities. No sockets; used by
-// simulated_module.cpp alone.
+// Register map of one unit of the simulated module: outputs and inputs at the profile's addresses, the EK9000's
+// watchdog on process time and its write lock, Moxa's safe mode, further quantities. No sockets; used only by
+// simulated_module.cpp.
 //
 // Beckhoff: read 0x1020 watchdog time left in ms, 0x1021 fallbacks so far, 0x1022 connections, 0x1120-0x1124 (FC 3);
-// after a fallback, writes to outputs are refused (exception 4) until 0xBECF, 0xAFFE went to 0x1121. The bus stop
-// (0x1123 = 2) is refused as not simulated. Where the manuals are silent (0x1020's direction, the exception numbers,
-// who feeds when the lock is off, that a channel in safe mode ignores writes) this is our reading, not verified on
-// hardware.
+// after a fallback, writes to outputs are refused (exception 4) until 0xBECF, 0xAFFE are written to 0x1121. The bus
+// stop (0x1123 = 2) is refused as not simulated. Where the manuals state nothing (direction of 0x1020, the exception
+// numbers, who feeds when the lock is off, that a channel in safe mode ignores writes) this is our interpretation, not
+// verified on hardware.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ class ModuleRegisters {
   ModuleRegisters& operator=(const ModuleRegisters&) = delete;
   [[nodiscard]] int unit() const { return unit_.unit; }
 
-  // Lets the watchdog fall back when its time is over; to be called before each request.
+  // Lets the watchdog fall back when its time is over; call it before each request.
   void turn();
   // `function` is 3 (also for FC 23) or 4; `client` is the asking client (the watchdog has one master).
   [[nodiscard]] Refusal check_read(int function, int address, std::size_t count) const;
@@ -63,13 +63,13 @@ class ModuleRegisters {
   std::vector<std::uint16_t> outputs_;
   std::array<std::uint16_t, 5> settings_{1000, 0, 1, 0, 1};  // 0x1120: time ms, reset, type, fallback, write lock
   int connections_ = 0;
-  int master_ = kNobody;  // who wrote process data first: the only one whose telegrams feed the watchdog
+  int master_ = kNobody;  // client that wrote process data first; only its telegrams feed the watchdog
   bool armed_ = false;
   bool tripped_ = false;
   bool reset_begun_ = false;
   std::uint16_t fallbacks_ = 0;
   Nanoseconds deadline_{0};
-  std::vector<std::uint8_t> safe_mode_;  // one an output
+  std::vector<std::uint8_t> safe_mode_;  // one per output
 };
 
 }  // namespace tactbench::devices

@@ -48,7 +48,7 @@ struct TransducerOptions {
 struct ModbusQuantity {
   int function = 4;  // 3 or 4
   int address = 0;
-  int spare = 0;  // readable registers behind it (RTU readings alternate their length)
+  int spare = 0;  // readable registers after it (used to vary the length of RTU readings)
   RegisterFormat format;
   LinearScale scale;
 };
@@ -60,10 +60,10 @@ struct GaugeOptions {
   Origin origin = Origin::kHardware;
 };
 
-// A certificate's table: at `reading` add `correction`; expanded uncertainty U of the corrected value with coverage
-// factor k. Between points linear, beyond them the last one's.
+// Table of a calibration certificate: at `reading` add `correction`; expanded uncertainty U of the corrected value with
+// coverage factor k. Linear between points; beyond the ends the value of the last point.
 struct PressureCorrection {
-  std::vector<double> reading_psi, correction_psi, expanded_uncertainty_psi;  // equally long; readings rise
+  std::vector<double> reading_psi, correction_psi, expanded_uncertainty_psi;  // of equal length; readings rise
   double coverage_factor = 2.0;
   [[nodiscard]] bool empty() const { return reading_psi.empty(); }
   [[nodiscard]] Psi corrected(Psi reading) const;
@@ -71,7 +71,7 @@ struct PressureCorrection {
 };
 
 struct SimulatedModuleFaults {      // test and nightly switches, all off by default
-  long silent_after_requests = -1;  // answers that many requests, then none (the connection stays open)
+  long silent_after_requests = -1;  // answers this many requests, then none (the connection stays open)
   long dead_after_requests = -1;    // closes connections and refuses new ones; a serial line hangs up
   FaultInjector inject = {};  // silent, late, corrupt, stale, refused (failure); unplugged: TCP closes connections
                               // when asked, a serial line is silent

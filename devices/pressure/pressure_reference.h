@@ -1,5 +1,5 @@
-// The kinds of pressure reference: a transducer on an input of an analog module, a digital gauge by Modbus, and either
-// of them with its certificate's corrections. Not verified on hardware.
+// Pressure references: a transducer on an input of an analog module, a digital gauge over Modbus, and either of them
+// with the corrections of its certificate. Not verified on hardware.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Roles around the chamber: the source sets the pressure, the independent reference measures it.
+// Instruments of the chamber: the source sets the pressure, the independent reference measures it.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace tactbench::devices {
 
 struct PressureReading {
   Psi pressure;
-  Volts voltage;            // 0 where the instrument reports pressure itself
-  std::int32_t counts = 0;  // as read; of a float the bit pattern
+  Volts voltage;            // 0 if the instrument reports pressure directly
+  std::int32_t counts = 0;  // as read; for a float its bit pattern
   Nanoseconds time{0};
 };
 
@@ -21,13 +21,13 @@ class PressureSource : public Actuator {
  public:
   // Sets the pressure and reads the set-point back. Returns the raw counts written. Throws Fault.
   virtual std::uint16_t command(Psi pressure) = 0;
-  // Rewrites the set-point and reads it back when the last write is at least `feed interval` old; otherwise, and when
-  // disarmed, only reads. To be called at least every feed interval.
+  // Rewrites the set-point and reads it back if the last write is at least `feed interval` old; otherwise, and when
+  // disarmed, only reads. Call it at least once per feed interval.
   virtual void keep_alive() = 0;
   [[nodiscard]] virtual PressureReading feedback() = 0;
-  // Process time of the last write that was read back: the next feeding is due one feed interval later.
+  // Process time of the last write that was read back; the next feeding is due one feed interval later.
   [[nodiscard]] virtual Nanoseconds last_fed() const = 0;
-  // Asks for 0 psi; bounded in time, callable twice and in any state, armed or not. True: the order was read back.
+  // Commands 0 psi; bounded in time, callable twice and in any state, armed or not. True: the command was read back.
   [[nodiscard]] virtual bool vent() noexcept = 0;
   [[nodiscard]] virtual Identity identity() const = 0;
 };

@@ -10,7 +10,7 @@
 
 namespace tactbench::devices {
 
-// Feedback and reference may be in one input image; a reading this young serves both. Far below any settling time.
+// Feedback and reference may share one input image; an image up to this age serves both. Far below any settling time.
 inline constexpr Nanoseconds kSameImage = std::chrono::microseconds(500);
 
 // Throw Fault TB-MODULE-CHANNEL and TB-MODULE-SPAN, naming `device`.
@@ -19,7 +19,7 @@ void check_span(const char* device, const LinearSpan& span);
 
 class Regulator final : public PressureSource {
  public:
-  // `output` drives it, `input` (often the same module) reads its monitor.
+  // `output` drives the regulator, `input` (often of the same module) reads its monitor.
   Regulator(AnalogModule& output, AnalogModule& input, RegulatorOptions options, Clock& clock);
   void arm() override;
   void disarm() noexcept override { armed_ = false; }

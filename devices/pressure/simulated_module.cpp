@@ -64,7 +64,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
   void serve() override {
     std::vector<pollfd> descriptors;
     for (;;) {
-      const int listener = clients_.size() < kMaxClients ? listener_ : -1;  // poll() passes over negative ones
+      const int listener = clients_.size() < kMaxClients ? listener_ : -1;  // poll() ignores negative ones
       descriptors.assign({{stop_, POLLIN, 0}, {listener, POLLIN, 0}});
       for (const Client& client : clients_) descriptors.push_back({client.socket, POLLIN, 0});
       if (work_.wait(descriptors) < 0) continue;
@@ -78,7 +78,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
     }
   }
 
-  // A client that has hung up is handled before any other's request, in the order of events: the write lock passes on.
+  // A client that hung up is handled before requests of others, in the order of events: the write lock passes on.
   void bury() {
     for (Client& client : clients_) {
       pollfd descriptor{client.socket, POLLRDHUP, 0};
@@ -104,13 +104,13 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
     disconnected(client.number);
   }
 
-  // The listener first: a client that sees the connection break must not get a new one.
+  // Closes the listener first: a client that sees the connection break must not get a new one.
   void die() {
     if (listener_ >= 0) ::close(std::exchange(listener_, -1));
     for (Client& client : clients_) drop(client);
   }
 
-  // False: the connection is to be closed.
+  // False: close the connection.
   bool attend(Client& client) {
     if (client.socket < 0) return false;
     std::uint8_t bytes[2 * MODBUS_TCP_MAX_ADU_LENGTH];

@@ -22,7 +22,7 @@ struct SimulatedQuantity {  // a gauge's or a thermometer's registers
 };
 
 struct SimulatedUnit {
-  int unit = 0;  // 0: answers to every unit number (TCP only)
+  int unit = 0;  // 0: answers every unit number (TCP only)
   ModuleProfile profile;
   std::vector<SimulatedQuantity> quantities;
   bool starts_in_safe_mode = false;
@@ -40,7 +40,7 @@ class SimulatedModule {
   enum class Wire { kTcp, kRtu };
   SimulatedModule(std::vector<SimulatedUnit> units, Wire wire, int port, ChamberPort& chamber, const Clock& clock,
                   SimulatedModuleFaults faults = {});
-  ~SimulatedModule();  // stops the thread, bounded
+  ~SimulatedModule();  // stops the thread in bounded time
   SimulatedModule(const SimulatedModule&) = delete;
   SimulatedModule& operator=(const SimulatedModule&) = delete;
   [[nodiscard]] int port() const;                 // TCP

@@ -14,7 +14,7 @@ namespace tactbench::devices {
 namespace {
 
 constexpr int kOnlyClient = 0;
-// A client pauses no longer than this inside a frame; half a frame older than that is noise.
+// A client never pauses longer than this inside a frame; an older incomplete frame is noise.
 constexpr Nanoseconds kFramePause = std::chrono::milliseconds(100);
 
 // Bytes of the request that begins `bytes` (unit, function, ..., check sum); 0: not yet known.
@@ -51,7 +51,7 @@ void SimulatedModule::RtuServer::serve() {
   }
 }
 
-// False: the line is to hang up.
+// False: hang up the line.
 bool SimulatedModule::RtuServer::attend() {
   std::array<std::uint8_t, MODBUS_RTU_MAX_ADU_LENGTH> bytes{};
   const ssize_t got = ::read(terminal_.master(), bytes.data(), bytes.size());

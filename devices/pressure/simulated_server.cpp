@@ -76,7 +76,7 @@ SimulatedModule::Server::Answer SimulatedModule::Server::answer(int client, int 
       refusal = carry_out(**unit, client, frame.subspan(header + 1, frame.size() - header - 1 - trailer));
     }
   } catch (...) {
-    // The port failed: for the client the device fails.
+    // The port failed: the client sees a failed device.
   }
   if (late_client_ == client && !late_.empty()) {
     if (::write(descriptor, late_.data(), late_.size()) < 0) return Answer::kBroken;

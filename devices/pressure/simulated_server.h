@@ -1,5 +1,5 @@
-// Common part of the simulated module's TCP and RTU servers: units, carrying out a request, faults. libmodbus builds
-// the answers. Used by simulated_module*.cpp alone.
+// Shared by the simulated module's TCP and RTU servers: units, execution of requests, faults. libmodbus builds the
+// answers. Used only by simulated_module*.cpp.
 #pragma once
 
 #include <modbus.h>
@@ -38,7 +38,7 @@ class SimulatedModule::Server {
   void start() {
     thread_ = work_.thread([this] { serve(); });
   }
-  void stop();  // to be called by the destructor of the class that has serve()
+  void stop();  // must be called by the destructor of the class that has serve()
   void connected();
   void disconnected(int client);
 

@@ -80,7 +80,7 @@ void ChainDevice::free(Nanoseconds now) {
   if (!motion_.stuck) return;
   remember(now);
   motion_.slipped = believed(now) - *std::exchange(motion_.stuck, std::nullopt);
-  // It has not reached its home sensor yet and continues until there.
+  // It has not reached its home sensor yet and continues toward it.
   if (under_way_ && under_way_->command == kHome) go_home(ZaberFrame(*under_way_), velocity(now), now);
 }
 
@@ -250,7 +250,7 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
       if (asked == kSetPosition) return answer(kSetPosition, counter(now));
       const auto found = settings_.find(asked);
       if (found == settings_.end()) return answer(kError, 53);
-      // Under the setting's number, and yet a "return" command that silence by mode bit 0 does not cover.
+      // Carries the setting's number, but replies to a "return" command, which mode bit 0 (silence) does not cover.
       return replies.push_back({number_, asked, found->second, frame.id});
     }
     case kRestoreSettings:

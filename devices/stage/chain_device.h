@@ -1,5 +1,5 @@
 // One simulated T-Series device: its settings, its motion in process time and its replies, without a wire
-// (simulated_chain.h has that). Rules and errors as in the manual of firmware 5; not compared with hardware.
+// (simulated_chain.h adds it). Rules and errors follow the manual of firmware 5; not compared with hardware.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct ChainDeviceOptions {
   std::int32_t firmware = 523;
   std::uint8_t number = 1;
   std::int32_t supply_decivolts = 150;
-  Millimetres stands_at{5.0};  // at power-up, from the home sensor
+  Millimetres stands_at{5.0};  // position at power-up, from the home sensor
   std::int32_t target_speed = 2922;
   std::int32_t home_speed = 2922;
   std::int32_t acceleration = 111;
@@ -33,22 +33,22 @@ struct ChainDeviceOptions {
 class ChainDevice {
  public:
   explicit ChainDevice(const ChainDeviceOptions& options);
-  // Whether a frame to `device` is for this one: its number, its alias, or 0.
+  // Whether a frame to `device` addresses this device: its number, its alias, or 0.
   [[nodiscard]] bool hears(std::uint8_t device) const;
-  // Carries out one instruction at `now`, which never goes backward; answers go to `replies`. `place` counts from 1 at
-  // the computer's end of the cable.
+  // Executes one instruction at `now`, which never decreases; answers go to `replies`. `place` counts from 1 at the
+  // computer's end of the cable.
   void receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place, std::vector<ZaberFrame>& replies);
-  // The replies that the device sends unasked up to `now`: the end of a move, tracking, a limit.
+  // Unsolicited replies up to `now`: the end of a move, tracking, a limit.
   void run(Nanoseconds now, std::vector<ZaberFrame>& replies);
-  // When run() has its next reply to send.
+  // Time at which run() has its next reply to send.
   [[nodiscard]] std::optional<Nanoseconds> due() const;
-  // In message-id mode data has 24 bits and the id goes out.
+  // In message-id mode data has 24 bits and replies carry the id.
   [[nodiscard]] bool message_ids() const { return (setting(ZaberCommand::kMode) & kZaberMessageIds) != 0; }
-  // From the home sensor, now or at an earlier time, back to the last 256 changes of motion.
+  // Distance from the home sensor, now or at an earlier time, back to the last 256 changes of motion.
   [[nodiscard]] Millimetres position(Nanoseconds time) const;
   [[nodiscard]] bool at_rest_since(Nanoseconds time) const;
-  // The axis sticks from `now` on while the device, which has no encoder, counts its motor as turning: moves end as
-  // if done, homing does not. free() lets it go from where it stuck.
+  // From `now` on the axis sticks while the device, which has no encoder, counts its motor as turning: moves appear to
+  // end normally, homing does not end. free() releases the axis from the position where it stuck.
   void stick(Nanoseconds now);
   void free(Nanoseconds now);
   [[nodiscard]] std::uint8_t number() const { return number_; }
@@ -59,7 +59,7 @@ class ChainDevice {
     Nanoseconds began{0};
     double mm_per_step = 0.0;
     double slipped = 0.0;         // steps that the axis did not follow
-    std::optional<double> stuck;  // where, from the home sensor
+    std::optional<double> stuck;  // where it stuck, from the home sensor
     [[nodiscard]] double true_steps(Nanoseconds time) const;
   };
   using Reply = std::optional<std::int32_t>;  // the data; none: no reply now
@@ -75,7 +75,7 @@ class ChainDevice {
   void begin(const ZaberFrame& frame, MotionProfile profile, Nanoseconds now);
   [[nodiscard]] std::int32_t memory(std::int32_t data);
   [[nodiscard]] std::int32_t counter(Nanoseconds now) const;  // the position that the device counts
-  [[nodiscard]] double believed(Nanoseconds now) const;       // microsteps that the motor was given
+  [[nodiscard]] double believed(Nanoseconds now) const;       // microsteps commanded to the motor
   [[nodiscard]] double velocity(Nanoseconds now) const;
   void say(ZaberCommand command, std::int32_t data, std::uint8_t id, std::vector<ZaberFrame>& replies) const;
 

@@ -8,7 +8,7 @@ namespace tactbench::devices {
 
 std::int32_t ChainDevice::error_of_setting(ZaberCommand command, std::int32_t data, Nanoseconds now) const {
   using enum ZaberCommand;
-  const auto own = static_cast<std::int32_t>(command);  // most settings' errors carry the setting's number
+  const auto own = static_cast<std::int32_t>(command);  // for most settings the error is the setting's number
   const std::int32_t highest_speed = 512 * setting(kResolution) - 1;
   const auto within = [&](std::int64_t low, std::int64_t high) { return data >= low && data <= high ? 0 : own; };
   if (setting(kLock) != 0 && command != kLock) return 3600;

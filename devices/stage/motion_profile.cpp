@@ -25,7 +25,7 @@ MotionProfile MotionProfile::to(double position, double velocity, double target,
   profile.end_ = target;
   const double braking = velocity * std::abs(velocity) / (2.0 * acceleration);
   if ((target - position) * velocity < 0.0 || std::abs(braking) > std::abs(target - position)) {
-    // It goes away from the target, or too fast to stop there: to rest first, then back.
+    // It moves away from the target, or too fast to stop there: first to rest, then back.
     profile.add(std::abs(velocity) / acceleration, velocity > 0.0 ? -acceleration : acceleration);
     position += braking;
     velocity = 0.0;

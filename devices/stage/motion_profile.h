@@ -1,5 +1,5 @@
-// Motion of one simulated axis along a line: pieces of constant acceleration, at the end at rest exactly at the target.
-// Any unit of length; time in seconds since the profile began.
+// Motion of one simulated axis: pieces of constant acceleration, ending at rest exactly at the target. Any unit of
+// length; time in seconds since the profile began.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace tactbench::devices {
 class MotionProfile {
  public:
   explicit MotionProfile(double standing_at = 0.0) : start_(standing_at), end_(standing_at) {}
-  // From `position` with `velocity`; `speed` and `acceleration` above 0. Reverses and slows down where it must first.
+  // Starts at `position` with `velocity`; `speed` and `acceleration` above 0. First slows down or reverses if needed.
   static MotionProfile to(double position, double velocity, double target, double speed, double acceleration);
   static MotionProfile to_rest(double position, double velocity, double acceleration);
 

@@ -20,7 +20,7 @@ struct ZaberAxisOptions {
   std::int32_t firmware_high = 599;  // firmware 6 has other units
   Millimetres low{0.0};              // limits, inclusive
   Millimetres high{60.0};
-  MillimetresPerSecond maximum_speed{4.0};  // also taken when a move names none
+  MillimetresPerSecond maximum_speed{4.0};  // also used when a move names no speed
   Nanoseconds home_timeout = std::chrono::seconds(120);
   std::string serial;  // the device does not report it
 };
@@ -29,7 +29,7 @@ struct ZaberStageOptions {
   std::array<ZaberAxisOptions, kAxes> axes;
   bool renumber = false;  // arm() numbers the devices 1, 2, 3 from the computer's end first
   bool knob_off = true;
-  Nanoseconds reply_timeout = std::chrono::milliseconds(300);  // real; a query is sent twice before it is a fault
+  Nanoseconds reply_timeout = std::chrono::milliseconds(300);  // real time; a query is sent twice before it is a fault
   Nanoseconds frame_silence = std::chrono::milliseconds(40);
   Nanoseconds poll_interval = std::chrono::milliseconds(100);  // process time between two queries during a move
   Nanoseconds move_margin = std::chrono::seconds(2);           // added to the expected time of a move

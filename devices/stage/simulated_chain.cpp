@@ -17,7 +17,7 @@
 namespace tactbench::devices {
 namespace {
 
-constexpr Nanoseconds kRenumbering = std::chrono::milliseconds(500);  // deaf meanwhile
+constexpr Nanoseconds kRenumbering = std::chrono::milliseconds(500);  // it ignores bytes meanwhile
 
 ChainDeviceOptions device(std::int32_t id, std::uint8_t number) {
   ChainDeviceOptions options;
@@ -57,7 +57,7 @@ class SimulatedChain::Server {
 
   enum class Order { kNone, kStop, kUnplug, kPlugIn };
 
-  // Hands the order to the serving thread, which alone touches the wire, and waits until it is carried out.
+  // Passes the command to the serving thread, which alone uses the wire, and waits until it is executed.
   void order(Order wanted) {
     std::unique_lock lock(mutex_);
     order_ = wanted;
@@ -96,7 +96,7 @@ class SimulatedChain::Server {
   std::vector<ZaberFrame> extra_frames_;
 
  private:
-  // The 10 ms in which the bytes of a frame must follow one another are real time: a client's pause is real.
+  // The 10 ms within which the bytes of a frame must follow one another are real time: a client's pause is real.
   static Nanoseconds real_time() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
   void serve() {

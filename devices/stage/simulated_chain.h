@@ -1,5 +1,5 @@
 // Simulated stage: a daisy chain of T-Series devices on a pseudo-terminal or a socket, moving in process time. It never
-// turns the clock. For any client.
+// advances the clock. Works with any client.
 #pragma once
 
 #include <array>
@@ -34,12 +34,12 @@ struct ChainStall {  // the last time that axes stuck
   std::optional<Axis> axis;  // none: all
 };
 
-struct SimulatedChainFaults {       // test and nightly switches, all off by default; requests and replies from 0
-  long silent_after_requests = -1;  // answers that many requests, then none
+struct SimulatedChainFaults {       // test and nightly switches, all off by default; requests and replies count from 0
+  long silent_after_requests = -1;  // answers this many requests, then none
   long unplug_after_requests = -1;
-  long corrupt_reply = -1;                 // that reply comes with another device's number
-  long cut_reply = -1;                     // of that reply only three bytes come
-  long late_reply = -1;                    // that reply comes after the one that follows it
+  long corrupt_reply = -1;                 // this reply carries another device's number
+  long cut_reply = -1;                     // only three bytes of this reply are sent
+  long late_reply = -1;                    // this reply is sent after the one that follows it
   FaultInjector inject = {};               // silent, late, corrupt, torn; unplugged hangs up
   std::function<ChainStall()> stall = {};  // called at any time, under the chain's lock
 };
@@ -48,7 +48,7 @@ class SimulatedChain final : public StageView {
  public:
   // Throws Fault TB-SIM-LISTEN.
   SimulatedChain(SimulatedChainOptions options, const Clock& clock, SimulatedChainFaults faults = {});
-  ~SimulatedChain() override;  // stops the thread, bounded
+  ~SimulatedChain() override;  // stops the thread in bounded time
   SimulatedChain(const SimulatedChain&) = delete;
   SimulatedChain& operator=(const SimulatedChain&) = delete;
 
@@ -63,8 +63,8 @@ class SimulatedChain final : public StageView {
   void unplug();   // returns once the client has lost the wire; the devices keep power and continue moving
   void plug_in();  // a pseudo-terminal then has a new address
   void power_cycle();
-  void refuse_next(ZaberCommand command, std::int32_t error);  // the next such instruction, by whichever device
-  void inject(const ZaberFrame& frame);                        // sent before the next reply, as it is
+  void refuse_next(ZaberCommand command, std::int32_t error);  // the next such instruction, on any device
+  void inject(const ZaberFrame& frame);                        // sent unchanged before the next reply
 
  private:
   class Server;

@@ -25,23 +25,23 @@ struct AxisState {
 
 class Stage : public Actuator {
  public:
-  // Blocks until the axis stands at its home sensor, at most the home timeout.
+  // Blocks until the axis is at its home sensor, at most for the home timeout.
   virtual void home(Axis axis) = 0;
-  // Starts a move and returns; wait() for its end. Refused before anything is sent: out of the axis' limits
-  // (Fault TB-STAGE-LIMIT; not-a-number too), an absolute move of an axis that is not homed (TB-STAGE-NOT-HOMED).
+  // Starts a move and returns; wait() blocks until its end. Refused before anything is sent: a target outside the axis'
+  // limits or not-a-number (Fault TB-STAGE-LIMIT), an absolute move of an axis that is not homed (TB-STAGE-NOT-HOMED).
   virtual void start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) = 0;
   virtual void start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) = 0;
   // Moves at constant speed until stop() or a limit. Refused on an axis that is not homed.
   virtual void start_speed(Axis axis, MillimetresPerSecond speed) = 0;
-  // Blocks until the axis stands; returns its position. Bounded by the longest time that the move may take.
+  // Blocks until the axis is at rest; returns its position. Bounded by the longest time that the move may take.
   virtual Millimetres wait(Axis axis) = 0;
-  virtual Millimetres stop(Axis axis) = 0;  // decelerates, blocks until it stands
+  virtual Millimetres stop(Axis axis) = 0;  // decelerates, blocks until it is at rest
   [[nodiscard]] virtual AxisState state(Axis axis) = 0;
-  // Stops every axis; bounded in time, callable twice and in any state, from any thread, armed or not. True: every
-  // axis answered that it stands. A thread that waits for a move gets a fault, and so does every command until arm():
-  // none that was on its way may start an axis again.
+  // Stops every axis; bounded in time, callable twice and in any state, from any thread, armed or not. True: every axis
+  // reported that it is at rest. A thread that waits for a move gets a fault, and so does every command until arm(), so
+  // that no command already on its way can start an axis again.
   [[nodiscard]] virtual bool halt() noexcept = 0;
-  [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one an axis
+  [[nodiscard]] virtual std::vector<Identity> identities() const = 0;  // one per axis
   [[nodiscard]] virtual std::uint64_t exchanges() const = 0;
 };
 

@@ -13,7 +13,7 @@ class StageView {
   virtual ~StageView() = default;
   // Distance from the home sensor at clock.now(), whatever the device counts. Callable from any thread.
   [[nodiscard]] virtual Millimetres position(Axis axis) const = 0;
-  // The same for x, y, z at `time`, which lies not after clock.now() and not before the last 256 changes of motion.
+  // The same for x, y, z at `time`, not later than clock.now() and not before the last 256 changes of motion.
   [[nodiscard]] virtual std::array<Millimetres, kAxes> places(Nanoseconds time) const = 0;
   // True only if no axis has moved since `time`.
   [[nodiscard]] virtual bool at_rest_since(Nanoseconds time) const = 0;

@@ -63,33 +63,33 @@ inline constexpr std::int32_t kZaberMoveTracking = 1 << 4;
 inline constexpr std::int32_t kZaberMessageIds = 1 << 6;
 inline constexpr std::int32_t kZaberHomed = 1 << 7;  // cleared at power-up
 
-// What status, command 54, answers beside the number of the move command under way.
+// Replies to status (command 54) other than the number of the move command in progress.
 inline constexpr std::int32_t kZaberIdle = 0;
 inline constexpr std::int32_t kZaberHoming = 1;
 inline constexpr std::int32_t kZaberByHand = 10;
 inline constexpr std::int32_t kZaberStopping = 23;
 
 inline constexpr std::size_t kZaberFrameBytes = 6;
-inline constexpr std::int32_t kZaberDataMax = (1 << 23) - 1;  // of 24 bits with sign
+inline constexpr std::int32_t kZaberDataMax = (1 << 23) - 1;  // signed, 24 bits
 inline constexpr std::int32_t kZaberDataMin = -(1 << 23);
 inline constexpr std::int32_t kZaberBusy = 255;  // the error code, not the command
 
 using ZaberBytes = std::array<std::uint8_t, kZaberFrameBytes>;
 
-// One instruction or reply with message ids: 24 bits of data and the id in the last byte. Without
-// message ids the data has 32 bits; values that fit in 24 read the same, `id` then being 0 or, below zero, 255.
+// One instruction or reply with message ids: 24 bits of data and the id in the last byte. Without message ids the data
+// has 32 bits; a value that fits in 24 bits reads the same, with `id` 0, or 255 for a negative value.
 struct ZaberFrame {
   std::uint8_t device = 0;  // 0: all
   ZaberCommand command = ZaberCommand::kReset;
   std::int32_t data = 0;
-  std::uint8_t id = 0;  // 0: unasked
+  std::uint8_t id = 0;  // 0: unsolicited
   bool operator==(const ZaberFrame&) const = default;
 };
 
-// Throws Fault TB-STAGE-DATA when the data needs more than 24 bits: the device would take another value.
+// Throws Fault TB-STAGE-DATA when the data needs more than 24 bits, since the device would use another value.
 [[nodiscard]] ZaberBytes encode(const ZaberFrame& frame);
 [[nodiscard]] ZaberFrame decode(const ZaberBytes& bytes);
-// Without message ids: data of 32 bits, the id passed over.
+// Without message ids: data of 32 bits, `id` is ignored.
 [[nodiscard]] ZaberBytes encode_without_id(const ZaberFrame& frame);
 [[nodiscard]] ZaberFrame decode_without_id(const ZaberBytes& bytes);
 
@@ -97,14 +97,14 @@ struct ZaberFrame {
 [[nodiscard]] std::string zaber_error_text(std::int32_t code);
 
 // Cuts a stream of bytes into frames. There is no start byte and no checksum: an incomplete frame is dropped after
-// `silence`, which is the only way back in step.
+// `silence`, which is the only way to resynchronise.
 class ZaberParser {
  public:
   explicit ZaberParser(Nanoseconds silence = std::chrono::milliseconds(10)) : silence_(silence) {}
-  // Appends to `frames` those that `bytes`, come at `time` (any clock, never backward), complete.
+  // Appends to `frames` those completed by `bytes`, which arrived at `time` (any clock, never decreasing).
   void add(std::span<const std::uint8_t> bytes, Nanoseconds time, std::vector<ZaberBytes>& frames);
   [[nodiscard]] std::size_t waiting() const { return filled_; }     // bytes of an incomplete frame
-  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }  // bytes, since made
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }  // bytes, since construction
 
  private:
   Nanoseconds silence_;
@@ -120,8 +120,8 @@ struct ZaberModel {
   std::int32_t device_id = 0;
   std::string_view name;
   double full_step_mm = 0.0;
-  Millimetres travel;                  // from memory, not read in a source: configure it
-  MillimetresPerSecond maximum_speed;  // likewise
+  Millimetres travel;                  // written from memory, not from a source: configure it
+  MillimetresPerSecond maximum_speed;  // also from memory: configure it
 };
 
 // nullptr when the id is not in the table: T-NA08A50 (5082), its relatives, T-LA60A (60), T-LA28A (28).
@@ -131,7 +131,7 @@ struct ZaberUnits {
   double microstep_mm = 0.0;  // full step / resolution; the resolution's default is 64
   [[nodiscard]] Millimetres position(std::int32_t microsteps) const;
   [[nodiscard]] MillimetresPerSecond speed(std::int32_t data) const;
-  [[nodiscard]] double acceleration_mm_per_s2(std::int32_t data) const;  // 0 stands for the highest, 512 R - 1
+  [[nodiscard]] double acceleration_mm_per_s2(std::int32_t data) const;  // 0 means the highest, 512 R - 1
   // The nearest value; none when it is not a number or needs more than 24 bits.
   [[nodiscard]] std::optional<std::int32_t> microsteps(Millimetres position) const;
   [[nodiscard]] std::optional<std::int32_t> speed_data(MillimetresPerSecond speed) const;

@@ -10,7 +10,7 @@ namespace tactbench::devices {
 namespace {
 
 constexpr Nanoseconds kDeviceSilence = std::chrono::milliseconds(12);  // devices drop half a frame after 10
-// 255 is left out: without message ids the last byte of a negative value reads so.
+// 255 is not used: without message ids it is the last byte of a negative value.
 constexpr std::uint8_t kLastId = 254;
 
 Nanoseconds real_time() { return std::chrono::steady_clock::now().time_since_epoch(); }
@@ -56,7 +56,7 @@ std::optional<ZaberFrame> ZaberLine::ask_plainly(std::uint8_t device, ZaberComma
   send_plainly(device, command, data);
   return await(
       [&](const ZaberFrame& frame) {
-        // A returned setting comes under its own number.
+        // A returned setting carries its own number.
         const bool returned =
             command == ZaberCommand::kReturnSetting && static_cast<std::int32_t>(frame.command) == data;
         return frame.device == device && frame.id == 0 &&

@@ -1,5 +1,5 @@
-// A daisy chain's line: instructions out, replies matched by device number and message id. All other frames go to a
-// listener. Waits in real time; knows nothing of axes.
+// Line of a daisy chain: sends instructions and matches replies by device number and message id. All other frames go to
+// a listener. Waits in real time; does not know about axes.
 #pragma once
 
 #include <array>
@@ -16,16 +16,16 @@ namespace tactbench::devices {
 class ZaberLine {
  public:
   using Listener = std::function<void(const ZaberFrame&)>;
-  // `silence` after which half a reply is dropped: more than the devices' own 10 ms, since a USB adapter holds bytes
-  // back (FTDI: 16 ms).
+  // `silence`: half a reply is dropped after this time. Longer than the devices' own 10 ms, since a USB adapter delays
+  // bytes (FTDI: 16 ms).
   ZaberLine(std::unique_ptr<ByteStream> stream, Nanoseconds reply_timeout, Nanoseconds silence, Listener others);
-  // Lets the devices drop half a frame that was left on the line, and discards unread bytes. Blocks 12 ms.
+  // Lets the devices drop half a frame left on the line, and discards unread bytes. Blocks 12 ms.
   void settle();
-  // Sends with a message id that is not used again before release(): the reply, for instance a move's end, goes to the
+  // Sends with a message id that is not used again before release(). The reply, for instance a move's end, goes to the
   // listener.
   std::uint8_t send(std::uint8_t device, ZaberCommand command, std::int32_t data);
   void release(std::uint8_t id) { held_[id] = false; }
-  // Sends and waits for the reply, which may be an error; none when nothing came within the reply timeout.
+  // Sends and waits for the reply, which may be an error; none if nothing came within the reply timeout.
   [[nodiscard]] std::optional<ZaberFrame> ask(std::uint8_t device, ZaberCommand command, std::int32_t data);
   // The same without message id, for devices whose mode is not known: the reply is recognised by its command. The data
   // must not be negative.

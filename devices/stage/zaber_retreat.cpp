@@ -50,7 +50,7 @@ class Retreat {
         const std::uint8_t device = options_.axes[i].device;
         const auto status = line_.ask_plainly(device, kStatus, 0);
         stands[i] = status && status->command == kStatus && status->data == kZaberIdle;
-        // A homing device may refuse to stop: ordered again until it stands.
+        // A homing device may refuse to stop: the command is repeated until it is at rest.
         if (status && !stands[i] && status->data != kZaberStopping) line_.send_plainly(device, kStop, 0);
       }
       if (std::find(stands.begin(), stands.end(), false) == stands.end()) return true;
@@ -75,7 +75,7 @@ class Retreat {
     ZaberUnits units;
     units.microstep_mm = model->full_step_mm / (resolution && *resolution > 0 ? *resolution : kRetreatResolution);
     const std::int32_t target = std::max(0, *position - units.microsteps(back_off).value_or(*position));
-    // Contact may have been approached at very low speed; a non-negative target reads the same with and without ids.
+    // The target speed may still be that of a slow approach. A non-negative target reads the same with and without ids.
     if (const auto speed = units.speed_data(options_.axes.back().maximum_speed)) (void)ask(z(), kTargetSpeed, *speed);
     line_.send_plainly(z(), kMoveAbsolute, target);
     const auto end = RetreatClock::now() + move_timeout;

@@ -24,7 +24,7 @@ bool breaks_link(const Fault& fault) { return fault.id().starts_with("TB-SERIAL"
 
 }  // namespace
 
-// Takes the line for one short action, so that halt() waits briefly; a waiting halt goes first.
+// Locks the line for one short action, so that halt() waits only briefly; a waiting halt goes first.
 template <class Action>
 auto ZaberStage::exclusively(Action action) {
   check_armed();
@@ -159,7 +159,7 @@ void ZaberStage::start_speed(Axis axis, MillimetresPerSecond speed) {
     const auto limit = one.units.microsteps(up ? option(axis).high : option(axis).low);
     const std::int32_t device_limit = up ? one.maximum_position : 0;
     const std::int32_t end = std::clamp(limit.value_or(device_limit), 0, one.maximum_position);
-    // The device stops by itself at its own limit only; at a narrower one a move to there does the same.
+    // The device stops by itself only at its own limit; for a narrower one a move to it has the same effect.
     if (end == device_limit) return start(axis, kConstantSpeed, up ? pace : -pace, pace, end);
     start(axis, kMoveAbsolute, end, pace, end);
   });
@@ -185,7 +185,7 @@ bool ZaberStage::follow(Axis axis) {
     const bool again = motion.command == kStop && motion.reply->data == kZaberBusy && clock_.now() < motion.deadline;
     end_motion(axis);
     if (!again) refuse(axis, motion.command, motion.reply->data);
-    // A homing device may refuse to stop: ordered again until it stands. Not verified on hardware.
+    // A homing device may refuse to stop: the command is repeated until it is at rest. Not verified on hardware.
     begin(axis, kStop, 0, Nanoseconds(0), motion.deadline - clock_.now());
     return false;
   }
@@ -231,7 +231,7 @@ bool ZaberStage::send_home(Axis axis) noexcept {
     armed_ = false;
     try {
       open();
-      // The reply comes at the end of the way. The wait lets the order arrive before a turned clock advances.
+      // The reply comes at the end of the travel. The wait lets the command arrive before a turned clock advances.
       (void)line_->ask_plainly(option(axis).device, kHome, 0);
       clock_.reply_lost(options_.reply_timeout);
     } catch (...) {

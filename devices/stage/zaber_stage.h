@@ -34,8 +34,8 @@ struct ZaberIdentity {
 class ZaberStage final : public Stage {
  public:
   using Factory = std::function<std::unique_ptr<ByteStream>()>;
-  // The factory opens the line again at each arm(). All functions but halt(), armed() and exchanges() belong to the
-  // sequencer's thread.
+  // The factory opens the line again at each arm(). Call all functions except halt(), armed() and exchanges() only from
+  // the sequencer's thread.
   ZaberStage(Factory open, ZaberStageOptions options, Clock& clock);
   // Identifies the devices, sets the mode (writes only what differs), reads home status, positions and settings. Moves
   // nothing. Faults: TB-SERIAL-*, TB-STAGE-TIMEOUT, TB-STAGE-WRONG-DEVICE, TB-STAGE-REFUSED.
@@ -44,25 +44,25 @@ class ZaberStage final : public Stage {
   [[nodiscard]] bool armed() const override { return armed_; }
   void home(Axis axis) override;
   void start_move_to(Axis axis, Millimetres position, std::optional<MillimetresPerSecond> speed) override;
-  // Refused while the axis moves (TB-STAGE-MOVING): the starting position is not known.
+  // Refused while the axis moves (TB-STAGE-MOVING), because the starting position is not known.
   void start_move_by(Axis axis, Millimetres distance, std::optional<MillimetresPerSecond> speed) override;
-  // Ends at the axis' limit, where the device's own limit lies further out too.
+  // Ends at the axis' limit, even if the device's own limit is further out.
   void start_speed(Axis axis, MillimetresPerSecond speed) override;
-  // Faults beside those of the wire: TB-STAGE-OVERDUE (a stop was sent), TB-STAGE-ASTRAY when it stands elsewhere.
+  // Faults besides those of the wire: TB-STAGE-OVERDUE (a stop was sent), TB-STAGE-ASTRAY if it stops elsewhere.
   Millimetres wait(Axis axis) override;
   Millimetres stop(Axis axis) override;
   [[nodiscard]] AxisState state(Axis axis) override;
-  // Disarms besides: commands are refused (TB-STAGE-HALTED) until arm(). Opens the line when there is none. Longest:
-  // the exchange under way, then twice opening, halt timeout and two reply timeouts an axis. Under a turned clock only
-  // the thread that armed can see axes come to rest; from another one the answer is false while they slow down.
+  // Also disarms: commands are refused (TB-STAGE-HALTED) until arm(). Opens the line if none is open. Longest duration:
+  // the exchange in progress, then two openings, the halt timeout and two reply timeouts per axis. Under a turned clock
+  // only the thread that armed can see axes come to rest; in another one the answer is false while they slow down.
   [[nodiscard]] bool halt() noexcept override;
-  // Last resort for a stage whose replies are lost: orders the axis home and waits one reply timeout, so that the order
-  // arrives. Disarms. True: sent.
+  // Last resort for a stage whose replies are lost: commands the axis home and waits one reply timeout, so that the
+  // command arrives. Disarms. True: sent.
   bool send_home(Axis axis) noexcept;
   [[nodiscard]] std::vector<Identity> identities() const override;
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
-  // Reads, and changes nothing on the devices; works armed or not. identities() has the firmware of each axis that
-  // answered from then on. Throws only the wire's faults.
+  // Only reads: changes nothing on the devices; works armed or not. From then on identities() has the firmware of each
+  // axis that answered. Throws only the wire's faults.
   [[nodiscard]] std::vector<ZaberIdentity> identify();
 
  private:
@@ -124,12 +124,12 @@ class ZaberStage final : public Stage {
   Clock& clock_;
   std::array<Record, kAxes> records_;
   std::unique_ptr<ZaberLine> line_;
-  std::mutex mutex_;  // the line and the records; held for an exchange or a few, never for a move
+  std::mutex mutex_;  // the line and the records; held for one or a few exchanges, never for a move
   std::atomic<bool> armed_{false};
   std::atomic<bool> halted_{false};
   std::atomic<int> halting_{0};
   std::atomic<std::uint64_t> exchanges_{0};
-  std::thread::id turner_;  // the thread that armed, which may turn the clock
+  std::thread::id turner_;  // the thread that armed; it may advance the clock
 };
 
 }  // namespace tactbench::devices

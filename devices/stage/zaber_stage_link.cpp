@@ -54,7 +54,7 @@ void ZaberStage::listen(const ZaberFrame& frame) {
     const bool tracks = frame.command == kMoveTracking || frame.command == kManualTracking;
     const bool limit = frame.command == kLimitActive && one.motion && one.motion->command == kConstantSpeed;
     if (frame.id != 0 && one.motion && frame.id == one.motion->id) {
-      // Constant speed is answered at once; its end comes as "limit active".
+      // A move at constant speed is answered at once; its end is reported as "limit active".
       if (frame.command != kConstantSpeed) one.motion->reply = frame;
     } else if (frame.id == 0 && limit) {
       one.motion->reply = frame;
@@ -154,11 +154,11 @@ void ZaberStage::arm(Axis axis) {
   const std::int32_t resolution = setting(axis, kResolution);
   one.units.microstep_mm = model->full_step_mm / (resolution > 0 ? resolution : kFullResolution);
   one.maximum_position = setting(axis, kMaximumPosition);
-  if (one.maximum_position < 0) one.maximum_position = kZaberDataMax;  // more than 24 bits hold
+  if (one.maximum_position < 0) one.maximum_position = kZaberDataMax;  // negative: it needs more than 24 bits
   one.acceleration = setting(axis, kAcceleration);
   one.target_speed = setting(axis, kTargetSpeed);
   if (found.status != kZaberIdle) {
-    // Another program's move: waited for, not taken over.
+    // A move of another program: wait for its end, do not take it over.
     one.motion = Motion{};
     one.motion->deadline = one.motion->expected = clock_.now() + option(axis).home_timeout;
   }
@@ -197,7 +197,7 @@ std::vector<ZaberIdentity> ZaberStage::identify() {
   try {
     open();
     for (const Axis axis : kAll) {
-      clock_.wait_until(clock_.now());  // feeds who watches this program: an axis that is not there takes long
+      clock_.wait_until(clock_.now());  // feeds the supervision of this program: an absent axis takes long
       found.push_back(identify(axis));
       if (!found.back().present) continue;
       record(axis).device_id = found.back().device_id;
@@ -248,7 +248,7 @@ bool ZaberStage::halt() noexcept {
   return stands;
 }
 
-// Without message ids: the mode of the devices may not be known. True: each answered that it stands.
+// Without message ids, since the devices' mode may be unknown. True: each reported that it is at rest.
 bool ZaberStage::stop_all() {
   line_->settle();
   line_->send_plainly(0, kStop, 0);
@@ -263,7 +263,7 @@ bool ZaberStage::stop_all() {
       const auto reply = line_->ask_plainly(option(axis).device, kStatus, 0);
       if (!reply) ++unanswered[i];
       stands[i] = reply && reply->command == kStatus && reply->data == kZaberIdle;
-      // A homing device may refuse to stop (255, busy): ordered again until it stands. Not verified on hardware.
+      // A homing device may refuse to stop (255, busy): repeated until it is at rest. Not verified on hardware.
       if (reply && !stands[i] && reply->data != kZaberStopping) line_->send_plainly(option(axis).device, kStop, 0);
       more = more || !stands[i];
     }

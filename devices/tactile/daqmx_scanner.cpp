@@ -46,7 +46,7 @@ DaqmxScanner::DaqmxScanner(DaqmxScannerOptions options, Clock& clock)
   require_geometry(options_.rows > 0 && options_.columns > 0 && options_.samples_per_row > 0 &&
                        options_.sample_rate_hz > 0 && options_.range.value() > 0,
                    "rows, columns, samples, rate and range are above 0");
-  // Relays first: after this they are open, whatever fails.
+  // Opens the relays first, so that they are open whatever fails afterwards.
   relays_.add_output_lines(options_.row_lines);
   const int lines = relays_.channels();
   require_geometry(lines == options_.rows,

@@ -1,5 +1,5 @@
-// The paper's own scanner: the 16 columns on analog inputs of an NI USB-6259, the 16 rows closed in turn by
-// electro-mechanical relays on digital lines (paper section 2). Not verified on hardware.
+// The paper's scanner: 16 columns on analog inputs of an NI USB-6259, 16 rows closed in turn by electro-mechanical
+// relays on digital lines (paper section 2). Not verified on hardware.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@
 namespace tactbench::devices {
 
 // Counts: the driver's calibrated volts, averaged over samples_per_row and rounded to range / 65535; below 0 V they are
-// 0. The status bit for the converter's limit is set by a sample at the range and by a column more than 1 % of the
-// range below 0 V, which is wiring and not noise.
+// 0. The status bit for the converter's limit is set by a sample at the range, and by a column more than 1 % of the
+// range below 0 V, which indicates wrong wiring rather than noise.
 class DaqmxScanner final : public TactileArray {
  public:
-  // Opens all relays. Throws the faults of DaqmxApi, and TB-SCANNER-GEOMETRY where the numbers of channels and lines
-  // are not those of columns and rows.
+  // Opens all relays. Throws the faults of DaqmxApi, and TB-SCANNER-GEOMETRY when the numbers of channels and lines
+  // differ from those of columns and rows.
   DaqmxScanner(DaqmxScannerOptions options, Clock& clock);
   ~DaqmxScanner() override;  // opens all relays
   DaqmxScanner(const DaqmxScanner&) = delete;
   DaqmxScanner& operator=(const DaqmxScanner&) = delete;
 
-  // The settling time is process time: a turned clock advances by rows x settle a scan. The relays are all open
-  // when this returns or throws. Also throws TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-CORRUPT (samples lost).
-  // Device time is process time, for the card has no clock to ask.
+  // The settling time is process time: a turned clock advances by rows x settle per scan. All relays are open when this
+  // returns or throws. Also throws TB-SCANNER-TIMEOUT, TB-SCANNER-LOST, TB-SCANNER-CORRUPT (samples lost). Device time
+  // is process time, because the card has no clock that can be read.
   [[nodiscard]] ScanSet read(int scans) override;
   [[nodiscard]] int rows() const override { return options_.rows; }
   [[nodiscard]] int columns() const override { return options_.columns; }
@@ -34,7 +34,7 @@ class DaqmxScanner final : public TactileArray {
   // Writes and acquisitions requested from the driver.
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
   [[nodiscard]] Identity identity() const override;
-  // How often each row's relay has closed since this was made: relays wear out.
+  // Number of times each row's relay has closed since construction; relays wear out.
   [[nodiscard]] const std::vector<std::uint64_t>& relay_operations() const { return relay_operations_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return api_.warnings(); }
 

@@ -1,5 +1,5 @@
-// Codec of the frame-source protocol, by which any laboratory's scanner can be connected over a byte stream (TCP):
-// bytes to values and back, no I/O. frame_protocol.md is the specification; its example bytes are tested against this.
+// Codec of the frame-source protocol, which connects any laboratory's scanner over a byte stream (TCP): bytes to values
+// and back, no I/O. frame_protocol.md is the specification; its example bytes are tested against this.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +38,9 @@ struct Description {  // source, to Identify
   std::string model, serial, firmware;  // UTF-8 without control characters, up to kMaxText bytes each
   bool operator==(const Description&) const = default;
 };
-struct Frame {  // source, to Scan, and again and again to Subscribe
+struct Frame {  // source, to Scan, and repeatedly to Subscribe
   std::uint64_t device_time_us = 0;
-  std::uint32_t counter = 0;  // one more with each frame that the source has made, for any client; wraps
+  std::uint32_t counter = 0;  // increments with each frame that the source has made, for any client; wraps
   std::uint8_t status = 0;    // bits as in scan_report.h
   std::uint16_t rows = 0, columns = 0;
   std::vector<std::uint16_t> counts;  // rows x columns, row-major
@@ -87,7 +87,7 @@ struct Packet {
 [[nodiscard]] std::optional<Message> decode(const Packet& packet);
 
 // Cuts a byte stream into packets, however the bytes arrive. A wrong magic, length or CRC breaks the stream for good:
-// later bytes cannot be trusted, so the connection has to be closed. Never holds more than was fed to it.
+// later bytes cannot be trusted, so the connection must be closed. Never holds more than was fed to it.
 class Parser {
  public:
   void feed(std::span<const std::uint8_t> bytes);

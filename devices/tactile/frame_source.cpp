@@ -67,7 +67,7 @@ void FrameSource::corrupt(const std::string& what) const {
 }
 
 std::optional<protocol::Message> FrameSource::next_message(Nanoseconds timeout) {
-  const auto end = std::chrono::steady_clock::now() + timeout;  // waiting on a wire is real
+  const auto end = std::chrono::steady_clock::now() + timeout;  // waiting on a wire takes real time
   std::array<std::uint8_t, 16384> bytes{};
   for (;;) {
     if (const auto packet = parser_.next()) {
@@ -143,7 +143,6 @@ void FrameSource::read_scan(ScanSet& set, int index) {
       corrupt(fmt::format("on a request for a fresh frame it sent frame {} after frame {}: it came twice, or is old",
                           frame->counter, *last_counter_));
     }
-    skipped_ += ahead - 1;
   }
   last_counter_ = frame->counter;
   set.counts.insert(set.counts.end(), frame->counts.begin(), frame->counts.end());

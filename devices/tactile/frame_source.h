@@ -16,8 +16,8 @@ namespace tactbench::devices {
 class FrameSource final : public TactileArray {
  public:
   // Connects and identifies the source. Throws Fault TB-SCANNER-LOST (no connection), TB-SCANNER-TIMEOUT,
-  // TB-SCANNER-CORRUPT (the replies are not of the protocol), TB-SCANNER-GEOMETRY, TB-SCANNER-SERIAL. To
-  // reconnect, make a new one.
+  // TB-SCANNER-CORRUPT (the replies do not follow the protocol), TB-SCANNER-GEOMETRY, TB-SCANNER-SERIAL. To reconnect,
+  // create a new object.
   FrameSource(FrameSourceOptions options, Clock& clock);
   // Also throws Fault TB-SCANNER-REFUSED (the source replied with an error; the message is the source's). After
   // TB-SCANNER-LOST and after damage to the stream every further read fails the same way. ScanSet's device time is the
@@ -28,9 +28,6 @@ class FrameSource final : public TactileArray {
   [[nodiscard]] Volts volts_per_count() const override { return Volts(described_.volts_per_count); }
   [[nodiscard]] std::uint64_t exchanges() const override { return exchanges_; }
   [[nodiscard]] Identity identity() const override;
-  // Frames that the source made and that did not arrive here, by its counter: another client asked for them, or they
-  // were lost on the way. A frame that comes twice is Fault TB-SCANNER-CORRUPT.
-  [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
  private:
   // Sends the request and returns the answer to it; answers to older requests are ignored.
@@ -47,7 +44,6 @@ class FrameSource final : public TactileArray {
   std::optional<std::uint32_t> last_counter_;
   std::uint16_t next_tag_ = 1;
   std::uint64_t exchanges_ = 0;
-  std::uint64_t skipped_ = 0;
 };
 
 }  // namespace tactbench::devices

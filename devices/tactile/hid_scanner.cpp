@@ -22,7 +22,7 @@ using Buffer = std::array<std::uint8_t, kScanReportBytes + 1>;  // one more show
               "Read again; if it recurs, check the scanner's cable and its firmware.");
 }
 
-// Real time: waiting on a wire is real, whatever the process clock does.
+// Real time: waiting on a wire takes real time, whatever the process clock does.
 class Deadline {
  public:
   explicit Deadline(Nanoseconds span) : end_(std::chrono::steady_clock::now() + span) {}

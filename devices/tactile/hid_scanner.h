@@ -1,5 +1,5 @@
-// Driver of the HID scanner over any ReportLink: joins frames from row reports, finds gaps, duplicates and damage by
-// sequence number, tag and CRC, drains before asking.
+// Driver of the HID scanner over any ReportLink: assembles frames from row reports, detects gaps, duplicates and damage
+// by sequence number, tag and CRC, and discards queued reports before each request.
 #pragma once
 
 #include <memory>

@@ -33,7 +33,7 @@ struct DaqmxScannerOptions {
   DaqmxTerminal terminal = DaqmxTerminal::kRse;
   Volts range{10.0};                                     // inputs measure -range to +range; counts cover 0 to range
   bool relays_active_low = false;                        // a relay closes on 0
-  double sample_rate_hz = 10'000;                        // samples of all columns a second
+  double sample_rate_hz = 10'000;                        // samples of all columns per second
   double convert_rate_hz = 0;                            // from column to column; 0: the driver chooses
   int samples_per_row = 10;                              // averaged
   Nanoseconds settle = std::chrono::milliseconds(5);     // from closing a relay to the first sample
@@ -52,9 +52,9 @@ struct FrameSourceOptions {
 };
 
 struct SimulatedScannerFaults {  // test and nightly switches, all off by default
-  long silent_after_scans = -1;  // answers that many scans, then none
-  long corrupt_scan = -1;        // flips a bit in one report of that scan (0-based)
-  long drop_report_scan = -1;    // leaves one report of that scan out
+  long silent_after_scans = -1;  // answers this many scans, then none
+  long corrupt_scan = -1;        // flips a bit in one report of this scan (0-based)
+  long drop_report_scan = -1;    // omits one report of this scan
   long unplug_after_scans = -1;  // closes the socket
   FaultInjector inject = {};     // silent, stale, corrupt, torn (a report is missing); unplugged: connections close
 };

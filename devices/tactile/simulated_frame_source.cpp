@@ -71,7 +71,7 @@ class SimulatedFrameSource::Server {
     int socket = -1;
     protocol::Parser parser;
     std::vector<std::uint8_t> unsent;           // while not empty, no request of this client is read
-    bool closing = false;                       // once all is sent
+    bool closing = false;                       // close when all is sent
     std::optional<std::uint16_t> subscription;  // its tag
   };
 
@@ -92,7 +92,7 @@ class SimulatedFrameSource::Server {
   void serve() {
     std::vector<pollfd> watched;
     for (;;) {
-      const int listener = clients_.size() < kMaxSubscribers ? listener_ : -1;  // poll() passes over negative ones
+      const int listener = clients_.size() < kMaxSubscribers ? listener_ : -1;  // poll() ignores negative ones
       watched.assign({{stop_, POLLIN, 0}, {listener, POLLIN, 0}});
       for (const Subscriber& client : clients_) {
         watched.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
@@ -127,7 +127,7 @@ class SimulatedFrameSource::Server {
     clients_.emplace_back().socket = socket;
   }
 
-  // False: the connection is to be closed.
+  // False: close the connection.
   bool attend(Subscriber& client) {
     std::uint8_t bytes[512];
     const ssize_t got = ::recv(client.socket, bytes, sizeof bytes, 0);
@@ -217,7 +217,7 @@ class SimulatedFrameSource::Server {
     }
   }
 
-  // One frame to each subscriber that has taken the one before; a slow one sees the counter jump.
+  // Sends a frame to each subscriber that has taken the previous one; a slow one sees the counter jump.
   void publish() {
     next_frame_ = std::max(next_frame_ + period_, Real::now());
     if (!make_frame()) return;

@@ -95,7 +95,7 @@ class SimulatedScanner::Server {
     }
   }
 
-  // False: the connection is to be closed.
+  // False: close the connection.
   bool attend() {
     std::uint8_t bytes[kScanReportBytes];
     const ssize_t got = ::recv(client_, bytes, sizeof bytes, 0);

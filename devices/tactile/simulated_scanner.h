@@ -29,7 +29,7 @@ class SimulatedScanner {
   // TB-SIM-LISTEN.
   SimulatedScanner(std::string path, IdentityReport identity, TactilePort& port, const Clock& clock,
                    SimulatedScannerFaults faults = {});
-  ~SimulatedScanner();  // stops the thread, bounded; removes the socket file
+  ~SimulatedScanner();  // stops the thread in bounded time; removes the socket file
   SimulatedScanner(const SimulatedScanner&) = delete;
   SimulatedScanner& operator=(const SimulatedScanner&) = delete;
 

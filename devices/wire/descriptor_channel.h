@@ -21,11 +21,11 @@ class DescriptorChannel {
   ~DescriptorChannel();
   DescriptorChannel(const DescriptorChannel&) = delete;
   DescriptorChannel& operator=(const DescriptorChannel&) = delete;
-  // Two sockets, SOCK_SEQPACKET: packets stay whole, and the other side detects when one ends. Throws Fault
+  // Two connected sockets, SOCK_SEQPACKET: packets stay whole, and each side detects when the other ends. Throws Fault
   // TB-CHANNEL.
   static std::pair<int, int> make_pair();
 
-  // False when the other side is gone or takes nothing. Never blocks, raises no signal.
+  // False when the other side is gone or accepts nothing. Never blocks, raises no signal.
   bool send(const std::string& text, int descriptor = -1) const noexcept;
   // The next packet; none when none came within `timeout` or the other side is gone (then closed() is true).
   [[nodiscard]] std::optional<ChannelPacket> receive(Nanoseconds timeout);

@@ -59,7 +59,7 @@ class Exchange {
     }
   }
 
-  // Until the other side closes, or `complete` is true of the text so far.
+  // Reads until the other side closes, or until `complete` returns true for the text so far.
   template <class Complete>
   std::string receive(Complete&& complete) {
     std::string text;

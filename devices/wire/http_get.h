@@ -1,5 +1,5 @@
-// One small page of a device's built-in web server, by HTTP/1.0. Not by a library: Beast would bring its headers into
-// this room for one fixed request, and every step here has the deadline that the room requires.
+// Gets one small page from a device's built-in web server with HTTP/1.0. No library: Beast would bring its headers into
+// devices/ for one fixed request, and every step here needs a deadline, as everywhere in devices/.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace tactbench::devices {
 
 struct HttpPage {
-  std::string host;  // in numbers
+  std::string host;  // numeric address
   int port = 80;
   std::string path;  // begins with '/'
   Nanoseconds timeout = std::chrono::seconds(3);

@@ -1,4 +1,4 @@
-// An IP address in numbers as sockets take it. Names are not resolved: a resolver's time has no bound that we set.
+// A numeric IP address as sockets need it. Names are not resolved: a resolver's time has no bound that we set.
 #pragma once
 
 #include <netinet/in.h>
@@ -15,7 +15,7 @@ struct IpAddress {
   [[nodiscard]] int family() const { return storage.ss_family; }
 };
 
-// Empty when `host` is no IPv4 or IPv6 address in numbers, or the port is not 1..65535.
+// Empty when `host` is not a numeric IPv4 or IPv6 address, or the port is not 1..65535.
 [[nodiscard]] std::optional<IpAddress> numeric_address(const std::string& host, int port);
 
 }  // namespace tactbench::devices

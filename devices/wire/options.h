@@ -20,8 +20,8 @@ struct ModbusEndpoint {
   char parity = 'N';             // N, E or O
   int stop_bits = 1;
   Nanoseconds max_reply_delay = std::chrono::milliseconds(1000);  // RTU: no answer comes later than this
-  // RTU: protection of the open port against other programs. A dead-man has to reach the line of a program that hangs:
-  // the program then sets no `exclusive` (its lock still keeps other tactbench programs out), the dead-man neither.
+  // RTU: protects the open port against other programs. A dead-man must reach the line of a hung program: the program
+  // then sets no `exclusive` (its lock still keeps other tactbench programs out), the dead-man sets neither.
   bool lock = true;       // flock()
   bool exclusive = true;  // TIOCEXCL
 };
@@ -31,7 +31,7 @@ struct SerialAddress {
   int baud = 9600;
   char parity = 'N';  // 'N', 'E' or 'O'
   int stop_bits = 1;
-  std::string usb_serial;  // with a port: it must carry this serial number; without: the port that carries it is used
+  std::string usb_serial;  // with a port: it must have this serial number; without: the port that has it is used
 };
 
 struct HidAddress {

@@ -1,5 +1,5 @@
 // A transport of numbered HID reports. The real side is hidapi on hidraw (hid_link.h); the simulated side is a local
-// SOCK_SEQPACKET socket (packet_link.h). The drivers above do not distinguish.
+// SOCK_SEQPACKET socket (packet_link.h). Drivers work with both.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace tactbench::devices {
 class ReportLink {
  public:
   virtual ~ReportLink() = default;
-  // Sends one report, first byte its report id. Throws Fault TB-HID-WRITE.
+  // Sends one report; its first byte is the report id. Throws Fault TB-HID-WRITE.
   virtual void write(std::span<const std::uint8_t> report) = 0;
   // Waits for one report; 0 when none came before `timeout`. Retries EINTR. Throws Fault TB-HID-LOST when the device
   // is gone (the link never recovers: make a new one).

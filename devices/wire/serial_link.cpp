@@ -200,7 +200,7 @@ std::unique_ptr<ByteStream> open_serial(const SerialAddress& address) {
   auto link = std::make_unique<SerialLink>(std::move(port), handle, name);
   if (::flock(handle, LOCK_EX | LOCK_NB) != 0) busy(name);
   ::ioctl(handle, TIOCEXCL);
-  ::fcntl(handle, F_SETFD, FD_CLOEXEC);  // sp_open() leaves the port to child processes
+  ::fcntl(handle, F_SETFD, FD_CLOEXEC);  // sp_open() lets child processes inherit the port
   configure(found, address, name);
   return link;
 }

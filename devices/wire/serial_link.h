@@ -1,5 +1,5 @@
-// ByteStream over a serial port (libserialport), with its traps avoided: unplugging is a fault at once and not silence,
-// waiting does not load a core, a port is held by one program only.
+// ByteStream over a serial port (libserialport), without its pitfalls: unplugging is a fault at once rather than
+// silence, waiting does not load a core, only one program can hold a port.
 #pragma once
 
 #include <memory>
@@ -19,12 +19,12 @@ struct SerialPortInfo {
   std::string usb_serial;
 };
 
-// Ports of the system; pseudo-terminals are never among them, and a port may have nothing attached.
+// Ports of the system, without pseudo-terminals; a port may have nothing attached.
 [[nodiscard]] std::vector<SerialPortInfo> list_serial_ports();
 
-// Opens the port, eight data bits and no handshake; unread bytes are discarded. Addresses of open_stream() are passed
-// to it, since libserialport opens ports only. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another program
-// holds the port. Each write() takes at most one second.
+// Opens the port with eight data bits and no handshake; discards unread bytes. Addresses of open_stream() are passed to
+// it, since libserialport opens only ports. Throws Fault TB-SERIAL-OPEN, and TB-SERIAL-BUSY when another program holds
+// the port. Each write() takes at most one second.
 [[nodiscard]] std::unique_ptr<ByteStream> open_serial(const SerialAddress& address);
 
 }  // namespace tactbench::devices

@@ -18,8 +18,8 @@ namespace tactbench::devices {
 [[nodiscard]] std::unique_ptr<ByteStream> open_stream(const std::string& address,
                                                       Nanoseconds timeout = std::chrono::seconds(2));
 
-// A stream over a descriptor that was opened and set up elsewhere (a serial port, a pseudo-terminal, a socket), not
-// blocking; closes it in its destructor. `address` names it in faults.
+// A stream over a non-blocking descriptor that was opened and configured elsewhere (a serial port, a pseudo-terminal, a
+// socket); the destructor closes it. `address` names it in faults.
 [[nodiscard]] std::unique_ptr<ByteStream> adopt_stream(int descriptor, const std::string& address,
                                                        Nanoseconds timeout = std::chrono::seconds(2));
 

@@ -1,5 +1,5 @@
-// Datagrams to and from one peer: a connected UDP socket, so that the kernel drops datagrams of others and reports a
-// port without a listener.
+// Datagrams to and from one peer over a connected UDP socket, so that the kernel drops datagrams from others and
+// reports a port without a listener.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace tactbench::devices {
 
 class UdpLink {
  public:
-  // `host` in numbers. Throws Fault TB-UDP-OPEN; a missing listener shows only at receive().
+  // `host` is a numeric address. Throws Fault TB-UDP-OPEN; a missing listener is detected only by receive().
   UdpLink(const std::string& host, int port, std::string device);
   ~UdpLink();
   UdpLink(const UdpLink&) = delete;

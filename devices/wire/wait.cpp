@@ -23,7 +23,7 @@ Nanoseconds left_until(RealTime end) {
 short wait_for(int descriptor, short events, Nanoseconds timeout) {
   const RealTime deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
-    // First no end at work, then nothing to read: in this order, since an end answers before it stops working.
+    // First checks for ends at work, then for bytes: in this order, since an end answers before it stops working.
     const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : Nanoseconds(0);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
     const timespec span{seconds.count(), (left - seconds).count()};

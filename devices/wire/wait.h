@@ -1,4 +1,4 @@
-// Waiting for a descriptor in real time, bounded, interrupted calls retried. A timeout is extended while a simulated
+// Bounded waiting for a descriptor in real time; interrupted calls are retried. A timeout is extended while a simulated
 // end of this process still owes an answer (end_at_work.h).
 #pragma once
 

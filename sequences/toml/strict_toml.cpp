@@ -90,6 +90,9 @@ TomlDocument TomlDocument::from_file(const std::string& path) {
   if (found && status.type() != fs::file_type::regular) {
     refuse(fmt::format("'{}' is not a regular file", path), "name a file: devices, folders and pipes are not read");
   }
+  // Files of /proc and /sys also have size 0; reading some of them blocks forever.
+  if (found && fs::file_size(path, unknown) == 0)
+    refuse(fmt::format("'{}' is empty", path), "check that it is the right file");
   std::ifstream stream;
   if (found) stream.open(path, std::ios::binary);
   if (!found || !stream) {

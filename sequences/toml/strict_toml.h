@@ -1,5 +1,5 @@
-// TOML read strictly: every key must be read, every value has its type, and each error names file, line, column and the
-// nearest known key. Recipes, bench, sensor and limits files are all read through this.
+// A strict TOML reader: every key must be read, every value must have its type, and each error names file, line, column
+// and the nearest known key. Recipes, bench, sensor and limits files are all read with it.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace tactbench::sequences {
 
-// The one error type of this room: a file that cannot be used. id: TB-FILE-MISSING, TB-FILE-SYNTAX, TB-FILE-KEY,
+// The error type of sequences/: a file that cannot be used. id: TB-FILE-MISSING, TB-FILE-SYNTAX, TB-FILE-KEY,
 // TB-FILE-VALUE.
 class FileError : public std::runtime_error {
  public:
-  // A NUL in the message is shown as \x00: what() would end there.
+  // A NUL in the message is shown as \x00, because what() would end at it.
   FileError(std::string id, const std::string& message, std::string where, std::string remedy)
       : std::runtime_error(shown(message)), id_(std::move(id)), where_(std::move(where)), remedy_(std::move(remedy)) {}
   [[nodiscard]] const std::string& id() const { return id_; }
@@ -45,11 +45,11 @@ class TomlDocument {
   // A regular file of at most 16 MB. Throws FileError TB-FILE-MISSING, TB-FILE-SYNTAX.
   static TomlDocument from_file(const std::string& path);
   static TomlDocument from_text(const std::string& text, const std::string& name);
-  // Replaces or adds a value before reading; errors in it name the key as it was typed, after `prefix`. Throws
-  // FileError TB-FILE-VALUE.
+  // Replaces or adds a value before reading; errors in it name the key as typed, after `prefix`. Throws FileError
+  // TB-FILE-VALUE.
   void set(const Override& override_value, const std::string& prefix = {});
   void remove(const std::string& key);  // of the root; an absent key is not an error
-  // From now on the text "$name" stands for `value` wherever a number is read.
+  // From now on the text "$name" means `value` wherever a number is read.
   void define(const std::string& name, double value);
   [[nodiscard]] bool uses(const std::string& name) const;  // "$name" was read
   [[nodiscard]] TomlTable root() const;
@@ -73,16 +73,18 @@ class TomlTable {
   // Without a fallback the key is required. All throw FileError with the place.
   [[nodiscard]] double number(const std::string& key) const;
   [[nodiscard]] double number(const std::string& key, double fallback) const;
-  // As number(), and refuses values outside low..high (both allowed).
+  // Like number(), but refuses values outside low..high (both allowed).
   [[nodiscard]] double number_in(const std::string& key, double fallback, double low, double high) const;
-  // 0 (none), or low..high.
+  // Like number(), but accepts only 0 (none) or low..high.
   [[nodiscard]] double zero_or_in(const std::string& key, double fallback, double low, double high) const;
   [[nodiscard]] long integer(const std::string& key, long low, long high) const;
   [[nodiscard]] long integer(const std::string& key, long fallback, long low, long high) const;
   [[nodiscard]] bool boolean(const std::string& key, bool fallback) const;
   [[nodiscard]] std::string text(const std::string& key) const;
   [[nodiscard]] std::string text(const std::string& key, const std::string& fallback) const;
-  // A text, or TOML's own date as "2026-01-31"; empty where absent.
+  // A text that names something: neither empty nor blank.
+  [[nodiscard]] std::string name(const std::string& key) const;
+  // A text, or TOML's own date as "2026-01-31"; empty if absent.
   [[nodiscard]] std::string date_text(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;  // an absent list reads as an empty one
   // One of `words`.
@@ -98,7 +100,7 @@ class TomlTable {
   [[nodiscard]] TomlTable table(const std::string& key) const;  // an absent table reads as an empty one
   [[nodiscard]] std::vector<TomlTable> tables(const std::string& key) const;
   void finish() const;
-  // Throws FileError for `key`: message, then its place.
+  // Throws FileError for `key`: the message, then the key's place in the file.
   [[noreturn]] void fail(const std::string& key, const std::string& message, const std::string& remedy) const;
 
  private:

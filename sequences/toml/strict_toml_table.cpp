@@ -71,6 +71,13 @@ std::string TomlTable::text(const std::string& key, const std::string& fallback)
   return fallback;
 }
 
+std::string TomlTable::name(const std::string& key) const {
+  std::string value = text(key);
+  if (value.find_first_not_of(" \t\r\n") == std::string::npos)
+    fail(key, fmt::format("'{}' is empty", key), "give a short name");
+  return value;
+}
+
 std::string TomlTable::date_text(const std::string& key) const {
   const toml::node* node = view_->find(key);
   const auto* const date = node == nullptr ? nullptr : node->as_date();

@@ -46,7 +46,7 @@ struct TomlTable::View {
     if (shown == nullptr || shown->source().begin.line == 0) return file + ", " + dotted;
     return fmt::format("{}:{}:{}, {}", file, shown->source().begin.line, shown->source().begin.column, dotted);
   }
-  // A number, or the parameter that "$name" stands for; none for anything else. Throws for an undeclared parameter.
+  // A number, or the parameter that "$name" refers to; none for anything else. Throws for an undeclared parameter.
   [[nodiscard]] std::optional<double> number_of(const toml::node& node, const std::string& key) const;
   // Records a value read, for TomlDocument::settings(); `node` null: the default.
   void note(const toml::node* node, const std::string& key, const std::string& value) const {

@@ -5,7 +5,7 @@
 
 using tactbench::analysis::counted;
 
-TEST_CASE("a number has its noun in the right form") {
+TEST_CASE("a counted noun is in the singular or plural as its number requires") {
   CHECK(counted(0, "frame") == "0 frames");
   CHECK(counted(1, "frame") == "1 frame");
   CHECK(counted(std::size_t{2}, "frame") == "2 frames");

@@ -86,7 +86,7 @@ TEST_CASE("sweeps at slightly different measured pressures come onto one grid") 
   CHECK(loop.descending[1] == Approx(10.2));
 }
 
-TEST_CASE("no full sweep is an error that says which") {
+TEST_CASE("a missing full sweep is an error that names its direction") {
   TaxelTable common;
   common.pressure_psi = {0, 10, 20, 10};
   common.branches = branches_along(common.pressure_psi);

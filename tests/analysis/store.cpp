@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "db/run_store.h"
 #include "tests/analysis/support/synthetic.h"
@@ -149,7 +149,7 @@ TEST_CASE("frames become volts in step order, and an incomplete repeat is left o
   CHECK_FALSE(data.at_limit[0]);
 }
 
-TEST_CASE("void branches do not count, their redone ones do") {
+TEST_CASE("void branches do not count, the redone branches do") {
   TemporaryStore store;
   const std::int64_t run = begin(*store, {}, kTiny);
   const std::int64_t bad = store->begin_branch(run, {0, 0, 0, 0, 0, false, "", 0.0, 2.0});
@@ -219,37 +219,40 @@ TEST_CASE("a fit survives the store bit for bit, and evaluates the same") {
       for (std::size_t i = 0; i < repeat.steps.size(); ++i) repeat.volts[i * 6 + 4] = 0.0;  // a dead one
   const std::int64_t number = record_dataset(*store, source);
   const Dataset data = load_dataset(*store, number);
-  ArrayFitOptions fit_options;
-  fit_options.elam.exact_outer = true;
-  const ArrayFit fit = fit_array(data, fit_options);
+  FitOptions fit_options;
+  fit_options.identify.exact_outer = true;
+  const SensorModel fit = fit_array(data, fit_options);
   CHECK_THROWS_AS(load_fit(*store, number), AnalysisError);
-  CHECK(store_fit(*store, fit, "0.1.0", "2024-01-01T00:00:00Z") > 0);
-  const ArrayFit back = load_fit(*store, number);
+  const std::int64_t kept = store_fit(*store, fit, "0.1.0", "2024-01-01T00:00:00Z");
+  CHECK(kept > 0);
+  const SensorModel back = load_fit(*store, store->fit(kept));
 
   CHECK(back.run == number);
   CHECK(back.sensor_serial == "S1");
   CHECK(back.scanner_serial == "C1");
   CHECK(back.origin == "simulated");
-  CHECK(back.full_scale_v == fit.full_scale_v);
+  CHECK(back.full_scale_v() == fit.full_scale_v());
   CHECK(back.pressure_psi == fit.pressure_psi);
-  const auto same = [](const TaxelFit& a, const TaxelFit& b) {
+  const auto same = [](const ModelTaxel& a, const ModelTaxel& b) {
     CHECK(a.status == b.status);
-    CHECK(a.noise_v == b.noise_v);
-    CHECK(a.fit.j_v2 == b.fit.j_v2);
-    CHECK(a.fit.mean_error_v == b.fit.mean_error_v);
-    CHECK(a.fit.max_error_v == b.fit.max_error_v);
-    CHECK(a.fit.full_scale_v == b.fit.full_scale_v);
+    CHECK(a.noise == b.noise);
+    CHECK(a.fit.j == b.fit.j);
+    CHECK(a.fit.mean_error == b.fit.mean_error);
+    CHECK(a.fit.max_error == b.fit.max_error);
+    CHECK(a.full_scale() == b.full_scale());
     CHECK(a.fit.at_bound == b.fit.at_bound);
-    const ElamParameters &p = a.fit.model.parameters, &q = b.fit.model.parameters;
+    REQUIRE((elam_of(a) == nullptr) == (elam_of(b) == nullptr));
+    if (elam_of(a) == nullptr) return;
+    const ElamParameters &p = elam_of(a)->parameters, &q = elam_of(b)->parameters;
     CHECK((p.alpha_d == q.alpha_d && p.beta_d == q.beta_d && p.beta_a == q.beta_a));
     CHECK((p.alpha_a1 == q.alpha_a1 && p.alpha_a0 == q.alpha_a0));
-    CHECK(std::ranges::equal(a.fit.model.ascending.y(), b.fit.model.ascending.y()));
-    CHECK(std::ranges::equal(a.fit.model.descending.y(), b.fit.model.descending.y()));
+    CHECK(std::ranges::equal(a.ascending.y(), b.ascending.y()));
+    CHECK(std::ranges::equal(a.descending.y(), b.descending.y()));
   };
-  REQUIRE(back.taxels.size() == 6);
+  REQUIRE(back.array().size() == 6);
   for (std::size_t i = 0; i < 6; ++i) same(fit.taxels[i], back.taxels[i]);
-  same(fit.mean_taxel, back.mean_taxel);
+  same(fit.mean_taxel(), back.mean_taxel());
   CHECK(back.taxels[4].status == TaxelStatus::kDead);
-  CHECK(back.taxels[0].fit.model.options.exact_outer);
+  CHECK(elam_of(back.taxels[0])->options.exact_outer);
   CHECK(evaluate(data, back).mean_error_psi == evaluate(data, fit).mean_error_psi);
 }

@@ -34,10 +34,10 @@ const std::vector<Taxel>& taxels() {
   static const std::vector<Taxel> all = [] {
     const Dataset& data = dataset();
     const auto width = static_cast<std::size_t>(data.taxels());
-    const ArrayFit fit = fit_array(data);
+    const SensorModel fit = fit_array(data);
     std::vector<Taxel> list;
     for (std::size_t taxel = 0; taxel < width; ++taxel) {
-      Taxel own{fit.taxels[taxel].fit.model.ascending, fit.taxels[taxel].fit.model.descending, {}};
+      Taxel own{fit.taxels[taxel].ascending, fit.taxels[taxel].descending, {}};
       for (const SequenceData& sequence : data.sequences) {
         const TaxelTable common = bring_to_common(sequence, data.taxels());
         for (const Branch& branch : common.branches) {
@@ -91,9 +91,9 @@ const bool registered = [] {
 // Arguments: rows and columns, threads.
 void elam_fit_array(benchmark::State& state) {
   const Dataset data = dataset_of(static_cast<int>(state.range(0)));
-  ArrayFitOptions options;
+  FitOptions options;
   options.threads = static_cast<int>(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(fit_array(data, options).full_scale_v);
+  for (auto _ : state) benchmark::DoNotOptimize(fit_array(data, options).full_scale_v());
   state.SetItemsProcessed(state.iterations() * data.taxels());
 }
 BENCHMARK(elam_fit_array)

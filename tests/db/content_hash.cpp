@@ -175,7 +175,7 @@ TEST_CASE("each bit of a blob, each frame, event and branch, and their order cou
   CHECK(differs_in_a_copy("UPDATE frames SET frame = frame + 5 WHERE frame % 10 = 2"));
 }
 
-TEST_CASE("the bytes under a link cannot be read in two ways, and numbers hash as SQLite keeps them") {
+TEST_CASE("the bytes under a link of the chain are unambiguous, and numbers hash as SQLite stores them") {
   db::HashChain chain;
   db::RunRecord one = example_run(), two = example_run();
   one.operator_name = "ab";

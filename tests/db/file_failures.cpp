@@ -64,7 +64,7 @@ std::string failed_with(int number, std::string* message) {
 
 }  // namespace
 
-TEST_CASE("no room on the disk, in the quota or under the limit on a file's size is all no room") {
+TEST_CASE("a full disk, a full quota and a file size limit are all reported as a full store") {
   for (const int number : {ENOSPC, EDQUOT, EFBIG}) {
     std::string message;
     CHECK(failed_with(number, &message) == "TB-STORE-FULL");
@@ -73,7 +73,7 @@ TEST_CASE("no room on the disk, in the quota or under the limit on a file's size
   }
 }
 
-TEST_CASE("a disk that fails is not full, and its number is said in words") {
+TEST_CASE("a failing disk is not reported as full, and its error number is given in words") {
   std::string message;
   CHECK(failed_with(EIO, &message) == "TB-STORE-SQL");
   CHECK_THAT(message, Catch::Contains(std::strerror(EIO)));

@@ -51,8 +51,8 @@ TEST_CASE("a baseline needs runs with figures of its subject, a reason and a nam
     change(wrong);
     return store_error([&] { store.add_baseline(wrong); });
   };
-  CHECK(refused([](db::BaselineRecord& b) { b.reason.clear(); }) == "TB-STORE-CONFLICT");
-  CHECK(refused([](db::BaselineRecord& b) { b.accepted_by.clear(); }) == "TB-STORE-CONFLICT");
+  CHECK(refused([](db::BaselineRecord& b) { b.reason = " "; }) == "TB-STORE-BLANK");
+  CHECK(refused([](db::BaselineRecord& b) { b.accepted_by.clear(); }) == "TB-STORE-BLANK");
   CHECK(refused([](db::BaselineRecord& b) { b.runs.clear(); }) == "TB-STORE-CONFLICT");
   CHECK(refused([&](db::BaselineRecord& b) { b.runs.push_back(third); }) == "TB-STORE-CONFLICT");
   CHECK(refused([](db::BaselineRecord& b) { b.runs.push_back(99); }) == "TB-STORE-NOT-FOUND");
@@ -100,7 +100,8 @@ TEST_CASE("a report is approved once, by name, and is copied with its run") {
   const db::ReportRecord report{run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", ""};
   store.add_report(report);
   CHECK(store_error([&] { store.add_report(report); }) == "TB-STORE-CONFLICT");
-  CHECK(store_error([&] { store.add_report({run, "1-ffffffff", "ff", "", "2026", ""}); }) == "TB-STORE-CONFLICT");
+  for (const char* nobody : {"", " \t"})
+    CHECK(store_error([&] { store.add_report({run, "1-ffffffff", "ff", nobody, "2026", ""}); }) == "TB-STORE-BLANK");
   store.add_report({run, "1-ffffffff", "ff", "M. Ito", "2026-01-02T00:00:00Z", "1-0a1b2c3d"});
   store.replace_figures(run, "sensor", {{"x_psi", 1.0}});
   RunStore other = RunStore::open(folder.path("other.db"));

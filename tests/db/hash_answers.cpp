@@ -65,7 +65,7 @@ TEST_CASE("the end of a run hashes to what another program finds, with a force a
   CHECK(chain.close({}, 0, end) != other);
 }
 
-TEST_CASE("what lies under seals hashes to what another program finds") {
+TEST_CASE("sealed data hash to what another program finds") {
   HashChain chain;
   db::FitRecord first{3, 1, "elam", R"({"o":1})", R"({"s":2})", "0.1.0", "2024", R"({"p":3})"};
   db::FitRecord second;

@@ -112,7 +112,7 @@ TEST_CASE("each flipped bit of the header is refused or harmless also where page
   CHECK(fates.refused + fates.harmless == 128);
 }
 
-TEST_CASE("a schema version that no program wrote is damage, not SQL") {
+TEST_CASE("an impossible schema version is reported as damage") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   RunStore::open(path);

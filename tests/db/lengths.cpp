@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "bench/common/error.h"
+#include "db/utf8.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
@@ -20,7 +21,7 @@ std::string umlauts(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("names, purposes, notes and reasons have a longest length, in characters") {
+TEST_CASE("names, purposes, notes and reasons have a maximum length in characters") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::string name(db::kLongestName + 1, 'n'), text(db::kLongestText + 1, 't');
@@ -65,7 +66,33 @@ TEST_CASE("names, purposes, notes and reasons have a longest length, in characte
   CHECK((stored.notes.empty() && !stored.is_void() && store.reports(run).empty() && store.baselines().empty()));
 }
 
-TEST_CASE("what an instrument tells of itself has a longest length and is UTF-8, or nothing of it is stored") {
+TEST_CASE("names without a visible character are refused as a usage error") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  for (const char* blank : {" ", "\t\n", "\u00a0\u2003", "\u200b", "\ufeff\u3000"}) {
+    db::SensorRecord sensor = example_sensor();
+    sensor.serial = blank;
+    CHECK(store_error([&] { store.add_sensor(sensor); }) == "TB-STORE-BLANK");
+    sensor = example_sensor();
+    sensor.scanner_serial = blank;
+    CHECK(store_error([&] { store.add_sensor(sensor); }) == "TB-STORE-BLANK");
+    CHECK(db::is_blank(blank));
+  }
+  CHECK(store.sensors().empty());
+  db::SensorRecord any_scanner = example_sensor();
+  any_scanner.serial = "\u00a0S 1";
+  any_scanner.scanner_serial = "";
+  store.add_sensor(any_scanner);
+  store.add_sensor(example_sensor());
+  db::RunRecord record = example_run();
+  record.operator_name = "  ";
+  CHECK(store_error([&] { store.begin_run(record); }) == "TB-STORE-BLANK");
+  record.operator_name = "";  // of an imported table nobody need be known
+  CHECK(store.begin_run(record) == 1);
+  CHECK((db::is_blank("") && !db::is_blank("\xff") && !db::is_blank(" \u00fc ")));
+}
+
+TEST_CASE("texts from an instrument have a maximum length and are UTF-8, else none of them is stored") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store.add_sensor(example_sensor());

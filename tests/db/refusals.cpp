@@ -98,7 +98,9 @@ TEST_CASE("reading never writes, and does not recover a dead writer's log") {
     RunStore reader = RunStore::open_read_only(path);
     CHECK(reader.frame_count(1) == 3);
     CHECK(reader.content_hash(1) == reader.run(1).content_sha256);
-    CHECK(store_error([&] { reader.add_sensor({"S-2", "", "", "", "", "", ""}); }) == "TB-STORE-OPEN");
+    db::SensorRecord other = example_sensor();
+    other.serial = "S-2";
+    CHECK(store_error([&] { reader.add_sensor(other); }) == "TB-STORE-OPEN");
     CHECK(store_error([&] { reader.begin_run(example_run()); }) == "TB-STORE-OPEN");
     CHECK(store_error([&] { (void)reader.mark_interrupted(""); }) == "TB-STORE-OPEN");
   }

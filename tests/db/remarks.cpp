@@ -35,7 +35,8 @@ TEST_CASE("notes are lines that only grow") {
   store.add_note(run, "first");
   store.add_note(run, "second, \"quoted\"");
   CHECK(store.run(run).notes == "first\nsecond, \"quoted\"");
-  CHECK(store_error([&] { store.add_note(run, ""); }) == "TB-STORE-CONFLICT");
+  for (const char* nothing : {"", " ", "\n\t"})
+    CHECK(store_error([&] { store.add_note(run, nothing); }) == "TB-STORE-BLANK");
   CHECK(store_error([&] { store.add_note(99, "x"); }) == "TB-STORE-NOT-FOUND");
   CHECK(store.check_content(run).holds());
 }
@@ -45,8 +46,8 @@ TEST_CASE("a void run is kept with reason and name, and is not a reference for l
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
   REQUIRE(store.last_check("S-1", "seating", "pass", run + 1));
-  CHECK(store_error([&] { store.void_run(run, "", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-CONFLICT");
-  CHECK(store_error([&] { store.void_run(run, "why", "", "2026-01-01T00:00:00Z"); }) == "TB-STORE-CONFLICT");
+  CHECK(store_error([&] { store.void_run(run, " ", "me", "2026-01-01T00:00:00Z"); }) == "TB-STORE-BLANK");
+  CHECK(store_error([&] { store.void_run(run, "why", "", "2026-01-01T00:00:00Z"); }) == "TB-STORE-BLANK");
   store.void_run(run, "gauge was closed", "N. Nobody", "2026-01-01T00:00:00Z");
   const db::RunRecord record = store.run(run);
   CHECK((record.is_void() && record.void_reason == "gauge was closed" && record.void_by == "N. Nobody"));

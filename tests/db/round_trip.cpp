@@ -135,7 +135,7 @@ TEST_CASE("models and verdicts read back exactly") {
   const std::int64_t first = store.add_fit(fit, {taxel, mean});
   const std::int64_t second = store.add_fit(fit, {});
   fit.model = "gpi";
-  store.add_fit(fit, {});
+  const std::int64_t rival = store.add_fit(fit, {});
   CHECK(store.latest_fit(run, "elam")->fit == second);
   CHECK_FALSE(store.latest_fit(run, "mpi"));
   const db::FitRecord got = store.fit(first);
@@ -164,6 +164,9 @@ TEST_CASE("models and verdicts read back exactly") {
   CHECK(store_error([&] { store.replace_verdicts(run, 99, {}); }) == "TB-STORE-NOT-FOUND");
   CHECK(store.verdicts(run).size() == 1);
   CHECK(verdicts[0].model_run == run);
+  store.replace_verdicts(run, rival, {verdict});
+  REQUIRE(store.verdicts(run).size() == 2);
+  CHECK((store.verdicts(run)[0].fit == second && store.verdicts(run)[1].fit == rival));
 }
 
 TEST_CASE("verdicts by other limits, and by models of another run, are not replaced") {

@@ -41,7 +41,7 @@ TEST_CASE("of a run without frames the row is named, its texts by their own hash
   CHECK_THAT(named_after(2, true, "UPDATE events SET detail = 'X'"), Contains("now 2") && !Contains("run's row"));
 }
 
-TEST_CASE("a run that is open has no hash of its end, and its frames are looked at") {
+TEST_CASE("an open run has no hash of its end, and its frames are checked") {
   CHECK(named_after(3, false, "SELECT 1").empty());
   CHECK_THAT(named_after(3, false, "UPDATE frames SET status = 7 WHERE frame % 10 = 3"),
              Contains("frame 3 ") && Contains("its row"));
@@ -66,7 +66,7 @@ TEST_CASE("of several changes the first is named") {
              Contains("frame 3 ") && Contains("its row"));
 }
 
-TEST_CASE("at most five objects of others are named, and how many more there are") {
+TEST_CASE("at most five foreign objects are named, with the number of further ones") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   const auto said = [&](int first, int last) {

@@ -29,7 +29,7 @@ TEST_CASE("a repetition is named by the earlier run, in whatever order they are 
   CHECK(store.repeated_runs("rig", {}).empty());
 }
 
-TEST_CASE("runs without figures, or without an end, repeat nothing for that") {
+TEST_CASE("runs without figures or without an end are not repetitions of each other") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t one = seeded(store, 1), two = seeded(store, 2);
@@ -70,7 +70,7 @@ TEST_CASE("a baseline has a date and one origin") {
   CHECK_FALSE(added(kUtc, {simulated, again}).empty());
 }
 
-TEST_CASE("a report says which one it replaces, the first none") {
+TEST_CASE("a report names the one that it replaces, the first names none") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);

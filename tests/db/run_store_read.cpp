@@ -1,4 +1,4 @@
-// What is not there is said to be not there, by every question and every change; what another hand wrote is not read as
+// Every query and every change reports a missing run; what another program wrote is not read as
 // if it were ours.
 #include <catch2/catch.hpp>
 #include <functional>
@@ -13,7 +13,7 @@ using db::RunStore;
 using db::sqlite::Access;
 using db::sqlite::Connection;
 
-TEST_CASE("nothing is read from, added to or said of a run that is not there") {
+TEST_CASE("a missing run cannot be read, extended or annotated") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
@@ -71,7 +71,7 @@ TEST_CASE("nothing is read from, added to or said of a run that is not there") {
   CHECK((store.fits(run).size() == 1 && store.check_seals(run).empty() && store.check_structure().empty()));
 }
 
-TEST_CASE("an ended run takes nothing more, and how it ended is said") {
+TEST_CASE("an ended run accepts no more data, and the error states how it ended") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
@@ -121,7 +121,7 @@ TEST_CASE("the runs that are there are named in ranges") {
   CHECK_THAT(without(7), Catch::Contains("it has 1-2, 4, 6 |"));
 }
 
-TEST_CASE("an outcome or a safe state that is no word of ours is not read as one") {
+TEST_CASE("an unknown word for an outcome or a safe state is refused") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
@@ -136,7 +136,7 @@ TEST_CASE("an outcome or a safe state that is no word of ours is not read as one
   CHECK(read_with("safe_state = 'verified'").empty());
 }
 
-TEST_CASE("a rest is there only when it was told, and a force at either end of a branch") {
+TEST_CASE("a run's rest and the forces at a branch's ends are absent unless they were stored") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(store);

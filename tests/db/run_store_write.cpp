@@ -42,7 +42,7 @@ TEST_CASE("a frame that does not fit its shape is refused with its numbers") {
   CHECK(store.frame_count(begun.run) == 0);
 }
 
-TEST_CASE("names of a run and of a sensor have a longest length, each of them") {
+TEST_CASE("names of a run and of a sensor each have a maximum length") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::string longest(db::kLongestName, 'n'), longer = longest + 'n';
@@ -107,7 +107,7 @@ TEST_CASE("devices are replaced as a whole until the first frame") {
   CHECK(store.check_content(begun.run).holds());
 }
 
-TEST_CASE("devices of a run that another program ended stand") {
+TEST_CASE("devices of a run that another program ended are not replaced") {
   const TemporaryFolder folder;
   RunStore own = RunStore::open(folder.path("runs.db")), other = RunStore::open(folder.path("runs.db"));
   own.add_sensor(example_sensor());
@@ -137,7 +137,7 @@ TEST_CASE("a run that two programs wrote in turn is closed as it stands in the f
   CHECK(one.frame_count(begun.run) == 4);
 }
 
-TEST_CASE("who resumes a run goes on from its last frame, whoever wrote that") {
+TEST_CASE("a resumed run continues after its last frame, whichever process wrote it") {
   const TemporaryFolder folder;
   RunStore one = RunStore::open(folder.path("runs.db")), two = RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(one);

@@ -145,6 +145,20 @@ TEST_CASE("a store of schema 3 is brought up to date, its rows and its hash unch
   CHECK(Connection(kept, Access::kReadOnly).integer("SELECT count(*) FROM frames") == 11);
 }
 
+TEST_CASE("a store of schema 6 is opened, its rows, fits and verdicts as they were stored") {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(source_path("tests/db/stores/version_6.db"), folder.path("runs.db"));
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  for (const std::int64_t run : {1, 2}) CHECK(store.check_content(run).holds());
+  CHECK(store.run(1).content_sha256 == "886a1faf099e7a2baf6ded84c2b46dabf5132e6a754623e72480c52111683ce5");
+  CHECK(store.frames(1).size() == 11);
+  REQUIRE(store.fits(1).size() == 3);
+  CHECK((store.fits(1)[0].model == "elam" && store.fit_taxels(1).size() == 257));
+  CHECK((store.fits(1)[1].model == "gpi" && store.fit_taxels(2).empty()));
+  CHECK(store.verdicts(2).size() == 4);
+  CHECK(store.check_structure().empty());
+}
+
 TEST_CASE("a backup is made before each migration and never over another file") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");

@@ -1,4 +1,4 @@
-// The thin wrapper itself: what goes into a statement comes out of it, what it is told fails says so and leaves it
+// The thin wrapper itself: a bound value is read back, and a failing statement reports its error and leaves the wrapper
 // usable.
 #include "db/sqlite.h"
 
@@ -31,7 +31,7 @@ std::string message_of(const std::string& id, const std::function<void()>& actio
 
 }  // namespace
 
-TEST_CASE("a statement that failed, or ran to its end, keeps no value of before") {
+TEST_CASE("a statement that failed or finished keeps no value bound before") {
   Connection connection(":memory:", Access::kReadWrite);
   connection.execute("CREATE TABLE t (a INTEGER UNIQUE, b REAL, c TEXT, d BLOB)");
   Statement insert(connection, "INSERT INTO t VALUES (?, ?, ?, ?)", true);
@@ -48,7 +48,7 @@ TEST_CASE("a statement that failed, or ran to its end, keeps no value of before"
   CHECK(connection.integer("SELECT a FROM t WHERE b = 2.5 AND c = 'word' AND length(d) = 8") == 1);
 }
 
-TEST_CASE("nothing is not no text, and no text and no bytes are not nothing") {
+TEST_CASE("NULL is not an empty text, and an empty text and an empty blob are not NULL") {
   Connection connection(":memory:", Access::kReadWrite);
   Statement row(connection, "SELECT typeof(?1), length(?1), typeof(?2), length(?2), ?3, ?4");
   row.bind(std::string_view(), std::vector<double>{}, std::nan(""), std::string("a\0b", 3));
@@ -68,7 +68,7 @@ TEST_CASE("nothing is not no text, and no text and no bytes are not nothing") {
   CHECK((text.empty() && values.empty() && count == 0));
 }
 
-TEST_CASE("an array takes as many bytes as there are, and no more than it holds") {
+TEST_CASE("an array takes the bytes of a blob, up to its own size") {
   Connection connection(":memory:", Access::kReadWrite);
   Statement row(connection, "SELECT x'0102', x'030405060708'");
   REQUIRE(row.step());
@@ -81,7 +81,7 @@ TEST_CASE("an array takes as many bytes as there are, and no more than it holds"
   CHECK(got.behind == std::array<std::uint8_t, 4>{9, 9, 9, 9});
 }
 
-TEST_CASE("a question without an answer is an error") {
+TEST_CASE("a query without a row is an error") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(connection.integer("SELECT 41 + 1") == 42);
   CHECK(connection.text("SELECT 'a' || 'b'") == "ab");
@@ -89,7 +89,7 @@ TEST_CASE("a question without an answer is an error") {
   message_of("TB-STORE-SQL", [&] { (void)connection.text("SELECT 1 WHERE 0"); });
 }
 
-TEST_CASE("what failed is quoted by its first eighty characters") {
+TEST_CASE("an error quotes the first eighty characters of the failed statement") {
   Connection connection(":memory:", Access::kReadWrite);
   connection.execute("CREATE TABLE t (a CHECK (a > 0))");
   const std::string filling(100, 'x');
@@ -114,7 +114,7 @@ TEST_CASE("a value beyond the library's bound is refused where it is bound") {
   REQUIRE(row.step());
 }
 
-TEST_CASE("a connection keeps foreign keys, trusts no schema and takes no name in quotes for a text") {
+TEST_CASE("a connection enforces foreign keys, trusts no schema and takes no quoted name for a text") {
   Connection connection(":memory:", Access::kReadWrite);
   CHECK(connection.integer("PRAGMA foreign_keys") == 1);
   CHECK(connection.integer("PRAGMA trusted_schema") == 0);
@@ -125,7 +125,7 @@ TEST_CASE("a connection keeps foreign keys, trusts no schema and takes no name i
   });
 }
 
-TEST_CASE("who may only read is told so at once, in the library's own words for that") {
+TEST_CASE("writing through a read-only connection fails at once with SQLite's own error") {
   const TemporaryFolder folder;
   Connection(folder.path("a.db"), Access::kReadWrite).execute("CREATE TABLE t (a)");
   Connection reader(folder.path("a.db"), Access::kReadOnly);
@@ -138,7 +138,7 @@ TEST_CASE("who may only read is told so at once, in the library's own words for 
   CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
 }
 
-TEST_CASE("a file whose name has signs of its own in a URI is read as it stands") {
+TEST_CASE("a file name with special characters of URIs is taken literally") {
   const TemporaryFolder folder;
   for (const std::string name : {"a?mode=memory.db", "a%41.db", "a#b.db", "a b&c=d.db", "Zz-_.~09\xc3\xa4.db"}) {
     CAPTURE(name);
@@ -149,7 +149,7 @@ TEST_CASE("a file whose name has signs of its own in a URI is read as it stands"
   }
 }
 
-TEST_CASE("a transaction that is not committed is taken back, one that is stays, and rows are counted") {
+TEST_CASE("an uncommitted transaction is rolled back, a committed one is kept, and rows are counted") {
   const TemporaryFolder folder;
   Connection connection(folder.path("a.db"), Access::kReadWrite);
   connection.execute("CREATE TABLE t (a)");

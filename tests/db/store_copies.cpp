@@ -52,7 +52,7 @@ TEST_CASE("a snapshot leaves no descriptor open, and takes one of any number") {
         }) == 0);
 }
 
-TEST_CASE("what a copy that died left beside a name is gone when the name is taken") {
+TEST_CASE("files left by an aborted copy are removed when its name is used again") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   store_example(store);
@@ -66,7 +66,7 @@ TEST_CASE("what a copy that died left beside a name is gone when the name is tak
   CHECK(RunStore::open_read_only(folder.path("copy.db")).check_content(1).holds());
 }
 
-TEST_CASE("where nobody can write, a store with a log beside it is not read without the log") {
+TEST_CASE("in a read-only folder a store with a log beside it is not read without the log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   REQUIRE(in_child([&] {

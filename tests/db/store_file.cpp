@@ -75,7 +75,7 @@ TEST_CASE("each byte of the application's number counts") {
   CHECK_THAT(with(68, 4, 0), Catch::Contains("another program"));
 }
 
-TEST_CASE("each byte of what is the same in all stores is looked at, and named with its value") {
+TEST_CASE("each constant byte of the header is checked, and named with its value") {
   struct Field {
     std::size_t at, bytes;
     std::uint32_t value;

@@ -65,7 +65,7 @@ std::map<int, int> resume_at_once(const std::string& path, int count, bool held)
 
 }  // namespace
 
-TEST_CASE("of those that resume a run at once one continues, and the run is as it was") {
+TEST_CASE("of processes that resume a run at once only one continues, and the run is unchanged") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
   {

@@ -35,7 +35,7 @@ TEST_CASE("every character is decoded, whatever follows, and surrogates are none
   CHECK(wrong == 0);
 }
 
-TEST_CASE("of two bytes those alone are a character that RFC 3629 allows") {
+TEST_CASE("two bytes are a character only where RFC 3629 allows it") {
   for (std::uint32_t first = 0x80; first < 0x100; ++first) {
     for (std::uint32_t second = 0; second < 0x100; ++second) {
       const bool valid = first >= 0xc2 && first <= 0xdf && second >= 0x80 && second <= 0xbf;

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr BedOptions kShort{300ms, 2s};
+constexpr BedOptions kShortBed{300ms, 2s};
 
 // Runs `law` on a bed of each actuator of the table.
 template <class Law>
@@ -133,12 +133,12 @@ TEST_CASE("actuator law: a quiet wire is a fault in its time, and disarms") {
         const std::string id = fault_id_of([&] { bed.load(); });
         CHECK(id.ends_with("-TIMEOUT"));
         // Process time has advanced by the time waited, and no more.
-        CHECK(bed.clock().now() - before == bed.questions() * kShort.reply_timeout);
+        CHECK(bed.clock().now() - before == bed.questions() * kShortBed.reply_timeout);
         check_not_armed(bed);
         CHECK(fault_id_of([&] { bed.actuator().arm(); }) != "none");
         check_not_armed(bed);
       },
-      kShort);
+      kShortBed);
 }
 
 TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and returns false") {
@@ -150,11 +150,11 @@ TEST_CASE("actuator law: on a quiet wire making safe is bounded in time and retu
         const Nanoseconds before = bed.clock().now();
         const auto start = std::chrono::steady_clock::now();
         CHECK_FALSE(bed.make_safe());
-        const Nanoseconds longest = bed.questions_to_make_safe() * kShort.reply_timeout + kShort.safe_timeout;
+        const Nanoseconds longest = bed.questions_to_make_safe() * kShortBed.reply_timeout + kShortBed.safe_timeout;
         CHECK(bed.clock().now() - before <= longest);
         CHECK(std::chrono::steady_clock::now() - start < 5 * longest);
       },
-      kShort);
+      kShortBed);
 }
 
 TEST_CASE("actuator law: a broken wire is a fault, disarms, and once it is mended no earlier command is sent") {

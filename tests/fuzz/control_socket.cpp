@@ -1,5 +1,5 @@
-// Both ends of a run's control socket. What anybody sends to a run is answered by one JSON document, and the next one
-// is heard; what anybody answers in a run's place is read or not, without a crash.
+// Both ends of a run's control socket. Whatever is sent to a run is answered by one JSON document, and the next command
+// is read; whatever is answered in a run's place is accepted or refused, without a crash.
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>

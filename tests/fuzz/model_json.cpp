@@ -14,7 +14,7 @@ using namespace tactbench;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   try {
-    const analysis::ModelDocument document = analysis::document_from_text(text, "fuzzed.json");
+    const analysis::SensorModel document = analysis::document_from_text(text, "fuzzed.json");
     if (analysis::document_from_text(analysis::to_text(document), "written.json").taxels.size() !=
         document.taxels.size())
       std::abort();
@@ -28,7 +28,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
     }
     (void)analysis::frame_setup_of(document, 1e-4);
-    (void)analysis::array_fit_of(document);
   } catch (const analysis::AnalysisError& error) {
     if (!error.id().starts_with("TB-MODEL-") || error.remedy().empty()) std::abort();
   }

@@ -16,7 +16,7 @@ CMAKE, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 def copy_of_sources(to):
     listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z"], check=True, capture_output=True, text=True).stdout
     for name in filter(None, listed.split("\0")):
-        if (SOURCE / name).is_file() and not name.startswith("analysis/report/examples/"):
+        if (SOURCE / name).is_file():
             (to / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(SOURCE / name, to / name)
     return to

@@ -1,13 +1,15 @@
 """The completion scripts in the shells themselves, where these are installed (bash always), and the manual page before
-man and mandoc. Argument: the program."""
+man and mandoc; the commands of the README have the verbs and options that the program has. Arguments: the program, the
+README."""
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 
-PROGRAM = sys.argv[1]
+PROGRAM, README = sys.argv[1:]
 
 
 def said(*words, **more):
@@ -36,6 +38,7 @@ def check_bash():
     assert bash("plan", "--bench", "simu") == ["simulated.toml"]
     assert set(bash("completion", "")) == {"bash", "fish", "zsh"}
     assert bash("demo", "--seed", "") == []  # a number: nothing to offer
+    assert set(bash("demo", "--specimen", "")) == {"paper", "harsh"}
     assert bash("nightly", "nig") == ["nightly"]
     after_a_verbs_name = bash("run", "descending", "--operator", "runs", "--sen")
     assert set(after_a_verbs_name) == {"--sensor", "--sensor-seed"}, after_a_verbs_name
@@ -81,6 +84,38 @@ def check_manual():
         said("mandoc", "-Tlint", "-W", "warning", path)
 
 
+def commands_of(text):
+    """Of the blocks of commands, which are indented by four: the words after each `tactbench`."""
+    for line in text.splitlines():
+        if not line.startswith("    ") or "tactbench " not in line:
+            continue
+        lexer = shlex.shlex(line, posix=True, punctuation_chars=";|()<>")
+        lexer.whitespace_split = True
+        words = list(lexer)  # without the remark after #
+        starts = [i for i, word in enumerate(words) if word == "tactbench" or word.endswith("/tactbench")]
+        for start in starts:
+            command = []
+            for word in words[start + 1:]:
+                if set(word) <= set(";|()<>"):
+                    break
+                command.append(word)
+            if command:
+                yield command
+
+
+def check_readme():
+    count = 0
+    with open(README) as file:
+        commands = list(commands_of(file.read()))
+    for command in commands:
+        assert command[0] in bash(command[0]), command
+        for i, word in enumerate(command):
+            if word.startswith("-"):
+                assert word.split("=")[0] in bash(*command[:i], "-"), (command, word)
+                count += 1
+    assert len(commands) > 60 and count > 60, (len(commands), count)
+
+
 with tempfile.TemporaryDirectory() as folder:
     scripts = {}
     for shell in ("bash", "zsh", "fish"):
@@ -93,4 +128,5 @@ with tempfile.TemporaryDirectory() as folder:
     check_every_option()
     check_others()
     check_manual()
-print("completion and manual page are well")
+    check_readme()
+print("completion, manual page and the README's commands are well")

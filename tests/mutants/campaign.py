@@ -32,7 +32,7 @@ class Broken(Exception):
 
 def shown(wrong):
     """The first two lines of what is wrong, in one of bounded length: an outcome comes with its error."""
-    lines = [text.splitlines()[0] for text in wrong if not text.startswith("nothing was judged")] or wrong
+    lines = [text.splitlines()[0] for text in wrong if not text.startswith("there is no verdict by")] or wrong
     line = "; ".join(lines[:2])
     return line if len(line) <= LONGEST else line[:LONGEST] + " ..."
 

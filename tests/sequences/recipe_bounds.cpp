@@ -92,7 +92,7 @@ TEST_CASE("numbers of a recipe of levels: their bounds are allowed, the next num
   check_bounds(kLevelsHead + suspend, "", {{"", "hold_s", 0, 86400}, {"", "timeout_s", 0, 604'800}});
 }
 
-TEST_CASE("a ramp is none, or slow enough for the bench and fast enough to get on") {
+TEST_CASE("a ramp is absent, or from 0.01 to 1000 psi/s") {
   const auto ramp = [](const std::string& settle, double value) {
     return accepted(kLevelsHead + settle + fmt::format("ramp_psi_per_s = {}\n", value));
   };
@@ -133,7 +133,7 @@ TEST_CASE("schema 1, a name, a unit and a step are not optional") {
   CHECK(!accepted(kTouchHead));
 }
 
-TEST_CASE("what a recipe of levels does not say is this") {
+TEST_CASE("a recipe of levels has these defaults") {
   CHECK(defaults_of(kLevelsHead) == std::map<std::string, std::string>{{"title", "\"t\""},
                                                                        {"kind", "\"levels\""},
                                                                        {"settle", "\"band\""},
@@ -173,7 +173,7 @@ TEST_CASE("what a recipe of levels does not say is this") {
   CHECK(defaults_of(kLevelsHead + "settle = \"none\"\nramp_psi_per_s = 1\n").at("dwell_s") == "0");
 }
 
-TEST_CASE("what a press recipe does not say is this") {
+TEST_CASE("a press recipe has these defaults") {
   const auto found = defaults_of(kTouchHead + kTouch);
   const std::map<std::string, std::string> wanted = {{"dwell_s", "2"},
                                                      {"press.contact_n", "0.2"},
@@ -206,7 +206,7 @@ TEST_CASE("what a press recipe does not say is this") {
   CHECK(given.guard.tolerance_n == 0.5);
 }
 
-TEST_CASE("a key that a table does not have is refused in each of them") {
+TEST_CASE("an unknown key is refused in every table") {
   const auto unknown = [](const std::string& text, const std::string& place) {
     INFO(place);
     try {

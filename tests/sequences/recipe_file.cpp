@@ -62,7 +62,7 @@ TEST_CASE("suspensions keep their order and their own numbers") {
   CHECK((rules[1].quantity == "supply_bar" && rules[1].below && rules[1].hold_s == 10.0));
 }
 
-TEST_CASE("a recipe repeats as often as its longer list is long, if it does not say") {
+TEST_CASE("by default a recipe has as many repeats as its longer list has values") {
   const auto repeats = [](const std::string& rest) { return recipe_of(kTwoLevels + rest).repeats; };
   CHECK(repeats("dwell_s = [1, 2, 3]\nramp_psi_per_s = 1\n") == 3);
   CHECK(repeats("dwell_s = 1\nramp_psi_per_s = [1, 2]\n") == 2);
@@ -80,7 +80,7 @@ TEST_CASE("a parameter's default may lie at either bound, and no further") {
   CHECK(complaint_of("default = 5\nlow = 2\nhigh = 4\n").where == "p.toml:7:11, parameters.peak.default");
 }
 
-TEST_CASE("a parameter's value is complained of where it was given: in the file, or by the last that was typed") {
+TEST_CASE("an error about a parameter's value names its place: the file, or the last option typed") {
   const std::string range = "default = 2\nlow = 2\nhigh = 4\n";
   const Complaint of_file = complaint_of(range + "value = 9\n");
   CHECK(of_file.where == "p.toml:10:9, parameters.peak.value");

@@ -34,7 +34,7 @@ std::string key_refused(const std::string& body, const std::string& fact = {}) {
 
 }  // namespace
 
-TEST_CASE("random reversals are those of the 64-bit Mersenne Twister, drawn modulo the room that is left") {
+TEST_CASE("random reversals are those of the 64-bit Mersenne Twister, drawn modulo the remaining range") {
   // From a second implementation of the generator (its 10000th number of seed 5489 is 9981545532273789042, as the
   // standard asks): after 0, high, 0 alternately low' + 1 + g % (high - low') and low + g % (last - low), where low' is
   // the larger of the last point and low.
@@ -84,7 +84,7 @@ TEST_CASE("turning points are named by their number, a single one needs several 
   CHECK(key_refused("turning_points = [4, 2, 5]\nstep = 2\n", "2 to 5 ") == "turning_points");
 }
 
-TEST_CASE("what is taken in passing has no dwell and one frame a level") {
+TEST_CASE("frames taken in passing have no dwell, and one frame a level") {
   const std::string passing = "turning_points = [0, 2]\nstep = 2\nsettle = \"none\"\nramp_psi_per_s = 1\n";
   CHECK(key_refused(passing + "dwell_s = 0\nframes_per_level = 1\n") == "accepted");
   CHECK(key_refused(passing + "dwell_s = 1e-9\n", "0 to 0") == "dwell_s");

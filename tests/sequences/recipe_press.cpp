@@ -63,7 +63,7 @@ TEST_CASE("a grid has ten thousand positions at most, along an axis and in all")
   CHECK(place_refused("[1, 10001, 1]", "[1, 1, 1]", " 10001 ") == "press.grid.x");
 }
 
-TEST_CASE("positions are given in one way") {
+TEST_CASE("positions are given either as a list or as a grid") {
   CHECK(place_refused("[1, 1, 1]", "[1, 1, 1]", "", "positions_mm = [[1, 1]]\n") == "press.positions_mm");
   for (const char* at : {"positions_mm = []\n", "positions_mm = 1\n", ""}) {
     INFO(at);
@@ -75,7 +75,7 @@ TEST_CASE("positions are given in one way") {
   }
 }
 
-TEST_CASE("forces rise from above the force of contact") {
+TEST_CASE("forces of a recipe rise and begin above the contact force") {
   const auto refused = [](const std::string& forces, const std::string& fact) {
     try {
       (void)parse_recipe(

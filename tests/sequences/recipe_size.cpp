@@ -1,4 +1,4 @@
-// Which key a recipe that is too large is told to change, and the longest dwell that is allowed.
+// Which key the error for a too large recipe names, and the longest dwell that is allowed.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -57,7 +57,7 @@ TEST_CASE("a recipe of a million steps is allowed, and one step more is not") {
   CHECK(too_large(asked, "has 1000001 steps") == "press.grid");
 }
 
-TEST_CASE("the complaint of too many steps is of the key whose number is the largest") {
+TEST_CASE("the error for too many steps names the key with the largest number") {
   CHECK(too_large(sweep(100, 100, 101), "100 levels a repeat, 101 frames a level, 100 repeats") == "frames_per_level");
   CHECK(too_large(sweep(100, 101, 101), "1020100 steps") == "frames_per_level");
   CHECK(too_large(sweep(101, 100, 101), "1020100 steps") == "step");

@@ -90,7 +90,7 @@ TEST_CASE("a recipe that dwells for more than a year is refused") {
       {body + "frames_per_level = 10\nframe_interval_s = 86400\n", "dwells for 549 days", "frame_interval_s"});
 }
 
-TEST_CASE("recipes that are short one by one may not be too long together") {
+TEST_CASE("recipes that are short one by one are refused when they are too long together") {
   const Recipe half =
       parse_recipe(TomlDocument::from_text(kHead + "turning_points = [0, 60, 0]\nstep = 0.0002\n", "t"));
   CHECK(step_count(half) == 600001.0);

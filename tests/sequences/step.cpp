@@ -36,7 +36,7 @@ void check_stretches(const std::vector<BranchSpan>& spans, const std::vector<Str
 
 }  // namespace
 
-TEST_CASE("a step's line names what the step has, and nothing that it has not") {
+TEST_CASE("a step's line names the fields that the step has, and no others") {
   Step step;
   step.setpoint = step.branch_to = Psi(2.0);
   CHECK(step_line(step) == "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2), dwell 0 s");

@@ -1,4 +1,4 @@
-// Runs a program and keeps what it printed; a private folder that goes when the test ends.
+// Runs a program and captures its output; a temporary folder that is removed when the test ends.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ struct Finished {
   std::string out, err;
 };
 
-// Runs `program` with `arguments` in `folder`, standard input empty. With a signal, sends it as soon as `when` holds;
-// throws when that does not come to be.
+// Runs `program` with `arguments` in `folder`, standard input empty. Sends the signal, if any, as soon as `when`
+// returns true; throws when it never does.
 struct Signal {
   int number = 0;
   std::function<bool()> when;
@@ -34,7 +34,7 @@ class TemporaryFolder {
   std::filesystem::path folder_;
 };
 
-// The program under test (tests/support/paths.h), called with these words in that folder.
+// Runs the program under test (tests/support/paths.h) with these arguments in that folder.
 Finished call(const TemporaryFolder& folder, const std::vector<std::string>& words);
 
 std::string read_file(const std::string& path);

@@ -79,7 +79,7 @@ TEST_CASE("an absent scanner is named, with those present") {
   CHECK_THAT(other.what(), Contains("present: 5443:0016 serial 'VM-42' tactbench test scanner"));
 }
 
-TEST_CASE("identity and 200 frames come right") {
+TEST_CASE("identity and 200 frames are read correctly") {
   Rig rig;
   auto scanner = rig.open();
   CHECK(scanner.identity().serial == kSerial);
@@ -100,7 +100,7 @@ TEST_CASE("identity and 200 frames come right") {
   figure("vm_hid_exchange_of_one_report", milliseconds(now() - one_by_one) / 200, "ms");
 }
 
-TEST_CASE("a queue that ran over is drained before a scan is asked for") {
+TEST_CASE("an overflowed queue is drained before a scan is requested") {
   Rig rig;
   const auto link = open_hid_link(kAddress);
   send_unasked(*rig.device, 1, 200);

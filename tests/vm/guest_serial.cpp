@@ -123,7 +123,7 @@ TEST_CASE("the adapter is listed with its ids and found by its serial number") {
   CHECK_THAT(absent.what(), Contains("/dev/ttyUSB0 (serial ZB0001)"));
 }
 
-TEST_CASE("a port that is open is nobody else's") {
+TEST_CASE("an open port cannot be opened again") {
   REQUIRE(::chmod(kPort, 0666) == 0);
   auto held = open_serial(usb_port());
   const auto fault = fault_of([] { (void)open_serial(usb_port()); });

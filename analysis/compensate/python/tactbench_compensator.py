@@ -41,6 +41,18 @@ class Taxel:
         self.parameters, self.noise, self.falling, self.usable = tuple(parameters), noise, falling, usable
 
 
+class DynamicTaxel:
+    """Preisach on the linearised output: Everett's table in linearised volts (compensator_c.h), zero in volts, 1 / the
+    divider's highest output, creep over the array's, share that comes late, noise in volts; usable=False: dead."""
+
+    def __init__(self, everett=(), zero=0.0, per_amplitude=0.0, creep_scale=1.0, lag_share=0.0, noise=0.0,
+                 falling=False, usable=True, residual_scale=1.0):
+        self.residual_scale = residual_scale
+        self.everett, self.zero, self.per_amplitude = list(everett), zero, per_amplitude
+        self.creep_scale, self.lag_share, self.noise = creep_scale, lag_share, noise
+        self.falling, self.usable = falling, usable
+
+
 class _Setup(ctypes.Structure):
     _fields_ = [("struct_size", ctypes.c_size_t), ("flags", ctypes.c_uint32), ("longest_gap", ctypes.c_uint32),
                 ("taxels", ctypes.c_size_t), ("knots", ctypes.c_size_t),
@@ -56,6 +68,25 @@ class _Taxel(ctypes.Structure):
                 ("alpha_a0", ctypes.c_double), ("beta_a", ctypes.c_double), ("noise_volts", ctypes.c_double)]
 
 
+class _DynamicSetup(ctypes.Structure):
+    _fields_ = [("struct_size", ctypes.c_size_t), ("flags", ctypes.c_uint32), ("longest_gap", ctypes.c_uint32),
+                ("taxels", ctypes.c_size_t), ("intervals", ctypes.c_size_t), ("pressure_low", ctypes.c_double),
+                ("pressure_high", ctypes.c_double), ("volts_per_count", ctypes.c_double),
+                ("flat_pressure", ctypes.c_double), ("known_pressure", ctypes.c_double),
+                ("tare_share", ctypes.c_double), ("creep_seconds", ctypes.c_double * 3),
+                ("creep_share", ctypes.c_double * 3), ("creep_half", ctypes.c_double),
+                ("lag_seconds", ctypes.c_double), ("top_share", ctypes.c_double),
+                ("residual", ctypes.POINTER(ctypes.c_double))]
+
+
+class _DynamicTaxel(ctypes.Structure):
+    _fields_ = [("struct_size", ctypes.c_size_t), ("flags", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("zero_volts", ctypes.c_double), ("per_amplitude", ctypes.c_double),
+                ("everett", ctypes.POINTER(ctypes.c_double)), ("creep_scale", ctypes.c_double),
+                ("lag_share", ctypes.c_double), ("noise_volts", ctypes.c_double),
+                ("residual_scale", ctypes.c_double)]
+
+
 def load_library(path=None):
     """The shared library, its version checked. Raises CompensatorError or OSError."""
     beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "libtactbench_compensator.so.1")
@@ -67,6 +98,8 @@ def load_library(path=None):
         raise CompensatorError(f"{path} has ABI version {library.tb_compensator_abi_version()}, not {ABI_VERSION}")
     pointer, size = ctypes.c_void_p, ctypes.c_size_t
     for name, arguments in (("create", [pointer, pointer, pointer, ctypes.c_char_p, size]),
+                            ("create_dynamic", [pointer, pointer, pointer, ctypes.c_char_p, size]),
+                            ("set_interval", [pointer, ctypes.c_double]),
                             ("counts", [pointer, pointer, size, pointer, pointer, pointer]),
                             ("counts_double", [pointer, pointer, size, pointer, pointer, pointer]),
                             ("volts", [pointer, pointer, size, pointer, pointer, pointer]),
@@ -126,10 +159,11 @@ class Compensator:
         flags = (_DOUBLE if double else 0) | (_AT_REST if at_rest else 0) | (_EXACT_OUTER if exact_outer else 0)
         setup = _Setup(ctypes.sizeof(_Setup), flags, longest_gap, len(taxels), knots, doubles(list(pressure)),
                        volts_per_count, flat_pressure, known_pressure, tare_share)
+        self._create(self._library.tb_compensator_create, setup, rows)
+
+    def _create(self, create, setup, rows):
         handle, message = ctypes.c_void_p(), ctypes.create_string_buffer(200)
-        code = self._library.tb_compensator_create(ctypes.byref(setup), rows, ctypes.byref(handle), message,
-                                                   len(message))
-        if code != 0:
+        if create(ctypes.byref(setup), rows, ctypes.byref(handle), message, len(message)) != 0:
             raise CompensatorError(message.value.decode())
         self._handle = handle
 
@@ -189,3 +223,46 @@ class Compensator:
 
     def set_outside_validity(self, outside):
         self._call("tb_compensator_set_outside_validity", int(bool(outside)))
+
+
+class DynamicCompensator(Compensator):
+    """The dynamic Preisach model's compensator: tell it the time between frames by set_interval. creep: pairs (seconds,
+    share) of up to three elements; the other options are Compensator's and compensator_c.h's."""
+
+    def __init__(self, intervals, taxels, volts_per_count, pressure_low, pressure_high, creep=(), creep_half=0.0,
+                 lag_seconds=0.0, top_share=0.0, residual=(), double=False, at_rest=False, longest_gap=0, flat_pressure=0.0,
+                 known_pressure=0.0, tare_share=0.0, library=None):
+        self._library, self._handle, self._real = load_library(library), None, "d" if double else "f"
+        self._count = len(taxels)
+        self._functions = ["tb_compensator_" + name + ("_double" if double else "") for name in ("counts", "volts")]
+        size = (intervals + 1) * (intervals + 2) // 2
+        rows, keep = (_DynamicTaxel * max(1, len(taxels)))(), []
+        for number, (row, taxel) in enumerate(zip(rows, taxels)):
+            row.struct_size = ctypes.sizeof(_DynamicTaxel)
+            if not taxel.usable:
+                continue
+            if len(taxel.everett) != size:
+                raise CompensatorError(f"taxel {number}: its table has {len(taxel.everett)} values, not {size}")
+            keep.append((ctypes.c_double * size)(*taxel.everett))
+            row.flags = _USABLE | (_FALLING if taxel.falling else 0)
+            row.everett = ctypes.cast(keep[-1], ctypes.POINTER(ctypes.c_double))
+            row.zero_volts, row.per_amplitude = taxel.zero, taxel.per_amplitude
+            row.creep_scale, row.lag_share, row.noise_volts = taxel.creep_scale, taxel.lag_share, taxel.noise
+            row.residual_scale = taxel.residual_scale
+        seconds, shares = (ctypes.c_double * 3)(), (ctypes.c_double * 3)()
+        for j, (time, share) in enumerate(creep):
+            seconds[j], shares[j] = time, share
+        setup = _DynamicSetup(ctypes.sizeof(_DynamicSetup), (_DOUBLE if double else 0) | (_AT_REST if at_rest else 0),
+                              longest_gap, len(taxels), intervals, pressure_low, pressure_high, volts_per_count,
+                              flat_pressure, known_pressure, tare_share, seconds, shares, creep_half, lag_seconds,
+                              top_share)
+        if residual:
+            if len(residual) != 2 * intervals:
+                raise CompensatorError(f"residual has {len(residual)} values, not {2 * intervals}")
+            keep.append((ctypes.c_double * len(residual))(*residual))
+            setup.residual = ctypes.cast(keep[-1], ctypes.POINTER(ctypes.c_double))
+        self._create(self._library.tb_compensator_create_dynamic, setup, rows)
+
+    def set_interval(self, seconds):
+        """Seconds from one frame to the next, from now on."""
+        self._call("tb_compensator_set_interval", ctypes.c_double(seconds))

@@ -2,21 +2,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/identify/elam/elam_samples.h"
+#include "analysis/identify/elam/elam_determined.h"
 
 namespace tactbench::analysis {
 namespace {
-
-unsigned bounds_met(const ElamModel& model) {
-  constexpr double kNear = 1e-9;
-  const ElamParameters& p = model.parameters;
-  const double v = p.alpha_a1 * (model.xu() - model.x0()) + p.alpha_a0;  // phi(X); phi(0) is alpha_a0
-  const double values[] = {p.alpha_d, p.beta_d, v, p.alpha_a0, p.beta_a};
-  unsigned bits = 0;
-  for (unsigned i = 0; i < 5; ++i)
-    if (values[i] <= kNear || values[i] >= 1.0 - kNear) bits |= 1U << i;
-  return bits;
-}
 
 void check(const PatternCurve& ascending, const PatternCurve& descending, std::span<const TaxelBranch> branches) {
   if (ascending.x().size() < 2 || descending.x().size() < 2 || ascending.x().front() != descending.x().front() ||
@@ -36,6 +25,17 @@ void check(const PatternCurve& ascending, const PatternCurve& descending, std::s
 }
 
 }  // namespace
+
+unsigned bounds_met(const ElamModel& model) {
+  constexpr double kNear = 1e-9;
+  const ElamParameters& p = model.parameters;
+  const double v = p.alpha_a1 * (model.xu() - model.x0()) + p.alpha_a0;  // phi(X); phi(0) is alpha_a0
+  const double values[] = {p.alpha_d, p.beta_d, v, p.alpha_a0, p.beta_a};
+  unsigned bits = 0;
+  for (unsigned i = 0; i < 5; ++i)
+    if (values[i] <= kNear || values[i] >= 1.0 - kNear) bits |= 1U << i;
+  return bits;
+}
 
 ElamSamples searched_samples(const ElamModel& model, std::span<const TaxelBranch> branches) {
   check(model.ascending, model.descending, branches);
@@ -70,13 +70,27 @@ ElamFit scored(const ElamModel& model, std::span<const TaxelBranch> branches) {
   return fit;
 }
 
+std::vector<std::string> undetermined_names(const ElamFit& fit) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < kElamParameterNames.size(); ++i)
+    if (((fit.undetermined >> i) & 1U) != 0) names.emplace_back(kElamParameterNames[i]);
+  return names;
+}
+
 ElamFit identify_elam(const PatternCurve& ascending, const PatternCurve& descending,
-                      std::span<const TaxelBranch> branches, const ElamOptions& options) {
+                      std::span<const TaxelBranch> branches, const ElamOptions& options, bool settle) {
   ElamModel model{ascending, descending, {}, options};
   const ElamSamples samples = searched_samples(model, branches);
   fit_descending(model, samples.descending);
   fit_ascending(model, samples.ascending);
-  return scored(model, branches);
+  unsigned undetermined = 0;
+  if (settle) {
+    undetermined = settle_undetermined(model, samples.descending, samples.descending_constant, false);
+    undetermined |= settle_undetermined(model, samples.ascending, samples.ascending_constant, true);
+  }
+  ElamFit fit = scored(model, branches);
+  fit.undetermined = undetermined;
+  return fit;
 }
 
 }  // namespace tactbench::analysis

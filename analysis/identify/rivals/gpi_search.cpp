@@ -1,9 +1,11 @@
 #include "analysis/identify/rivals/gpi_search.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace tactbench::analysis {
 namespace {
@@ -11,49 +13,115 @@ namespace {
 constexpr double kConverged = 1e-12;  // share by which J fell
 constexpr double kLargestDamping = 1e9;
 
-// The unknowns stay where exponentials are harmless; no fit that was seen came near.
-GpiVector within(GpiVector p) {
+using GpiVector = Eigen::Matrix<double, kGpiUnknowns, 1>;
+using GpiMatrix = Eigen::Matrix<double, kGpiUnknowns, kGpiUnknowns>;
+
+// The unknowns stay where exponentials are harmless.
+GpiPoint within(const GpiVector& to) {
   const double low = std::log(1e-3), high = std::log(60.0);
-  for (const int k : {kLnA, kLnB}) p[k] = std::clamp(p[k], low, high);
-  for (const int k : {kLnDl, kLnDr}) p[k] = std::clamp(p[k], -20.0, 10.0);
+  GpiPoint p;
+  for (int k = 0; k < kGpiUnknowns; ++k) p[static_cast<std::size_t>(k)] = std::isfinite(to[k]) ? to[k] : 0.0;
+  for (const auto k : {kLnA, kLnB}) p[k] = std::clamp(p[k], low, high);
+  for (const auto k : {kLnDl, kLnDr}) p[k] = std::clamp(p[k], -20.0, 10.0);
   p[kLnAlpha] = std::clamp(p[kLnAlpha], -10.0, 4.0);
   p[kS] = std::clamp(p[kS], -8.0, 20.0);
-  for (const int k : {kL0, kR0}) p[k] = std::clamp(p[k], -1e3, 1e3);
+  for (const auto k : {kL0, kR0}) p[k] = std::clamp(p[k], -1e3, 1e3);
   return p;
 }
 
-enum Side : unsigned char { kLeft, kRight, kStart };
+GpiVector vector_of(const GpiPoint& p) { return Eigen::Map<const GpiVector>(p.data()); }
 
-// An operator's output is an envelope at an earlier knot less or plus r_i, or still its start: with that kept, the
-// derivative costs a look-up.
-struct Operator {
-  double output = 0.0;
-  Side side = kStart;
-  std::size_t knot = 0;
-};
-using Operators = std::array<Operator, kGpiOperators>;
-
-}  // namespace
-
-struct GpiSearch::Table {
-  std::vector<double> left, left_by_ln_a, left_by_ln_dl, right, right_by_ln_b, right_by_ln_dr;
-
-  static void fill(std::span<const double> knots, double ln_a, double start, double ln_rise, std::vector<double>& value,
-                   std::vector<double>& by_ln_a, std::vector<double>& by_ln_rise) {
-    const double a = std::exp(ln_a), rise = std::exp(ln_rise), end = std::exp(-a), whole = -std::expm1(-a);
-    value.resize(knots.size());
-    by_ln_a.resize(knots.size());
-    by_ln_rise.resize(knots.size());
-    for (std::size_t k = 0; k < knots.size(); ++k) {
-      const double below = std::expm1(-a * knots[k]), shape = -below / whole;
-      value[k] = start + rise * shape;
-      by_ln_rise[k] = rise * shape;
-      by_ln_a[k] = rise * a * (knots[k] * (1.0 + below) - shape * end) / whole;
+// The normal equations in one lane.
+struct GpiNormal {
+  GpiMatrix matrix;
+  GpiVector slope;
+  GpiNormal() = default;
+  GpiNormal(const GpiLanes& lanes, std::size_t lane) {
+    for (int a = 0, k = 0; a < kGpiUnknowns; ++a) {
+      slope[a] = lanes.slope[static_cast<std::size_t>(a)][lane];
+      for (int b = 0; b <= a; ++b, ++k) matrix(a, b) = matrix(b, a) = lanes.normal[static_cast<std::size_t>(k)][lane];
     }
   }
 };
 
-GpiParameters gpi_parameters(const GpiVector& p, double x_span, double y_span) {
+struct Descent {
+  GpiNormal here;
+  GpiPoint to{};
+  double damping = 1e-2, faster = 2.0;
+  bool begun = false;
+
+  void aim(const GpiPoint& from) {
+    GpiMatrix damped = here.matrix;
+    for (int k = 0; k < kGpiUnknowns; ++k) damped(k, k) += damping * (here.matrix(k, k) + 1e-9);
+    to = within(vector_of(from) - damped.ldlt().solve(here.slope));
+  }
+  // Takes what was found at `to`; false: settled.
+  bool take(GpiFound& best, double j, const GpiLanes& lanes, std::size_t lane) {
+    if (!begun) {
+      begun = true;
+      if (!std::isfinite(j)) return false;  // best.j is infinite
+      best = {to, j};
+      here = GpiNormal(lanes, lane);
+      return true;
+    }
+    if (!(j < best.j)) {
+      damping *= faster;
+      faster *= 2.0;
+      return damping < kLargestDamping;
+    }
+    const GpiVector moved = vector_of(to) - vector_of(best.at);
+    const double promised = -moved.dot(2.0 * here.slope + here.matrix * moved);
+    const double kept = promised > 0.0 ? (best.j - j) / promised : 0.0;
+    damping *= std::clamp(1.0 - std::pow(2.0 * kept - 1.0, 3.0), 1.0 / 3.0, 2.0);  // after Nielsen
+    faster = 2.0;
+    const bool converged = best.j - j <= kConverged * best.j;
+    best = {to, j};
+    here = GpiNormal(lanes, lane);
+    return !converged;
+  }
+};
+
+constexpr std::size_t kOffspring = 32, kParents = 16;
+constexpr double kMeanLength = 2.7416;  // of a normal vector in 8 dimensions
+
+// What does not change from one evolution to the next: weights, and the constants that follow from them.
+struct GpiStrategy {
+  std::array<double, kParents> weight{};
+  double mass = 0.0, path_share = 0.0, path_damping = 0.0, way_share = 0.0, rank_one = 0.0, rank_many = 0.0;
+  GpiStrategy() {
+    constexpr double n = kGpiUnknowns;
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < kParents; ++i)
+      sum += weight[i] = std::log(kParents + 0.5) - std::log(1.0 + static_cast<double>(i));
+    for (double& w : weight) {
+      w /= sum;
+      squares += w * w;
+    }
+    mass = 1.0 / squares;
+    path_share = (mass + 2.0) / (n + mass + 5.0);
+    path_damping = 1.0 + path_share;
+    way_share = (4.0 + mass / n) / (n + 4.0 + 2.0 * mass / n);
+    rank_one = 2.0 / ((n + 1.3) * (n + 1.3) + mass);
+    rank_many = std::min(1.0 - rank_one, 2.0 * (mass - 2.0 + 1.0 / mass) / ((n + 2.0) * (n + 2.0) + mass));
+  }
+};
+
+// Nearly normal variates: sums of four 16-bit parts of xorshift numbers.
+struct Variates {
+  std::uint64_t state = 88172645463325252ULL;
+  double operator()() {
+    state ^= state << 13U;
+    state ^= state >> 7U;
+    state ^= state << 17U;
+    const std::uint64_t sum =
+        (state & 0xffffU) + ((state >> 16U) & 0xffffU) + ((state >> 32U) & 0xffffU) + (state >> 48U);
+    return (static_cast<double>(sum) / 65536.0 - 2.0) * 1.7320508;
+  }
+};
+
+}  // namespace
+
+GpiParameters gpi_parameters(const GpiPoint& p, double x_span, double y_span) {
   GpiParameters found;
   const auto envelope = [&](double ln_a, double start, double ln_rise, double& a0, double& a1, double& a3) {
     const double a = std::exp(ln_a);
@@ -68,103 +136,96 @@ GpiParameters gpi_parameters(const GpiVector& p, double x_span, double y_span) {
   return found;
 }
 
-GpiSearch::GpiSearch(const FitSamples& samples) {
-  const double span = samples.x_high - samples.x_low;
-  const auto share = [&](std::size_t i) { return (samples.x[i] - samples.x_low) / span; };
-  std::vector<bool> fitted(samples.x.size(), false), used(samples.x.size(), false);
-  for (const std::size_t i : samples.fitted) fitted[i] = used[i] = true;
-  for (const FitSamples::Part& part : samples.parts) used[part.first] = used[part.last] = true;
-  knots_.push_back(0.0);
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) knots_.push_back(share(i));
-  std::ranges::sort(knots_);
-  knots_.erase(std::unique(knots_.begin(), knots_.end()), knots_.end());
-  const auto knot = [&](std::size_t i) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(knots_, share(i)) - knots_.begin());
-  };
-  for (const FitSamples::Part& part : samples.parts) {
-    if (part.opens_history) steps_.push_back({0, 0, true, false, true});
-    if (part.opens_history) steps_.push_back({knot(part.first), 0, false, false, true});
-    for (std::size_t i = part.first + 1; i <= part.last; ++i)
-      if (fitted[i] || i == part.last) steps_.push_back({knot(i), i, false, fitted[i], i == part.last});
+void GpiSearch::descend(std::span<GpiFound> found, int steps) {
+  std::vector<Descent> descents(found.size());
+  std::vector<std::size_t> active;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    active.push_back(i);
+    descents[i].to = within(vector_of(found[i].at));
+    found[i].j = std::numeric_limits<double>::infinity();
   }
-}
-
-void GpiSearch::evaluate(const GpiVector& p, std::span<const double> y, Table& table, Normal& into) const {
-  Table::fill(knots_, p[kLnA], p[kL0], p[kLnDl], table.left, table.left_by_ln_a, table.left_by_ln_dl);
-  Table::fill(knots_, p[kLnB], p[kR0], p[kLnDr], table.right, table.right_by_ln_b, table.right_by_ln_dr);
-  std::array<double, kGpiOperators> threshold, density;
-  for (std::size_t i = 0; i < threshold.size(); ++i) {
-    threshold[i] = std::exp(p[kLnAlpha]) * static_cast<double>(i);
-    density[i] = std::exp(-p[kS] * static_cast<double>(i));
-  }
-  into.j = 0.0;
-  into.hessian.setZero();
-  into.gradient.setZero();
-  Operators operators{};
-  for (const Step& step : steps_) {
-    if (step.virgin) operators = {};
-    Operators now = operators;
-    const double left = table.left[step.knot], right = table.right[step.knot];
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      if (right + threshold[i] < now[i].output) now[i] = {right + threshold[i], kRight, step.knot};
-      if (left - threshold[i] > now[i].output) now[i] = {left - threshold[i], kLeft, step.knot};
-    }
-    if (step.compare) {
-      double off = -y[step.sample];
-      GpiVector slope = GpiVector::Zero();
-      for (std::size_t i = 0; i < now.size(); ++i) {
-        const double weight = density[i];
-        const std::size_t k = now[i].knot;
-        off += weight * now[i].output;
-        slope[kS] -= static_cast<double>(i) * weight * now[i].output;
-        if (now[i].side == kLeft) {
-          slope[kLnA] += weight * table.left_by_ln_a[k];
-          slope[kL0] += weight;
-          slope[kLnDl] += weight * table.left_by_ln_dl[k];
-          slope[kLnAlpha] -= weight * threshold[i];
-        } else if (now[i].side == kRight) {
-          slope[kLnB] += weight * table.right_by_ln_b[k];
-          slope[kR0] += weight;
-          slope[kLnDr] += weight * table.right_by_ln_dr[k];
-          slope[kLnAlpha] += weight * threshold[i];
-        }
+  for (int step = 0; step <= steps && !active.empty(); ++step) {
+    std::vector<std::size_t> going;
+    for (std::size_t first = 0; first < active.size(); first += GpiLanes::kMost) {
+      const std::size_t count = std::min(GpiLanes::kMost, active.size() - first);
+      for (std::size_t lane = 0; lane < count; ++lane) lanes_.at[lane] = descents[active[first + lane]].to;
+      lanes_.evaluate(*target_, true);
+      for (std::size_t lane = 0; lane < count; ++lane) {
+        const std::size_t i = active[first + lane];
+        if (!descents[i].take(found[i], lanes_.j[lane], lanes_, lane)) continue;
+        descents[i].aim(found[i].at);
+        going.push_back(i);
       }
-      into.j += off * off;
-      into.gradient += off * slope;
-      into.hessian.noalias() += slope * slope.transpose();
     }
-    if (step.move) operators = now;
+    active = std::move(going);
   }
 }
 
-GpiSearch::Found GpiSearch::search(const GpiVector& start, std::span<const double> y, int steps) const {
-  Table table;
-  Normal here, there;
-  Found best{within(start), 0.0};
-  evaluate(best.unknowns, y, table, here);
-  double damping = 1e-2, faster = 2.0;
-  for (int step = 0; step < steps && damping < kLargestDamping; ++step) {
-    auto damped = here.hessian;
-    for (int k = 0; k < kGpiUnknowns; ++k) damped(k, k) += damping * (here.hessian(k, k) + 1e-9);
-    const GpiVector to = within(best.unknowns - damped.ldlt().solve(here.gradient));
-    evaluate(to, y, table, there);
-    if (!(there.j < here.j)) {
-      damping *= faster;
-      faster *= 2.0;
-      continue;
+GpiPoint GpiSearch::errors(const GpiFound& found, double variance) {
+  lanes_.at.fill(found.at);
+  lanes_.evaluate(*target_, true);
+  const GpiNormal normal(lanes_, 0);
+  const Eigen::SelfAdjointEigenSolver<GpiMatrix> solver(normal.matrix);
+  const GpiVector spread =
+      (variance / solver.eigenvalues().array().max(1e-14 * std::max(normal.matrix.trace(), 1e-12))).matrix();
+  GpiPoint errors{};
+  for (int k = 0; k < kGpiUnknowns; ++k)
+    errors[static_cast<std::size_t>(k)] = std::sqrt(solver.eigenvectors().row(k).cwiseAbs2().dot(spread));
+  return errors;
+}
+
+GpiFound GpiSearch::evolve(const GpiFound& start, double size, int generations) {
+  static const GpiStrategy strategy;
+  const auto& [weight, mass, path_share, path_damping, way_share, rank_one, rank_many] = strategy;
+  lanes_.at.fill(start.at);
+  lanes_.evaluate(*target_, true);
+  GpiMatrix normal = GpiNormal(lanes_, 0).matrix;
+  // What J hardly depends on shall not run away.
+  for (int k = 0; k < kGpiUnknowns; ++k) normal(k, k) = normal(k, k) * (1.0 + 1e-6) + 1e-3 * start.j;
+  const Eigen::LLT<GpiMatrix> metric(normal);
+
+  Variates variate;
+  GpiFound best = start;
+  GpiVector mean = GpiVector::Zero(), path = GpiVector::Zero(), way = GpiVector::Zero();
+  GpiMatrix covariance = GpiMatrix::Identity();
+  const double unit = std::sqrt(start.j), smallest = 1e-5 * unit;
+  size *= unit;
+  double fading = 1.0;
+  std::array<GpiVector, kOffspring> z, y;
+  std::array<GpiFound, kOffspring> tried;
+  std::array<std::size_t, kOffspring> order{};
+  for (int generation = 0; generation < generations && size > smallest; ++generation) {
+    const GpiMatrix shape = Eigen::LLT<GpiMatrix>(covariance).matrixL();
+    for (std::size_t i = 0; i < kOffspring; ++i) {
+      for (double& value : z[i]) value = variate();
+      y[i] = shape * z[i];
+      tried[i].at = within(vector_of(start.at) + metric.matrixU().solve(GpiVector(mean + size * y[i])));
+      order[i] = i;
     }
-    const GpiVector moved = to - best.unknowns;
-    const double promised = -moved.dot(2.0 * here.gradient + here.hessian * moved);
-    const double kept = promised > 0.0 ? (here.j - there.j) / promised : 0.0;
-    damping *= std::clamp(1.0 - std::pow(2.0 * kept - 1.0, 3.0), 1.0 / 3.0, 2.0);  // after Nielsen
-    faster = 2.0;
-    const bool converged = here.j - there.j <= kConverged * here.j;
-    best.unknowns = to;
-    std::swap(here, there);
-    if (converged) break;
+    for (std::size_t first = 0; first < kOffspring; first += GpiLanes::kMost) {
+      for (std::size_t lane = 0; lane < GpiLanes::kMost; ++lane) lanes_.at[lane] = tried[first + lane].at;
+      lanes_.evaluate(*target_, false);
+      for (std::size_t lane = 0; lane < GpiLanes::kMost; ++lane) tried[first + lane].j = lanes_.j[lane];
+    }
+    std::ranges::sort(order, {}, [&](std::size_t i) { return tried[i].j; });
+    if (tried[order[0]].j < best.j) best = tried[order[0]];
+    GpiVector mean_y = GpiVector::Zero(), mean_z = GpiVector::Zero();
+    GpiMatrix many = GpiMatrix::Zero();
+    for (std::size_t i = 0; i < kParents; ++i) {
+      mean_y += weight[i] * y[order[i]];
+      mean_z += weight[i] * z[order[i]];
+      many.noalias() += weight[i] * y[order[i]] * y[order[i]].transpose();
+    }
+    mean += size * mean_y;
+    path = (1.0 - path_share) * path + std::sqrt(path_share * (2.0 - path_share) * mass) * mean_z;
+    fading *= (1.0 - path_share) * (1.0 - path_share);
+    const double length = path.norm();
+    const bool steady = length < (1.4 + 2.0 / 9.0) * kMeanLength * std::sqrt(1.0 - fading);
+    way *= 1.0 - way_share;
+    if (steady) way += std::sqrt(way_share * (2.0 - way_share) * mass) * mean_y;
+    covariance = (1.0 - rank_one - rank_many) * covariance + rank_one * way * way.transpose() + rank_many * many;
+    size *= std::exp(path_share / path_damping * (length / kMeanLength - 1.0));
   }
-  best.j = here.j;
   return best;
 }
 

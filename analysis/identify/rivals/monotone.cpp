@@ -19,7 +19,7 @@ struct Knots {
 
 class MonotoneIdentifier final : public Identifier {
  public:
-  explicit MonotoneIdentifier(const FitData& like) : samples_(like), order_(samples_.scored) {
+  explicit MonotoneIdentifier(const FitData& like) : samples_(like, true), order_(samples_.scored) {
     std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return samples_.x[i]; });
   }
   [[nodiscard]] ModelFit fit(const FitData& data) const override {

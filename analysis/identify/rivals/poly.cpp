@@ -93,7 +93,7 @@ class PolyIdentifier final : public Identifier {
   [[nodiscard]] ModelFit fit(const FitData& data) const override {
     const std::vector<double> y = samples_.outputs(data);
     ModelFit best = fit_from(data, y, y);
-    // FreeValues run: the branches' starts are the model's own. Each pass takes them from the model of the one before.
+    // Free run: the branches' starts are the model's own. Each pass takes them from the model of the one before.
     ModelFit last;
     for (int pass = 0; free_run_ && pass < kPolyPasses; ++pass) {
       std::vector<double> own;
@@ -111,8 +111,8 @@ class PolyIdentifier final : public Identifier {
   [[nodiscard]] bool is_whole(const FitSamples::Part& part) {
     const double near = kPolyOuterShare * (samples_.x_high - samples_.x_low), x1 = samples_.x[part.first];
     const bool low = x1 - samples_.x_low <= near, high = samples_.x_high - x1 <= near;
-    // FreeValues run knows no external branches, but a rise that goes on from the virgin one.
-    if (free_run_) return part.ascending && part.opens_history;
+    // A free run knows no external branches but those that a history begins on.
+    if (free_run_) return part.opens_history && (part.ascending || part.from_top);
     const bool whole = part.ascending ? low : high;
     plain_ = plain_ && (whole || !(low || high));
     return whole;

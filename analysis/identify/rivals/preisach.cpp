@@ -1,28 +1,48 @@
-// Preisach's weights by non-negative least squares: one Gram matrix for all taxels.
+// Preisach's weights by non-negative least squares: one Gram matrix for all taxels. External branches alone tell sums
+// of rows and columns, and the search would end in any of the many sets of weights that have them: then, and only then,
+// a ridge takes the smallest ones.
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
 
 #include "analysis/identify/fit_samples.h"
 #include "analysis/identify/identifier.h"
 #include "analysis/identify/rivals/nnls.h"
+#include "analysis/models/elam.h"
 #include "analysis/models/play_operators.h"
 #include "analysis/models/preisach.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::size_t kCellRows = 30;  // 465 cells; the paper's grid of 2 psi
-constexpr std::size_t kCells = kCellRows * (kCellRows + 1) / 2;
+constexpr std::size_t kMostRows = 100;
+constexpr double kFlattest = 0.1;  // of the mean slope
+
+constexpr double kRidge = 1e-4;  // of the Gram matrix's mean diagonal
+
+// No branch turns further than an external one's share from the ends of the range.
+bool external_only(const FitSamples& samples) {
+  const double near = kOuterShare * (samples.x_high - samples.x_low);
+  return std::ranges::none_of(samples.parts, [&](const FitSamples::Part& part) {
+    const double first = samples.x[part.first];
+    return part.ascending ? first - samples.x_low > near : samples.x_high - first > near;
+  });
+}
 
 struct CellState {
   double x_low, span;
-  std::vector<double> on = std::vector<double>(kCells, 0.0);  // share of each cell that is switched on
+  std::size_t rows;
+  std::vector<double> on = std::vector<double>(rows * (rows + 1) / 2, 0.0);  // share of each cell that is switched on
   // The shares after going to x without a turn.
   void moved(double x, double* now) const {
-    const double at = (x - x_low) / span * static_cast<double>(kCellRows);
-    std::array<double, kCellRows> share;
-    for (std::size_t i = 0; i < kCellRows; ++i) share[i] = std::clamp(at - static_cast<double>(i), 0.0, 1.0);
-    for (std::size_t i = 0, cell = 0; i < kCellRows; ++i)
+    const double at = (x - x_low) / span * static_cast<double>(rows);
+    std::array<double, kMostRows> share;
+    for (std::size_t i = 0; i < rows; ++i) share[i] = std::clamp(at - static_cast<double>(i), 0.0, 1.0);
+    for (std::size_t i = 0, cell = 0; i < rows; ++i)
       for (std::size_t j = 0; j <= i; ++j, ++cell) now[cell] = generalized_play(share[i], share[j], 0.0, on[cell]);
   }
   void move(double x) { moved(x, on.data()); }
@@ -30,17 +50,20 @@ struct CellState {
 
 class PreisachIdentifier final : public Identifier {
  public:
-  explicit PreisachIdentifier(const FitData& like) : samples_(like) {
-    cells_.resize(kCells, static_cast<Eigen::Index>(samples_.fitted.size()));
+  PreisachIdentifier(const FitData& like, std::size_t rows, bool by_input) : samples_(like), by_input_(by_input) {
+    const auto count = static_cast<Eigen::Index>(rows * (rows + 1) / 2);
+    cells_.resize(count, static_cast<Eigen::Index>(samples_.fitted.size()));
     Eigen::Index row = 0;
-    const CellState virgin{samples_.x_low, samples_.x_high - samples_.x_low};
+    const CellState virgin{samples_.x_low, samples_.x_high - samples_.x_low, rows};
     walk_branches(samples_, virgin, [&](std::size_t i, const CellState& state) {
       if (row < cells_.cols() && samples_.fitted[static_cast<std::size_t>(row)] == i)
         state.moved(samples_.x[i], cells_.col(row++).data());
     });
-    gram_ = Eigen::MatrixXd::Zero(kCells, kCells);
+    gram_ = Eigen::MatrixXd::Zero(count, count);
     gram_.selfadjointView<Eigen::Lower>().rankUpdate(cells_);
     gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
+    external_only_ = external_only(samples_);
+    if (external_only_) gram_.diagonal().array() += kRidge * gram_.diagonal().mean();
   }
 
   [[nodiscard]] ModelFit fit(const FitData& data) const override {
@@ -49,8 +72,19 @@ class PreisachIdentifier final : public Identifier {
     Eigen::VectorXd target(cells_.cols());
     for (Eigen::Index r = 0; r < target.size(); ++r)
       target[r] = y[samples_.fitted[static_cast<std::size_t>(r)]] - y_low;
-    const Eigen::VectorXd weights = non_negative_least_squares(gram_, cells_ * target);
+    Eigen::VectorXd weights;
+    if (by_input_) {
+      const Eigen::VectorXd scale = inputs_an_output(y);
+      const Eigen::MatrixXd scaled = cells_ * scale.asDiagonal();
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(gram_.rows(), gram_.cols());
+      gram.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
+      gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+      weights = non_negative_least_squares(gram, scaled * scale.cwiseProduct(target));
+    } else {
+      weights = non_negative_least_squares(gram_, cells_ * target);
+    }
     ModelFit fit;
+    if (external_only_) fit.undetermined = {"w"};
     fit.model = std::make_unique<PreisachModel>(samples_.x_low, samples_.x_high, y_low,
                                                 std::vector<double>(weights.begin(), weights.end()));
     score_walk(fit, data, samples_, y, true);
@@ -58,15 +92,38 @@ class PreisachIdentifier final : public Identifier {
   }
 
  private:
+  // dx / dy at each fitted sample, of its branch; where that is flat no more than of a tenth of the mean slope.
+  [[nodiscard]] Eigen::VectorXd inputs_an_output(const std::vector<double>& y) const {
+    std::vector<double> slopes(y.size(), 0.0);
+    double rise = 0.0, way = 0.0;
+    for (const FitSamples::Part& part : samples_.parts)
+      for (std::size_t i = part.first; i <= part.last; ++i) {
+        const std::size_t a = i > part.first ? i - 1 : i, b = i < part.last ? i + 1 : i;
+        const double dx = samples_.x[b] - samples_.x[a], dy = y[b] - y[a];
+        slopes[i] = dx != 0.0 ? std::abs(dy / dx) : 0.0;
+        rise += std::abs(dy);
+        way += std::abs(dx);
+      }
+    const double least = kFlattest * rise / way;
+    Eigen::VectorXd inputs(cells_.cols());
+    for (Eigen::Index r = 0; r < inputs.size(); ++r)
+      inputs[r] = 1.0 / std::max(slopes[samples_.fitted[static_cast<std::size_t>(r)]], least);
+    return inputs;
+  }
+
   FitSamples samples_;
+  bool by_input_;
   Eigen::MatrixXd cells_;  // a column a sample
   Eigen::MatrixXd gram_;
+  bool external_only_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<Identifier> prepare_preisach(const FitData& like, const IdentifyOptions& /*options*/) {
-  return std::make_unique<PreisachIdentifier>(like);
+std::unique_ptr<Identifier> prepare_preisach(const FitData& like, const IdentifyOptions& options) {
+  if (options.cells < 1 || options.cells > static_cast<int>(kMostRows))
+    throw std::invalid_argument(fmt::format("Preisach: {} intervals; 1 to {} are possible", options.cells, kMostRows));
+  return std::make_unique<PreisachIdentifier>(like, static_cast<std::size_t>(options.cells), options.by_input);
 }
 
 }  // namespace tactbench::analysis

@@ -111,10 +111,12 @@ std::string made_by(const db::FitRecord& fit) {
   return options["made_by"].get<std::string>();
 }
 
-ElamOptions options_of(const db::FitRecord& fit) {
-  ElamOptions options;
+IdentifyOptions options_of(const db::FitRecord& fit) {
+  IdentifyOptions options;
   try {
-    parse_json(fit.options_json).at("exact_outer").get_to(options.exact_outer);
+    const nlohmann::json stored = parse_json(fit.options_json);
+    stored.at("exact_outer").get_to(options.exact_outer);
+    options.settle = stored.value("settled", false);  // fits of older programs
   } catch (const nlohmann::json::exception& error) {
     throw AnalysisError(
         Cause::kStored, "TB-MODEL-STORED",
@@ -125,6 +127,8 @@ ElamOptions options_of(const db::FitRecord& fit) {
 }
 
 std::string first_difference(const FitRows& stored, const FitRows& recomputed, double tolerance) {
+  if (stored.taxels.empty() && recomputed.taxels.empty())
+    return compare_text("model", stored.fit.patterns_json, recomputed.fit.patterns_json, tolerance);
   std::map<int, const db::FitTaxelRecord*> kept;
   for (const db::FitTaxelRecord& taxel : stored.taxels) kept[taxel.taxel] = &taxel;
   std::string found =

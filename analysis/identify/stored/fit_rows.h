@@ -1,4 +1,5 @@
-// A fit as the rows that the store keeps, and two such sets beside each other: what `verify` compares. Stored rows and
+// A fit as the store keeps it, and two such beside each other: what `verify` compares. Paper's ELAM on all sequences is
+// kept as rows, every other model as its document. Stored rows and
 // rows recomputed from the raw frames are equal bit for bit on the same build and class of processor; elsewhere
 // numbers may differ by kRelativeTolerance.
 #pragma once
@@ -6,20 +7,23 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
+#include "db/record.h"
 
 namespace tactbench::analysis {
 
 struct FitRows {
   db::FitRecord fit;                       // without number, program version and time
-  std::vector<db::FitTaxelRecord> taxels;  // the mean taxel first
+  std::vector<db::FitTaxelRecord> taxels;  // the mean taxel first; none: kept as a document
 };
-FitRows rows_of(const ArrayFit& fit);
+FitRows rows_of(const SensorModel& fit);
+// The model that the rows hold. Throws AnalysisError TB-MODEL-STORED.
+SensorModel model_from_rows(const FitRows& rows);
 
 // Who made a stored fit, as store_fit was told; empty: not kept (older stores).
 std::string made_by(const db::FitRecord& fit);
-// Options that a stored fit was made with. Throws AnalysisError TB-MODEL-STORED when they cannot be read.
-ElamOptions options_of(const db::FitRecord& fit);
+// Options that a fit in rows was made with. Throws AnalysisError TB-MODEL-STORED when they cannot be read.
+IdentifyOptions options_of(const db::FitRecord& fit);
 
 inline constexpr double kRelativeTolerance = 1e-12;
 

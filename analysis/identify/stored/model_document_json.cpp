@@ -1,9 +1,11 @@
 // The model document as JSON.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "analysis/identify/elam/identify.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
 #include "analysis/models/json_members.h"
@@ -13,6 +15,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "tactbench.model";
+
+constexpr int kEvenInputs = 31;  // of the loop of a model whose document does not name any
+
+std::vector<double> even_inputs(const HysteresisModel& model) {
+  std::vector<double> inputs;
+  for (int i = 0; i < kEvenInputs; ++i)
+    inputs.push_back(std::lerp(model.x_low(), model.x_high(), static_cast<double>(i) / (kEvenInputs - 1)));
+  return inputs;
+}
 
 Json range_json(const std::optional<Range>& range) {
   return range ? Json{{"low", range->low}, {"high", range->high}} : Json(nullptr);
@@ -43,8 +54,50 @@ int integer_from(const Json& json, const std::string& name) {
   return static_cast<int>(value);
 }
 
+Json loop_json(const ModelTaxel& taxel) {
+  const auto list = [](const PatternCurve& curve) { return std::vector<double>(curve.y().begin(), curve.y().end()); };
+  return {{"ascending", list(taxel.ascending)}, {"descending", list(taxel.descending)}};
+}
+
+std::vector<double> numbers_from(const Json& json, const std::string& name) {
+  const Json& list = json_member(json, name);
+  if (!list.is_array() || !std::ranges::all_of(list, [](const Json& value) { return value.is_number(); }))
+    throw std::invalid_argument("\"" + name + "\" is not a list of numbers");
+  return list.get<std::vector<double>>();
+}
+
+// Documents of older programs hold none: the model walks it.
+void walk_loop(const std::vector<double>& inputs, ModelTaxel& taxel) {
+  try {
+    set_loop(taxel, inputs.empty() ? even_inputs(*taxel.fit.model) : inputs);
+  } catch (const std::invalid_argument& error) {
+    taxel.status = TaxelStatus::kUnfit;
+    taxel.reason = error.what();
+  }
+}
+
+// Of ELAM its patterns; of others what the document holds.
+void read_loop(const Json& json, const std::vector<double>& inputs, ModelTaxel& taxel) {
+  if (const ElamModel* const elam = elam_of(taxel)) {
+    taxel.fit.at_bound = bounds_met(*elam);
+    set_loop(taxel, elam->ascending.x(), elam->ascending.y(), elam->descending.y());
+    return;
+  }
+  if (inputs.empty() || !json.contains("loop")) {
+    walk_loop(inputs, taxel);
+    return;
+  }
+  const std::vector<double> up = numbers_from(json.at("loop"), "ascending"),
+                            down = numbers_from(json.at("loop"), "descending");
+  if (up.size() != inputs.size() || down.size() != inputs.size() || inputs.size() < 2)
+    throw std::invalid_argument("\"loop\" has not as many outputs as \"loop_inputs\" has inputs");
+  taxel.ascending = PatternCurve(inputs, up, up.front(), up.back());
+  taxel.descending = PatternCurve(inputs, down, down.front(), down.back());
+}
+
 Json taxel_json(const ModelTaxel& taxel) {
-  Json json = {{"taxel", taxel.taxel}, {"status", taxel.status}, {"noise", taxel.noise}};
+  Json json = {{"taxel", taxel.taxel}, {"status", to_string(taxel.status)}, {"noise", taxel.noise}};
+  if (!taxel.reason.empty()) json["reason"] = taxel.reason;
   if (taxel.fit.model == nullptr) return json;
   json["dead_band"] = kBandInNoises * taxel.noise;
   json["loop_low"] = taxel.loop_low;
@@ -60,14 +113,27 @@ Json taxel_json(const ModelTaxel& taxel) {
   for (const ModelParameter& parameter : taxel.fit.model->parameters())
     if (parameter.at_bound()) at_bound.push_back(parameter.name);
   json["at_bound"] = at_bound;
+  if (elam_of(taxel) == nullptr && !taxel.ascending.x().empty()) json["loop"] = loop_json(taxel);
+  if (!taxel.fit.undetermined.empty()) json["undetermined"] = taxel.fit.undetermined;
   json["model"] = taxel.fit.model->to_json();
   return json;
 }
 
-ModelTaxel taxel_from(const Json& json) {
+// Older programs wrote a reason as the status.
+void read_status(const Json& json, ModelTaxel& taxel) {
+  const std::string status = text_from(json, "status");
+  if (!status_from(status, taxel.status)) {
+    taxel.status = TaxelStatus::kUnfit;
+    taxel.reason = status;
+  }
+  if (json.contains("reason")) taxel.reason = text_from(json, "reason");
+  if (taxel.fitted() && !json.contains("model")) taxel.status = TaxelStatus::kUnfit;
+}
+
+ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs) {
   ModelTaxel taxel;
   taxel.taxel = integer_from(json, "taxel");
-  taxel.status = text_from(json, "status");
+  read_status(json, taxel);
   taxel.noise = json_number(json, "noise");
   if (taxel.noise < 0.0) throw std::invalid_argument("\"noise\" is negative");
   if (!json.contains("model")) return taxel;
@@ -82,17 +148,20 @@ ModelTaxel taxel_from(const Json& json) {
   taxel.fit.full_scale = json_number(figures, "full_scale");
   taxel.fit.samples = integer_from(figures, "samples");
   taxel.fit.starts = integer_from(figures, "starts");
+  for (const Json& name : json.value("undetermined", Json::array()))
+    taxel.fit.undetermined.push_back(name.get<std::string>());
   taxel.fit.model = model_from_json(json.at("model"));
+  read_loop(json, inputs, taxel);
   return taxel;
 }
 
-ModelDocument document_from(const Json& json) {
+SensorModel document_from(const Json& json) {
   if (text_from(json, "schema") != kSchema) throw std::invalid_argument("\"schema\" is not \"tactbench.model\"");
   const int version = integer_from(json, "version");
   if (version != kModelDocumentVersion)
     throw std::invalid_argument(
         fmt::format("it is of version {}, and this program reads version {}", version, kModelDocumentVersion));
-  ModelDocument document;
+  SensorModel document;
   document.model = text_from(json, "model");
   const Json& options = json_member(json, "options");
   document.options.free_run = text_from(options, "mode") == "free-run";
@@ -124,14 +193,20 @@ ModelDocument document_from(const Json& json) {
   document.parent_sha256 = text_from(parent, "sha256");
   document.adjustment = text_from(parent, "adjustment");
   document.program_version = text_from(json, "program_version");
-  for (const Json& taxel : json_member(json, "taxels")) document.taxels.push_back(taxel_from(taxel));
+  if (json.contains("loop_inputs")) document.pressure_psi = numbers_from(json, "loop_inputs");
+  for (const Json& taxel : json_member(json, "taxels"))
+    document.taxels.push_back(taxel_from(taxel, document.pressure_psi));
   if (document.taxels.empty()) throw std::invalid_argument("\"taxels\" is empty");
+  for (const ModelTaxel& taxel : document.taxels) {
+    if (!document.pressure_psi.empty() || taxel.fit.model == nullptr) continue;
+    document.pressure_psi.assign(taxel.ascending.x().begin(), taxel.ascending.x().end());
+  }
   return document;
 }
 
 }  // namespace
 
-std::string to_text(const ModelDocument& document) {
+std::string to_text(const SensorModel& document) {
   Json json = {{"schema", kSchema}, {"version", kModelDocumentVersion}, {"model", document.model}};
   json["options"] = {{"mode", document.options.free_run ? "free-run" : "paper"},
                      {"exact_outer", document.options.exact_outer},
@@ -157,14 +232,15 @@ std::string to_text(const ModelDocument& document) {
                       {"interface_material", document.validity.interface_material}};
   json["parent"] = {{"sha256", document.parent_sha256}, {"adjustment", document.adjustment}};
   json["program_version"] = document.program_version;
+  if (document.model != kElamFit) json["loop_inputs"] = document.pressure_psi;  // of ELAM its patterns say so
   json["taxels"] = Json::array();
   for (const ModelTaxel& taxel : document.taxels) json["taxels"].push_back(taxel_json(taxel));
   return json.dump(1) + "\n";
 }
 
-std::string sha256_of(const ModelDocument& document) { return db::sha256_hex(to_text(document)); }
+std::string sha256_of(const SensorModel& document) { return db::sha256_hex(to_text(document)); }
 
-ModelDocument document_from_text(const std::string& text, const std::string& file) {
+SensorModel document_from_text(const std::string& text, const std::string& file) {
   const auto refuse = [&](const std::string& what) -> AnalysisError {
     return {Cause::kUsage, "TB-MODEL-DOCUMENT", fmt::format("{} is no model: {}", file, what),
             "give a file that tactbench fit -o or model export wrote"};

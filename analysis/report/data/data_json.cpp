@@ -2,6 +2,7 @@
 
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/documents/run_json.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/judged_runs.h"
@@ -38,19 +39,27 @@ Json level_json(const LevelFigures& level, int fitted) {
 }
 
 // Parameters in the order of "parameter_names"; patterns on "pressure_psi".
-Json taxel_json(const TaxelFit& taxel, int index) {
-  const ElamParameters& p = taxel.fit.model.parameters;
-  Json out = {{"taxel", index}, {"status", to_string(taxel.status)}, {"noise_v", taxel.noise_v}};
-  if (taxel.status != TaxelStatus::kFitted) return out;
-  out["parameters"] = {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a};
+Json taxel_json(const ModelTaxel& taxel, int index) {
+  Json out = {{"taxel", index}, {"status", to_string(taxel.status)}, {"noise_v", taxel.noise}};
+  if (!taxel.fitted()) return out;
+  out["parameters"] = Json::array();
+  for (const ModelParameter& parameter : taxel.fit.model->parameters()) out["parameters"].push_back(parameter.value);
   out["at_bound"] = taxel.fit.at_bound;
-  out["j_v2"] = taxel.fit.j_v2;
-  out["mean_error_v"] = taxel.fit.mean_error_v;
-  out["max_error_v"] = taxel.fit.max_error_v;
-  out["full_scale_v"] = taxel.fit.full_scale_v;
-  out["ascending_v"] = number_list(taxel.fit.model.ascending.y());
-  out["descending_v"] = number_list(taxel.fit.model.descending.y());
+  out["j_v2"] = taxel.fit.j;
+  out["mean_error_v"] = taxel.fit.mean_error;
+  out["max_error_v"] = taxel.fit.max_error;
+  out["full_scale_v"] = taxel.full_scale();
+  out["ascending_v"] = number_list(taxel.ascending.y());
+  out["descending_v"] = number_list(taxel.descending.y());
   return out;
+}
+
+// Those of the mean taxel: Preisach's weights may be of another number in a taxel.
+Json parameter_names(const SensorModel& fit) {
+  Json names = Json::array();
+  if (fit.taxels.empty() || fit.mean_taxel().fit.model == nullptr) return kElamParameterNames;
+  for (const ModelParameter& parameter : fit.mean_taxel().fit.model->parameters()) names.push_back(parameter.name);
+  return names;
 }
 
 Json laboratory_json(const Laboratory& l) {
@@ -98,7 +107,7 @@ Json history_json(const RunHistory& history) {
           {"checks", checks}};
 }
 
-// What people say of a run afterwards is left out: a report has the same bytes whatever they say.
+// Omits later remarks on a run (tags, notes), so that they do not change a report's bytes.
 Json reported_run(const db::RunRecord& run, const Laboratory& laboratory) {
   Json json = run_json(run, laboratory.instruments);
   for (const char* said : {"tags", "notes"}) json.erase(said);
@@ -182,7 +191,7 @@ std::string results_json(const ReportInput& input) {
                       {"model_v", number_list(trace.model_v)},
                       {"compensated_psi", number_list(trace.compensated_psi)}});
   }
-  for (std::size_t i = 0; i < input.fit.taxels.size(); ++i) {
+  for (std::size_t i = 0; i < input.fit.array().size(); ++i) {
     taxels.push_back(taxel_json(input.fit.taxels[i], static_cast<int>(i)));
   }
   for (const db::VerdictRecord& verdict : input.verdicts) verdicts.push_back(judged_json(input, verdict));
@@ -197,13 +206,13 @@ std::string results_json(const ReportInput& input) {
                     {"held_out", std::move(held_out)},
                     {"traces", std::move(traces)},
                     {"model",
-                     {{"name", "elam"},
+                     {{"name", input.fit.taxels.empty() ? "elam" : label_of(input.fit)},
                       {"rows", input.fit.rows},
                       {"columns", input.fit.columns},
-                      {"parameter_names", kElamParameterNames},
-                      {"full_scale_v", input.fit.full_scale_v},
+                      {"parameter_names", parameter_names(input.fit)},
+                      {"full_scale_v", input.fit.taxels.empty() ? 0.0 : input.fit.full_scale_v()},
                       {"pressure_psi", number_list(input.fit.pressure_psi)},
-                      {"mean_taxel", taxel_json(input.fit.mean_taxel, -1)},
+                      {"mean_taxel", taxel_json(input.fit.taxels.empty() ? ModelTaxel{} : input.fit.mean_taxel(), -1)},
                       {"taxels", std::move(taxels)}}},
                     {"frames", std::move(frames)}});
 }

@@ -31,7 +31,7 @@ std::vector<std::int64_t> numbers_of(std::span<const db::VerdictRecord> verdicts
   return numbers;
 }
 
-// The titles of the runs that decided; empty where all said the same.
+// The titles of the deciding runs; empty when all runs have the same verdict.
 std::string decided_by(const ReportInput& input) {
   const std::vector<std::int64_t> deciding = deciding_runs(input.verdicts);
   if (deciding.size() == numbers_of(input.verdicts).size()) return {};

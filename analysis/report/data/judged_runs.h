@@ -1,4 +1,4 @@
-// The runs that a report's verdicts were given on, as page 1 names them.
+// The runs that a report's verdicts are about, as named on page 1.
 #pragma once
 
 #include <string>
@@ -18,13 +18,13 @@ struct JudgedRun {
 std::vector<JudgedRun> judged_runs(const ReportInput& input);
 std::string title_of_judged(const ReportInput& input, std::int64_t run);
 
-// "All criteria together", which runs were judged and which one decided, and what was said of the judgement.
+// The part "All criteria together": the runs judged, the deciding run, and remarks on the judgement.
 html::Markup overall_part(const ReportInput& input);
 
 // Criteria with a column of value, U and verdict for each run; for two runs or more.
 html::Markup criteria_by_run(const ReportInput& input);
 
-// Cells that the tables of one and of several runs share (section_verdicts.cpp).
+// Cells shared by the tables of one and of several runs (sections/verdicts.cpp).
 html::Markup judged_value(const JudgedUncertainty* known, const db::VerdictRecord& verdict);
 html::Markup judged_limit(const db::VerdictRecord& verdict);
 html::Markup judged_mark(const ReportInput& input, const db::VerdictRecord& verdict);

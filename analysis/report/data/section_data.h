@@ -1,4 +1,4 @@
-// The data behind the sections' figures.
+// Data of the report's sections as JSON.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace tactbench::analysis {
 
-// What names the run (number, UUID, times, host) is apart from the results, so that the
-// content hash can leave it out. JSON in ASCII; null where a figure is not available.
+// identification_json() holds what names the run (number, UUID, times, host), so that the content hash can omit it; the
+// others hold results. JSON in ASCII; null where a figure is not available.
 std::string identification_json(const ReportInput& input);
 std::string results_json(const ReportInput& input);
 std::string uncertainty_json(const ReportInput& input);

@@ -22,6 +22,8 @@ MoreJson model_json(const ComparedModel& model) {
           {"j_v2", model.j_v2},
           {"mean_error_v", model.mean_error_v},
           {"max_error_v", model.max_error_v},
+          {"mean_free_running_v", model.mean_running_v},
+          {"max_free_running_v", model.max_running_v},
           {"samples", model.samples},
           {"operations_per_sample", model.operations_per_sample},
           {"parameters", parameters},

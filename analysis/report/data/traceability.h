@@ -1,5 +1,5 @@
-// To which standards a report's quantities are traced, and what is to be said of the instruments beside the verdict.
-// The certificates and dates are those of instrument_calibration.h everywhere.
+// Traceability of a report's quantities, and warnings about instruments to print with the verdict. Certificates and
+// dates come from instrument_calibration.h.
 #pragma once
 
 #include <span>
@@ -17,15 +17,15 @@ struct Traceability {
   bool traceable = false;
 };
 
-// Force and place of a run that pressed objects; pressure of one that used the chamber.
+// Force and position for a run that pressed objects; pressure for one that used the chamber.
 std::vector<Traceability> traceability_of(const ReportInput& input);
 Traceability force_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes);
 std::string traceability_json(const ReportInput& input);
 
 // For page 1: instruments that were overdue when the report's runs were made, and contradictions about them. Empty:
-// nothing to say.
+// none.
 html::Markup instruments_warning(const ReportInput& input);
-// Beside an overall verdict of inconclusive: "reference overdue since ...". Empty: that is not why.
+// Reason of an overall verdict of inconclusive: "reference overdue since ...". Empty: another reason.
 std::string reason_of_verdict(const ReportInput& input);
 
 }  // namespace tactbench::analysis

@@ -45,7 +45,7 @@ const BatchColumn& column_named(const std::vector<BatchColumn>& columns, const s
   return *std::ranges::find_if(columns, [&](const BatchColumn& column) { return column.figure->key == key; });
 }
 
-// What was not judged stands among the inconclusive.
+// Runs that were not judged count as inconclusive.
 Verdict rank_of(std::optional<Verdict> overall) {
   return states_conformity(overall) ? *overall : Verdict::kInconclusive;
 }
@@ -158,7 +158,7 @@ Markup outliers_part(const std::vector<ReportInput>& runs, const std::vector<Bat
   return out;
 }
 
-// What stands after the last comma of a figure's name.
+// The part of a figure's name after the last comma: its unit.
 std::string unit_words(const std::string& name) {
   const std::size_t comma = name.rfind(", ");
   return comma == std::string::npos ? name : "in " + name.substr(comma + 2);

@@ -1,4 +1,4 @@
-// Pages on several runs: two beside each other, or a batch of sensors. Each run as its own report has it.
+// Pages on several runs: a comparison of two, or a batch of sensors. Each run's figures are those of its own report.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 namespace tactbench::analysis {
 
 // As found and as left, or two sensors. first.held_out may hold the second run's data compensated with the first run's
-// models: as found. Where one has no models, what does not need any.
+// models: as found. When one run has no models, only the parts that need none.
 Report render_comparison(const ReportInput& first, const ReportInput& second);
 
-// One page for many sensors: yield, ranks, histograms with limits, outliers, mean loops. Not empty. Of each sensor one
-// run stands for it: the newest that counts, one with models before one without.
+// One page for many sensors: yield, ranks, histograms with limits, outliers, mean loops. Not empty. Each sensor is
+// represented by one run: the newest that counts, preferably one with models.
 Report render_batch(const std::vector<ReportInput>& named);
-// Places in `named` of the runs that stand for their sensors. A run whose sensor is not stated stands for itself.
+// Indices in `named` of the runs that represent their sensors. A run without a sensor represents itself.
 std::vector<std::size_t> batch_rows(const std::vector<ReportInput>& named);
 
 // Modified z-score 0.6745 (x - median) / MAD (Iglewicz and Hoaglin 1993); NaN where x is not finite, fewer than five

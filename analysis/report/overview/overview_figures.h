@@ -1,4 +1,4 @@
-// What the pages on several runs share.
+// Shared by the pages on several runs: figures, limits and verdicts of one run.
 #pragma once
 
 #include <optional>
@@ -20,11 +20,11 @@ struct OverviewFigure {
 };
 const std::vector<OverviewFigure>& overview_figures();
 html::Text shown_figure(const OverviewFigure& figure, double value);
-// The limit that the run's verdicts have for it, in the unit of the data; NaN without one.
+// The figure's limit in the run's verdicts, in the unit of the data; NaN without one.
 double limit_of(const OverviewFigure& figure, const ReportInput& input);
 
 std::string content_of_run(const ReportInput& input);  // JSON: run, sensor, origin, content hash, figures; no times
-// Of all criteria together, as final_verdict(): none without limits.
+// The overall verdict, as final_verdict(); none without limits.
 std::optional<Verdict> overall_of(const ReportInput& input);
 html::Markup overall_cell(const ReportInput& input, const char* without_limits);
 

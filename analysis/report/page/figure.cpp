@@ -25,7 +25,7 @@ struct Range {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  // Moves an end that nearly stands on a round number onto it: measured 0.03..59.98 psi is an axis from 0 to 60.
+  // Moves an end that is close to a round number onto it: measured 0.03..59.98 psi gives an axis from 0 to 60.
   void snap(int wanted) {
     const double rough = (high - low) / wanted;
     for (double* end : {&low, &high}) {

@@ -11,7 +11,7 @@
 namespace tactbench::analysis {
 
 struct Series {
-  std::string name;          // in the legend; empty: not there
+  std::string name;          // in the legend; empty: no entry
   std::vector<double> x, y;  // of equal length; a value that is not finite breaks the line
   int style = 0;             // colour and dash pattern, 0..kLineStyles-1
   bool points = false;       // dots without a line
@@ -25,7 +25,7 @@ struct LineChart {
   bool y_from_zero = false;
 };
 
-// Darkened Okabe-Ito: at least 4.5:1 on white, told apart by dashes where colour is not seen.
+// Darkened Okabe-Ito: contrast at least 4.5:1 on white; dashes distinguish lines without colour.
 struct LineStyle {
   const char* colour;
   const char* dashes;
@@ -36,7 +36,7 @@ inline constexpr LineStyle kLineStyles[] = {
 // Legend below the axes, never over the curves.
 html::Markup line_chart(const LineChart& chart);
 
-// How many values lie where. Values that are not finite are left out.
+// Counts of values per bin. Values that are not finite are ignored.
 struct Histogram {
   std::string title, x_label, y_label;
   std::vector<double> values;
@@ -68,7 +68,7 @@ struct FrameMap {
 
 // One path per colour bin (32): a frame costs about 4 kB.
 html::Markup frame_map(const FrameMap& map);
-// The same, large, with each value in its cell. For one map a report.
+// The same, large, with the value in each cell; for one map per report.
 html::Markup numbered_map(const FrameMap& map, int digits);
 // The scale with its two ends.
 html::Markup colour_bar(const ColourScale& scale, const std::string& title, const std::string& unit, int digits);

@@ -24,7 +24,7 @@ bool printable(std::uint32_t c) {
   return (c & 0xFFFEu) != 0xFFFEu && !(c >= 0xFDD0 && c <= 0xFDEF);
 }
 
-// What stands for itself everywhere, as nearly all of a page does.
+// Characters that never need escaping: nearly all of a page.
 constexpr auto kPlain = [] {
   std::array<bool, 256> plain{};
   for (unsigned char c = ' '; c <= '~'; ++c) plain[c] = c != '&' && c != '<' && c != '>' && c != '"' && c != '\'';

@@ -21,7 +21,7 @@ struct Markup : Safe {
     value += other.value;
     return *this;
   }
-  // Text of our own source, taken as it is (CSS, whose braces `markup` would read as fields).
+  // Literal source text, not escaped (CSS, whose braces `markup` would read as fields).
   template <std::size_t N>
   static Markup literal(const char (&source)[N]) {
     Markup out;

@@ -17,15 +17,15 @@ namespace {
 
 constexpr std::size_t kElamParameters = kElamParameterNames.size();
 
-double elam_parameter(const TaxelFit& taxel, std::size_t parameter) {
-  const ElamParameters& p = taxel.fit.model.parameters;
+double elam_parameter(const ModelTaxel& taxel, std::size_t parameter) {
+  const ElamParameters& p = elam_of(taxel)->parameters;
   return std::array<double, kElamParameters>{p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a}[parameter];
 }
 
 // All taxels; NaN where none is fitted.
-std::vector<double> elam_values(const ArrayFit& fit, std::size_t parameter) {
+std::vector<double> elam_values(const SensorModel& fit, std::size_t parameter) {
   std::vector<double> out;
-  for (const TaxelFit& taxel : fit.taxels)
+  for (const ModelTaxel& taxel : fit.array())
     out.push_back(taxel.status == TaxelStatus::kFitted ? elam_parameter(taxel, parameter) : kNan);
   return out;
 }
@@ -59,7 +59,7 @@ Markup parameter_histogram(const std::string& name, const std::string& label, co
                      .y_from_zero = true});
 }
 
-Markup parameter_row(const ArrayFit& fit, std::size_t parameter) {
+Markup parameter_row(const SensorModel& fit, std::size_t parameter) {
   const std::vector<double> values = elam_values(fit, parameter);
   const Spread spread = spread_of(values);
   const std::string name = kElamParameterNames[parameter], unit = parameter == 2 ? ", 1/psi" : "";
@@ -76,13 +76,13 @@ Markup parameter_row(const ArrayFit& fit, std::size_t parameter) {
   return out;
 }
 
-Markup bounds_table(const ArrayFit& fit) {
+Markup bounds_table(const SensorModel& fit) {
   Markup rows;
   for (std::size_t parameter = 0; parameter < kElamParameters; ++parameter) {
     std::string places;
     int count = 0;
-    for (std::size_t i = 0; i < fit.taxels.size(); ++i) {
-      const TaxelFit& taxel = fit.taxels[i];
+    for (std::size_t i = 0; i < fit.array().size(); ++i) {
+      const ModelTaxel& taxel = fit.taxels[i];
       if (taxel.status != TaxelStatus::kFitted || ((taxel.fit.at_bound >> parameter) & 1u) == 0) continue;
       ++count;
       places += fmt::format("{}({}, {})", places.empty() ? "" : " ", i / static_cast<std::size_t>(fit.columns),

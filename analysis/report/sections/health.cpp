@@ -30,7 +30,7 @@ std::vector<std::pair<std::string, std::string>> health_rules(const Health& heal
           {"saturated", "at least one sample at the limit of the converter"},
           {"unfit", fmt::format("output moves, but not with the pressure, or no model meets it better than {:g} % of "
                                 "the taxel's full scale",
-                                100.0 * ArrayFitOptions{}.unfit_share)},
+                                100.0 * kUnfitShare)},
           {"noisy", health.noise_v.empty()
                         ? std::string("not assessed: one scan a frame gives no noise")
                         : fmt::format("standard deviation of a sample, from the scans of one frame, above {:g} times "
@@ -102,7 +102,7 @@ Markup swaps_words(const ReportInput& input) {
   return out;
 }
 
-// The seating check's own findings, as its JSON has them.
+// The seating check's findings, from its JSON.
 Markup seating_words(const ReportInput& input) {
   Markup out;
   for (const db::CheckRecord& check : input.history.checks) {

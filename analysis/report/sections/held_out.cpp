@@ -50,6 +50,12 @@ constexpr Row kRows[] = {
     {"levels whose distance was made worse", worse_levels},
 };
 
+std::string recipes_of(const db::RunRecord& run) {
+  std::string names;
+  for (const db::SequenceRecord& sequence : run.sequences) names += (names.empty() ? "" : ", ") + sequence.name;
+  return names;
+}
+
 Markup table(std::span<const Column> columns, const html::Safe& caption) {
   Markup out = markup(
       "<div class=\"wide\" tabindex=\"0\" role=\"region\" "
@@ -59,6 +65,8 @@ Markup table(std::span<const Column> columns, const html::Safe& caption) {
     out += markup("<th scope=\"col\" class=\"n\">{}</th>", html::stated(column.title));
   out += markup("</tr></thead><tbody>\n<tr><th scope=\"row\">run</th>");
   for (const Column& column : columns) out += markup("<td class=\"n\">{}</td>", column.run->run);
+  out += markup("</tr>\n<tr><th scope=\"row\">recipes: the trajectories that its errors hold for</th>");
+  for (const Column& column : columns) out += markup("<td class=\"n\">{}</td>", html::stated(recipes_of(*column.run)));
   out += markup("</tr>\n<tr><th scope=\"row\">started (UTC)</th>");
   for (const Column& column : columns) out += number_cell(moment(column.run->started_utc));
   out += markup("</tr>\n<tr><th scope=\"row\">frames evaluated</th>");

@@ -13,7 +13,7 @@ using html::Text;
 
 namespace {
 
-constexpr std::size_t kMostEventsTold = 40;  // the rest is counted; all stand in the store
+constexpr std::size_t kMostEventsTold = 40;  // the rest is counted; all are in the store
 
 // Title as its file says it; the recipe is TOML, of which one line is wanted.
 std::string recipe_title(const std::string& toml) {
@@ -98,7 +98,7 @@ Markup events_table(const RunHistory& history) {
   return out;
 }
 
-// 0 is reported, too: otherwise a clean run would look like one that was not checked.
+// Also reports 0: otherwise a clean run would look like an unchecked one.
 Markup deviations_table(const ReportInput& input) {
   const RunHistory& history = input.history;
   const auto count = [&](const char* kind) {

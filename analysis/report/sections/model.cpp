@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/report/page/figure.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
@@ -17,48 +18,53 @@ namespace {
 
 constexpr std::size_t kParameters = kElamParameterNames.size();
 
-std::array<double, kParameters> parameters_of(const ElamFit& fit) {
-  const ElamParameters& p = fit.model.parameters;
+// Of ELAM: those of the other models are many, and no five of them say what the model is.
+std::array<double, kParameters> parameters_of(const ModelTaxel& taxel) {
+  const ElamParameters& p = elam_of(taxel)->parameters;
   return {p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a};
 }
 
+bool is_elam(const SensorModel& fit) { return elam_of(fit.mean_taxel()) != nullptr; }
+
+Text name_of(const SensorModel& fit) { return Text(fit.model == kElamFit ? "ELAM" : label_of(fit)); }
+
 Text unit_of(std::size_t parameter) { return Text(parameter == 2 ? "1/psi" : "1"); }
 
-bool at_bound(const ElamFit& fit, std::size_t parameter) { return ((fit.at_bound >> parameter) & 1u) != 0; }
+bool at_bound(const ModelFit& fit, std::size_t parameter) { return ((fit.at_bound >> parameter) & 1u) != 0; }
 
 Markup mean_taxel_table(const ReportInput& input) {
-  const TaxelFit& mean = input.fit.mean_taxel;
-  const auto parameters = parameters_of(mean.fit);
+  const ModelTaxel& mean = input.fit.mean_taxel();
   Markup out = markup(
-      "<table><caption>ELAM of the mean taxel</caption><thead><tr><th scope=\"col\">quantity</th>"
+      "<table><caption>{} of the mean taxel</caption><thead><tr><th scope=\"col\">quantity</th>"
       "<th scope=\"col\" class=\"n\">value</th><th scope=\"col\">unit</th><th "
-      "scope=\"col\">remark</th></tr></thead><tbody>\n");
+      "scope=\"col\">remark</th></tr></thead><tbody>\n",
+      name_of(input.fit));
   const auto row = [&](const html::Safe& name, const html::Safe& value, const html::Safe& unit,
                        const html::Safe& remark) {
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", name, value,
                   unit, remark);
   };
-  for (std::size_t i = 0; i < kParameters; ++i) {
-    row(Text(kElamParameterNames[i]), html::fixed(parameters[i], 4), unit_of(i),
+  for (std::size_t i = 0; is_elam(input.fit) && i < kParameters; ++i) {
+    row(Text(kElamParameterNames[i]), html::fixed(parameters_of(mean)[i], 4), unit_of(i),
         Text(at_bound(mean.fit, i) ? "at a bound of the search" : ""));
   }
-  const double full_scale = mean.fit.full_scale_v;
-  row(Text("J, Eq. (1)"), html::fixed(mean.fit.j_v2, 4), Text("V²"),
+  const double full_scale = mean.full_scale();
+  row(Text("J, Eq. (1)"), html::fixed(mean.fit.j, 4), Text("V²"),
       Text("sum of squared differences, model and measured"));
-  row(Text("mean error, Eq. (49)"), html::fixed(mean.fit.mean_error_v, 4), Text("V"),
-      markup("{} % FS", html::percent(mean.fit.mean_error_v / full_scale, 2)));
-  row(Text("maximum error"), html::fixed(mean.fit.max_error_v, 4), Text("V"),
-      markup("{} % FS", html::percent(mean.fit.max_error_v / full_scale, 2)));
+  row(Text("mean error, Eq. (49)"), html::fixed(mean.fit.mean_error, 4), Text("V"),
+      markup("{} % FS", html::percent(mean.fit.mean_error / full_scale, 2)));
+  row(Text("maximum error"), html::fixed(mean.fit.max_error, 4), Text("V"),
+      markup("{} % FS", html::percent(mean.fit.max_error / full_scale, 2)));
   row(Text("full scale (FS)"), html::fixed(full_scale, 3), Text("V"),
       Text("highest output of the external loop of the mean taxel"));
-  row(Text("noise of one sample"), html::fixed(1000.0 * mean.noise_v, 2), Text("mV"), Text("standard deviation"));
+  row(Text("noise of one sample"), html::fixed(1000.0 * mean.noise, 2), Text("mV"), Text("standard deviation"));
   out += markup("</tbody></table>\n");
   return out;
 }
 
-std::vector<const TaxelFit*> fitted(const ArrayFit& fit) {
-  std::vector<const TaxelFit*> out;
-  for (const TaxelFit& taxel : fit.taxels) {
+std::vector<const ModelTaxel*> fitted(const SensorModel& fit) {
+  std::vector<const ModelTaxel*> out;
+  for (const ModelTaxel& taxel : fit.array()) {
     if (taxel.status == TaxelStatus::kFitted) out.push_back(&taxel);
   }
   return out;
@@ -67,11 +73,11 @@ std::vector<const TaxelFit*> fitted(const ArrayFit& fit) {
 Markup distribution_table(const ReportInput& input) {
   const auto taxels = fitted(input.fit);
   Markup out = markup(
-      "<table><caption>ELAM of the {} fitted taxels: distribution</caption><thead><tr><th scope=\"col\">quantity</th>"
+      "<table><caption>{} of the {} fitted taxels: distribution</caption><thead><tr><th scope=\"col\">quantity</th>"
       "<th scope=\"col\">unit</th><th scope=\"col\" class=\"n\">minimum</th><th scope=\"col\" class=\"n\">median</th>"
       "<th scope=\"col\" class=\"n\">maximum</th><th scope=\"col\" class=\"n\">taxels at a "
       "bound</th></tr></thead><tbody>\n",
-      taxels.size());
+      name_of(input.fit), taxels.size());
   const auto row = [&](const html::Safe& name, const html::Safe& unit, std::vector<double> values, int digits,
                        const html::Safe& bounds) {
     const Spread spread = spread_of(std::move(values));
@@ -81,31 +87,30 @@ Markup distribution_table(const ReportInput& input) {
   };
   const auto collect = [&](auto figure) {
     std::vector<double> values;
-    for (const TaxelFit* taxel : taxels) values.push_back(figure(*taxel));
+    for (const ModelTaxel* taxel : taxels) values.push_back(figure(*taxel));
     return values;
   };
-  for (std::size_t i = 0; i < kParameters; ++i) {
+  for (std::size_t i = 0; is_elam(input.fit) && i < kParameters; ++i) {
     const auto bounds =
-        std::count_if(taxels.begin(), taxels.end(), [&](const TaxelFit* t) { return at_bound(t->fit, i); });
-    row(Text(kElamParameterNames[i]), unit_of(i), collect([&](const TaxelFit& t) { return parameters_of(t.fit)[i]; }),
-        4, markup("{}", bounds));
+        std::count_if(taxels.begin(), taxels.end(), [&](const ModelTaxel* t) { return at_bound(t->fit, i); });
+    row(Text(kElamParameterNames[i]), unit_of(i), collect([&](const ModelTaxel& t) { return parameters_of(t)[i]; }), 4,
+        markup("{}", bounds));
   }
   const Text none("–");
-  row(Text("J"), Text("V²"), collect([](const TaxelFit& t) { return t.fit.j_v2; }), 4, none);
-  row(Text("mean error"), Text("V"), collect([](const TaxelFit& t) { return t.fit.mean_error_v; }), 4, none);
+  row(Text("J"), Text("V²"), collect([](const ModelTaxel& t) { return t.fit.j; }), 4, none);
+  row(Text("mean error"), Text("V"), collect([](const ModelTaxel& t) { return t.fit.mean_error; }), 4, none);
   row(Text("mean error"), Text("% FS of the taxel"),
-      collect([](const TaxelFit& t) { return 100.0 * t.fit.mean_error_v / t.fit.full_scale_v; }), 2, none);
-  row(Text("maximum error"), Text("V"), collect([](const TaxelFit& t) { return t.fit.max_error_v; }), 4, none);
+      collect([](const ModelTaxel& t) { return 100.0 * t.fit.mean_error / t.full_scale(); }), 2, none);
+  row(Text("maximum error"), Text("V"), collect([](const ModelTaxel& t) { return t.fit.max_error; }), 4, none);
   row(Text("maximum error"), Text("% FS of the taxel"),
-      collect([](const TaxelFit& t) { return 100.0 * t.fit.max_error_v / t.fit.full_scale_v; }), 2, none);
-  row(Text("full scale of the taxel"), Text("V"), collect([](const TaxelFit& t) { return t.fit.full_scale_v; }), 3,
-      none);
-  row(Text("noise of one sample"), Text("mV"), collect([](const TaxelFit& t) { return 1000.0 * t.noise_v; }), 2, none);
+      collect([](const ModelTaxel& t) { return 100.0 * t.fit.max_error / t.full_scale(); }), 2, none);
+  row(Text("full scale of the taxel"), Text("V"), collect([](const ModelTaxel& t) { return t.full_scale(); }), 3, none);
+  row(Text("noise of one sample"), Text("mV"), collect([](const ModelTaxel& t) { return 1000.0 * t.noise; }), 2, none);
   out += markup("</tbody></table>\n");
   return out;
 }
 
-std::string reason_of(const TaxelFit& taxel) {
+std::string reason_of(const ModelTaxel& taxel) {
   switch (taxel.status) {
     case TaxelStatus::kFitted:
       return "";
@@ -115,23 +120,26 @@ std::string reason_of(const TaxelFit& taxel) {
       return "the output stays at one value other than 0 V";
     case TaxelStatus::kSaturated:
       return "the output stood at the limit of the converter";
+    case TaxelStatus::kConstant:
+      return "the output does not change";
     case TaxelStatus::kUnfit:
-      if (!(taxel.fit.full_scale_v > 0.0)) return "the output moves, but not with the pressure";
-      return fmt::format("the model's mean error, {} V, is too large", html::fixed(taxel.fit.mean_error_v, 3).value);
+      if (!taxel.reason.empty()) return taxel.reason;
+      if (!(taxel.full_scale() > 0.0)) return "the output moves, but not with the pressure";
+      return fmt::format("the model's mean error, {} V, is too large", html::fixed(taxel.fit.mean_error, 3).value);
   }
   return "";
 }
 
-Markup unfitted_table(const ArrayFit& fit) {
+Markup unfitted_table(const SensorModel& fit) {
   Markup rows;
-  for (std::size_t i = 0; i < fit.taxels.size(); ++i) {
+  for (std::size_t i = 0; i < fit.array().size(); ++i) {
     const TaxelStatus status = fit.taxels[i].status;
     if (status == TaxelStatus::kFitted) continue;
     rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n", i,
                    Text(place_of(static_cast<int>(i), fit.columns)), Text(to_string(status)),
                    Text(reason_of(fit.taxels[i])));
   }
-  if (rows.value.empty()) return markup("<p>All {} taxels were fitted; none was left out.</p>\n", fit.taxels.size());
+  if (rows.value.empty()) return markup("<p>All {} taxels were fitted; none was left out.</p>\n", fit.array().size());
   return markup(
       "<table><caption>Taxels without a model, left out of every figure after compensation</caption><thead><tr>"
       "<th scope=\"col\">taxel</th><th scope=\"col\">place</th><th scope=\"col\">state</th><th "
@@ -184,8 +192,9 @@ Markup error_table(const ReportInput& input) {
 }  // namespace
 
 Markup model_section(const ReportInput& input) {
-  Markup out = section_start("model", "External Loop Adaptation Method (ELAM)");
-  // First, because a map as high as this below a long table leaves half a page white.
+  Markup out = section_start(
+      "model", is_elam(input.fit) ? "External Loop Adaptation Method (ELAM)" : "Hysteresis models of the taxels");
+  // First: below a long table a map of this height would leave half a page blank.
   out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input), error_table(input));
   out += mean_taxel_table(input);
   out += distribution_table(input);
@@ -194,7 +203,7 @@ Markup model_section(const ReportInput& input) {
       "unloading "
       "curve is saturated are weakly determined: judge the error, not the parameter.</p>\n");
   out += unfitted_table(input.fit);
-  out += elam_parameters_part(input);
+  if (is_elam(input.fit)) out += elam_parameters_part(input);
   return out;
 }
 

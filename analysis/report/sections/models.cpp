@@ -93,7 +93,7 @@ Markup error_row(const ComparedSequence& sequence, const ComparedModel& model, d
   Markup out = markup("<tr><th scope=\"row\">{}</th><td>{}{}</td>", html::stated(sequence.name),
                       Text(model_title(model.model)), Text(best ? " (least mean error)" : ""));
   if (!model.failed.empty()) {
-    out += markup("<td colspan=\"5\">not available: {}</td></tr>\n", Text(model.failed));
+    out += markup("<td colspan=\"7\">not available: {}</td></tr>\n", Text(model.failed));
     return out;
   }
   out += number_cell(html::fixed(model.j_v2, 4));
@@ -101,6 +101,8 @@ Markup error_row(const ComparedSequence& sequence, const ComparedModel& model, d
   out += number_cell(html::percent(model.mean_error_v / full_scale_v, 2));
   out += number_cell(html::fixed(model.max_error_v, 4));
   out += number_cell(html::percent(model.max_error_v / full_scale_v, 2));
+  out += number_cell(html::percent(model.mean_running_v / full_scale_v, 2));
+  out += number_cell(html::percent(model.max_running_v / full_scale_v, 2));
   out += markup("</tr>\n");
   return out;
 }
@@ -111,7 +113,8 @@ Markup errors_of_models(const ComparedTaxel& taxel) {
       "loop</caption><thead><tr><th scope=\"col\">sequence</th><th scope=\"col\">model</th>"
       "<th scope=\"col\" class=\"n\">J, V²</th><th scope=\"col\" class=\"n\">mean, V</th>"
       "<th scope=\"col\" class=\"n\">mean, % FS</th><th scope=\"col\" class=\"n\">maximum, V</th>"
-      "<th scope=\"col\" class=\"n\">maximum, % FS</th></tr></thead><tbody>\n",
+      "<th scope=\"col\" class=\"n\">maximum, % FS</th><th scope=\"col\" class=\"n\">free running, mean, % FS</th>"
+      "<th scope=\"col\" class=\"n\">free running, maximum, % FS</th></tr></thead><tbody>\n",
       Text(taxel.taxel.title), html::fixed(taxel.full_scale_v, 3));
   for (const ComparedSequence& sequence : taxel.sequences) {
     const ComparedModel* best = nullptr;
@@ -189,7 +192,8 @@ Markup models_section(const ReportInput& input) {
       "<p>ELAM is the stored fit of this run: one set of parameters for all sequences. GPI, MPI and POLY were "
       "identified when this report was made, for the taxels shown here alone, with parameters of their own for each "
       "sequence, as in the publication. All models go along the set-points, the outputs of the repeats are averaged, "
-      "and every branch starts at its measured output.</p>\n");
+      "and every branch starts at its measured output; free running it starts at the model’s own. GPI and MPI know the "
+      "inputs alone and are the same both ways.</p>\n");
   out += sizes_of_models(comparison.taxels.front());
   for (const ComparedTaxel& taxel : comparison.taxels) {
     out += markup("<h3>The {}</h3>\n", Text(taxel.taxel.title));

@@ -6,7 +6,7 @@
 
 namespace tactbench::analysis {
 
-// report.cpp puts these one after the other.
+// report.cpp renders these in order.
 html::Markup verdict_section(const ReportInput& input);
 html::Markup identification_section(const ReportInput& input);
 html::Markup health_section(const ReportInput& input);

@@ -74,7 +74,7 @@ Markup uncertainties_in_words(const ReportInput& input) {
       rows);
 }
 
-// What the criteria alone would hide: a pass is signed with these in view.
+// Facts that the criteria alone would hide from the signer of a pass.
 Markup not_well(const Health& health) {
   std::vector<std::string> words;
   const auto left_out = std::ranges::count_if(health.findings, &TaxelHealth::excluded);

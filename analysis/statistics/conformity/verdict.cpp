@@ -67,7 +67,7 @@ const JudgedUncertainty* find_uncertainty(std::span<const JudgedUncertainty> unc
   return found == uncertainties.end() ? nullptr : &*found;
 }
 
-std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFit& fit, const Limits& limits,
+std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorModel& fit, const Limits& limits,
                                      std::span<const JudgedUncertainty> uncertainties) {
   std::vector<db::VerdictRecord> verdicts;
   const auto add = [&](const std::string& criterion, const std::string& scope, double value, double limit,
@@ -96,8 +96,7 @@ std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFi
       "psi");
   add("distance_of_mean", "array", evaluation.levels.empty() ? kNan : evaluation.comp_distance_of_mean,
       limits.distance_of_mean_fs, "FS");
-  const auto unfit =
-      std::ranges::count_if(fit.taxels, [](const TaxelFit& taxel) { return taxel.status != TaxelStatus::kFitted; });
+  const std::size_t unfit = fit.array().size() - fit.fitted().size();
   add("unfit_taxels", "array", static_cast<double>(unfit), limits.unfit_taxels, "taxels");
   for (const Limits::Mismatch& mismatch : limits.mismatch) {
     const auto level = std::ranges::find_if(evaluation.levels, [&](const LevelFigures& figures) {

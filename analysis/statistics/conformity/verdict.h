@@ -21,7 +21,7 @@ namespace tactbench::analysis {
 // fail report-only no verdict
 const char* to_string(DecisionRule rule);  // "default", "simple", "guarded", "four-way", "report-only"
 std::optional<DecisionRule> decision_rule_from(std::string_view word);
-// The rule and its risk in words, for reports. Unknown words stay what they are.
+// The rule and its risk in words, for reports. Unknown words are returned unchanged.
 std::string rule_in_words(const std::string& rule);
 
 // U of one judged figure: k = t_95.45 of the effective degrees of freedom.
@@ -42,15 +42,15 @@ struct JudgedUncertainty {
 //   distance_of_mean, mismatch                   it cancels in differences at one level; what is left is the scatter
 //   unfit_taxels                                 a count by rule: U = 0
 // Scatter: s / sqrt(m) over the m judged repeats, n - 1 degrees of freedom. Throws as evaluate().
-std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models, const ArrayFit& fit,
-                                                    const Evaluation& evaluation, const ReferenceUncertainty& reference,
-                                                    int threads = 0);
+std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models,
+                                                    const SensorModel& fit, const Evaluation& evaluation,
+                                                    const ReferenceUncertainty& reference, int threads = 0);
 // nullptr where there is none. `run` 0: of any.
 const JudgedUncertainty* find_uncertainty(std::span<const JudgedUncertainty> uncertainties, std::string_view criterion,
                                           std::string_view scope, std::int64_t run = 0);
 
-// `expanded` NaN: not known; then guarded and four-way are inconclusive, for no weaker rule stands in for one that was
-// asked for. Equality passes.
+// `expanded` NaN: not known; then guarded and four-way are inconclusive, since a weaker rule must not replace the
+// requested one. Equality passes.
 Verdict verdict_of(DecisionRule rule, double value, double limit, double expanded);
 
 // Whether judging by `rule` asks for judged_uncertainties().
@@ -59,7 +59,7 @@ bool needs_uncertainty(DecisionRule rule);
 // Criteria mean_compensation_error, worst_taxel_error, distance_of_mean, unfit_taxels (scope "array") and mismatch
 // (scopes "40 psi up", "40 psi down"). A value that is not a number, or a level that was not measured, is inconclusive.
 // The rule in each record is the one applied. `fit` in the records is 0: the caller knows the fit's number.
-std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const ArrayFit& fit, const Limits& limits,
+std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorModel& fit, const Limits& limits,
                                      std::span<const JudgedUncertainty> uncertainties = {});
 
 // What rests on the pressure reference (mean_compensation_error, worst_taxel_error) is inconclusive where the reference

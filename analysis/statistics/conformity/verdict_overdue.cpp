@@ -1,4 +1,4 @@
-// No statement of conformity rests on a reference that was overdue.
+// Withholds statements of conformity that rest on an overdue reference.
 #include "analysis/statistics/conformity/verdict.h"
 
 namespace tactbench::analysis {

@@ -1,4 +1,4 @@
-// U of the figures that limits are held against.
+// U of the figures that are compared with limits.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,10 +27,10 @@ Dataset repeat_of(const Dataset& dataset, std::size_t repeat) {
 // The figures of each repeat by itself.
 struct RepeatFigures {
   std::vector<Evaluation> repeats;  // empty: fewer than two repeats, no scatter
-  std::string run;                  // whose they are
+  std::string run;                  // the run of these repeats
 };
 
-RepeatFigures figures_of_repeats(const Dataset& judged, const Dataset& models, const ArrayFit& fit, int threads) {
+RepeatFigures figures_of_repeats(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads) {
   const bool own = repeats_of(judged) >= 2;
   const Dataset& dataset = own ? judged : models;
   RepeatFigures figures;
@@ -63,7 +63,7 @@ std::vector<VarianceShare> shares_of(const ReferenceUncertainty& reference, doub
   return shares;
 }
 
-// `firm`: the shares that degrees of freedom are taken from.
+// `firm`: the contributions that give the degrees of freedom.
 JudgedUncertainty expanded(JudgedUncertainty uncertainty, const std::vector<VarianceShare>& shares,
                            const std::vector<VarianceShare>& firm) {
   uncertainty.combined = combined_uncertainty(shares);
@@ -99,7 +99,7 @@ class JudgedMaker {
         : reference_.drift_psi > reference_.drift_stated_psi ? ", drift beyond its stated limit"
                                                              : ", drift",
         reference_.resolution_missing.empty() ? ", resolution" : "", scatter_in_words(scatter));
-    // A drift beyond its stated limit is more doubt and no knowledge: it raises u, and lowers no k.
+    // A drift beyond its stated limit raises u but does not lower k: it adds doubt, not degrees of freedom.
     std::vector<VarianceShare> shares = shares_of(reference_, reference_.drift_psi);
     std::vector<VarianceShare> firm =
         shares_of(reference_, std::min(reference_.drift_psi, reference_.drift_stated_psi));
@@ -141,9 +141,9 @@ double level_figure(const Evaluation& evaluation, double pressure_psi, double Le
 
 }  // namespace
 
-std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models, const ArrayFit& fit,
-                                                    const Evaluation& evaluation, const ReferenceUncertainty& reference,
-                                                    int threads) {
+std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models,
+                                                    const SensorModel& fit, const Evaluation& evaluation,
+                                                    const ReferenceUncertainty& reference, int threads) {
   const RepeatFigures figures = figures_of_repeats(judged, models, fit, threads);
   const JudgedMaker maker(figures, std::max<std::size_t>(1, repeats_of(judged)), reference);
   std::vector<JudgedUncertainty> all;

@@ -70,7 +70,7 @@ struct Behaviour {
   std::vector<Creep> creep;
 };
 
-// `taxels`: those that count, not empty. Of a run without a full sweep up and down, what does not need one.
+// `taxels`: those that count, not empty. A run without a full sweep up and down gives only the results that need none.
 Behaviour behaviour_of(const Dataset& dataset, const std::vector<int>& taxels);
 
 // Holds of at least 20 frames at one set-point above 0.5 psi, commanded once. Part of the above; also for other runs.

@@ -1,4 +1,4 @@
-// The taxels that a report shows beside the mean: best, median and worst by their compensation error.
+// The taxels that a report shows besides the mean: best, median and worst by their compensation error.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What is known of a figure from earlier runs: where one more may lie, and whether it has been going one way.
+// Prediction interval of a figure from earlier runs, and a test for a monotone trend.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,14 @@ struct ControlBand {
   [[nodiscard]] bool holds(double value) const { return value >= low && value <= high; }
 };
 
-// `false_alarm`: alpha, how often a value that belongs may fall outside. Values that are all alike leave a band as wide
-// as rounding (1e-9 of the value): any change is one. None from fewer than three values or from one that is not finite.
+// `false_alarm`: alpha, the probability that a value of the same kind falls outside. Equal values give a band of
+// rounding width (1e-9 of the value): any change is outside. None from fewer than three values or from one that is not
+// finite.
 std::optional<ControlBand> control_band(std::span<const double> values, double false_alarm);
 
 // Mann-Kendall test for a monotone trend of values in time order, and the Theil-Sen slope.
 struct MonotoneTrend {
-  double probability = 1.0;  // of so clear an order, either way, where there is no trend
+  double probability = 1.0;  // of an order at least as clear, in either direction, without a trend
   double slope = 0.0;        // median of (x_j - x_i) / (j - i), i < j
   double moved = 0.0;        // slope x (n - 1)
 };

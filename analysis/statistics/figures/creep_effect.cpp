@@ -12,11 +12,11 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr std::size_t kEndFrames = 5;    // averaged at the end of a hold
-constexpr double kHeldLongerThan = 2.0;  // times read_after_s: shorter holds tell nothing beyond the dwell
+constexpr double kHeldLongerThan = 2.0;  // times read_after_s: shorter holds add nothing to the dwell
 constexpr double kSameHeldPsi = 1e-6;
 constexpr double kHoldSlopeHalfPsi = 0.5;  // half of the pressures' distance that a slope is taken over
 
-// Time from command to frame where a level is read once; NaN where no frame says it.
+// Time from command to frame where a level is read once; NaN where no frame states it.
 double usual_time(const Dataset& calibration) {
   std::vector<double> times;
   const std::vector<HeldFrames> holds = held_frames_of(calibration);
@@ -67,15 +67,14 @@ class HoldReader {
   std::size_t width_;
 };
 
-double slope_at(const ElamModel& model, bool up, double pressure) {
-  const ElamCurve curve =
-      up ? ElamCurve(model, true, model.x0(), model.y0()) : ElamCurve(model, false, model.xu(), model.yu());
+double slope_at(const ModelTaxel& model, bool up, double pressure) {
+  const ExternalBranch curve(model, up);
   const double low = std::max(pressure - kHoldSlopeHalfPsi, model.x0());
   const double high = std::min(pressure + kHoldSlopeHalfPsi, model.xu());
   return (curve.output(high) - curve.output(low)) / (high - low);
 }
 
-HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const ArrayFit& fit, double read_after_s) {
+HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const SensorModel& fit, double read_after_s) {
   const Repeat& repeat = dataset.sequences[hold.sequence].repeats[hold.repeat];
   const HoldReader reader(repeat, hold, static_cast<std::size_t>(dataset.taxels()));
   HeldLevel level{dataset.sequences[hold.sequence].name,
@@ -83,14 +82,14 @@ HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const Ar
                   hold.rose,
                   hold.held_s(repeat, hold.first),
                   hold.held_s(repeat, hold.end - 1),
-                  std::vector<double>(fit.taxels.size(), kNan),
+                  std::vector<double>(fit.array().size(), kNan),
                   kNan};
-  // A hold that begins late has seen a part of the way only: creep goes about as the logarithm of time.
+  // A hold that begins late shows only part of the creep, which grows about with the logarithm of time.
   const double seen_from = std::max(level.from_s, read_after_s);
   const double whole = std::log(level.to_s / read_after_s) / std::log(level.to_s / seen_from);
   const Fitted fitted(fit);
   for (const std::size_t taxel : fitted.taxels()) {
-    const ElamModel& model = fit.taxels[taxel].fit.model;
+    const ModelTaxel& model = fit.taxels[taxel];
     const HoldMoment begin = reader.at(taxel, seen_from), end = reader.end(taxel);
     const double explained = slope_at(model, hold.rose, level.pressure_psi) * (end.reference_psi - begin.reference_psi);
     const double over_zero = begin.volts - model.y0();
@@ -142,9 +141,10 @@ std::string CreepEffect::in_words() const {
       extrapolated_back ? ". The holds' first frame is later than the dwell: extended on the logarithm of time" : "");
 }
 
-CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const ArrayFit& measured_fit) {
+CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs,
+                            const SensorModel& measured_fit) {
   CreepEffect effect;
-  ArrayFit fit = measured_fit;
+  SensorModel fit = measured_fit;
   fit.falling = false;
   effect.read_after_s = usual_time(calibration);
   bool few = false, brief = false;

@@ -1,6 +1,6 @@
-// What creep adds to the uncertainty of a reading: how far the output moves between the time under load after which the
-// calibration reads its levels and the end of a hold. Dataset of the calibration + runs with holds in; shares of the
-// output out, which the uncertainty budgets take.
+// Contribution of creep to the uncertainty of a reading: the output's change from the time under load at which the
+// calibration reads its levels to the end of a hold. Input: the calibration's dataset and runs with holds; output:
+// shares of the output for the uncertainty budgets.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
 inline constexpr std::size_t kFewestHeld = 20;  // frames of a hold that count
-inline constexpr double kHeldAbovePsi = 0.5;    // holds of less, and readings, say nothing of creep under load
+inline constexpr double kHeldAbovePsi = 0.5;    // holds and readings below are not used
 
 // Frames [first, end) of one repeat at one set-point above kHeldAbovePsi, commanded once.
 struct HeldFrames {
@@ -47,14 +47,14 @@ struct CreepEffect {
   bool extrapolated_back = false;  // a hold's first frame is later than read_after_s: extended on the logarithm of time
   std::vector<HeldLevel> levels;   // by branch, then pressure
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
-  // Of a taxel's output over its zero. Between held levels linear, beyond them the nearest one's; a branch without a
-  // held level takes the other's.
+  // Share of a taxel's output over its zero. Linear between held levels, constant beyond them; a branch without a held
+  // level takes the other branch's values.
   [[nodiscard]] double share(std::size_t taxel, double pressure_psi, bool up) const;
-  [[nodiscard]] std::string in_words() const;  // what was taken, and what is assumed; empty when not assessed
+  [[nodiscard]] std::string in_words() const;  // data and assumptions in words; empty when not assessed
 };
 
 // `runs`: of the same sensor, the calibration itself among them where it holds levels. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
-CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const ArrayFit& fit);
+CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const SensorModel& fit);
 
 }  // namespace tactbench::analysis

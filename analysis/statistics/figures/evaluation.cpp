@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/identify/elam/elam_samples.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/statistics/figures/streams.h"
 
 namespace tactbench::analysis {
 
-void check_same_sensor(const Dataset& dataset, const ArrayFit& fit) {
+void check_same_sensor(const Dataset& dataset, const SensorModel& fit) {
   if (dataset.rows != fit.rows || dataset.columns != fit.columns ||
-      fit.taxels.size() != static_cast<std::size_t>(dataset.taxels()))
+      fit.array().size() != static_cast<std::size_t>(dataset.taxels()))
     throw AnalysisError("TB-ANALYSIS-OTHER-SENSOR",
                         fmt::format("run {} has {} x {} taxels, the models of run {} {} x {}", dataset.run,
                                     dataset.rows, dataset.columns, fit.run, fit.rows, fit.columns),
@@ -60,7 +59,7 @@ void gather_errors(Evaluation& e, const std::vector<TaxelErrors>& errors) {
 
 // The mean taxel along a sequence: the direct model is driven by the measured pressures, each branch from its measured
 // turning point [A9], with the models of the fit.
-Trace trace_of(const SequenceData& data, const CompensatedSequence& sequence, const ElamModel& model,
+Trace trace_of(const SequenceData& data, const CompensatedSequence& sequence, const ModelTaxel& model,
                const Fitted& fitted, std::size_t width) {
   Trace trace;
   trace.sequence = data.name;
@@ -74,24 +73,19 @@ Trace trace_of(const SequenceData& data, const CompensatedSequence& sequence, co
     trace.measured_v.push_back(mean_of(fitted.row(volts, 0)));
     trace.compensated_psi.push_back(mean_of(fitted.row(sequence.unmoved_psi, i)));
   }
-  trace.model_v = trace.measured_v;
-  for (const Branch& branch : sequence.raw.branches) {
-    const auto first = static_cast<std::size_t>(branch.first);
-    TaxelBranch start{branch.ascending, {trace.pressure_psi[first]}, {trace.measured_v[first]}};
-    const TurningPoint turn = turning_point(model, start);
-    const ElamCurve curve(model, branch.ascending, turn.x, turn.y);
-    for (std::size_t i = first + 1; i <= static_cast<std::size_t>(branch.last); ++i)
-      trace.model_v[i] = curve.output(trace.pressure_psi[i]);
-  }
+  const double start = trace.measured_v.front();
+  trace.model_v =
+      model.predicted({data.name, trace.pressure_psi, trace.measured_v, sequence.raw.branches, {}, {}}, false);
+  trace.model_v.front() = start;
   return trace;
 }
 
 }  // namespace
 
-Evaluation evaluate(const Dataset& measured, const ArrayFit& fit, int threads) {
+Evaluation evaluate(const Dataset& measured, const SensorModel& fit, int threads) {
   check_same_sensor(measured, fit);
   if (fit.falling) {
-    ArrayFit rising = fit;
+    SensorModel rising = fit;
     rising.falling = false;
     return evaluate(as_modelled(measured, fit), rising, threads);
   }
@@ -110,7 +104,7 @@ Evaluation evaluate(const Dataset& measured, const ArrayFit& fit, int threads) {
   for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
     const SequenceData& data = dataset.sequences[s];
     e.frames += static_cast<int>(data.repeats.size() * streams.sequences[s].reference_psi.size());
-    e.traces.push_back(trace_of(data, streams.sequences[s], fit.mean_taxel.fit.model, fitted, fit.taxels.size()));
+    e.traces.push_back(trace_of(data, streams.sequences[s], fit.mean_taxel(), fitted, fit.array().size()));
   }
   return e;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
@@ -62,6 +62,6 @@ struct Evaluation {
 // run) and gathers the figures. Level figures average the full sweeps of all repeats; std is of the sample (n - 1).
 // Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor, scanner or geometry differ, TB-ANALYSIS-ORIGIN when
 // origins mix.
-Evaluation evaluate(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
+Evaluation evaluate(const Dataset& dataset, const SensorModel& fit, int threads = 0);
 
 }  // namespace tactbench::analysis

@@ -1,4 +1,4 @@
-// The figures of a run that are followed from run to run: by the nightly suite, by trend, by control charts.
+// The figures of a run that the nightly suite, trend and control charts follow from run to run.
 #pragma once
 
 #include <map>
@@ -10,6 +10,6 @@ namespace tactbench::analysis {
 
 // By name, with the unit in it. `evaluation` is what was judged; parameters are means over the fitted taxels. A figure
 // that is not finite is left out.
-std::map<std::string, double> figures_of(const ArrayFit& fit, const Evaluation& evaluation);
+std::map<std::string, double> figures_of(const SensorModel& fit, const Evaluation& evaluation);
 
 }  // namespace tactbench::analysis

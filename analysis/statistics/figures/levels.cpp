@@ -12,10 +12,7 @@ double spread_over_taxels(std::span<const double> values) { return values.size()
 
 }  // namespace
 
-Fitted::Fitted(const ArrayFit& fit) : width_(fit.taxels.size()) {
-  for (std::size_t i = 0; i < width_; ++i)
-    if (fit.taxels[i].status == TaxelStatus::kFitted) taxels_.push_back(i);
-}
+Fitted::Fitted(const SensorModel& fit) : width_(fit.array().size()), taxels_(fit.fitted()) {}
 
 std::vector<double> Fitted::row(const std::vector<double>& table, std::size_t row) const {
   std::vector<double> values;

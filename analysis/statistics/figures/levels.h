@@ -13,7 +13,7 @@ namespace tactbench::analysis {
 // Rows (levels or steps) of a rows x taxels table, the fitted taxels only.
 class Fitted {
  public:
-  explicit Fitted(const ArrayFit& fit);
+  explicit Fitted(const SensorModel& fit);
   [[nodiscard]] std::vector<double> row(const std::vector<double>& table, std::size_t row) const;
   // The whole row, taxels that are not fitted as NaN when `only_fitted`.
   [[nodiscard]] std::vector<double> frame(const std::vector<double>& table, std::size_t row, bool only_fitted) const;

@@ -1,4 +1,4 @@
-// What an evaluation is held against: a limits file in numbers.
+// The limits that an evaluation is judged by: a limits file in numbers.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace tactbench::analysis {
 
-// verdict.h says how each rule judges.
+// verdict.h defines each rule.
 enum class DecisionRule { kDefault, kSimple, kGuarded, kFourWay, kReportOnly };
 struct Limits {
   std::string name;

@@ -1,5 +1,5 @@
-// What a stored run says of the rig itself, by pressures, forces and places alone: followed from check to check, so
-// that a change of the rig is told from one of the sensors.
+// Figures of the rig itself, from a run's pressures, forces and positions alone: followed from check to check, to
+// separate changes of the rig from changes of the sensors.
 #pragma once
 
 #include <map>
@@ -29,7 +29,7 @@ std::map<std::string, double> chamber_figures(const StoredRun& run);
 // Of a run with frames under an indenter: force_zero_drift_n (largest between two tares), stage_repeatability_um
 // (largest standard deviation of z at one force of one branch over the repeats), force_relaxation_percent (mean of
 // (force at the dwell's start - at frame time) / force), press_stiffness_n_per_mm (from the lowest force of a loading
-// branch to its highest, mean over the branches: what is wrong with the scale of either force or place shows here).
+// branch to its highest, mean over the branches: shows a wrong scale of force or position).
 std::map<std::string, double> press_figures(const StoredRun& run);
 
 }  // namespace tactbench::analysis

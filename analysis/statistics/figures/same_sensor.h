@@ -2,12 +2,12 @@
 #pragma once
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
 // A model is bound to sensor, scanner and geometry, and origins never mix. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
-void check_same_sensor(const Dataset& dataset, const ArrayFit& fit);
+void check_same_sensor(const Dataset& dataset, const SensorModel& fit);
 
 }  // namespace tactbench::analysis

@@ -33,13 +33,7 @@ void add_error(TaxelErrors& errors, double error, bool flat) {
 
 }  // namespace
 
-TaxelCompensator compensator_of(const TaxelFit& own) {
-  CompensatorOptions options;
-  options.noise_v = own.noise_v;
-  return TaxelCompensator(own.fit.model, options);
-}
-
-CompensatedStreams compensate_all(const Dataset& dataset, const ArrayFit& fit, int threads) {
+CompensatedStreams compensate_all(const Dataset& dataset, const SensorModel& fit, int threads) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
   CompensatedStreams streams;
   streams.errors.resize(width);

@@ -1,12 +1,12 @@
-// Every stored frame compensated in time order: what the figures of an Evaluation are gathered from.
+// Compensates every stored frame in time order; the figures of an Evaluation are computed from the result.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-#include "analysis/compensate/compensator.h"
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
+#include "analysis/identify/taxel_stream.h"
 #include "analysis/loop.h"
 #include "analysis/workers.h"
 
@@ -33,19 +33,16 @@ struct CompensatedStreams {
   std::vector<TaxelErrors> errors;  // taxels; zero frames where not fitted
 };
 
-// Of a fitted taxel, at rest; its dead band is that of the noise found with the fit.
-TaxelCompensator compensator_of(const TaxelFit& own);
-
 // Each fitted taxel's stored samples through its compensator in time order; state carries over from repeat to repeat
-// and from sequence to sequence. `take_of(taxel)` gives what is called with (sequence, repeat, step, Compensated), in
-// that taxel's order. Threads by taxel.
+// and from sequence to sequence. `take_of(taxel)` returns the function to call with (sequence, repeat, step,
+// Compensated), in that taxel's order. Threads by taxel.
 template <class TakeOf>
-void compensate_in_order(const Dataset& dataset, const ArrayFit& fit, int threads, const TakeOf& take_of) {
+void compensate_in_order(const Dataset& dataset, const SensorModel& fit, int threads, const TakeOf& take_of) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
   for_each_index(width, threads, [&](std::size_t taxel) {
-    const TaxelFit& own = fit.taxels[taxel];
-    if (own.status != TaxelStatus::kFitted) return;
-    TaxelCompensator compensator = compensator_of(own);
+    const ModelTaxel& own = fit.taxels[taxel];
+    if (!own.fitted()) return;
+    TaxelStream compensator(own);
     auto take = take_of(taxel);
     for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
       const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
@@ -56,6 +53,6 @@ void compensate_in_order(const Dataset& dataset, const ArrayFit& fit, int thread
   });
 }
 
-CompensatedStreams compensate_all(const Dataset& dataset, const ArrayFit& fit, int threads);
+CompensatedStreams compensate_all(const Dataset& dataset, const SensorModel& fit, int threads);
 
 }  // namespace tactbench::analysis

@@ -57,7 +57,7 @@ void measure_zero_return(const Dataset& dataset, double low, double near, SweepE
 
 }  // namespace
 
-SweepErrors sweep_errors(const Dataset& dataset, const ArrayFit& fit, int threads) {
+SweepErrors sweep_errors(const Dataset& dataset, const SensorModel& fit, int threads) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
   const std::vector<double>& grid = fit.pressure_psi;
   SweepErrors errors;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
@@ -27,6 +27,6 @@ struct SweepErrors {
 
 // Compensates every stored frame in time order, as evaluate() does. A sweep is full when it begins and ends within 1 %
 // of the range's ends; levels are the set-points of `fit`'s grid. `fit` must not be falling, and be of this sensor.
-SweepErrors sweep_errors(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
+SweepErrors sweep_errors(const Dataset& dataset, const SensorModel& fit, int threads = 0);
 
 }  // namespace tactbench::analysis

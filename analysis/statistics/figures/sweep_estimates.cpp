@@ -56,10 +56,10 @@ double SweepEstimates::mean(std::size_t level, int taxel) const {
   return sum / sweeps;
 }
 
-SweepEstimates sweep_estimates(const Dataset& dataset, const ArrayFit& fit, int threads) {
+SweepEstimates sweep_estimates(const Dataset& dataset, const SensorModel& fit, int threads) {
   check_same_sensor(dataset, fit);
   if (fit.falling) {
-    ArrayFit rising = fit;
+    SensorModel rising = fit;
     rising.falling = false;
     return sweep_estimates(as_modelled(dataset, fit), rising, threads);
   }

@@ -1,12 +1,11 @@
-// The pressures that an array gives at each level of each full loading sweep, compensated: what runs of one sensor are
-// held against each other with.
+// Compensated pressures of an array at each level of each full loading sweep, by which runs of one sensor are compared.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
@@ -27,6 +26,6 @@ struct SweepEstimates {
 // Every frame of every repeat in time order through the compensator; sweeps from the lowest to the highest set-point of
 // `fit`'s range are kept, of those with the levels of the first. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR and
 // TB-ANALYSIS-ORIGIN as evaluate() does, TB-ANALYSIS-NO-LOOP when there is no full sweep.
-SweepEstimates sweep_estimates(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
+SweepEstimates sweep_estimates(const Dataset& dataset, const SensorModel& fit, int threads = 0);
 
 }  // namespace tactbench::analysis

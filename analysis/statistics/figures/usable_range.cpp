@@ -33,17 +33,18 @@ std::pair<double, double> longest_row(const std::vector<double>& levels, const s
   return {levels[best_first], levels[best_first + best - 1]};
 }
 
-UsableBranch branch_of_patterns(const ArrayFit& fit, PatternCurve ElamModel::*pattern, const UsableOptions& options) {
+UsableBranch branch_of_patterns(const SensorModel& fit, PatternCurve ModelTaxel::*pattern,
+                                const UsableOptions& options) {
   UsableBranch branch;
   for (const double level : fit.pressure_psi) {
     int resolved = 0;
     std::vector<double> moves;
-    for (const TaxelFit& taxel : fit.taxels) {
+    for (const ModelTaxel& taxel : fit.array()) {
       if (taxel.status != TaxelStatus::kFitted) continue;
-      const PatternCurve& curve = taxel.fit.model.*pattern;
-      const double noise = options.in_noises * taxel.noise_v;
+      const PatternCurve& curve = taxel.*pattern;
+      const double noise = options.in_noises * taxel.noise;
       resolved += moved_by(curve, level, noise) <= options.most_psi ? 1 : 0;
-      moves.push_back(moved_by(curve, level, std::hypot(noise, taxel.fit.mean_error_v)));
+      moves.push_back(moved_by(curve, level, std::hypot(noise, taxel.fit.mean_error)));
     }
     const auto count = static_cast<double>(moves.size());
     const auto usable = std::ranges::count_if(moves, [&](double move) { return move <= options.most_psi; });
@@ -61,10 +62,10 @@ UsableBranch branch_of_patterns(const ArrayFit& fit, PatternCurve ElamModel::*pa
 
 }  // namespace
 
-UsableRange usable_range(const ArrayFit& fit, const UsableOptions& options) {
-  UsableRange range{options, fit.pressure_psi, branch_of_patterns(fit, &ElamModel::ascending, options),
-                    branch_of_patterns(fit, &ElamModel::descending, options), 0};
-  for (const TaxelFit& taxel : fit.taxels) range.taxels += taxel.status == TaxelStatus::kFitted ? 1 : 0;
+UsableRange usable_range(const SensorModel& fit, const UsableOptions& options) {
+  UsableRange range{options, fit.pressure_psi, branch_of_patterns(fit, &ModelTaxel::ascending, options),
+                    branch_of_patterns(fit, &ModelTaxel::descending, options), 0};
+  for (const ModelTaxel& taxel : fit.array()) range.taxels += taxel.status == TaxelStatus::kFitted ? 1 : 0;
   return range;
 }
 

@@ -1,10 +1,10 @@
-// Where the inverse of a taxel's external loop is well-conditioned: the flat places of a loop limit the useful range
-// for a given resolution (paper, 6.1).
+// The range where the inverse of a taxel's external loop is well-conditioned: flat parts of a loop limit the useful
+// range for a given resolution (paper, 6.1).
 #pragma once
 
 #include <vector>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
@@ -33,6 +33,6 @@ struct UsableRange {
   int taxels = 0;                    // fitted
 };
 
-UsableRange usable_range(const ArrayFit& fit, const UsableOptions& options = {});
+UsableRange usable_range(const SensorModel& fit, const UsableOptions& options = {});
 
 }  // namespace tactbench::analysis

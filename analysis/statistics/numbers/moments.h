@@ -1,5 +1,5 @@
-// Means, deviations, quantiles and least-squares lines of lists of numbers. Each sums from the first value to the last:
-// stored and printed figures come out the same to the last bit wherever they are computed.
+// Means, deviations, quantiles and least-squares lines of lists of numbers. Each sums from the first value to the last,
+// so that stored and printed figures are bit-identical wherever they are computed.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace tactbench::analysis {
 
-inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();  // a figure that nothing was measured for
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();  // a figure without data
 
 std::vector<double> finite_of(std::span<const double> values);  // those that are, in their order
 
 double mean_of(std::span<const double> values);  // sum / n; NaN when empty
-// Sum of value / n, which rounds otherwise than mean_of(): for figures that were first published and stored that way.
+// Sum of value / n, which rounds differently from mean_of(): for figures that were first stored that way.
 double mean_by_shares(std::span<const double> values);  // NaN when empty
 // Of the values that `chosen` names by their places, e.g. some taxels of a frame; NaN when there are none.
 template <class Place>

@@ -6,7 +6,6 @@
 
 #include "analysis/identify/histories.h"
 #include "analysis/identify/identifier.h"
-#include "analysis/models/elam_hysteresis.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/workers.h"
@@ -14,8 +13,8 @@
 namespace tactbench::analysis {
 namespace {
 
-const TaxelFit& fit_of(const ArrayFit& fit, int taxel) {
-  return taxel == kMeanTaxel ? fit.mean_taxel : fit.taxels[static_cast<std::size_t>(taxel)];
+const ModelTaxel& fit_of(const SensorModel& fit, int taxel) {
+  return taxel == kMeanTaxel ? fit.mean_taxel() : fit.taxels[static_cast<std::size_t>(taxel)];
 }
 
 History history_on(const std::string& name, const TaxelTable& common, const Fitted& fitted, int taxel) {
@@ -34,6 +33,7 @@ ComparedModel walked(const HysteresisModel& model, const History& history) {
   out.parameters = model.parameters();
   out.operations_per_sample = model.operations_per_sample();
   out.model_v = predict_history(model, history, false);
+  const std::vector<double> running = predict_history(model, history, true);
   double sum = 0.0;
   for (const Branch& branch : history.branches) {
     for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i) {
@@ -41,10 +41,13 @@ ComparedModel walked(const HysteresisModel& model, const History& history) {
       out.j_v2 += off * off;
       sum += off;
       out.max_error_v = std::max(out.max_error_v, off);
+      out.mean_running_v += std::abs(running[i] - history.y[i]);
+      out.max_running_v = std::max(out.max_running_v, std::abs(running[i] - history.y[i]));
       ++out.samples;
     }
   }
   if (out.samples > 0) out.mean_error_v = sum / out.samples;
+  if (out.samples > 0) out.mean_running_v /= out.samples;
   return out;
 }
 
@@ -90,7 +93,8 @@ void negate_outputs(ComparedSequence& sequence) {
 
 }  // namespace
 
-ModelComparison compare_models(const Dataset& measured, const ArrayFit& fit, const ChosenTaxels& chosen, int threads) {
+ModelComparison compare_models(const Dataset& measured, const SensorModel& fit, const ChosenTaxels& chosen,
+                               int threads) {
   check_same_sensor(measured, fit);
   const Dataset dataset = as_modelled(measured, fit);
   const Fitted fitted(fit);
@@ -103,7 +107,7 @@ ModelComparison compare_models(const Dataset& measured, const ArrayFit& fit, con
     if (fit_of(fit, named.taxel).status != TaxelStatus::kFitted) continue;
     ComparedTaxel& taxel = out.taxels.emplace_back();
     taxel.taxel = named;
-    taxel.full_scale_v = fit_of(fit, named.taxel).fit.full_scale_v;
+    taxel.full_scale_v = fit_of(fit, named.taxel).full_scale();
     TaxelHistories& own = histories.emplace_back();
     own.taxel = named.taxel;
     for (std::size_t s = 0; s < common.size(); ++s) {
@@ -112,24 +116,27 @@ ModelComparison compare_models(const Dataset& measured, const ArrayFit& fit, con
     }
   }
   if (out.taxels.empty()) return out;
-  constexpr std::size_t kOthers = std::size(kComparedModels) - 1;  // the last is ELAM
-  std::vector<SharedIdentifier> shared(common.size() * kOthers);
+  // The last is ELAM: the one of the fit, where that is ELAM.
+  const bool own_elam = elam_of(fit.mean_taxel()) != nullptr;
+  constexpr std::size_t kModels = std::size(kComparedModels);
+  const std::size_t others = own_elam ? kModels - 1 : kModels;
+  std::vector<SharedIdentifier> shared(common.size() * others);
   for_each_index(shared.size(), threads, [&](std::size_t i) {
-    shared[i] = prepare_shared(kComparedModels[i % kOthers], histories.front(), dataset.sequences[i / kOthers].name);
+    shared[i] = prepare_shared(kComparedModels[i % others], histories.front(), dataset.sequences[i / others].name);
   });
   for (ComparedTaxel& taxel : out.taxels)
-    for (ComparedSequence& sequence : taxel.sequences) sequence.models.resize(kOthers + 1);
+    for (ComparedSequence& sequence : taxel.sequences) sequence.models.resize(kModels);
   // The longest work first would be fairer; there are so few pieces that it does not matter.
-  for_each_index(out.taxels.size() * common.size() * kOthers, threads, [&](std::size_t i) {
-    const std::size_t model = i % kOthers, s = i / kOthers % common.size(), t = i / kOthers / common.size();
+  for_each_index(out.taxels.size() * common.size() * others, threads, [&](std::size_t i) {
+    const std::size_t model = i % others, s = i / others % common.size(), t = i / others / common.size();
     out.taxels[t].sequences[s].models[model] =
-        identified(kComparedModels[model], shared[s * kOthers + model], histories[t], histories[t].fit[s]);
+        identified(kComparedModels[model], shared[s * others + model], histories[t], histories[t].fit[s]);
   });
   for (std::size_t t = 0; t < out.taxels.size(); ++t) {
-    const ElamHysteresis elam(fit_of(fit, out.taxels[t].taxel.taxel).fit.model);
     for (std::size_t s = 0; s < common.size(); ++s) {
       ComparedSequence& sequence = out.taxels[t].sequences[s];
-      sequence.models.back() = walked(elam, histories[t].fit[s]);
+      if (own_elam)
+        sequence.models.back() = walked(*fit_of(fit, out.taxels[t].taxel.taxel).fit.model, histories[t].fit[s]);
       if (fit.falling) negate_outputs(sequence);
     }
   }

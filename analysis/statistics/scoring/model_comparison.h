@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/models/model.h"
 #include "analysis/statistics/figures/chosen_taxels.h"
 
@@ -17,6 +17,7 @@ struct ComparedModel {
   std::vector<double> model_v;  // steps; driven by the set-points, each branch from its measured ordinate [A9]
   // Over all samples but the first of each branch: Eq. (1), Eq. (49).
   double j_v2 = 0.0, mean_error_v = 0.0, max_error_v = 0.0;
+  double mean_running_v = 0.0, max_running_v = 0.0;  // the same of the model free running, without measured ordinates
   int samples = 0;
   int operations_per_sample = 0;
   std::vector<ModelParameter> parameters;
@@ -42,7 +43,7 @@ struct ModelComparison {
 // As in the paper GPI, MPI and POLY get parameters of their own for each sequence, ELAM has one set for all: those of
 // `fit`, which must be of this dataset. Threads by taxel and sequence; the result does not depend on their number.
 // Throws as evaluate().
-ModelComparison compare_models(const Dataset& dataset, const ArrayFit& fit, const ChosenTaxels& chosen,
+ModelComparison compare_models(const Dataset& dataset, const SensorModel& fit, const ChosenTaxels& chosen,
                                int threads = 0);
 
 }  // namespace tactbench::analysis

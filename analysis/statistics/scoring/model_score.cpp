@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "analysis/workers.h"
 
@@ -18,7 +19,7 @@ std::string units_of(const std::string& input, const std::string& output) {
 
 }  // namespace
 
-void check_same_source(const ModelDocument& document, const Histories& histories) {
+void check_same_source(const SensorModel& document, const Histories& histories) {
   if (document.origin != histories.origin)
     throw AnalysisError(
         "TB-ANALYSIS-ORIGIN",
@@ -40,19 +41,17 @@ void check_same_source(const ModelDocument& document, const Histories& histories
     throw AnalysisError("TB-ANALYSIS-FALLING",
                         fmt::format("the output of the model {} with the input, that of {} does not",
                                     document.falling ? "falls" : "rises", histories.source),
-                        "check the wiring's sign and which column is which");
+                        "check the polarity of the wiring and the assignment of the columns");
 }
 
 namespace {
 
-Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const std::vector<std::string>& sequences,
-                  bool free_run) {
+Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const std::vector<std::string>& sequences) {
   std::vector<History> histories = named(taxel.score, sequences);
   for (History& history : histories)
     for (double& y : history.y) y = (y - model.zero) / model.gain;
   const HysteresisModel& own = *model.fit.model;
   ScoreOptions options;
-  options.free_run = free_run;
   options.dead_band = kBandInNoises * model.noise / model.gain;
   options.x_low = own.x_low();
   options.x_high = own.x_high();
@@ -63,15 +62,15 @@ Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const st
 
 }  // namespace
 
-ModelScore score_model(const ModelDocument& document, const Histories& histories,
+ModelScore score_model(const SensorModel& document, const Histories& histories,
                        const std::vector<std::string>& sequences, int threads) {
   check_same_source(document, histories);
   std::vector<Score> scores(document.taxels.size());
   for_each_index(scores.size(), threads, [&](std::size_t i) {
     const ModelTaxel& model = document.taxels[i];
     const auto own = std::ranges::find(histories.taxels, model.taxel, &TaxelHistories::taxel);
-    if (model.fit.model == nullptr || own == histories.taxels.end() || !own->status.empty()) return;
-    scores[i] = score_taxel(model, *own, sequences, document.options.free_run);
+    if (model.fit.model == nullptr || own == histories.taxels.end() || !own->usable()) return;
+    scores[i] = score_taxel(model, *own, sequences);
   });
   ModelScore result;
   for (std::size_t i = 0; i < scores.size(); ++i) {
@@ -116,7 +115,12 @@ ErrorSum cross_validate(const std::string& model, const FitData& data, const Ide
         (out ? held : kept).histories[h].branches.push_back(branch);
       }
     }
-    const ModelFit fit = identify(model, kept, options);
+    ModelFit fit;
+    try {
+      fit = identify(model, kept, options);
+    } catch (const std::invalid_argument&) {
+      return {};  // a part without branches of both directions carries no model
+    }
     for (const History& history : held.histories) {
       if (history.branches.empty()) continue;
       const std::vector<double> predicted = predict_history(*fit.model, history, options.free_run);

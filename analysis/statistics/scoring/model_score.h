@@ -13,12 +13,12 @@ struct ModelScore {
   int count = 0;            // taxels in the first
 };
 
-// A model and data go together. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor or scanner differ,
+// Checks that a model applies to the data. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor or scanner differ,
 // TB-ANALYSIS-ORIGIN when the origins do, TB-MODEL-UNITS when the units do, TB-ANALYSIS-FALLING when the signs do.
-void check_same_source(const ModelDocument& document, const Histories& histories);
+void check_same_source(const SensorModel& document, const Histories& histories);
 
 // On the named sequences (empty: all). Throws as check_same_source, and TB-ANALYSIS-NO-TAXEL.
-ModelScore score_model(const ModelDocument& document, const Histories& histories,
+ModelScore score_model(const SensorModel& document, const Histories& histories,
                        const std::vector<std::string>& sequences, int threads = 0);
 
 // Inner branches are dealt into `folds`; each fold is predicted by a model fitted on all the others and on the external

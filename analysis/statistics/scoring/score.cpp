@@ -8,6 +8,8 @@
 namespace tactbench::analysis {
 namespace {
 
+constexpr double kAtRest = 0.01;  // of the input's span
+
 // 0.1, 0.2, 0.5, 1, ...: a value belongs to the bin whose lower bound is the greatest not above it.
 Bin bin_of(double value) {
   const double decade = std::pow(10.0, std::floor(std::log10(value)));
@@ -48,6 +50,7 @@ void ErrorSum::add(const ErrorSum& other) {
 
 void Score::add(const Score& other) {
   direct.add(other.direct);
+  free_running.add(other.free_running);
   compensated.add(other.compensated);
   raw.add(other.raw);
   for (const Bin& bin : other.by_hold) add_to(by_hold, bin);
@@ -63,15 +66,22 @@ void Score::add_sample(double error, double hold_s, double rate) {
 Score score(const HysteresisModel& model, std::span<const History> histories, const ScoreOptions& options) {
   Score score;
   const double per_output = (options.x_high - options.x_low) / (options.y_high - options.y_low);
+  const double near_low = options.x_low + kAtRest * (options.x_high - options.x_low);
   InverseStream inverse(model, options.dead_band);
   for (const History& history : histories) {
-    const std::vector<double> predicted = predict_history(model, history, options.free_run);
+    const std::vector<double> predicted = predict_history(model, history, false);
+    const std::vector<double> running = predict_history(model, history, true);
+    if (history.x.empty() || history.x.front() <= near_low)
+      inverse.reset();
+    else
+      inverse.reset_unknown();
     std::vector<double> estimates;
     for (const double y : history.y) estimates.push_back(inverse.step(y));
     for (const Branch& branch : history.branches) {
       for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i) {
         const double off = std::abs(estimates[i] - history.x[i]);
         score.direct.add(std::abs(predicted[i] - history.y[i]));
+        score.free_running.add(std::abs(running[i] - history.y[i]));
         score.compensated.add(off);
         score.raw.add(std::abs(options.x_low + (history.y[i] - options.y_low) * per_output - history.x[i]));
         if (history.time_s.empty()) continue;

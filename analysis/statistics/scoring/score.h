@@ -1,5 +1,5 @@
-// How good a model is on histories, best on such as it was not fitted to: the direct model's error, and the error of
-// the input that the inverse model gives back.
+// Scores a model on histories, preferably ones that it was not fitted to: the direct model's error, and the error of
+// the input recovered by the inverse model.
 #pragma once
 
 #include <span>
@@ -25,7 +25,9 @@ struct Bin {
 };
 
 struct Score {
-  ErrorSum direct;       // |model - measured output| [Eq. 49], output's unit
+  // |model - measured output| [Eq. 49], output's unit: each branch from its measured start, as the paper compares
+  // models (those whose output is a function of the inputs alone take no notice), and from the first input on alone.
+  ErrorSum direct, free_running;
   ErrorSum compensated;  // |inverse model - measured input|, input's unit
   ErrorSum raw;          // the same for one straight line through the ends of the external loop: no compensation
   std::vector<Bin> by_hold, by_rate;  // seconds; input units a second; where the histories have times
@@ -35,12 +37,12 @@ struct Score {
 };
 
 struct ScoreOptions {
-  bool free_run = true;  // the direct model starts branches at its own ordinates
   double dead_band = 0.0;
   double x_low = 0.0, y_low = 0.0, x_high = 1.0, y_high = 1.0;  // ends of the external loop
 };
 
-// A branch's first sample, its turning point, does not count.
+// A branch's first sample, its turning point, does not count. A history that begins at the lowest input (within 1 % of
+// the span) begins at rest, the inverse of any other from an unknown state.
 Score score(const HysteresisModel& model, std::span<const History> histories, const ScoreOptions& options);
 
 }  // namespace tactbench::analysis

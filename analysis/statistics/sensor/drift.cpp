@@ -65,6 +65,18 @@ TaxelDrift drift_of_taxel(const ModelTaxel& taxel, const Pairs& pairs) {
   return drift;
 }
 
+// Its external loop moves with it.
+void move_taxel(ModelTaxel& taxel, double zero, double gain) {
+  if (taxel.fit.model == nullptr) return;
+  std::vector<double> up, down;
+  for (const double y : taxel.ascending.y()) up.push_back(taxel.to_model(y));
+  for (const double y : taxel.descending.y()) down.push_back(taxel.to_model(y));
+  const std::vector<double> inputs(taxel.ascending.x().begin(), taxel.ascending.x().end());
+  taxel.zero = zero;
+  taxel.gain = gain;
+  if (!inputs.empty()) set_loop(taxel, inputs, up, down);
+}
+
 }  // namespace
 
 const char* to_string(DriftVerdict verdict) {
@@ -81,15 +93,14 @@ const char* to_string(DriftVerdict verdict) {
   return "recalibrate";
 }
 
-Drift drift_of(const ModelDocument& document, const Histories& histories, double tolerance) {
+Drift drift_of(const SensorModel& document, const Histories& histories, double tolerance) {
   check_same_source(document, histories);
   Drift drift;
   double own_error = 0.0;
   for (const ModelTaxel& taxel : document.taxels) {
     const auto measured = std::ranges::find(histories.taxels, taxel.taxel, &TaxelHistories::taxel);
     const bool array = document.taxels.size() > 1;
-    if (taxel.fit.model == nullptr || measured == histories.taxels.end() || (array && taxel.taxel == kMeanTaxel))
-      continue;
+    if (!taxel.fitted() || measured == histories.taxels.end() || (array && taxel.taxel == kMeanTaxel)) continue;
     drift.taxels.push_back(drift_of_taxel(taxel, pairs_of(*taxel.fit.model, measured->score)));
     own_error += taxel.fit.mean_error / taxel.fit.full_scale;
   }
@@ -112,7 +123,7 @@ Drift drift_of(const ModelDocument& document, const Histories& histories, double
   return drift;
 }
 
-ModelDocument adjusted(ModelDocument document, const Drift& drift, const Histories& by, bool gain) {
+SensorModel adjusted(SensorModel document, const Drift& drift, const Histories& by, bool gain) {
   document.parent_sha256 = sha256_of(document);
   document.adjustment =
       fmt::format("{} by {} ({})", gain ? "zero and gain" : "zero", by.source, by.content_sha256.substr(0, 12));
@@ -128,8 +139,8 @@ ModelDocument adjusted(ModelDocument document, const Drift& drift, const Histori
     const auto own = std::ranges::find(drift.taxels, taxel.taxel, &TaxelDrift::taxel);
     if (own == drift.taxels.end() && taxel.taxel != kMeanTaxel) continue;
     const TaxelDrift& moved = own == drift.taxels.end() ? mean : *own;
-    taxel.zero = gain ? moved.zero : moved.zero_alone;
-    if (gain) taxel.gain = moved.gain;
+    const double zero = gain ? moved.zero : moved.zero_alone;
+    move_taxel(taxel, zero, gain ? moved.gain : taxel.gain);
   }
   return document;
 }

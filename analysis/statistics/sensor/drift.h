@@ -28,9 +28,9 @@ struct Drift {
 
 // tolerance 0: twice the mean error of the model's own fit, at least 0.5 % of full scale. A gain is fitted where the
 // inputs cover at least a tenth of the model's range. Throws AnalysisError as score_model does.
-Drift drift_of(const ModelDocument& document, const Histories& histories, double tolerance = 0.0);
+Drift drift_of(const SensorModel& document, const Histories& histories, double tolerance = 0.0);
 
 // The child: `document` with zero (and gain) of each taxel adjusted by `drift`. Names its parent and the data.
-ModelDocument adjusted(ModelDocument document, const Drift& drift, const Histories& by, bool gain);
+SensorModel adjusted(SensorModel document, const Drift& drift, const Histories& by, bool gain);
 
 }  // namespace tactbench::analysis

@@ -36,15 +36,13 @@ std::string volts_range(const Health& health, std::size_t taxel) {
 
 // As a fit decides, where there is none.
 TaxelStatus status_without_fit(const Dataset& dataset, const Health& health, std::size_t taxel) {
-  if (dataset.at_limit[taxel]) return TaxelStatus::kSaturated;
-  const bool silent = health.high_v[taxel] - health.low_v[taxel] < health.options.dead_v;
-  const bool near_zero = std::abs(health.high_v[taxel]) < health.options.dead_v;
-  if (!silent || (near_zero && !health.loaded)) return TaxelStatus::kFitted;
-  if (near_zero) return TaxelStatus::kDead;
-  return health.loaded ? TaxelStatus::kStuck : TaxelStatus::kFitted;
+  const TaxelStatus status =
+      status_of({health.low_v[taxel], health.high_v[taxel]}, dataset.at_limit[taxel], health.options.dead_v);
+  const bool silent = status == TaxelStatus::kDead || status == TaxelStatus::kStuck;
+  return silent && !health.loaded ? TaxelStatus::kFitted : status;
 }
 
-std::string reason_for(const Health& health, const TaxelFit* fit, TaxelStatus status, std::size_t taxel) {
+std::string reason_for(const Health& health, const ModelTaxel* fit, TaxelStatus status, std::size_t taxel) {
   const std::string range = volts_range(health, taxel);
   switch (status) {
     case TaxelStatus::kFitted:
@@ -55,10 +53,12 @@ std::string reason_for(const Health& health, const TaxelFit* fit, TaxelStatus st
       return fmt::format("{}: moves less than {:g} V, away from 0 V", range, health.options.dead_v);
     case TaxelStatus::kSaturated:
       return fmt::format("{}: a sample stood at the converter's limit", range);
+    case TaxelStatus::kConstant:
+      return range;
     case TaxelStatus::kUnfit:
-      if (fit == nullptr || !(fit->fit.full_scale_v > 0.0)) return range + ": moves, but not with the pressure";
+      if (fit == nullptr || !(fit->full_scale() > 0.0)) return range + ": moves, but not with the pressure";
       return fmt::format("{}: the model's mean error is {:.1f} % of the taxel's full scale", range,
-                         100.0 * fit->fit.mean_error_v / fit->fit.full_scale_v);
+                         100.0 * fit->fit.mean_error / fit->full_scale());
   }
   return {};
 }
@@ -118,9 +118,9 @@ std::vector<SwappedLines> swapped_lines(int rows, int columns, const std::vector
   return swaps;
 }
 
-Health health_of(const Dataset& dataset, const ArrayFit& fit, bool loaded, const HealthOptions& options) {
+Health health_of(const Dataset& dataset, const SensorModel& fit, bool loaded, const HealthOptions& options) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
-  if (!fit.taxels.empty() && fit.taxels.size() != width)
+  if (!fit.taxels.empty() && fit.array().size() != width)
     throw std::invalid_argument("health_of: the fit has other taxels than the dataset");
   Health health;
   health.options = options;
@@ -132,7 +132,7 @@ Health health_of(const Dataset& dataset, const ArrayFit& fit, bool loaded, const
   if (has_noise) health.noise_v = dataset.noise_v;
   health.median_noise_v = median_of(health.noise_v);
   for (std::size_t taxel = 0; taxel < width; ++taxel) {
-    const TaxelFit* own = fit.taxels.empty() ? nullptr : &fit.taxels[taxel];
+    const ModelTaxel* own = fit.taxels.empty() ? nullptr : &fit.taxels[taxel];
     const TaxelStatus status = own != nullptr ? own->status : status_without_fit(dataset, health, taxel);
     const int number = static_cast<int>(taxel);
     if (status != TaxelStatus::kFitted)

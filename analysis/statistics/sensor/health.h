@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
+#include "analysis/identify/taxel_status.h"
 
 namespace tactbench::analysis {
 
 struct HealthOptions {
-  double dead_v = ArrayFitOptions{}.dead_v;          // an output that moves less is dead (near 0 V) or stuck
+  double dead_v = kDeadV;                            // an output that moves less is dead (near 0 V) or stuck
   double noisy_factor = 4.0;                         // noise above this many times the median taxel's is noisy
   double swap_margin = 0.2, swap_correlation = 0.8;  // by which lines fit better in each other's place, and how well
 };
@@ -44,7 +45,7 @@ struct Health {
 
 // `fit`: of the run, whose states win; without taxels: decided from the samples by the same thresholds. `loaded` as
 // above. Throws std::invalid_argument when the fit has other taxels than the dataset.
-Health health_of(const Dataset& dataset, const ArrayFit& fit, bool loaded, const HealthOptions& options = {});
+Health health_of(const Dataset& dataset, const SensorModel& fit, bool loaded, const HealthOptions& options = {});
 
 // Pairs of rows and of columns of 8 taxels or more that changed places, each the other's best fit, between two frames
 // of responses (rows x columns, row-major). A taxel that is not finite in one frame is left out: it tells nothing of

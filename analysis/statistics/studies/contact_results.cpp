@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
+#include <optional>
 #include <set>
 
+#include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 
 namespace tactbench::analysis {
 namespace {
 
-void check_press(const PressRun& run, const ArrayFit& fit) {
+void check_press(const PressRun& run, const SensorModel& fit) {
   Dataset like;
   like.run = run.run;
   like.origin = run.origin;
@@ -33,14 +34,13 @@ struct ReadFrame {
   int clamped = 0;
 };
 
-std::vector<ReadFrame> read_frames(const PressRun& run, const ArrayFit& fit, const ArrayGeometry& geometry) {
-  const ElamModel& mean = fit.mean_taxel.fit.model;
+std::vector<ReadFrame> read_frames(const PressRun& run, const SensorModel& fit, const ArrayGeometry& geometry) {
+  const ModelTaxel& mean = fit.mean_taxel();
   const double per_volt = (mean.xu() - mean.x0()) / (mean.yu() - mean.y0());
   const double sign = fit.falling ? -1.0 : 1.0;
-  std::vector<std::unique_ptr<TaxelCompensator>> compensators;
-  for (const TaxelFit& taxel : fit.taxels)
-    compensators.push_back(
-        taxel.status == TaxelStatus::kFitted ? std::make_unique<TaxelCompensator>(compensator_of(taxel)) : nullptr);
+  std::vector<std::optional<TaxelStream>> compensators;
+  for (const ModelTaxel& taxel : fit.array())
+    compensators.push_back(taxel.fitted() ? std::optional<TaxelStream>(taxel) : std::nullopt);
   std::vector<ReadFrame> out;
   const PressFrame* before = nullptr;
   for (const PressFrame& frame : run.frames) {
@@ -51,7 +51,7 @@ std::vector<ReadFrame> read_frames(const PressRun& run, const ArrayFit& fit, con
     ReadFrame read{&frame, {}, {}, {}, {}, 0};
     for (std::size_t i = 0; i < frame.volts.size(); ++i) {
       const double volts = sign * frame.volts[i];
-      if (compensators[i] == nullptr) {
+      if (!compensators[i]) {
         read.raw_psi.push_back(kNan);
         read.compensated_psi.push_back(kNan);
         continue;
@@ -97,7 +97,7 @@ Places mean_places(const std::vector<ReadFrame>& frames, ContactFigures ReadFram
 
 struct LevelMaker {
   const PressRun& run;
-  const ArrayFit& fit;
+  const SensorModel& fit;
   const ContactResult& result;
   const std::vector<ReadFrame>& frames;
   Places raw_places, compensated_places;
@@ -125,9 +125,9 @@ struct LevelMaker {
     const int first_position = chosen.front()->frame->position;
     double shown = 0.0;
     for (const ReadFrame* read : chosen) shown += read->frame->position == first_position ? 1.0 : 0.0;
-    out.raw_v.assign(fit.taxels.size(), 0.0);
-    out.compensated_psi.assign(fit.taxels.size(), 0.0);
-    std::vector<double> fitted_v(fit.taxels.size(), kNan);
+    out.raw_v.assign(fit.array().size(), 0.0);
+    out.compensated_psi.assign(fit.array().size(), 0.0);
+    std::vector<double> fitted_v(fit.array().size(), kNan);
     for (const ReadFrame* read : chosen) {
       const PressFrame& frame = *read->frame;
       out.force_n += weight * frame.force_n;
@@ -155,7 +155,7 @@ struct LevelMaker {
   }
 };
 
-double mean_distance(const std::vector<double>& up, const std::vector<double>& down, const ArrayFit& fit,
+double mean_distance(const std::vector<double>& up, const std::vector<double>& down, const SensorModel& fit,
                      double full_scale) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < up.size(); ++i) {
@@ -168,7 +168,7 @@ double mean_distance(const std::vector<double>& up, const std::vector<double>& d
 
 }  // namespace
 
-ContactResult contact_result(const PressRun& run, const ArrayFit& fit, const ArrayGeometry& geometry) {
+ContactResult contact_result(const PressRun& run, const SensorModel& fit, const ArrayGeometry& geometry) {
   check_press(run, fit);
   ContactResult out;
   out.run = run.run;
@@ -176,7 +176,7 @@ ContactResult contact_result(const PressRun& run, const ArrayFit& fit, const Arr
   out.sequence = run.sequence;
   out.object = run.object;
   out.geometry = geometry;
-  out.full_scale_v = fit.full_scale_v;
+  out.full_scale_v = fit.full_scale_v();
   out.full_scale_psi = fit.pressure_psi.back();
   const std::vector<ReadFrame> frames = read_frames(run, fit, geometry);
   std::set<int> positions, repeats;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 #include "analysis/statistics/studies/press_run.h"
 
 namespace tactbench::analysis {
@@ -58,7 +58,7 @@ struct ContactLevel {
 struct ContactResult {
   std::int64_t run = 0, mount_run = 0;  // mount_run: whose registration was used; 0: none
   std::string sequence, object;
-  std::string force_traceability;  // of the run's force sensor, in a sentence; whoever knows its devices fills it in
+  std::string force_traceability;  // of the run's force sensor, in a sentence; filled in by the caller
   int positions = 0, repeats = 0;
   ArrayGeometry geometry;
   double full_scale_v = 0.0, full_scale_psi = 0.0;  // of the chamber run that the models are from
@@ -72,6 +72,6 @@ struct ContactResult {
 // Raw: every taxel read by one straight line through the ends of the mean taxel's external loop. Compensated: the
 // taxel's own model, starting unloaded at each rise. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR,
 // TB-ANALYSIS-ORIGIN when run and models do not belong together.
-ContactResult contact_result(const PressRun& run, const ArrayFit& fit, const ArrayGeometry& geometry);
+ContactResult contact_result(const PressRun& run, const SensorModel& fit, const ArrayGeometry& geometry);
 
 }  // namespace tactbench::analysis

@@ -9,7 +9,7 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kSamePace = 1.2;  // repeats whose length differs by less go at one pace
+constexpr double kSamePace = 1.2;  // repeats whose durations differ by a smaller factor have the same pace
 
 double length_s(const Repeat& repeat) { return repeat.steps.back().time_s - repeat.steps.front().time_s; }
 
@@ -36,7 +36,7 @@ void compare_paces(const SequenceData& sequence, const Fitted& fitted, double fu
 
 }  // namespace
 
-std::vector<RateHoldRun> rate_hold_of(const Dataset& measured, const ArrayFit& fit, int threads) {
+std::vector<RateHoldRun> rate_hold_of(const Dataset& measured, const SensorModel& fit, int threads) {
   check_same_sensor(measured, fit);
   const Dataset dataset = as_modelled(measured, fit);
   const Fitted fitted(fit);
@@ -60,7 +60,7 @@ std::vector<RateHoldRun> rate_hold_of(const Dataset& measured, const ArrayFit& f
     Score sum;
     for (const std::vector<Score>& own : scores) sum.add(own[s]);
     RateHoldRun run{dataset.run, dataset.sequences[s].name, sum.compensated, sum.by_hold, sum.by_rate, 0.0, 0.0};
-    compare_paces(dataset.sequences[s], fitted, fit.full_scale_v, run);
+    compare_paces(dataset.sequences[s], fitted, fit.full_scale_v(), run);
     runs.push_back(std::move(run));
   }
   return runs;

@@ -1,6 +1,6 @@
-// What further runs tell of a sensor on its bench: how even the chamber presses, what mounting it anew changes, what
-// crosses over to taxels that nothing presses, what rate and hold change. Plain results: the report prints them, the
-// uncertainty budget takes uniformity and mounting from here. A study without its runs says why it was not assessed.
+// Studies from further runs of a sensor on its bench: uniformity of the chamber's pressure, effect of re-mounting,
+// crosstalk to unloaded taxels, effects of rate and hold. Plain results: the report prints them, the uncertainty budget
+// uses uniformity and mounting. A study without runs states why it was not assessed.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct Uniformity {
   double u_share = 0.0;               // standard deviation of chamber_share: relative standard uncertainty
   double u_offset_psi = 0.0;          // of chamber_psi
   double residual_rms_psi = 0.0;      // over all levels
-  // The residual with the angles taken clockwise. Clearly smaller: the angles were typed in the other sense.
+  // The residual with the angles taken clockwise. Clearly smaller: the angles were typed with the opposite sign.
   double residual_other_sense_psi = 0.0;
   int undetermined = 0;  // free constants: sets of cells whose common part could be either's
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
@@ -141,6 +141,6 @@ Remount remount_of(std::span<const MountedRun> mounts);
 Crosstalk crosstalk_of(std::int64_t run, std::span<const PointFrame> frames, int rows, int columns);
 
 // Compensates all frames in time order, as evaluate() does. Throws as evaluate().
-std::vector<RateHoldRun> rate_hold_of(const Dataset& dataset, const ArrayFit& fit, int threads = 0);
+std::vector<RateHoldRun> rate_hold_of(const Dataset& dataset, const SensorModel& fit, int threads = 0);
 
 }  // namespace tactbench::analysis

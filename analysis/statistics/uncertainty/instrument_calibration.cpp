@@ -28,14 +28,14 @@ double member_number(const DeviceJson& json, const char* name) {
   return std::isfinite(value) ? value : 0.0;
 }
 
-// What counts as stated of a typed text; the rest is said in `remarks`.
+// The stated part of a typed text; problems go to `remarks`.
 class StatedFields {
  public:
   StatedFields(const char* who, std::vector<std::string>& remarks) : who_(who), remarks_(remarks) {}
 
   std::string text(const char* field, const std::string& typed) {
     if (!is_placeholder(typed)) return typed;
-    remarks_.push_back(fmt::format("{}: {} was never filled in", field, who_));
+    remarks_.push_back(fmt::format("{}: {} is not filled in", field, who_));
     return {};
   }
 

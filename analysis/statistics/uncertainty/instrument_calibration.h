@@ -1,9 +1,8 @@
 // What is stated of an instrument's calibration, resolved in one place for every section of a report, its data and
 // every verb: from what the run stored with the device and what a laboratory file says of its serial number.
-//
-// Precedence: what the run stored stands, field by field: its hash covers it, and verdicts rest on it. The laboratory
-// file fills in what the run leaves open. Of two due dates the earlier one counts. Where both state something else,
-// `remarks` says so. A text that is no date, and one that was never filled in, count as not stated.
+// Precedence, field by field: the run's stored value, which its hash covers and verdicts rest on. The laboratory file
+// fills in what the run leaves open. Of two due dates the earlier one counts. Where both state something else,
+// `remarks` says so. An invalid date and a value that still says FILL-IN count as not stated.
 #pragma once
 
 #include <chrono>
@@ -44,11 +43,11 @@ DueState due_state(const InstrumentCalibration& calibration, std::string_view ut
 // it is a year where one of them is not stated. Without both: 1.
 double drift_growth(const InstrumentCalibration& calibration, std::string_view utc);
 
-// "2026-01-31", or what goes on with a time after it ("2026-01-31T12:00:00Z"); none for days that no calendar has.
+// "2026-01-31", with or without a time ("2026-01-31T12:00:00Z"); none for days that do not exist.
 std::optional<std::chrono::sys_days> day_of(std::string_view text);
 bool is_date(std::string_view text);  // "2026-01-31" alone
 
-// A template's "FILL-IN" that nobody replaced.
+// A template's "FILL-IN" that was not replaced.
 bool is_placeholder(std::string_view text);
 // The calibration as it is stored, without what was never filled in.
 std::string without_placeholders(const std::string& calibration_json);

@@ -57,7 +57,7 @@ double converter_step(const db::RunRecord& run, const ReferenceJson& calibration
     if (!json.is_object() || !json.contains("input_volts")) continue;
     const ReferenceJson& scale = json["input_volts"];
     const double counts = scale.value("raw_high", 0.0) - scale.value("raw_low", 0.0);
-    // A module of inputs alone stands behind the other and is the one that reads.
+    // A separate input module comes after the output module; it is the one that reads.
     if (counts > 0.0) volts_per_count = (scale.value("high", 0.0) - scale.value("low", 0.0)) / counts;
   }
   const double volts = calibration.value("volts_high", 0.0) - calibration.value("volts_low", 0.0);
@@ -72,7 +72,7 @@ void say_what_is_missing(ReferenceUncertainty& reference) {
         reference.independent
             ? "the bench file gives no uncertainty of the reference: state its certificate's in [reference] "
               "expanded_uncertainty_psi"
-            : "there is no independent reference: the regulator's feedback stands in, whose uncertainty is not known";
+            : "there is no independent reference: the regulator's feedback is used, whose uncertainty is not known";
   if (!(reference.drift_psi > 0.0))
     reference.drift_missing = fmt::format(
         "the bench file gives no limit for it: [reference] drift_psi{}",

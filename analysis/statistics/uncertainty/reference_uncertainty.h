@@ -12,7 +12,7 @@ namespace tactbench::analysis {
 
 struct ReferenceUncertainty {
   InstrumentCalibration calibration;  // certificate, dates
-  bool independent = false;           // false: the regulator's feedback stands in
+  bool independent = false;           // false: the regulator's feedback is used
   bool overdue = false;               // the run began after the due date
   // Certificate: U (psi, with coverage factor k) at readings, rising; empty: none.
   std::vector<double> reading_psi, expanded_psi;

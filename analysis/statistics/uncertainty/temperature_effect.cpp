@@ -194,8 +194,8 @@ std::string TemperatureEffect::in_words() const {
           : "what changed between the runs beside the temperature is contained in the scatter about the line");
 }
 
-TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const Dataset> others, const ArrayFit& fit,
-                                        double resolution_c) {
+TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const Dataset> others,
+                                        const SensorModel& fit, double resolution_c) {
   TemperatureEffect effect;
   if (others.empty()) return effect;
   if (measured.temperatures_c.empty()) {

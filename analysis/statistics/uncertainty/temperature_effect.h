@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
@@ -45,6 +45,6 @@ bool at_another_temperature(std::span<const double> calibration_c, std::span<con
 // `others`: of the same sensor, mounted once and not aged between, which the caller knows. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
 TemperatureEffect temperature_effect_of(const Dataset& calibration, std::span<const Dataset> others,
-                                        const ArrayFit& fit, double resolution_c);
+                                        const SensorModel& fit, double resolution_c);
 
 }  // namespace tactbench::analysis

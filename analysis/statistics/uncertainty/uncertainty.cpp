@@ -91,10 +91,10 @@ const LevelUncertainty* Uncertainty::level(double pressure_psi, bool up) const {
   return found == levels.end() ? nullptr : &*found;
 }
 
-Uncertainty assess_uncertainty(const Dataset& measured, const ArrayFit& measured_fit, const db::RunRecord& run,
+Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measured_fit, const db::RunRecord& run,
                                const UncertaintyInputs& inputs, int threads) {
   check_same_sensor(measured, measured_fit);
-  ArrayFit fit = measured_fit;
+  SensorModel fit = measured_fit;
   const Dataset dataset = as_modelled(measured, fit);
   fit.falling = false;
   Uncertainty out;
@@ -110,8 +110,8 @@ Uncertainty assess_uncertainty(const Dataset& measured, const ArrayFit& measured
     LevelUncertainty level;
     level.pressure_psi = errors.levels[i].pressure_psi;
     level.up = errors.levels[i].up;
-    level.expanded_psi.assign(fit.taxels.size(), kNan);
-    std::vector<char> linear(fit.taxels.size(), 1);
+    level.expanded_psi.assign(fit.array().size(), kNan);
+    std::vector<char> linear(fit.array().size(), 1);
     for_each_index(fitted.size(), threads, [&](std::size_t at) {
       const Budget budget = maker.budget(fitted[at], i);
       level.expanded_psi[fitted[at]] = budget.expanded_psi;

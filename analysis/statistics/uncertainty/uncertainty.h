@@ -1,8 +1,7 @@
 // Uncertainty budgets of compensated pressures, by JCGM 100 (GUM). Dataset + models + the reference's calibration in;
-// u_c, effective degrees of freedom, k and U for every taxel, level and branch out.
-//
-// Measurand: the pressure on a taxel, as one compensated frame tells it where a full sweep passes a level. Model
-// (4.1.1):   p = f(v + d_noise + d_step + d_zero + d_creep + d_temperature) + d_repeat + d_model + d_mount
+// u_c, effective degrees of freedom, k and U for every taxel, level and branch out. Measurand: the pressure on a taxel
+// from one compensated frame, where a full sweep passes a level. Model (4.1.1): p = f(v + d_noise + d_step + d_zero +
+// d_creep + d_temperature) + d_repeat + d_model + d_mount
 //              + d_certificate + d_drift + d_digit + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
 // Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
 #pragma once
@@ -42,7 +41,7 @@ struct SourceText {
   const char* distribution;  // normal | Student | rectangular
   const char* unit;          // of `width`: psi | V
   const char* width;         // what `width` is: "U of the certificate", "half-width", "s"
-  const char* basis;         // how it is found, and where the GUM says so
+  const char* basis;         // how it is determined, and the clause of the GUM
 };
 const SourceText& text_of(UncertaintySource source);
 
@@ -103,11 +102,11 @@ struct Uncertainty {
   [[nodiscard]] const LevelUncertainty* level(double pressure_psi, bool up) const;
 };
 
-// One budget anew, as assess_uncertainty makes it: for tests and for who wants another level. `reading` is one of
-// `errors.levels`; the level's index within its branch counts for the model's residual.
+// One budget, as in assess_uncertainty: for tests and for further levels. `reading` is one of `errors.levels`; the
+// level's index within its branch counts for the model's residual.
 class BudgetMaker {
  public:
-  BudgetMaker(const Dataset& dataset, const ArrayFit& fit, const SweepErrors& errors,
+  BudgetMaker(const Dataset& dataset, const SensorModel& fit, const SweepErrors& errors,
               const ReferenceUncertainty& reference, double step_v, const UncertaintyInputs& inputs);
   [[nodiscard]] Budget budget(std::size_t taxel, std::size_t level) const;
   [[nodiscard]] const std::array<std::string, kUncertaintySources>& missing() const { return missing_; }
@@ -124,7 +123,7 @@ class BudgetMaker {
   [[nodiscard]] double mean_error(std::size_t level, std::size_t taxel) const;
   [[nodiscard]] bool assessed(UncertaintySource source) const;
 
-  const ArrayFit& fit_;
+  const SensorModel& fit_;
   const SweepErrors& errors_;
   const ReferenceUncertainty& reference_;
   const UncertaintyInputs& inputs_;
@@ -134,7 +133,7 @@ class BudgetMaker {
 };
 
 // Throws as evaluate(). `dataset` is the run that the models were made from, or another of the same sensor.
-Uncertainty assess_uncertainty(const Dataset& dataset, const ArrayFit& fit, const db::RunRecord& run,
+Uncertainty assess_uncertainty(const Dataset& dataset, const SensorModel& fit, const db::RunRecord& run,
                                const UncertaintyInputs& inputs = {}, int threads = 0);
 
 }  // namespace tactbench::analysis

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/compensate/compensator.h"
+#include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
 
@@ -21,12 +21,8 @@ struct LocalInverse {
   bool linear = true;
 };
 
-ElamCurve external_curve(const ElamModel& model, bool up) {
-  return up ? ElamCurve(model, true, model.x0(), model.y0()) : ElamCurve(model, false, model.xu(), model.yu());
-}
-
-LocalInverse inverse_about(const ElamModel& model, bool up, double pressure_psi, double u_v) {
-  const ElamCurve curve = external_curve(model, up);
+LocalInverse inverse_about(const ModelTaxel& model, bool up, double pressure_psi, double u_v) {
+  const ExternalBranch curve(model, up);
   const double v = curve.output(pressure_psi), u = u_v > 0.0 ? u_v : 1e-6 * (model.yu() - model.y0());
   const double low = model.y0(), high = model.yu();
   const auto slope = [&](double from, double to) {
@@ -42,12 +38,12 @@ LocalInverse inverse_about(const ElamModel& model, bool up, double pressure_psi,
 
 // psi/V of what moves the output along the whole way to the reading, as temperature does: unloading, the turn at the
 // top moves too, and the compensator takes that into account. Half-widths at the reading and at the top.
-double sensitivity_along(const ElamModel& model, bool up, double pressure_psi, double width_v, double top_width_v) {
-  const double v = external_curve(model, up).output(pressure_psi);
+double sensitivity_along(const ModelTaxel& model, bool up, double pressure_psi, double width_v, double top_width_v) {
+  const double v = ExternalBranch(model, up).output(pressure_psi);
   const double least = 1e-6 * (model.yu() - model.y0());
   const double width = std::max(width_v, least), top_width = std::max(top_width_v, least);
   const auto read = [&](double sign) {
-    TaxelCompensator compensator(model, {});
+    TaxelStream compensator(model, 0.0);  // of the model alone, without noise
     if (!up) (void)compensator.step(model.yu() + sign * top_width);
     return compensator.step(v + sign * width).pressure_psi;
   };
@@ -69,7 +65,7 @@ std::size_t index_of(UncertaintySource source) { return static_cast<std::size_t>
 
 }  // namespace
 
-BudgetMaker::BudgetMaker(const Dataset& dataset, const ArrayFit& fit, const SweepErrors& errors,
+BudgetMaker::BudgetMaker(const Dataset& dataset, const SensorModel& fit, const SweepErrors& errors,
                          const ReferenceUncertainty& reference, double step_v, const UncertaintyInputs& inputs)
     : fit_(fit), errors_(errors), reference_(reference), inputs_(inputs), noise_v_(dataset.noise_v), step_v_(step_v) {
   for (const SequenceData& data : dataset.sequences)
@@ -120,8 +116,8 @@ void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel) const {
   const double noise = assessed(UncertaintySource::kNoise) ? noise_v_[taxel] : 0.0;
   const double step = assessed(UncertaintySource::kConverterStep) ? 0.5 * step_v_ : 0.0;
   const double zero = assessed(UncertaintySource::kZeroReturn) ? errors_.zero_return_v[taxel] : 0.0;
-  const ElamModel& model = fit_.taxels[taxel].fit.model;
-  const double over_zero = external_curve(model, budget.up).output(budget.pressure_psi) - model.y0();
+  const ModelTaxel& model = fit_.taxels[taxel];
+  const double over_zero = ExternalBranch(model, budget.up).output(budget.pressure_psi) - model.y0();
   const double creep = assessed(UncertaintySource::kCreep)
                            ? inputs_.creep.share(taxel, budget.pressure_psi, budget.up) * over_zero
                            : 0.0;
@@ -140,7 +136,7 @@ void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel) const {
 }
 
 double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
-  return mean_by_shares(errors_of(errors_.levels[level], taxel, fit_.taxels.size()));
+  return mean_by_shares(errors_of(errors_.levels[level], taxel, fit_.array().size()));
 }
 
 // Repeatability is what the scatter of the readings has beyond the noise of one frame, which has a row of its own
@@ -148,7 +144,7 @@ double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
 // neighbours: a known correction that is not made, averaged over the pressures near the level (F.2.4.5).
 void BudgetMaker::add_readings(Budget& budget, std::size_t taxel, std::size_t level) const {
   const LevelReadings& readings = errors_.levels[level];
-  const std::size_t width = fit_.taxels.size(), half = errors_.levels.size() / 2;
+  const std::size_t width = fit_.array().size(), half = errors_.levels.size() / 2;
   if (readings.readings >= 2) {
     double noise = 0.0;
     for (const Contribution& other : budget.contributions)

@@ -18,7 +18,7 @@ namespace {
 
 [[noreturn]] void hdf5_failed(const std::string& doing, const std::string& path) {
   throw Error(ExitCode::kUsage, "TB-EXPORT-HDF5", fmt::format("libhdf5 could not {}", doing), path,
-              "see that the folder is there, may be written to and has space");
+              "check that the folder exists, is writable and has space");
 }
 
 // One of the library's identifiers, closed with its own function.
@@ -57,7 +57,7 @@ struct Hdf5File::Open {
                                      : H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
                        H5Sclose, "describe " + name, path);
     const Hdf5Id how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "describe " + name, path);
-    // No times inside: the same run gives the same bytes.
+    // No time stamps: the same run gives the same bytes.
     if (H5Pset_obj_track_times(how.get(), false) < 0) hdf5_failed("describe " + name, path);
     std::size_t row = element_bytes, all = element_bytes;
     for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -91,7 +91,7 @@ struct Hdf5File::Open {
 bool Hdf5File::available() { return true; }
 
 Hdf5File::Hdf5File(const std::string& path) : open_(std::make_unique<Open>()) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our errors say it
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // the errors below report it
   open_->path = path;
   const Hdf5Id how(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make the file", path);
   if (H5Pset_obj_track_times(how.get(), false) < 0) hdf5_failed("make the file", path);

@@ -1,5 +1,5 @@
-// An HDF5 file that is written once: groups, arrays and attributes by path. The only place that knows libhdf5, which is
-// optional: without it available() is false and nothing else works.
+// Writes an HDF5 file: groups, arrays and attributes by path. Only this unit uses libhdf5, which is optional: without
+// it available() is false and everything else throws.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ class Hdf5File {
  public:
   static bool available();
 
-  // Made anew; what was there is overwritten. Every failure throws Error TB-EXPORT-HDF5.
+  // Overwrites an existing file. Every failure throws Error TB-EXPORT-HDF5.
   explicit Hdf5File(const std::string& path);
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
@@ -32,7 +32,7 @@ class Hdf5File {
   void attribute(const std::string& object, const std::string& name, const std::string& value);  // up to 60 kB
   void attribute(const std::string& object, const std::string& name, double value);
   void attribute(const std::string& object, const std::string& name, std::int64_t value);
-  void close();  // all of it on its way to the disk
+  void close();  // flushes and closes the file
 
  private:
   struct Open;

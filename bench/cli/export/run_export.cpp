@@ -1,4 +1,4 @@
-// runs export: all that was measured in a run, for programs that do not read SQLite. Raw counts, every scan.
+// runs export: all data of a run for programs that do not read SQLite. Raw counts, every scan.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -26,10 +26,10 @@ struct RunExportOptions {
   std::string format = "csv", output;
 };
 
-// A number that comes back with the same bits; nothing where there is no reading.
+// A number in round-trip notation; empty without a reading.
 std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
 
-// Words of a person may hold commas and quotes (RFC 4180).
+// Typed text may hold commas and quotes (RFC 4180).
 std::string csv_text(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -46,7 +46,7 @@ const db::BranchRecord& branch_in(const std::vector<db::BranchRecord>& branches,
   const auto found = std::ranges::lower_bound(branches, key, {}, &db::BranchRecord::branch);
   if (found != branches.end() && found->branch == key) return *found;
   throw Error(ExitCode::kStore, "TB-STORE-SQL", fmt::format("a frame names the branch {}, which the run lacks", key),
-              "runs export", "tactbench verify RUN tells what else differs");
+              "runs export", "tactbench verify RUN shows what else differs");
 }
 
 std::string csv_names(int rows, int columns) {
@@ -59,7 +59,7 @@ std::string csv_names(int rows, int columns) {
   return text + "\n";
 }
 
-// Frame by frame: a long run is larger than memory should be.
+// Frame by frame: a long run needs too much memory.
 void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream) {
   const std::vector<db::BranchRecord> branches = store.branches(run.run);
   std::int64_t position = 0;
@@ -148,7 +148,7 @@ void write_list(std::ostream& stream, const char* name, const std::function<void
   stream << "]";
 }
 
-// The text of one document, its frames one after another: as one tree they take seven times their text.
+// Writes the document frame by frame: a JSON tree takes seven times the memory of its text.
 void run_document(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream) {
   nlohmann::ordered_json json = {{"schema", "tactbench.run"}, {"version", analysis::kRunSchemaVersion}};
   json.update(analysis::run_json(run));
@@ -215,7 +215,7 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
   std::ranges::sort(runs);
   runs.erase(std::ranges::unique(runs).begin(), runs.end());
   const db::RunStore source = db::RunStore::open_read_only(session.db);
-  for (const std::int64_t run : runs) (void)source.run(run);  // before a file is made
+  for (const std::int64_t run : runs) (void)source.run(run);  // unknown runs throw before a file is made
   db::RunStore target = db::RunStore::open(file);
   const std::vector<std::int64_t> numbers = target.copy_runs_from(source, runs);
   auto list = nlohmann::ordered_json::array(), left = nlohmann::ordered_json::array();
@@ -223,7 +223,7 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
     list.push_back({{"run", runs[i]}, {"copy", numbers[i]}});
     if (!session.json) tty::print("run {} is run {} of {}\n", runs[i], numbers[i], file);
   }
-  // A verdict is a row of the run that was judged, and goes where that goes.
+  // A verdict belongs to the judged run and is exported with it.
   for (const std::int64_t run : runs) {
     std::set<std::int64_t> judged;
     for (const db::VerdictRecord& verdict : source.verdicts_of_models(run))
@@ -232,8 +232,8 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
       left.push_back({{"models_of", run}, {"judged_on", other}});
       if (!session.json)
         tty::print(
-            "note: the models of run {0} were judged on run {1}, which is not copied: that verdict stays behind; "
-            "to have it, copy both into a new store: tactbench runs copy {0} {1} --to FILE\n",
+            "note: the models of run {0} were judged on run {1}, which is not copied: that verdict is left behind; to "
+            "include it, copy both into a new store: tactbench runs copy {0} {1} --to FILE\n",
             run, other);
     }
   }
@@ -246,10 +246,13 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
 void add_run_copy(CLI::App& runs, Session& session) {
   auto numbers = std::make_shared<std::vector<std::int64_t>>();
   auto file = std::make_shared<std::string>();
-  CLI::App* verb = runs.add_subcommand("copy", "copy ended runs with all that hangs on them into another store");
-  verb->footer("A verdict goes with the run that was judged; models alone leave theirs behind, which is said.");
+  CLI::App* verb =
+      runs.add_subcommand("copy", "copy ended runs with their models, verdicts and remarks into another store");
+  verb->footer(
+      "A verdict is copied with the judged run; when only the models' run is copied, a note names the verdicts left "
+      "behind.");
   verb->add_option("runs", *numbers, "run numbers")->required()->take_all();
-  verb->add_option("--to", *file, "the other store; made if it is not there")->required();
+  verb->add_option("--to", *file, "the other store; made if it does not exist")->required();
   add_common(*verb, session);
   verb->callback([numbers, file, &session] { copy_runs(*numbers, *file, session); });
 }
@@ -259,7 +262,7 @@ void add_run_export(CLI::App& runs, Session& session) {
   CLI::App* verb =
       runs.add_subcommand("export", "write a run's frames (or an imported run's series) as CSV, JSON or HDF5");
   verb->add_option("run", options->run, "run number")->required();
-  verb->add_option("--format", options->format, "csv: a line a scan, raw counts; json, hdf5: all of the run")
+  verb->add_option("--format", options->format, "csv: one line per scan, raw counts; json, hdf5: the whole run")
       ->check(CLI::IsMember({"csv", "json", "hdf5"}))
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "file to write")->required();

@@ -97,7 +97,7 @@ void hdf5_recipes_and_devices(Hdf5File& file, const nlohmann::ordered_json& docu
   }
 }
 
-// What makes volts of counts, from the scanner's calibration; absent where that does not say.
+// Volts per count from the scanner's calibration; absent where that does not state it.
 double counts_scale(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
     const auto json = analysis::try_json(device.calibration_json);

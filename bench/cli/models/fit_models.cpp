@@ -7,9 +7,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/counted.h"
+#include "analysis/identify/stored/model_document.h"
+#include "bench/cli/judgement_words.h"
+#include "bench/cli/models/fit_words.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/common/output_file.h"
-#include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/reporting/evaluation.h"
+#include "bench/reporting/named_runs.h"
+#include "db/run_store.h"
 
 namespace tactbench::bench {
 
@@ -20,6 +28,15 @@ std::vector<std::string> not_fitted(const analysis::Histories& histories, const 
   for (const std::string& name : histories.sequences)
     if (!fitted.empty() && std::ranges::find(fitted, name) == fitted.end()) others.push_back(name);
   return others;
+}
+
+// By what turns were told, and with which noise inputs are given back.
+std::string table_words(const analysis::Histories& histories, const std::vector<std::string>& fitted) {
+  const analysis::TaxelHistories& taxel = histories.taxels.back();
+  std::size_t branches = 0;
+  for (const analysis::History& history : analysis::named(taxel.fit, fitted)) branches += history.branches.size();
+  return fmt::format("{}: the input turned where it went back by more than {:.4g}; noise of the output {:.3g}\n",
+                     analysis::counted(branches, "branch", "branches"), taxel.turn, taxel.noise);
 }
 
 // What is scored is named once, and is not what the models are made from.
@@ -40,64 +57,169 @@ void check_scored(const FitModelsOptions& options, const analysis::Histories& hi
   }
 }
 
+[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
+  throw Error(ExitCode::kUsage, "TB-USAGE", what, "fit", remedy);
+}
+
+// A `fit` from its source to what it prints.
+class Fit {
+ public:
+  Fit(const FitModelsOptions& options, Session& session) : options_(options), session_(session) {
+    if (!options.output.empty() && options.models.size() != 1)
+      throw Error(ExitCode::kUsage, "TB-USAGE", "--output takes one model, and several are named", "fit --output",
+                  "name one with --model");
+    // Before an hour of anything.
+    if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);
+    if (!options.limits.empty()) (void)read_limits(find_config(options.limits));
+    if (!options.lab.empty()) laboratory_ = read_laboratory(find_config(options.lab));
+    if (!options.limits.empty() && options.models.size() != 1)
+      refuse("--limits judges one model, and several are named", "name one with --model");
+    if (!names_run(options.source)) return;
+    (void)db::RunStore::open_read_only(session.db)
+        .run(std::stoll(options.source));  // no store is made for a wrong name
+    runs_.emplace(store_.emplace(db::RunStore::open(session.db)));
+  }
+
+  void run() {
+    histories_ = read(options_.source, options_.fit);
+    // A run of a bench, every taxel of it: what figures are taken on, and verdicts.
+    on_bench_ = runs_ && histories_.origin != "imported" && !options_.mean_taxel;
+    if (!on_bench_ && !(options_.limits.empty() && options_.held_out.empty()))
+      refuse("--limits and --held-out take figures of an array's run, and this is a table or the mean taxel alone",
+             "leave them out, or fit a run that the bench made, without --mean-taxel");
+    if (on_bench_) (void)named_runs(*runs_, options_.held_out, {"--held-out", histories_.run}, session_.void_too);
+    check_scored(options_, histories_);
+    find_targets();
+    rows_ = model_rows(options_.models, histories_, options_.fit, options_.identify, targets_, &refusals_);
+    for (const ModelRefusal& refusal : refusals_)
+      tty::print(stderr, "warning: {} is left out: {}\n", refusal.model, refusal.why);
+    for (ModelRow& row : rows_) {
+      row.document.validity.mount = options_.mount;
+      row.document.validity.interface_material = options_.interface_material;
+      if (on_bench_ && !row.document.fitted().empty())
+        row.document.repeats = analysis::repeat_drifts(runs_->dataset(histories_.run), row.document.fitted(), {});
+    }
+    in_table_ = !on_bench_ || options_.models.size() > 1 || !targets_.empty();
+    if (in_table_) cross_validate(rows_, histories_, options_.fit);
+    evaluate();
+    keep();
+    session_.json ? print_as_json() : print();
+  }
+
+ private:
+  // `fitted`: sequences of it that the models are made from; empty: all.
+  analysis::Histories read(const std::string& source, const std::vector<std::string>& fitted) {
+    analysis::Histories histories = names_run(source) && runs_
+                                        ? read_run(*runs_, std::stoll(source), "fit", options_.table, session_, fitted)
+                                        : read_source(source, options_.table, session_, fitted);
+    return options_.mean_taxel ? analysis::mean_taxel_of(std::move(histories)) : histories;
+  }
+
+  // Others first: a name that is not there costs no fit.
+  void find_targets() {
+    others_.reserve(options_.score.size());
+    std::vector<std::string> own;
+    for (const std::string& name : options_.score) {
+      if (std::ranges::find(histories_.sequences, name) != histories_.sequences.end()) {
+        own.push_back(name);
+        continue;
+      }
+      others_.push_back(read(name, {}));
+      targets_.push_back({names_run(name) ? "run " + name : name, &others_.back(), {}});
+    }
+    if (options_.score.empty()) own = not_fitted(histories_, options_.fit);
+    if (!own.empty())
+      targets_.insert(targets_.begin(),
+                      {fmt::format("{} of {}", fmt::join(own, ", "), histories_.source), &histories_, own});
+  }
+
+  // Figures of a model alone, or where they are asked for.
+  void evaluate() {
+    if (!on_bench_ || (in_table_ && options_.limits.empty() && options_.held_out.empty())) return;
+    for (const ModelRow& row : rows_) {
+      if (row.document.fitted().empty())
+        throw analysis::AnalysisError("TB-ANALYSIS-NO-TAXEL", histories_.source + ": no taxel could be fitted",
+                                      "check the frames: dead, stuck and saturated taxels are left out");
+      fitted_.push_back({&row.document, evaluate_runs(*runs_, row.document, options_.held_out), {}});
+    }
+  }
+
+  // Not before every held-out run was found to go with the models.
+  void keep() {
+    for (ModelRow& row : rows_)
+      if (store_) row.document.fit = keep_fit(*store_, row.document);
+    if (!options_.output.empty())
+      write_output(options_.output, analysis::to_text(rows_.front().document), session_.replace);
+    for (FittedRun& fitted : fitted_) {
+      if (store_->fit(fitted.model->fit).model == analysis::kElamFit)  // stands for the run
+        (void)follow_sensor(*store_, runs_->record(histories_.run), *fitted.model,
+                            fitted.evaluations.front().evaluation);
+      if (options_.limits.empty()) continue;
+      fitted.judgement = judge_and_store(*store_, *runs_, *fitted.model, fitted.evaluations, options_.limits,
+                                         session_.void_too, laboratory_.instruments);
+      session_.code = exit_code_of(fitted.judgement);
+      warn_of_conditional(fitted.judgement.verdicts);
+    }
+  }
+
+  void print_as_json() const {
+    nlohmann::ordered_json json;
+    if (in_table_) {
+      auto models = nlohmann::ordered_json::array();
+      for (const ModelRow& row : rows_) models.push_back(model_row_json(row, targets_));
+      for (std::size_t i = 0; i < fitted_.size(); ++i) add_fitted_json(fitted_[i], models[i]["figures"]);
+      auto left_out = nlohmann::ordered_json::array();
+      for (const ModelRefusal& refusal : refusals_)
+        left_out.push_back({{"model", refusal.model}, {"why", refusal.why}});
+      json = {{"source", histories_.source},
+              {"origin", histories_.origin},
+              {"input_unit", histories_.input_unit},
+              {"output_unit", histories_.output_unit},
+              {"falling", histories_.falling},
+              {"fitted", rows_.front().document.sequences},
+              {"assumed", histories_.assumed},
+              {"warnings", histories_.warnings},
+              {"turn", histories_.taxels.back().turn},
+              {"noise", histories_.taxels.back().noise},
+              {"models", models},
+              {"models_left_out", left_out}};
+    } else {
+      add_fitted_json(fitted_.front(), json);
+    }
+    print_json("fit", json);
+  }
+
+  void print() const {
+    if (in_table_) {
+      tty::print("{} ({}): fitted on {}{}{}\n", histories_.source, histories_.origin,
+                 fmt::join(rows_.front().document.sequences, ", "),
+                 histories_.taxels.back().taxel == analysis::kMeanTaxel ? "; figures of the mean taxel" : "",
+                 histories_.falling ? "; the output falls with the input and is negated" : "");
+      if (histories_.origin == "imported") tty::print("{}", table_words(histories_, options_.fit));
+      tty::print("\n{}{}", fits_table(rows_),
+                 scores_table(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit));
+      if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
+    }
+    for (const FittedRun& fitted : fitted_)
+      tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted));
+  }
+
+  const FitModelsOptions& options_;
+  Session& session_;
+  analysis::Laboratory laboratory_;
+  std::optional<db::RunStore> store_;
+  std::optional<analysis::Runs> runs_;
+  analysis::Histories histories_;
+  bool on_bench_ = false, in_table_ = false;
+  std::vector<analysis::Histories> others_;
+  std::vector<ScoreTarget> targets_;
+  std::vector<ModelRow> rows_;
+  std::vector<ModelRefusal> refusals_;
+  std::vector<FittedRun> fitted_;
+};
+
 }  // namespace
 
-void fit_models(const FitModelsOptions& options, Session& session) {
-  if (!options.output.empty() && options.models.size() != 1)
-    throw Error(ExitCode::kUsage, "TB-USAGE", "--output takes one model, and several are named", "fit --output",
-                "name one with --model");
-  if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);  // before an hour of anything
-  const auto read = [&](const std::string& source) {
-    analysis::Histories histories = read_source(source, options.table, session);
-    return options.mean_taxel ? analysis::mean_taxel_of(std::move(histories)) : histories;
-  };
-  const analysis::Histories histories = read(options.source);
-  check_scored(options, histories);
-  // Others first: a name that is not there costs no fit.
-  std::vector<analysis::Histories> others;
-  others.reserve(options.score.size());
-  std::vector<ScoreTarget> targets;
-  std::vector<std::string> own;
-  for (const std::string& name : options.score) {
-    if (std::ranges::find(histories.sequences, name) != histories.sequences.end()) {
-      own.push_back(name);
-      continue;
-    }
-    others.push_back(read(name));
-    targets.push_back({names_run(name) ? "run " + name : name, &others.back(), {}});
-  }
-  if (options.score.empty()) own = not_fitted(histories, options.fit);
-  if (!own.empty())
-    targets.insert(targets.begin(), {fmt::format("{} of {}", fmt::join(own, ", "), histories.source), &histories, own});
-
-  std::vector<ModelRow> rows = model_rows(options.models, histories, options.fit, options.identify, targets);
-  std::optional<db::RunStore> store;
-  if (names_run(options.source)) store = db::RunStore::open(session.db);
-  for (ModelRow& row : rows) {
-    row.document.validity.mount = options.mount;
-    row.document.validity.interface_material = options.interface_material;
-    if (store) row.fit = analysis::store_model(*store, std::stoll(options.source), row.document, utc_now());
-  }
-  if (!options.output.empty()) write_output(options.output, analysis::to_text(rows.front().document), session.replace);
-  if (session.json) {
-    auto json = nlohmann::ordered_json::array();
-    for (const ModelRow& row : rows) json.push_back(model_row_json(row, targets));
-    print_json("fit", {{"source", histories.source},
-                       {"origin", histories.origin},
-                       {"input_unit", histories.input_unit},
-                       {"output_unit", histories.output_unit},
-                       {"falling", histories.falling},
-                       {"fitted", rows.front().document.sequences},
-                       {"models", json}});
-    return;
-  }
-  tty::print("{} ({}): fitted on {}{}{}\n\n", histories.source, histories.origin,
-             fmt::join(rows.front().document.sequences, ", "),
-             histories.taxels.back().taxel == analysis::kMeanTaxel ? "; figures of the mean taxel" : "",
-             histories.falling ? "; the output falls with the input and is negated" : "");
-  tty::print("{}{}", fits_table(rows),
-             scores_table(rows, targets, histories.input_unit.empty() ? "input units" : histories.input_unit));
-  if (targets.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
-}
+void fit_models(const FitModelsOptions& options, Session& session) { Fit(options, session).run(); }
 
 }  // namespace tactbench::bench

@@ -1,7 +1,8 @@
-// `fit` with other models than ELAM in the paper's mode, on tables, or with chosen sequences: fits each model, scores
-// it on what it was not fitted to, prints them side by side, stores them.
+// `fit`: fits each model on a run or table, scores it on what it was not fitted to, prints it, judges it, stores it.
+// One way for every model.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,9 @@ namespace tactbench::bench {
 struct FitModelsOptions {
   std::string source;  // run or table
   std::vector<std::string> models, fit,
-      score;  // score: sequences of the source, runs, tables; empty: what was not fitted
+      score;                           // score: sequences of the source, runs, tables; empty: what was not fitted
+  std::vector<std::int64_t> held_out;  // runs that figures are taken on, too
+  std::string limits, lab;             // files
   analysis::IdentifyOptions identify;
   std::string mount, interface_material;  // for the model's validity
   TableOptions table;

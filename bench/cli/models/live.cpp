@@ -96,7 +96,7 @@ class CsvFile {
 
 void live(const LiveVerbOptions& options, const Session& session) {
   const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
-  const analysis::ModelDocument model = load_model(options.model, session);
+  const analysis::SensorModel model = load_model(options.model, session);
   if (!options.csv.empty()) check_output(options.csv, kind_of_file(kFramesHead), session.replace);
   CsvFile csv(options.csv);
   const auto columns = static_cast<std::size_t>(model.columns);

@@ -19,15 +19,15 @@ namespace tactbench::bench {
 
 namespace {
 
-using analysis::ModelDocument;
 using analysis::ModelTaxel;
+using analysis::SensorModel;
 
 std::string range_text(const std::optional<analysis::Range>& range, const std::string& unit) {
   return range ? fmt::format("{:.4g} .. {:.4g} {}", range->low, range->high, unit) : "not known";
 }
 
 void show(const std::string& name, const Session& session) {
-  const ModelDocument model = load_model(name, session);
+  const SensorModel model = load_model(name, session);
   if (session.json) {
     tty::print("{}", analysis::to_text(model));
     return;
@@ -57,7 +57,7 @@ void show(const std::string& name, const Session& session) {
   for (const ModelTaxel& taxel : model.taxels) {
     const bool mean = taxel.taxel == analysis::kMeanTaxel;
     with_mean = with_mean || mean;
-    if (!mean || alone) ++statuses[taxel.fit.model ? "fitted" : taxel.status];
+    if (!mean || alone) ++statuses[taxel.why()];
   }
   std::vector<std::string> counts;
   for (const auto& [status, count] : statuses) counts.push_back(fmt::format("{} {}", count, status));
@@ -78,7 +78,7 @@ void show(const std::string& name, const Session& session) {
 
 // Largest and mean difference of each parameter over the taxels that both models have.
 void diff(const std::string& first, const std::string& second, Session& session) {
-  const ModelDocument a = load_model(first, session), b = load_model(second, session);
+  const SensorModel a = load_model(first, session), b = load_model(second, session);
   if (a.model != b.model)
     throw Error(ExitCode::kUsage, "TB-MODEL-DIFF", fmt::format("one is {}, the other {}", a.model, b.model),
                 "model diff", "compare models of one kind");
@@ -162,10 +162,10 @@ void adjust(const AdjustOptions& options, const Session& session) {
   if (!options.zero && !options.gain)
     throw Error(ExitCode::kUsage, "TB-USAGE", "nothing to adjust is named", "model adjust", "add --zero, or --gain");
   check_output(options.output, kModelFile, session.replace);
-  const ModelDocument parent = load_model(options.model, session);
+  const SensorModel parent = load_model(options.model, session);
   const analysis::Histories by = read_source(options.by, options.table, session);
   const analysis::Drift drift = analysis::drift_of(parent, by);
-  ModelDocument child = analysis::adjusted(load_model(options.model, session), drift, by, options.gain);
+  SensorModel child = analysis::adjusted(load_model(options.model, session), drift, by, options.gain);
   child.program_version = build_info().version;
   write_output(options.output, analysis::to_text(child), session.replace);
   if (session.json) {
@@ -183,7 +183,7 @@ void adjust(const AdjustOptions& options, const Session& session) {
 }  // namespace
 
 void check_model(const std::string& name, const FitModelsOptions& options, Session& session) {
-  const ModelDocument model = load_model(name, session);
+  const SensorModel model = load_model(name, session);
   const analysis::Histories histories = read_source(options.source, options.table, session);
   const analysis::Drift drift = analysis::drift_of(model, histories);
   if (drift.verdict == analysis::DriftVerdict::kRecalibrate) session.code = ExitCode::kCriterionFailed;

@@ -1,9 +1,12 @@
 #include "bench/cli/models/model_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "analysis/counted.h"
 #include "bench/common/build_info.h"
@@ -13,12 +16,28 @@ namespace tactbench::bench {
 namespace {
 
 // The mean taxel where there are several, else the last that has a model: the mean stands at the end.
-const analysis::ModelTaxel& shown(const analysis::ModelDocument& document) {
+const analysis::ModelTaxel& shown(const analysis::SensorModel& document) {
   return *std::find_if(document.taxels.rbegin(), document.taxels.rend(),
                        [](const analysis::ModelTaxel& taxel) { return taxel.fit.model != nullptr; });
 }
 
 std::string percent(double error, double full_scale) { return fmt::format("{:.3f}", 100.0 * error / full_scale); }
+
+// Errors beside each other, as many decimals as show the size of `typical` in four digits, three at least.
+class ErrorCells {
+ public:
+  explicit ErrorCells(double typical)
+      : decimals_(typical > 0.0 ? std::max(3, 3 - static_cast<int>(std::floor(std::log10(typical)))) : 3) {}
+  [[nodiscard]] std::string operator()(const analysis::ErrorSum& error, int width) const {
+    constexpr int kMost = 7;  // decimals
+    return decimals_ > kMost
+               ? fmt::format("{:>{}.2e}{:>{}.2e}", error.mean(), width, error.max, width)
+               : fmt::format("{:>{}.{}f}{:>{}.{}f}", error.mean(), width, decimals_, error.max, width, decimals_);
+  }
+
+ private:
+  int decimals_;
+};
 
 std::string bins_table(const std::string& title, const std::string& unit, const std::vector<ModelRow>& rows,
                        std::size_t target, std::vector<analysis::Bin> analysis::Score::*bins) {
@@ -53,31 +72,57 @@ nlohmann::ordered_json bins_json(const std::vector<analysis::Bin>& bins) {
 }
 
 nlohmann::ordered_json score_json(const analysis::Score& score) {
-  return {{"direct", error_json(score.direct)},
-          {"compensated", error_json(score.compensated)},
-          {"raw", error_json(score.raw)},
-          {"by_hold_s", bins_json(score.by_hold)},
-          {"by_rate", bins_json(score.by_rate)}};
+  return {{"direct", error_json(score.direct)},           {"free_running", error_json(score.free_running)},
+          {"compensated", error_json(score.compensated)}, {"raw", error_json(score.raw)},
+          {"by_hold_s", bins_json(score.by_hold)},        {"by_rate", bins_json(score.by_rate)}};
 }
 
 }  // namespace
 
+std::string undetermined_text(const analysis::SensorModel& document) {
+  std::vector<std::string> names;
+  int taxels = 0;
+  for (const analysis::ModelTaxel& taxel : document.taxels) {
+    if (!taxel.fit.undetermined.empty()) ++taxels;
+    for (const std::string& name : taxel.fit.undetermined)
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  if (names.empty()) return {};
+  return fmt::format("{}: the data do not determine {} ({} of {})\n", analysis::label_of(document),
+                     fmt::join(names, ", "), taxels, analysis::counted(document.taxels.size(), "taxel"));
+}
+
 std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
                                  const std::vector<std::string>& sequences, const analysis::IdentifyOptions& options,
-                                 const std::vector<ScoreTarget>& targets) {
+                                 const std::vector<ScoreTarget>& targets, std::vector<ModelRefusal>* refusals) {
   std::vector<ModelRow> rows;
   for (const std::string& model : models) {
-    ModelRow& row = rows.emplace_back();
-    row.document = analysis::fit_models(model, histories, sequences, options);
+    ModelRow row;
+    try {
+      row.document = analysis::fit_models(model, histories, sequences, options);
+    } catch (const analysis::AnalysisError& error) {
+      const bool last = rows.empty() && &model == &models.back();
+      if (refusals == nullptr || last || (error.id() != "TB-ANALYSIS-NO-LOOP" && error.id() != "TB-ANALYSIS-MODEL"))
+        throw;
+      refusals->push_back({model, error.what()});
+      continue;
+    }
     row.document.program_version = build_info().version;
     row.label = analysis::label_of(row.document);
-    const auto shown_histories =
-        std::ranges::find(histories.taxels, shown(row.document).taxel, &analysis::TaxelHistories::taxel);
-    row.crossed = analysis::cross_validate(model, analysis::fit_data_of(*shown_histories, sequences), options);
     for (const ScoreTarget& target : targets)
       row.scores.push_back(analysis::score_model(row.document, *target.histories, target.sequences));
+    rows.push_back(std::move(row));
   }
   return rows;
+}
+
+void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
+                    const std::vector<std::string>& sequences) {
+  for (ModelRow& row : rows) {
+    const auto own = std::ranges::find(histories.taxels, shown(row.document).taxel, &analysis::TaxelHistories::taxel);
+    row.crossed =
+        analysis::cross_validate(row.document.model, analysis::fit_data_of(*own, sequences), row.document.options);
+  }
 }
 
 std::string fits_table(const std::vector<ModelRow>& rows) {
@@ -94,6 +139,7 @@ std::string fits_table(const std::vector<ModelRow>& rows) {
                         row.crossed.samples > 0 ? percent(row.crossed.mean(), fit.full_scale) : "-",
                         fit.model->operations_per_sample(), taxels);
   }
+  for (const ModelRow& row : rows) text += undetermined_text(row.document);
   return text;
 }
 
@@ -105,23 +151,23 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
     text += fmt::format("\nscored on {} ({}{})\n", targets[t].title,
                         analysis::counted(rows.front().scores[t].taxels.direct.samples, "sample"),
                         array ? fmt::format(", {} taxels", rows.front().scores[t].count) : std::string());
-    text += fmt::format("{:<22}{:>21}{:>24}{}\n", "", "direct model, % FS", fmt::format("compensated, {}", unit),
-                        array ? "      mean taxel" : "");
-    text += fmt::format("{:<22}{:>11}{:>10}{:>12}{:>12}{}\n", "model", "mean", "max", "mean", "max",
-                        array ? fmt::format("{:>10}{:>10}", "mean", "max") : std::string());
-    const analysis::Score& any = rows.front().scores[t].taxels;
-    const analysis::Score& any_mean = rows.front().scores[t].mean;
-    text += fmt::format(
-        "{:<22}{:>11}{:>10}{:>12.3f}{:>12.3f}{}\n", "none (straight line)", "-", "-", any.raw.mean(), any.raw.max,
-        array ? fmt::format("{:>10.3f}{:>10.3f}", any_mean.raw.mean(), any_mean.raw.max) : std::string());
+    text += fmt::format("{:<22}{:>42}\n", "", "direct model, % FS");
+    text += fmt::format("{:<22}{:>21}{:>21}{:>24}{}\n", "", "from measured turns", "free running",
+                        fmt::format("compensated, {}", unit), array ? "      mean taxel" : "");
+    text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{:>12}{:>12}{}\n", "model", "mean", "max", "mean", "max", "mean",
+                        "max", array ? fmt::format("{:>10}{:>10}", "mean", "max") : std::string());
+    const analysis::ModelScore& any = rows.front().scores[t];
+    const ErrorCells cells(any.taxels.raw.mean());
+    text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{}{}\n", "none (straight line)", "-", "-", "-", "-",
+                        cells(any.taxels.raw, 12), array ? cells(any.mean.raw, 10) : std::string());
     for (const ModelRow& row : rows) {
       const analysis::ModelScore& score = row.scores[t];
-      text += fmt::format(
-          "{:<22}{:>11}{:>10}{:>12.3f}{:>12.3f}{}\n", row.label, percent(score.taxels.direct.mean(), score.full_scale),
-          percent(score.taxels.direct.max, score.full_scale), score.taxels.compensated.mean(),
-          score.taxels.compensated.max,
-          array ? fmt::format("{:>10.3f}{:>10.3f}", score.mean.compensated.mean(), score.mean.compensated.max)
-                : std::string());
+      text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{}{}\n", row.label,
+                          percent(score.taxels.direct.mean(), score.full_scale),
+                          percent(score.taxels.direct.max, score.full_scale),
+                          percent(score.taxels.free_running.mean(), score.full_scale),
+                          percent(score.taxels.free_running.max, score.full_scale), cells(score.taxels.compensated, 12),
+                          array ? cells(score.mean.compensated, 10) : std::string());
     }
     for (const std::string& line :
          analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences))
@@ -134,7 +180,7 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
 
 nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets) {
   const analysis::ModelFit& fit = shown(row.document).fit;
-  nlohmann::ordered_json json = {{"model", row.label}, {"fit", row.fit}};
+  nlohmann::ordered_json json = {{"model", row.label}, {"fit", row.document.fit}};
   auto parameters = nlohmann::ordered_json::array();
   for (const analysis::ModelParameter& p : fit.model->parameters())
     parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});
@@ -145,6 +191,7 @@ nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<Sco
                          {"full_scale", fit.full_scale},
                          {"samples", fit.samples},
                          {"starts", fit.starts},
+                         {"undetermined", fit.undetermined},
                          {"operations_per_sample", fit.model->operations_per_sample()},
                          {"cross_validated", error_json(row.crossed)},
                          {"parameters", parameters}};

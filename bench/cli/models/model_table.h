@@ -18,17 +18,29 @@ struct ScoreTarget {
 
 struct ModelRow {
   std::string label;
-  analysis::ModelDocument document;
-  analysis::ErrorSum crossed;                // of the shown taxel
+  analysis::SensorModel document;
+  analysis::ErrorSum crossed;                // of the shown taxel, by cross_validate()
   std::vector<analysis::ModelScore> scores;  // a target each
-  std::int64_t fit = 0;                      // number in the store; 0: not stored
 };
 
-// Fits each model on the named sequences (empty: all) and scores it on each target. Throws AnalysisError.
+// A model that the data cannot carry.
+struct ModelRefusal {
+  std::string model, why;
+};
+
+// Fits each model on the named sequences (empty: all) and scores it on each target. With `refusals` a model that the
+// data cannot carry goes there, as long as they carry another. Throws AnalysisError.
 std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
                                  const std::vector<std::string>& sequences, const analysis::IdentifyOptions& options,
-                                 const std::vector<ScoreTarget>& targets);
+                                 const std::vector<ScoreTarget>& targets,
+                                 std::vector<ModelRefusal>* refusals = nullptr);
 
+// Fills in what a table of models says of each beside its fit. Throws AnalysisError.
+void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
+                    const std::vector<std::string>& sequences);
+
+// What the data leave open, with the number of taxels it is open for, as a line; empty where all is determined.
+std::string undetermined_text(const analysis::SensorModel& document);
 std::string fits_table(const std::vector<ModelRow>& rows);
 std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
                          const std::string& input_unit);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <fstream>
@@ -13,9 +14,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "analysis/compensate/compensator.h"
-#include "analysis/compensate/inverse_stream.h"
-#include "analysis/models/elam_hysteresis.h"
+#include "analysis/identify/taxel_stream.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
 #include "bench/cli/runs/source.h"
@@ -30,14 +29,14 @@ struct PredictOptions {
 };
 
 // The one taxel of a model that the rows speak of when they name none.
-int only_taxel(const analysis::ModelDocument& model, const std::string& wanted) {
+int only_taxel(const analysis::SensorModel& model, const std::string& wanted) {
   if (wanted == "mean") return analysis::kMeanTaxel;
   if (!wanted.empty()) {
     int taxel = 0;
     const char* end = wanted.data() + wanted.size();
     if (const auto [last, fault] = std::from_chars(wanted.data(), end, taxel); fault == std::errc() && last == end)
       return taxel;
-    throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL", fmt::format("'{}' is the number of no taxel", wanted), "--taxel",
+    throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL", fmt::format("'{}' is not the number of a taxel", wanted), "--taxel",
                 "add --taxel N or --taxel mean");
   }
   if (model.taxels.size() == 1) return model.taxels.front().taxel;
@@ -46,10 +45,10 @@ int only_taxel(const analysis::ModelDocument& model, const std::string& wanted) 
               "add --taxel N or --taxel mean, or a column taxel");
 }
 
-const analysis::ModelTaxel& fitted(const analysis::ModelDocument& model, int number) {
+const analysis::ModelTaxel& fitted(const analysis::SensorModel& model, int number) {
   const analysis::ModelTaxel& taxel = model.taxel(number);
   if (taxel.fit.model != nullptr) return taxel;
-  throw Error(ExitCode::kInconclusive, "TB-MODEL-TAXEL", fmt::format("taxel {} has no model: {}", number, taxel.status),
+  throw Error(ExitCode::kInconclusive, "TB-MODEL-TAXEL", fmt::format("taxel {} has no model: {}", number, taxel.why()),
               "--taxel", "choose another taxel");
 }
 
@@ -57,7 +56,8 @@ const analysis::ModelTaxel& fitted(const analysis::ModelDocument& model, int num
 class Predictor {
  public:
   static constexpr std::array kColumns{"predicted"};
-  Predictor(const analysis::ModelDocument& model, const analysis::ModelTaxel& taxel)
+  static std::array<std::string, 1> units(const analysis::SensorModel& model) { return {model.output_unit}; }
+  Predictor(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel)
       : model_(&model), taxel_(&taxel), state_(taxel.fit.model->state()) {}
   std::string step(const analysis::TableReader::Row& row, char /*separator*/) {
     state_->go(row.input);
@@ -65,59 +65,49 @@ class Predictor {
   }
 
  private:
-  const analysis::ModelDocument* model_;
+  const analysis::SensorModel* model_;
   const analysis::ModelTaxel* taxel_;
   std::unique_ptr<analysis::ModelState> state_;
 };
 
-// ELAM as in the paper by the product's own compensator, which knows its uncertainty; every other model by the rule
-// that all models are compared with.
 class Compensator {
  public:
   static constexpr std::array kColumns{"compensated", "uncertainty", "flags"};
-  Compensator(const analysis::ModelDocument& model, const analysis::ModelTaxel& taxel)
-      : model_(&model), taxel_(&taxel) {
-    const auto* elam = dynamic_cast<const analysis::ElamHysteresis*>(taxel.fit.model.get());
-    if (elam != nullptr && elam->is_paper()) {
-      analysis::CompensatorOptions options;
-      options.noise_v = taxel.noise / taxel.gain;
-      elam_.emplace(elam->elam(), options);
-    } else {
-      stream_.emplace(*taxel.fit.model, band());
-    }
+  static std::array<std::string, 3> units(const analysis::SensorModel& model) {
+    return {model.input_unit, model.input_unit, {}};
   }
+  Compensator(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel)
+      : sign_(model.falling ? -1.0 : 1.0), stream_(taxel) {}
   std::string step(const analysis::TableReader::Row& row, char separator) {
-    const double output = model_->to_model(*taxel_, row.output);
-    if (!elam_) {
-      const double low = taxel_->loop_low - band(), high = taxel_->loop_low + taxel_->fit.full_scale + band();
-      return fmt::format("{}{}{}{}", stream_->step(output), separator, separator,
-                         output < low || output > high ? "range" : "");
-    }
-    const analysis::Compensated now = elam_->step(output);
-    // Beyond the loop the pressure is its end, and how far off that is nobody knows.
-    const double uncertainty = now.out_of_range ? std::numeric_limits<double>::quiet_NaN() : now.uncertainty_psi;
+    const analysis::Compensated now = stream_.step(sign_ * row.output);
+    // Not known: beyond the loop, where the input is its end, and where the model does not know the noise (0).
+    const bool known = !now.out_of_range && now.uncertainty_psi > 0.0;
+    const double uncertainty = known ? now.uncertainty_psi : std::numeric_limits<double>::quiet_NaN();
     return fmt::format("{}{}{:.4g}{}{}{}", now.pressure_psi, separator, uncertainty, separator,
                        now.out_of_range ? "range" : "", now.flat ? (now.out_of_range ? " flat" : "flat") : "");
   }
 
  private:
-  [[nodiscard]] double band() const { return analysis::kBandInNoises * taxel_->noise / taxel_->gain; }
-  const analysis::ModelDocument* model_;
-  const analysis::ModelTaxel* taxel_;
-  std::optional<analysis::TaxelCompensator> elam_;
-  std::optional<analysis::InverseStream> stream_;
+  double sign_;
+  analysis::TaxelStream stream_;
 };
+
+// What is added to a row, in the table's own way of writing decimals.
+std::string written(std::string added, const analysis::TableReader& reader) {
+  if (!reader.decimal_comma() || reader.separator() == ',') return added;
+  std::ranges::replace(added, '.', ',');
+  return added;
+}
 
 template <class Applied>
 void apply(const PredictOptions& options, const Session& session, analysis::TableNeeds needs) {
-  const analysis::ModelDocument model = load_model(options.model, session);
+  const analysis::SensorModel model = load_model(options.model, session);
   std::ifstream file;
   if (options.file != "-") {
-    analysis::check_file(options.file, true, "TB-TABLE-OPEN", "check its name and rights; - is standard input");
-    file.open(options.file);
-    if (!file)
-      throw Error(ExitCode::kUsage, "TB-TABLE-OPEN", "the table cannot be read", options.file,
-                  "check its name and rights; - is standard input");
+    const char* remedy = "check its name and rights; - is standard input";
+    const bool has_text = analysis::check_file(options.file, true, "TB-TABLE-OPEN", remedy);
+    if (has_text) file.open(options.file);
+    if (!file) throw Error(ExitCode::kUsage, "TB-TABLE-OPEN", "the table cannot be read", options.file, remedy);
   }
   std::istream& in = options.file == "-" ? std::cin : file;
   analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
@@ -126,6 +116,8 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
   const std::string separator(1, reader.separator());
   std::string text = fmt::format("{}{}{}\n", reader.header(), separator, fmt::join(Applied::kColumns, separator));
+  if (!reader.units_line().empty())
+    text += fmt::format("{}{}{}\n", reader.units_line(), separator, fmt::join(Applied::units(model), separator));
   if (!options.output.empty()) check_output(options.output, kind_of_file(text), session.replace);
   const auto flush = [&] {
     const std::string& sent = ::isatty(STDOUT_FILENO) != 0 ? text = for_people(text) : text;
@@ -143,12 +135,12 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     if (needs == analysis::TableNeeds::kInput && range && !range->contains(row.input, slack)) ++outside;
     try {
       auto& history = histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel).first->second;
-      text += fmt::format("{}{}{}\n", row.text, separator, history.step(row, reader.separator()));
+      text += fmt::format("{}{}{}\n", row.text, separator, written(history.step(row, reader.separator()), reader));
     } catch (const std::invalid_argument& error) {
       throw Error(ExitCode::kUsage, "TB-MODEL-DOCUMENT",
                   fmt::format("the model of taxel {} has no value there: {}", taxel.taxel, error.what()),
                   fmt::format("{}, line {}", options.file, row.line),
-                  "look at its parameters (tactbench model show), or fit it again");
+                  "check its parameters (tactbench model show), or fit it again");
     }
     if (options.output.empty()) flush();
   }
@@ -156,6 +148,8 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     flush();
   else
     write_output(options.output, text, session.replace);
+  for (const std::string& line : reader.assumed())
+    tty::print(stderr, "{}: {}\n", options.file == "-" ? "standard input" : options.file, line);
   if (outside > 0)
     tty::print(stderr, "{} of {} inputs lie outside the model's validity, {} to {} {}\n", outside, rows, range->low,
                range->high, model.input_unit);
@@ -183,8 +177,9 @@ void add_predict(CLI::App& app, Session& session) {
   add_verb(app, session, predict, "predict", "outputs of a model along the inputs of a table: adds a column predicted")
       ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
   add_verb(app, session, compensate, "compensate",
-           "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty (of "
-           "ELAM; standard; nan where the flag range says that the output lies outside the loop, and the input is its "
+           "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
+           "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
+           "the flag range says; the input is then the loop's "
            "end) and flags (flat, range)")
       ->callback([compensate, &session] { apply<Compensator>(*compensate, session, analysis::TableNeeds::kOutput); });
 }

@@ -7,9 +7,12 @@
 
 #include "bench/benchmarks/array.h"
 #include "bench/benchmarks/compensate.h"
+#include "bench/benchmarks/compensate_dynamic.h"
+#include "bench/benchmarks/compensation_error.h"
 #include "bench/benchmarks/identify.h"
 #include "bench/benchmarks/report.h"
 #include "bench/benchmarks/sequence.h"
+#include "bench/benchmarks/specimen.h"
 #include "bench/benchmarks/store.h"
 #include "bench/benchmarks/wires.h"
 #include "bench/cli/session.h"
@@ -22,15 +25,23 @@ namespace {
 struct BenchmarkOptions {
   std::string name;
   int exchanges = 500, rounds = 5;
+  std::vector<unsigned> sensors = {11, 12, 13};
+  bool all_models = false;
 };
 
-constexpr const char* kScratch = "tactbench-benchmark";  // of those that write files
+constexpr const char* kScratch = "tactbench-benchmark";  // folder of the benchmarks that write files
 
 using Measure = std::vector<Figure> (*)(const BenchmarkOptions&);
 const std::map<std::string, Measure> measures = {
     {"wires", [](const BenchmarkOptions& o) { return benchmark_wires(o.exchanges); }},
     {"compensate", [](const BenchmarkOptions& o) { return benchmark_compensate(o.rounds); }},
+    {"compensate-dynamic", [](const BenchmarkOptions& o) { return benchmark_compensate_dynamic(o.rounds); }},
+    {"compensation-error",
+     [](const BenchmarkOptions& o) {
+       return benchmark_compensation_error(o.sensors, ScratchFolder(kScratch).path(), o.all_models);
+     }},
     {"array", [](const BenchmarkOptions& o) { return benchmark_array(o.rounds); }},
+    {"specimen", [](const BenchmarkOptions&) { return benchmark_specimen(); }},
     {"sequence",
      [](const BenchmarkOptions& o) { return benchmark_sequence(o.rounds, ScratchFolder(kScratch).path()); }},
     {"identify",
@@ -58,18 +69,24 @@ void add_benchmark(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("benchmark", "measure on this machine; prints lines FIGURE name value unit");
   verb->add_option(
           "name", options->name,
-          "wires: time per exchange over each wire of the simulated rig; sequence: a run's steps beside their bare "
-          "exchanges and the bare store; compensate: frames of 256 taxels beside plain scalar code and a mere scaling; "
-          "identify: taxels beside one plain J each, the other models, threads, growth; store: frames beside a plain "
-          "file and bare SQLite; report: its file beside writing the bytes; array: simulated frames beside their wire")
+          "wires: time per exchange over each wire of the simulated rig; sequence: a run's steps against their bare "
+          "exchanges and the bare store; compensate: frames of 256 taxels against plain scalar code and mere scaling; "
+          "compensate-dynamic: the dynamic compensator's against ELAM's; compensation-error: pressures against the "
+          "truth "
+          "on simulated sensors, the dynamic compensator compared with ELAM's; "
+          "identify: taxels against one plain J each, the other models, threads, growth; store: frames against a plain "
+          "file and bare SQLite; report: rendering against writing the bytes; array: simulated frames against their "
+          "wire; specimen: what the simulated sensors are like, paper and harsh")
       ->required()
       ->check(CLI::IsMember(measures));
-  verb->add_option("--exchanges", options->exchanges, "of which the median is taken")
+  verb->add_option("--exchanges", options->exchanges, "number of exchanges; the median counts")
       ->check(CLI::Range(10, 100000))
       ->capture_default_str();
-  verb->add_option("--rounds", options->rounds, "of which the best is taken")
+  verb->add_option("--rounds", options->rounds, "number of rounds; the best one counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  verb->add_option("--sensors", options->sensors, "compensation-error: sensor seeds")->delimiter(',');
+  verb->add_flag("--all-models", options->all_models, "compensation-error: also GPI, MPI, POLY and the other models");
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { benchmark(*options, session); });
 }

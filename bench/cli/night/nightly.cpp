@@ -38,7 +38,7 @@ Suite suite_of(const NightlyOptions& options) {
   std::erase_if(suite.scenarios, [&](const Scenario& scenario) { return scenario.name != options.only; });
   if (suite.scenarios.empty())
     throw Error(ExitCode::kUsage, "TB-NIGHTLY-SCENARIO", fmt::format("there is no scenario '{}'", options.only),
-                suite.file, "tactbench nightly SUITE --list shows those there are");
+                suite.file, "tactbench nightly SUITE --list shows them");
   return suite;
 }
 
@@ -69,7 +69,7 @@ void nightly(const NightlyOptions& options, Session& session) {
     return;
   }
   suite = with_seeds(suite, options.seeds);
-  const StopRequest signals;  // until the last folder is gone
+  const StopRequest signals;  // active until the last folder is removed
   NightOptions night{options.jobs, options.limit_s, options.stop_on_red, options.stores, "", &signals, session.replace};
   std::optional<ScratchFolder> scratch;
   if (night.stores.empty()) night.stores = scratch.emplace("tactbench-nightly").path();
@@ -123,21 +123,21 @@ void nightly(const NightlyOptions& options, Session& session) {
 void add_nightly(CLI::App& app, Session& session) {
   auto options = std::make_shared<NightlyOptions>();
   CLI::App* verb = app.add_subcommand(
-      "nightly", "carry out a suite of scenarios on simulated rigs and hold what comes out against what must");
+      "nightly", "carry out a suite of scenarios on simulated rigs and compare the results with the expected ones");
   verb->add_option("suite", options->suite, "suite file; nightly is the shipped one")->required();
   verb->add_option("--jobs", options->jobs, "scenarios at once")->check(CLI::Range(1, 64))->capture_default_str();
-  verb->add_option("--junit", options->junit, "write JUnit XML, renewed after each scenario");
+  verb->add_option("--junit", options->junit, "write JUnit XML, updated after each scenario");
   verb->add_option("--metrics", options->metrics, "write metrics in Prometheus's text format");
-  verb->add_option("--html", options->html, "write a page: what changed and when, figures over the nights");
+  verb->add_option("--html", options->html, "write a page: changes and figures over the nights");
   add_replace(*verb, session);
   verb->add_option(
       "--stores", options->stores,
-      "folder that keeps each scenario's store (NAME.db) and talk (NAME.log); those of an earlier night are "
-      "replaced");
+      "folder for each scenario's store (NAME.db) and output (NAME.log); those of an earlier night are replaced");
   verb->add_flag("--list", options->list, "name the scenarios and end");
   verb->add_option("--only", options->only, "this scenario alone");
-  verb->add_option("--seed", options->seed, "of noise and faults, instead of the scenarios' own");
-  verb->add_option("--seeds", options->seeds, "carry out each scenario so often, with seeds that follow its own")
+  verb->add_option("--seed", options->seed, "seed of noise and faults, instead of the scenarios' own");
+  verb->add_option("--seeds", options->seeds,
+                   "carry out each scenario this many times, with its seed and the following ones")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--limit", options->limit_s, "seconds of real time a scenario may take")
@@ -146,7 +146,7 @@ void add_nightly(CLI::App& app, Session& session) {
   verb->add_flag("--stop-on-red", options->stop_on_red, "start no scenario after the first red one");
   verb->add_option("--result", options->result)->group("");
   add_common(*verb, session);
-  verb->get_option("--db")->description("keep the night in this store, and hold it against its baselines");
+  verb->get_option("--db")->description("keep the night in this store, and compare it with the baselines");
   verb->callback([options, verb, &session] {
     options->keeps = verb->count("--db") > 0;
     nightly(*options, session);

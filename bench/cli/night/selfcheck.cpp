@@ -1,4 +1,4 @@
-// A software-validation record, made on the user's own machine by the program that the user has.
+// selfcheck: a software-validation record made by the installed program on the user's machine.
 #include "bench/cli/night/selfcheck.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ namespace tactbench::bench {
 
 namespace {
 
-// Beside the store, where its files will lie.
+// In the store's folder, where the program will write.
 class SelfcheckFolder {
  public:
   explicit SelfcheckFolder(const std::string& store)
@@ -38,7 +38,7 @@ class SelfcheckFolder {
     if (!std::filesystem::create_directory(path_, failed) || failed) {
       throw Error(ExitCode::kUsage, "TB-FILE-WRITE",
                   fmt::format("cannot make the folder {}: {}", path_, failed.message()), "--db " + store,
-                  "name a store in a folder that may be written to");
+                  "name a store in a writable folder");
     }
   }
   ~SelfcheckFolder() {

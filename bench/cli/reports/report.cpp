@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/report/overview/overview.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "bench/cli/judgement_words.h"
@@ -20,19 +21,25 @@
 #include "bench/reporting/report_pdf.h"
 #include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
+#include "db/utf8.h"
 
 namespace tactbench::bench {
 
 namespace {
 
-// Models of `model_run`, none where it has none: then the report says what it does not show.
-analysis::ArrayFit models_for(const db::RunStore& store, std::int64_t model_run) {
-  if (!store.latest_fit(model_run, analysis::kElamFit)) return {};
-  return analysis::load_fit(store, model_run);
+// Models of `model_run`: ELAM where it was fitted, else the newest of the whole array; none where it has none: then the
+// report says what it does not show.
+analysis::SensorModel models_for(analysis::Runs& runs, std::int64_t model_run) {
+  const db::RunStore& store = runs.store();
+  if (store.latest_fit(model_run, analysis::kElamFit)) return analysis::load_fit(store, model_run);
+  const std::optional<db::FitRecord> record = store.latest_fit(model_run);
+  if (!record || runs.record(model_run).origin == "imported") return {};
+  analysis::SensorModel fit = analysis::load_fit(store, *record);
+  return fit.fitted().empty() ? analysis::SensorModel{} : fit;
 }
 
-// A run that sweeps no full loop is not evaluated, and has no figure after compensation.
-std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysis::ArrayFit& fit, std::int64_t run,
+// A run without a full loop is not evaluated and has no compensated figures.
+std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysis::SensorModel& fit, std::int64_t run,
                                              const std::vector<std::int64_t>& held_out) {
   std::vector<NamedEvaluation> evaluations;
   if (fit.taxels.empty()) return evaluations;
@@ -54,18 +61,18 @@ struct JudgedInput {
   Judgement judgement;
 };
 
-// --limits judges anew without storing.
+// --limits judges without storing.
 JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::int64_t run, const Session& session) {
   const bool several = options.compare || options.batch;
   const std::int64_t model_run = options.model_run != 0 ? options.model_run : run;
-  const analysis::ArrayFit fit = models_for(runs.store(), model_run);
+  const analysis::SensorModel fit = models_for(runs, model_run);
   if (fit.taxels.empty())
     tty::print(stderr,
-               "note: run {} has no models: the report shows what was measured, nothing compensated; `tactbench fit "
-               "{}` makes some\n",
+               "note: run {} has no models: the report shows the measurements, nothing compensated; `tactbench fit {}` "
+               "makes models\n",
                model_run, model_run);
   const StoredJudgement stored = stored_judgement(runs, fit, session.void_too);
-  // A fit stays with the runs that it was judged on.
+  // A fit keeps the runs that it was judged on.
   const bool by_store = options.held_out.empty() && run == fit.run;
   const std::vector<NamedEvaluation> evaluations =
       evaluations_for(runs, fit, run, by_store ? stored.runs : options.held_out);
@@ -78,13 +85,13 @@ JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::i
   judged.input =
       report_input(runs, run, fit, evaluations, judged.judgement, further, several ? nullptr : &options.extras);
   judged.judgement.verdicts = judged.input.verdicts;  // some may have been withheld
-  if (several) judged.input.held_out.clear();         // their figures stand in each run's own report
+  if (several) judged.input.held_out.clear();         // each run's own report has their figures
   judged.input.issued = options.issued;
   judged.input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;
   return judged;
 }
 
-// The second run's data with the first run's models: what the sensor was worth before it was adjusted.
+// The second run's data with the first run's models: the sensor as found, before adjustment.
 void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const analysis::ReportInput& second) {
   if (first.fit.taxels.empty() || second.run.sensor_serial != first.run.sensor_serial) return;
   const std::vector<NamedEvaluation> found = evaluations_for(runs, first.fit, second.run.run, {});
@@ -93,7 +100,7 @@ void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const anal
 
 struct WrittenReport {
   analysis::Report report;
-  std::vector<Judgement> judgements;  // of one run, or of each run that stands on the page
+  std::vector<Judgement> judgements;  // of one run, or of each run on the page
   std::string origin, started_utc, path;
   bool written = true;  // false: the file held this report already, signed
 };
@@ -135,12 +142,12 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
   WrittenReport out;
   out.report = analysis::render_report(input);
   const bool signing = !options.approve_by.empty();
-  // A signed report has a file of its own, which its number names.
+  // A signed report has a file of its own, named by its number.
   out.path = path_of(
       store, options,
       fmt::format("run-{}", signing || analysis::is_signed(input, out.report.number) ? out.report.number
                                                                                      : std::to_string(input.run.run)));
-  // What an older program signed may lie where the plain name points to.
+  // The plain name may belong to a report that an older program signed.
   if (const std::string there = signed_report_in(out.path, store);
       options.output.empty() && !there.empty() && there != out.report.number)
     out.path = path_of(store, options, "run-" + out.report.number);
@@ -220,39 +227,37 @@ void report_runs(ReportOptions options, Session& session) {
 
 void add_report(CLI::App& app, Session& session) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "report",
-      "write the calibration report of a run (a test report where it states no uncertainty), a comparison of two, or a "
-      "page on many, as one file");
+  CLI::App* verb = app.add_subcommand("report",
+                                      "write the calibration report of a run (a test report when it states no "
+                                      "uncertainty), a comparison of two runs, or a page on many, as one file");
   verb->add_option("runs", options->runs,
-                   "the run; further runs of the same sensor after it add what one does not tell (creep, temperature)")
+                   "the run; further runs of the same sensor add creep and temperature to the uncertainty")
       ->required()
       ->take_all();
-  verb->add_option(
-          "--held-out", options->held_out,
-          "runs of the same sensor to show compensated with the models and to judge, each by itself: the worst "
-          "counts (default: those that the fit was judged on)")
+  verb->add_option("--held-out", options->held_out,
+                   "runs of the same sensor to compensate with the models and to judge, each by itself: the worst "
+                   "verdict counts (default: those that the fit was judged on)")
       ->take_all();
-  verb->add_option("--previous", options->extras.previous,
-                   "models used before: the report says how this run is found with them (a .json file, or RUN[:FIT])");
   verb->add_option(
-          "--studies", options->extras.studies,
-          "further runs of the sensor: under objects, at several rates, held (their recipes tell), at another "
-          "temperature (their thermometer tells), mounted anew (RUN:mount), turned in the chamber (RUN:90, RUN:180, "
-          "RUN:270); held levels and temperature enter the uncertainty")
+      "--previous", options->extras.previous,
+      "previous models: the report adds this run's as-found figures with them (a .json file, or RUN[:FIT])");
+  verb->add_option("--studies", options->extras.studies,
+                   "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
+                   "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
+                   "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
       ->take_all();
-  verb->add_option("--model", options->model_run, "take the models of this run (default: the run's own)");
+  verb->add_option("--model", options->model_run, "use the models of this run (default: the run's own)");
   verb->add_option("--format", options->format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
       ->check(CLI::IsMember({"html", "pdf", "json"}))
       ->capture_default_str();
   verb->add_option("--limits", options->limits,
-                   "judge anew by this limits file, without storing (default: the limits that the fit was judged by)");
-  verb->add_option("--lab", options->lab, "laboratory file: what no instrument knows (init writes one)");
-  verb->add_option(
-      "--approve-by", options->approve_by,
-      "store that this person signs for the report, in a file that its number names and that is not written "
-      "over; a changed one names the number that it replaces");
-  verb->add_flag("--without-verdict", options->without_verdict, "sign for a report that has no verdict");
+                   "judge by this limits file, without storing (default: the limits that the fit was judged by)");
+  verb->add_option("--lab", options->lab, "laboratory file: facts that no instrument knows (init writes one)");
+  verb->add_option("--approve-by", options->approve_by,
+                   "store this person's approval of the report, which gets a file named by its number and is not "
+                   "overwritten; a changed report names the number that it replaces")
+      ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
+  verb->add_flag("--without-verdict", options->without_verdict, "approve a report that has no verdict");
   verb->add_option("--issued-at", options->issued, "date of issue, as 2026-01-31 (default: the day of the approval)");
   verb->add_option("--paper", options->paper, "a4 or letter")
       ->check(CLI::IsMember({"a4", "letter"}))
@@ -264,7 +269,7 @@ void add_report(CLI::App& app, Session& session) {
   add_replace(*verb, session);
   verb->add_option(
       "-o,--output", options->output,
-      "file to write (default: reports/run-N.html beside the store, with the report's number when signed)");
+      "file to write (default: reports/run-N.html in the store's folder, with the report's number when signed)");
   add_void_too(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { report_runs(*options, session); });

@@ -14,7 +14,7 @@ void check_report_options(const ReportOptions& options) {
   const auto refuse = [](const std::string& what, const std::string& remedy) {
     throw Error(ExitCode::kUsage, "TB-USAGE", what, "report", remedy);
   };
-  if (options.compare && options.batch) refuse("--compare and --batch are two pages", "ask for one of them");
+  if (options.compare && options.batch) refuse("--compare and --batch cannot be combined", "give one of them");
   if (options.compare && options.runs.size() != 2)
     refuse(fmt::format("--compare takes two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
   const bool several = options.compare || options.batch;
@@ -28,7 +28,7 @@ void check_report_options(const ReportOptions& options) {
 
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   const std::int64_t run = options.runs.front();
-  (void)runs.record(run);  // says which runs there are before anything else is said
+  (void)runs.record(run);  // an unknown run is reported first
   if (options.compare || options.batch) {
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;
@@ -41,7 +41,7 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   (void)named_runs(runs, independent, {"--held-out", model_run}, session.void_too);
   if (std::ranges::find(independent, run) != independent.end())
     throw Error(ExitCode::kUsage, "TB-RUN-TWICE", fmt::format("run {} is the report's own", run), "--held-out",
-                "name the further runs only: this one is judged in any case");
+                "name only further runs: this one is included in any case");
   if (!options.extras.previous.empty()) check_model_named(runs, options.extras.previous, "--previous", session);
   std::vector<std::int64_t> studied;
   for (const StudyRun& study : study_runs_of(options.extras.studies))

@@ -1,4 +1,4 @@
-// What `report` is asked for, and whether it can be asked for.
+// The options of `report`, and their checks.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,7 @@ struct ReportOptions {
 // Options that go together. Throws TB-USAGE.
 void check_report_options(const ReportOptions& options);
 
-// Everything that the command line names is there and may be rested on (named_runs.h). The report's own run is shown
-// even when it is void.
+// Checks that all runs on the command line exist and may be used (named_runs.h). The report's own run may be void.
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session);
 
 }  // namespace tactbench::bench

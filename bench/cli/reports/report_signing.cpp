@@ -17,15 +17,16 @@ void check_signature(const Judgement& judgement, std::int64_t run, const std::st
   if (judgement.verdicts.empty() && !not_judged) {
     if (without_verdict) return;
     if (!session.json && ::isatty(STDIN_FILENO) == 1) {
-      tty::print(stderr, "the report of run {} has no verdict. Sign all the same? y/n: ", run);
+      tty::print(stderr, "the report of run {} has no verdict. Sign it anyway? y/n: ", run);
       std::string answer;
       if (std::getline(std::cin, answer) && (answer == "y" || answer == "yes")) return;
     }
-    throw Error(ExitCode::kUsage, "TB-REPORT-NO-VERDICT", "the report has no verdict, and nobody has signed for it",
-                fmt::format("--approve-by, run {}", run),
-                fmt::format("judge first: tactbench fit {} --held-out RUN --limits limits.toml; or sign all the same "
-                            "with --without-verdict",
-                            run));
+    throw Error(
+        ExitCode::kUsage, "TB-REPORT-NO-VERDICT", "the report has no verdict, and signing it was not confirmed",
+        fmt::format("--approve-by, run {}", run),
+        fmt::format(
+            "judge first: tactbench fit {} --held-out RUN --limits limits.toml; or sign anyway with --without-verdict",
+            run));
   }
   const std::optional<analysis::Verdict> verdict = verdict_of(judgement);
   if (exit_code_of(verdict) == ExitCode::kPass) return;

@@ -1,4 +1,4 @@
-// What has to be there before someone signs a report.
+// Checks before a report is signed.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace tactbench::bench {
 
-// Before `by` signs for the report of run `run`: without a verdict a terminal is asked, and without a terminal
-// `without_verdict` has to say so (TB-REPORT-NO-VERDICT); a verdict that is no pass is said on standard error.
+// To be called before `by` signs the report of run `run`: without a verdict asks on a terminal, and without a terminal
+// requires `without_verdict` (TB-REPORT-NO-VERDICT); a verdict other than pass is reported on standard error.
 void check_signature(const Judgement& judgement, std::int64_t run, const std::string& origin, bool without_verdict,
                      const Session& session);
 

@@ -39,14 +39,15 @@ struct CalibrationOptions {
               "nothing was written; start again when ready");
 }
 
-// Wherever this verb waits with the chamber in its hands.
-void look(Rig& rig, const StopRequest& stop) {
+// Called in every wait of this verb while it controls the chamber.
+void check_interruptions(Rig& rig, const StopRequest& stop) {
   tell_dead_man_news(rig);
   check_dead_man(rig);
   if (stop.signal() != 0) stopped("stopped by a signal");
 }
 
-// Feeds the module while the operator reads the gauge. One line without its end; a turned clock stands still here.
+// Reads a line from the operator and feeds the module meanwhile. Without the line end; a turned clock does not advance
+// here.
 class Prompt {
  public:
   Prompt(Rig& rig, const StopRequest& stop) : rig_(rig), stop_(stop) {}
@@ -71,7 +72,7 @@ class Prompt {
         waiting_.erase(0, end + 1);
         return text;
       }
-      look(rig_, stop_);
+      check_interruptions(rig_, stop_);
       rig_.source().keep_alive();
       pollfd input{STDIN_FILENO, POLLIN, 0};
       if (::poll(&input, 1, 50) <= 0) continue;
@@ -91,7 +92,7 @@ double mean_reference(Rig& rig, const StopRequest& stop) {
   double sum = 0.0;
   for (int i = 0; i < kReadings; ++i) {
     rig.clock().wait_until(rig.clock().now() + seconds(0.05));
-    look(rig, stop);
+    check_interruptions(rig, stop);
     rig.source().keep_alive();
     sum += rig.reference().read().pressure.value();
   }
@@ -100,10 +101,10 @@ double mean_reference(Rig& rig, const StopRequest& stop) {
 
 void settle(Rig& rig, double level, const StopRequest& stop) {
   const Settling& settling = rig.config().settling;
-  ramp_to(rig, devices::Psi(level), [&] { look(rig, stop); });
+  ramp_to(rig, devices::Psi(level), [&] { check_interruptions(rig, stop); });
   const devices::Nanoseconds deadline = rig.clock().now() + seconds(settling.timeout_s);
   for (int in_band = 0; in_band < 5;) {  // a second in the band
-    look(rig, stop);
+    check_interruptions(rig, stop);
     rig.clock().wait_until(rig.clock().now() + seconds(0.2));
     rig.source().keep_alive();
     const double feedback = rig.source().feedback().pressure.value();
@@ -149,7 +150,7 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
         fmt::format("level {:g} psi does not rise, or is beyond 0 to {:g} psi", level, config.limits.command_psi),
         "--levels", "give rising levels within the command limit");
   }
-  config.reference_correction = {};  // the reading without any correction is what is calibrated
+  config.reference_correction = {};  // the uncorrected reading is calibrated
   const std::string output =
       options.output.empty() ? fmt::format("reference-{}.toml", config.reference.serial) : options.output;
   check_output(output, "a correction of a reference", session.replace);
@@ -173,7 +174,7 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
   }
   if (proof.state != db::SafeState::kVerified) {
     throw Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "the safe state could not be proved", "calibrate-reference",
-                "look at the chamber's own gauge before touching the rig", proof.text);
+                "read the chamber's own gauge before touching the rig", proof.text);
   }
   const ReferenceCalibration calibration = calibrate_reference(points, options.uncertainty_psi, options.resolution_psi);
   const std::string heading =
@@ -208,7 +209,7 @@ void add_calibrate_reference(CLI::App& devices, Session& session) {
   auto options = std::make_shared<CalibrationOptions>();
   CLI::App* verb = devices.add_subcommand(
       "calibrate-reference",
-      "go up and down through levels, ask for a hand gauge's readings, write the reference's correction");
+      "approach levels upward and downward, ask for a hand gauge's readings, write the reference's correction");
   verb->add_option("--bench", options->bench, "bench file")->required();
   verb->add_option("--gauge", options->gauge, "the hand gauge: model, serial, certificate; recorded")->required();
   verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty in psi, k = 2")

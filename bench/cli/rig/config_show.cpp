@@ -52,7 +52,7 @@ void add_config(CLI::App& app, Session& session) {
   CLI::App* show_verb = verb->add_subcommand("show", "all keys with the values in force");
   show_verb->add_option("--bench", options->bench, "bench file")->capture_default_str();
   show_verb->add_option("--set", options->set, "override table.key=value")->take_all();
-  show_verb->add_flag("--origin", options->origin, "tell where each value comes from: file and line, --set, default");
+  show_verb->add_flag("--origin", options->origin, "show the source of each value: file and line, --set, default");
   show_verb->add_flag("--json", session.json, "one JSON document on standard output");
   show_verb->callback([options, &session] { show(*options, session); });
 }

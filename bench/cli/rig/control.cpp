@@ -1,4 +1,5 @@
-// pause, resume, stop, abort, panic: commands to a live run on this machine; resume of a dead one opens it again.
+// pause, resume, stop, abort, panic: commands to a live run on this machine; `resume` opens a run again whose process
+// has ended.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
@@ -37,10 +38,10 @@ std::string bench_id_of(const std::string& named) {
   return named.ends_with(".toml") ? read_bench(find_config(named), {}).id : named;
 }
 
-// What is live on this machine and could be meant.
+// The live runs of this machine that could be meant.
 struct Candidates {
-  std::vector<LiveRun> runs, others;  // that answer: meant; not meant
-  std::vector<SilentBench> silent;    // could be meant
+  std::vector<LiveRun> runs, others;  // runs that answer: meant; not meant
+  std::vector<SilentBench> silent;    // benches that do not answer and could be meant
 };
 
 Candidates candidates(const ControlOptions& options, const Session& session) {
@@ -54,7 +55,7 @@ Candidates candidates(const ControlOptions& options, const Session& session) {
   Heard heard = say_to(run_names(bench_id_of(options.bench)), Command::kStatus, listen);
   Candidates found;
   for (LiveRun& live : heard.answers) (live.denied || meant(live) ? found.runs : found.others).push_back(live);
-  // Root hears anybody, and still not those who are only in the way; nor does one user's run hide another's.
+  // Prefers runs of trusted users, and runs that accept commands of this user: others may only hold the name.
   const auto prefer = [&](const auto& good) {
     if (std::any_of(found.runs.begin(), found.runs.end(), good)) std::erase_if(found.runs, std::not_fn(good));
   };
@@ -73,12 +74,12 @@ std::string run_text(const LiveRun& live) {
                      to_string(live.status.state), live.status.step, live.status.steps);
 }
 
-// For who it is; root hears anybody, so that it is silent by itself.
+// In words; root accepts all users, so for root it did not answer at all.
 bool unheard(const SilentBench& silent) { return silent.stranger && ::geteuid() != 0; }
 
 std::string silent_text(const SilentBench& silent) {
   const std::string who = silent.server ? fmt::format(" ({})", peer_text(*silent.server)) : std::string();
-  if (unheard(silent)) return fmt::format("bench '{}' is held by a stranger{}", silent.bench, who);
+  if (unheard(silent)) return fmt::format("bench '{}' is held by another user{}", silent.bench, who);
   const std::string run = silent.run != 0 ? fmt::format("run {}", silent.run) : std::string("what holds the lock");
   return fmt::format("{} on bench '{}' does not answer{}", run, silent.bench, who);
 }
@@ -102,18 +103,20 @@ std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBen
         "TB-RUN-DENIED",
         fmt::format("{}: neither root, nor your own user, nor of the group '{}'", listed({}, silent), kGroupName),
         shown_name(first.name),
-        fmt::format("ask them, or say it as root; members of the group '{}' command each other's runs", kGroupName));
+        fmt::format(
+            "ask that user, or give the command as root; members of the group '{}' may command each other's runs",
+            kGroupName));
   }
   const std::string process = first.server ? std::to_string(first.server->process) : "PID";
   refuse_word("TB-RUN-SILENT", listed({}, silent), shown_name(first.name),
-              fmt::format("look at the rig: it stands still, or opens its devices. `kill -CONT {0}` lets a stopped one "
-                          "go on, `kill -KILL {0}` ends it, and its dead-man vents",
+              fmt::format("check the rig: the process is stopped, or opens its devices. `kill -CONT {0}` continues a "
+                          "stopped process, `kill -KILL {0}` ends it, and its dead-man vents",
                           process));
 }
 
 LiveRun only(const Candidates& found, const ControlOptions& options, Command command) {
   const std::string place = "runs listed in /proc/net/unix as " + shown_name("");
-  // In an emergency the command goes to any run that answers. Any other command could end, or resume, the wrong run.
+  // In an emergency the command goes to every run that answers. Any other command could end or resume the wrong run.
   const bool exact = !options.bench.empty() || options.db_given || command == Command::kPanic;
   if (found.runs.size() == 1 && (exact || std::all_of(found.silent.begin(), found.silent.end(),
                                                       [](const SilentBench& one) { return one.stranger; }))) {
@@ -121,7 +124,7 @@ LiveRun only(const Candidates& found, const ControlOptions& options, Command com
   }
   if (!found.runs.empty()) {
     refuse_word("TB-RUN-AMBIGUOUS", fmt::format("{} runs are live", found.runs.size() + found.silent.size()), place,
-                fmt::format("say which: tactbench {} --bench ID, or RUN --db STORE; live: {}", to_string(command),
+                fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", to_string(command),
                             listed(found.runs, found.silent)));
   }
   if (!found.silent.empty()) refuse_silent(found.silent);
@@ -131,17 +134,16 @@ LiveRun only(const Candidates& found, const ControlOptions& options, Command com
                                    : "live: " + listed(found.others));
 }
 
-// What the run answered that took the command; throws where it did not.
+// The answer of the run that took the command; throws when it did not.
 LiveRun taken_by(const LiveRun& chosen, Command command) {
   std::optional<LiveRun> answer = send_command(chosen.name, command);
   if (!answer) {
-    refuse_word("TB-RUN-NOT-LIVE", fmt::format("run {} does not answer any more", chosen.status.run),
-                shown_name(chosen.name),
+    refuse_word("TB-RUN-NOT-LIVE", fmt::format("run {} no longer answers", chosen.status.run), shown_name(chosen.name),
                 fmt::format("see `tactbench runs show {} --db {}`", chosen.status.run, chosen.status.store));
   }
   if (answer->denied) {
     refuse_word("TB-RUN-DENIED", fmt::format("the run on bench '{}': {}", answer->bench, answer->text),
-                shown_name(chosen.name), "say it as one of them");
+                shown_name(chosen.name), "give the command as one of these users");
   }
   if (!answer->taken) {
     refuse_word("TB-RUN-WORD", answer->text, shown_name(chosen.name), "see `tactbench runs list`");
@@ -149,7 +151,7 @@ LiveRun taken_by(const LiveRun& chosen, Command command) {
   return *std::move(answer);
 }
 
-// Of several that answer to the bench or run that was named, for one may be in the way of the other: each is sent it.
+// Several may answer to the named bench or run, some of which may only hold the name: sends the command to each.
 LiveRun panic_all(const std::vector<LiveRun>& runs) {
   std::optional<LiveRun> taken;
   std::optional<Error> refused;
@@ -188,18 +190,18 @@ void say(const ControlOptions& options, const Session& session, Command command,
 void resume(const ControlOptions& options, Session& session) {
   Candidates found = candidates(options, session);
   if (options.run != 0) std::erase_if(found.runs, [](const LiveRun& live) { return live.denied; });  // another's
-  // A bench that says nothing may carry out this very run; the run's own lock tells.
+  // A bench that does not answer may carry out this very run; the run's own lock shows that.
   if (found.runs.empty() && options.run != 0) {
     return resume_run(options.run, {options.bench, options.on_event, options.assume_yes}, session);
   }
-  // A number alone must not wake a run of another store when this one's was meant.
+  // A number alone must not resume a run of another store when this store's was meant.
   const bool ours = std::any_of(found.runs.begin(), found.runs.end(),
                                 [&](const LiveRun& run) { return same_store(run.status.store, session.db); });
   if (options.run != 0 && !options.db_given && !ours && std::filesystem::exists(session.db)) {
-    refuse_word("TB-RUN-AMBIGUOUS",
-                fmt::format("a run {} is live, but of another store than '{}'", options.run, session.db),
-                "runs listed in /proc/net/unix as " + shown_name(""),
-                fmt::format("say which: tactbench resume {} --db STORE; live: {}", options.run, listed(found.runs)));
+    refuse_word(
+        "TB-RUN-AMBIGUOUS", fmt::format("a live run {} belongs to another store than '{}'", options.run, session.db),
+        "runs listed in /proc/net/unix as " + shown_name(""),
+        fmt::format("name its store: tactbench resume {} --db STORE; live: {}", options.run, listed(found.runs)));
   }
   say(options, session, Command::kResume, found);
 }
@@ -207,8 +209,8 @@ void resume(const ControlOptions& options, Session& session) {
 CLI::App* add_command(CLI::App& app, Session& session, const std::shared_ptr<ControlOptions>& options, Command command,
                       const char* what) {
   CLI::App* verb = app.add_subcommand(to_string(command), what);
-  verb->add_option("run", options->run, "its number; may be left out where one run is live");
-  verb->add_option("--db", session.db, "run store, one SQLite file a bench")->each([options](const std::string&) {
+  verb->add_option("run", options->run, "its number; may be omitted when one run is live");
+  verb->add_option("--db", session.db, "run store, one SQLite file per bench")->each([options](const std::string&) {
     options->db_given = true;
   });
   verb->add_flag("--json", session.json, "one JSON document on standard output");
@@ -222,20 +224,23 @@ void add_control(CLI::App& app, Session& session) {
   const auto plain = [&](Command command, const char* what) {
     auto options = std::make_shared<ControlOptions>();
     CLI::App* verb = add_command(app, session, options, command, what);
-    verb->add_option("--bench", options->bench, "id of the bench, or its bench file; no other bench is asked");
+    verb->add_option("--bench", options->bench, "id of the bench, or its bench file; only this bench is queried");
     verb->callback([options, &session, command] { say(*options, session, command, candidates(*options, session)); });
   };
   plain(Command::kPause,
-        "a live run goes on to the end of its branch, vents, retracts and waits (as Ctrl-C once); state paused");
+        "a live run continues to the end of its branch, vents, retracts and waits (as Ctrl-C once); state paused");
   auto options = std::make_shared<ControlOptions>();
-  CLI::App* verb = add_command(app, session, options, Command::kResume,
-                               "a paused run goes on; a run that died or was ended is opened again: conditioned, the "
-                               "interrupted branch done again from its turning point, the half one kept as void");
+  CLI::App* verb =
+      add_command(app, session, options, Command::kResume,
+                  "a paused run continues; an interrupted or ended run is opened again: the sensor is conditioned and "
+                  "the interrupted branch repeated from its turning point; the incomplete one is kept as void");
   verb->add_option("--bench", options->bench, "bench file, for a run that has ended; without it the stored one");
-  verb->add_option("--on-event", options->on_event, "command told of done, failed, waiting (see run --help)");
-  verb->add_flag("--yes", options->assume_yes, "operator prompts answer themselves");
+  verb->add_option("--on-event", options->on_event,
+                   "shell command for the events done, failed, waiting (see run --help)");
+  verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
   verb->callback([options, &session] { resume(*options, session); });
-  plain(Command::kStop, "a live run ends now: vents, retracts, proves it; outcome stopped (as Ctrl-C twice)");
+  plain(Command::kStop,
+        "a live run ends now: vents, retracts, proves the safe state; outcome stopped (as Ctrl-C twice)");
   plain(Command::kAbort, "as stop, for when something looked wrong; outcome aborted");
   plain(
       Command::kPanic,

@@ -43,13 +43,13 @@ void scan(const DevicesOptions& options, const Session& session) {
   }
   for (const ScanEntry& entry : entries)
     tty::print("{:<12} {}\n{:<12}   {}\n", one_line(entry.kind), one_line(entry.where), "", one_line(entry.what));
-  if (options.modbus.empty()) tty::print("Modbus hosts are asked only when given: --modbus HOST[:PORT]\n");
+  if (options.modbus.empty()) tty::print("Modbus hosts are queried only when given: --modbus HOST[:PORT]\n");
 }
 
 void check(const DevicesOptions& options, Session& session) {
   const BenchConfig config = bench_of(options);
   Rig rig(config);
-  for (const std::string& place : placeholders_of(config)) tty::print(stderr, "warning: never filled in: {}\n", place);
+  for (const std::string& place : placeholders_of(config)) tty::print(stderr, "warning: not filled in: {}\n", place);
   const std::vector<DeviceCheck> checks = check_devices(rig, utc_now().substr(0, 10));
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   if (!session.json) tty::print("bench '{}' ({})\n", config.id, config.file);
@@ -77,7 +77,7 @@ void watch(const DevicesOptions& options) {
   watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0});
 }
 
-// Talks to no instrument: a person has looked at the rig.
+// Talks to no instrument: a person has inspected the rig.
 void reset(const DevicesOptions& options, const Session& session) {
   check_operator(options.operator_name);
   const BenchConfig config = bench_of(options);
@@ -105,7 +105,7 @@ void add_devices(CLI::App& app, Session& session) {
   verb->require_subcommand(1);
 
   CLI::App* scan_verb = verb->add_subcommand("scan", "list serial ports, HID devices, NI-DAQmx devices, Modbus hosts");
-  scan_verb->add_option("--modbus", options->modbus, "HOST or HOST:PORT to ask; may be repeated")->take_all();
+  scan_verb->add_option("--modbus", options->modbus, "HOST or HOST:PORT to query; may be repeated")->take_all();
   scan_verb->add_flag("--json", session.json, "one JSON document on standard output");
   scan_verb->callback([options, &session] { scan(*options, session); });
 
@@ -123,12 +123,14 @@ void add_devices(CLI::App& app, Session& session) {
   watch_verb->add_option("--interval", options->interval_s, "seconds between two readings")
       ->check(CLI::Range(0.05, 60.0))
       ->capture_default_str();
-  watch_verb->add_option("--count", options->count, "end after so many readings; 0: never")->capture_default_str();
+  watch_verb->add_option("--count", options->count, "end after this many readings; 0: never")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   watch_verb->callback([options] { watch(*options); });
   CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
   reset_verb->add_option("--bench", options->bench, "bench file")->required();
   reset_verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
-  reset_verb->add_option("--operator", options->operator_name, "who has looked at the rig; logged")->required();
+  reset_verb->add_option("--operator", options->operator_name, "who has inspected the rig; logged")->required();
   reset_verb->add_flag("--json", session.json, "one JSON document on standard output");
   reset_verb->callback([options, &session] { reset(*options, session); });
   add_calibrate_reference(*verb, session);

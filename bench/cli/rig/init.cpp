@@ -29,7 +29,7 @@ void init(const InitOptions& options, const Session& session) {
     const fs::path target = fs::path(options.folder) / name;
     if (fs::exists(target) && !session.replace) {
       throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", fmt::format("'{}' exists already", target.string()),
-                  target.string(), "give another folder, or --replace to write over it");
+                  target.string(), "give another folder, or --replace to overwrite it");
     }
     check_output(target.string(), "a file of tactbench init", session.replace);  // never over a store
   }
@@ -71,7 +71,7 @@ void add_init(CLI::App& app, Session& session) {
       app.add_subcommand("init", "write a commented bench.toml, sensor.toml, limits.toml and lab.toml to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
   verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
-  verb->add_flag("--replace,--force", session.replace, "write over files that exist");
+  verb->add_flag("--replace,--force", session.replace, "overwrite existing files");
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { init(*options, session); });
 }

@@ -41,10 +41,9 @@ struct Plan {
 };
 
 std::string basis(const TimeBand& time) {
-  const std::string prompts = time.prompts == 0
-                                  ? ""
-                                  : fmt::format("; + {} prompt{}, and as long as the operator takes to answer",
-                                                time.prompts, time.prompts == 1 ? "" : "s");
+  const std::string prompts = time.prompts == 0 ? ""
+                                                : fmt::format("; plus {} prompt{} and the operator's time to answer",
+                                                              time.prompts, time.prompts == 1 ? "" : "s");
   if (time.runs == 0) return "by the model: no completed run of this recipe on this bench in the store" + prompts;
   return fmt::format("learned from {} completed run{}{}", time.runs, time.runs == 1 ? "" : "s", prompts);
 }
@@ -107,7 +106,7 @@ TimeEstimate estimate_time(const Plan& plan, const SplitOverrides& overrides, co
   return time;
 }
 
-// What can be planned, where nothing is named.
+// The recipes that can be planned, for a call without names.
 void list_recipes(const Session& session) {
   ordered_json list = ordered_json::array();
   for (const std::string& file : shipped_files("sequences")) {
@@ -116,18 +115,17 @@ void list_recipes(const Session& session) {
       list.push_back({{"name", recipe.name}, {"title", recipe.title}});
       if (!session.json) tty::print("{:<18}{}\n", one_line(recipe.name), one_line(recipe.title));
     } catch (const sequences::FileError&) {
-      continue;  // a suite lies among them
+      continue;  // the folder also holds a suite
     }
   }
   if (session.json) return print_json("plan.recipes", {{"recipes", list}});
-  tty::print("tactbench plan NAME... tells more; recipes of your own are files\n");
+  tty::print("tactbench plan NAME... shows more; own recipes are given as files\n");
 }
 
 void print_lacking(const Plan& plan, const analysis::Limits& limits) {
-  if (plan.lacking.empty())
-    tty::print("limits '{}': every level that they judge at is measured\n", one_line(limits.name));
+  if (plan.lacking.empty()) tty::print("limits '{}': every level to be judged is measured\n", one_line(limits.name));
   for (const LackingLevel& level : plan.lacking) {
-    tty::print("limits '{}': {:g} psi is no level of {}{}; mismatch there will be inconclusive\n",
+    tty::print("limits '{}': {:g} psi is not a level of {}{}; mismatch there will be inconclusive\n",
                one_line(limits.name), level.pressure_psi, plan.recipes.size() == 1 ? "this recipe" : "these recipes",
                level.nearest_psi.empty()
                    ? std::string()
@@ -155,7 +153,7 @@ ordered_json calibrations_json(const Plan& plan, const std::string& today) {
 }
 
 void print_calibrations(const Plan& plan, const std::string& today) {
-  tty::print("instruments that results are held against:\n");
+  tty::print("instruments that results are traced to:\n");
   for (const db::DeviceRecord& record : instruments_of(plan)) {
     const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
     tty::print("  - {}, serial {}: {}\n", record.role, calibration.serial.empty() ? "not stated" : calibration.serial,
@@ -233,7 +231,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps) {
                m.high_limit, m.unit, m.margin(), m.unit);
   }
   if (const double force = sequences::extremes(plan.steps).largest_force_n; force > 0.0) {
-    tty::print("{:<10}{:>8.2f} N; the sensor's calibrated range is checked when it answers\n", "force up to", force);
+    tty::print("{:<10}{:>8.2f} N; the sensor's calibrated range is checked once it is open\n", "force up to", force);
   }
   tty::print("about {:.1f} MB in the store\n", plan.estimate.bytes / 1e6);
   tty::print("devices needed: {}\n", fmt::join(devices_needed(plan.recipes), ", "));
@@ -289,8 +287,8 @@ void add_plan(CLI::App& app, Session& session) {
   verb->add_option("--set", options->set, "override table.key=value, or recipe.key=value (a parameter or a key)")
       ->take_all();
   verb->add_option("--limits", options->limits,
-                   "limits file: say which levels that it judges at are not measured; exit code 6 when there are any");
-  verb->add_flag("--steps", options->steps, "list every step, as run carries it out");
+                   "limits file: list levels to be judged that are not measured; exit code 6 when there are any");
+  verb->add_flag("--steps", options->steps, "list every step in the order of the run");
   verb->add_flag("--parameters", options->parameters, "list the recipes' parameters instead");
   verb->add_option("--db", session.db, "store to learn times from")->capture_default_str();
   verb->add_flag("--json", session.json, "one JSON document on standard output");

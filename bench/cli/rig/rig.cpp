@@ -36,7 +36,7 @@ std::string judged_word(const Followed& followed) {
   return drift_lines(followed).empty() ? "within" : "drifts";
 }
 
-// What the two control charts say together: the standard is a sensor that is used for nothing else.
+// The combined result of the two control charts: the check standard is a sensor used for nothing else.
 std::string conclusion(const std::string& rig, const std::string& standard) {
   const bool rig_moved = rig == "outside" || rig == "drifts",
              standard_moved = standard == "outside" || standard == "drifts";
@@ -44,10 +44,12 @@ std::string conclusion(const std::string& rig, const std::string& standard) {
     return "not judged: accept a baseline of at least three checks (tactbench baseline accept RUNS --reason --by)";
   if (rig_moved && standard_moved)
     return "the rig changed, and the standard's figures with it: do not calibrate sensors on it";
-  if (rig_moved) return "the rig changed, the standard's figures did not: look at the rig; calibrations so far hold";
+  if (rig_moved)
+    return "the rig changed, the standard's figures did not: check the rig; calibrations so far remain valid";
   if (standard_moved)
-    return "the standard changed on an unchanged rig: the standard itself, or what the rig's own figures cannot see";
-  return "rig and standard are as they were: a change of another sensor is the sensor's own";
+    return "the standard changed on an unchanged rig: the standard itself, or a change that the rig's own figures do "
+           "not show";
+  return "rig and standard are unchanged: a change of another sensor is its own";
 }
 
 struct CheckedSubject {
@@ -104,7 +106,7 @@ void check_rig(const RigCheckOptions& options, Session& session) {
     subjects.push_back(checked(store, "force and stage", rig + "/press", pressed,
                                analysis::press_figures(analysis::read_run(store, store.run(pressed)))));
   analysis::Runs runs(store);
-  const analysis::ArrayFit fit = fit_run(store, runs.dataset(standard));
+  const analysis::SensorModel fit = fit_run(store, runs.dataset(standard));
   const std::string standard_subject =
       follow_sensor(store, runs.record(standard), fit, evaluate_runs(runs, fit, {}).front().evaluation);
   subjects.push_back({"check standard", standard, follow(store, standard_subject)});
@@ -131,25 +133,25 @@ void check_rig(const RigCheckOptions& options, Session& session) {
 }  // namespace
 
 void add_rig(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("rig", "the rig itself: is it as it was");
+  CLI::App* group = app.add_subcommand("rig", "checks of the rig itself");
   group->require_subcommand(1);
   auto options = std::make_shared<RigCheckOptions>();
   CLI::App* verb = group->add_subcommand(
       "check",
-      "steps and holds of the chamber, reference against feedback, and a check-standard sensor, each held against its "
-      "baseline; with --press the force sensor's zero and the stage's repeatability, too");
+      "steps and holds of the chamber, reference against feedback, and a check-standard sensor, each compared with its "
+      "baseline; with --press also the force sensor's zero and the stage's repeatability");
   verb->add_option("--bench", options->run.bench, "bench file")->required();
-  verb->add_option("--standard", options->run.sensor, "serial of the sensor that is used for nothing but these checks")
+  verb->add_option("--standard", options->run.sensor, "serial of the sensor that is used only for these checks")
       ->required();
   verb->add_option("--operator", options->run.operator_name, "who runs it; recorded")->required();
   verb->add_option("--recipe", options->standard_recipes, "that characterizes the standard; always the same")
       ->capture_default_str();
   verb->add_flag("--press", options->press, "also three presses of the ring (asks for it to be mounted)");
-  verb->add_flag("--yes", options->run.assume_yes, "operator prompts answer themselves");
+  verb->add_flag("--yes", options->run.assume_yes, "answer operator prompts with yes");
   verb->add_option("--set", options->run.set, "override table.key=value of the bench file, or recipe.key=value")
       ->take_all();
-  verb->add_option("--seed", options->run.seeds.seed, "simulation: noise and faults");
-  verb->add_option("--sensor-seed", options->run.seeds.sensor_seed, "simulation: makes the array");
+  verb->add_option("--seed", options->run.seeds.seed, "simulation: seed of noise and faults");
+  verb->add_option("--sensor-seed", options->run.seeds.sensor_seed, "simulation: seed of the array");
   add_common(*verb, session);
   verb->callback([options, &session] { check_rig(*options, session); });
 }

@@ -87,7 +87,7 @@ void show_run_result(const CarriedOut& done, const Session& session) {
              clock_text(result.process_seconds - result.waiting_seconds), waited, done.estimated, result.time_spent);
 }
 
-// Before any device is opened; the run keeps the same as events.
+// Before any device is opened; the run stores the same as events.
 void warn_of_instruments(const RunRequest& request) {
   refuse_placeholders(request.bench);
   const auto instruments = stated_instruments(request.bench, needs_press(request.recipes));
@@ -135,7 +135,7 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
   if (!stored)
     throw Error(ExitCode::kStore, "TB-RESUME-SETTINGS",
                 fmt::format("the settings (--set) kept with run {} cannot be read", number), session.db,
-                "tactbench db check tells what else is damaged; start a new run");
+                "tactbench db check shows what else is damaged; start a new run");
   std::vector<std::string> set;
   for (const sequences::Override& item : *stored) set.push_back(item.key + "=" + item.value);
   const SplitOverrides overrides = split_overrides(set);
@@ -149,7 +149,7 @@ void resume_run(std::int64_t number, const ResumeOptions& options, Session& sess
                                         : read_bench(find_config(options.bench), overrides.bench, seeds);
   if (request.bench.id != record.bench_id) {
     throw Error(ExitCode::kUsage, "TB-RESUME-BENCH",
-                fmt::format("run {} was begun on bench '{}', not on '{}'", number, record.bench_id, request.bench.id),
+                fmt::format("run {} belongs to bench '{}', not to '{}'", number, record.bench_id, request.bench.id),
                 options.bench, "resume it on its own bench, or start a new run");
   }
   for (const db::SequenceRecord& sequence : record.sequences) {
@@ -180,8 +180,8 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("--purpose", options->purpose, "why; recorded");
   verb->add_option("--set", options->set, "override table.key=value of the bench file, or recipe.key=value")
       ->take_all();
-  verb->add_option("--seed", options->seeds.seed, "simulation: noise and faults");
-  verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: makes the array");
+  verb->add_option("--seed", options->seeds.seed, "simulation: seed of noise and faults");
+  verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: seed of the array");
   verb->add_option(
       "--specimen-state", options->specimen_state,
       "simulation: file with the film's memory, read if it exists and written at the end; without it a run "
@@ -189,8 +189,8 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("--on-event", options->on_event,
                    "shell command started when the run is done, has failed or waits for somebody; TACTBENCH_EVENT, "
                    "TACTBENCH_RUN and TACTBENCH_REASON are in its environment");
-  verb->add_flag("--yes", options->assume_yes, "operator prompts answer themselves");
-  verb->add_flag("--no-seating", options->no_seating, "leave out the check of how the sensor sits");
+  verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
+  verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
   add_common(*verb, session);
   verb->callback([options, &session] { show_run_result(begin_and_carry_out(*options, session), session); });
 }

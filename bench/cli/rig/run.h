@@ -1,4 +1,4 @@
-// What `run`, `resume` and `rig check` share: a run carried out, or one of the store opened again.
+// Shared by `run`, `resume` and `rig check`: carries out a run, or opens a stored one again.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct RunOptions {
   SeedOptions seeds;
 };
 
-// A new run, to its end. Throws Error when it did not complete, and what is refused before it begins.
+// Carries out a new run. Throws Error when it did not complete or was refused before it began.
 RunResult carry_out_run(const RunOptions& options, const Session& session);
 
 struct ResumeOptions {
@@ -28,8 +28,7 @@ struct ResumeOptions {
   bool assume_yes = false;
 };
 
-// Opens run `number` of session.db again and carries it to its end; prints as `run` does. Throws Error and what a run
-// throws.
+// Opens run `number` of session.db again and completes it; prints as `run` does. Throws Error and what a run throws.
 void resume_run(std::int64_t number, const ResumeOptions& options, Session& session);
 
 }  // namespace tactbench::bench

@@ -105,12 +105,13 @@ void add_simulate(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("simulate", "serve the whole simulated rig on real wires, for any client");
   verb->add_option("--bench", options->bench, "simulated bench file")->capture_default_str();
   verb->add_option("--set", options->set, "override table.key=value, such as module.port=1502")->take_all();
-  verb->add_option("--rate", options->rate, "process time against real time")
+  verb->add_option("--rate", options->rate, "ratio of process time to real time")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
   verb->add_option("--write-bench", options->write_bench, "write a bench file that connects to the served rig");
   add_replace(*verb, session);
-  verb->add_option("--for", options->for_s, "end after so many seconds of real time; 0: at Ctrl-C")
+  verb->add_option("--for", options->for_s, "end after this many seconds of real time; 0: at Ctrl-C")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->add_flag("--json", session.json, "one JSON document on standard output, then serve");
   verb->callback([options, &session] { simulate(*options, session); });

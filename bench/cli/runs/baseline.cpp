@@ -25,12 +25,12 @@ std::int64_t run_number_of(const std::string& text, const std::string& whole) {
   std::int64_t number = 0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (fault != std::errc() || end != text.data() + text.size() || number < 1)
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no run", whole), "RUNS",
+    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a run", whole), "RUNS",
                 "a number, or a range such as 12-55");
   return number;
 }
 
-// Runs by subject that have figures of it, of those that `words` name.
+// The runs named by `words`, grouped by the subjects for which they have figures.
 std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<std::string>& words,
                                                              const db::RunStore& store, const Session& session) {
   analysis::Runs named(store);
@@ -39,7 +39,7 @@ std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<s
     const std::size_t hyphen = word.find('-');
     const std::int64_t first = run_number_of(word.substr(0, hyphen), word);
     ranges.emplace_back(first, hyphen == std::string::npos ? first : run_number_of(word.substr(hyphen + 1), word));
-    // There and counting, or said so; a range passes over what does not count.
+    // A single run must exist and not be void, else throws; a range skips void and missing runs.
     if (hyphen == std::string::npos) (void)named_runs(named, {first}, {"RUNS", 0, false}, session.void_too);
   }
   std::map<std::string, std::vector<std::int64_t>> chosen;
@@ -56,8 +56,8 @@ void accept_baseline(const BaselineOptions& options, const Session& session) {
   db::RunStore store = db::RunStore::open(session.db);
   const auto chosen = chosen_runs(options.runs, store, session);
   if (chosen.empty())
-    throw Error(ExitCode::kUsage, "TB-BASELINE-NO-FIGURES", "none of these runs has figures that are followed",
-                session.db, "nightly --db and fit keep figures; tactbench trend shows what there is");
+    throw Error(ExitCode::kUsage, "TB-BASELINE-NO-FIGURES", "none of these runs has stored figures", session.db,
+                "nightly --db and fit store figures; tactbench trend lists them");
   auto json = nlohmann::ordered_json::array();
   for (const auto& [subject, runs] : chosen) {
     const std::int64_t number = store.add_baseline({0, subject, options.reason, options.by, utc_now(), runs});
@@ -67,7 +67,7 @@ void accept_baseline(const BaselineOptions& options, const Session& session) {
     if (session.json) continue;
     tty::print("{:<40} {} {} accepted{}{}\n", one_line(subject), runs.size(), runs.size() == 1 ? "run" : "runs",
                repeated.empty() ? "" : fmt::format(", {} of them counted once each", counted),
-               counted < 3 ? "; a spread needs three, so nothing is judged by it yet" : "");
+               counted < 3 ? "; a spread needs three, so it does not judge yet" : "");
     for (const auto& [run, earlier] : repeated)
       tty::print("  run {} repeats run {}: the same content, or the same figures\n", run, earlier);
   }
@@ -95,22 +95,21 @@ void list_baselines(const Session& session) {
 }  // namespace
 
 void add_baseline(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("baseline", "runs that are as they should be: later ones are held against them");
+  CLI::App* group = app.add_subcommand("baseline", "reference runs with which later ones are compared");
   group->require_subcommand(1);
   auto options = std::make_shared<BaselineOptions>();
   CLI::App* accept = group->add_subcommand(
-      "accept",
-      "hold later figures of each subject against the spread of these runs; replaces what was accepted before");
+      "accept", "compare later figures of each subject with the spread of these runs; replaces the previous baseline");
   accept
       ->add_option("runs", options->runs,
-                   "numbers and ranges, e.g. 1-88 90; runs without figures are passed over, those that repeat another "
+                   "numbers and ranges, e.g. 1-88 90; runs without figures are skipped, runs that repeat another "
                    "(equal seeds and content, or equal figures) count once")
       ->required();
-  accept->add_option("--reason", options->reason, "why these are as they should be")->required();
-  accept->add_option("--by", options->by, "who says so")->required();
+  accept->add_option("--reason", options->reason, "why these runs serve as reference")->required();
+  accept->add_option("--by", options->by, "name of the person who accepts them")->required();
   add_common(*accept, session);
   accept->callback([options, &session] { accept_baseline(*options, session); });
-  CLI::App* list = group->add_subcommand("list", "the accepted baselines; of a subject the last one counts");
+  CLI::App* list = group->add_subcommand("list", "list the accepted baselines; a subject's last one counts");
   add_common(*list, session);
   list->callback([&session] { list_baselines(session); });
 }

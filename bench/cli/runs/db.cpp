@@ -1,4 +1,4 @@
-// Care of the store's file: is it sound, a copy of it, its schema.
+// db check, snapshot, migrate: integrity of the store's file, a copy of it, its schema.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -48,7 +48,7 @@ void check_db(const std::string& file, Session& session) {
              structure.empty() ? "sound" : "DAMAGED",
              analysis::counted(sound, "run as it was stored", "runs as they were stored"), differ, open);
   if (!well)
-    tty::print("keep a copy of the file and take the last snapshot; tactbench verify RUN tells more of a run\n");
+    tty::print("keep a copy of the file and use the last snapshot; tactbench verify RUN shows more about a run\n");
 }
 
 void snapshot_db(const std::string& file, const Session& session) {
@@ -71,10 +71,10 @@ void migrate_db(const Session& session) {
     print_json("db.migrate",
                {{"store", session.db}, {"schema_before", before}, {"schema", db::kSchemaVersion}, {"backup", backup}});
   } else if (backup.empty()) {
-    tty::print("{} has schema {}, which is this program's: nothing was done\n", session.db, before);
+    tty::print("{} already has this program's schema {}: nothing was done\n", session.db, before);
   } else {
-    tty::print("{}: schema {} brought to {}; the store as it was is kept in {}\n", session.db, before,
-               db::kSchemaVersion, backup);
+    tty::print("{}: schema {} migrated to {}; the old store is kept in {}\n", session.db, before, db::kSchemaVersion,
+               backup);
   }
 }
 
@@ -84,10 +84,9 @@ void add_db(CLI::App& app, Session& session) {
   CLI::App* group = app.add_subcommand("db", "check, copy or migrate the store's file");
   group->require_subcommand(1);
   auto file = std::make_shared<std::string>();
-  CLI::App* check =
-      group->add_subcommand("check",
-                            "the file's structure, every run's content hash, and that of its fits, verdicts, approvals "
-                            "and void (exit 5 if not)");
+  CLI::App* check = group->add_subcommand("check",
+                                          "check the file's structure, every run's content hash, and the hashes of its "
+                                          "fits, verdicts, approvals and voids (exit 5 on damage)");
   check->add_option("file", *file, "the store (default: --db)");
   add_common(*check, session);
   check->callback([file, &session] { check_db(*file, session); });

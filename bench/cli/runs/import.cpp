@@ -1,4 +1,4 @@
-// A table of another program becomes a run of origin imported: all its rows at full precision, bound by a hash.
+// Imports a table of another program as a run of origin imported: all rows at full precision, under a hash.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -23,11 +23,32 @@ TableFile read_table_file(const std::string& path, const TableOptions& options) 
   TableFile file;
   file.sha256 = db::sha256_hex(text);
   std::istringstream stream(std::move(text));
-  file.series = analysis::read_table(stream, path, map);
+  file.table = analysis::read_table(stream, path, map, options.skip_bad_rows);
+  if (!options.input_unit.empty()) file.table.input_unit = options.input_unit;
+  if (!options.output_unit.empty()) file.table.output_unit = options.output_unit;
   return file;
 }
 
+void tell_reading(const std::string& path, const analysis::Table& table) {
+  for (const std::string& line : table.assumed) tty::print(stderr, "{}: {}\n", path, line);
+  const analysis::SkippedRows& skipped = table.skipped;
+  if (skipped.count == 0) return;
+  for (const std::string& line : skipped.first) tty::print(stderr, "left out: {}\n", line);
+  tty::print(stderr, "warning: {}: {} left out by --skip-bad-rows{}\n", path, analysis::counted(skipped.count, "row"),
+             skipped.count > skipped.first.size() ? fmt::format("; the first {} are named", skipped.first.size()) : "");
+}
+
+void tell_doubts(const analysis::Histories& histories) {
+  for (const std::string& line : histories.warnings) tty::print(stderr, "warning: {}: {}\n", histories.source, line);
+}
+
 namespace {
+
+std::string reason_of(const analysis::SkippedRows& skipped) {
+  return skipped.count == 0
+             ? "imported"
+             : fmt::format("imported without {} that cannot be read", analysis::counted(skipped.count, "row"));
+}
 
 struct ImportOptions {
   std::string file, operator_name, purpose;
@@ -36,14 +57,19 @@ struct ImportOptions {
 
 void import(const ImportOptions& options, const Session& session) {
   const TableFile file = read_table_file(options.file, options.table);
-  (void)analysis::histories_of(file.series, options.file);  // refuses what no model could be fitted on
+  tell_reading(options.file, file.table);
+  analysis::HistoriesOptions reading;
+  reading.turn = options.table.turn;
+  reading.noise = options.table.noise;
+  // Refuses a table on which no model can be fitted.
+  tell_doubts(analysis::histories_of(file.table.series, options.file, reading));
   db::RunRecord run = program_record();
   run.origin = "imported";
   run.operator_name = options.operator_name;
   run.purpose = options.purpose;
   std::vector<db::SeriesRecord> series;
   std::size_t rows = 0;
-  for (const analysis::TableSeries& own : file.series) {
+  for (const analysis::TableSeries& own : file.table.series) {
     auto sequence = std::ranges::find(run.sequences, own.sequence, &db::SequenceRecord::name);
     if (sequence == run.sequences.end()) {
       const auto number = static_cast<int>(run.sequences.size());
@@ -53,17 +79,22 @@ void import(const ImportOptions& options, const Session& session) {
     series.push_back({sequence->sequence, own.taxel, own.input, own.output});
     rows += own.input.size();
   }
-  const nlohmann::ordered_json calibration = {
-      {"input_unit", options.table.input_unit}, {"output_unit", options.table.output_unit}, {"map", options.table.map}};
+  nlohmann::ordered_json calibration = {
+      {"input_unit", file.table.input_unit}, {"output_unit", file.table.output_unit}, {"map", options.table.map}};
+  if (file.table.skipped.count > 0)  // the hash is of all rows
+    calibration["rows_left_out"] = file.table.skipped.count;
   run.devices = {{kTableRole, std::filesystem::path(options.file).filename().string(), file.sha256, "", "imported",
                   analysis::json_line(calibration)}};
   db::RunStore store = db::RunStore::open(session.db);
   const std::int64_t number = store.begin_run(run);
   store.append_series(number, series);
-  store.end_run(number, db::Outcome::kCompleted, "imported", db::SafeState::kUnknown, utc_now());
+  store.end_run(number, db::Outcome::kCompleted, reason_of(file.table.skipped), db::SafeState::kUnknown, utc_now());
   if (session.json) {
-    print_json("import",
-               {{"run", number}, {"rows", rows}, {"sequences", run.sequences.size()}, {"sha256", file.sha256}});
+    print_json("import", {{"run", number},
+                          {"rows", rows},
+                          {"left_out", file.table.skipped.count},
+                          {"sequences", run.sequences.size()},
+                          {"sha256", file.sha256}});
     return;
   }
   tty::print("run {}: {} in {} imported from {}\n", number, analysis::counted(rows, "row"),
@@ -76,7 +107,10 @@ void add_import(CLI::App& app, Session& session) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* verb = app.add_subcommand(
       "import", "make a run of a table with columns sequence,step,input,output[,taxel] (history in row order)");
-  verb->add_option("file", options->file, "comma, semicolon or tab separated text; the first line names the columns")
+  verb->add_option(
+          "file", options->file,
+          "text with commas, semicolons, tabs or blanks between the columns; the first line names them, the second may "
+          "hold units")
       ->required();
   add_table_options(*verb, options->table);
   verb->add_option("--operator", options->operator_name, "who imports it");

@@ -1,4 +1,4 @@
-// runs diff: what two runs have in common and what not, from the run's row down to the first frame and the verdicts.
+// runs diff: compares two runs, from the run's row down to the first frame and the verdicts.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -36,14 +36,14 @@ void compare_members(const nlohmann::ordered_json& a, const nlohmann::ordered_js
     }
   } else if (a.is_array() && b.is_array() && a.size() == b.size()) {
     for (std::size_t i = 0; i < a.size(); ++i) compare_members(a[i], b[i], fmt::format("{}[{}]", at, i), found);
-  } else if (shown(a) != shown(b)) {  // two that are not numbers are not equal, and the same to a reader
+  } else if (shown(a) != shown(b)) {  // two NaN are not equal, but are the same to a reader
     found.push_back({at, shown(a), shown(b)});
   }
 }
 
 nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord& run) {
   nlohmann::ordered_json json = analysis::run_json(run);
-  // Of no two runs the same, or said by the computer and its clock.
+  // Members that differ between any two runs, or come from the computer and its clock.
   for (const char* own : {"run", "uuid", "started_utc", "ended_utc", "rest_s", "host", "time_zone"}) json.erase(own);
   json["frames"] = store.frame_count(run.run);
   json["checks"] = nlohmann::ordered_json::array();
@@ -57,7 +57,7 @@ nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord
   return json;
 }
 
-// What of two frames differs first; empty: nothing.
+// The first difference of two frames; empty: none.
 std::string frame_difference(const db::FrameRecord& a, const db::FrameRecord& b) {
   const auto real = [](const char* name, double x, double y) {
     return x == y || (std::isnan(x) && std::isnan(y)) ? std::string() : fmt::format("{} {} and {}", name, x, y);
@@ -121,7 +121,8 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
 
 void add_run_diff(CLI::App& runs, Session& session) {
   auto numbers = std::make_shared<std::pair<std::int64_t, std::int64_t>>();
-  CLI::App* verb = runs.add_subcommand("diff", "what differs between two runs (exit 1) or that nothing does (0)");
+  CLI::App* verb =
+      runs.add_subcommand("diff", "show the differences between two runs (exit 1), or that there are none (0)");
   verb->add_option("a", numbers->first, "run number")->required();
   verb->add_option("b", numbers->second, "run number")->required();
   add_common(*verb, session);

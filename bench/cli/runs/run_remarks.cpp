@@ -1,4 +1,4 @@
-// What people say of a run afterwards: tag, note, void. None of it is part of the content that `verify` looks at.
+// runs tag, note, void: remarks on a run after its end. None of them is part of the content that `verify` checks.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -46,6 +46,7 @@ void tag_run(const RunRemark& remark, const Session& session) {
 }
 
 void note_run(const RunRemark& remark, const Session& session) {
+  db::check_said("the note", remark.text, db::kLongestText);  // without the time that is put before it
   db::RunStore store = store_for_remark(session, remark.run);
   store.add_note(remark.run, fmt::format("{} {}", utc_now(), remark.text));
   tell_remark("runs.note", store.run(remark.run), "noted", session);
@@ -62,7 +63,7 @@ void void_run(const RunRemark& remark, const Session& session) {
 
 void add_run_remarks(CLI::App& runs, Session& session) {
   auto remark = std::make_shared<RunRemark>();
-  CLI::App* tag = runs.add_subcommand("tag", "add tags to a run, or take them away");
+  CLI::App* tag = runs.add_subcommand("tag", "add tags to a run, or remove them");
   tag->add_option("run", remark->run, "run number")->required();
   tag->add_option("tags", remark->tags, "words of letters, digits and . _ : / + -")->required()->take_all();
   tag->add_flag("--remove", remark->remove, "take them away");
@@ -70,13 +71,14 @@ void add_run_remarks(CLI::App& runs, Session& session) {
   tag->callback([remark, &session] { tag_run(*remark, session); });
   CLI::App* note = runs.add_subcommand("note", "add a line to a run's notes, with the time");
   note->add_option("run", remark->run, "run number")->required();
-  note->add_option("text", remark->text, "what is to be known of the run")->required();
+  note->add_option("text", remark->text, "text of the note")->required();
   add_common(*note, session);
   note->callback([remark, &session] { note_run(*remark, session); });
-  CLI::App* nullify = runs.add_subcommand("void", "a run counts no more, for good; nothing of it is deleted");
+  CLI::App* nullify =
+      runs.add_subcommand("void", "declare a run void permanently: it no longer counts; nothing is deleted");
   nullify->add_option("run", remark->run, "run number")->required();
   nullify->add_option("--reason", remark->text, "why")->required();
-  nullify->add_option("--by", remark->by, "who says so")->required();
+  nullify->add_option("--by", remark->by, "name of the person who declares it")->required();
   add_common(*nullify, session);
   nullify->callback([remark, &session] { void_run(*remark, session); });
 }

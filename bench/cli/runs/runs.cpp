@@ -18,6 +18,7 @@
 #include "bench/config/calibration_words.h"
 #include "bench/reporting/judgement.h"
 #include "bench/run/control/locks.h"
+#include "bench/run/run_record.h"
 
 namespace tactbench::bench {
 
@@ -35,12 +36,12 @@ void check_since(const std::string& since) {
     fits = pattern[i] == 'd' ? since[i] >= '0' && since[i] <= '9' : since[i] == '-';
   }
   if (fits) return;
-  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is no date", since), "--since",
+  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a date", since), "--since",
               "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
 }
 
-// What --verdict asks for, in the words of the column: "conditional pass" or conditional-pass; with "simulated" before
-// it on simulated runs alone; none or "-" for runs without a verdict.
+// Parses --verdict, in the words of the column: "conditional pass" or conditional-pass; with a leading "simulated" only
+// simulated runs; none or "-" for runs without a verdict.
 class WantedVerdict {
  public:
   explicit WantedVerdict(const std::string& typed) : any_(typed.empty()) {
@@ -67,7 +68,7 @@ class WantedVerdict {
     all.emplace_back(kNone);
     return all;
   }
-  // For --help and the shells, which would cut a word at its blank.
+  // For --help and completion, where a blank would split the word.
   static std::string type_name() {
     std::string text = fmt::format("TEXT:{{{}}}", fmt::join(words(), ","));
     std::ranges::replace(text, ' ', '-');
@@ -81,12 +82,12 @@ class WantedVerdict {
   std::optional<analysis::Verdict> verdict_;
 };
 
-// As the column has it.
+// As in the column.
 std::string verdict_cell(std::optional<analysis::Verdict> verdict, const std::string& origin) {
   return verdict ? shown_verdict(*verdict, origin) : "-";
 }
 
-// What was found; where nothing was, the figures.
+// The finding; without one, the figures.
 std::string check_line(const db::CheckRecord& check) {
   const auto detail = analysis::try_ordered_json(check.detail_json);
   std::vector<std::string> parts;
@@ -152,7 +153,7 @@ void list_runs(const RunsListOptions& options, const Session& session) {
   }
 }
 
-// A table for each models and limits.
+// One table for each pair of models and limits.
 void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
   std::vector<std::vector<db::VerdictRecord>> tables;
   for (const db::VerdictRecord& verdict : verdicts) {
@@ -167,6 +168,14 @@ void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std:
                rows.front().limits_sha256.substr(0, 12), verdict_table(rows, origin));
 }
 
+// Which simulated sensor it was; empty for another origin, or where the bench's text can no longer be read.
+std::string specimen_of(const db::RunRecord& run) {
+  if (run.origin != "simulated") return {};
+  const std::optional<BenchConfig> bench = stored_bench(run);
+  if (!bench || !bench->simulation) return {};
+  return specimen_words().at(static_cast<std::size_t>(bench->simulation->plant.specimen.kind));
+}
+
 void show_run(std::int64_t number, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
@@ -177,6 +186,7 @@ void show_run(std::int64_t number, const Session& session) {
   if (session.json) {
     nlohmann::ordered_json json = analysis::run_json(run);
     json["frames"] = store.frame_count(number);
+    if (const std::string specimen = specimen_of(run); !specimen.empty()) json["specimen"] = specimen;
     json["events"] = nlohmann::ordered_json::array();
     for (const db::EventRecord& event : events) {
       json["events"].push_back({{"time_s", static_cast<double>(event.time_ns) * 1e-9},
@@ -206,6 +216,7 @@ void show_run(std::int64_t number, const Session& session) {
   line("safe state", db::to_string(run.safe_state));
   line("sensor", fmt::format("{}, scanner {}", analysis::or_not_stated(run.sensor_serial),
                              analysis::or_not_stated(analysis::scanner_serial_of(run))));
+  if (const std::string specimen = specimen_of(run); !specimen.empty()) line("specimen", specimen);
   line("operator", run.operator_name);
   line("purpose", run.purpose);
   line("bench", run.bench_id.empty() ? std::string()
@@ -225,7 +236,7 @@ void show_run(std::int64_t number, const Session& session) {
   for (const db::DeviceRecord& device : run.devices) {
     line("device", fmt::format("{}: {}, serial {}, {}", device.role, device.model,
                                device.serial.empty() ? "not stated" : device.serial, device.origin));
-    // What is held against a certificate; of a scanner or a module the bench file states none.
+    // Devices with a certificate; the bench file states none for a scanner or a module.
     if (device.calibration_json.find("\"certificate\"") != std::string::npos)
       line("", calibration_words(analysis::calibration_of(device), run.started_utc));
   }
@@ -255,7 +266,7 @@ void add_runs(CLI::App& app, Session& session) {
   list_verb->add_option("--tag", options->tag, "only with this tag");
   list_verb
       ->add_option("--verdict", options->verdict,
-                   "whose verdict is this, the run being judged or its models; none: not judged")
+                   "only with this verdict, on the run or on its models; none: not judged")
       ->type_name(WantedVerdict::type_name());
   list_verb->add_flag("--all", options->all, "include void runs");
   add_common(*list_verb, session);

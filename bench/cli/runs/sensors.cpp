@@ -52,7 +52,7 @@ void show_sensor(const std::string& serial, const Session& session) {
   const std::optional<db::SensorRecord> sensor = store.sensor(serial);
   if (!sensor) {
     throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN", fmt::format("sensor '{}' is not registered", serial), session.db,
-                "tactbench sensors list shows those that are");
+                "tactbench sensors list shows the registered ones");
   }
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();
   for (const db::RunRecord& run : store.runs()) {

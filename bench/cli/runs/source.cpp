@@ -15,20 +15,23 @@ namespace tactbench::bench {
 
 namespace {
 
-analysis::HistoriesOptions options_of(const TableOptions& table) {
+analysis::HistoriesOptions options_of(const TableOptions& table, const std::vector<std::string>& fitted) {
   analysis::HistoriesOptions options;
+  options.fitted = fitted;
+  options.turn = table.turn;
   options.noise = table.noise;
   return options;
 }
 
 // The series of an imported run, with the units that its table was given.
-analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run, const TableOptions& table) {
+analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run,
+                             const analysis::HistoriesOptions& options) {
   std::vector<analysis::TableSeries> series;
   for (const db::SeriesRecord& record : store.series(run.run)) {
     const auto sequence = std::ranges::find(run.sequences, record.sequence, &db::SequenceRecord::sequence);
     series.push_back({sequence->name, record.taxel, record.input, record.output});
   }
-  analysis::Histories histories = analysis::histories_of(series, fmt::format("run {}", run.run), options_of(table));
+  analysis::Histories histories = analysis::histories_of(series, fmt::format("run {}", run.run), options);
   for (const db::DeviceRecord& device : run.devices) {
     if (device.role != kTableRole) continue;
     const auto json = analysis::parse_json(device.calibration_json);
@@ -42,40 +45,61 @@ analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run
 
 void add_table_options(CLI::App& verb, TableOptions& options) {
   verb.add_option("--map", options.map,
-                  "of a table: which column is what, as input=COL,output=COL,sequence=COL,taxel=COL (names, or numbers "
-                  "from 1)");
-  verb.add_option("--input-unit", options.input_unit, "of a table: unit of its inputs, for people");
+                  "of a table: meaning of the columns, as input=COL,output=COL,sequence=COL,taxel=COL (numbers from 1, "
+                  "or names, in "
+                  "double quotes where they hold a comma)");
+  verb.add_option("--input-unit", options.input_unit, "of a table: unit of its inputs, for display");
   verb.add_option("--noise", options.noise,
-                  "of a table: standard deviation of its outputs (default: estimated from their fourth differences); "
-                  "the dead band of compensation is six of them")
+                  "of a table: standard deviation of its outputs (default: estimated from differences of neighbours "
+                  "within the branches that are fitted); the dead band of compensation is six of them")
       ->check(CLI::NonNegativeNumber);
-  verb.add_option("--output-unit", options.output_unit, "of a table: unit of its outputs, for people");
+  verb.add_option(
+          "--turn", options.turn,
+          "of a table, in units of its inputs: an input that goes back by more has turned (default: seven times "
+          "the inputs' own noise, and 0.1 % of their span at least)")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_flag("--skip-bad-rows", options.skip_bad_rows,
+                "of a table: leave out rows with blank cells, without numbers, or with too few or too many fields, and "
+                "say which");
+  verb.add_option("--output-unit", options.output_unit, "of a table: unit of its outputs, for display");
 }
 
 bool names_run(const std::string& source) {
-  constexpr std::size_t kLongest = 18;  // digits that a run's number has room for
+  constexpr std::size_t kLongest = 18;  // largest number of digits of a run's number
   return !source.empty() && source.size() <= kLongest && source.find_first_not_of("0123456789") == std::string::npos;
 }
 
-analysis::Histories read_source(const std::string& source, const TableOptions& table, const Session& session) {
-  if (names_run(source)) {
-    const db::RunStore store = db::RunStore::open_read_only(session.db);
-    analysis::Runs runs(store);
-    const db::RunRecord run = named_runs(runs, {std::stoll(source)}, {"run " + source}, session.void_too).front();
-    analysis::Histories histories =
-        run.origin == "imported" ? imported(store, run, table) : analysis::histories_of(runs.dataset(run.run));
-    histories.content_sha256 = run.content_sha256;
-    return histories;
-  }
-  const TableFile file = read_table_file(source, table);
-  analysis::Histories histories = analysis::histories_of(file.series, source, options_of(table));
-  histories.content_sha256 = file.sha256;
-  histories.input_unit = table.input_unit;
-  histories.output_unit = table.output_unit;
+analysis::Histories read_run(analysis::Runs& runs, std::int64_t number, const std::string& at,
+                             const TableOptions& table, const Session& session,
+                             const std::vector<std::string>& fitted) {
+  const db::RunRecord run = named_runs(runs, {number}, {at}, session.void_too).front();
+  analysis::Histories histories = run.origin == "imported" ? imported(runs.store(), run, options_of(table, fitted))
+                                                           : analysis::histories_of(runs.dataset(run.run));
+  histories.run = run.run;
+  histories.content_sha256 = run.content_sha256;
+  tell_doubts(histories);
   return histories;
 }
 
-analysis::ModelDocument load_model(const std::string& model, const Session& session) {
+analysis::Histories read_source(const std::string& source, const TableOptions& table, const Session& session,
+                                const std::vector<std::string>& fitted) {
+  if (names_run(source)) {
+    const db::RunStore store = db::RunStore::open_read_only(session.db);
+    analysis::Runs runs(store);
+    return read_run(runs, std::stoll(source), "run " + source, table, session, fitted);
+  }
+  const TableFile file = read_table_file(source, table);
+  tell_reading(source, file.table);
+  analysis::Histories histories = analysis::histories_of(file.table.series, source, options_of(table, fitted));
+  histories.content_sha256 = file.sha256;
+  histories.input_unit = file.table.input_unit;
+  histories.output_unit = file.table.output_unit;
+  histories.assumed = file.table.assumed;
+  tell_doubts(histories);
+  return histories;
+}
+
+analysis::SensorModel load_model(const std::string& model, const Session& session) {
   if (!names_run(model.substr(0, model.find(':')))) return analysis::load_model(model, nullptr);
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   analysis::Runs runs(store);

@@ -1,4 +1,4 @@
-// Where samples come from on the command line: a run of the store, or a table.
+// Sources of samples on the command line: a run of the store, or a table.
 #pragma once
 
 #include <string>
@@ -13,19 +13,28 @@ namespace tactbench::bench {
 struct TableOptions {
   std::string map, input_unit, output_unit;
   double noise = -1.0;  // standard deviation of the outputs; negative: estimated
+  double turn = -1.0;   // an input that goes back by more has turned; negative: by the inputs' own noise
+  bool skip_bad_rows = false;
 };
 void add_table_options(CLI::App& verb, TableOptions& options);
 
 // "12" is a run of session.db, anything else the path of a table.
 bool names_run(const std::string& source);
-// Throws AnalysisError, StoreError, Error TB-RUN-VOID.
-analysis::Histories read_source(const std::string& source, const TableOptions& table, const Session& session);
+// A run, measured or imported from a table; `at` names it in messages. `fitted`: the sequences that models will be
+// fitted on; empty: all. What is doubtful about a table goes to standard error. Throws AnalysisError, StoreError, Error
+// TB-RUN-VOID.
+analysis::Histories read_run(analysis::Runs& runs, std::int64_t run, const std::string& at, const TableOptions& table,
+                             const Session& session, const std::vector<std::string>& fitted = {});
+// Of a table that is no run, what was assumed in reading it and which rows were left out goes to standard error, too.
+// Throws as read_run() and AnalysisError TB-TABLE-*.
+analysis::Histories read_source(const std::string& source, const TableOptions& table, const Session& session,
+                                const std::vector<std::string>& fitted = {});
 
 // MODEL of the command line: a path, or RUN or RUN:FIT of session.db. Throws AnalysisError, StoreError, Error
 // TB-RUN-VOID.
-analysis::ModelDocument load_model(const std::string& model, const Session& session);
+analysis::SensorModel load_model(const std::string& model, const Session& session);
 
-// The run of MODEL as RUN or RUN:FIT, by the rules of bench/reporting/named_runs.h; of a path nothing is asked.
+// Checks the run of MODEL given as RUN or RUN:FIT by the rules of bench/reporting/named_runs.h; a path is not checked.
 void check_model_named(analysis::Runs& runs, const std::string& model, const std::string& at, const Session& session);
 
 // "a,b" as a list; empty text: empty.

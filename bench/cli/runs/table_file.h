@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "analysis/table.h"
 #include "bench/cli/runs/source.h"
@@ -12,10 +11,15 @@ namespace tactbench::bench {
 inline constexpr const char* kTableRole = "table";  // an imported run's one device
 
 struct TableFile {
-  std::vector<analysis::TableSeries> series;
+  analysis::Table table;
   std::string sha256;
 };
-// Throws AnalysisError TB-TABLE-*.
+// Units of `options`, or those of the table's own line of units. Throws AnalysisError TB-TABLE-*.
 TableFile read_table_file(const std::string& path, const TableOptions& options);
+
+// What was assumed in reading the table, and which rows were left out: lines for standard error.
+void tell_reading(const std::string& path, const analysis::Table& table);
+// What is doubtful about its data.
+void tell_doubts(const analysis::Histories& histories);
 
 }  // namespace tactbench::bench

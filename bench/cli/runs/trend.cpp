@@ -32,8 +32,8 @@ std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::
     chosen.push_back(subject);
   }
   if (!chosen.empty()) return chosen;
-  throw Error(ExitCode::kUsage, "TB-TREND-NONE", "there are no figures of that", store.path(),
-              subjects.empty() ? std::string("fit, nightly --db and rig check keep figures")
+  throw Error(ExitCode::kUsage, "TB-TREND-NONE", "there are no such figures", store.path(),
+              subjects.empty() ? std::string("fit, nightly --db and rig check store figures")
                                : fmt::format("there are: {}", fmt::join(subjects, ", ")));
 }
 
@@ -61,9 +61,9 @@ void show_followed(const Followed& followed) {
   tty::print("{}{}\n", one_line(followed.subject),
              followed.baseline
                  ? fmt::format(": baseline of {}{} ({})", analysis::counted(followed.baseline->runs.size(), "run"),
-                               followed.repeated == 0
-                                   ? ""
-                                   : fmt::format(", of which {} repeat another and do not count", followed.repeated),
+                               followed.repeated == 0 ? ""
+                                                      : fmt::format(", of which {} repeat another run and do not count",
+                                                                    followed.repeated),
                                one_line(followed.baseline->reason))
                  : std::string(": no baseline"));
   for (const FollowedFigure& figure : followed.figures) {
@@ -93,7 +93,7 @@ void trend(const TrendOptions& options, Session& session) {
   }
   if (figures == 0)
     throw Error(ExitCode::kUsage, "TB-TREND-NONE", fmt::format("there is no figure '{}'", options.figure), "--figure",
-                "leave it out to see those there are");
+                "omit it to list all");
   const auto any = [&](bool FollowedFigure::*what) {
     return std::ranges::any_of(subjects, [&](const Followed& f) { return std::ranges::any_of(f.figures, what); });
   };
@@ -119,13 +119,14 @@ void trend(const TrendOptions& options, Session& session) {
 void add_trend(CLI::App& app, Session& session) {
   auto options = std::make_shared<TrendOptions>();
   CLI::App* verb = app.add_subcommand(
-      "trend", "figures of a sensor, a rig or a scenario run by run, beside the spread of its accepted baseline");
+      "trend", "figures of a sensor, a rig or a scenario run by run, with the spread of its accepted baseline");
   verb->add_option("--sensor", options->sensor, "serial; its figures come from `fit`");
-  verb->add_option("--subject", options->subject, "or what begins so: nightly/paper, rig/bench-1");
+  verb->add_option("--subject", options->subject, "subject or its beginning: nightly/paper, rig/bench-1");
   verb->add_option("--figure", options->figure, "this figure alone");
   verb->add_option("--html", options->html, "write a page with a plot for each figure");
   add_replace(*verb, session);
-  verb->add_flag("--check", options->check, "exit 1 when the newest value of a figure lies outside, 6 when one drifts");
+  verb->add_flag("--check", options->check,
+                 "exit 1 when the newest value of a figure is outside its band, 6 when one drifts");
   add_common(*verb, session);
   verb->callback([options, &session] { trend(*options, session); });
 }

@@ -66,7 +66,7 @@ void verify(std::int64_t number, Session& session) {
   if (content.holds()) {
     tty::print("  {:<14}as it was stored, sha256 {}\n", "content", content.computed_sha256);
   } else {
-    tty::print("  {:<14}DIFFERS: {}\n  {:<14}stored sha256 {}, recomputed {}; the analysis was not looked at\n",
+    tty::print("  {:<14}DIFFERS: {}\n  {:<14}stored sha256 {}, recomputed {}; the analysis was not checked\n",
                "content", content.difference, "", content.stored_sha256, content.computed_sha256);
   }
   for (const std::string& line : beside) tty::print("  {:<14}{}\n", "CHANGED", line);
@@ -83,9 +83,8 @@ void add_verify(CLI::App& app, Session& session) {
       "verify", "recompute a run's content hash and its analysis from the raw frames; name the first difference");
   verb->add_option("run", *number, "run number")->required();
   verb->footer(
-      "Exit codes: 0 all as stored, 1 a fit or verdict comes out otherwise, 5 content, fits, verdicts, approvals or "
-      "void "
-      "are not what was stored, 6 not ended.");
+      "Exit codes: 0 all as stored, 1 a recomputed fit or verdict differs, 5 content, fits, verdicts, approvals or "
+      "voids were changed, 6 not ended.");
   add_common(*verb, session);
   verb->callback([number, &session] { verify(*number, session); });
 }

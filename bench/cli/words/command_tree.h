@@ -1,5 +1,5 @@
-// The command line as data: verbs, options, choices, taken from CLI11's own tables. Completion scripts and the manual
-// page are written from it, so that neither can lag behind the program.
+// The command line as data: verbs, options, choices, from CLI11's own tables. Completion scripts and the manual page
+// are generated from it, so that they always match the program.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ struct CommandNode {
   std::vector<CommandNode> verbs;
 };
 
-// Without what is hidden from --help. Looks into the shipped recipes and configurations for their names.
+// Without entries hidden from --help. Reads the names of the shipped recipes and configurations.
 CommandNode command_tree(const CLI::App& app);
 
 // The node and all below it, parents first.

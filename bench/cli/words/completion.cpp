@@ -1,4 +1,4 @@
-// What the program says of its own command line: completion scripts, and the manual page for the build.
+// Prints descriptions of the command line: completion scripts, and the manual page for the build.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -21,7 +21,7 @@ const std::map<std::string, CompletionWriter> completion_writers = {
 
 void add_completion(CLI::App& app) {
   auto shell = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("completion", "print a script that completes tactbench's words in a shell");
+  CLI::App* verb = app.add_subcommand("completion", "print a completion script for a shell");
   verb->add_option("shell", *shell, "whose words")->required()->check(CLI::IsMember(completion_writers));
   verb->footer(
       "bash: source <(tactbench completion bash). zsh: the same, after compinit. fish: tactbench completion "

@@ -9,7 +9,7 @@ namespace tactbench::bench {
 
 namespace {
 
-// Text for roff: hyphens as typed, nothing that it would take for a request.
+// Escapes text for roff: hyphens stay, no line looks like a request.
 std::string roff(const std::string& text) {
   std::string out;
   bool line_start = true;
@@ -35,7 +35,7 @@ std::string roff(const std::string& text) {
   return out;
 }
 
-// A sentence a line, as man pages are written; words are left as they are.
+// One sentence per line, as man pages are written.
 std::string roff_paragraph(const std::string& text) {
   std::string lines;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -116,50 +116,45 @@ const std::vector<ManualEntry> manual_codes = {
     {"3", "Device or link."},
     {"4", "Stopped or aborted by the operator, an interlock or a limit."},
     {"5", "Store: locked, full, damaged, wrong schema."},
-    {"6", "Inconclusive: something in the guard band, or too little data."},
+    {"6", "Inconclusive: a value in the guard band, or too little data."},
     {"7", "The safe state could not be verified. It outranks all others."},
     {"70", "Internal error."},
-    {"129, 130, 131, 138, 140, 143",
+    {"129, 130, 131, 138, 140, 143 ...",
      "Ended by a signal, after the safe state: 128 and the number of SIGHUP (the terminal or the connection was "
-     "closed), "
-     "SIGINT, SIGQUIT, SIGUSR1, SIGUSR2 or SIGTERM. A closed standard output or error ends no run."}};
+     "closed), SIGINT, SIGQUIT, SIGUSR1, SIGUSR2, SIGTERM or another that would end a program. A closed standard "
+     "output or error does not end a run."}};
 
 const std::vector<ManualEntry> manual_environment = {
     {"TACTBENCH_SHARE",
      "Folder of the shipped recipes, configurations and module profiles. Without it the folder share/tactbench beside "
      "the program's bin folder is taken, and without that the source tree that the program was built from."},
     {"TACTBENCH_RUNTIME_DIR",
-     "A folder of yours that nobody else can enter. Programs that have it set stand apart from those of the machine: "
-     "their "
-     "runs do not lock its benches, and its words do not reach them. For tests and for simulated rigs beside each "
-     "other, "
-     "never for a rig that is real."},
+     "A folder of yours that no other user can enter. Programs with this setting are separate from the machine's other "
+     "programs: their runs do not lock its benches, and its commands do not reach them. For tests and parallel "
+     "simulated rigs, never for a real rig."},
     {"XDG_STATE_HOME",
-     "Its folder tactbench holds trips that stay until a person resets them. Without it they lie in "
-     "/var/lib/tactbench, "
-     "which the packages make for the group tactbench, and where that is not, in ~/.local/state/tactbench."},
-    {"TACTBENCH_LANES",
-     "Width of the vector code of identification: base, avx2 or avx512, to try another than the best."},
+     "Its folder tactbench holds trips that stay until a person resets them. Without it trips are kept in "
+     "/var/lib/tactbench, which the packages make for the group tactbench, or, without that folder, in "
+     "~/.local/state/tactbench."},
+    {"TACTBENCH_LANES", "Vector level of identification: base, avx2 or avx512, instead of the best one."},
     {"TACTBENCH_EVENT", "Set for the command that --on-event names: what happened."},
     {"CI, TERM", "With CI set, with TERM=dumb or without a terminal, progress is printed as plain lines."}};
 
 const std::vector<ManualEntry> manual_files = {
     {"bench.toml, sensor.toml, limits.toml",
-     "Rig and its limits, type of sensor, and what passes; tactbench init writes commented ones to start from. "
-     "[reference], "
-     "[force] and [stage] take certificate, calibrated, due (dates as 2026-01-31) and an expanded uncertainty. A bench "
-     "that "
-     "drives hardware is refused while a value says FILL-IN."},
+     "Rig and its limits, type of sensor, acceptance limits; tactbench init writes commented ones to start from. "
+     "[reference], [force] and [stage] take certificate, calibrated, due (dates as 2026-01-31) and an expanded "
+     "uncertainty. A bench that drives hardware is refused while a value says FILL-IN."},
     {"lab.toml",
-     "What a report says and no instrument knows. The run's own certificates stand; this fills in what they leave "
-     "open."},
+     "Facts for reports that no instrument knows. The run's own certificates take precedence; this file fills the "
+     "gaps."},
     {"runs.db",
-     "The store of --db where none is named: one SQLite file a bench, with runs.db-wal and runs.db-shm while "
-     "it is open, and runs.db-lock, an empty file that stays: it carries the locks of live runs."},
+     "The store when --db is not given: one SQLite file a bench, with runs.db-wal and runs.db-shm while it is open, "
+     "and runs.db-lock, an empty file that stays and carries the locks of live runs."},
     {"@tactbench/BENCH",
-     "No file: the name in /proc/net/unix under which the run on a bench of this machine listens. Whoever holds it has "
+     "Not a file: the name in /proc/net/unix under which the run on a bench of this machine listens. Its holder has "
      "the bench."},
-    {"reports/run-N.html", "Calibration and test reports, beside the store; a signed one is named by its number."},
+    {"reports/run-N.html", "Calibration and test reports, in the store's folder; a signed one is named by its number."},
     {"share/tactbench/sequences", "Shipped recipes, named without folder and ending."},
     {"share/tactbench/bench/config", "Shipped bench, sensor type and limits files."},
     {"share/tactbench/devices/profiles", "Profiles of analog modules."}};
@@ -176,21 +171,19 @@ std::string manual_page(const CommandNode& root, const std::string& version, con
       date, roff(version));
   text += roff_paragraph(
       "tactbench drives a test bench that characterizes tactile sensor arrays, keeps every sample in SQLite, "
-      "identifies "
-      "hysteresis models for each taxel, scores how well they compensate, and writes a calibration report. The same "
-      "program runs against the rig and against a simulated rig at the other end of the same wires. Standard output is "
-      "the result, standard error is talk. An error says what, where and how to mend it, with an identifier TB-...");
+      "identifies hysteresis models for each taxel, scores how well they compensate, and writes a calibration report. "
+      "The same program runs against the rig and against a simulated rig at the other end of the same wires. Results "
+      "go to standard output, messages to standard error. An error states what is wrong, where, and how to correct it, "
+      "with an identifier TB-...");
   text += "\n.SH VERBS\n";
   for (const CommandNode* node : all_nodes(root)) {
     if (!node->path.empty()) text += verb_section(*node);
   }
   text += ".SH WHO MAY COMMAND\n";
   text += roff_paragraph(
-      "One run at a time has a bench, whichever user and login started it. Root, the user of the run and members of "
-      "the "
-      "group tactbench may pause, resume, stop, abort and panic it; all others are told TB-RUN-DENIED. Who does so has "
-      "to "
-      "believe who answers by the same rule: root hears any run, others their own, root's, and those of members.");
+      "One run at a time uses a bench, whichever user and login started it. Root, the user of the run and members of "
+      "the group tactbench may pause, resume, stop, abort and panic it; all others get TB-RUN-DENIED. Answers are "
+      "trusted by the same rule: root trusts any run, other users their own, root's, and those of members.");
   text += fmt::format("\n.SH EXIT STATUS\n{}.SH ENVIRONMENT\n{}.SH FILES\n{}", manual_entries(manual_codes),
                       manual_entries(manual_environment), manual_entries(manual_files));
   text +=

@@ -36,7 +36,7 @@ Control::Answer Control::ask(Command command, const std::string& who) {
       if (!waits) return {false, fmt::format("run {} is {}, not paused", status_.run, to_string(state))};
       pause_ = false;
       resume_ = true;
-      answer.text = fmt::format("run {} goes on: {}", status_.run,
+      answer.text = fmt::format("run {} continues: {}", status_.run,
                                 !status_.question.empty()    ? "it takes this as the answer to: " + status_.question
                                 : state == RunState::kPaused ? "conditioned again, then the next branch"
                                                              : "the pause is taken back");

@@ -18,7 +18,7 @@ enum class Command {
   kStatus,
   kPause,   // continues to the end of the branch, then vents and waits
   kResume,  // a paused run continues: conditioned again, from the next branch
-  kStop,    // ends now; what is measured counts (outcome stopped)
+  kStop,    // ends now; what was measured counts (outcome stopped)
   kAbort,   // ends now; somebody saw something wrong (outcome aborted)
   kPanic,   // vents and halts at once, past the sequencer; latches a trip
 };

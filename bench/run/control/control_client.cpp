@@ -52,7 +52,7 @@ std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, 
     live.denied = answer.value("denied", false);
     live.text = answer.value("text", "");
     return live;
-  } catch (const nlohmann::json::exception&) {  // not of our making
+  } catch (const nlohmann::json::exception&) {  // not an answer of tactbench
     return std::nullopt;
   }
 }
@@ -73,7 +73,7 @@ std::int64_t told_run(const std::string& name, const std::vector<std::string>& h
   return 0;
 }
 
-// One conversation, of which no step waits.
+// One non-blocking conversation.
 class Asking {
  public:
   enum class State { kToConnect, kAsked, kAnswered, kSilent, kGone };
@@ -96,7 +96,7 @@ class Asking {
 
   void connect() {
     descriptor_ = connect_to_name(name_);
-    if (descriptor_ < 0) {  // no room to wait there: again, as long as there is time
+    if (descriptor_ < 0) {  // its queue is full: tries again while there is time
       state_ = errno == EAGAIN || errno == EINTR ? State::kToConnect : State::kGone;
       return;
     }
@@ -108,7 +108,7 @@ class Asking {
       hang_up();
       return;
     }
-    // A server that hangs up at once may still have said something.
+    // A server that hangs up at once may have sent something before.
     (void)::send(descriptor_, word_.data(), word_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     state_ = State::kAsked;
   }
@@ -117,7 +117,9 @@ class Asking {
     const ssize_t size = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (size > 0) answer_ = read_answer(name_, *server_, std::string(bytes.data(), static_cast<std::size_t>(size)));
-    state_ = answer_ ? State::kAnswered : size > 0 ? State::kSilent : State::kGone;
+    // One that hangs up without a word has ended, or had to make room for others before this word came: asked again, it
+    // is known which.
+    state_ = answer_ ? State::kAnswered : size > 0 ? State::kSilent : State::kToConnect;
     hang_up();
   }
   [[nodiscard]] State state() const { return state_; }
@@ -143,7 +145,7 @@ class Asking {
   std::optional<LiveRun> answer_;
 };
 
-// Until one of them says something, at most until `end`; those that could not connect try again.
+// Waits until one of them answers, at most until `end`; those that could not connect try again.
 void wait_for_any(std::vector<Asking>& all, WordClock::time_point end) {
   std::vector<pollfd> ready;
   std::vector<Asking*> asked;
@@ -214,12 +216,6 @@ std::optional<LiveRun> send_command(const std::string& name, Command command) {
   Heard heard = say_to({name}, command);
   if (heard.answers.empty()) return std::nullopt;
   return std::move(heard.answers.front());
-}
-
-std::vector<LiveRun> live_runs() {
-  std::vector<LiveRun> answers = say_to(run_names(), Command::kStatus).answers;
-  std::erase_if(answers, [](const LiveRun& live) { return live.denied; });
-  return answers;
 }
 
 }  // namespace tactbench::bench

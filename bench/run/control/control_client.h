@@ -1,5 +1,5 @@
-// The client's side of the commands: which runs live on this machine, and their answers. All are asked at once, so that
-// one that stands still costs the others nothing.
+// The client's side of the commands: finds the live runs of this machine and gets their answers. All are asked in
+// parallel, so that a stopped process does not delay the others.
 #pragma once
 
 #include <chrono>
@@ -23,15 +23,15 @@ struct LiveRun {
   std::string text;     // the answer
 };
 
-// The answer in a server's text; none: not written by a run.
+// Parses a server's text; none: not the answer of a run.
 std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, const std::string& text);
 
-// A name that is held by a process that did not answer.
+// A bench's name whose holder did not answer.
 struct SilentBench {
   std::string name, bench;  // bench: its id as far as the name shows it
   std::int64_t run = 0;     // 0: not known
   std::optional<Peer> server;
-  bool stranger = false;  // not believed: neither root, nor the caller's user, nor of the group
+  bool stranger = false;  // not trusted: neither root, nor the caller's user, nor a member of the group
 };
 
 struct Heard {
@@ -39,11 +39,11 @@ struct Heard {
   std::vector<SilentBench> silent;
 };
 
-// Names under which runs listen; of one bench, or (empty) of all.
+// Names under which runs listen, of one bench or (empty) of all.
 std::vector<std::string> run_names(const std::string& bench_id = {});
 
 struct ListenOptions {
-  // Once a `wanted` answer has come, the others have `stragglers` longer; until then all have `longest`.
+  // Waits at most `longest`; once a `wanted` answer has come, at most `stragglers` more.
   std::chrono::milliseconds stragglers{200}, longest{2000};
   std::function<bool(const LiveRun&)> wanted;  // empty: any
   std::function<bool(const LiveRun&)> enough;  // after this no further answer is needed; empty: none
@@ -55,7 +55,5 @@ Heard say_to(const std::vector<std::string>& names, Command command, const Liste
 
 // The same to one; none: no answer.
 std::optional<LiveRun> send_command(const std::string& name, Command command);
-// All that answer.
-std::vector<LiveRun> live_runs();
 
 }  // namespace tactbench::bench

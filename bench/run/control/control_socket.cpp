@@ -87,7 +87,7 @@ void ControlSocket::serve() {
   }
 }
 
-// Some at a time: who connects without end does not keep the others from being heard.
+// A few per round: a client that keeps connecting does not block the others.
 void ControlSocket::accept_some() {
   for (int i = 0; i < kAcceptedAtOnce; ++i) {
     const int descriptor = ::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
@@ -97,11 +97,11 @@ void ControlSocket::accept_some() {
     }
     make_room();
     const std::optional<Peer> peer = peer_of(descriptor, group_);
-    clients_.push_back({descriptor, peer && is_trusted(*peer, ::geteuid()), peer ? peer_text(*peer) : "unknown"});
+    clients_.push_back({descriptor, peer && is_trusted(*peer, ::geteuid()), peer});
   }
 }
 
-// Who says nothing gives way to who comes; who may not command anyway goes first.
+// A silent client is dropped for a new one; clients without the right to command are dropped first.
 void ControlSocket::make_room() {
   if (clients_.size() < kMostClients) return;
   auto oldest = std::find_if(clients_.begin(), clients_.end(), [](const Client& client) { return !client.trusted; });
@@ -115,12 +115,15 @@ bool ControlSocket::answer(const Client& client) {
   const ssize_t size = ::recv(client.descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (size <= 0) return true;
+  const std::string who =
+      client.peer ? peer_text(*client.peer) : "unknown";  // a look into a file: not for each that comes
   nlohmann::json told{{"bench", bench_}, {"denied", !client.trusted}};
   if (client.trusted) {
     const Command command = command_of(std::string(bytes.data(), static_cast<std::size_t>(size)));
-    // This process may have stood still since that was asked. Nobody who was told so expects it to go on by itself.
+    // This process may have been stopped since the command came; a client that gave up does not expect the run to
+    // continue later.
     if (command == Command::kResume && hung_up(client.descriptor)) return true;
-    const Control::Answer answer = control_.ask(command, client.who);
+    const Control::Answer answer = control_.ask(command, who);
     const RunStatus status = control_.status();
     told.update({{"taken", answer.taken},
                  {"text", answer.text},
@@ -133,7 +136,7 @@ bool ControlSocket::answer(const Client& client) {
                  {"steps", status.steps},
                  {"left_s", status.left_s}});
   } else {
-    told["text"] = fmt::format("{} may not command it: root, user {} and members of the group '{}' may", client.who,
+    told["text"] = fmt::format("{} may not command it: root, user {} and members of the group '{}' may", who,
                                ::geteuid(), kGroupName);
   }
   const std::string text = analysis::printable_json(told);

@@ -1,7 +1,6 @@
 // The run's side of the commands: it listens on the name of its bench (bench/run/control/machine_name.h), which is also
-// the bench's lock, so that the run that answers there is the one that has the bench. Served by a thread of its own: an
-// answer never waits for an instrument, nor for another client. Clients without the right (bench/run/control/peer.h)
-// are refused.
+// the bench's lock, so that the run that answers there holds the bench. A thread of its own serves it: an answer never
+// waits for an instrument or for another client. Clients without the right (bench/run/control/peer.h) are refused.
 #pragma once
 
 #include <sys/types.h>
@@ -15,14 +14,15 @@
 #include "bench/config/config.h"
 #include "bench/run/control/control.h"
 #include "bench/run/control/machine_name.h"
+#include "bench/run/control/peer.h"
 
 namespace tactbench::bench {
 
 class ControlSocket {
  public:
-  // `bench_name`: held by the caller, who outlives this. None: it takes one itself; that of a bench inside its own
-  // process, which shares no rig, carries the process's number. `run` is told by a further name also while the process
-  // stands still. Throws Error TB-BENCH-LOCKED, TB-BENCH-NAME.
+  // `bench_name`: held by the caller, must outlive this. None: takes a name itself; for a bench simulated in this
+  // process, which shares no rig, the name carries the process's number. A second name shows the number `run` even
+  // while the process is stopped. Throws Error TB-BENCH-LOCKED, TB-BENCH-NAME.
   ControlSocket(const BenchConfig& bench, Control& control, std::int64_t run, const MachineName* bench_name = nullptr);
   ~ControlSocket();
   ControlSocket(const ControlSocket&) = delete;
@@ -33,7 +33,7 @@ class ControlSocket {
   struct Client {
     int descriptor = -1;
     bool trusted = false;
-    std::string who;
+    std::optional<Peer> peer;
   };
   void serve();
   void accept_some();
@@ -43,7 +43,7 @@ class ControlSocket {
   std::string bench_;
   MachineName own_;  // where none was given
   const MachineName& listener_;
-  std::optional<gid_t> group_;  // looked up once: where users live on a server that takes its time
+  std::optional<gid_t> group_;  // looked up once: slow where users are kept on a server
   MachineName run_name_;
   int stop_ = -1;
   std::vector<Client> clients_;  // oldest first

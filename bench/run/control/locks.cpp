@@ -14,7 +14,7 @@ namespace {
 
 constexpr devices::Nanoseconds kDeadManEnds = std::chrono::seconds(15);
 
-// Who has it, and with what; a run that stands still does not say.
+// Who holds it, and with which run; a stopped process does not answer.
 std::string holder_of(const MachineName& name) {
   const std::optional<LiveRun> live = send_command(name.text(), Command::kStatus);
   if (!live || live->denied) return name.owner();
@@ -47,7 +47,7 @@ BenchLock::BenchLock(const BenchConfig& config)
   if (dead_man.held()) return;
   refuse_bench(
       fmt::format("the dead-man ({}) of the run before is still making bench '{}' safe", dead_man.owner(), config.id),
-      dead_man, "look at the rig: the chamber may hold pressure; then try again");
+      dead_man, "inspect the rig: the chamber may hold pressure; then try again");
 }
 
 }  // namespace tactbench::bench

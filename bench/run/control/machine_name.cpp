@@ -66,7 +66,7 @@ MachineName::MachineName(const std::string& what) : text_(what) {
   descriptor_ = -1;
   if (why == EADDRINUSE) return;
   throw Error(ExitCode::kUsage, "TB-BENCH-NAME", fmt::format("the system gives no socket: {}", std::strerror(why)),
-              shown_name(what), "look at the limits of open files (ulimit -n) and memory");
+              shown_name(what), "check the limits of open files (ulimit -n) and memory");
 }
 
 MachineName::~MachineName() {

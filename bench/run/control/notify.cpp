@@ -14,10 +14,10 @@ namespace tactbench::bench {
 void Notify::tell(const std::string& event, std::int64_t run, const std::string& reason) const {
   if (command_.empty()) return;
   ChildStart shell;
-  // In the background of a shell of its own, which ends at once: the command may take as long as it likes and is
-  // nobody's child afterwards.
+  // In the background of a shell of its own, which ends at once: the command may take any time and leaves no child
+  // process behind.
   shell.words = {"/bin/sh", "-c", "(" + command_ + "\n) </dev/null >&2 &"};
-  // In place of those of a run which started this one.
+  // Replaces those of a run that started this program.
   shell.environment = environment_with(
       {"TACTBENCH_EVENT=" + event, fmt::format("TACTBENCH_RUN={}", run), "TACTBENCH_REASON=" + reason});
   try {

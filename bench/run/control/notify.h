@@ -1,4 +1,4 @@
-// --on-event: a command of the user's, told when a run is done, has failed or waits for somebody.
+// --on-event: runs a command of the user when a run is done, has failed or waits for a person.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ class Notify {
   Notify() = default;
   explicit Notify(std::string command) : command_(std::move(command)) {}
   // Starts `sh -c COMMAND` with TACTBENCH_EVENT (done, failed, waiting), TACTBENCH_RUN and TACTBENCH_REASON in its
-  // environment and does not wait for it. A command that cannot be started is said on standard error and changes
+  // environment and does not wait for it. A command that cannot be started is reported on standard error and changes
   // nothing.
   void tell(const std::string& event, std::int64_t run, const std::string& reason) const;
 

@@ -30,14 +30,14 @@ std::optional<Peer> peer_of(int descriptor, std::optional<gid_t> group) {
   if (::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &told, &size) != 0 || told.pid < 0) return std::nullopt;
   Peer peer{told.pid, told.uid, group && told.gid == *group};
   if (!group || peer.in_group) return peer;
-  // The groups of the process itself, not those that the user database lists for its user: who gave its groups up, or
-  // logged in before it was given them, does not have them.
+  // The groups of the process itself, not those of its user in the user database: the process may have dropped them, or
+  // may have logged in before it was added.
   std::vector<gid_t> groups(64);
   for (int turn = 0; turn < 2; ++turn) {
     size = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
     const bool told_all = ::getsockopt(descriptor, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) == 0;
     groups.resize(size / sizeof(gid_t));
-    if (!told_all) continue;  // too many: `size` says how many
+    if (!told_all) continue;  // too many: `size` holds their number
     peer.in_group = std::find(groups.begin(), groups.end(), *group) != groups.end();
     break;
   }

@@ -1,5 +1,5 @@
-// Who is at the other end of a local socket, as the kernel tells it, and who may command a run: root, the run's own
-// user, and members of the group `tactbench`. The same may be believed when they say that they carry one out.
+// The process at the other end of a local socket, as reported by the kernel, and who may command a run: root, the run's
+// own user, and members of the group `tactbench`. The same users are trusted when they answer as a run.
 #pragma once
 
 #include <sys/types.h>
@@ -11,7 +11,7 @@ namespace tactbench::bench {
 
 inline constexpr const char* kGroupName = "tactbench";
 
-// Its number; none: the machine has no such group.
+// The group's number; none: the machine has no such group.
 std::optional<gid_t> commanding_group();
 
 struct Peer {
@@ -20,14 +20,13 @@ struct Peer {
   bool in_group = false;
 };
 
-// Of a connected socket: of a client when it connected, of a server when it began to listen. None: not told.
+// Of a connected socket: the client when it connected, or the server when it began to listen. None: not known.
 std::optional<Peer> peer_of(int descriptor, std::optional<gid_t> group = commanding_group());
 
-// Whether a process of user `own` may take words from that one, or believe its answers.
+// Whether a process of user `own` may take commands from that one, or trust its answers.
 bool is_trusted(const Peer& peer, uid_t own);
 
-// "alice (pid 812)"; "user 1003 (pid 812)" where /etc/passwd does not name the user: a server of names may take its
-// time.
+// "alice (pid 812)"; "user 1003 (pid 812)" where /etc/passwd does not name the user: name servers may be slow.
 std::string peer_text(const Peer& peer);
 
 }  // namespace tactbench::bench

@@ -17,7 +17,7 @@ class Progress {
   static Mode mode_for(bool quiet);
   // `done` of `total` steps. Below 0, the time left follows from the pace so far.
   void step(const std::string& label, int done, int total, const sequences::Step& now, double left_s);
-  // A line that stays: what a person has to know now. Shown in every mode.
+  // A line that stays, for what a person has to know now. Shown in every mode.
   void note(const std::string& text);
   void finish();
 

@@ -8,7 +8,7 @@ namespace tactbench::bench {
 enum class RunState {
   kPrepared,
   kRunning,
-  kPausing,    // asked to pause: goes on to the end of the branch
+  kPausing,    // asked to pause: continues to the end of the branch
   kPaused,     // vented, waits for a person
   kSuspended,  // vented, waits for a condition (supply pressure, temperature)
   kStopping,   // teardown, safe state

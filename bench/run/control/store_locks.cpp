@@ -17,9 +17,9 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::chrono::milliseconds kLockTurn{5};
-constexpr std::chrono::seconds kOtherStart{15};  // longer than a busy store holds it up
+constexpr std::chrono::seconds kOtherStart{15};  // longer than a busy store delays it
 
-// As SQLite does for its own files beside the store: whoever may write the one may write the other.
+// As SQLite does for its own files beside the store: the same users may write them.
 int make_lock_file(const std::string& path, const std::string& db_path) {
   struct stat store {};
   if (::stat(db_path.c_str(), &store) != 0) return -1;
@@ -50,7 +50,7 @@ StoreLocks::StoreLocks(const std::string& db_path)
   const std::string why = file_ >= 0 ? "it is no file" : std::strerror(errno);
   if (file_ >= 0) ::close(file_);
   throw Error(ExitCode::kStore, "TB-STORE-LOCK", "the store's lock file cannot be used: " + why, path_,
-              "check folder and permissions; a file that nobody holds may be removed");
+              "check folder and permissions; a file that no process holds may be removed");
 }
 
 StoreLocks::~StoreLocks() { ::close(file_); }
@@ -91,7 +91,7 @@ void StoreLocks::take_run(std::int64_t run, std::chrono::milliseconds longest) c
 
 RunLock::RunLock(const std::string& db_path) : locks_(db_path) { locks_.share(kOtherStart); }
 
-// Who guesses the number of a run that is just being made holds it for a moment.
+// Another process that tries to resume this number holds its lock for a moment.
 void RunLock::take_new(std::int64_t run) const { locks_.take_run(run, kOtherStart); }
 
 void RunLock::take_again(std::int64_t run) const { locks_.take_run(run, std::chrono::milliseconds(0)); }
@@ -113,8 +113,8 @@ std::optional<bool> is_carried_out(const std::string& db_path, std::int64_t run)
 db::RunStore open_for_running(const std::string& db_path, const BenchConfig& config) {
   const bool hardware = !config.in_process;
   db::RunStore store = db::RunStore::open(db_path, hardware ? db::Durability::kFull : db::Durability::kNormal);
-  // A run makes its row, or opens it again, only once it shares the store (RunLock): with the whole of it in hand there
-  // is no unended run that lives, and none begins.
+  // A run makes or opens its row only while it shares the store (RunLock): under the exclusive lock no unended run is
+  // alive, and none begins.
   const StoreLocks locks(db_path);
   if (locks.take_whole()) (void)store.mark_interrupted(utc_now());
   return store;

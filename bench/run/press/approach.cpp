@@ -30,7 +30,7 @@ void check_free(const PressAxis& axis, const ForceSample& reading, double limit_
               "Check that object and specimen are mounted, x and y, and the deepest z of the bench.");
 }
 
-// Back until the force is gone; the specimen may follow for a while.
+// Backs off until the force is gone; the specimen may recover slowly and follow.
 void back_off(PressAxis& axis) {
   const PressOptions& options = axis.options();
   double way = options.backoff_mm;
@@ -70,7 +70,7 @@ ContactPoint find_contact(PressAxis& axis, double clear_z_mm) {
     if (z_mm > last_mm) no_contact(axis, start_mm);
     const ForceSample now = axis.move_to(z_mm, options.servo_mm_per_s);
     contact.greatest_n = std::max(contact.greatest_n, now.force_n);
-    // Two successive readings in contact, a step apart: their line tells where the force begins.
+    // Two successive readings in contact, one step apart: the line through them gives the point of contact.
     const bool twice = before.force_n >= options.contact_n && now.force_n >= options.contact_n;
     if (twice) {
       const double slope = (now.force_n - before.force_n) / (now.z_mm - before.z_mm);

@@ -15,21 +15,21 @@ using devices::Nanoseconds;
 
 namespace {
 
-constexpr double kAhead = 0.15;      // stiffness may grow by this share over as much force as it was seen over
-constexpr double kStiffening = 0.5;  // and as this power of the force while no better is known: F ~ depth^2, cloth
+constexpr double kAhead = 0.15;      // share by which stiffness may grow over the force it was measured over
+constexpr double kStiffening = 0.5;  // assumed exponent of stiffness over force while none is known: F ~ depth^2, cloth
 constexpr double kMostStiffening = 0.7;
-constexpr double kFar = 1.3;             // times the force seen at: further ahead no power is trusted below
+constexpr double kFar = 1.3;             // times the force measured at: beyond, the exponent is at least
 constexpr double kFarStiffening = 0.25;  // this one,
-constexpr double kVeryFar = 2.0;         // and from here on
+constexpr double kVeryFar = 2.0;         // and from here on at least
 constexpr double kVeryFarStiffening = 0.4;
-constexpr double kMostAim = 3.0;      // times the force that is there: loading goes no further in one step
-constexpr double kToldBy = 5.0;       // a power is taken from changes of force of so many times what tells a stiffness
-constexpr double kTurnCaution = 1.4;  // a new direction begins up to that much stiffer than the old one ended
-constexpr double kTurned = 2.0;       // times the play: so far after a turn care is taken
-constexpr double kLeastOfLeft = 0.3;  // a turn's first steps go for at least this share of what is left
-constexpr double kGrowth = 3.0;       // a step is at most so many times the one before
-constexpr double kMostIdle = 0.5;     // share of a step that play is taken to have eaten, at most
-constexpr double kPlayLowers = 0.7;   // a step with play in it lowers the stiffness no further than to that
+constexpr double kMostAim = 3.0;      // times the present force: loading goes no further in one step
+constexpr double kToldBy = 5.0;       // an exponent needs changes of force this many times those for a stiffness
+constexpr double kTurnCaution = 1.4;  // a new direction starts up to this much stiffer than the old one ended
+constexpr double kTurned = 2.0;       // times the play: travel after a turn with small steps
+constexpr double kLeastOfLeft = 0.3;  // a turn's first steps aim for at least this share of the rest
+constexpr double kGrowth = 3.0;       // a step is at most this many times the one before
+constexpr double kMostIdle = 0.5;     // largest share of a step assumed lost to play
+constexpr double kPlayLowers = 0.7;   // a step with play lowers the stiffness to at least this share
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void ForceServo::begin(const ContactPoint& contact) {
   span_n_ = stiffness_ * axis_.options().fine_step_mm;
   seen_at_n_ = std::max(axis_.options().contact_n, contact.reading.force_n);
   power_ = kStiffening;
-  since_turn_mm_ = kTurned * axis_.options().play_mm;  // the approach has taken it up
+  since_turn_mm_ = kTurned * axis_.options().play_mm;  // the approach has taken up the play
   branch_ = Branch::kLoading;
 }
 
@@ -54,7 +54,7 @@ void ForceServo::turn(Branch branch, double force_n) {
 
 double ForceServo::step(double force_n, double target_n, double left_n) const {
   const PressOptions& options = axis_.options();
-  // Unloading the contact softens ahead, so that the stiffness seen is on the safe side by itself.
+  // While unloading the contact becomes softer, so that the measured stiffness is on the safe side.
   double caution = 1.0 + kAhead * std::min(1.0, left_n / span_n_);
   if (branch_ == Branch::kLoading) {
     const double aim_n = std::min(target_n, kMostAim * std::max(force_n, options.contact_n));
@@ -65,7 +65,7 @@ double ForceServo::step(double force_n, double target_n, double left_n) const {
   }
   if (since_turn_mm_ < kTurned * options.play_mm) {
     caution = std::max(caution, kTurnCaution);
-    // What friction may still let go at once.
+    // The force that friction may still release at once.
     const double drop_n = options.turn_drop_share * turned_at_n_ - std::abs(force_n - turned_at_n_);
     left_n = std::max(left_n - std::max(0.0, drop_n), kLeastOfLeft * left_n);
   }
@@ -84,12 +84,12 @@ void ForceServo::learn(const ForceSample& before, const ForceSample& after) {
   since_turn_mm_ += way;
   last_step_mm_ = way;
   if (change < options.answer_n || !(way > 0.0)) {
-    // Less than so small a step should have done: the contact is softer.
+    // The force changed less than expected for so small a step: the contact is softer.
     const bool softer = !play && way * stiffness_ > 2.0 * options.answer_n;
     if (softer) stiffness_ = std::max(options.softest_n_per_mm, stiffness_ / 2.0);
     return;
   }
-  // Of the way as much as the play may have been without effect.
+  // The part of the way that play may have made ineffective.
   const double idle = play ? std::min(options.play_mm, kMostIdle * way) : 0.0;
   const double seen = std::clamp(change / (way - idle), options.softest_n_per_mm, options.stiffest_n_per_mm);
   const double at_n = std::max(options.contact_n, (before.force_n + after.force_n) / 2.0);

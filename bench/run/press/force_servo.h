@@ -1,6 +1,6 @@
-// Brings the force to a level from one side only: a loading branch never goes back, an unloading one never forth, since
-// a correction the other way would start a minor loop in a hysteretic specimen. Stands between press.h and
-// press_axis.h.
+// Brings the force to a level from one side only: a loading branch never moves back, an unloading one never forward,
+// since a correction in the other direction would start a minor loop in a hysteretic specimen. A layer between press.h
+// and press_axis.h.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace tactbench::bench {
 
 enum class Branch { kLoading, kUnloading };
 
-struct BranchBroken {  // a level was passed by more than its tolerance: the branch has to be done again
+struct BranchBroken {  // a level was passed by more than its tolerance: the branch must be repeated
   double target_n = 0.0, force_n = 0.0;
   double overshoot_n = 0.0;  // beyond the target, in the branch's direction
 };
@@ -26,12 +26,12 @@ struct ServoResult {
 class ForceServo {
  public:
   explicit ForceServo(PressAxis& axis) : axis_(axis) {}
-  // Forgets the specimen before; z stands in that contact, come from above.
+  // Resets to a new contact, in which z stands, approached from above.
   void begin(const ContactPoint& contact);
-  // Steps of z, each followed by a reading at rest, until the force is within `band_n` short of the target or beyond
-  // it; beyond by more than the level's tolerance is `broken`. A step is what is left divided by the stiffness seen on
-  // the last step and by a caution for stiffness that grows ahead. Throws TB-PRESS-TIMEOUT (moves or time used up),
-  // TB-PRESS-NO-FORCE (z at its end without the force), and those of PressAxis.
+  // Moves z in steps, each followed by a reading at rest, until the force is at most `band_n` short of the target or
+  // beyond it; beyond by more than the level's tolerance is `broken`. A step is the remaining force divided by the
+  // stiffness of the last step and by a factor for stiffness that increases ahead. Throws TB-PRESS-TIMEOUT (moves or
+  // time used up), TB-PRESS-NO-FORCE (z at its end without the force), and those of PressAxis.
   [[nodiscard]] ServoResult to(double target_n, Branch branch, double band_n);
   [[nodiscard]] double stiffness_n_per_mm() const { return stiffness_; }
 
@@ -43,8 +43,8 @@ class ForceServo {
   [[nodiscard]] double next_z(double target_n, double force_n, double step_mm, Branch branch) const;
   PressAxis& axis_;
   double contact_z_mm_ = 0.0;
-  double stiffness_ = 0.0;  // N/mm of the last step that told one
-  double span_n_ = 0.0;     // change of force that it was seen over
+  double stiffness_ = 0.0;  // N/mm, of the last step large enough to measure it
+  double span_n_ = 0.0;     // change of force it was measured over
   double seen_at_n_ = 0.0;  // the force in the middle of it
   double power_ = 0.0;      // stiffness grows as this power of the force
   double since_turn_mm_ = 0.0;

@@ -41,7 +41,7 @@ PressOptions press_options(const BenchConfig& config) {
   if (!config.stage) throw std::logic_error("press_options() without [stage]");
   const auto& axes = config.stage->options.axes;
   PressOptions options;
-  options.clear_z_mm = axes[2].low.value();  // only the bench can know of a better one
+  options.clear_z_mm = axes[2].low.value();  // the bench file may set another
   // The device's own limit may lie a microstep short of the nominal travel.
   options.deepest_z_mm = axes[2].high.value() - kMarginMm;
   options.travel_mm_per_s = axes[2].maximum_speed.value();
@@ -65,7 +65,7 @@ void Press::check_clear() {
   if (z_mm <= clear_z_mm_ + kStandsMm) return;
   throw Fault(
       "TB-PRESS-NOT-CLEAR", "stage z",
-      fmt::format("z stands at {:.3f} mm, clear of the specimen is {:.3f} mm; nothing was moved", z_mm, clear_z_mm_),
+      fmt::format("z is at {:.3f} mm, clear of the specimen is {:.3f} mm; nothing was moved", z_mm, clear_z_mm_),
       "Let the recipe retract before it tares or moves in x and y.");
 }
 
@@ -122,7 +122,7 @@ ContactPoint Press::approach() {
   return found;
 }
 
-// Further in the branch's direction when the force has left the inner half of its band; false: broken.
+// Corrects in the branch's direction when the force has left the inner half of its band; false: broken.
 bool Press::correct(const PressLevel& level, ForceSample& last, PressReading& reading) {
   const double half = options_.tolerance(level.force_n) / 2.0;
   const double left = (level.branch == Branch::kLoading ? 1.0 : -1.0) * (level.force_n - last.force_n);

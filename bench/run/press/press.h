@@ -1,5 +1,5 @@
-// The second platform's steps, one method each: tare, home, move to x, y, approach, press to a level, retract. Called
-// by the sequencer; keeps nothing but what the next step needs. Results are structs that the recorder stores.
+// The steps of a run that presses, one method each: tare, home, move to x, y, approach, press to a level, retract.
+// Called by the sequencer; keeps only what the next step needs. Results are structs that the recorder stores.
 #pragma once
 
 #include <optional>
@@ -13,12 +13,12 @@ namespace tactbench::bench {
 
 struct BenchConfig;
 
-// Limits and speeds of the bench's stage; the rest as by default. Throws std::logic_error without a [stage].
+// Limits and speeds of the bench's stage; everything else by default. Throws std::logic_error without a [stage].
 [[nodiscard]] PressOptions press_options(const BenchConfig& config);
 
 struct TareReading {
   devices::Nanoseconds time{0};
-  devices::Wrench removed;               // the sensor's offset in the air
+  devices::Wrench removed;               // the sensor's offset without contact
   std::optional<devices::Wrench> drift;  // of the offset since the tare before
 };
 
@@ -26,7 +26,7 @@ struct PressLevel {
   double force_n = 0.0;
   Branch branch = Branch::kLoading;
   double dwell_s = 0.0;
-  bool hold_force = false;  // corrections while dwelling, in the branch's direction only; else z stands
+  bool hold_force = false;  // corrects while dwelling, in the branch's direction only; else z does not move
 };
 
 struct PressReading {
@@ -36,7 +36,7 @@ struct PressReading {
   devices::Wrench wrench;     // their mean
   double force_n = 0.0;       // the level: pressing force at frame time, their mean
   double z_mm = 0.0;          // at frame time
-  double relaxation_n = 0.0;  // at the start less at the end of the dwell: what the specimen gave way, z standing
+  double relaxation_n = 0.0;  // force at the start minus force at the end of the dwell, z at rest
   double stiffness_n_per_mm = 0.0;
   int moves = 0;
   std::optional<BranchBroken> broken;  // then there is no frame, and what follows `start` is empty
@@ -44,17 +44,17 @@ struct PressReading {
 
 class Press {
  public:
-  // `hooks.wait` is needed; it is the only thing waited by, but for the few milliseconds in which a move comes to rest,
-  // homing, and x and y. Everything must outlive this.
+  // `hooks.wait` is required and serves all waits except the few milliseconds in which a move comes to rest, homing,
+  // and moves of x and y. Everything must outlive this.
   Press(devices::Stage& stage, devices::ForceSensor& force, devices::Clock& clock, PressOptions options,
         PressHooks hooks);
   Press(const Press&) = delete;
   Press& operator=(const Press&) = delete;
 
-  // In the air. Throws TB-PRESS-NOT-HOMED, TB-PRESS-NOT-CLEAR when z is beyond clear.
+  // Without contact. Throws TB-PRESS-NOT-HOMED, TB-PRESS-NOT-CLEAR when z is beyond clear.
   TareReading tare();
-  void home();  // z first: that way it leaves the specimen; blocks as Stage::home does
-  // Throws TB-PRESS-NOT-CLEAR when z is beyond clear or a force is felt, and the stage's.
+  void home();  // z first, which leaves the specimen; blocks as Stage::home does
+  // Throws TB-PRESS-NOT-CLEAR when z is beyond clear or a force is measured, and the stage's faults.
   void move_xy(double x_mm, double y_mm);
   ContactPoint approach();
   // Throws TB-PRESS-NO-APPROACH before an approach at this place. `frame` reads the array; null: no frame is wanted.

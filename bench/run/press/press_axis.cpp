@@ -20,7 +20,7 @@ double PressOptions::tolerance(double force_n) const {
   return std::max(tolerance_n, tolerance_share * std::abs(force_n));
 }
 
-// Whoever is told of the fault later needs time: the axis must not go on meanwhile.
+// Stops the axis first: handling the fault takes time.
 template <class Act>
 auto PressAxis::guarded(Act act) {
   try {
@@ -67,7 +67,7 @@ ForceSample PressAxis::move_to(double z_mm, double speed_mm_per_s) {
     stage_.start_move_to(Axis::kZ, Millimetres(z_mm), MillimetresPerSecond(speed_mm_per_s));
     const Nanoseconds end = clock_.now() + seconds(std::abs(z_mm - z_mm_) / speed_mm_per_s + options_.settle_s);
     while (toward) {
-      // Free way until the limit, at the greatest stiffness, less what passes before the stage has obeyed.
+      // Distance to the limit at the greatest stiffness, minus the travel before the stage reacts.
       const double way_s = (options_.force_limit_n - last_n_) / (options_.stiffest_n_per_mm * speed_mm_per_s);
       const double reaction_s = options_.force_latency_s + options_.stop_time_s;
       const Nanoseconds next = clock_.now() + seconds(std::max(options_.poll_interval_s, way_s - reaction_s));

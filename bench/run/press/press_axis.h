@@ -1,5 +1,5 @@
-// The z axis under the eye of the force sensor: each move toward the specimen is watched, and whatever goes wrong while
-// it moves halts the stage before the fault goes on. Below approach.h, force_servo.h and press.h; stores nothing.
+// The z axis monitored by the force sensor: each move toward the specimen is watched, and any fault during a move halts
+// the stage before it is thrown. A layer below approach.h, force_servo.h and press.h; stores nothing.
 #pragma once
 
 #include <array>
@@ -12,31 +12,31 @@
 
 namespace tactbench::bench {
 
-// z grows toward the specimen. What is not the bench's own is not verified on hardware.
+// z increases toward the specimen. Values that no bench file sets are not verified on hardware.
 struct PressOptions {
-  double clear_z_mm = 0.0;  // nothing is touched up to here; x and y move only here
-  double clear_mm = 5.0;    // and that far off a known contact
+  double clear_z_mm = 0.0;  // no contact up to here; x and y move only here
+  double clear_mm = 5.0;    // and at least this far from a known contact
   double deepest_z_mm = 50.0;
   double most_press_mm = 5.0;    // beyond the contact
   double pressing_sign = -1.0;   // of Fz when the specimen is pressed
   double force_limit_n = 33.0;   // |Fz| beyond it halts
-  double safe_force_n = 0.5;     // below it nothing is touched
-  double contact_n = 0.2;        // |Fz| that counts as touched
+  double safe_force_n = 0.5;     // below it there is no contact
+  double contact_n = 0.2;        // |Fz| that counts as contact
   double travel_mm_per_s = 4.0;  // z, off contact
   double travel_xy_mm_per_s = 4.0;
   double approach_mm_per_s = 0.5;
   double servo_mm_per_s = 0.05;
   double poll_interval_s = 0.04;  // between two readings of the force while searching
-  double settle_s = 0.05;         // after a move, before the force is read: its end ramp and the sensor's filter
+  double settle_s = 0.05;         // from the end of a move to the reading: end ramp and the sensor's filter
   double force_latency_s = 0.02;  // from load to reading
   double stop_time_s = 0.02;      // from order to standstill
   double backoff_mm = 0.1;        // after the first touch; more than the play
   double fine_step_mm = 0.01;
   double tolerance_n = 0.05, tolerance_share = 0.01;         // of a level: the larger counts
   double softest_n_per_mm = 0.5, stiffest_n_per_mm = 100.0;  // specimen and support together
-  double play_mm = 0.02;             // of the axis, at most: after a turn the force need not follow for that long
-  double turn_drop_share = 0.1;      // of the force, which friction in cloth may let go at a turn without a way
-  double answer_n = 0.02;            // a smaller change of force tells nothing of the stiffness
+  double play_mm = 0.02;  // largest backlash of the axis: after a turn the force may not follow for this distance
+  double turn_drop_share = 0.1;      // of the force: friction in cloth may release it at a turn without travel
+  double answer_n = 0.02;            // a smaller change of force gives no stiffness
   double resolution_mm = 4.7625e-5;  // one microstep of the T-NA08A50: no smaller move exists
   double hold_interval_s = 1.0;      // between two readings of the force while dwelling
   double level_timeout_s = 120.0;
@@ -48,7 +48,7 @@ struct PressOptions {
 
 struct ForceSample {
   devices::Nanoseconds time{0};
-  double z_mm = 0.0;  // where z stood last
+  double z_mm = 0.0;  // last position of z
   bool moving = false;
   devices::Wrench wrench;
   double force_n = 0.0;         // Fz, positive when it presses
@@ -57,7 +57,7 @@ struct ForceSample {
 
 struct PressHooks {
   std::function<void(devices::Nanoseconds)>
-      wait;  // until that process time, feeding what there is to feed; may throw to stop
+      wait;  // waits until that process time and feeds watchdogs; may throw to stop
   std::function<void(const std::string& id, const std::string& text)> event;  // may be empty
   std::function<void(const ForceSample&)> sample;                             // every reading; may be empty
 };
@@ -71,11 +71,11 @@ class PressAxis {
   // Asks the stage where z is. Throws TB-PRESS-NOT-HOMED besides the stage's faults.
   double find();
   [[nodiscard]] double z_mm() const { return z_mm_; }
-  // Blocks until z stands there and the reading has settled; returns the reading. Toward the specimen the force is
-  // read so often that at the greatest stiffness it cannot pass the limit between two readings. Throws
+  // Blocks until z has arrived and the reading has settled; returns the reading. Toward the specimen the force is read
+  // often enough that even at the greatest stiffness it cannot pass the limit between two readings. Throws
   // TB-PRESS-FORCE-LIMIT, and the faults of stage and sensor, after halting the stage.
   ForceSample move_to(double z_mm, double speed_mm_per_s);
-  // Moves down to `z_mm` at most, until the force is felt in two successive readings; true: felt, and z stands.
+  // Moves down, at most to `z_mm`, until two successive readings show contact; true: contact, and z is at rest.
   bool descend(double z_mm, double speed_mm_per_s);
   ForceSample sample(int records);
   void event(const std::string& id, const std::string& text) const;

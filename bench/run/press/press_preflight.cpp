@@ -47,14 +47,14 @@ void check_forces(const PressPlanned& planned, const PressOptions& options, cons
                     options.force_limit_n, range_n));
   }
   if (planned.forces_n.empty()) return;
-  // The search presses too: between two readings of the force, and then until it stands.
+  // The approach presses too: between two readings of the force, and then until the stage has stopped.
   const double lowest_n = *std::min_element(planned.forces_n.begin(), planned.forces_n.end());
   const double search_n =
       options.contact_n + overshoot_n(options.approach_mm_per_s, options.poll_interval_s + options.force_latency_s,
                                       options.stop_time_s, options.stiffest_n_per_mm);
   if (!(search_n <= options.force_limit_n)) {
     complaints.push_back(
-        fmt::format("the search at {:g} mm/s may press {:.1f} N at {:g} N/mm before it stands, beyond "
+        fmt::format("the search at {:g} mm/s may press {:.1f} N at {:g} N/mm before it stops, beyond "
                     "the bench's force limit of {:g} N",
                     options.approach_mm_per_s, search_n, options.stiffest_n_per_mm, options.force_limit_n));
   }

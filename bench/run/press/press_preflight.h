@@ -1,4 +1,4 @@
-// Before anything moves: whether a press plan fits force sensor, bench and axes, overshoot included.
+// Checks before anything moves whether a press plan fits force sensor, bench and axes, overshoot included.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace tactbench::bench {
 
-// What the force rises after it has passed a threshold, until the stage stands:
-// speed x (force latency + stop time) x stiffness.
+// Rise of the force from passing a threshold until the stage has stopped: speed x (force latency + stop time) x
+// stiffness.
 [[nodiscard]] double overshoot_n(double speed_mm_per_s, double force_latency_s, double stop_time_s,
                                  double stiffness_n_per_mm);
 
@@ -26,8 +26,7 @@ struct PressEnvelope {
   std::array<std::pair<double, double>, 3> axes_mm{};  // low and high of x, y, z, inclusive
 };
 
-// Whether `planned` may run with `options`: one sentence for each thing that is wrong, none when all is well. Not a
-// number is wrong.
+// Checks `planned` with `options`: one sentence for each thing that is wrong, none when all is well. NaN is wrong.
 [[nodiscard]] std::vector<std::string> press_complaints(const PressPlanned& planned, const PressOptions& options,
                                                         const PressEnvelope& envelope);
 

@@ -1,5 +1,5 @@
 // Where the taxels lie on the stage: touches of a point indenter at known x, y, the centroid of each frame, and the
-// transform between the two by least squares. Pure: stored with the mount by whoever pressed.
+// transform between the two by least squares. Pure functions; the caller stores the result with the mount.
 #pragma once
 
 #include <array>
@@ -15,16 +15,16 @@ struct Touch {
   std::array<double, 2> taxel_mm{};
 };
 
-// Centre of what the frame shows over its baseline, above `threshold` of its peak: each taxel weighs what it has beyond
-// that. Row-major rows x columns, any unit. Throws Fault TB-MOUNT-NO-TOUCH when no taxel stands out by `least`, and
-// TB-MOUNT-EDGE when the centre's neighbours are cut off by the array's edge: it would be drawn inward.
+// Centroid of a frame over its baseline: each taxel is weighted by its excess over `threshold` of the peak. Row-major
+// rows x columns, any unit. Throws Fault TB-MOUNT-NO-TOUCH when no taxel exceeds the baseline by `least`, and
+// TB-MOUNT-EDGE when the array's edge cuts off neighbours of the centre, which would bias it inward.
 [[nodiscard]] std::array<double, 2> touch_centre_mm(std::span<const double> frame, std::span<const double> baseline,
                                                     int rows, int columns, double pitch_mm, double least,
                                                     double threshold = 0.1);
 
 struct RegistrationOptions {
   double most_rms_mm = 0.5;
-  double least_spread_mm = 2.0;  // of the touches across their longest line
+  double least_spread_mm = 2.0;  // of the touches, perpendicular to their longest line
 };
 
 // stage = scale x R(angle) x F x taxel + offset, F the identity, or the mirror (x, -y) when the sensor lies flipped.
@@ -32,7 +32,7 @@ struct MountRegistration {
   double angle_deg = 0.0;
   std::array<double, 2> offset_mm{};
   bool flipped = false;
-  double scale = 1.0;         // beside the nominal pitch: 1 when pitch and stage agree
+  double scale = 1.0;         // relative to the nominal pitch: 1 when pitch and stage agree
   double pitch_mm = 0.0;      // nominal
   double rms_mm = 0.0;        // of the residuals
   double other_rms_mm = 0.0;  // of the transform with the other flip, which was rejected

@@ -1,5 +1,5 @@
-// Watches that a branch goes one way. An overshoot that comes back inside a rising branch starts a minor loop that no
-// frame shows; this sees it where it lasts for a poll and is larger than the tolerance.
+// Checks that a branch is monotone. An overshoot within a rising branch starts a minor loop that no frame shows; this
+// detects it when it lasts until a poll and is larger than the tolerance.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace tactbench::bench {
 
-// Thrown out of a branch that has to be redone.
+// Thrown from a branch that must be repeated.
 struct PathBroken {
   std::string what;
 };
@@ -16,7 +16,7 @@ class BranchGuard {
  public:
   // Rising where `to` > `from`; where they are equal, any change beyond the tolerance breaks it.
   BranchGuard(double from, double to, double tolerance) : from_(from), to_(to), tolerance_(tolerance) {}
-  // Each measured value in turn; what broke the branch, or nothing.
+  // To be called with each measured value; returns what broke the branch, or nothing.
   [[nodiscard]] std::optional<std::string> see(double value);
 
  private:

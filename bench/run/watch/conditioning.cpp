@@ -25,7 +25,7 @@ void ConditioningWatch::see(const sequences::Step& step, const std::vector<std::
   for (std::size_t i = 0; i < loops_[cycle].size(); ++i) {
     change = std::max(change, std::abs(loops_[cycle][i] - loops_[cycle - 1][i]));
   }
-  // A cycle has two steps; the change after the first of them is not yet the loop's.
+  // A cycle has two steps; after the first of them the loop's change is not known yet.
   if (loops_[cycle].size() < 2 || *high <= *low) return;
   changes_.push_back(100.0 * change / (*high - *low));
 }

@@ -1,4 +1,4 @@
-// Conditioning and warm-up end by criterion, not by count: when one loop no longer differs from the one before it.
+// Ends conditioning by a criterion, not by count: when a loop no longer differs from the previous one.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace tactbench::bench {
 class ConditioningWatch {
  public:
   explicit ConditioningWatch(const sequences::Conditioning& rule) : rule_(rule) {}
-  // True where the cycle about to begin is not needed.
+  // True when the next cycle is not needed.
   [[nodiscard]] bool enough(int cycle) const;
   [[nodiscard]] bool wants_output() const { return rule_.change_percent > 0.0; }
   // The array's counts after a step of a cycle (at its peak, back at 0).

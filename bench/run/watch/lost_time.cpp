@@ -10,11 +10,11 @@ namespace tactbench::bench {
 
 namespace {
 
-// From leaving the work until it goes on.
+// From the end of the work until it continues.
 struct Interruption {
   std::int64_t from_ns = 0, to_ns = 0;
-  bool resumed = false;  // the run was ended in between: what was begun before it is done again
-  std::int64_t way_back_ns = std::numeric_limits<std::int64_t>::max();  // when a way back begins after it
+  bool resumed = false;  // the run was ended in between: incomplete work before it is repeated
+  std::int64_t way_back_ns = std::numeric_limits<std::int64_t>::max();  // start of the path back after it
 };
 
 // "paused" of "pausing -> paused: asked by Ctrl-C".
@@ -68,14 +68,14 @@ class Frames {
     }
     return low;
   }
-  // From there on (`step` 1 or -1) the first frame that counts; 0 or last + 1: none.
+  // The first frame that counts from there on (`step` 1 or -1); 0 or last + 1: none.
   [[nodiscard]] std::int64_t kept(std::int64_t position, int step) const {
     for (std::optional<db::FrameTime> frame = at(position); frame && frame->is_void; frame = at(position)) {
       position += step;
     }
     return position;
   }
-  // As two frames of that branch follow each other; none where none does.
+  // Time between two successive frames of that branch; none where there are no two.
   [[nodiscard]] std::optional<std::int64_t> pace(std::int64_t position) const {
     std::optional<std::int64_t> least;
     for (std::int64_t i = position; i < position + 2; ++i) {
@@ -91,7 +91,7 @@ class Frames {
   std::int64_t run_, last_;
 };
 
-// Of all interruptions between two frames that count.
+// All interruptions between two frames that count.
 std::int64_t lost_between(const Frames& frames, std::int64_t before, std::int64_t next,
                           const std::vector<Interruption>& all) {
   const std::optional<db::FrameTime> first = frames.at(before), second = frames.at(next);
@@ -100,11 +100,11 @@ std::int64_t lost_between(const Frames& frames, std::int64_t before, std::int64_
   const bool same_sequence = first && first->sequence == second->sequence;
   const bool way_back = all.back().way_back_ns <= second->time_ns;
   const std::optional<std::int64_t> pace_ns = frames.pace(next);
-  // An unbroken run goes from the one frame to the next.
+  // An uninterrupted run continues with the next frame.
   if (way_back && same_sequence && pace_ns) return gap_ns - std::min(gap_ns, *pace_ns);
   std::int64_t lost_ns = 0;
   for (const Interruption& one : all) {
-    const bool again = one.resumed || way_back;  // all since the frame before was for nothing
+    const bool again = one.resumed || way_back;  // all work since the previous frame was lost
     lost_ns = again ? one.to_ns - began_ns : lost_ns + one.to_ns - one.from_ns;
   }
   return std::clamp<std::int64_t>(lost_ns, 0, gap_ns);

@@ -15,20 +15,20 @@ StuckRows StuckRowWatch::see(const devices::ScanSet& scans, double load, double 
     changed_at_.assign(rows, load);
     return stuck;
   }
-  std::size_t told = 0;
+  std::size_t judged = 0;
   for (std::size_t row = 0; row < rows; ++row) {
-    bool same = true, tells = false;
+    bool same = true, inside = false;
     for (std::size_t i = row * columns; i < scans.counts.size(); i += rows * columns) {
       for (std::size_t k = i; k < i + columns; ++k) {
         same = same && scans.counts[k] == last_.counts[k];
-        tells = tells || (scans.counts[k] != 0 && scans.counts[k] != UINT16_MAX);
+        inside = inside || (scans.counts[k] != 0 && scans.counts[k] != UINT16_MAX);
       }
     }
-    told += tells ? 1U : 0U;
+    judged += inside ? 1U : 0U;
     if (!same) changed_at_[row] = load;
-    if (tells && std::abs(load - changed_at_[row]) >= least) stuck.rows.push_back(static_cast<int>(row));
+    if (inside && std::abs(load - changed_at_[row]) >= least) stuck.rows.push_back(static_cast<int>(row));
   }
-  stuck.all = told > 0 && stuck.rows.size() == told;
+  stuck.all = judged > 0 && stuck.rows.size() == judged;
   last_ = scans;
   return stuck;
 }

@@ -1,5 +1,5 @@
-// Finds scans that do not follow the load: a scanner that repeats an old frame, a row whose multiplexer is stuck. Its
-// counts stay the same to the last bit, noise included, while the load changes.
+// Detects scans that do not follow the load: a scanner that repeats an old frame, or a row with a stuck multiplexer.
+// The counts then stay identical, noise included, while the load changes.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,12 @@ namespace tactbench::bench {
 
 struct StuckRows {
   bool all = false;       // no row has changed
-  std::vector<int> rows;  // that have not; those that stand at the converter's limit have nothing to tell
+  std::vector<int> rows;  // rows that have not changed; rows at the converter's limit are not judged
 };
 
 class StuckRowWatch {
  public:
-  // `load` is any number that the array should follow; one of the same kind each time, compared by `least`.
+  // `load`: any quantity that the array should follow, the same one at each call; changes of at least `least` count.
   [[nodiscard]] StuckRows see(const devices::ScanSet& scans, double load, double least);
 
  private:

@@ -1,4 +1,4 @@
-// Conditions of the surroundings under which a run waits: trip and resume thresholds, so that it does not flutter.
+// Environmental conditions under which a run is suspended, with separate trip and resume thresholds (hysteresis).
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace tactbench::bench {
 
-// Thrown out of a branch when a condition trips; the branch is redone once it holds again.
+// Thrown from a branch when a condition trips; the branch is repeated once the condition holds again.
 struct Suspended {
   std::string what;
   double timeout_s = 0.0;
@@ -21,7 +21,7 @@ class SuspensionWatch {
  public:
   void follow(const std::vector<sequences::Suspension>& rules);
   [[nodiscard]] bool empty() const { return rules_.empty(); }
-  // Which rule trips by these readings; the first of them. A quantity without a reading trips nothing.
+  // The first rule that trips by these readings. A quantity without a reading trips nothing.
   [[nodiscard]] std::optional<Suspended> tripped(const std::vector<EnvironmentReading>& readings) const;
   // True when every rule has been inside its resume threshold for its hold time; to be called while suspended.
   [[nodiscard]] bool may_resume(const std::vector<EnvironmentReading>& readings, devices::Nanoseconds now);

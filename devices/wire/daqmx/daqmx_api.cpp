@@ -166,7 +166,7 @@ DaqmxDevice DaqmxApi::device(const std::string& name, const std::string& expecte
     if (!expected_serial.empty() && hexadecimal(expected_serial) != hexadecimal(device.serial)) {
       throw Fault(
           "TB-DAQMX-SERIAL", name,
-          fmt::format("{} with serial {} is configured, it has serial {}", name, expected_serial, device.serial),
+          fmt::format("{} is configured with serial {}, but has serial {}", name, expected_serial, device.serial),
           "Connect the right device, or correct its serial (hexadecimal) in the bench file.");
     }
     return device;

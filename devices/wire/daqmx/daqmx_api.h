@@ -1,6 +1,6 @@
-// The used part of NI-DAQmx, loaded at run time so that tactbench builds and runs without NI's driver. NI may not
-// support the USB-6259 on Linux at all. Prototypes and constants are our own, from NI's public documentation. Not
-// verified on hardware; verified against the tests' own libnidaqmx.so.
+// The part of NI-DAQmx that tactbench uses, loaded at run time so that tactbench builds and runs without NI's driver.
+// NI may not support the USB-6259 on Linux at all. Prototypes and constants are our own, from NI's public
+// documentation. Not verified on hardware; verified against the tests' own libnidaqmx.so.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct DaqmxDevice {
   std::string name;          // "Dev1"
   std::string product_type;  // "USB-6259"
   std::string serial;        // hexadecimal, as on NI's label: "01A2B3C4"
-  bool simulated = false;    // by the driver: no hardware behind it
+  bool simulated = false;    // simulated by the driver, without hardware
 };
 
 // Fault TB-DAQMX-ERROR: the driver refused; what() holds number, name and the driver's own text.
@@ -42,8 +42,8 @@ class DaqmxError : public Fault {
 
 class DaqmxApi {
  public:
-  // Loads `library`, or where it is empty libnidaqmx.so, else libnidaqmx.so.1. It stays loaded for the life of the
-  // process. Throws Fault TB-DAQMX-LIBRARY (not there, or a function is missing in it).
+  // Loads `library`; if empty, libnidaqmx.so, else libnidaqmx.so.1. It stays loaded for the life of the process. Throws
+  // Fault TB-DAQMX-LIBRARY (not found, or it lacks a function).
   explicit DaqmxApi(const std::string& library = {});
 
   // All of these throw DaqmxError.
@@ -51,7 +51,7 @@ class DaqmxApi {
   // Also throws Fault TB-DAQMX-DEVICE (no such device: names those present) and TB-DAQMX-SERIAL (another serial;
   // `expected_serial` empty: any).
   [[nodiscard]] DaqmxDevice device(const std::string& name, const std::string& expected_serial);
-  // `code` is what a call returned: below 0 throws, above 0 is a warning and kept.
+  // `code` is a call's return value: below 0 throws, above 0 is a warning and is kept.
   void check(int code, const std::string& asked);
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }  // each once
   [[nodiscard]] const DaqmxCalls& calls() const { return *calls_; }
@@ -62,7 +62,7 @@ class DaqmxApi {
   std::vector<std::string> warnings_;
 };
 
-// One task of the driver; stopped and cleared at the end. `api` has to outlive it. All but stop() throw DaqmxError.
+// One task of the driver; stopped and cleared at the end. `api` must outlive it. All but stop() throw DaqmxError.
 class DaqmxTask {
  public:
   explicit DaqmxTask(DaqmxApi& api);
@@ -76,7 +76,7 @@ class DaqmxTask {
   [[nodiscard]] int channels();                     // lines count one each
   void finite_samples(double rate_hz, int samples);
   void convert_rate(double rate_hz);  // from one channel to the next within a sample
-  void commit();                      // takes the hardware, so that starting is quick
+  void commit();                      // reserves the hardware, so that starting is quick
   void start();
   void stop() noexcept;
   // Waits up to `timeout` for `samples` of each channel; volts (samples x channels) is filled sample by sample. Fewer

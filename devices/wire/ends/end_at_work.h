@@ -1,7 +1,7 @@
-// State of the simulated ends of this process: whether one still owes an answer. An end answers from a thread of its
-// own, which a busy machine may hold up for longer than a timeout. A wait on a wire (wait.h) therefore continues until
-// every end has dealt with its requests, so that in a simulated bench only what an end leaves unanswered on purpose is
-// lost. On a rig there are no ends in this process, and none is ever at work.
+// State of the simulated ends of this process: whether one still owes an answer. Each end answers from its own thread,
+// which a busy machine may delay for longer than a timeout. A wait on a wire (wait.h) therefore continues until every
+// end has processed its requests, so that in a simulated bench only answers that an end omits on purpose are lost. On a
+// rig there are no ends in this process, so none is ever at work.
 #pragma once
 
 #include <poll.h>
@@ -19,12 +19,12 @@ namespace tactbench::devices {
 
 class EndAtWork {
  public:
-  EndAtWork();  // at work until its first wait: its thread has yet to start
+  EndAtWork();  // at work until its first wait, because its thread has yet to start
   ~EndAtWork();
   EndAtWork(const EndAtWork&) = delete;
   EndAtWork& operator=(const EndAtWork&) = delete;
 
-  // The end's thread. Once `serve` returns there are no further answers.
+  // Starts the end's thread. After `serve` returns there are no further answers.
   template <class Serve>
   [[nodiscard]] std::thread thread(Serve serve) {
     return std::thread([this, serve] {
@@ -32,9 +32,9 @@ class EndAtWork {
       leave();
     });
   }
-  // poll() for that thread, which works between two of these calls. No time: without limit.
+  // poll() for that thread, which counts as at work between two of these calls. Without a time: no limit.
   int wait(std::span<pollfd> descriptors, std::optional<Nanoseconds> longest = std::nullopt);
-  void leave();  // is never at work again
+  void leave();  // from now on never at work
 
   // True while an end of this process works or has something to read.
   [[nodiscard]] static bool any();

@@ -6,7 +6,7 @@
 namespace tactbench::devices {
 
 struct BoundSocket {
-  int socket = -1;  // not blocking; the caller's to close
+  int socket = -1;  // non-blocking; the caller closes it
   int port = 0;
 };
 

@@ -1,5 +1,5 @@
-// One page over HTTP on loopback, for a simulated instrument that has a web server: polled by its owner's thread, never
-// blocking, every other path answered 404.
+// Serves one page over HTTP on loopback, for a simulated instrument with a web server. Polled by its owner's thread,
+// never blocks, answers every other path with 404.
 #pragma once
 
 #include <poll.h>
@@ -26,7 +26,7 @@ class PageServer {
     int socket = -1;
     std::string request;
   };
-  [[nodiscard]] bool attend(Client& client) const;  // false: done with it
+  [[nodiscard]] bool attend(Client& client) const;  // false: the client is finished
   std::string path_;
   std::string body_;
   int listener_ = -1;

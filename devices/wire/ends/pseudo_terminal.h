@@ -7,17 +7,17 @@ namespace tactbench::devices {
 
 class PseudoTerminal {
  public:
-  // Raw from the start, so that nothing is echoed before a client has set it. Throws Fault TB-SIM-LISTEN.
+  // In raw mode from the start, so that nothing is echoed before a client configures it. Throws Fault TB-SIM-LISTEN.
   PseudoTerminal();
   ~PseudoTerminal() { hang_up(); }
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
-  // The instrument's side: not blocking; poll, read and write it. Clients coming and going do not affect it, since the
-  // slave is kept open here too. -1 after hang_up().
+  // The instrument's side, non-blocking: poll, read and write it. It is not affected by clients that come and go,
+  // because the slave is kept open here too. -1 after hang_up().
   [[nodiscard]] int master() const { return master_; }
   [[nodiscard]] const std::string& path() const { return path_; }  // what the client opens, "/dev/pts/N"
-  // As if unplugged: a client that has it open gets Fault TB-SERIAL-LOST at once. Not while another thread uses
-  // master().
+  // Simulates unplugging: a client that has it open gets Fault TB-SERIAL-LOST at once. Do not call it while another
+  // thread uses master().
   void hang_up();
 
  private:

@@ -124,7 +124,7 @@ void StreamEnd::send(std::span<const std::uint8_t> bytes) {
 void StreamEnd::hang_up() {
   terminal_.reset();
   if (listener_ >= 0 && listen_.starts_with(kUnixForm)) ::unlink(listen_.c_str() + std::strlen(kUnixForm));
-  // The listener first: a client that sees the connection break must not get a new one.
+  // Closes the listener first: a client that sees the connection break must not get a new one.
   close_all({&listener_, &client_});
 }
 

@@ -22,9 +22,9 @@ class StreamEnd {
   // The address for open_stream(). A pseudo-terminal has another one after plug_in().
   [[nodiscard]] const std::string& address() const { return address_; }
   [[nodiscard]] int descriptor() const;  // to be polled for reading; -1 while unplugged
-  // When the descriptor is readable: bytes, or 0 when a client came or went. Never blocks.
+  // Call when the descriptor is readable: returns bytes, or 0 when a client came or went. Never blocks.
   [[nodiscard]] std::size_t receive(std::span<std::uint8_t> into);
-  // Never blocks: bytes that are not read are lost, as on a line without a listener.
+  // Never blocks: bytes that the client does not read are lost, as on a line without a listener.
   void send(std::span<const std::uint8_t> bytes);
   void hang_up();
   void plug_in();  // throws as the constructor

@@ -102,7 +102,7 @@ void ModbusLine::open(const std::string& device, const std::string& peer) {
     fresh->modbus = modbus_new_tcp(address_.c_str(), endpoint_.port);
   }
   const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(endpoint_.response_timeout).count();
-  // With a byte timeout of 0 the response timeout bounds the whole reply: a peer that trickles bytes cannot stretch it.
+  // With a byte timeout of 0 the response timeout bounds the whole reply: a peer that sends slowly cannot extend it.
   const bool set = fresh->modbus != nullptr && timeout > 0 && modbus_set_slave(fresh->modbus, endpoint_.unit) == 0 &&
                    modbus_set_response_timeout(fresh->modbus, static_cast<std::uint32_t>(timeout / 1'000'000),
                                                static_cast<std::uint32_t>(timeout % 1'000'000)) == 0 &&
@@ -154,14 +154,14 @@ void ModbusLine::wait_for_gap() {
   modbus_flush(context_->modbus);  // a late answer to an earlier request, or noise
 }
 
-// Waits here and not in libmodbus, which does not know simulated ends. The rest of the reply has the rest of the time.
+// Waits here, not in libmodbus, which does not know simulated ends. The rest of the reply gets the remaining time.
 int ModbusLine::receive(std::span<std::uint8_t> answer) {
   const RealTime end = RealClock::now() + endpoint_.response_timeout;
   if (wait_for(modbus_get_socket(context_->modbus), POLLIN, endpoint_.response_timeout) == 0) {
     errno = ETIMEDOUT;
     return -1;
   }
-  constexpr std::chrono::microseconds kLeast(1000);  // for bytes that have already come
+  constexpr std::chrono::microseconds kLeast(1000);  // for bytes that have already arrived
   const auto left = std::max(kLeast, std::chrono::duration_cast<std::chrono::microseconds>(end - RealClock::now()));
   modbus_set_response_timeout(context_->modbus, static_cast<std::uint32_t>(left.count() / 1'000'000),
                               static_cast<std::uint32_t>(left.count() % 1'000'000));

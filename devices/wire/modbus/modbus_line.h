@@ -19,14 +19,14 @@ class ModbusLine {
   ModbusLine(const ModbusLine&) = delete;
   ModbusLine& operator=(const ModbusLine&) = delete;
 
-  // Sends unit and PDU and returns unit and PDU of the answer without header and checksum. Empty: failed, `error()` is
-  // the reason (an errno value or one of libmodbus); the line is then closed.
+  // Sends unit and PDU and returns unit and PDU of the answer without header and checksum. Empty: the exchange failed,
+  // `error()` is the reason (an errno value or one of libmodbus), and the line is then closed.
   std::vector<std::uint8_t> exchange(std::span<const std::uint8_t> request);
   [[nodiscard]] bool is_open() const { return context_ != nullptr; }
-  // Not when open. Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`.
+  // Call only while closed. Throws Fault TB-MODBUS-CONNECT or TB-MODBUS-TIMEOUT on behalf of `device`.
   void open(const std::string& device, const std::string& peer);
   void close() noexcept;              // on the caller's request
-  void close_after_error() noexcept;  // RTU: and silence for max_reply_delay
+  void close_after_error() noexcept;  // RTU: then silence for max_reply_delay
   [[nodiscard]] int error() const { return error_; }
   [[nodiscard]] bool is_rtu() const { return !endpoint_.serial_port.empty(); }
   [[nodiscard]] const ModbusEndpoint& endpoint() const { return endpoint_; }
@@ -40,11 +40,11 @@ class ModbusLine {
   int receive(std::span<std::uint8_t> answer);
   ModbusEndpoint endpoint_;
   Clock& clock_;
-  std::string address_;  // the host in numbers, once known
+  std::string address_;  // the numeric host, once known
   std::unique_ptr<Context> context_;
   std::uint16_t transaction_ = 0;  // of the last request on this connection
   int error_ = 0;
-  // Real time, since bytes on a line take real time: no request before this.
+  // No request before this time; real time, since bytes on a line take real time.
   std::chrono::steady_clock::time_point quiet_until_{};
 };
 

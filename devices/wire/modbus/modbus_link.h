@@ -1,9 +1,9 @@
-// Modbus TCP and RTU through libmodbus, with its traps avoided. TCP: any error closes the connection, so that a late
-// reply can never be taken for the answer to a later request; transaction, protocol, unit, function and length of each
-// answer are checked here, since libmodbus leaves some of them alone. RTU has no transaction id: the line is flushed
-// before each request, after an error it is closed and left alone for `max_reply_delay`, and successive readings ask
-// for register counts that differ by one where the map allows it, so that a stale answer has the wrong length.
-// Not thread-safe: one owner a line.
+// Modbus TCP and RTU through libmodbus, without its pitfalls. TCP: any error closes the connection, so that a late
+// reply is never taken for the answer to a later request; transaction, protocol, unit, function and length of each
+// answer are checked here, since libmodbus does not check all of them. RTU has no transaction id: the line is flushed
+// before each request; after an error it is closed and not used for `max_reply_delay`; and successive readings request
+// register counts that differ by one where the map allows it, so that a stale answer has the wrong length. Not
+// thread-safe: one owner per line.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,18 @@ class ModbusLink {
  public:
   // Does not connect yet. `device` is the instrument's name in faults.
   ModbusLink(ModbusEndpoint endpoint, std::string device, Clock& clock);
-  // Another unit on the line of `other`.
+  // Another unit on the same line as `other`.
   ModbusLink(const ModbusLink& other, int unit, std::string device);
   ~ModbusLink();
   ModbusLink(const ModbusLink&) = delete;
   ModbusLink& operator=(const ModbusLink&) = delete;
 
-  // Each of these is one exchange, blocks at most response_timeout (plus the same again to connect; RTU plus
-  // max_reply_delay after an error; a host given by name is looked up once, at the first connect, in the resolver's
-  // time) and throws Fault TB-MODBUS-CONNECT (no connection, or it broke), TB-MODBUS-TIMEOUT (no reply, or no
-  // connection, in time; process time has then advanced by response_timeout), TB-MODBUS-EXCEPTION (the device refused)
-  // or TB-MODBUS-PROTOCOL (an answer that does not fit, or a request that no frame can hold). `readable`: how many
-  // registers may be read from `address` on; more than into.size() lets RTU alternate.
+  // Each of these is one exchange and blocks for at most response_timeout (plus the same again to connect; RTU plus
+  // max_reply_delay after an error; a host name is resolved once, at the first connect, in the resolver's time). Throws
+  // Fault TB-MODBUS-CONNECT (no connection, or it broke), TB-MODBUS-TIMEOUT (no reply, or no connection, in time;
+  // process time has then advanced by response_timeout), TB-MODBUS-EXCEPTION (the device refused) or TB-MODBUS-PROTOCOL
+  // (the answer does not match, or no frame can hold the request). `readable`: number of registers that may be read
+  // from `address` on; more than into.size() lets RTU alternate.
   void read_input_registers(int address, std::span<std::uint16_t> into, std::size_t readable = 0);    // FC 4
   void read_holding_registers(int address, std::span<std::uint16_t> into, std::size_t readable = 0);  // FC 3
   [[nodiscard]] std::vector<bool> read_discrete_inputs(int address, int count);                       // FC 2
@@ -58,7 +58,7 @@ class ModbusLink {
   int unit_;
   std::string device_;
   std::uint64_t exchanges_ = 0;
-  bool longer_ = false;  // the next RTU reading asks for one register more
+  bool longer_ = false;  // the next RTU reading requests one register more
 };
 
 }  // namespace tactbench::devices

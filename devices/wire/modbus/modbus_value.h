@@ -1,5 +1,5 @@
 // A number in one or two Modbus registers, and its linear scale: codec of module channels, gauges and environment
-// sensors. Pure.
+// sensors. No I/O.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ inline constexpr std::array<const char*, 5> kRegisterTypes{"u16", "i16", "u32", 
 
 struct RegisterFormat {
   RegisterType type = RegisterType::kU16;
-  bool low_word_first = false;  // of two words; within a word Modbus has the high byte first
+  bool low_word_first = false;  // of two words; within a word Modbus sends the high byte first
   [[nodiscard]] std::size_t words() const { return type == RegisterType::kU16 || type == RegisterType::kI16 ? 1 : 2; }
 };
 

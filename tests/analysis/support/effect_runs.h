@@ -12,10 +12,10 @@ namespace effect_runs {
 using namespace uncertainty_example;
 
 inline double output_up(const Example& example, std::size_t taxel, double pressure) {
-  const ElamModel& model = example.fit.taxels[taxel].fit.model;
+  const ElamModel& model = *elam_of(example.fit.taxels[taxel]);
   return ElamCurve(model, true, model.x0(), model.y0()).output(pressure);
 }
-inline double zero_of(const Example& example, std::size_t taxel) { return example.fit.taxels[taxel].fit.model.y0(); }
+inline double zero_of(const Example& example, std::size_t taxel) { return example.fit.taxels[taxel].y0(); }
 
 // The same output for every taxel: its curve's at the level, and `per_decade` more of that over the zero for each
 // decade of time since 1 s. Frames from `from_s` on, `step_s` apart, after one at 0 psi.
@@ -25,7 +25,7 @@ struct HoldOptions {
 };
 inline Dataset hold_run(const Example& example, const HoldOptions& options) {
   Dataset run = example.dataset;
-  const std::size_t width = example.fit.taxels.size();
+  const std::size_t width = example.fit.array().size();
   Repeat repeat;
   repeat.steps.push_back({0.0, 0.0, 1.0, 1.0});
   for (std::size_t taxel = 0; taxel < width; ++taxel) repeat.volts.push_back(zero_of(example, taxel));
@@ -61,7 +61,7 @@ inline Dataset at_temperature(const Example& example, double celsius, double sha
                               double repeat_share = 0.0) {
   Dataset run = example.dataset;
   run.temperatures_c = {celsius - 0.1, celsius + 0.1};
-  const std::size_t width = example.fit.taxels.size();
+  const std::size_t width = example.fit.array().size();
   for (SequenceData& data : run.sequences)
     for (std::size_t r = 0; r < data.repeats.size(); ++r)
       for (std::size_t i = 0; i < data.repeats[r].volts.size(); ++i) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
-#include "analysis/identify/elam/identify.h"
+#include "tests/analysis/support/sensor_models.h"
 
 namespace straight_array {
 
@@ -17,28 +17,23 @@ inline constexpr double kFullPsi = 60.0;
 inline const std::vector<double> kLevels{0.0, 20.0, 40.0, 60.0};
 
 // The split points of ELAM's inner curves lie on the line too: halves of the way are halves of the output.
-inline TaxelFit straight_taxel(double psi_per_volt) {
+inline ModelTaxel straight_taxel(double psi_per_volt) {
   const std::vector<double> ends{0.0, kFullPsi}, volts{0.0, kFullPsi / psi_per_volt};
-  TaxelFit taxel;
-  taxel.status = TaxelStatus::kFitted;
-  taxel.fit.full_scale_v = volts.back();
-  taxel.fit.model.ascending = PatternCurve(ends, volts, volts.front(), volts.back());
-  taxel.fit.model.descending = taxel.fit.model.ascending;
-  return taxel;
+  const PatternCurve line(ends, volts, volts.front(), volts.back());
+  return by_hand::elam_taxel(line, line);
 }
 
 // The mean of 3 V and 6 V at 60 psi is 4.5 V: 40/3 psi a volt.
-inline ArrayFit straight_fit() {
-  ArrayFit fit;
+inline SensorModel straight_fit() {
+  SensorModel fit;
   fit.rows = 1;
   fit.columns = 3;
   fit.run = 1;
   fit.origin = "simulated";
   fit.sensor_serial = "S";
   fit.pressure_psi = kLevels;
-  fit.taxels = {straight_taxel(kPsiPerVolt[0]), straight_taxel(kPsiPerVolt[1]), TaxelFit{TaxelStatus::kDead, {}, 0.0}};
-  fit.mean_taxel = straight_taxel(kFullPsi / 4.5);
-  fit.full_scale_v = 4.5;
+  fit.taxels = {straight_taxel(kPsiPerVolt[0]), straight_taxel(kPsiPerVolt[1]), by_hand::left_out(TaxelStatus::kDead)};
+  by_hand::finish(fit, straight_taxel(kFullPsi / 4.5));
   return fit;
 }
 

@@ -33,7 +33,7 @@ inline constexpr const char* kWithCertificate =
 
 struct Example {
   Dataset dataset;
-  ArrayFit fit;
+  SensorModel fit;
   explicit Example(double noise_v = 0.0015, int columns = 3) {
     const synthetic::Array array({.rows = 1, .columns = columns, .sensor_seed = 4});
     dataset = synthetic::run(array, {.seed = 9, .noise_v = noise_v, .repeats = 3});

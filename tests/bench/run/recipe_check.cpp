@@ -1,4 +1,4 @@
-// What a preflight says of recipes: margins to their limits, the devices they need, the levels that limits judge at.
+// The preflight of recipes: margins to their limits, the devices they need, the levels that limits judge at.
 #include "bench/run/recipe_check.h"
 
 #include <catch2/catch.hpp>
@@ -50,7 +50,7 @@ std::string refusal(const Recipe& recipe, const BenchConfig& config) {
 
 }  // namespace
 
-TEST_CASE("recipe margins: the nearer limit counts, a rounding beyond it is within") {
+TEST_CASE("recipe margins: the nearer limit counts, and a rounding error beyond it passes") {
   const Margin margin{"x", "mm", 3.0, 8.0, 1.0, 10.0};
   CHECK(margin.margin() == 2.0);
   CHECK(Margin{"x", "mm", 3.0, 8.0, 1.5, 12.0}.margin() == 1.5);

@@ -1,4 +1,4 @@
-// What the recorder and the run's own record write down, field by field, into a store without a rig.
+// The rows written by the recorder and the run record, field by field, into a store without a rig.
 #include "bench/run/recorder.h"
 
 #include <unistd.h>
@@ -69,7 +69,7 @@ StepReadings readings_at(devices::Nanoseconds time) {
 
 }  // namespace
 
-TEST_CASE("recorder: a frame's row, each field, times with the run's offset, and the looks since the frame before") {
+TEST_CASE("recorder: a frame's row, each field, times with the run's offset, and the readings since the last frame") {
   Records records;
   Recorder recorder(records.store, records.run, records.clock, milliseconds(100'000));
   recorder.open_branch(step_of(2, 4, 6.0));
@@ -172,7 +172,7 @@ TEST_CASE("recorder: events, checks and states carry the run's time, a state tha
   CHECK((checks[0].time_ns == 5'020'000'000 && checks[0].kind == "mount" && checks[0].data[1] == 2.5));
 }
 
-TEST_CASE("run record: what is asked of a run, its seeds, recipes and frames, and the program that makes it") {
+TEST_CASE("run record: the request, seeds, recipes and frames of a run, and the program's version") {
   bench::RunRequest request = small_request({}, {5, 7});
   request.recipes.push_back(sequences::read_recipe(bench::find_recipe("descending")));
   request.purpose = "why";
@@ -223,7 +223,7 @@ TEST_CASE("run record: sensor and scanner have to be of one shape, rows and colu
   }
 }
 
-TEST_CASE("run record: a resumed run wants each of its devices again, by role, model and serial") {
+TEST_CASE("run record: a resumed run requires each of its devices, by role, model and serial") {
   const db::DeviceRecord device{"stage", "M", "1", "5", "simulated", "{}"};
   db::RunRecord begun;
   begun.devices = {device};
@@ -252,7 +252,7 @@ TEST_CASE("run record: a sensor's rest counts from the last sign of its last run
   CHECK_FALSE(bench::rest_of_sensor(records.store, "S-2", second + 1));
 }
 
-TEST_CASE("reopened runs: rest and time go on from the end, a whole repeat is done again after a longer rest alone") {
+TEST_CASE("reopened runs: rest and time continue from the end, and only a longer rest restarts the repeat") {
   for (const double rest_s : {1e12, 0.0}) {
     Records records;
     records.request.recipes[0].rest_restart_s = rest_s;

@@ -1,11 +1,11 @@
-// What the time estimate makes of stored runs, in numbers: the band by the number of runs, what lies between two
-// samples of a run, and how far back it looks.
+// Time estimates from stored runs, in numbers: the band by the number of runs, interpolation between two samples of a
+// run, and how many runs are used.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
 
 #include "bench/run/time_estimate.h"
-#include "tests/bench/stored_past.h"
+#include "tests/bench/run/stored_past.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -104,7 +104,7 @@ TEST_CASE("time band: of ten runs their own quantiles, of more the newest ten, n
   CHECK(apart.learned({recipe}).total().p10_s == 0.0);  // no less than nothing
 }
 
-TEST_CASE("time band: two recipes vary one without the other, the fewest runs count") {
+TEST_CASE("time band: two recipes vary independently, and the smaller number of runs counts") {
   const std::vector<Recipe> both = {recipe_named("a"), recipe_named("b")};
   Pasts pasts;
   store_run(pasts.store, both, {});
@@ -159,7 +159,7 @@ TEST_CASE("time left: 32 samples of each run, a straight line between two of the
   CHECK(flat.remaining(66).p50_s == Approx(elapsed(65) * (2.65 + 2.0 / 60.0) / whole));
 }
 
-TEST_CASE("time estimate: looks at the newest two hundred runs of the bench") {
+TEST_CASE("time estimate: uses the newest two hundred runs of the bench") {
   const Recipe recipe = recipe_named("a"), other = recipe_named("b");
   Pasts pasts;
   store_run(pasts.store, {recipe}, {});
@@ -169,7 +169,7 @@ TEST_CASE("time estimate: looks at the newest two hundred runs of the bench") {
   CHECK(pasts.learned({recipe}, false).total().runs == 0);
 }
 
-TEST_CASE("time estimate: only the very same work is learned from: text, repeats, frames") {
+TEST_CASE("time estimate: only runs of identical work are used: text, repeats, frames") {
   const Recipe recipe = recipe_named("a");
   Recipe thrice = recipe;
   thrice.repeats = 3;  // the text is the same
@@ -182,7 +182,7 @@ TEST_CASE("time estimate: only the very same work is learned from: text, repeats
   CHECK(pasts.learned({recipe}).total_of(0).p50_s == Approx(53.8));
 }
 
-TEST_CASE("time model of a bench: its rate both ways, a feeding and a look to settle, no time for people") {
+TEST_CASE("time model of a bench: rates in both directions, one feeding and one poll to settle, no time for people") {
   BenchConfig bench;
   bench.limits.rate_psi_per_s = 13.0;
   bench.regulator.feed_interval = std::chrono::milliseconds(350);

@@ -1,5 +1,4 @@
-// What stands between a dead program and a specimen, in words; the trip's file; and the dead-man's answers to the
-// nanosecond.
+// The fail-safe layers of a bench as text; the trip's file; and the dead-man's answers to the nanosecond.
 #include "bench/safety/fail_safe.h"
 
 #include <catch2/catch.hpp>
@@ -33,7 +32,7 @@ BenchConfig plain_bench() {
 
 const char* const kNoWatchdog =
     "WARNING: MODEL has no watchdog that tactbench can set or verify: if the program or the wire dies, the last "
-    "set-point may stand. Have a relief valve and an emergency stop.";
+    "set-point may remain. Have a relief valve and an emergency stop.";
 
 }  // namespace
 
@@ -41,28 +40,27 @@ TEST_CASE("fail-safe layers: of a bench that simulates, one on hardware, and one
   BenchConfig config = plain_bench();
   config.in_process = true;
   config.limits.trip_psi = 64.0;
-  const std::string always = "tactbench: every way out of a run vents and proves it; trip above 64 psi";
+  const std::string always = "tactbench: every run ends vented, with proof of it; trip above 64 psi";
   CHECK(fail_safe_layers(config) == Lines{always, kNoWatchdog});
   config.in_process = false;
   config.dead_man.timeout_s = 0.35;
   config.dead_man.progress_s = 1.25;
   const std::string dead_man =
-      "dead-man in a process of its own: fires when the program is gone, stands still for 350 ms or gets no further "
-      "for "
-      "1250 ms; vents over its own connection";
+      "dead-man in a process of its own: fires when the program ends, is stopped for 350 ms or makes no progress "
+      "for 1250 ms; vents over its own connection";
   CHECK(fail_safe_layers(config) ==
-        Lines{always, dead_man + "; when it cannot reach the module any more the run ends", kNoWatchdog});
+        Lines{always, dead_man + "; if it can no longer reach the module the run ends", kNoWatchdog});
   config.dead_man.blind_ends = false;
   config.stage.emplace();
   config.dead_man.back_off_mm = 4.5;
   CHECK(fail_safe_layers(config)[1] == dead_man +
-                                           ", stops the stage and backs z off by 4.5 mm; when it cannot reach the "
-                                           "module any more the run is warned");
+                                           ", stops the stage and backs z off by 4.5 mm; if it can no longer reach the "
+                                           "module the run is warned");
   config.module.endpoint.serial_port = "/dev/ttyS0";
   CHECK(fail_safe_layers(config)[1] == dead_man + ", stops the stage and backs z off by 4.5 mm");
   config.dead_man.enabled = false;
   CHECK(fail_safe_layers(config)[1] ==
-        "WARNING: [dead_man] enabled = false: nothing makes safe when the program dies but the module");
+        "WARNING: [dead_man] enabled = false: only the module vents when the program dies");
   config.in_process = true;
   CHECK(fail_safe_layers(config).size() == 2);
 }
@@ -103,7 +101,7 @@ TEST_CASE("shared lines: neither side keeps a line to itself, and the dead-man t
   for (const devices::ModbusEndpoint* endpoint : endpoints()) CHECK((!endpoint->exclusive && !endpoint->lock));
 }
 
-TEST_CASE("trip file: what it holds, what a reset leaves, and that nothing half-written lies about") {
+TEST_CASE("trip file: contents, state after a reset, and no partial file remains") {
   const TemporaryFolder folder;
   const Variable state("XDG_STATE_HOME", folder.path());
   const TripFile file("b1");
@@ -136,7 +134,7 @@ TEST_CASE("trip file: what it holds, what a reset leaves, and that nothing half-
   CHECK(tests::read_file(folder.path("text")) == "two");
 }
 
-TEST_CASE("state folder: the one given, that of the home, and none of this user's makes one") {
+TEST_CASE("state folder: that of XDG_STATE_HOME, else one in the home folder") {
   const TemporaryFolder folder;
   {
     const Variable given("XDG_STATE_HOME", folder.path("given"));
@@ -148,14 +146,14 @@ TEST_CASE("state folder: the one given, that of the home, and none of this user'
   CHECK(state_folder("/no/machine") == folder.path(".local/state/tactbench"));
 }
 
-TEST_CASE("dead-man's answers: late by a nanosecond is late, and what is told of it") {
+TEST_CASE("dead-man's answers: a nanosecond late is late, and how it is reported") {
   DeadManReports reports(seconds(0.4), true);
   reports.asked(seconds(10.0));
   reports.judge(seconds(10.4));
   CHECK_FALSE(reports.lost());
   reports.judge(seconds(10.4) + devices::Nanoseconds(1));
   REQUIRE(reports.lost());
-  CHECK(reports.lost()->what == "the dead-man does not answer: nothing came from it for 0.40 s, 0.4 s are allowed");
+  CHECK(reports.lost()->what == "the dead-man does not answer: no message from it for 0.40 s, 0.4 s are allowed");
   DeadManReports blind(seconds(0.4), true);
   blind.heard("sees");
   CHECK(blind.take_news().empty());  // it saw before

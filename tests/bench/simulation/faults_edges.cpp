@@ -122,7 +122,7 @@ TEST_CASE("faults: cleared from now on, what is planned for later stays, and the
   CHECK(none.injected(Instrument::kStage, 1s) == InjectedFault::kNone);
 }
 
-TEST_CASE("faults: which trouble each kind is to which instrument") {
+TEST_CASE("faults: each kind maps to a defect of one instrument") {
   const auto met = [](FaultKind kind, Instrument instrument) {
     Faults faults({fault_of_kind(kind)});
     return faults.injected(instrument, 1s);

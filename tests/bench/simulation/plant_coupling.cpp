@@ -32,7 +32,7 @@ void point(PlantOptions& options) { options.contact.object = Footprint::kPoint; 
 
 }  // namespace
 
-TEST_CASE("plant coupling: in calm the film is moved at times that grow, at each small turn of the pressure too") {
+TEST_CASE("plant coupling: at constant pressure the film's time steps grow, and each small turn adds a step") {
   SmallPlant calm;
   calm.drive(1.5);
   calm.at(400s);
@@ -80,7 +80,7 @@ TEST_CASE("plant coupling: an object's force, its pressure on each taxel and wha
   CHECK(bed.plant.true_contact_psi().empty());
 }
 
-TEST_CASE("plant coupling: a stage at rest in the air is not asked, one that was forgotten presses no more") {
+TEST_CASE("plant coupling: a stage at rest in the air is not queried, a removed one no longer presses") {
   ScriptedStage stage([](double) { return ScriptedStage::Place{30.0, 30.0, 29.0}; });
   SmallPlant bed(point);
   bed.plant.set_stage(&stage);
@@ -108,7 +108,7 @@ TEST_CASE("plant coupling: a stage at rest in the air is not asked, one that was
   CHECK(bed.plant.true_force().value() == 0.0);
 }
 
-TEST_CASE("plant coupling: a scan's status tells what had no time to settle and what stands at the converter's ends") {
+TEST_CASE("plant coupling: a scan's status marks rows without time to settle and counts at the converter's ends") {
   SmallPlant slow([](PlantOptions& options) { options.scanner.relay_settle_s = 0.002; });
   slow.drive(2.0);
   slow.at(13ms);
@@ -151,7 +151,7 @@ TEST_CASE("plant coupling: a scan's status tells what had no time to settle and 
   CHECK_THROWS_AS(ends.plant.scan(wrong, ends.status), std::invalid_argument);
 }
 
-TEST_CASE("plant coupling: faults of the witnesses, the supply and a row are there while they last") {
+TEST_CASE("plant coupling: faults of the witnesses, the supply and a row act while they last") {
   SmallPlant bed([](PlantOptions& options) { options.supply_bar = 7.5; });
   bed.drive(2.0);
   bed.at(3s);

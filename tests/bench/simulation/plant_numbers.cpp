@@ -28,7 +28,7 @@ void drive(Chamber& chamber, double volts, double seconds) {
 
 }  // namespace
 
-TEST_CASE("chamber numbers: up in two ways, cut as one likes, and down") {
+TEST_CASE("chamber numbers: rising in two ways, with time divided differently, and falling") {
   Chamber chamber({});
   drive(chamber, 1.5321, 0.1);
   check_pressures(chamber, 4.556228263912, 4.425694263912);
@@ -110,7 +110,7 @@ TEST_CASE("chamber numbers: an overshoot up, one down, and one that a leak keeps
   walk(0.55, {28.287553463, 28.31890887, 28.317421349, 25.419885843});
 }
 
-TEST_CASE("contact numbers: way in, hold, turn, way out, rest, and in again") {
+TEST_CASE("contact numbers: approach, hold, turn, retreat, rest, and approach again") {
   const Contact contact({}, 16, 16);
   ContactState state;
   const std::vector<std::array<double, 3>> way = {

@@ -1,4 +1,4 @@
-// A plant with an array of 2 x 3 taxels under a turned clock, and a stage that stands where the test says.
+// A plant with an array of 2 x 3 taxels under a turned clock, and a stage whose positions the test sets.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace tactbench::tests {
 
-// Where the test says that the axes are.
+// A stage with the positions that `where` returns.
 struct ScriptedStage final : devices::StageView {
   using Place = std::array<double, 3>;
   explicit ScriptedStage(std::function<Place(double time_s)> given) : where(std::move(given)) {}
@@ -45,7 +45,7 @@ struct SmallPlant {
     plant.scan(counts, status);
     return {counts.begin(), counts.end()};
   }
-  // Pressure, lag, virgin share, way, and the sums of all plays and creeps.
+  // `expected`: pressure, lag, virgin share, path length, and the sums of all plays and creeps.
   void check_film(const std::vector<double>& expected);
   devices::TurnedClock clock;
   bench::Plant plant;

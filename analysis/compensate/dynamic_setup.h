@@ -1,0 +1,48 @@
+// What a dynamic compensator is made of: an array's lag and creep, and each taxel's Preisach model on its linearised
+// output.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "analysis/compensate/options.h"
+#include "analysis/models/divider.h"
+#include "analysis/models/dynamics.h"
+
+namespace tactbench::analysis {
+
+struct DynamicTaxel {
+  bool usable = false;          // false (dead, stuck, saturated, unfit): the other members are not read
+  Divider divider;              // of the output as modelled: negated where the sensor falls
+  std::vector<double> everett;  // in u: everett.h's table, of n intervals
+  double creep_scale = 1.0, lag_share = 0.0;
+  double noise_v = 0.0;  // standard deviation of a sample
+  double residual_scale = 1.0;
+  bool falling = false;  // samples are negated [A20]
+};
+
+// The gain at the top: a turn from rising to falling within `share` of the full output below the top, or any beyond, is
+// taken for one at full pressure when it is the highest that was seen for long: outputs are scaled so that it is.
+struct GainObserver {
+  double share = 0.02;
+  double forget = 0.02;  // how far the highest goes toward each lower turn within the share
+};
+
+struct DynamicSetup {
+  double x_low = 0.0, x_high = 1.0;  // psi
+  std::size_t intervals = 0;         // n of all tables
+  Dynamics dynamics;
+  std::vector<DynamicTaxel> taxels;
+  // Root mean square of what the model leaves, psi, by interval: rising, then falling; times residual_scale a taxel's.
+  // Empty: not known, the uncertainty is noise alone.
+  std::vector<double> residual_psi;
+  double volts_per_count = 0.0;
+  CompensatorOptions options;  // its noise_v and drift_share are not used
+  GainObserver observer;
+  bool start_unknown = true;
+  double worked_s = 0.0;    // before a start: how long the pressure went over its range; 0: it rested for long
+  int longest_gap = 10;     // frames lost in a row after which the history is unknown
+  double tare_share = 0.2;  // as FrameSetup's
+};
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,133 @@
+// Everett's function of a Preisach model as a table at grid points, its branches' linear pieces, and the staircase of
+// turning points: what the dynamic compensator reads. Inputs count in intervals of the grid, from 0 to n.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace tactbench::analysis {
+
+// Everett's function at grid points, (high i, low j), j <= i <= n: the output's rise from j to i. A view: the table has
+// (n + 1) (n + 2) / 2 values, that of (i, j) at i (i + 1) / 2 + j.
+template <class Real>
+struct Everett {
+  const Real* table = nullptr;
+  std::size_t n = 0;
+  static std::size_t size(std::size_t n) { return (n + 1) * (n + 2) / 2; }
+  [[nodiscard]] Real at(std::size_t i, std::size_t j) const { return table[i * (i + 1) / 2 + j]; }
+  [[nodiscard]] Real top() const { return at(n, 0); }
+};
+
+// x = x_a + slope (u - u_a) for u_low <= u <= u_high.
+template <class Real>
+struct BranchPiece {
+  Real u_low = 0, u_high = 0, u_a = 0, x_a = 0, slope = 0;
+  [[nodiscard]] bool holds(Real u) const { return u >= u_low && u <= u_high; }
+  [[nodiscard]] Real along(Real u) const { return x_a + slope * (u - u_a); }
+};
+
+// The piece in which the branch from (x0, u0) has output u; beyond the branch's end a constant one.
+template <class Real>
+BranchPiece<Real> piece_of(const Everett<Real>& e, bool rises, Real x0, Real u0, Real u) {
+  constexpr Real kFar = std::numeric_limits<Real>::max();
+  const auto n = e.n;
+  const auto place = std::min(n - 1, static_cast<std::size_t>(std::max(x0, Real(0))));
+  const Real share = x0 - static_cast<Real>(place);
+  const auto between = [&](Real xa, Real ea, Real xb, Real eb) {
+    // From (xa, ea) to (xb, eb), ea <= eb: Everett's function on the way from the corner.
+    const Real sign = rises ? Real(1) : Real(-1), ua = u0 + sign * ea, ub = u0 + sign * eb;
+    const Real slope = eb > ea ? (xb - xa) / (ub - ua) : Real(0);
+    return BranchPiece<Real>{std::min(ua, ub), std::max(ua, ub), ua, xa, slope};
+  };
+  if (rises) {
+    const std::size_t j = place;
+    const auto line = [&](std::size_t i) { return e.at(i, j) + share * (e.at(i, j + 1) - e.at(i, j)); };  // i > j
+    const Real rise = u - u0;
+    if (rise > line(n)) return {u0 + line(n), kFar, u0 + line(n), static_cast<Real>(n), Real(0)};
+    if (rise < Real(0)) return {-kFar, u0, u0, x0, Real(0)};
+    std::size_t low = j, high = n;  // line(high) >= rise; line(low) < rise, but for low = j
+    while (high - low > 1) {
+      const std::size_t middle = (low + high) / 2;
+      (line(middle) >= rise ? high : low) = middle;
+    }
+    if (low == j) return between(x0, Real(0), static_cast<Real>(j + 1), line(j + 1));
+    const Real kink = e.at(low, j + 1) + (e.at(low + 1, j + 1) - e.at(low, j + 1)) * share +
+                      (e.at(low, j) - e.at(low, j + 1)) * (Real(1) - share);
+    const Real here = static_cast<Real>(low);
+    return rise <= kink ? between(here, line(low), here + share, kink)
+                        : between(here + share, kink, here + Real(1), line(low + 1));
+  }
+  const std::size_t i = place;
+  const auto line = [&](std::size_t j) { return e.at(i, j) + share * (e.at(i + 1, j) - e.at(i, j)); };  // j <= i
+  const Real fall = u0 - u;
+  if (fall > line(0)) return {-kFar, u0 - line(0), u0 - line(0), Real(0), Real(0)};
+  if (fall < Real(0)) return {u0, kFar, u0, x0, Real(0)};
+  std::size_t low = 0, high = i + 1;  // line(low) >= fall > line(high), but for high = i + 1
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    (line(middle) >= fall ? low : high) = middle;
+  }
+  const Real here = static_cast<Real>(low);
+  if (low == i) return between(x0, Real(0), here, line(i));
+  const Real kink = e.at(i, low + 1) + (e.at(i + 1, low + 1) - e.at(i, low + 1)) * share +
+                    (e.at(i, low) - e.at(i, low + 1)) * (Real(1) - share);
+  return fall >= kink ? between(here + share, kink, here, line(low))
+                      : between(here + Real(1), line(low + 1), here + share, kink);
+}
+
+// Turning points, minima even and maxima odd, the first the low end; the branch since the last is the current one.
+// Of fixed size: when full, the last two, the smallest loop, are forgotten.
+template <class Real>
+struct Staircase {
+  static constexpr std::size_t kMost = 24;
+  Real x[kMost] = {}, u[kMost] = {};
+  std::uint8_t count = 1;
+
+  [[nodiscard]] bool rises() const { return count % 2 == 1; }
+  // How many corners remain when the current branch goes on to u.
+  [[nodiscard]] std::uint8_t left_at(Real at) const {
+    std::uint8_t left = count;
+    if (rises())
+      while (left >= 3 && at > u[left - 2]) left = static_cast<std::uint8_t>(left - 2);
+    else
+      while (left >= 4 && at < u[left - 2]) left = static_cast<std::uint8_t>(left - 2);
+    return left;
+  }
+  void go(Real at) { count = left_at(at); }
+  [[nodiscard]] BranchPiece<Real> piece(const Everett<Real>& e, Real at) const {
+    const std::uint8_t left = left_at(at);
+    BranchPiece<Real> piece = piece_of(e, rises(), x[left - 1], u[left - 1], at);
+    // It ends where the next corner wipes out.
+    if (rises() && left >= 3) piece.u_high = std::min(piece.u_high, u[left - 2]);
+    if (!rises() && left >= 4) piece.u_low = std::max(piece.u_low, u[left - 2]);
+    return piece;
+  }
+  void turn(const Everett<Real>& e, Real at) {
+    const Real x_turn = piece(e, at).along(at);
+    turn_at(x_turn, at);
+  }
+  void turn_at(Real x_turn, Real at) {
+    go(at);
+    if (!rises() && x_turn <= Real(0)) {
+      count = 1;
+      return;
+    }
+    if (count == kMost) count = static_cast<std::uint8_t>(count - 2);
+    x[count] = x_turn;
+    u[count] = at;
+    ++count;
+  }
+  void start_low(Real u_low) {
+    count = 1;
+    x[0] = Real(0);
+    u[0] = u_low;
+  }
+  void start_high(const Everett<Real>& e, Real u_low) {
+    start_low(u_low);
+    turn_at(static_cast<Real>(e.n), u_low + e.top());
+  }
+};
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,173 @@
+// From histories to the model of a sensor: the one way that every model takes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "analysis/identify/identifier.h"
+#include "analysis/identify/sensor_model.h"
+#include "analysis/workers.h"
+
+namespace tactbench::analysis {
+namespace {
+
+constexpr const char* kOtherData = "fit sequences that hold what is missing, or another model";
+
+// Taxels of a run share their inputs; those of a table need not.
+bool alike(const FitData& a, const FitData& b) {
+  return std::ranges::equal(a.histories, b.histories, {}, &History::x, &History::x) &&
+         std::ranges::equal(a.ascending.x(), b.ascending.x());
+}
+
+AnalysisError cannot_be_fitted(const Histories& histories, const std::string& model, const std::string& why) {
+  return {"TB-ANALYSIS-MODEL", fmt::format("{}: {} cannot be fitted: {}", histories.source, model, why), kOtherData};
+}
+
+class SensorFitter {
+ public:
+  SensorFitter(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
+               const IdentifyOptions& options)
+      : model_(model), histories_(histories), sequences_(sequences), options_(options), like_(first_that_rises()) {
+    try {
+      shared_ = prepare(model_, like_, options_);
+    } catch (const std::invalid_argument& error) {
+      throw cannot_be_fitted(histories_, model_, error.what());
+    }
+  }
+
+  [[nodiscard]] const FitData& like() const { return like_; }
+
+  [[nodiscard]] ModelTaxel fit(const TaxelHistories& own) const {
+    ModelTaxel taxel;
+    taxel.taxel = own.taxel;
+    taxel.noise = own.noise;
+    taxel.status = own.status;
+    if (!own.usable()) return taxel;
+    taxel.status = TaxelStatus::kUnfit;
+    try {
+      fit_data(fit_data_of(own, sequences_), taxel);
+    } catch (const AnalysisError& error) {
+      if (error.id() != "TB-ANALYSIS-FALLING") taxel.reason = error.what();  // else it moves, but not with the input
+    } catch (const std::invalid_argument& error) {
+      taxel.reason = error.what();
+    }
+    return taxel;
+  }
+
+  // Of the fitted taxels; where there are none, of those that have a model.
+  void add_mean(SensorModel& fit) const {
+    std::vector<std::size_t> chosen = fit.fitted();
+    for (std::size_t i = 0; chosen.empty() && i < fit.taxels.size(); ++i)
+      if (fit.taxels[i].fit.model != nullptr) chosen.push_back(i);
+    if (chosen.empty()) return;
+    const std::optional<FitData> data = mean_fit_data(histories_, chosen, sequences_);
+    if (!data) return;
+    ModelTaxel mean;
+    mean.taxel = kMeanTaxel;
+    for (const std::size_t i : chosen) mean.noise += fit.taxels[i].noise * fit.taxels[i].noise;
+    mean.noise = std::sqrt(mean.noise) / static_cast<double>(chosen.size());
+    fit_data(*data, mean);
+    fit.taxels.push_back(std::move(mean));
+  }
+
+ private:
+  [[nodiscard]] FitData first_that_rises() const {
+    std::optional<AnalysisError> last;
+    for (const TaxelHistories& taxel : histories_.taxels) {
+      if (!taxel.usable()) continue;
+      try {
+        return fit_data_of(taxel, sequences_);
+      } catch (const AnalysisError& error) {
+        if (error.id() != "TB-ANALYSIS-FALLING") throw;
+        last = error;
+      }
+    }
+    throw *last;
+  }
+
+  void fit_data(const FitData& data, ModelTaxel& taxel) const {
+    taxel.loop_low = data.ascending.y().front();
+    if (data.ascending.y().back() - taxel.loop_low < histories_.least_span) return;  // moves, but not with the input
+    try {
+      taxel.fit = alike(data, like_) ? shared_->fit(data) : identify(model_, data, options_);
+      set_loop(taxel, data.ascending.x(), data.ascending.y(), data.descending.y());
+    } catch (const std::invalid_argument& error) {
+      taxel.fit = {};
+      taxel.reason = error.what();
+      return;
+    }
+    if (taxel.fit.mean_error <= kUnfitShare * taxel.full_scale()) taxel.status = TaxelStatus::kFitted;
+  }
+
+  const std::string& model_;
+  const Histories& histories_;
+  const std::vector<std::string>& sequences_;
+  const IdentifyOptions& options_;
+  FitData like_;
+  std::unique_ptr<Identifier> shared_;
+};
+
+SensorModel described(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
+                      const IdentifyOptions& options) {
+  SensorModel fit;
+  fit.model = model;
+  fit.options = options;
+  fit.run = histories.run;
+  fit.source = histories.source;
+  fit.origin = histories.origin;
+  fit.content_sha256 = histories.content_sha256;
+  fit.sequences = sequences.empty() ? histories.sequences : sequences;
+  fit.all_sequences = std::ranges::is_permutation(fit.sequences, histories.sequences);
+  fit.sensor_serial = histories.sensor_serial;
+  fit.scanner_serial = histories.scanner_serial;
+  fit.input_unit = histories.input_unit;
+  fit.output_unit = histories.output_unit;
+  fit.rows = histories.rows;
+  fit.columns = histories.columns;
+  fit.scans = histories.scans;
+  fit.falling = histories.falling;
+  return fit;
+}
+
+}  // namespace
+
+SensorModel fit_models(const std::string& model, const Histories& histories, const std::vector<std::string>& sequences,
+                       const IdentifyOptions& options, int threads) {
+  SensorModel fit = described(model, histories, sequences, options);
+  const SensorFitter fitter(model, histories, sequences, options);
+  const auto scored = std::ranges::find_if(histories.taxels, [](const auto& t) { return !t.score.empty(); });
+  fit.validity = validity_of(named(scored->score, sequences), histories.temperatures_c);
+  const auto inputs = fitter.like().ascending.x();
+  fit.pressure_psi.assign(inputs.begin(), inputs.end());
+  const bool with_mean = histories.taxels.size() > 1 && histories.taxels.back().taxel == kMeanTaxel;
+  fit.taxels.resize(histories.taxels.size() - (with_mean ? 1 : 0));
+  for_each_index(fit.taxels.size(), threads, [&](std::size_t i) { fit.taxels[i] = fitter.fit(histories.taxels[i]); });
+  if (with_mean) fitter.add_mean(fit);
+  if (std::ranges::any_of(fit.taxels, [](const ModelTaxel& t) { return t.fit.model != nullptr; })) return fit;
+  const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
+  throw cannot_be_fitted(histories, model,
+                         fit.taxels[static_cast<std::size_t>(first - histories.taxels.begin())].why());
+}
+
+SensorModel fit_array(const Dataset& dataset, const FitOptions& options) {
+  HistoriesOptions gathered;
+  gathered.common = options.common;
+  gathered.dead_v = options.dead_v;
+  gathered.threads = options.threads;
+  gathered.all_scores = options.mean_alone;
+  Histories histories = histories_of(dataset, gathered);
+  if (options.mean_alone) histories = mean_taxel_of(std::move(histories));
+  SensorModel fit = fit_models(options.model, histories, options.sequences, options.identify, options.threads);
+  if (options.mean_alone) return fit;
+  const std::vector<std::size_t> fitted = fit.fitted();
+  if (fitted.empty())
+    throw AnalysisError("TB-ANALYSIS-NO-TAXEL", fmt::format("run {}: no taxel could be fitted", fit.run),
+                        "check the frames: dead, stuck and saturated taxels are left out");
+  fit.repeats = repeat_drifts(dataset, fitted, options.common);
+  return fit;
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,100 @@
+#include "analysis/identify/sensor_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/models/elam_hysteresis.h"
+
+namespace tactbench::analysis {
+
+double ModelTaxel::full_scale() const { return ascending.x().empty() ? 0.0 : std::max(std::abs(y0()), std::abs(yu())); }
+
+std::vector<double> ModelTaxel::predicted(const History& history, bool free_run) const {
+  History own = history;
+  for (double& y : own.y) y = to_model(y);
+  std::vector<double> outputs = predict_history(*fit.model, own, free_run);
+  for (double& y : outputs) y = from_model(y);
+  return outputs;
+}
+
+const ModelTaxel& SensorModel::taxel(int number) const {
+  const auto found = std::ranges::find(taxels, number, &ModelTaxel::taxel);
+  if (found != taxels.end()) return *found;
+  throw AnalysisError(Cause::kUsage, "TB-MODEL-TAXEL",
+                      fmt::format("the model of {} has no taxel {}; it has {} of them", source, number, taxels.size()),
+                      "name one of these with --taxel, or give the table a column that does");
+}
+
+std::span<const ModelTaxel> SensorModel::array() const {
+  const bool with_mean = !taxels.empty() && taxels.back().taxel == kMeanTaxel;
+  return std::span(taxels).first(taxels.size() - (with_mean ? 1 : 0));
+}
+
+std::vector<std::size_t> SensorModel::fitted() const {
+  std::vector<std::size_t> fitted;
+  const std::span<const ModelTaxel> own = array();
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (own[i].fitted()) fitted.push_back(i);
+  return fitted;
+}
+
+double SensorModel::to_model(const ModelTaxel& own, double output) const {
+  return own.to_model(falling ? -output : output);
+}
+
+double SensorModel::from_model(const ModelTaxel& own, double output) const {
+  const double rising = own.from_model(output);
+  return falling ? -rising : rising;
+}
+
+const ElamModel* elam_of(const ModelTaxel& taxel) {
+  const auto* const elam = dynamic_cast<const ElamHysteresis*>(taxel.fit.model.get());
+  return elam != nullptr ? &elam->elam() : nullptr;
+}
+
+const ElamModel* paper_elam_of(const ModelTaxel& taxel) {
+  const auto* const elam = dynamic_cast<const ElamHysteresis*>(taxel.fit.model.get());
+  return elam != nullptr && elam->is_paper() ? &elam->elam() : nullptr;
+}
+
+ExternalBranch::ExternalBranch(const ModelTaxel& taxel, bool up) : taxel_(&taxel), state_(taxel.fit.model->state()) {
+  if (!up) state_->go(taxel.fit.model->x_high());
+}
+
+double ExternalBranch::output(double x) const { return taxel_->from_model(state_->output_at(x)); }
+
+double ExternalBranch::input(double y) const { return state_->input_at(taxel_->to_model(y)); }
+
+void set_loop(ModelTaxel& taxel, std::span<const double> inputs, std::span<const double> up,
+              std::span<const double> down) {
+  std::vector<double> x(inputs.begin(), inputs.end()), rising, falling;
+  for (const double y : up) rising.push_back(taxel.from_model(y));
+  for (const double y : down) falling.push_back(taxel.from_model(y));
+  double low = 0.0, high = 0.0;
+  if (up.empty()) {
+    const ExternalBranch loading(taxel, true), unloading(taxel, false);
+    for (const double at : x) {
+      rising.push_back(loading.output(at));
+      falling.push_back(unloading.output(at));
+    }
+    low = 0.5 * (rising.front() + falling.front());
+    high = 0.5 * (rising.back() + falling.back());
+  } else {
+    low = rising.front();
+    high = rising.back();
+  }
+  taxel.ascending = PatternCurve(x, rising, low, high);
+  taxel.descending = PatternCurve(x, falling, low, high);
+}
+
+Dataset as_modelled(Dataset dataset, const SensorModel& fit) {
+  if (!fit.falling) return dataset;
+  for (SequenceData& sequence : dataset.sequences)
+    for (Repeat& repeat : sequence.repeats)
+      for (double& volts : repeat.volts) volts = -volts;
+  return dataset;
+}
+
+}  // namespace tactbench::analysis

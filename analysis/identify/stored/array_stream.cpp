@@ -1,0 +1,81 @@
+#include "analysis/identify/stored/array_stream.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/error.h"
+#include "analysis/identify/stored/model_document.h"
+
+namespace tactbench::analysis {
+namespace {
+
+bool is_paper(const SensorModel& model) {
+  return std::ranges::all_of(
+      model.array(), [](const ModelTaxel& taxel) { return !taxel.fitted() || paper_elam_of(taxel) != nullptr; });
+}
+
+}  // namespace
+
+ArrayStream::ArrayStream(const SensorModel& model, double volts_per_count, double noisier, int longest_gap)
+    : model_(&model) {
+  if (is_paper(model)) {
+    FrameSetup setup = frame_setup_of(model, volts_per_count);
+    setup.longest_gap = longest_gap;
+    for (TaxelSetup& taxel : setup.taxels) taxel.noise_v *= noisier;
+    elam_.emplace(setup);
+    return;
+  }
+  if (model.array().size() != static_cast<std::size_t>(model.rows) * static_cast<std::size_t>(model.columns))
+    throw AnalysisError(
+        Cause::kUsage, "TB-MODEL-COMPENSATOR",
+        fmt::format("{} of {} cannot compensate frames: it is not of a whole array", label_of(model), model.source),
+        "fit a run of the array: tactbench fit RUN");
+  for (const ModelTaxel& taxel : model.array())
+    streams_.push_back(taxel.fitted() ? std::optional<TaxelStream>(std::in_place, taxel, noisier) : std::nullopt);
+  last_psi_.assign(taxels(), static_cast<float>(model.pressure_psi.front()));
+  last_uncertainty_psi_.assign(taxels(), static_cast<float>(model.pressure_psi.back() - model.pressure_psi.front()));
+}
+
+std::uint16_t ArrayStream::step(std::size_t taxel, float volts, float& pressure, float& uncertainty) {
+  if (!streams_[taxel]) return kTaxelDead;
+  if (!std::isfinite(volts)) return kTaxelLost;
+  const double output = static_cast<double>(volts);
+  const Compensated now = streams_[taxel]->step(model_->falling ? -output : output);
+  pressure = static_cast<float>(now.pressure_psi);
+  uncertainty = static_cast<float>(now.uncertainty_psi);
+  int bits = now.out_of_range ? kTaxelOutOfRange : kTaxelValid;
+  if (now.flat) bits |= kTaxelFlat;
+  return static_cast<std::uint16_t>(bits);
+}
+
+void ArrayStream::frame(std::span<const float> volts, const Output& output) {
+  if (elam_) {
+    elam_->frame(volts, output);
+    return;
+  }
+  for (std::size_t i = 0; i < taxels(); ++i) {
+    output.status[i] = step(i, volts[i], last_psi_[i], last_uncertainty_psi_[i]);
+    if (outside_ && output.status[i] != kTaxelDead)
+      output.status[i] = static_cast<std::uint16_t>((output.status[i] & ~kTaxelValid) | kTaxelOutside);
+    output.pressure_psi[i] = last_psi_[i];
+    output.uncertainty_psi[i] = last_uncertainty_psi_[i];
+  }
+}
+
+void ArrayStream::lost_frame(const Output& output) {
+  if (elam_) {
+    elam_->lost_frame(output);
+    return;
+  }
+  const std::vector<float> none(taxels(), std::nanf(""));
+  frame(none, output);
+}
+
+void ArrayStream::set_outside_validity(bool outside) {
+  outside_ = outside;
+  if (elam_) elam_->set_outside_validity(outside);
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,40 @@
+// Frames of an array compensated by any model: ELAM as in the paper by the frame compensator, every other model taxel
+// by taxel with its own inverse.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "analysis/compensate/frame_compensator.h"
+#include "analysis/identify/taxel_stream.h"
+
+namespace tactbench::analysis {
+
+class ArrayStream {
+ public:
+  using Output = FrameCompensator<float>::Output;
+  // Keeps a pointer to `model`. `noisier`: by how much more noise a sample has than those that were fitted. Starts
+  // from any state with ELAM, at rest at the lowest input with other models, which do not know an unknown history.
+  // Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array, std::invalid_argument when its
+  // numbers make no compensator.
+  ArrayStream(const SensorModel& model, double volts_per_count, double noisier, int longest_gap);
+
+  [[nodiscard]] std::size_t taxels() const { return model_->array().size(); }
+  // One frame, as FrameCompensator's; volts as measured.
+  void frame(std::span<const float> volts, const Output& output);
+  void lost_frame(const Output& output);
+  void set_outside_validity(bool outside);
+
+ private:
+  std::uint16_t step(std::size_t taxel, float volts, float& pressure, float& uncertainty);
+
+  const SensorModel* model_;
+  std::optional<FrameCompensator<float>> elam_;
+  std::vector<std::optional<TaxelStream>> streams_;  // none: the taxel was not fitted
+  std::vector<float> last_psi_, last_uncertainty_psi_;
+  bool outside_ = false;
+};
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,58 @@
+#include "analysis/models/linearised.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "analysis/models/json_members.h"
+
+namespace tactbench::analysis {
+namespace {
+
+class LinearisedState final : public ModelState {
+ public:
+  LinearisedState(const Divider& divider, std::unique_ptr<ModelState> inner)
+      : divider_(divider), inner_(std::move(inner)) {}
+  void reset() override { inner_->reset(); }
+  [[nodiscard]] double output_at(double x) const override { return divider_.output(inner_->output_at(x)); }
+  [[nodiscard]] double input_at(double y) const override { return inner_->input_at(divider_.linear(y)); }
+  void go(double x) override { inner_->go(x); }
+  void measured(double y) override { inner_->measured(divider_.linear(y)); }
+
+ private:
+  Divider divider_;
+  std::unique_ptr<ModelState> inner_;
+};
+
+}  // namespace
+
+LinearisedModel::LinearisedModel(Divider divider, std::shared_ptr<const HysteresisModel> inner)
+    : divider_(divider), inner_(std::move(inner)) {
+  if (inner_ == nullptr) throw std::invalid_argument("linearised model: it holds no model");
+  if (!std::isfinite(divider.zero) || !std::isfinite(divider.per_amplitude) || divider.per_amplitude < 0.0)
+    throw std::invalid_argument("linearised model: \"zero\" or \"per_amplitude\" is not finite or below 0");
+}
+
+std::unique_ptr<LinearisedModel> LinearisedModel::from_json(const nlohmann::ordered_json& json) {
+  return std::make_unique<LinearisedModel>(Divider{json_number(json, "zero"), json_number(json, "per_amplitude")},
+                                           model_from_json(json_member(json, "of")));
+}
+
+std::vector<ModelParameter> LinearisedModel::parameters() const {
+  std::vector<ModelParameter> list = {{"c", divider_.per_amplitude, "1/y", 0.0, HUGE_VAL}};
+  for (ModelParameter& own : inner_->parameters()) list.push_back(std::move(own));
+  return list;
+}
+
+std::unique_ptr<ModelState> LinearisedModel::state() const {
+  return std::make_unique<LinearisedState>(divider_, inner_->state());
+}
+
+nlohmann::ordered_json LinearisedModel::to_json() const {
+  return {{"model", "linearised"},
+          {"zero", divider_.zero},
+          {"per_amplitude", divider_.per_amplitude},
+          {"of", inner_->to_json()}};
+}
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,162 @@
+#include "bench/benchmarks/compensate_dynamic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "analysis/compensate/dynamic_frame_compensator.h"
+#include "analysis/compensate/everett.h"
+#include "analysis/models/preisach.h"
+#include "bench/benchmarks/compensate.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using namespace analysis;
+
+constexpr std::size_t kDynamicTaxels = 256, kDynamicIntervals = 20;
+constexpr double kDynamicNoise = 0.004, kDynamicVoltsPerCount = 5.0 / 65536.0;
+
+struct DynamicCase {
+  DynamicSetup setup;
+  std::vector<std::uint16_t> counts;
+  std::size_t frames = 0;
+};
+
+// Preisach densities that fall off from the diagonal, a divider of about 4 V, lag and creep.
+DynamicCase dynamic_case(std::vector<PreisachModel>& films) {
+  DynamicCase c;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform;
+  constexpr std::size_t n = kDynamicIntervals;
+  c.setup.x_high = 60.0;
+  c.setup.intervals = n;
+  c.setup.volts_per_count = kDynamicVoltsPerCount;
+  c.setup.start_unknown = false;
+  c.setup.dynamics.creep_share = {0.015, 0.012, 0.01};
+  for (std::size_t t = 0; t < kDynamicTaxels; ++t) {
+    std::vector<double> weights;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        weights.push_back((0.2 + uniform(random)) * std::exp(-8.0 * static_cast<double>(i - j) / n));
+        sum += weights.back();
+      }
+    for (double& weight : weights) weight *= 20.0 / sum;
+    films.emplace_back(0.0, 60.0, 0.0, weights);
+    DynamicTaxel taxel;
+    taxel.usable = true;
+    taxel.divider = {0.02, 1.0 / (3.9 + 0.3 * uniform(random))};
+    for (std::size_t i = 0; i <= n; ++i)
+      for (std::size_t j = 0; j <= i; ++j)
+        taxel.everett.push_back(
+            films.back().everett(60.0 * static_cast<double>(i) / n, 60.0 * static_cast<double>(j) / n));
+    taxel.lag_share = 0.07;
+    taxel.noise_v = kDynamicNoise;
+    c.setup.taxels.push_back(std::move(taxel));
+  }
+  return c;
+}
+
+// As slow_cycles: in phase, 0-60-10-50-0 psi.
+DynamicCase slow_dynamic(std::size_t frames) {
+  std::vector<PreisachModel> films;
+  DynamicCase c = dynamic_case(films);
+  c.frames = frames;
+  std::vector<std::unique_ptr<ModelState>> states;
+  for (const PreisachModel& film : films) states.push_back(film.state());
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal(0.0, kDynamicNoise);
+  const double turns[] = {0.0, 60.0, 10.0, 50.0, 0.0, 0.0};
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double phase = 4.0 * static_cast<double>(f) / static_cast<double>(frames);
+    const auto leg = static_cast<std::size_t>(phase);
+    const double x = turns[leg] + (turns[leg + 1] - turns[leg]) * (phase - static_cast<double>(leg));
+    for (std::size_t t = 0; t < films.size(); ++t) {
+      states[t]->go(x);
+      const double volts = c.setup.taxels[t].divider.output(states[t]->output_at(x)) + normal(random);
+      c.counts.push_back(
+          static_cast<std::uint16_t>(std::clamp(std::lround(volts / kDynamicVoltsPerCount), 0L, 65535L)));
+    }
+  }
+  return c;
+}
+
+// As random_frames: counts drawn anew for each frame and taxel.
+DynamicCase random_dynamic(std::size_t frames) {
+  std::vector<PreisachModel> films;
+  DynamicCase c = dynamic_case(films);
+  c.frames = frames;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform;
+  for (std::size_t f = 0; f < frames; ++f)
+    for (std::size_t t = 0; t < films.size(); ++t)
+      c.counts.push_back(static_cast<std::uint16_t>(3.2 * uniform(random) / kDynamicVoltsPerCount));
+  return c;
+}
+
+// A frame's time in microseconds, the best of the rounds for each stretch of 100 frames.
+template <class Compensator>
+double us_a_frame(int rounds, Compensator& compensator, const std::vector<std::uint16_t>& counts, std::size_t frames) {
+  constexpr std::size_t kStretch = 100;
+  std::vector<float> pressure(kDynamicTaxels), uncertainty(kDynamicTaxels);
+  std::vector<std::uint16_t> status(kDynamicTaxels);
+  double sum = 0.0;
+  std::vector<double> best(frames / kStretch, HUGE_VAL);
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t k = 0; k < best.size(); ++k)
+      best[k] =
+          std::min(best[k], best_seconds(
+                                1,
+                                [&] {
+                                  for (std::size_t f = k * kStretch; f < (k + 1) * kStretch; ++f)
+                                    compensator.frame(std::span(counts).subspan(f * kDynamicTaxels, kDynamicTaxels),
+                                                      {pressure, uncertainty, status});
+                                },
+                                By::kWall));
+  for (const double seconds : best) sum += seconds;
+  return 1e6 * sum / static_cast<double>(best.size() * kStretch);
+}
+
+}  // namespace
+
+std::vector<Figure> benchmark_compensate_dynamic(int rounds) {
+  FigureList figures("compensate-dynamic");
+  const DynamicCase slow = slow_dynamic(20000), random = random_dynamic(1000);
+  const CompensationCase elam_slow = slow_cycles(kDynamicTaxels, 20000),
+                         elam_random = random_frames(kDynamicTaxels, 1000);
+  for (const Dispatch level : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {
+    if (level > best_dispatch()) continue;
+    DynamicFrameCompensator<float> still(slow.setup), turning(random.setup);
+    FrameCompensator<float> elam_still(elam_slow.setup), elam_turning(elam_random.setup);
+    for (DynamicFrameCompensator<float>* const c : {&still, &turning}) {
+      c->set_dispatch(level);
+      c->set_interval(0.01);
+    }
+    elam_still.set_dispatch(level);
+    elam_turning.set_dispatch(level);
+    const bool goal = level == Dispatch::kAvx2;
+    const double taken = us_a_frame(rounds, still, slow.counts, slow.frames);
+    const double turned = us_a_frame(rounds, turning, random.counts, random.frames);
+    if (goal) {
+      figures.add_at_most("slow_avx2", taken, 2.0, "us/frame");
+      figures.add_at_most("turning_avx2", turned, 12.0, "us/frame");
+    } else {
+      figures.add(fmt::format("slow_{}", to_string(level)), taken, "us/frame");
+      figures.add(fmt::format("turning_{}", to_string(level)), turned, "us/frame");
+    }
+    figures.add(fmt::format("slow_elam_{}", to_string(level)),
+                us_a_frame(rounds, elam_still, elam_slow.counts, elam_slow.frames), "us/frame");
+    figures.add(fmt::format("turning_elam_{}", to_string(level)),
+                us_a_frame(rounds, elam_turning, elam_random.counts, elam_random.frames), "us/frame");
+  }
+  figures.add_at_most("memory_a_taxel",
+                      static_cast<double>(DynamicFrameCompensator<float>(slow.setup).bytes_per_taxel()), 2048.0,
+                      "bytes");
+  return figures.take();
+}
+
+}  // namespace tactbench::bench

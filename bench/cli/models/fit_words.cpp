@@ -1,0 +1,129 @@
+#include "bench/cli/models/fit_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "analysis/counted.h"
+#include "analysis/identify/stored/model_document.h"
+#include "bench/cli/judgement_words.h"
+#include "bench/cli/session.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+nlohmann::ordered_json mean_json(const analysis::ModelTaxel& taxel) {
+  nlohmann::ordered_json json = {{"status", analysis::to_string(taxel.status)}};
+  if (const analysis::ElamModel* const elam = analysis::elam_of(taxel)) {
+    const analysis::ElamParameters& p = elam->parameters;
+    json["alpha_d"] = p.alpha_d;
+    json["beta_d"] = p.beta_d;
+    json["alpha_a1_per_psi"] = p.alpha_a1;
+    json["alpha_a0"] = p.alpha_a0;
+    json["beta_a"] = p.beta_a;
+  }
+  const double fs = taxel.full_scale();
+  json["j_v2"] = taxel.fit.j;
+  json["mean_error_v"] = taxel.fit.mean_error;
+  json["mean_error_fs"] = fs > 0.0 ? taxel.fit.mean_error / fs : 0.0;
+  json["max_error_v"] = taxel.fit.max_error;
+  json["full_scale_v"] = fs;
+  json["at_bound"] = taxel.fit.at_bound;
+  json["undetermined"] = taxel.fit.undetermined;
+  return json;
+}
+
+nlohmann::ordered_json repeats_json(const std::vector<analysis::RepeatDrift>& repeats) {
+  auto json = nlohmann::ordered_json::array();
+  for (const analysis::RepeatDrift& repeat : repeats)
+    json.push_back({{"sequence", repeat.sequence},
+                    {"first_differs", repeat.differs},
+                    {"shift_v", repeat.shift_v},
+                    {"uncertainty_v", repeat.uncertainty_v},
+                    {"rms_v", repeat.rms_v},
+                    {"others_rms_v", repeat.others_rms_v}});
+  return json;
+}
+
+// Each that no model was made for, in the order of their numbers.
+nlohmann::ordered_json left_out_json(const analysis::SensorModel& fit) {
+  auto json = nlohmann::ordered_json::array();
+  for (const analysis::ModelTaxel& taxel : fit.array()) {
+    if (taxel.status == analysis::TaxelStatus::kFitted) continue;
+    json.push_back({{"taxel", taxel.taxel},
+                    {"row", taxel.taxel / fit.columns},
+                    {"column", taxel.taxel % fit.columns},
+                    {"status", analysis::to_string(taxel.status)}});
+  }
+  return json;
+}
+
+std::string left_out_text(const nlohmann::ordered_json& left_out) {
+  constexpr std::size_t kNamed = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(left_out.size(), kNamed); ++i) {
+    const auto& taxel = left_out[i];
+    text += fmt::format("left out: row {}, column {} ({})\n", taxel["row"].get<int>(), taxel["column"].get<int>(),
+                        taxel["status"].get<std::string>());
+  }
+  if (left_out.size() > kNamed) text += fmt::format("left out: {} more; --json lists all\n", left_out.size() - kNamed);
+  return text;
+}
+
+std::string parameters_text(const analysis::ModelTaxel& mean) {
+  if (const analysis::ElamModel* const elam = analysis::elam_of(mean)) {
+    const analysis::ElamParameters& p = elam->parameters;
+    return fmt::format("alpha_d {:.4f}, beta_d {:.4f}, alpha_a1 {:.5f} /psi, alpha_a0 {:.4f}, beta_a {:.4f}", p.alpha_d,
+                       p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a);
+  }
+  return analysis::counted(mean.fit.model->parameters().size(), "parameter");
+}
+
+}  // namespace
+
+std::string fitted_text(const FittedRun& fitted) {
+  const analysis::SensorModel& fit = *fitted.model;
+  const std::string label = analysis::label_of(fit);
+  std::string text = fmt::format("{} on run {} ({}): {} of {} fitted, full scale {:.3f} V\n",
+                                 label == analysis::kElamFit ? "ELAM" : label, fit.run, fit.origin, fit.fitted().size(),
+                                 analysis::counted(fit.array().size(), "taxel"), fit.full_scale_v());
+  text += left_out_text(left_out_json(fit));
+  const analysis::ModelTaxel& mean = fit.mean_taxel();
+  if (mean.fit.model != nullptr)
+    text += fmt::format("mean taxel: {}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n", parameters_text(mean),
+                        mean.fit.j, 100.0 * mean.fit.mean_error / mean.full_scale(),
+                        100.0 * mean.fit.max_error / mean.full_scale());
+  text += "\n";
+  for (const analysis::RepeatDrift& repeat : fit.repeats) {
+    if (!repeat.differs) continue;
+    text += fmt::format(
+        "the first repeat of {} differs from the others by {:.2f} +- {:.2f} mV ({:.2f} mV rms, others {:.2f})\n",
+        repeat.sequence, 1e3 * repeat.shift_v, 1e3 * repeat.uncertainty_v, 1e3 * repeat.rms_v,
+        1e3 * repeat.others_rms_v);
+  }
+  text += figures_table(fitted.evaluations);
+  const std::vector<db::VerdictRecord>& verdicts = fitted.judgement.verdicts;
+  if (!verdicts.empty())
+    text += fmt::format("\n{}{}", verdict_table(verdicts, fit.origin), judgement_text(fitted.judgement, fit.origin));
+  return text;
+}
+
+void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json) {
+  const analysis::SensorModel& fit = *fitted.model;
+  json["run"] = fit.run;
+  json["model"] = analysis::label_of(fit);
+  json["origin"] = fit.origin;
+  json["taxels"] = fit.array().size();
+  json["fitted_taxels"] = fit.fitted().size();
+  json["left_out"] = left_out_json(fit);
+  json["mean_taxel"] = mean_json(fit.mean_taxel());
+  json["evaluations"] = nlohmann::ordered_json::array();
+  for (const NamedEvaluation& named : fitted.evaluations) json["evaluations"].push_back(evaluation_json(named));
+  json["repeats"] = repeats_json(fit.repeats);
+  json["verdicts"] = verdicts_json(fitted.judgement.verdicts, fit.origin);
+  if (!fitted.judgement.verdicts.empty()) json["judgement"] = judgement_json(fitted.judgement, fit.origin);
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,161 @@
+#include "analysis/compensate/compensator.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/analysis/support/synthetic.h"
+
+using namespace synthetic;
+
+namespace {
+
+// The first taxel of the synthetic array: its falling curve loses 1-2 % of full scale from 60 down to 50 psi.
+ElamModel sloping_taxel() {
+  ArrayOptions options;
+  options.rows = options.columns = 1;
+  ElamModel model = Array(options).taxels.front();
+  model.options.exact_outer = false;
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("without noise the compensator gives the pressure back along both sequences of Table 1") {
+  const ElamModel model = sloping_taxel();
+  Plant plant(model);
+  TaxelCompensator compensator(model, {});
+  for (const auto& turns : {kDescendingTurns, kAscendingTurns})
+    for (const double pressure : levels_of(turns))
+      REQUIRE(compensator.step(plant(pressure)).pressure_psi == Approx(pressure).margin(1e-6));
+}
+
+TEST_CASE("a held level under noise makes no turn and no bias") {
+  const ElamModel model = sloping_taxel();
+  const double noise = 0.001;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  struct Hold {
+    std::vector<double> way;
+    double level, bias_psi;
+  };
+  for (const Hold& hold : {Hold{{0, 30}, 30.0, 0.25}, Hold{{0, 58}, 58.0, 0.5}, Hold{{0, 60, 54}, 54.0, 0.5}}) {
+    Plant plant(model);
+    TaxelCompensator compensator(model, {.noise_v = noise});
+    for (const double pressure : levels_of(hold.way)) compensator.step(plant(pressure) + noise * normal(random));
+    const bool ascending = compensator.ascending();
+    double sum = 0.0, worst = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      const double off = compensator.step(plant(hold.level) + noise * normal(random)).pressure_psi - hold.level;
+      sum += off;
+      worst = std::max(worst, std::abs(off));
+      REQUIRE(compensator.ascending() == ascending);
+    }
+    INFO("held at " << hold.level << ": mean " << sum / 2000 << ", worst " << worst << " psi");
+    CHECK(std::abs(sum / 2000) < hold.bias_psi);
+    CHECK(worst < 4.0);
+  }
+}
+
+TEST_CASE("a turn is stored only beyond the dead band, but used for the reading at once") {
+  const ElamModel model = sloping_taxel();
+  const double noise = 0.001;
+  TaxelCompensator compensator(model, {.noise_v = noise});
+  const ElamCurve up(model, true, model.x0(), model.y0());
+  const double top = up.output(40.0);
+  for (double x = 2.0; x <= 40.0; x += 2.0) compensator.step(up.output(x));
+  const ElamCurve down(model, false, 40.0, top);
+  CHECK(compensator.step(top - 5.0 * noise).pressure_psi == Approx(down.input(top - 5.0 * noise)).margin(1e-6));
+  CHECK(compensator.ascending());
+  // Back up again: as if nothing had been.
+  CHECK(compensator.step(up.output(44.0)).pressure_psi == Approx(44.0).margin(1e-6));
+  const ElamCurve later(model, false, 44.0, up.output(44.0));
+  const double low = up.output(44.0) - 7.0 * noise;
+  CHECK(compensator.step(low).pressure_psi == Approx(later.input(low)).margin(1e-6));
+  CHECK_FALSE(compensator.ascending());
+}
+
+TEST_CASE("outputs slightly lower than at the fit: loading and unloading read within 1.5 % of each other") {
+  const ElamModel model = sloping_taxel();
+  for (const double gain : {0.998, 0.995, 0.99}) {
+    const auto distance = [&](double drift_share) {
+      Plant plant(model);
+      TaxelCompensator compensator(model, {.noise_v = 0.001, .drift_share = drift_share});
+      std::vector<double> estimates;
+      for (const double pressure : levels_of({0, 60, 0}))
+        estimates.push_back(compensator.step(gain * plant(pressure)).pressure_psi);
+      double sum = 0.0;
+      for (std::size_t i = 0; i <= 30; ++i) sum += std::abs(estimates[i] - estimates[60 - i]) / 31.0;
+      return sum / 60.0;
+    };
+    INFO("gain " << gain << ": " << distance(0.0) << " without, " << distance(0.01) << " with");
+    CHECK(distance(0.01) < 0.015);
+    CHECK(distance(0.0) > 0.010);
+  }
+}
+
+TEST_CASE("weak and impossible estimates are flagged") {
+  const ElamModel model = model_of(paper_loop(), kPrinted);  // saturated from 60 down to 50 psi
+  Plant plant(model);
+  TaxelCompensator compensator(model, {.noise_v = 0.001});
+  bool flat_up = false;
+  for (const double pressure : levels_of({0, 56})) flat_up |= compensator.step(plant(pressure)).flat;
+  CHECK_FALSE(flat_up);
+  for (const double pressure : {58.0, 60.0}) compensator.step(plant(pressure));
+  CHECK(compensator.step(plant(54.0)).flat);
+  CHECK_FALSE(compensator.step(plant(20.0)).flat);
+  CHECK_FALSE(compensator.step(3.49 + 0.005).out_of_range);  // noise
+  CHECK(compensator.step(3.49 + 0.02).out_of_range);
+  CHECK(compensator.step(3.49 + 0.02).pressure_psi == 60.0);
+  CHECK(compensator.step(-0.02).out_of_range);
+  CHECK(compensator.step(-0.02).pressure_psi == 0.0);
+}
+
+TEST_CASE("values that are not finite are refused and leave the state alone") {
+  const ElamModel model = sloping_taxel();
+  TaxelCompensator compensator(model, {.noise_v = 0.001}), untouched(model, {.noise_v = 0.001});
+  compensator.step(1.0);
+  untouched.step(1.0);
+  CHECK_THROWS_AS(compensator.step(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
+  CHECK_THROWS_AS(compensator.step(std::numeric_limits<double>::infinity()), std::invalid_argument);
+  CHECK(compensator.step(0.5).pressure_psi == untouched.step(0.5).pressure_psi);
+  CHECK_THROWS_AS(TaxelCompensator(model, {.noise_v = -1.0}), std::invalid_argument);
+  CHECK_THROWS_AS(TaxelCompensator(model, {.noise_v = std::numeric_limits<double>::quiet_NaN()}),
+                  std::invalid_argument);
+}
+
+TEST_CASE("reset starts at rest again") {
+  const ElamModel model = sloping_taxel();
+  TaxelCompensator compensator(model, {.noise_v = 0.001});
+  const double first = compensator.step(1.0).pressure_psi;
+  compensator.step(3.0);
+  compensator.step(2.0);
+  compensator.reset();
+  CHECK(compensator.step(1.0).pressure_psi == first);
+}
+
+TEST_CASE("an unknown start lies midway between the histories, with half their distance as its uncertainty, by hand") {
+  // Up 20 psi a volt throughout. Down 30 psi stand at 2 V: below it falls by 15 psi a volt, on the curve from the top
+  // whose split lies there (half of the range, two thirds of the output).
+  const std::vector<double> pressure{0.0, 30.0, 60.0}, up{0.0, 1.5, 3.0}, down{0.0, 2.0, 3.0};
+  const ElamModel model{PatternCurve(pressure, up, 0.0, 3.0),
+                        PatternCurve(pressure, down, 0.0, 3.0),
+                        {0.5, 2.0 / 3.0, 0.0, 0.5, 0.5},
+                        {}};
+  TaxelCompensator quiet(model, {});
+  quiet.reset_unknown();
+  const Compensated start = quiet.step(1.5);  // 30 psi if it rose, 22.5 psi if it fell from the top
+  CHECK(start.unknown);
+  CHECK(start.pressure_psi == Approx(26.25));
+  CHECK(start.uncertainty_psi == Approx(3.75));
+  // 10 mV of noise are 0.2 psi on the steeper of the two.
+  TaxelCompensator noisy(model, {.noise_v = 0.01});
+  noisy.reset_unknown();
+  CHECK(noisy.step(1.5).uncertainty_psi == Approx(std::sqrt(3.75 * 3.75 + 0.2 * 0.2)));
+  // Known from within half a psi on: at 90 mV 1.8 and 1.35 psi.
+  quiet.reset_unknown();
+  const Compensated known = quiet.step(0.09);
+  CHECK_FALSE(known.unknown);
+  CHECK(known.pressure_psi == Approx(1.8));
+}

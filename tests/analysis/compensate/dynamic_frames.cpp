@@ -1,0 +1,174 @@
+// The dynamic frame compensator against its plain form, in float and double, on every vector level.
+#include <catch2/catch.hpp>
+
+#include "analysis/compensate/dynamic_frame_compensator.h"
+#include "tests/analysis/support/dynamic_plant.h"
+
+using namespace synthetic;
+
+namespace {
+
+struct DynamicFrames {
+  DynamicArray array;
+  std::vector<double> pressure;
+  std::vector<std::uint16_t> counts;  // frames x taxels
+  [[nodiscard]] std::span<const std::uint16_t> at(std::size_t frame) const {
+    return std::span(counts).subspan(frame * array.films.size(), array.films.size());
+  }
+};
+
+// Steps short and long, halts, turns near the top and within the noise.
+DynamicFrames frames_of(std::size_t taxels, std::size_t count, double noise_v, double seconds) {
+  DynamicFrames frames{dynamic_array(taxels, noise_v), {}, {}};
+  std::vector<double> way = random_way(count / 3, 1.5, 21);
+  for (const double psi : random_way(count / 3, 0.05, 22)) way.push_back(psi);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> level(0.0, 60.0);
+  while (way.size() < count) way.push_back(way.size() % 4 == 0 ? level(random) : way.back());
+  std::vector<DynamicPlant> plants;
+  for (std::size_t t = 0; t < taxels; ++t)
+    plants.emplace_back(frames.array.films[t], frames.array.setup.dynamics, frames.array.setup.taxels[t], 20);
+  std::normal_distribution<double> normal(0.0, noise_v);
+  for (const double psi : way) {
+    frames.pressure.push_back(psi);
+    for (DynamicPlant& plant : plants)
+      frames.counts.push_back(static_cast<std::uint16_t>(
+          std::clamp(std::lround((plant.step(psi, seconds) + normal(random)) * 65536.0 / 5.0), 0L, 65535L)));
+  }
+  return frames;
+}
+
+// With the noise that a frame compensator takes: rounding to counts is noise, too.
+DynamicSetup with_rounding(DynamicSetup setup) {
+  for (DynamicTaxel& taxel : setup.taxels)
+    taxel.noise_v = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
+  return setup;
+}
+
+template <class Real>
+struct Outputs {
+  std::vector<Real> pressure, uncertainty;
+  std::vector<std::uint16_t> status;
+  explicit Outputs(std::size_t n) : pressure(n), uncertainty(n), status(n) {}
+  typename DynamicFrameCompensator<Real>::Output output() { return {pressure, uncertainty, status}; }
+};
+
+constexpr double kSeconds = 0.5;
+
+}  // namespace
+
+TEST_CASE("dynamic frames in double are those of the plain form, known or unknown start, on every level", "[dynamic]") {
+  constexpr std::size_t kTaxels = 19;
+  DynamicFrames frames = frames_of(kTaxels, 1500, 0.002, kSeconds);
+  DynamicSetup& setup = frames.array.setup;
+  setup.observer.share = 0.01;
+  setup.residual_psi.assign(40, 0.1);
+  std::fill_n(setup.residual_psi.begin(), 20, 0.3);  // rising
+  const DynamicSetup plain_setup = with_rounding(setup);
+  for (const Dispatch level : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512})
+    for (const bool unknown : {false, true}) {
+      setup.start_unknown = unknown;
+      DynamicFrameCompensator<double> fast(setup);
+      fast.set_interval(kSeconds);
+      fast.set_dispatch(level);
+      std::vector<DynamicTaxelCompensator> plain;
+      for (std::size_t t = 0; t < kTaxels; ++t) {
+        plain.emplace_back(plain_setup, t);
+        if (unknown) plain.back().reset_unknown();
+      }
+      Outputs<double> out(kTaxels);
+      double most = 0.0;
+      int turns_seen = 0, unknowns = 0;
+      for (std::size_t f = unknown ? 10 : 0; f < frames.pressure.size(); ++f) {
+        fast.frame(frames.at(f), out.output());
+        for (std::size_t t = 0; t < kTaxels; ++t) {
+          const Compensated now = plain[t].step(frames.at(f)[t] * setup.volts_per_count, kSeconds);
+          most = std::max(most, std::abs(now.pressure_psi - out.pressure[t]));
+          REQUIRE(now.unknown == ((out.status[t] & kTaxelUnknown) != 0));
+          REQUIRE(now.out_of_range == ((out.status[t] & kTaxelOutOfRange) != 0));
+          unknowns += now.unknown ? 1 : 0;
+          turns_seen += plain[t].ascending() ? 0 : 1;
+          if (now.unknown) continue;
+          const double residual = plain[t].ascending() ? 0.3 : 0.1;
+          REQUIRE(out.uncertainty[t] >= 0.999 * residual);
+          REQUIRE(now.uncertainty_psi >= 0.999 * residual);
+        }
+        INFO("frame " << f);
+        REQUIRE(most < 1e-7);
+      }
+      CHECK(turns_seen > 100);
+      CHECK((unknowns > 0) == unknown);
+    }
+}
+
+TEST_CASE("dynamic frames in float are no further from the truth", "[dynamic]") {
+  constexpr std::size_t kTaxels = 32;
+  DynamicFrames frames = frames_of(kTaxels, 1500, 0.002, kSeconds);
+  DynamicSetup& setup = frames.array.setup;
+  DynamicFrameCompensator<double> whole(setup);
+  DynamicFrameCompensator<float> single(setup);
+  whole.set_interval(kSeconds);
+  single.set_interval(kSeconds);
+  CHECK(single.bytes_per_taxel() <= 2048);
+  Outputs<double> a(kTaxels);
+  Outputs<float> b(kTaxels);
+  double whole_error = 0.0, single_error = 0.0, apart = 0.0;
+  for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
+    whole.frame(frames.at(f), a.output());
+    single.frame(frames.at(f), b.output());
+    for (std::size_t t = 0; t < kTaxels; ++t) {
+      whole_error += std::abs(a.pressure[t] - frames.pressure[f]);
+      single_error += std::abs(static_cast<double>(b.pressure[t]) - frames.pressure[f]);
+      apart += std::abs(a.pressure[t] - static_cast<double>(b.pressure[t]));
+    }
+  }
+  const auto count = static_cast<double>(kTaxels * frames.pressure.size());
+  INFO("double " << whole_error / count << " psi, float " << single_error / count << ", apart " << apart / count);
+  CHECK(single_error < 1.01 * whole_error);
+  CHECK(apart / count < 0.01);
+}
+
+TEST_CASE("dynamic frames: dead taxels, lost samples and frames, tare, validity, wrong sizes", "[dynamic]") {
+  constexpr std::size_t kTaxels = 17;
+  DynamicFrames frames = frames_of(kTaxels, 300, 0.002, kSeconds);
+  DynamicSetup setup = frames.array.setup;
+  setup.taxels[3] = {};
+  setup.longest_gap = 2;
+  DynamicFrameCompensator<float> c(setup);
+  c.set_interval(kSeconds);
+  Outputs<float> out(kTaxels);
+  std::vector<float> volts(kTaxels);
+  for (std::size_t f = 0; f < 60; ++f) c.frame(frames.at(f), out.output());
+  CHECK(out.status[3] == kTaxelDead);
+  CHECK(out.pressure[3] == 0.0F);
+  CHECK(out.uncertainty[3] == 60.0F);
+  CHECK((out.status[0] & kTaxelValid) != 0);
+  const float before = out.pressure[5], other = out.pressure[6];
+  for (std::size_t t = 0; t < kTaxels; ++t) volts[t] = static_cast<float>(frames.at(59)[t] * setup.volts_per_count);
+  volts[5] = std::nanf("");
+  c.frame(std::span<const float>(volts), out.output());
+  CHECK(out.status[5] == kTaxelLost);
+  CHECK(out.pressure[5] == before);
+  CHECK(out.pressure[6] == Approx(other).margin(0.5));
+  c.lost_frame(out.output());
+  for (std::size_t t = 0; t < kTaxels; ++t) CHECK(out.status[t] == (t == 3 ? kTaxelDead : kTaxelLost));
+  c.lost_frame(out.output());
+  c.lost_frame(out.output());
+  CHECK(out.status[0] == (kTaxelLost | kTaxelUnknown));
+  // Unloaded and 5 mV higher than it was: the zero moves, and all are at rest.
+  std::vector<std::uint16_t> unloaded(kTaxels, static_cast<std::uint16_t>(std::lround(0.025 * 65536.0 / 5.0)));
+  CHECK(c.tare(unloaded) == 0);
+  c.frame(unloaded, out.output());
+  for (std::size_t t = 0; t < kTaxels; ++t) CHECK(out.pressure[t] == Approx(0.0).margin(0.05));
+  unloaded[7] = 20000;
+  CHECK(c.tare(unloaded) == 1);
+  c.set_outside_validity(true);
+  c.frame(unloaded, out.output());
+  CHECK(out.status[0] == kTaxelOutside);
+  CHECK((out.status[7] & (kTaxelOutside | kTaxelUnknown)) == (kTaxelOutside | kTaxelUnknown));
+  unloaded.pop_back();
+  CHECK_THROWS_WITH(c.frame(unloaded, out.output()), Catch::Contains("number of samples"));
+  CHECK_THROWS_WITH(c.set_interval(-1.0), Catch::Contains("interval"));
+  setup.taxels[2].everett[4] = -1.0;
+  CHECK_THROWS_WITH(DynamicFrameCompensator<float>(setup), Catch::Contains("taxel 2: "));
+}

@@ -1,0 +1,242 @@
+// The dynamic Preisach model: its table against the model it is made of, the divider and dynamics against plants of
+// known truth, the streaming compensator against those plants.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/congruency.h"
+#include "analysis/identify/dynamic/dynamics_search.h"
+#include "analysis/models/linearised.h"
+#include "tests/analysis/support/dynamic_plant.h"
+
+using namespace synthetic;
+
+namespace {
+
+// The paper's two sequences along a model, on a grid of 2 psi.
+FitData two_sequences(const HysteresisModel& model) {
+  FitData data;
+  const auto history = [&](const std::string& name, const std::vector<double>& turns) {
+    History own{name, {turns.front()}, {}, {}, {}, {}};
+    for (std::size_t i = 0; i + 1 < turns.size(); ++i) {
+      const auto first = static_cast<int>(own.x.size()) - 1;
+      const double step = turns[i + 1] > turns[i] ? 2.0 : -2.0;
+      while (own.x.back() != turns[i + 1]) own.x.push_back(own.x.back() + step);
+      own.branches.push_back({first, static_cast<int>(own.x.size()) - 1, step > 0.0});
+    }
+    own.y = predict(model, own.x);
+    data.histories.push_back(own);
+  };
+  history("descending", {0, 60, 0, 50, 0, 40, 0, 30, 0, 20, 0, 10, 0});
+  history("ascending", {0, 60, 10, 60, 0, 60, 20, 60, 0, 60, 30, 60, 0, 60, 40, 60, 0, 60, 50, 60, 0});
+  std::vector<double> x, up, down;
+  const History& first = data.histories.front();
+  for (std::size_t i = 0; i <= 30; ++i) {
+    x.push_back(first.x[i]);
+    up.push_back(first.y[i]);
+    down.push_back(first.y[60 - i]);
+  }
+  data.ascending = PatternCurve(x, up, up.front(), up.back());
+  data.descending = PatternCurve(x, down, up.front(), up.back());
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("Everett's table and staircase give the inputs that the Preisach model gives", "[dynamic]") {
+  for (const std::size_t n : {7U, 20U, 30U}) {
+    const PreisachModel model = random_preisach(static_cast<unsigned>(n), n);
+    std::vector<double> table;
+    for (std::size_t i = 0; i <= n; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        const double step = 60.0 / static_cast<double>(n);
+        table.push_back(model.everett(step * static_cast<double>(i), step * static_cast<double>(j)));
+      }
+    const Everett<double> everett{table.data(), n};
+    Staircase<double> memory;
+    memory.start_low(0.1);
+    const auto state = model.state();
+    const double per_interval = 60.0 / static_cast<double>(n);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> level(0.0, 60.0);
+    bool rises = true;
+    double last = 0.0;
+    for (int turn = 0; turn < 4000; ++turn) {
+      const double x = level(random);
+      if (x == last) continue;
+      const double y = state->output_at(x);
+      if (std::abs(y - state->output_at(last)) < 1e-9) continue;  // flat: any input in between is right
+      if ((x > last) != rises) memory.turn(everett, state->output_at(last));
+      rises = x > last;
+      memory.go(y);
+      const double back = memory.piece(everett, y).along(y) * per_interval;
+      state->go(x);
+      REQUIRE(std::abs(state->output_at(back) - y) < 1e-9);
+      last = x;
+    }
+  }
+}
+
+TEST_CASE("the divider is removed and applied again, and a linearised model is stored and read", "[dynamic]") {
+  const Divider divider{0.02, 1.0 / 3.9};
+  for (double v = -0.1; v < 3.88; v += 0.01) CHECK(divider.output(divider.linear(v)) == Approx(v).margin(1e-12));
+  CHECK(divider.output(divider.linear(5.0)) == Approx(5.0));  // beyond the divider's end
+  const LinearisedModel model(divider, std::make_unique<PreisachModel>(random_preisach()));
+  const auto again = model_from_json(model.to_json());
+  CHECK(again->to_json() == model.to_json());
+  const std::vector<double> way = random_way(200, 3.0, 4);
+  const std::vector<double> outputs = predict(model, way);
+  CHECK(predict(*again, way) == outputs);
+  for (const double y : outputs) CHECK((y >= 0.02 && y < 0.02 + 3.9));
+}
+
+TEST_CASE("the congruency test finds the divider's amplitude, and reports none without a divider", "[dynamic]") {
+  for (const double amplitude : {2.5, 3.9, 8.0}) {
+    const LinearisedModel plant({0.02, 1.0 / amplitude}, std::make_unique<PreisachModel>(film_of(3, 30)));
+    const Congruency found = find_divider(two_sequences(plant));
+    CHECK(found.pairs == 10);
+    CHECK(1.0 / found.divider.per_amplitude == Approx(amplitude).epsilon(0.01));
+    CHECK(found.rms < 0.05 * found.plain_rms);
+  }
+  CHECK(find_divider(two_sequences(film_of(3, 30))).divider.per_amplitude == 0.0);
+  // Falls alone cannot tell.
+  FitData falls = two_sequences(LinearisedModel({0.0, 0.25}, std::make_unique<PreisachModel>(film_of(3, 30))));
+  falls.histories.pop_back();
+  CHECK(find_divider(falls).divider.per_amplitude == 0.0);
+}
+
+TEST_CASE("every model can be fitted on the linearised output, and Preisach is exact on its own plant then",
+          "[dynamic]") {
+  const LinearisedModel plant({0.02, 1.0 / 3.9}, std::make_unique<PreisachModel>(film_of(4, 30)));
+  const FitData data = two_sequences(plant);
+  IdentifyOptions options;
+  for (const char* name : model_names()) {
+    options.linearise = false;
+    const ModelFit plain = identify(name, data, options);
+    options.linearise = true;
+    const ModelFit fit = identify(name, data, options);
+    INFO(name << ": " << plain.mean_error << " V, linearised " << fit.mean_error << " V");
+    CHECK(dynamic_cast<const LinearisedModel*>(fit.model.get()) != nullptr);
+    CHECK(fit.samples == plain.samples);
+    if (std::string(name) == "preisach") CHECK(fit.mean_error < 0.1 * plain.mean_error);
+  }
+}
+
+TEST_CASE("the plain dynamic compensator gives a plant's pressures back", "[dynamic]") {
+  const DynamicArray array = dynamic_array(4, 0.0);
+  for (std::size_t t = 0; t < array.films.size(); ++t) {
+    DynamicPlant plant(array.films[t], array.setup.dynamics, array.setup.taxels[t]);
+    DynamicSetup setup = array.setup;
+    setup.observer.share = 0.0;
+    DynamicTaxelCompensator compensator(setup, t), deaf(setup, t);
+    double sum = 0.0, most = 0.0, deaf_sum = 0.0;
+    const std::vector<double> way = random_way(600, 2.0, static_cast<unsigned>(t) + 9);
+    for (const double psi : way) {
+      const double seconds = psi == 0.0 ? 30.0 : 2.5, volts = plant.step(psi, seconds);
+      const double error = std::abs(compensator.step(volts, seconds).pressure_psi - psi);
+      deaf_sum += std::abs(deaf.step(volts, 0.0).pressure_psi - psi);  // is not told the time
+      sum += error;
+      most = std::max(most, error);
+    }
+    const auto count = static_cast<double>(way.size());
+    INFO("taxel " << t << ": " << sum / count << " psi, most " << most << ", without time " << deaf_sum / count);
+    CHECK(sum / count < 0.03);
+    CHECK(most < 0.6);
+    CHECK(deaf_sum > 5.0 * sum);
+  }
+}
+
+TEST_CASE("after an unknown start the pressures converge to those of a known start", "[dynamic]") {
+  const DynamicArray array = dynamic_array(1, 0.001);
+  DynamicPlant plant(array.films[0], array.setup.dynamics, array.setup.taxels[0]);
+  DynamicTaxelCompensator knows(array.setup, 0), late(array.setup, 0);
+  late.reset_unknown();
+  const std::vector<double> way = random_way(800, 2.0, 3);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, 0.001);
+  bool was_unknown = false, is_unknown = true;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const double volts = plant.step(way[i], 2.5) + normal(random);
+    const double known = knows.step(volts, 2.5).pressure_psi;
+    if (i < 100) continue;
+    const Compensated now = late.step(volts, 2.5);
+    was_unknown = was_unknown || now.unknown;
+    is_unknown = now.unknown;
+    if (!now.unknown && i > 700) CHECK(std::abs(now.pressure_psi - known) < 2.0);  // its creep began elsewhere
+  }
+  CHECK(was_unknown);
+  CHECK_FALSE(is_unknown);
+}
+
+TEST_CASE("outputs that are lower throughout are scaled back by the first turn at the top", "[dynamic]") {
+  DynamicArray array = dynamic_array(1, 0.001);
+  array.setup.dynamics = {};
+  array.setup.taxels[0].creep_scale = array.setup.taxels[0].lag_share = 0.0;
+  array.setup.observer.share = 0.02;
+  for (const double gain : {0.99, 1.0, 1.01}) {
+    DynamicPlant plant(array.films[0], array.setup.dynamics, array.setup.taxels[0]);
+    DynamicTaxelCompensator compensator(array.setup, 0);
+    std::vector<double> way;
+    for (const double turn : {60.0, 0.0, 60.0, 20.0, 50.0, 0.0})
+      while (way.empty() || way.back() != turn)
+        way.push_back(way.empty() ? 0.0 : way.back() + (turn > way.back() ? 1.0 : -1.0));
+    double most = 0.0;
+    bool turned = false;
+    for (const double psi : way) {
+      const double volts = 0.02 + gain * (plant.step(psi, 1.0) - 0.02);
+      const double error = std::abs(compensator.step(volts, 1.0).pressure_psi - psi);
+      turned = turned || (psi < 58.0 && std::abs(compensator.gain() - 1.0 / gain) < 0.002);
+      if (turned) most = std::max(most, error);
+    }
+    INFO("gain " << gain << ": " << compensator.gain() << ", most " << most << " psi");
+    CHECK(compensator.gain() == Approx(1.0 / gain).margin(0.001));
+    CHECK(most < 0.8);
+  }
+}
+
+TEST_CASE("creep and lag of an array are found again on the recipes that vary time", "[dynamic]") {
+  constexpr std::size_t kTaxels = 4;
+  const DynamicArray array = dynamic_array(kTaxels, 0.0);
+  const auto run = [&](const std::vector<std::vector<double>>& levels, const std::vector<double>& seconds, int frames) {
+    std::vector<DynamicPlant> plants;
+    for (std::size_t t = 0; t < kTaxels; ++t)
+      plants.emplace_back(array.films[t], array.setup.dynamics, array.setup.taxels[t], 50);
+    Dataset data;
+    data.rows = 1;
+    data.columns = kTaxels;
+    data.sequences.push_back({"recipe", {}});
+    double now = 0.0;
+    for (std::size_t r = 0; r < levels.size(); ++r) {
+      Repeat repeat;
+      for (const double psi : levels[r])
+        for (int f = 1; f <= frames; ++f) {
+          now += seconds[r];
+          repeat.steps.push_back({psi, psi, now, f * seconds[r]});
+          for (DynamicPlant& plant : plants) repeat.volts.push_back(plant.step(psi, seconds[r]));
+        }
+      data.sequences.front().repeats.push_back(repeat);
+    }
+    return data;
+  };
+  std::vector<double> loop;
+  for (double psi = 0.0; psi <= 60.0; psi += 4.0) loop.push_back(psi);
+  for (double psi = 56.0; psi >= 0.0; psi -= 4.0) loop.push_back(psi);
+  const Dataset creep = run({{0, 20, 40, 60, 40, 20, 0}}, {2.0}, 151);
+  const Dataset rate = run({loop, loop, loop}, {0.8, 2.6, 20.0}, 1);
+  const std::vector<double> zeros(kTaxels, 0.02);
+  const ArrayDynamics found = find_dynamics(&rate, &creep, zeros, std::vector<bool>(kTaxels, true));
+  const Dynamics &own = found.shared, &truth = array.setup.dynamics;
+  CHECK(found.holds == 5);
+  double mean_scale = 0.0;
+  for (const DynamicTaxel& taxel : array.setup.taxels) mean_scale += taxel.creep_scale / kTaxels;
+  for (std::size_t j = 0; j < kCreepElements; ++j)
+    CHECK(own.creep_share[j] == Approx(mean_scale * truth.creep_share[j]).epsilon(0.15));
+  CHECK(own.creep_half == Approx(truth.creep_half).epsilon(0.25));
+  CHECK(own.lag_s == Approx(truth.lag_s).epsilon(0.4));
+  for (std::size_t t = 0; t < kTaxels; ++t) {
+    CHECK(found.creep_scale[t] == Approx(array.setup.taxels[t].creep_scale / mean_scale).epsilon(0.05));
+    CHECK(found.lag_share[t] == Approx(array.setup.taxels[t].lag_share).epsilon(0.35));
+  }
+  const ArrayDynamics none = find_dynamics(nullptr, nullptr, zeros, std::vector<bool>(kTaxels, true));
+  CHECK(none.shared.creep_share == std::array<double, kCreepElements>{});
+  CHECK(none.lag_share == std::vector<double>(kTaxels, 0.0));
+}

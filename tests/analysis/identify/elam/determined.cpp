@@ -1,0 +1,137 @@
+// Parameters that data do not determine are reported and chosen by a rule; determined ones do not change.
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "analysis/compensate/inverse_stream.h"
+#include "analysis/identify/elam/elam_determined.h"
+#include "analysis/identify/identifier.h"
+#include "analysis/statistics/scoring/score.h"
+#include "tests/analysis/support/fit_samples.h"
+#include "tests/analysis/support/models.h"
+
+using namespace synthetic;
+
+namespace {
+
+const std::vector<double> kLoops{0, 60, 0, 60, 0, 60, 0};
+
+}  // namespace
+
+TEST_CASE("determined: external loops alone leave all of ELAM open, and its split is the pattern's own in the middle") {
+  for (const double noise : {0.0, 0.003, 0.02}) {
+    const FitData data = paper_data(kLoops, noise);
+    const ModelFit fit = identify("elam", data);
+    INFO("noise " << noise);
+    CHECK(fit.undetermined == std::vector<std::string>{"alpha_d", "beta_d", "alpha_a1", "alpha_a0", "beta_a"});
+    const std::vector<ModelParameter> p = fit.model->parameters();
+    CHECK(p[0].value == 0.5);
+    CHECK(p[1].value == Approx(data.descending(30.0) / 3.49));
+    CHECK(p[2].value == 0.0);
+    CHECK(p[3].value == 0.5);
+    CHECK(p[4].value == Approx(data.ascending(30.0) / 3.49));
+    CHECK(fit.mean_error < 1.2 * noise + 1e-9);
+  }
+}
+
+TEST_CASE("determined: inner branches determine all parameters, and settling changes none") {
+  const FitData data = paper_both(0.032, 0.0205);
+  CHECK(identify("elam", data).undetermined.empty());
+  CHECK(identify("preisach", data).undetermined.empty());
+  std::vector<TaxelBranch> branches;
+  for (const History& history : data.histories)
+    for (const Branch& branch : history.branches)
+      branches.push_back({branch.ascending,
+                          {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
+                          {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
+  ElamModel model{data.ascending, data.descending, {}, {}};
+  const ElamSamples samples = searched_samples(model, branches);
+  fit_descending(model, samples.descending);
+  fit_ascending(model, samples.ascending);
+  const ElamParameters found = model.parameters;
+  CHECK(settle_undetermined(model, samples.descending, samples.descending_constant, false) == 0);
+  CHECK(settle_undetermined(model, samples.ascending, samples.ascending_constant, true) == 0);
+  CHECK(model.parameters.alpha_d == found.alpha_d);
+  CHECK(model.parameters.beta_d == found.beta_d);
+  CHECK(model.parameters.alpha_a1 == found.alpha_a1);
+  CHECK(model.parameters.alpha_a0 == found.alpha_a0);
+  CHECK(model.parameters.beta_a == found.beta_a);
+}
+
+TEST_CASE("determined: Preisach on external loops alone spreads its weights, and inner branches come out better") {
+  const PreisachModel truth = random_preisach();
+  const auto made = [&](const std::vector<double>& turns) {
+    const std::vector<double> inputs = levels_of(turns), outputs = predict(truth, inputs);
+    return History{"made", inputs, outputs, branches_along(inputs), {}, {}};
+  };
+  const History loops = made(kLoops);
+  const std::vector<double> grid(loops.x.begin(), loops.x.begin() + 31), up(loops.y.begin(), loops.y.begin() + 31);
+  std::vector<double> down(loops.y.begin() + 30, loops.y.begin() + 61);
+  std::ranges::reverse(down);
+  const FitData data{
+      {loops}, PatternCurve(grid, up, up.front(), up.back()), PatternCurve(grid, down, up.front(), up.back())};
+  const ModelFit fit = identify("preisach", data);
+  CHECK(fit.undetermined == std::vector<std::string>{"w"});
+  CHECK(fit.mean_error < 0.002 * fit.full_scale);
+  // Weights above 0: the sparse vertex that non-negative least squares ends in has at most one a row and a column.
+  CHECK(fit.model->parameters().size() > 2 * 30);
+}
+
+TEST_CASE("scores: every model is scored from measured turns and free running, whatever the mode of its fit") {
+  const FitData data = paper_both(0.032, 0.0205);
+  const ScoreOptions options{.dead_band = 0.1, .x_low = 0.0, .y_low = 0.0, .x_high = 60.0, .y_high = 3.49};
+  for (const char* name : {"elam", "gpi", "mpi", "poly", "preisach", "monotone"}) {
+    for (const bool free_run : {false, true}) {
+      const ModelFit fit = identify(name, data, {.free_run = free_run, .starts = 1});
+      const Score found = score(*fit.model, data.histories, options);
+      ErrorSum both[2];
+      for (const bool running : {false, true})
+        for (const History& history : data.histories) {
+          const std::vector<double> y = predict_history(*fit.model, history, running);
+          for (std::size_t i = 1; i < y.size(); ++i) both[running ? 1 : 0].add(std::abs(y[i] - history.y[i]));
+        }
+      INFO(name << (free_run ? ", free run" : ""));
+      CHECK(found.direct.mean() == Approx(both[0].mean()));
+      CHECK(found.free_running.mean() == Approx(both[1].mean()));
+      const bool by_inputs = name[0] != 'e' && std::string(name) != "poly";
+      CHECK((found.direct.mean() == found.free_running.mean()) == by_inputs);
+    }
+  }
+}
+
+TEST_CASE("scores: a recording that begins in mid-branch is not read as a virgin one") {
+  const PreisachModel model = random_preisach();
+  // The plant comes down from 60 psi; recorded from 40 psi on.
+  const std::vector<double> all = levels_of({0, 60, 10, 50, 0, 60, 0});
+  const std::vector<double> outputs = predict(model, all);
+  const auto skipped = static_cast<std::ptrdiff_t>(40);  // 30 up, 10 down
+  const std::vector<double> x(all.begin() + skipped, all.end());
+  const History late{"late", x, {outputs.begin() + skipped, outputs.end()}, branches_along(x), {}, {}};
+  REQUIRE(late.x.front() == 40.0);
+  REQUIRE(begins_falling(late));
+  const std::vector<double> predicted = predict_history(model, late, true);
+  for (std::size_t i = 0; i < x.size(); ++i) CHECK(predicted[i] == Approx(late.y[i]).margin(1e-9));
+  const ScoreOptions options{.dead_band = 0.0,
+                             .x_low = 0.0,
+                             .y_low = outputs.front(),
+                             .x_high = 60.0,
+                             .y_high = *std::ranges::max_element(outputs)};
+  const Score both = score(model, std::vector<History>{late, late}, options);
+  const Score one = score(model, std::vector<History>{late}, options);
+  CHECK(both.compensated.mean() == Approx(one.compensated.mean()));  // the one before leaves nothing behind
+  CHECK(one.free_running.max < 1e-9);
+  // From the first end of the range on the history is known; until then the estimate lies between its extremes.
+  double before = 0.0;
+  InverseStream virgin(model, 0.0), unknown(model, 0.0);
+  unknown.reset_unknown();
+  double after_unknown = 0.0, at_start = 0.0;
+  bool reached = false;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double off = std::abs(unknown.step(late.y[i]) - x[i]), off_virgin = std::abs(virgin.step(late.y[i]) - x[i]);
+    if (i == 0) before = off_virgin;
+    if (i == 0) at_start = off;
+    reached = reached || x[i] == 0.0;
+    if (reached) after_unknown = std::max(after_unknown, off);
+  }
+  CHECK(at_start < before);
+  CHECK(after_unknown < 1e-6);
+}

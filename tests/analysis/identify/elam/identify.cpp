@@ -1,0 +1,293 @@
+#include "analysis/identify/elam/identify.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "analysis/statistics/figures/evaluation.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace synthetic;
+
+namespace {
+
+enum class Outer { kPattern, kFormula };
+
+// The branches of one of the paper's two sequences as the model gives them: inner ones by its formulas from the
+// pattern, external ones from the patterns or by the formulas.
+std::vector<TaxelBranch> branches_from(const ElamModel& formula, const std::vector<double>& turns, Outer outer) {
+  std::vector<TaxelBranch> branches;
+  ElamModel model = formula;
+  model.options.exact_outer = outer == Outer::kPattern;
+  Plant plant(model);
+  for (std::size_t t = 1; t < turns.size(); ++t) {
+    TaxelBranch branch;
+    branch.ascending = turns[t] > turns[t - 1];
+    for (const double pressure : levels_of({turns[t - 1], turns[t]})) {
+      branch.pressure_psi.push_back(pressure);
+      branch.volts.push_back(plant(pressure));
+    }
+    branches.push_back(std::move(branch));
+  }
+  return branches;
+}
+
+// White noise; the turning sample is one measurement for both branches that share it.
+void add_noise(std::vector<TaxelBranch>& branches, double volts, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, volts);
+  for (std::size_t b = 0; b < branches.size(); ++b)
+    for (std::size_t i = 0; i < branches[b].volts.size(); ++i)
+      if (b > 0 && i == 0)
+        branches[b].volts[0] = branches[b - 1].volts.back();
+      else
+        branches[b].volts[i] += normal(random);
+}
+
+std::vector<TaxelBranch> both(std::vector<TaxelBranch> a, const std::vector<TaxelBranch>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+bool same(const ModelTaxel& a, const ModelTaxel& b) {
+  const ElamParameters &p = elam_of(a)->parameters, &q = elam_of(b)->parameters;
+  return a.status == b.status && p.alpha_d == q.alpha_d && p.beta_d == q.beta_d && p.alpha_a0 == q.alpha_a0 &&
+         p.alpha_a1 == q.alpha_a1 && p.beta_a == q.beta_a && a.fit.j == b.fit.j && a.fit.max_error == b.fit.max_error;
+}
+
+Array small_array() {
+  ArrayOptions options;
+  options.rows = options.columns = 4;
+  return Array(options);
+}
+
+}  // namespace
+
+TEST_CASE("a noiseless refit of the paper's taxel recovers the printed parameters") {
+  const ElamModel truth = model_of(paper_loop(), kPrinted);
+  const auto branches = both(branches_from(truth, kDescendingTurns, Outer::kFormula),
+                             branches_from(truth, kAscendingTurns, Outer::kFormula));
+  const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
+  INFO("J " << fit.j_v2);
+  CHECK(fit.j_v2 < 1e-9);
+  CHECK(fit.model.parameters.alpha_d == Approx(kPrinted.alpha_d).epsilon(1e-3));
+  CHECK(fit.model.parameters.beta_d == Approx(kPrinted.beta_d).epsilon(1e-4));
+  CHECK(fit.model.parameters.alpha_a1 == Approx(kPrinted.alpha_a1).epsilon(1e-3));
+  CHECK(fit.model.parameters.alpha_a0 == Approx(kPrinted.alpha_a0).epsilon(1e-3));
+  CHECK(fit.model.parameters.beta_a == Approx(kPrinted.beta_a).epsilon(1e-3));
+  CHECK(fit.at_bound == 0);
+  CHECK(fit.full_scale_v == 3.49);
+}
+
+TEST_CASE("refits of the rebuilt taxel with noise stay within the paper's errors") {
+  struct Set {
+    const std::vector<double>& turns;
+    double noise_v, limit_fs;
+    std::size_t samples;
+  };
+  for (const Set& set : {Set{kDescendingTurns, 0.032, 0.0095, 211}, Set{kAscendingTurns, 0.0205, 0.0070, 451}}) {
+    const ElamModel truth = model_of(paper_loop(), kPrinted);
+    REQUIRE(levels_of(set.turns).size() == set.samples);
+    double sum = 0.0;
+    for (unsigned seed = 1; seed <= 6; ++seed) {
+      std::vector<TaxelBranch> branches = branches_from(truth, set.turns, Outer::kPattern);
+      add_noise(branches, set.noise_v, seed);
+      const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
+      CHECK(fit.mean_error_v / fit.full_scale_v <= set.limit_fs);
+      CHECK(fit.mean_error_v > 0.6 * set.noise_v);  // the noise itself cannot be fitted away
+      sum += fit.mean_error_v / fit.full_scale_v / 6.0;
+    }
+    WARN("mean error of " << set.samples << " samples, % FS: " << 100.0 * sum);
+  }
+}
+
+TEST_CASE("the error figures are those of Eqs (1) and (49) over all samples but the first of a branch") {
+  const ElamModel truth = model_of(paper_loop(), kPrinted);
+  auto branches = branches_from(truth, kDescendingTurns, Outer::kFormula);
+  branches[4].volts[3] += 0.1;  // one sample off: nothing else explains it
+  const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
+  CHECK(fit.max_error_v == Approx(0.1).epsilon(0.05));
+  CHECK(fit.j_v2 == Approx(0.01).epsilon(0.1));
+  double j = 0.0, sum = 0.0, largest = 0.0;
+  for (const TaxelBranch& branch : branches) {
+    const bool outer = !branch.ascending && branch.pressure_psi.front() == 60.0;
+    const ElamCurve curve(fit.model, branch.ascending, branch.pressure_psi.front(),
+                          outer ? 3.49 : branch.volts.front());
+    for (std::size_t i = 1; i < branch.volts.size(); ++i) {
+      const double error = std::abs(curve.output(branch.pressure_psi[i]) - branch.volts[i]);
+      j += error * error;
+      sum += error;
+      largest = std::max(largest, error);
+    }
+  }
+  CHECK(fit.j_v2 == Approx(j));
+  CHECK(fit.mean_error_v == Approx(sum / 210.0));
+  CHECK(fit.max_error_v == Approx(largest));
+}
+
+TEST_CASE("a parameter at its bound is reported") {
+  ElamParameters p = kPrinted;
+  p.beta_d = 1.0;
+  const ElamModel truth = model_of(paper_loop(), p);
+  const auto branches = branches_from(truth, kDescendingTurns, Outer::kFormula);
+  const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
+  CHECK((fit.at_bound & 2U) != 0);
+}
+
+TEST_CASE("malformed branches are refused") {
+  const ElamModel m = model_of(paper_loop(), kPrinted);
+  auto good = branches_from(m, {0, 60, 0}, Outer::kFormula);
+  CHECK_NOTHROW(identify_elam(m.ascending, m.descending, good));
+  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, {}), std::invalid_argument);
+  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, std::span(good).first(1)), std::invalid_argument);
+  auto bad = good;
+  bad[0].volts[3] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, bad), std::invalid_argument);
+  bad = good;
+  bad[1].volts.pop_back();
+  CHECK_THROWS_AS(identify_elam(m.ascending, m.descending, bad), std::invalid_argument);
+  const PatternCurve other(m.ascending.x(), m.ascending.y(), 0.0, 3.6);
+  CHECK_THROWS_AS(identify_elam(other, m.descending, good), std::invalid_argument);
+}
+
+TEST_CASE("an array's fit does not depend on the number of threads") {
+  const Dataset data = run(small_array(), {});
+  FitOptions options;
+  options.threads = 1;
+  const SensorModel one = fit_array(data, options);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    const SensorModel other = fit_array(data, options);
+    for (std::size_t i = 0; i < one.taxels.size(); ++i) CHECK(same(one.taxels[i], other.taxels[i]));
+    CHECK(same(one.mean_taxel(), other.mean_taxel()));
+  }
+  for (const ModelTaxel& taxel : one.array()) {
+    CHECK(taxel.status == TaxelStatus::kFitted);
+    CHECK(taxel.fit.mean_error < 0.005 * taxel.full_scale());
+  }
+  CHECK(one.pressure_psi.size() == 31);
+  CHECK(one.sensor_serial == "S1");
+  CHECK(one.mean_taxel().noise == Approx(data.noise_v[0] / 4.0));
+}
+
+TEST_CASE("dead, stuck, saturated and unfit taxels are named and left out of the mean") {
+  Dataset data = run(small_array(), {});
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const std::size_t width = 16;
+  for (SequenceData& sequence : data.sequences) {
+    for (Repeat& repeat : sequence.repeats) {
+      for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+        double* volts = &repeat.volts[i * width];
+        volts[0] = 0.001 * normal(random);
+        volts[1] = 2.0 + 0.001 * normal(random);
+        volts[3] = 3.0 - 0.04 * repeat.steps[i].reference_psi;  // falls
+        volts[4] = volts[4] + 1.5 * normal(random);             // noise beyond any model
+        volts[5] = 5.0;                                         // at the converter's limit for ever
+      }
+    }
+  }
+  data.at_limit[2] = true;
+  data.at_limit[5] = true;
+  const SensorModel fit = fit_array(data);
+  CHECK(fit.taxels[0].status == TaxelStatus::kDead);
+  CHECK(fit.taxels[1].status == TaxelStatus::kStuck);
+  CHECK(fit.taxels[2].status == TaxelStatus::kSaturated);
+  CHECK(fit.taxels[3].status == TaxelStatus::kUnfit);
+  CHECK(fit.taxels[4].status == TaxelStatus::kUnfit);
+  CHECK(fit.taxels[5].status == TaxelStatus::kSaturated);
+  for (std::size_t i = 6; i < width; ++i) CHECK(fit.taxels[i].status == TaxelStatus::kFitted);
+  double mean = 0.0;
+  for (std::size_t i = 6; i < width; ++i) mean += fit.taxels[i].ascending(30.0) / 10.0;
+  CHECK(fit.mean_taxel().ascending(30.0) == Approx(mean).epsilon(1e-9));
+}
+
+TEST_CASE("a sensor whose output falls is fitted with its output negated") {
+  Dataset data = run(small_array(), {});
+  const SensorModel rising = fit_array(data);
+  CHECK_FALSE(rising.falling);
+  for (SequenceData& sequence : data.sequences)
+    for (Repeat& repeat : sequence.repeats)
+      for (double& volts : repeat.volts) volts = 5.0 - volts;
+  const SensorModel fit = fit_array(data);
+  CHECK(fit.falling);
+  CHECK(fit.full_scale_v() == Approx(5.0).epsilon(0.1));
+  for (std::size_t i = 0; i < fit.array().size(); ++i) {
+    REQUIRE(fit.taxels[i].status == TaxelStatus::kFitted);
+    CHECK(fit.taxels[i].fit.j == Approx(rising.taxels[i].fit.j).epsilon(1e-6));
+    CHECK(fit.taxels[i].ascending(30.0) == Approx(rising.taxels[i].ascending(30.0) - 5.0));
+  }
+  CHECK(as_modelled(data, fit).sequences[0].repeats[0].volts[5] == -data.sequences[0].repeats[0].volts[5]);
+  CHECK(as_modelled(data, rising).sequences[0].repeats[0].volts[5] == data.sequences[0].repeats[0].volts[5]);
+  const Evaluation a = evaluate(data, fit);
+  CHECK(a.mean_error_psi < 1.0);
+  CHECK(a.full_scale_v == Approx(5.0).epsilon(0.1));
+}
+
+TEST_CASE("a first repeat that differs from the others is reported, and can be left out") {
+  Dataset data = run(small_array(), {});
+  for (const RepeatDrift& drift : fit_array(data).repeats) {
+    INFO(drift.sequence << ": " << drift.shift_v << " V of " << drift.uncertainty_v << " V");
+    CHECK_FALSE(drift.differs);
+  }
+  for (double& volts : data.sequences[0].repeats[0].volts) volts -= 0.02;  // never loaded before
+  const SensorModel fit = fit_array(data);
+  REQUIRE(fit.repeats.size() == 2);
+  CHECK(fit.repeats[0].sequence == "descending");
+  CHECK(fit.repeats[0].differs);
+  CHECK(fit.repeats[0].shift_v == Approx(-0.02).margin(0.002));
+  CHECK(fit.repeats[0].uncertainty_v < 0.003);
+  CHECK_FALSE(fit.repeats[1].differs);
+  FitOptions options;
+  options.common.first_repeat = 1;
+  CHECK(fit_array(data, options).mean_taxel().y0() > fit.mean_taxel().y0());
+  RunOptions two;
+  two.repeats = 2;
+  CHECK(fit_array(run(small_array(), two)).repeats.empty());
+}
+
+TEST_CASE("duplicated pressures, missing branches, branches that stop short and another origin are fitted") {
+  // From (12 psi, 0.7 V) on: held levels, turns that only go half way, no branch from 50 psi.
+  Loop loop = paper_loop();
+  for (double& x : loop.x) x += 12.0;
+  for (double& y : loop.up) y += 0.7;
+  for (double& y : loop.down) y += 0.7;
+  ElamParameters p = kPrinted;
+  p.beta_d = 0.97;
+  const ElamModel truth = model_of(loop, p);
+  std::vector<TaxelBranch> branches =
+      both(branches_from(truth, {12, 72, 12, 52, 31, 45, 12}, Outer::kFormula),
+           branches_from(truth, {12, 72, 22, 72, 12, 42, 30, 66, 33, 72, 12}, Outer::kFormula));
+  for (TaxelBranch& branch : branches) {
+    const std::size_t middle = branch.volts.size() / 2;
+    for (int k = 0; k < 3; ++k) {
+      branch.volts.insert(branch.volts.begin() + static_cast<std::ptrdiff_t>(middle), branch.volts[middle]);
+      branch.pressure_psi.insert(branch.pressure_psi.begin() + static_cast<std::ptrdiff_t>(middle),
+                                 branch.pressure_psi[middle]);
+    }
+  }
+  const ElamFit fit = identify_elam(truth.ascending, truth.descending, branches);
+  CHECK(fit.j_v2 < 1e-9);
+  CHECK(fit.model.parameters.alpha_d == Approx(p.alpha_d).epsilon(1e-3));
+  CHECK(fit.model.parameters.beta_d == Approx(p.beta_d).epsilon(1e-4));
+  CHECK(fit.model.parameters.alpha_a1 == Approx(p.alpha_a1).epsilon(1e-2));
+  CHECK(fit.model.parameters.beta_a == Approx(p.beta_a).epsilon(1e-2));
+}
+
+TEST_CASE("an array without a single working taxel is an error") {
+  Dataset data = run(small_array(), {});
+  for (SequenceData& sequence : data.sequences)
+    for (Repeat& repeat : sequence.repeats) std::ranges::fill(repeat.volts, 0.0);
+  CHECK_THROWS_AS(fit_array(data), AnalysisError);
+}
+
+TEST_CASE("fitting at the measured pressures agrees with fitting on the set-point grid") {
+  const Dataset data = run(small_array(), {});
+  FitOptions options;
+  options.common.move_to_setpoint = false;
+  const SensorModel measured = fit_array(data, options), grid = fit_array(data);
+  for (std::size_t i = 0; i < grid.array().size(); ++i) {
+    REQUIRE(measured.taxels[i].status == TaxelStatus::kFitted);
+    CHECK(measured.taxels[i].fit.mean_error < 0.008 * measured.taxels[i].full_scale());
+    CHECK(measured.taxels[i].ascending(30.0) == Approx(grid.taxels[i].ascending(30.0)).epsilon(0.01));
+  }
+}

@@ -1,0 +1,160 @@
+#include "analysis/identify/elam/lanes.h"
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <random>
+
+#include "analysis/identify/elam/identify.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace synthetic;
+
+namespace {
+
+constexpr std::size_t kCandidates = 64;
+
+bool same_bits(std::span<const double> a, std::span<const double> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+// All that the two lane functions say about random candidates.
+struct Answers {
+  std::vector<double> alpha = std::vector<double>(kCandidates), descending = alpha, beta = alpha;
+  AscendingLanes lanes;
+  explicit Answers(const LaneProblem& ascending) : lanes(ascending, kCandidates) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit;
+    for (std::size_t i = 0; i < kCandidates; ++i) {
+      alpha[i] = i == 0 ? 0.0 : i == 1 ? 1.0 : unit(random);
+      lanes.u[i] = i % 9 == 2 ? 0.0 : unit(random);
+      lanes.v[i] = i % 11 == 3 ? 1.0 : unit(random);
+      lanes.beta[i] = i % 13 == 4 ? 0.0 : i % 13 == 5 ? 1.0 : unit(random);
+      lanes.split(i);
+    }
+  }
+};
+
+// The paper's loop with noise on its inner branches; `uniform` false: every third knot moved; `top` cuts it off.
+struct Example {
+  ElamModel model;
+  ElamSamples samples;
+};
+Example example(bool uniform, double top) {
+  Loop loop = paper_loop();
+  for (std::size_t i = 1; i + 1 < loop.x.size(); i += 3)
+    if (!uniform) loop.x[i] += 0.7;
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  for (double& y : loop.up) y = std::min(y, top);
+  for (double& y : loop.down) y = std::min(y, top);
+  Example result{model_of(loop, kPrinted), {}};
+  Plant plant(result.model);
+  std::vector<TaxelBranch> branches;
+  for (const auto* turns : {&kDescendingTurns, &kAscendingTurns})
+    for (std::size_t t = 1; t < turns->size(); ++t) {
+      TaxelBranch branch{(*turns)[t] > (*turns)[t - 1], {}, {}};
+      for (const double x : levels_of({(*turns)[t - 1], (*turns)[t]}, t % 2 == 0 ? 2.0 : 2.5)) {
+        branch.pressure_psi.push_back(x);
+        branch.volts.push_back(plant(x) + noise(random));
+      }
+      branches.push_back(std::move(branch));
+    }
+  result.samples = collect_samples(result.model, branches);
+  return result;
+}
+
+double plain_j(const ElamModel& model, std::span<const CurveSamples> curves, bool ascending) {
+  double j = 0.0;
+  for (const CurveSamples& samples : curves) {
+    const ElamCurve curve(model, ascending, samples.x_turn, samples.y_turn);
+    for (std::size_t i = 0; i < samples.x.size(); ++i)
+      j += samples.weight[i] * std::pow(curve.output(samples.x[i]) - samples.y[i], 2);
+  }
+  return j;
+}
+
+struct Unforce {
+  ~Unforce() { unforce_lane_dispatch(); }
+};
+
+}  // namespace
+
+TEST_CASE("lanes give the plain model's values, with the same bits at every vector level") {
+  const Unforce unforce;
+  for (const bool uniform : {true, false}) {
+    for (const double top : {9.0, 2.9}) {
+      Example e = example(uniform, top);
+      const LaneProblem down = lane_problem(e.model, e.samples.descending, false);
+      const LaneProblem up = lane_problem(e.model, e.samples.ascending, true);
+      CHECK(up.table.uniform() == uniform);
+      std::vector<Answers> answers;
+      for (const Dispatch level : dispatches()) {
+        force_lane_dispatch(level);
+        CHECK(lane_dispatch() == level);
+        Answers& own = answers.emplace_back(up);
+        lane_descending(down, own.alpha, own.descending, own.beta);
+        lane_ascending(own.lanes, kCandidates, Gradient::kNone);
+        const std::vector<double> j = own.lanes.j;
+        lane_ascending(own.lanes, kCandidates, Gradient::kPlane);
+        CHECK(same_bits(own.lanes.j, j));
+        const std::vector<double> plane = own.lanes.normal[1];
+        lane_ascending(own.lanes, kCandidates, Gradient::kSpace);
+        CHECK(same_bits(own.lanes.j, j));
+        CHECK(same_bits(own.lanes.normal[1], plane));
+        INFO(to_string(level));
+        const Answers& base = answers.front();
+        CHECK(same_bits(own.descending, base.descending));
+        CHECK(same_bits(own.beta, base.beta));
+        CHECK(same_bits(own.lanes.j, base.lanes.j));
+        for (std::size_t k = 0; k < 6; ++k) CHECK(same_bits(own.lanes.normal[k], base.lanes.normal[k]));
+        for (std::size_t k = 0; k < 3; ++k) CHECK(same_bits(own.lanes.right[k], base.lanes.right[k]));
+      }
+      const Answers& base = answers.front();
+      for (std::size_t i = 0; i < kCandidates; ++i) {
+        ElamParameters& p = e.model.parameters;
+        p = {base.alpha[i], base.beta[i], (base.lanes.v[i] - base.lanes.u[i]) / 60.0, base.lanes.u[i],
+             base.lanes.beta[i]};
+        INFO("candidate " << i);
+        const double j = plain_j(e.model, e.samples.descending, false);
+        CHECK(base.descending[i] == Approx(j).epsilon(1e-9).margin(1e-12));
+        CHECK(base.lanes.j[i] == Approx(plain_j(e.model, e.samples.ascending, true)).epsilon(1e-9));
+        for (const double off : {-1e-3, 1e-3}) {  // beta_d is the best one
+          p.beta_d = std::clamp(base.beta[i] + off, 0.0, 1.0);
+          CHECK(plain_j(e.model, e.samples.descending, false) >= j * (1.0 - 1e-12));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a fit is the same bit for bit on every level") {
+  const Unforce unforce;
+  for (const double top : {9.0, 2.9}) {
+    const Example e = example(true, top);
+    std::vector<ElamParameters> found;
+    for (const Dispatch level : dispatches()) {
+      force_lane_dispatch(level);
+      ElamModel model = e.model;
+      fit_descending(model, e.samples.descending);
+      fit_ascending(model, e.samples.ascending);
+      found.push_back(model.parameters);
+      CHECK(std::memcmp(&found.front(), &found.back(), sizeof(ElamParameters)) == 0);
+    }
+  }
+}
+
+TEST_CASE("searches accept sparse data: no curves, one sample, a branch that stops short") {
+  Example e = example(true, 9.0);
+  CHECK(fit_descending(e.model, {}) == 0.0);
+  CHECK(fit_ascending(e.model, {}) == 0.0);
+  CurveSamples one;
+  one.x_turn = 30.0;
+  one.y_turn = 2.0;
+  one.x = {31.0};
+  one.y = {2.1};
+  one.weight = {1.0};
+  CHECK(fit_ascending(e.model, std::span(&one, 1)) == Approx(0.0).margin(1e-9));
+  one.x = {29.0};
+  one.y = {1.9};
+  CHECK(fit_descending(e.model, std::span(&one, 1)) == Approx(0.0).margin(1e-9));
+}

@@ -1,0 +1,129 @@
+// GPI's search: its J is the walk's, the same on all vectors, and no worse than another search's.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/identify/elam/lanes.h"
+#include "analysis/identify/identifier.h"
+#include "analysis/identify/rivals/gpi_search.h"
+#include "tests/analysis/support/gpi_reference.h"
+#include "tests/analysis/support/specimen_taxels.h"
+
+using namespace synthetic;
+
+namespace {
+
+struct Unforced {
+  ~Unforced() { unforce_lane_dispatch(); }
+};
+
+double walked_j(const GpiParameters& parameters, const FitData& data) {
+  const GpiModel model(parameters, data.ascending.x().front(), data.ascending.x().back(), data.ascending.y().front());
+  double j = 0.0;
+  for (const History& history : data.histories) {
+    const std::vector<double> y = predict_history(model, history, true);
+    for (const Branch& branch : history.branches)
+      for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i)
+        j += (y[i] - history.y[i]) * (y[i] - history.y[i]);
+  }
+  return j;
+}
+
+double walked_j(const GpiPoint& point, const FitData& data) {
+  const double x_span = data.ascending.x().back() - data.ascending.x().front();
+  const double y_span = data.ascending.y().back() - data.ascending.y().front();
+  return walked_j(gpi_parameters(point, x_span, y_span), data) / (y_span * y_span);
+}
+
+// The right envelope e times as bent, its ends where they were.
+GpiParameters more_bent(GpiParameters p, double x_span) {
+  const double bend = std::exp(1.0) * p.b1;
+  const double b0 = p.b0 * std::expm1(-p.b1 * x_span) / std::expm1(-bend * x_span);
+  p.b3 += b0 - p.b0;
+  p.b0 = b0;
+  p.b1 = bend;
+  return p;
+}
+
+GpiParameters parameters_of(const ModelFit& fit) {
+  const std::vector<ModelParameter> p = fit.model->parameters();
+  return {p.at(0).value, p.at(1).value, p.at(2).value, p.at(3).value, p.at(4).value, p.at(5).value,
+          p.at(6).value, p.at(7).value, p.at(8).value, p.at(9).value, p.at(10).value};
+}
+
+std::vector<double> shares_of(const FitSamples& samples, const FitData& data) {
+  std::vector<double> y = samples.outputs(data);
+  const double y_low = data.ascending.y().front(), y_span = data.ascending.y().back() - y_low;
+  for (double& value : y) value = (value - y_low) / y_span;
+  return y;
+}
+
+}  // namespace
+
+TEST_CASE("GPI: J along the tree of states is that of the model walked along the histories, slopes are its own") {
+  std::mt19937 random(4);
+  FitData data = paper_both(0.03, 0.02);
+  const std::vector<double> inputs = random_inputs(random, 60, 0.0, 60.0, 3);
+  data.histories.push_back(drive("random", inputs, Plant(model_of(paper_loop(), kPrinted, true)), 0.02));
+  // A recording that begins on a fall, and one whose inner branch is not among those that are looked at.
+  data.histories.push_back(drive("fall", levels_of({40, 10, 30, 0}), [](double x) { return 0.05 * x; }));
+  data.histories.push_back(drive("gap", levels_of({0, 50, 20, 40, 10, 60}), [](double x) { return 0.06 * x; }));
+  data.histories.back().branches.erase(data.histories.back().branches.begin() + 2);
+  const FitSamples samples(data);
+  const GpiTree tree(samples);
+  CHECK(tree.steps.size() < samples.fitted.size());
+  const GpiTree::Target target = tree.target(shares_of(samples, data));
+  GpiLanes lanes(tree);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int n = 0; n < 10; ++n) {
+    for (GpiPoint& point : lanes.at) {
+      point = {unit(random), 0.3 * unit(random),        unit(random), unit(random), -0.5 + 0.5 * unit(random),
+               unit(random), -2.0 + 2.0 * unit(random), unit(random)};
+    }
+    lanes.evaluate(target, true);
+    for (std::size_t lane = 0; lane < GpiLanes::kMost; ++lane)
+      CHECK(lanes.j[lane] == Approx(walked_j(lanes.at[lane], data)).epsilon(1e-9));
+    // Half of J's gradient, but for the kinks.
+    const GpiPoint point = lanes.at[0];
+    GpiPoint slope{};
+    for (std::size_t k = 0; k < slope.size(); ++k) slope[k] = lanes.slope[k][0];
+    for (std::size_t k = 0; k < slope.size(); ++k) {
+      lanes.at[0] = lanes.at[1] = point;
+      lanes.at[0][k] += 1e-6;
+      lanes.at[1][k] -= 1e-6;
+      lanes.evaluate(target, false);
+      CHECK(2.0 * slope[k] == Approx((lanes.j[0] - lanes.j[1]) / 2e-6).epsilon(1e-3).margin(1e-3 * lanes.j[0]));
+    }
+  }
+}
+
+TEST_CASE("GPI: the fit has the same bits on every vector level") {
+  const Unforced unforced;
+  const FitData data = paper_data(kDescendingTurns, 0.03);
+  force_lane_dispatch(Dispatch::kBase);
+  const double j = identify("gpi", data, {.starts = 1}).j;
+  for (const Dispatch dispatch : dispatches()) {
+    force_lane_dispatch(dispatch);
+    CHECK(identify("gpi", data, {.starts = 1}).j == j);
+  }
+}
+
+TEST_CASE("GPI: the fits of two taxels are not above what another search finds") {
+  const std::vector<FitData> taxels = specimen_taxels(7100, 2, 0.0005);
+  const auto prepared = prepare("gpi", taxels.front());
+  for (const FitData& data : taxels) {
+    const ModelFit fit = prepared->fit(data);
+    CHECK(fit.j <= GpiReference(data).least(16, 1) * (1.0 + 1e-6));
+    // The first one's right envelope is as straight as the search lets it be, and its bend may as well be e times that.
+    if (&data != &taxels.front()) {
+      CHECK(fit.undetermined.empty());
+      continue;
+    }
+    CHECK(fit.undetermined == std::vector<std::string>{"b1"});
+    const GpiParameters found = parameters_of(fit);
+    CHECK(found.b1 == Approx(1e-3 / 60.0));
+    const double j = walked_j(found, data), samples = static_cast<double>(FitSamples(data).fitted.size());
+    CHECK(j == Approx(fit.j));
+    CHECK(walked_j(more_bent(found, 60.0), data) - j < j / (samples - 8.0));
+  }
+}

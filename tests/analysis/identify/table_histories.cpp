@@ -1,0 +1,189 @@
+// What is made of a table's samples before any model: noise, turns, external loop, and what is doubtful about them.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+#include <span>
+#include <stdexcept>
+
+#include "analysis/error.h"
+#include "analysis/identify/histories.h"
+#include "analysis/identify/identifier.h"
+#include "analysis/statistics/numbers/difference_noise.h"
+#include "analysis/statistics/scoring/score.h"
+#include "tests/bench/cli/play_table.h"
+
+using namespace tactbench::analysis;
+using tactbench::tests::play_samples;
+
+namespace {
+
+struct AddedNoise {
+  double input = 0.0, output = 0.0;
+};
+
+// A sensor with play along the turning points.
+TableSeries play_series(const std::string& sequence, const std::vector<double>& turns, int steps = 40,
+                        AddedNoise noise = {}) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  TableSeries series{sequence, 0, {}, {}};
+  for (const auto& sample : play_samples(turns, steps)) {
+    series.input.push_back(sample.input + noise.input * normal(random));
+    series.output.push_back(sample.output + noise.output * normal(random));
+  }
+  return series;
+}
+
+std::size_t branches_of(const TableSeries& series, double turn = -1.0) {
+  HistoriesOptions options;
+  options.turn = turn;
+  return histories_of({series}, "t.csv", options).taxels[0].fit[0].branches.size();
+}
+
+std::string lines_of(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+const std::vector<double> kTurningPoints = {0, 10, 0, 10, 5, 10, 3, 10, 1, 10, 0, 8, 0, 6, 0, 4, 0};
+
+}  // namespace
+
+TEST_CASE("noise is estimated from the fitted branches, without turns and without scored data") {
+  const std::vector<TableSeries> table = {play_series("fit", kTurningPoints, 40, {0.0, 0.01}),
+                                          play_series("score", kTurningPoints, 40, {0.0, 1.0})};
+  HistoriesOptions options;
+  options.fitted = {"fit"};
+  CHECK(histories_of(table, "t.csv", options).taxels[0].noise == Approx(0.01).epsilon(0.15));
+  options.fitted = {"score"};
+  CHECK(histories_of(table, "t.csv", options).taxels[0].noise == Approx(1.0).epsilon(0.15));
+  options.noise = 0.5;
+  CHECK(histories_of(table, "t.csv", options).taxels[0].noise == 0.5);
+}
+
+TEST_CASE("curvature and turns of a coarse table are not taken for noise") {
+  TableSeries series{"1", 0, {}, {}};
+  for (int cycle = 0; cycle < 5; ++cycle) {
+    for (int i = 0; i < 40; ++i) {
+      const double x = i < 20 ? -1.0 + i / 10.0 : 3.0 - i / 10.0;
+      series.input.push_back(x);
+      series.output.push_back(std::tanh(5.0 * x + (i < 20 ? -1.0 : 1.0)));
+    }
+  }
+  CHECK(histories_of({series}, "t.csv").taxels[0].noise < 0.002 * 2.0);
+}
+
+TEST_CASE("the noise of differences is 0 for a parabola at uneven inputs, and is defined for few samples") {
+  std::vector<double> x, y;
+  for (int i = 0; i < 100; ++i) {
+    x.push_back(std::pow(i, 1.5));
+    y.push_back(3.0 - 2.0 * x.back() + 0.001 * x.back() * x.back());
+  }
+  CHECK(difference_noise(std::vector<Stretch>{{x, y}}) < 1e-9 * x.back());
+  CHECK(difference_noise(std::vector<Stretch>{}) == 0.0);
+  CHECK(difference_noise(std::vector<Stretch>{{{}, std::span(y).first(1)}}) == 0.0);
+  const std::vector<double> held = {2, 2, 2, 2}, line = {1, 2, 3, 4};
+  CHECK(difference_noise(std::vector<Stretch>{{held, line}}) == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("turns are distinguished from the noise of the inputs, or by a stated size") {
+  CHECK(branches_of(play_series("1", kTurningPoints, 200, {0.03, 0.0})) == kTurningPoints.size() - 1);
+  CHECK(branches_of(play_series("1", kTurningPoints, 200)) == kTurningPoints.size() - 1);
+  const TableSeries noisy = play_series("1", {0, 10, 0, 10, 5, 10, 0}, 200, {0.1, 0.0});
+  CHECK(branches_of(noisy) == 6);
+  CHECK_THAT(lines_of(histories_of({noisy}, "t.csv").warnings),
+             Catch::Contains("the inputs are noisy (seven noises are 0.") && Catch::Contains(", 7 % of their span)") &&
+                 Catch::Contains("lesser turns are not seen"));
+  const TableSeries wavers = play_series("1", {0, 6, 5.5, 10, 0}, 40);
+  CHECK(branches_of(wavers) == 4);
+  CHECK(branches_of(wavers, 0.4) == 4);
+  CHECK(branches_of(wavers, 0.6) == 2);
+  HistoriesOptions options;
+  options.turn = 10.0;
+  CHECK_THROWS_AS(histories_of({wavers}, "t.csv", options), AnalysisError);
+}
+
+TEST_CASE("jumping inputs are not taken for noise: their turns are counted, with a warning") {
+  TableSeries series{"1", 0, {}, {}};
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> level(0.0, 10.0);
+  for (int i = 0; i < 200; ++i) {
+    series.input.push_back(level(random));
+    series.output.push_back(series.input.back());
+  }
+  const Histories histories = histories_of({series}, "t.csv");
+  CHECK(histories.taxels[0].fit[0].branches.size() > 100);
+  CHECK_THAT(lines_of(histories.warnings), Catch::Contains("the inputs jump") && Catch::Contains("--turn"));
+}
+
+TEST_CASE("measured sweeps that miss the extremes make the external loop, commanded ones do not") {
+  const Histories histories = histories_of({play_series("1", {0.2, 10, 0.2, 9.75, 0, 9.75, 0.2}, 100)}, "t.csv");
+  const FitData data = fit_data_of(histories.taxels[0], {});
+  CHECK(data.no_loop.empty());
+  CHECK(data.ascending.x().front() < 0.3);
+  CHECK(data.ascending.x().back() > 9.7);
+  CHECK_THAT(lines_of(histories.warnings),
+             Catch::Contains("no sweep reaches both extremes") && Catch::Contains("0.2 to"));
+  std::vector<TaxelTable> sequences;
+  for (const History& history : data.histories) sequences.push_back({history.x, history.y, history.branches});
+  CHECK_THROWS_AS(external_loop(sequences, 1), AnalysisError);
+  CHECK(external_loop(sequences, 1, 0.01).left_out > 0.0);
+}
+
+TEST_CASE("without an external loop the models that need none are fitted, the others say what is missing") {
+  const Histories histories = histories_of({play_series("1", {0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}, 40)}, "t.csv");
+  CHECK_THAT(lines_of(histories.warnings),
+             Catch::Contains("no external loop: no sweep falls over the full range of inputs"));
+  const FitData data = fit_data_of(histories.taxels[0], {});
+  CHECK(data.no_loop == "no sweep falls over the full range of inputs");
+  for (const std::string model : {"gpi", "mpi", "preisach", "monotone"}) {
+    INFO(model);
+    const ModelFit fit = identify(model, data);
+    CHECK(fit.full_scale == Approx(histories.taxels[0].fit[0].y[40] - histories.taxels[0].fit[0].y[0]).epsilon(0.05));
+    CHECK(fit.mean_error < (model == "preisach" ? 0.02 : 0.1) * fit.full_scale);
+  }
+  for (const std::string model : {"elam", "poly"}) {
+    try {
+      (void)identify(model, data);
+      FAIL("accepted");
+    } catch (const AnalysisError& error) {
+      CHECK(error.id() == "TB-ANALYSIS-NO-LOOP");
+      CHECK(error.what() == model + " is made of the external loop: no sweep falls over the full range of inputs");
+      CHECK_THAT(error.remedy(), Catch::Contains("--model gpi,mpi,preisach,monotone"));
+    }
+  }
+}
+
+TEST_CASE("each history is compensated from its own start, whatever was scored before") {
+  const FitData data = fit_data_of(histories_of({play_series("1", kTurningPoints)}, "t.csv").taxels[0], {});
+  const ModelFit fit = identify("preisach", data);
+  const std::vector<TableSeries> table = {play_series("a", {0, 10}), play_series("b", {5, 10, 0})};
+  const std::vector<History> both = histories_of(table, "t.csv").taxels[0].score;
+  const ScoreOptions options{.dead_band = 0.01, .x_high = 10.0, .y_high = fit.full_scale};
+  const double apart = score(*fit.model, std::span(both).first(1), options).compensated.sum +
+                       score(*fit.model, std::span(both).last(1), options).compensated.sum;
+  CHECK(score(*fit.model, both, options).compensated.sum == Approx(apart).epsilon(1e-12));
+}
+
+TEST_CASE("data of one direction give a single-valued curve and no hysteresis model") {
+  const FitData data = fit_data_of(histories_of({play_series("1", {0, 10})}, "t.csv").taxels[0], {});
+  const ModelFit fit = identify("monotone", data);
+  CHECK(fit.mean_error < 1e-3 * fit.full_scale);
+  CHECK_THROWS_AS(identify("preisach", data), std::invalid_argument);
+}
+
+TEST_CASE("doubtful data give warnings with figures, sound data give none") {
+  const Histories good = histories_of({play_series("1", {0, 10, 5, 10, 3, 10, 1, 10, 0, 8, 0, 6, 0, 4, 0})}, "t.csv");
+  CHECK(lines_of(good.warnings).empty());
+  const std::string few = lines_of(histories_of({play_series("1", {0, 10, 0, 10, 5, 10, 0})}, "t.csv").warnings);
+  CHECK_THAT(few, Catch::Contains("0 branches begin there and fall, 1 rise, 3 each are needed"));
+  const std::string start =
+      lines_of(histories_of({play_series("a", kTurningPoints), play_series("b", {4, 10, 0, 10})}, "t.csv").warnings);
+  CHECK_THAT(start, Catch::Contains("1 of 2 sequences starts in mid-range (\"b\"; the first at 4, 40 % of the span)"));
+  CHECK_THAT(lines_of(histories_of({play_series("1", kTurningPoints, 40, {0.0, 0.1})}, "t.csv").warnings),
+             Catch::Contains("the dead band of compensation is") && Catch::Contains("--noise"));
+  CHECK_THAT(lines_of(histories_of({play_series("1", kTurningPoints, 40, {0.0, 0.01})}, "t.csv").warnings),
+             !Catch::Contains("dead band"));
+}

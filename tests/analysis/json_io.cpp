@@ -1,0 +1,44 @@
+// JSON from outside has bounds: too long or too deep texts are refused, so that neither memory nor stack runs out.
+#include "analysis/json_io.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+using namespace tactbench::analysis;
+
+namespace {
+
+std::string nested(int depth) {
+  const auto count = static_cast<std::size_t>(depth);
+  return std::string(count, '[') + std::string(count, ']');
+}
+
+}  // namespace
+
+TEST_CASE("JSON nested deeper than the program writes is refused by every reader") {
+  CHECK(parse_json(nested(kDeepestJson)).is_array());
+  for (const std::string& deep : {nested(kDeepestJson + 1), nested(10'000'000), std::string(10'000'000, '['),
+                                  "{\"a\":" + nested(kDeepestJson) + "}"}) {
+    CHECK_THROWS_WITH(parse_json(deep), Catch::Contains("deeper than 100"));
+    CHECK_THROWS_AS(parse_ordered_json(deep), nlohmann::json::exception);
+    CHECK(try_json(deep).is_discarded());
+    CHECK(try_ordered_json(deep).is_discarded());
+    CHECK(ordered_json_or_null(deep).is_null());
+  }
+}
+
+TEST_CASE("brackets side by side and in texts are not nested") {
+  std::string flat = "[";
+  for (int i = 0; i < 1000; ++i) flat += "[{}],";
+  CHECK(parse_json(flat + "0]").size() == 1001);
+  const std::string brackets(200, '[');
+  CHECK(parse_json("\"" + brackets + "\"") == brackets);
+  CHECK(parse_json("[\"\\\"" + brackets + "\\\\\"]").at(0) == "\"" + brackets + "\\");
+}
+
+TEST_CASE("JSON longer than any model is refused before it is parsed") {
+  const std::string blanks(kLongestJson - 1, ' ');
+  CHECK(parse_json(blanks + "7") == 7);
+  CHECK_THROWS_WITH(parse_json(blanks + "77"), Catch::Contains("longer than 64000000 bytes"));
+  CHECK(try_ordered_json(blanks + "77").is_discarded());
+}

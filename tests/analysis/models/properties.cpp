@@ -1,0 +1,218 @@
+// Properties that distinguish the models, and properties that all of them share.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/models/invert.h"
+#include "analysis/models/play_operators.h"
+#include "tests/analysis/support/models.h"
+
+using namespace synthetic;
+
+TEST_CASE("models: outputs do not fall when the input rises, whatever the state") {
+  std::mt19937 random(1);
+  for (const auto& model : rising_models()) {
+    INFO(model->name());
+    std::uniform_real_distribution<double> uniform(model->x_low(), model->x_high());
+    const auto state = model->state();
+    bool rises = true, bounded = true;
+    for (int turn = 0; turn < 300; ++turn) {
+      state->go(uniform(random));
+      double before = state->output_at(model->x_low());
+      for (int k = 1; k <= 200; ++k) {
+        const double y = state->output_at(model->x_low() + (model->x_high() - model->x_low()) * k / 200);
+        rises = rises && y >= before - 1e-12;
+        before = y;
+      }
+      bounded = bounded && state->output_at(model->x_high() + 10.0) == state->output_at(model->x_high()) &&
+                state->output_at(model->x_low() - 10.0) == state->output_at(model->x_low());
+    }
+    CHECK(rises);
+    CHECK(bounded);
+  }
+}
+
+TEST_CASE("models: the output does not depend on the number of samples between two turns") {
+  std::mt19937 random(2);
+  for (const auto& model : rising_models()) {
+    INFO(model->name());
+    std::uniform_real_distribution<double> uniform(model->x_low(), model->x_high());
+    const auto coarse = model->state(), fine = model->state();
+    double x = model->x_low(), worst = 0.0;
+    for (int turn = 0; turn < 100; ++turn) {
+      const double to = uniform(random);
+      coarse->go(to);
+      for (int k = 1; k < 7; ++k) fine->go(x + (to - x) * k / 7);
+      fine->go(to);
+      x = to;
+      const double probe = uniform(random);
+      worst = std::max(worst, std::abs(coarse->output_at(probe) - fine->output_at(probe)));
+    }
+    CHECK(worst < 1e-12);
+    coarse->reset();
+    CHECK(coarse->output_at(0.5 * (model->x_low() + model->x_high())) ==
+          model->state()->output_at(0.5 * (model->x_low() + model->x_high())));
+  }
+}
+
+TEST_CASE("models: the play operators follow Eqs (3) and (4)") {
+  CHECK(generalized_play(2.0, 3.0, 0.5, 0.0) == 1.5);   // pushed up
+  CHECK(generalized_play(2.0, 3.0, 0.5, 2.0) == 2.0);   // within its band
+  CHECK(generalized_play(2.0, 3.0, 0.5, 9.0) == 3.5);   // pulled down
+  CHECK(generalized_play(3.0, 2.0, 0.0, 2.5) == 3.0);   // crossed envelopes: the left one [A14]
+  CHECK(one_sided_play(0.6, 0.2, 0.0) == Approx(0.4));  // rises r later
+  CHECK(one_sided_play(0.5, 0.2, 0.4) == 0.4);
+  CHECK(one_sided_play(0.3, 0.2, 0.4) == 0.3);  // falls at once
+}
+
+TEST_CASE("models: GPI and MPI are the sums of Eqs (2) and (5)") {
+  const GpiModel gpi(kGpiTable2, 0.0, 60.0, 0.0);
+  const MpiModel mpi(kRisingMpi, 0.0, 60.0, 0.0);
+  double h[5] = {}, o[10] = {};
+  bool same = true;
+  const std::vector<double> inputs{0, 20, 40, 25, 33, 60, 10, 12, 0, 50};
+  const std::vector<double> gpi_y = predict(gpi, inputs), mpi_y = predict(mpi, inputs);
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    const double x = inputs[k], u = x / 60.0;
+    double sum = 0.0, cubic = 0.06 * x - 6e-4 * x * x + 4e-6 * x * x * x;
+    for (int i = 0; i <= 4; ++i) {
+      const double r = 0.2972 * i, left = 1.6350 - 0.5754 * std::exp(1.1216 - 0.0524 * x);
+      const double right = 1.5428 - 13.0421 * std::exp(-1.9648 - 0.0825 * x);
+      h[i] = std::max(left - r, std::min(right + r, h[i]));
+      sum += 1.7531 * std::exp(-4.4935 * r) * h[i];
+    }
+    for (int i = 1; i <= 10; ++i) {
+      o[i - 1] = std::max(u - (i - 1) / 10.0, std::min(u, o[i - 1]));
+      cubic += 2.0 * std::exp(-0.3 * (i - 2) * (i - 2)) / 10.0 * o[i - 1];
+    }
+    same = same && std::abs(gpi_y[k] - sum) < 1e-12 && std::abs(mpi_y[k] - cubic) < 1e-12;
+  }
+  CHECK(same);
+}
+
+TEST_CASE("POLY: a branch starts at its turning point and ends at the converging point") {
+  const PolyModel poly = rising_poly();
+  const auto state = poly.state();
+  CHECK(state->output_at(60.0) == Approx(3.49));
+  state->go(40.0);
+  const double top = state->output_at(40.0);
+  CHECK(state->output_at(39.999999) == Approx(top));
+  CHECK(state->output_at(0.0) == Approx(0.0).margin(1e-12));
+  state->go(15.0);
+  state->measured(1.7);  // [A9]
+  CHECK(state->output_at(15.0) == 1.7);
+  CHECK(state->output_at(15.000001) == Approx(1.7));
+  CHECK(state->output_at(60.0) == Approx(3.49));
+  state->go(15.0);  // equal: no turn [A8]
+  CHECK(state->output_at(15.0) == 1.7);
+  state->go(59.8);
+  state->measured(3.0);  // an external branch starts at (xu, yu), whatever was measured
+  CHECK(state->output_at(59.8) > 3.4);
+  // Eq. (6) read as [A1], by hand: x1 = 15, y1 = 1.7.
+  const auto fa = [](double t) {
+    return 1.6 * t - t * t + 0.5 * std::pow(t, 3) - 0.2 * std::pow(t, 4) + 0.06 * std::pow(t, 5) +
+           0.04 * std::pow(t, 6);
+  };
+  const auto again = poly.state();
+  again->go(40.0);
+  again->go(15.0);
+  again->measured(1.7);
+  const double m = 60.0 / 45.0, z = m * 30.0 + (1.0 - m) * 60.0;
+  CHECK(again->output_at(30.0) == Approx(1.7 + (3.49 - 1.7) * fa(z / 60.0)));
+  // A polynomial times a constant plus a constant is the same model [A2].
+  PolyParameters p, q;
+  p.a = {0, 0, 0, 1e-5, -0.001, 0.1, 0};
+  p.b = {0, 0, 0, 0, -0.0005, 0.08, 0};
+  for (std::size_t i = 0; i < 7; ++i) q.a[i] = 3.0 * p.a[i] + (i == 6 ? 0.7 : 0.0), q.b[i] = 0.5 * p.b[i];
+  const std::vector<double> inputs{0, 30, 10, 45, 60, 5};
+  const auto y = predict(PolyModel(p, 0, 60, 0, 3.49), inputs), w = predict(PolyModel(q, 0, 60, 0, 3.49), inputs);
+  for (std::size_t i = 0; i < y.size(); ++i) CHECK(y[i] == Approx(w[i]).margin(1e-12));
+}
+
+TEST_CASE("models: Preisach remembers turning points and forgets those that are passed") {
+  const PreisachModel model = random_preisach();
+  const auto at = [&](const std::vector<double>& inputs) { return predict(model, inputs).back(); };
+  // Inner loops close.
+  CHECK(at({0, 50, 20, 40, 20}) == Approx(at({0, 50, 20})));
+  CHECK(at({0, 50, 20, 40, 25, 35, 25, 40, 20}) == Approx(at({0, 50, 20})));
+  // Wiping out: beyond an older extreme nothing of the inner loop is left.
+  CHECK(at({0, 50, 20, 40, 30, 45, 31}) == Approx(at({0, 50, 20, 45, 31})));
+  CHECK(at({0, 50, 20, 40, 30, 55, 31}) == Approx(at({0, 55, 31})));
+  CHECK(at({0, 50, 20, 40, 0, 33}) == Approx(at({0, 33})));
+  // The ends of the range are always the same.
+  CHECK(at({0, 50, 20, 40, 0}) == Approx(0.1));
+  CHECK(at({0, 30, 20, 60}) == Approx(at({0, 60})));
+  // The lasting difference is the loop.
+  CHECK(at({0, 60, 30}) > at({0, 30}) + 0.1);
+}
+
+TEST_CASE("models: Preisach is the sum of its cells, each a play operator") {
+  const PreisachModel model = random_preisach(5, 6, 0.0);
+  const auto weights = model.to_json()["weights"].get<std::vector<double>>();
+  std::vector<double> on(weights.size(), 0.0);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(0.0, 60.0);
+  std::vector<double> inputs;
+  for (int i = 0; i < 500; ++i) inputs.push_back(uniform(random));
+  const std::vector<double> outputs = predict(model, inputs);
+  double worst = 0.0;
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    double y = 0.1;
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        const auto share = [&](std::size_t n) {
+          return std::clamp(inputs[k] / 10.0 - static_cast<double>(n), 0.0, 1.0);
+        };
+        double& cell = on[PreisachModel::cell(i, j)];
+        cell = std::max(share(i), std::min(share(j), cell));
+        y += weights[PreisachModel::cell(i, j)] * cell;
+      }
+    worst = std::max(worst, std::abs(y - outputs[k]));
+  }
+  CHECK(worst < 1e-12);
+}
+
+TEST_CASE("models: the inverse goes to the nearest input of a flat stretch and to what can be reached") {
+  const auto stair = [](double x) { return x < 1.0 ? x : x < 2.0 ? 1.0 : x - 1.0; };
+  const double up[] = {0.0, 3.0}, down[] = {3.0, 0.0};
+  CHECK(first_crossing(stair, up, 1.0) == Approx(1.0).margin(1e-15));
+  CHECK(first_crossing(stair, down, 1.0) == Approx(2.0));
+  CHECK(first_crossing(stair, up, 5.0) == 3.0);
+  CHECK(first_crossing(stair, down, -1.0) == 0.0);
+  CHECK(first_crossing(stair, down, 0.0) == Approx(0.0).margin(1e-15));
+  // Not monotone: the first of several.
+  const auto hill = [](double x) { return x * (2.0 - x) + (x > 2.0 ? 3.0 * (x - 2.0) : 0.0); };
+  const double way[] = {0.0, 1.0, 2.0, 3.0};
+  CHECK(first_crossing(hill, way, 0.75) == Approx(0.5));
+  for (const auto& model : wavering_models()) {
+    const auto state = model->state();
+    state->go(30.0);
+    const double y = state->output_at(30.0);
+    CHECK(state->input_at(y) == Approx(30.0));
+    CHECK(state->input_at(state->output_at(60.0) + 9.0) >= 30.0);
+    CHECK(state->input_at(-9.0) <= 30.0);
+  }
+}
+
+TEST_CASE("models: parameters have names, units and bounds") {
+  const GpiModel gpi(kGpiTable3, 0.0, 60.0, 0.0);
+  const auto list = gpi.parameters();
+  REQUIRE(list.size() == 11);
+  CHECK(list[1].name == "a1");
+  CHECK(list[1].unit == "1/x");
+  CHECK(list[1].value == 0.0477);
+  CHECK_FALSE(list[1].at_bound());
+  CHECK(MpiModel({.a1 = 1.0, .a2 = 0, .a3 = 0, .rho = 1.0, .tau = -5.0}, 0, 60, 0).parameters()[4].at_bound());
+  CHECK(MpiModel({.a1 = 1.0, .a2 = 0, .a3 = 0, .rho = 0.0, .tau = 1.0}, 0, 60, 0).parameters()[3].at_bound());
+  CHECK_FALSE(ModelParameter{"p", 0.5, "1", 0.0, 1.0}.at_bound());
+  CHECK(ModelParameter{"p", 1.0 - 1e-10, "1", 0.0, 1.0}.at_bound());
+  CHECK(rising_poly().parameters()[5].unit == "y/x");
+  GpiParameters bad = kGpiTable3;
+  bad.alpha = -1.0;
+  CHECK_THROWS_AS(GpiModel(bad, 0, 60, 0), std::invalid_argument);
+  CHECK_THROWS_AS(GpiModel(kGpiTable3, 60, 60, 0), std::invalid_argument);
+  CHECK_THROWS_AS(PreisachModel(0, 60, 0, {1.0, 2.0}), std::invalid_argument);
+  CHECK_THROWS_AS(PreisachModel(0, 60, 0, {1.0, -2.0, 1.0}), std::invalid_argument);
+  CHECK_THROWS_AS(PolyModel({}, 0, 60, 0, 3.49), std::invalid_argument);
+}

@@ -1,0 +1,172 @@
+// The sections on uncertainty and conformity: what they print is what the assessment says, and the page stays whole.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
+
+#include "analysis/report/page/gum_numbers.h"
+#include "analysis/report/report.h"
+#include "tests/analysis/report/report_example.h"
+#include "tests/analysis/report/report_page.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+nlohmann::json uncertainty_of(const std::string& page) {
+  const std::string open = "id=\"report-data\">";
+  const std::size_t from = page.find(open) + open.size();
+  return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from))["sections"]["uncertainty"];
+}
+
+// The page's text from one place to another, without tags.
+std::string text_between(const std::string& page, const std::string& from, const std::string& to) {
+  const std::size_t start = page.find(from), end = page.find(to, start);
+  REQUIRE(start != std::string::npos);
+  REQUIRE(end != std::string::npos);
+  std::string out;
+  bool in_tag = false;
+  for (const char c : page.substr(start, end - start)) {
+    if (c == '<') out += in_tag ? "" : " ";
+    in_tag = c == '<' || (in_tag && c != '>');
+    if (!in_tag && c != '>') out += c;
+  }
+  return out;
+}
+
+ReportInput assessed_input() {
+  ReportInput input = example::example_input();
+  const synthetic::Array array({.rows = 4, .columns = 4, .sensor_seed = 4});
+  Dataset dataset = synthetic::run(array, {.seed = 12, .noise_v = 0.004, .repeats = 3});
+  dataset.scans = 2;
+  input.fit = fit_array(dataset);
+  input.evaluation = evaluate(dataset, input.fit);
+  input.held_out.clear();
+  input.run.devices[1].calibration_json =
+      R"({"independent":true,"certificate":"C-2024-17","due":"2024-05-01","correction":{"reading_psi":[0,60],)"
+      R"("correction_psi":[0,0],"expanded_uncertainty_psi":[0.05,0.1],"coverage_factor":2}})";
+  UncertaintyInputs inputs;
+  inputs.mounting = GivenUncertainty{0.0, 0.002, 3.0, "runs 3 to 6"};
+  input.uncertainty = assess_uncertainty(dataset, input.fit, input.run, inputs);
+  input.judged = judged_uncertainties(dataset, dataset, input.fit, input.evaluation, reference_uncertainty(input.run));
+  Limits limits;
+  limits.mean_compensation_error_psi = input.evaluation.mean_error_psi;  // within U of the limit
+  limits.worst_taxel_error_psi = 60.0;
+  limits.distance_of_mean_fs = 1e-6;
+  limits.mismatch = {{40.0, 0.5}};
+  input.verdicts = judge(input.evaluation, input.fit, limits, input.judged);
+  return input;
+}
+
+}  // namespace
+
+TEST_CASE("U has two significant digits and the value the same place") {
+  const auto shown = [](double value, double expanded) { return gum_value(value, expanded).value; };
+  CHECK(shown(1.23456, 0.3456) == "1.23 ± 0.35");
+  CHECK(shown(-1.23456, 0.03456) == "−1.235 ± 0.035");
+  CHECK(shown(1.23456, 0.0996) == "1.23 ± 0.10");
+  CHECK(shown(12.3456, 1.04) == "12.3 ± 1.0");
+  CHECK(shown(12.3456, 10.4) == "12 ± 10");
+  CHECK(shown(12.3456, 9.96) == "12 ± 10");
+  CHECK(gum_decimals(0.1) == 2);
+  CHECK(gum_decimals(0.0) == 3);
+  CHECK(gum_uncertainty(std::nan("")).value == "not available");
+  CHECK(gum_degrees(16.7).value == "16");
+  CHECK(gum_degrees(kInfiniteDof).value == "∞");
+}
+
+TEST_CASE("the uncertainty section prints the assessment, and its data are the assessment") {
+  const ReportInput input = assessed_input();
+  const std::string page = render_report(input).html;
+  require_well_formed(page);
+  require_inert(page);
+  const Uncertainty& uncertainty = *input.uncertainty;
+  const auto data = uncertainty_of(page)["reading"];
+  REQUIRE(data["levels"].size() == uncertainty.levels.size());
+  for (std::size_t i = 0; i < uncertainty.levels.size(); ++i) {
+    const LevelUncertainty& level = uncertainty.levels[i];
+    const auto& json = data["levels"][i];
+    CHECK(json["pressure_psi"] == level.pressure_psi);
+    CHECK(json["branch"] == (level.up ? "up" : "down"));
+    CHECK(json["median"]["expanded_psi"] == level.median.expanded_psi);
+    CHECK(json["worst"]["taxel"] == level.worst.taxel);
+    CHECK(json["worst"]["error_psi"] == level.worst.error_psi);
+    CHECK(json["taxel_expanded_psi"].size() == 16);
+    CHECK(json["taxel_expanded_psi"][5].get<double>() == Approx(level.expanded_psi[5]).epsilon(6e-3));
+    for (const Contribution& row : level.worst.contributions)
+      CHECK(json["worst"]["u_psi"][static_cast<std::size_t>(row.source)] == row.u_psi);
+  }
+  const std::string table = text_between(page, "Error and U at every level", "</table>");
+  for (const LevelUncertainty& level : uncertainty.levels)
+    for (const Budget* budget : {&level.median, &level.worst})
+      CHECK_THAT(table, Catch::Contains(gum_value(budget->error_psi, budget->expanded_psi).value));
+
+  const LevelUncertainty& chosen = uncertainty.levels[uncertainty.chosen];
+  CHECK(data["levels"][uncertainty.chosen]["worst"]["contributions"].size() == chosen.worst.contributions.size());
+  const std::string budget = text_between(page, "Budget of the worst taxel", "</table>");
+  for (const Contribution& row : chosen.worst.contributions) {
+    CHECK_THAT(budget, Catch::Contains(text_of(row.source).name));
+    CHECK_THAT(budget, Catch::Contains(gum_uncertainty(row.u_psi).value));
+    CHECK_THAT(budget, Catch::Contains(html::percent(std::pow(row.u_psi / chosen.worst.combined_psi, 2), 1).value));
+  }
+  CHECK_THAT(budget, Catch::Contains(gum_uncertainty(chosen.worst.expanded_psi).value + " psi"));
+  CHECK_THAT(budget, Catch::Contains("U = " + html::fixed(chosen.worst.factor, 2).value + " u_c"));
+  CHECK_THAT(budget, Catch::Contains("not assessed"));
+  const std::string section = text_between(page, "id=\"uncertainty\"", "id=\"meaning\"");
+  CHECK_THAT(section, Catch::Contains("0, 90, 180 and 270 degrees") && Catch::Contains("runs 3 to 6") &&
+                          Catch::Contains("overdue when the run began") && Catch::Contains("creep-hold"));
+  // The longest row of levels with at most 1 % of 60 psi.
+  double low = 0.0, high = -1.0, begin = -1.0;
+  for (const LevelUncertainty& level : uncertainty.levels) {
+    if (!level.up) continue;
+    if (level.median.expanded_psi > 0.6) {
+      begin = -1.0;
+      continue;
+    }
+    if (begin < 0.0) begin = level.pressure_psi;
+    if (level.pressure_psi - begin > high - low) std::tie(low, high) = std::pair(begin, level.pressure_psi);
+  }
+  CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::psi(0.6, 2).value)));
+  CHECK_THAT(section, Catch::Contains(fmt::format("loading: {:.1f} to {:.1f} psi", low, high)));
+  CHECK(data["not_assessed"].contains("chamber uniformity"));
+  CHECK_FALSE(data["not_assessed"].contains("re-mounting"));
+}
+
+TEST_CASE("the verdicts name rule, U and how it is formed, with a sign and a word for each") {
+  ReportInput input = assessed_input();
+  const std::string page = render_report(input).html;
+  const std::string section = text_between(page, "id=\"verdicts\"", "id=\"identification\"");
+  CHECK_THAT(section,
+             Catch::Contains("▲ simulated conditional pass") || Catch::Contains("▲  simulated conditional pass"));
+  CHECK_THAT(section, Catch::Contains("simulated fail") && Catch::Contains("four-way") && Catch::Contains("2.5 %"));
+  for (const char* criterion : {"mean_compensation_error", "distance_of_mean"})
+    CHECK_THAT(section, Catch::Contains(html::Text(find_uncertainty(input.judged, criterion, "array")->basis).value));
+  const JudgedUncertainty* mean = find_uncertainty(input.judged, "mean_compensation_error", "array");
+  CHECK_THAT(section, Catch::Contains(gum_uncertainty(mean->expanded).value + "\u00A0psi"));
+  const auto data = uncertainty_of(page)["judged_figures"];
+  REQUIRE(data.size() == input.judged.size());
+  CHECK(data[0]["expanded"] == mean->expanded);
+
+  for (db::VerdictRecord& verdict : input.verdicts) {
+    verdict.rule = "report-only";
+    verdict.verdict = "report only";
+  }
+  const std::string only = render_report(input).html;
+  require_well_formed(only);
+  CHECK_THAT(only, Catch::Contains("Conformity is not stated") && Catch::Contains("– no verdict"));
+  CHECK_FALSE(contains(only, "All criteria together"));
+}
+
+TEST_CASE("a report without an assessment states that, and uncertainty is content") {
+  ReportInput input = example::example_input();
+  CHECK_THAT(render_report(input).html, Catch::Contains("Not assessed: the uncertainty rests on"));
+  CHECK(uncertainty_of(render_report(input).html)["reading"].is_null());
+  ReportInput assessed = assessed_input();
+  const std::string number = render_report(assessed).number;
+  assessed.uncertainty->levels[7].median.expanded_psi += 1.0;
+  CHECK(render_report(assessed).number != number);
+}

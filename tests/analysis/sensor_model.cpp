@@ -1,0 +1,133 @@
+// Fitted models of every kind: one rule for a taxel's status, and figures, verdicts, frames and storage for every
+// model that can be inverted.
+#include "analysis/identify/sensor_model.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/stored/fit_rows.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/statistics/conformity/verdict.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace synthetic;
+
+namespace {
+
+constexpr const char* kInverted[] = {"elam", "gpi", "mpi", "poly", "preisach", "monotone"};
+
+Dataset array_run(unsigned seed) {
+  ArrayOptions options;
+  options.rows = 1;
+  options.columns = 2;
+  RunOptions how;
+  how.seed = seed;
+  return run(Array(options), how);
+}
+
+FitOptions by(const std::string& model) {
+  FitOptions options;
+  options.model = model;
+  options.identify.starts = 2;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("a taxel is dead, stuck or saturated by one rule, whatever the sign of its output") {
+  CHECK(status_of({0.0, 0.04}, false) == TaxelStatus::kDead);
+  CHECK(status_of({-0.04, 0.0}, false) == TaxelStatus::kDead);
+  CHECK(status_of({0.03, 0.06}, false) == TaxelStatus::kStuck);
+  CHECK(status_of({-0.06, -0.03}, false) == TaxelStatus::kStuck);
+  CHECK(status_of({0.0, kDeadV}, false) == TaxelStatus::kFitted);
+  CHECK(status_of({0.0, 3.0}, true) == TaxelStatus::kSaturated);
+  CHECK(status_of({5.0, 5.0}, true) == TaxelStatus::kSaturated);
+  TaxelStatus status = TaxelStatus::kDead;
+  CHECK((status_from("unfit", status) && status == TaxelStatus::kUnfit));
+  CHECK((!status_from("well", status) && status == TaxelStatus::kUnfit));
+}
+
+TEST_CASE("every model has figures on a held-out run and is judged by limits") {
+  const Dataset fitted = array_run(1), held_out = array_run(2);
+  Limits limits;
+  limits.rule = DecisionRule::kSimple;
+  limits.mean_compensation_error_psi = 10.0;
+  double monotone = 0.0;
+  for (const std::string model : {"monotone", "elam", "gpi", "mpi", "preisach", "poly"}) {
+    INFO(model);
+    const SensorModel fit = fit_array(fitted, by(model));
+    REQUIRE(fit.fitted().size() == 2);
+    const Evaluation e = evaluate(held_out, fit);
+    CHECK(e.excluded_taxels == 0);
+    CHECK((std::isfinite(e.mean_error_psi) && e.mean_error_psi > 0.0));
+    CHECK(e.traces.size() == held_out.sequences.size());
+    if (model == "monotone") monotone = e.mean_error_psi;
+    if (model == "elam" || model == "gpi") CHECK(e.mean_error_psi < monotone);
+    const auto verdicts = judge(e, fit, limits);
+    REQUIRE(verdicts.size() == 4);
+    CHECK(verdicts[0].criterion == "mean_compensation_error");
+    CHECK(verdicts[0].value == e.mean_error_psi);
+    CHECK(verdicts[0].verdict == "pass");
+  }
+}
+
+TEST_CASE("a model of any kind stored as a document judges as the one that was fitted") {
+  const Dataset fitted = array_run(1), held_out = array_run(2);
+  for (const std::string model : kInverted) {
+    INFO(model);
+    const SensorModel fit = fit_array(fitted, by(model));
+    const SensorModel back = document_from_text(to_text(fit), "m.json");
+    CHECK(back.pressure_psi == fit.pressure_psi);
+    CHECK(back.mean_taxel().full_scale() == fit.mean_taxel().full_scale());
+    CHECK(evaluate(held_out, back).mean_error_psi == evaluate(held_out, fit).mean_error_psi);
+  }
+}
+
+TEST_CASE("ELAM of a whole run goes in rows with its mount, every other model as a document") {
+  SensorModel elam = fit_array(array_run(1), by("elam"));
+  elam.run = 1;
+  elam.validity.mount = "film";
+  const FitRows rows = rows_of(elam);
+  CHECK(rows.fit.model == kElamFit);
+  REQUIRE(rows.taxels.size() == 3);
+  CHECK(model_from_rows(rows).validity.mount == "film");
+  SensorModel gpi = fit_array(array_run(1), by("gpi"));
+  gpi.run = 1;
+  CHECK(rows_of(gpi).taxels.empty());
+  CHECK(rows_of(gpi).fit.model == "gpi");
+  elam.all_sequences = false;
+  CHECK(rows_of(elam).taxels.empty());
+  CHECK(rows_of(elam).fit.model == "elam, in part");
+}
+
+TEST_CASE("frames are streamed by any model: taxels without one are dead, lost samples are named") {
+  const Dataset data = array_run(1);
+  SensorModel fit = fit_array(data, by("gpi"));
+  fit.taxels[1].status = TaxelStatus::kStuck;
+  ArrayStream stream(fit, 1e-4, 1.0, 10);
+  REQUIRE(stream.taxels() == 2);
+  std::vector<float> pressure(2), uncertainty(2);
+  std::vector<std::uint16_t> status(2);
+  const ArrayStream::Output output{pressure, uncertainty, status};
+  double sum = 0.0, frames = 0.0;
+  for (const Repeat& repeat : data.sequences.front().repeats) {
+    for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+      const std::vector<float> volts{static_cast<float>(repeat.volts[2 * i]), 0.0F};
+      stream.frame(volts, output);
+      sum += std::abs(static_cast<double>(pressure[0]) - repeat.steps[i].reference_psi);
+      frames += 1.0;
+      CHECK(status[1] == kTaxelDead);
+    }
+  }
+  CHECK(sum / frames < 5.0);
+  CHECK((status[0] & kTaxelValid) != 0);
+  const float last = pressure[0];
+  stream.lost_frame(output);
+  CHECK(status[0] == kTaxelLost);
+  CHECK(pressure[0] == last);
+  stream.set_outside_validity(true);
+  stream.frame(std::vector<float>{1.0F, 0.0F}, output);
+  CHECK((status[0] & kTaxelOutside) != 0);
+  CHECK((status[0] & kTaxelValid) == 0);
+}

@@ -1,0 +1,217 @@
+// Decision rules at the edges, and the uncertainty of judged figures against the same by hand.
+#include "analysis/statistics/conformity/verdict.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "analysis/statistics/numbers/coverage.h"
+#include "tests/analysis/support/straight_array.h"
+#include "tests/analysis/support/synthetic.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+const double not_known = std::numeric_limits<double>::quiet_NaN();
+
+Verdict by_rule(DecisionRule rule, double value, double expanded = 0.25) {
+  return verdict_of(rule, value, 2.0, expanded);
+}
+
+const db::VerdictRecord& verdict_on(const std::vector<db::VerdictRecord>& verdicts, const std::string& criterion) {
+  const auto found = std::ranges::find(verdicts, criterion, &db::VerdictRecord::criterion);
+  REQUIRE(found != verdicts.end());
+  return *found;
+}
+
+ReferenceUncertainty certified(double expanded_psi) {
+  ReferenceUncertainty reference;
+  reference.reading_psi = {0.0, 60.0};
+  reference.expanded_psi = {0.5 * expanded_psi, expanded_psi};
+  reference.drift_missing = reference.resolution_missing = "not stated";
+  return reference;
+}
+
+struct Judged {
+  Dataset dataset;
+  SensorModel fit;
+  Evaluation evaluation;
+  explicit Judged(int repeats = 3) {
+    const synthetic::Array array({.rows = 1, .columns = 3, .sensor_seed = 4});
+    dataset = synthetic::run(array, {.seed = 9, .repeats = repeats});
+    fit = fit_array(dataset);
+    evaluation = evaluate(dataset, fit);
+  }
+};
+
+// Straight taxels; three repeats in which the first reads 25, 26 and 27 psi on its way down through 20 psi, and nothing
+// else differs.
+Dataset repeats_a_step_apart() {
+  using namespace straight_array;
+  const std::vector<Sample> steps{{0, 0}, {20, 20}, {40, 41}, {60, 60}, {40, 40}, {20, 20}, {0, 0}};
+  SequenceData sequence{"loop", {}};
+  for (const double down : {25.0, 26.0, 27.0})
+    sequence.repeats.push_back(repeat_of(steps, {{0, 20, 41, 60, 39, down, 0}, {0, 20, 41, 60, 43, 21, 0}}));
+  return dataset_of({sequence});
+}
+
+}  // namespace
+
+TEST_CASE("four-way at the limit and U to either side of it") {
+  // Limit 2, U 0.25: both are exact in binary.
+  const DecisionRule rule = DecisionRule::kFourWay;
+  CHECK(by_rule(rule, -1.0) == Verdict::kPass);
+  CHECK(by_rule(rule, 1.75) == Verdict::kPass);
+  CHECK(by_rule(rule, std::nextafter(1.75, 9.0)) == Verdict::kConditionalPass);
+  CHECK(by_rule(rule, 2.0) == Verdict::kConditionalPass);
+  CHECK(by_rule(rule, std::nextafter(2.0, 9.0)) == Verdict::kConditionalFail);
+  CHECK(by_rule(rule, 2.25) == Verdict::kConditionalFail);
+  CHECK(by_rule(rule, std::nextafter(2.25, 9.0)) == Verdict::kFail);
+  CHECK(by_rule(rule, 1e9) == Verdict::kFail);
+  CHECK(by_rule(rule, 2.0, 0.0) == Verdict::kPass);
+  CHECK(by_rule(rule, std::nextafter(2.0, 9.0), 0.0) == Verdict::kFail);
+  CHECK(by_rule(rule, 1.0, not_known) == Verdict::kInconclusive);
+  CHECK(by_rule(rule, not_known) == Verdict::kInconclusive);
+}
+
+TEST_CASE("simple, guarded, default and report-only at their edges") {
+  CHECK(by_rule(DecisionRule::kSimple, 2.0) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kSimple, std::nextafter(2.0, 9.0)) == Verdict::kFail);
+  CHECK(by_rule(DecisionRule::kSimple, 2.0, not_known) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kGuarded, 1.75) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kGuarded, std::nextafter(1.75, 9.0)) == Verdict::kFail);
+  CHECK(by_rule(DecisionRule::kGuarded, 1.0, not_known) == Verdict::kInconclusive);
+  CHECK(by_rule(DecisionRule::kDefault, 2.0) == Verdict::kConditionalPass);
+  CHECK(by_rule(DecisionRule::kDefault, 2.0, not_known) == Verdict::kPass);
+  CHECK(by_rule(DecisionRule::kReportOnly, 9.0) == Verdict::kReportOnly);
+  CHECK(verdict_of(DecisionRule::kDefault, 1.0, not_known, 0.1) == Verdict::kInconclusive);
+  for (const char* name : {"default", "simple", "guarded", "four-way", "report-only"}) {
+    const auto rule = decision_rule_from(name);
+    REQUIRE(rule);
+    CHECK(std::string(to_string(*rule)) == name);
+    CHECK_THAT(rule_in_words(name), Catch::Contains("ILAC-G8:09/2019"));
+  }
+  CHECK_FALSE(decision_rule_from("strict"));
+  CHECK(rule_in_words("strict") == "strict");
+  CHECK_THAT(rule_in_words("simple"), Catch::Contains("50 %"));
+  CHECK_THAT(rule_in_words("guarded"), Catch::Contains("2.5 %"));
+  CHECK_THAT(rule_in_words("four-way"), Catch::Contains("2.5 %") && Catch::Contains("50 %"));
+  CHECK(needs_uncertainty(DecisionRule::kDefault));
+  CHECK_FALSE(needs_uncertainty(DecisionRule::kSimple));
+  CHECK_FALSE(needs_uncertainty(DecisionRule::kReportOnly));
+}
+
+TEST_CASE(
+    "U of judged figures by hand: the reference where it counts, the repeats where it cancels, none for a count") {
+  // The repeats' figures lie one step apart, s is that step, and u is s / sqrt 3.
+  using namespace straight_array;
+  const Dataset data = repeats_a_step_apart();
+  const Evaluation evaluation = evaluate(data, straight_fit());
+  const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, certified(0.2));
+  REQUIRE(all.size() == 4 + 2 * 4);
+  const auto known = [&](const char* criterion, const char* scope) {
+    const JudgedUncertainty* found = find_uncertainty(all, criterion, scope);
+    REQUIRE(found != nullptr);
+    return *found;
+  };
+  const double root3 = std::sqrt(3.0);
+  // 1 psi more of 14 readings, or of the worst taxel's seven; beside 0.1 psi of the certificate. Effective degrees of
+  // freedom: 2 (combined / u)^4, with (combined / u)^2 = 1 + 588 / 100 and 1 + 147 / 100.
+  const JudgedUncertainty mean = known("mean_compensation_error", "array"), worst = known("worst_taxel_error", "array");
+  CHECK(mean.combined == Approx(std::hypot(0.1, 1.0 / 14.0 / root3)));
+  CHECK(mean.dof == Approx(2.0 * 6.88 * 6.88));
+  CHECK(worst.combined == Approx(std::hypot(0.1, 1.0 / 7.0 / root3)));
+  CHECK(worst.dof == Approx(2.0 * 2.47 * 2.47));
+  CHECK(worst.factor == Approx(2.23).margin(0.00501));  // Table G.2, twelve degrees of freedom
+  CHECK(worst.expanded == Approx(worst.factor * worst.combined));
+  // Half a psi more of the mean at one of four levels, of 60 psi.
+  const JudgedUncertainty distance = known("distance_of_mean", "array");
+  CHECK(distance.combined == Approx(0.5 / 60.0 / 4.0 / root3));
+  CHECK(distance.dof == Approx(2.0));
+  CHECK(distance.factor == Approx(4.53).margin(0.00501));  // two degrees of freedom
+  // Two taxels 4, 5 and 6 psi apart: their standard deviation is that over sqrt 2.
+  CHECK(known("mismatch", "20 psi down").combined == Approx(1.0 / std::sqrt(2.0) / 60.0 / root3));
+  CHECK(known("mismatch", "20 psi up").combined == Approx(0.0).margin(1e-12));
+  CHECK(known("unfit_taxels", "array").expanded == 0.0);
+  CHECK(find_uncertainty(all, "mismatch", "41 psi up") == nullptr);
+}
+
+TEST_CASE("a drift beyond its stated limit never lowers U, though few repeats make k large") {
+  // Three repeats a step of 1 psi apart in one of 14 readings, as above: u 0.041 psi with two degrees of freedom. With
+  // the drift's share taken as knowledge k would fall from 2.87 to 2.32 while u grows by a fifth.
+  using namespace straight_array;
+  const Dataset data = repeats_a_step_apart();
+  const Evaluation evaluation = evaluate(data, straight_fit());
+  ReferenceUncertainty reference = certified(0.02);
+  reference.drift_missing.clear();
+  reference.drift_stated_psi = 0.05;
+  double before = 0.0;
+  for (const double growth : {1.0, 1.01, 1.2, 1.5, 2.0, 3.0, 4.0}) {
+    INFO("growth " << growth);
+    reference.drift_psi = growth * reference.drift_stated_psi;
+    const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, reference);
+    const JudgedUncertainty* mean = find_uncertainty(all, "mean_compensation_error", "array");
+    CHECK(mean->combined ==
+          Approx(std::sqrt(0.01 * 0.01 + std::pow(growth * 0.05, 2) / 3.0 + 1.0 / 14.0 / 14.0 / 3.0)));
+    CHECK(mean->factor == Approx(2.87).margin(0.00501));  // four degrees of freedom, throughout
+    CHECK(mean->expanded > before);
+    before = mean->expanded;
+  }
+}
+
+TEST_CASE("without a certificate or repeats U is not known, and only the default rule falls back to simple") {
+  const Judged judged;
+  ReferenceUncertainty none;
+  none.certificate_missing = "no certificate";
+  const auto all = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, judged.evaluation, none);
+  CHECK(std::isnan(find_uncertainty(all, "mean_compensation_error", "array")->expanded));
+  CHECK(find_uncertainty(all, "mean_compensation_error", "array")->missing == "no certificate");
+  CHECK(find_uncertainty(all, "distance_of_mean", "array")->expanded > 0.0);
+
+  Limits limits;
+  limits.mean_compensation_error_psi = limits.worst_taxel_error_psi = 60.0;
+  limits.distance_of_mean_fs = 1.0;
+  limits.rule = DecisionRule::kDefault;
+  const auto by_default = judge(judged.evaluation, judged.fit, limits, all);
+  CHECK(verdict_on(by_default, "mean_compensation_error").rule == "simple");
+  CHECK(verdict_on(by_default, "mean_compensation_error").verdict == "pass");
+  CHECK(verdict_on(by_default, "distance_of_mean").rule == "four-way");
+  CHECK(verdict_on(by_default, "unfit_taxels").rule == "four-way");
+  limits.rule = DecisionRule::kFourWay;
+  CHECK(verdict_on(judge(judged.evaluation, judged.fit, limits, all), "mean_compensation_error").verdict ==
+        "inconclusive");
+  limits.rule = DecisionRule::kReportOnly;
+  for (const db::VerdictRecord& verdict : judge(judged.evaluation, judged.fit, limits, all))
+    CHECK(verdict.verdict == "report only");
+
+  // One repeat judged: the scatter is that of the models' run, of a single repeat.
+  Dataset one = judged.dataset;
+  for (SequenceData& data : one.sequences) data.repeats.resize(1);
+  const Evaluation e = evaluate(one, judged.fit);
+  const auto single = judged_uncertainties(one, judged.dataset, judged.fit, e, certified(0.2));
+  const auto whole = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, e, certified(0.2));
+  CHECK(find_uncertainty(single, "distance_of_mean", "array")->combined ==
+        Approx(std::sqrt(3.0) * find_uncertainty(whole, "distance_of_mean", "array")->combined));
+  CHECK_THAT(find_uncertainty(single, "distance_of_mean", "array")->basis, Catch::Contains("run of the models"));
+  const auto unknown = judged_uncertainties(one, one, judged.fit, e, certified(0.2));
+  CHECK_THAT(find_uncertainty(unknown, "mismatch", "40 psi up")->missing, Catch::Contains("two repeats"));
+}
+
+TEST_CASE("a verdict moves from pass to conditional to fail as the limit closes in on the value") {
+  const Judged judged;
+  const auto all = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, judged.evaluation, certified(0.2));
+  const double value = judged.evaluation.mean_error_psi;
+  const double expanded = find_uncertainty(all, "mean_compensation_error", "array")->expanded;
+  Limits limits;
+  const auto judged_at = [&](double limit) {
+    limits.mean_compensation_error_psi = limit;
+    return verdict_on(judge(judged.evaluation, judged.fit, limits, all), "mean_compensation_error").verdict;
+  };
+  CHECK(judged_at(value + 1.001 * expanded) == "pass");
+  CHECK(judged_at(value + 0.999 * expanded) == "conditional pass");
+  CHECK(judged_at(value) == "conditional pass");
+  CHECK(judged_at(value - 0.999 * expanded) == "conditional fail");
+  CHECK(judged_at(value - 1.001 * expanded) == "fail");
+}

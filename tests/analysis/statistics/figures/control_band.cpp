@@ -1,0 +1,64 @@
+// Control bands and trends against published and exactly computed values, and the promised rate of false alarms.
+#include "analysis/statistics/figures/control_band.h"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "analysis/statistics/numbers/student.h"
+
+using namespace tactbench::analysis;
+
+TEST_CASE("Student quantiles are those of the tables") {
+  CHECK(student_quantile(0.975, 10.0) == Approx(2.228139).epsilon(1e-6));
+  CHECK(student_quantile(0.995, 1.0) == Approx(63.65674).epsilon(1e-6));
+  CHECK(student_quantile(0.025, 4.0) == Approx(-2.776445).epsilon(1e-6));
+  CHECK(student_quantile(0.975, std::numeric_limits<double>::infinity()) == Approx(1.959964).epsilon(1e-6));
+  CHECK(std::isnan(student_quantile(1.0, 4.0)));
+  CHECK(std::isnan(student_quantile(0.5, 0.0)));
+}
+
+TEST_CASE("a control band is the prediction interval of a normal sample") {
+  const auto band = control_band(std::array{1.0, 2.0, 3.0, 4.0, 5.0}, 0.05);
+  REQUIRE(band);
+  CHECK(band->mean == 3.0);
+  CHECK(band->deviation == Approx(1.5811388));
+  CHECK(band->high == Approx(3.0 + 2.776445 * 1.5811388 * std::sqrt(1.2)));
+  CHECK((band->holds(band->low) && !band->holds(band->low - 1e-6)));
+  CHECK_FALSE(control_band(std::array{1.0, 2.0}, 0.05));
+  CHECK_FALSE(control_band(std::array{1.0, 2.0, std::nan("")}, 0.05));
+  const auto alike = control_band(std::array{7.0, 7.0, 7.0}, 0.05);
+  REQUIRE(alike);
+  CHECK((alike->holds(7.0 + 1e-9) && !alike->holds(7.0 + 1e-7)));
+}
+
+TEST_CASE("values from the baseline's distribution fall outside at the stated rate") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(3.0, 0.2);
+  int outside = 0;
+  constexpr int kTrials = 20000;
+  for (int i = 0; i < kTrials; ++i) {
+    std::array<double, 8> values{};
+    for (double& value : values) value = normal(random);
+    outside += control_band(values, 0.02)->holds(normal(random)) ? 0 : 1;
+  }
+  CHECK(outside / double(kTrials) == Approx(0.02).margin(0.004));  // four standard errors
+}
+
+TEST_CASE("the Mann-Kendall test is exact without ties and corrected with them") {
+  const auto up = monotone_trend(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0});
+  REQUIRE(up);
+  CHECK(up->probability == Approx(2.0 / 5040.0));
+  CHECK(up->slope == 1.0);
+  CHECK(up->moved == 6.0);
+  CHECK(monotone_trend(std::array{4.0, 3.0, 2.0, 1.0})->probability == Approx(2.0 / 24.0));
+  CHECK(monotone_trend(std::array{4.0, 3.0, 2.0, 1.0})->slope == -1.0);
+  CHECK(monotone_trend(std::array{1.0, 4.0, 2.0, 3.0})->probability == Approx(18.0 / 24.0));  // |S| = 2 or more
+  CHECK(monotone_trend(std::array{1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0})->probability == Approx(0.0518).margin(5e-4));
+  CHECK(monotone_trend(std::vector<double>(9, 4.0))->probability == 1.0);
+  CHECK_FALSE(monotone_trend(std::array{1.0, 2.0, 3.0}));
+  CHECK_FALSE(monotone_trend(std::array{1.0, 2.0, 3.0, std::nan("")}));
+}

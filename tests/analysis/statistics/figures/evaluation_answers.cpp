@@ -1,0 +1,165 @@
+// Every figure of an evaluation against answers worked out on paper, on the straight taxels of straight_array.h: going
+// up both read the reference, going down they are off by (1, 6) and (3, 1) psi at 40 and 20 psi.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/report/results.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/figures/sweep_errors.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace straight_array;
+
+namespace {
+
+void check_values(const std::vector<double>& found, const std::vector<double>& wanted) {
+  REQUIRE(found.size() == wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    INFO("value " << i);
+    CHECK(found[i] == Approx(wanted[i]).margin(1e-9));
+  }
+}
+
+// The same with 60 mV of noise at the second taxel: four times that is 0.24 V, 2.4 psi, so that all it says is weak.
+SensorModel noisy_fit() {
+  SensorModel fit = straight_fit();
+  fit.taxels[1].noise = 0.06;
+  return fit;
+}
+
+}  // namespace
+
+TEST_CASE("figures of one level by hand: distances, standard deviations, who got worse by compensation") {
+  const Evaluation e = evaluate(known_loop(), straight_fit());
+  REQUIRE(e.levels.size() == 4);
+  const LevelFigures &zero = e.levels[0], &twenty = e.levels[1], &forty = e.levels[2];
+  // 20 psi. Compensated: up (20, 20), down (26, 21), of 60. Raw: up (1, 2) V, down (1.3, 2.1) V, of 4.5 V.
+  check_values({twenty.comp_up_psi[0], twenty.comp_up_psi[1], twenty.comp_down_psi[0], twenty.comp_down_psi[1]},
+               {20, 20, 26, 21});
+  CHECK(std::isnan(twenty.comp_down_psi[2]));
+  check_values(twenty.raw_down_v, {1.3, 2.1, 5.0});
+  CHECK(twenty.comp_distance == Approx(3.5 / 60));
+  CHECK(twenty.comp_mean_distance == Approx(3.5 / 60));
+  CHECK(twenty.worst_taxel_distance == Approx(6.0 / 60));
+  CHECK(twenty.comp_std_up == Approx(0.0).margin(1e-12));
+  CHECK(twenty.comp_std_down == Approx(5.0 / std::sqrt(2.0) / 60));
+  CHECK(twenty.raw_distance == Approx(0.2 / 4.5));
+  CHECK(twenty.raw_mean_distance == Approx(0.2 / 4.5));
+  CHECK(twenty.raw_std_up == Approx(1.0 / std::sqrt(2.0) / 4.5));
+  CHECK(twenty.raw_std_down == Approx(0.8 / std::sqrt(2.0) / 4.5));
+  CHECK(twenty.made_worse);  // 5.8 % against 4.4 %
+  // 40 psi: down (39, 43), or (1.95, 4.3) V. Brought from 41 psi to the level, the way up reads (40, 40), (2, 4) V.
+  CHECK(forty.up_psi == Approx(41.0));
+  CHECK(forty.down_psi == Approx(40.0));
+  CHECK(forty.comp_distance == Approx(2.0 / 60));
+  CHECK(forty.comp_mean_distance == Approx(1.0 / 60));
+  CHECK(forty.worst_taxel_distance == Approx(3.0 / 60));
+  CHECK(forty.raw_distance == Approx(0.175 / 4.5));
+  CHECK(forty.raw_mean_distance == Approx(0.125 / 4.5));
+  CHECK_FALSE(forty.made_worse);  // 3.3 % against 3.9 %
+  CHECK(zero.worst_taxel_distance == Approx(0.0).margin(1e-12));
+  CHECK_FALSE(zero.made_worse);
+}
+
+TEST_CASE("figures of a run by hand: averages over levels, taxels and frames") {
+  const Evaluation e = evaluate(known_loop(), straight_fit());
+  CHECK(e.full_scale_v == Approx(4.5));
+  CHECK(e.full_scale_psi == 60.0);
+  CHECK(e.frames == 14);
+  CHECK(e.excluded_taxels == 1);
+  CHECK(e.hysteresis_max_fs == Approx(0.2 / 4.5));
+  CHECK(e.hysteresis_mean_fs == Approx((0.2 + 0.125) / 4.5 / 4));
+  CHECK(e.raw_distance == Approx((0.2 + 0.125) / 4.5 / 4));
+  CHECK(e.comp_distance == Approx((3.5 + 2.0) / 60 / 4));
+  CHECK(e.comp_distance_of_mean == Approx((3.5 + 1.0) / 60 / 4));
+  // The first taxel's four levels are off by 0, 6, 1, 0 psi in the mean of the repeats, the second's by 0, 1, 3, 0.
+  CHECK(e.worst_taxel_distance == Approx((6.0 + 1.0) / 60 / 4));
+  // Frames: (1 + 5) and (1 + 7) in seven each, and twice (3 + 1).
+  check_values({e.taxel_mean_error_psi[0], e.taxel_mean_error_psi[1]}, {1.0, 4.0 / 7.0});
+  CHECK(e.worst_taxel == 0);
+  CHECK(e.worst_taxel_mean_error_psi == Approx(1.0));
+  CHECK(e.mean_error_psi == Approx(11.0 / 14.0));
+  CHECK(e.max_error_psi == Approx(7.0));
+  // Nothing is flat: what is observable is all.
+  CHECK(e.flat_share == 0.0);
+  CHECK(e.comp_distance_observable == Approx(e.comp_distance));
+  CHECK(e.mean_error_observable_psi == Approx(11.0 / 14.0));
+  CHECK(e.max_error_observable_psi == Approx(7.0));
+}
+
+TEST_CASE("a taxel that is weak everywhere is left out of the observable figures, and of no other") {
+  const Evaluation e = evaluate(known_loop(), noisy_fit());
+  CHECK(e.flat_share == Approx(0.5));
+  CHECK(e.comp_distance == Approx(5.5 / 60 / 4));
+  CHECK(e.comp_distance_observable == Approx(7.0 / 60 / 4));
+  CHECK(e.worst_taxel_distance_observable == Approx(7.0 / 60 / 4));
+  CHECK(e.mean_error_psi == Approx(11.0 / 14.0));
+  CHECK(e.mean_error_observable_psi == Approx(1.0));
+  CHECK(e.max_error_observable_psi == Approx(7.0));
+  const LevelFigures& forty = e.levels[2];
+  CHECK(forty.flat_taxels == 1);
+  CHECK(forty.worst_taxel_distance == Approx(3.0 / 60));
+  CHECK(forty.worst_taxel_distance_observable == Approx(1.0 / 60));
+  CHECK(forty.comp_distance_observable == Approx(1.0 / 60));
+  // All weak: nothing is observable, and no figure stands in for it.
+  SensorModel weak = noisy_fit();
+  weak.taxels[0].noise = 0.06;
+  const Evaluation none = evaluate(known_loop(), weak);
+  CHECK(none.flat_share == 1.0);
+  CHECK(std::isnan(none.comp_distance_observable));
+  CHECK(std::isnan(none.mean_error_observable_psi));
+  CHECK(none.levels[2].comp_distance_observable == 0.0);
+}
+
+TEST_CASE("the mean taxel's trace by hand: measured, by the model, and compensated") {
+  const Evaluation e = evaluate(known_loop(), straight_fit());
+  REQUIRE(e.traces.size() == 1);
+  const Trace& trace = e.traces.front();
+  CHECK(trace.sequence == "loop");
+  check_values(trace.pressure_psi, {0, 20, 41, 60, 40, 20, 0});
+  check_values(trace.measured_v, {0, 1.5, 3.075, 4.5, 3.125, 1.7, 0});
+  check_values(trace.model_v, {0, 1.5, 3.075, 4.5, 3.0, 1.5, 0});  // 4.5 V of 60 psi, without hysteresis
+  check_values(trace.compensated_psi, {0, 20, 41, 60, 41, 23.5, 0});
+}
+
+TEST_CASE("the report's traces, straight line and models made before, by hand") {
+  const Dataset data = known_loop();
+  const SensorModel fit = straight_fit();
+  SensorModel before = fit;
+  before.taxels[2] = straight_taxel(10.0);  // fitted then, dead now
+  const ReportResults results = results_of(data, fit, evaluate(data, fit), &before, "earlier");
+  // The mean, the best (the second) and the worst taxel; the median of two is the better one again.
+  REQUIRE(results.traces.size() == 3);
+  CHECK(results.traces[0].taxel.taxel == -1);
+  check_values(results.traces[0].estimate_psi, {0, 20, 41, 60, 41, 23.5, 0});
+  CHECK(results.traces[1].taxel.taxel == 1);
+  check_values(results.traces[1].estimate_psi, {0, 20, 41, 60, 43, 21, 0});
+  check_values(results.traces[1].model_v, {0, 2, 4.1, 6, 4, 2, 0});
+  CHECK(results.traces[2].taxel.taxel == 0);
+  check_values(results.traces[2].estimate_psi, {0, 20, 41, 60, 39, 26, 0});
+  check_values(results.traces[2].measured_v, {0, 1, 2.05, 3, 1.95, 1.3, 0});
+  // By 40/3 psi a volt the first taxel reads (0, 13.3, 27.3, 40, 26, 16.7 or 18, 0) psi, off by 57 2/3 and 56 1/3 in
+  // all; the second (0, 26.7, 54.7, 80, 57.3, 28, 0), off by 65 2/3 twice.
+  CHECK(results.straight.mean_error_psi == Approx((114.0 + 394.0 / 3.0) / 28.0));
+  CHECK(results.straight.worst_taxel_mean_error_psi == Approx(394.0 / 3.0 / 14.0));
+  CHECK(results.straight.max_error_psi == Approx(20.0));
+  REQUIRE(results.previous);
+  CHECK(results.previous->fitted_taxels == 2);
+  CHECK(results.previous->evaluation.mean_error_psi == Approx(11.0 / 14.0));
+}
+
+TEST_CASE("errors of the sweeps and the zero's return by hand") {
+  Dataset data = known_loop();
+  data.sequences[0].repeats[0].volts[6 * 3] = 0.004;  // ends 4 mV up, the second repeat 7 mV down
+  data.sequences[0].repeats[1].volts[6 * 3] = -0.007;
+  const SweepErrors errors = sweep_errors(data, straight_fit());
+  CHECK(errors.repeats_with_zero == 2);
+  check_values({errors.zero_return_v[0], errors.zero_return_v[1]}, {0.007, 0.0});
+  REQUIRE(errors.levels.size() == 8);
+  const LevelReadings& down = errors.levels[5];
+  CHECK_FALSE(down.up);
+  CHECK(down.pressure_psi == 20.0);
+  REQUIRE(down.readings == 2);
+  check_values({down.error_psi[0], down.error_psi[1], down.error_psi[3], down.error_psi[4]}, {5, 1, 7, 1});
+  CHECK(std::isnan(down.error_psi[2]));
+}

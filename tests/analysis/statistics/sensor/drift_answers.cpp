@@ -1,0 +1,169 @@
+// The error of a stored model on data, against answers worked out on paper. Drift: two taxels of output = input, later
+// data of four points at inputs 0, 0, 4, 4.
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "analysis/identify/elam/repeats.h"
+#include "analysis/models/monotone.h"
+#include "analysis/statistics/scoring/score.h"
+#include "analysis/statistics/sensor/drift.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+ModelTaxel unit_line(int number) {
+  ModelTaxel taxel;
+  taxel.taxel = number;
+  taxel.status = TaxelStatus::kFitted;
+  const std::vector<double> ends{0.0, 10.0};
+  taxel.fit.model = std::make_unique<MonotoneModel>(PatternCurve(ends, ends, 0.0, 10.0));
+  taxel.fit.full_scale = 10.0;
+  taxel.fit.mean_error = 0.15;
+  return taxel;
+}
+
+SensorModel two_taxels() {
+  SensorModel document;
+  document.model = "monotone";
+  document.input_unit = "psi";
+  document.output_unit = "V";
+  document.columns = 2;
+  for (const int number : {0, 1, kMeanTaxel}) document.taxels.push_back(unit_line(number));
+  return document;
+}
+
+TaxelHistories later(int number, std::vector<double> x, std::vector<double> y) {
+  TaxelHistories taxel;
+  taxel.taxel = number;
+  History history;
+  history.branches = branches_along(x);
+  history.x = std::move(x);
+  history.y = std::move(y);
+  taxel.score = {std::move(history)};
+  return taxel;
+}
+
+// The first taxel has a zero of 1 and a gain of 2, with residuals of +0.1 and -0.1 at either end; the second a zero of
+// 0.5 and nothing else.
+Histories later_data() {
+  Histories histories;
+  histories.columns = 2;
+  histories.taxels.push_back(later(0, {0, 0, 4, 4}, {1.1, 0.9, 9.1, 8.9}));
+  histories.taxels.push_back(later(1, {0, 0, 4, 4}, {0.5, 0.5, 4.5, 4.5}));
+  return histories;
+}
+
+}  // namespace
+
+TEST_CASE("drift by hand: zero and gain with their uncertainties, and what each adjustment leaves") {
+  const Drift drift = drift_of(two_taxels(), later_data(), 0.02);
+  REQUIRE(drift.taxels.size() == 2);
+  const TaxelDrift& first = drift.taxels[0];
+  CHECK(first.zero == Approx(1.0));
+  CHECK(first.gain == Approx(2.0));
+  CHECK(first.zero_alone == Approx(3.0));  // the means are 5 and 2
+  // Residual variance 4 x 0.01 / 2 = 0.02; inputs have squares of 16 about their mean of 2.
+  CHECK(first.gain_u == Approx(std::sqrt(0.02 / 16.0)));
+  CHECK(first.zero_u == Approx(0.1));  // 0.02 / 4 and (2 gain_u)^2 = 0.005 each
+  CHECK(first.as_is == Approx(0.3));   // 1.1, 0.9, 5.1, 4.9 of a full scale of 10
+  CHECK(first.zeroed == Approx(0.2));  // 1.9, 2.1, 2.1, 1.9
+  CHECK(first.adjusted == Approx(0.01));
+  const TaxelDrift& second = drift.taxels[1];
+  CHECK(second.zero_alone == Approx(0.5));
+  CHECK(second.zero_u == Approx(0.0).margin(1e-12));
+  CHECK(second.as_is == Approx(0.05));
+  CHECK(second.zeroed == Approx(0.0).margin(1e-12));
+  CHECK(drift.as_is == Approx(0.175));
+  CHECK(drift.zeroed == Approx(0.1));
+  CHECK(drift.adjusted == Approx(0.005));
+}
+
+TEST_CASE("the drift's verdict follows what is left within the tolerance, whose default is twice the fit's error") {
+  const Histories data = later_data();  // 17.5 % as it is, 10 % with zero, 0.5 % with zero and gain
+  CHECK(drift_of(two_taxels(), data, 0.18).verdict == DriftVerdict::kGood);
+  CHECK(drift_of(two_taxels(), data, 0.17).verdict == DriftVerdict::kZero);
+  CHECK(drift_of(two_taxels(), data, 0.09).verdict == DriftVerdict::kGain);
+  CHECK(drift_of(two_taxels(), data, 0.004).verdict == DriftVerdict::kRecalibrate);
+  CHECK(drift_of(two_taxels(), data).tolerance == Approx(0.03));  // 0.15 of 10, twice
+  SensorModel exact = two_taxels();
+  for (ModelTaxel& taxel : exact.taxels) taxel.fit.mean_error = 0.0;
+  CHECK(drift_of(exact, data).tolerance == Approx(0.005));
+}
+
+TEST_CASE("a gain is fitted only where the inputs cover a tenth of the model's range") {
+  Histories narrow;
+  narrow.taxels.push_back(later(0, {0, 0, 0.9, 0.9}, {1.0, 1.0, 2.8, 2.8}));
+  const TaxelDrift drift = drift_of(two_taxels(), narrow).taxels.front();
+  CHECK(drift.gain == 1.0);
+  CHECK(drift.gain_u == 0.0);
+  CHECK(drift.zero == Approx(1.45));  // of means 1.9 and 0.45
+  // Residuals -0.45 and +0.45: variance 4 x 0.2025 / 2, of the mean of four.
+  CHECK(drift.zero_u == Approx(std::sqrt(0.405 / 4.0)));
+}
+
+TEST_CASE("adjusting takes each taxel's own zero and gain, and the mean of them for the mean taxel") {
+  const Histories data = later_data();
+  const Drift drift = drift_of(two_taxels(), data);
+  const SensorModel both = adjusted(two_taxels(), drift, data, true);
+  CHECK(both.taxel(0).zero == Approx(1.0));
+  CHECK(both.taxel(0).gain == Approx(2.0));
+  CHECK(both.taxel(1).zero == Approx(0.5));
+  CHECK(both.taxel(kMeanTaxel).zero == Approx(0.75));
+  CHECK(both.taxel(kMeanTaxel).gain == Approx(1.5));
+  const SensorModel zero = adjusted(two_taxels(), drift, data, false);
+  CHECK(zero.taxel(0).zero == Approx(3.0));
+  CHECK(zero.taxel(0).gain == 1.0);
+  CHECK(zero.taxel(kMeanTaxel).zero == Approx(1.75));
+  CHECK(zero.taxel(kMeanTaxel).gain == 1.0);
+  CHECK(drift_of(both, data).as_is == Approx(0.005));
+}
+
+TEST_CASE("how a first repeat differs from the others, by hand") {
+  // Steps at 0 and 10 psi. The others' mean is (1.01, 2.01): the first is off by 40 mV and 0. Each other against the
+  // rest of them is off by -15, -15 and 30 mV at both steps.
+  Dataset dataset;
+  dataset.rows = dataset.columns = 1;
+  SequenceData sequence{"up", {}};
+  for (const auto& [low, high] :
+       {std::pair{1.05, 2.01}, std::pair{1.0, 2.0}, std::pair{1.0, 2.0}, std::pair{1.03, 2.03}})
+    sequence.repeats.push_back({{{0, 0}, {10, 10}}, {low, high}});
+  dataset.sequences = {sequence};
+  const std::size_t taxel = 0;
+  const std::vector<RepeatDrift> drifts = repeat_drifts(dataset, {&taxel, 1}, {});
+  REQUIRE(drifts.size() == 1);
+  CHECK(drifts[0].shift_v == Approx(0.020));
+  CHECK(drifts[0].rms_v == Approx(0.040 / std::sqrt(2.0)));
+  CHECK(drifts[0].others_rms_v == Approx(0.030));
+  // Mean square of the others' shifts (2 x 225 + 900) / 3 mV^2, times 2/3 for one against two, 4/3 for one against
+  // three.
+  CHECK(drifts[0].uncertainty_v == Approx(0.020));
+  CHECK_FALSE(drifts[0].differs);
+}
+
+TEST_CASE("a model's score by hand: direct, inverse and straight line, by hold and by rate") {
+  // Output = input, measured 4.5 and 8.25 at 4 and 8; the turning point at 0 does not count. The straight line goes
+  // from (1, 2) to (11, 7): it reads 4.5 as 6 and 8.25 as 13.5.
+  const ModelTaxel line = unit_line(0);
+  const std::vector<History> histories{{"up", {0, 4, 8}, {0, 4.5, 8.25}, {{0, 2, true}}, {0, 2, 10}, {0, 1, 3}}};
+  ScoreOptions options;
+  options.x_low = 1.0;
+  options.y_low = 2.0;
+  options.x_high = 11.0;
+  options.y_high = 7.0;
+  const Score found = score(*line.fit.model, histories, options);
+  CHECK(found.direct.samples == 2);
+  CHECK(found.direct.mean() == Approx(0.375));
+  CHECK(found.direct.max == Approx(0.5));
+  CHECK(found.compensated.mean() == Approx(0.375));
+  CHECK(found.compensated.max == Approx(0.5));
+  CHECK(found.raw.mean() == Approx((2.0 + 5.5) / 2));
+  CHECK(found.raw.max == Approx(5.5));
+  // Held 1 and 3 s, come by 4 in 2 s and by 4 in 8 s.
+  REQUIRE(found.by_hold.size() == 2);
+  CHECK((found.by_hold[0].low == Approx(1.0) && found.by_hold[0].error.mean() == Approx(0.5)));
+  CHECK((found.by_hold[1].low == Approx(2.0) && found.by_hold[1].error.mean() == Approx(0.25)));
+  REQUIRE(found.by_rate.size() == 2);
+  CHECK((found.by_rate[0].low == Approx(0.5) && found.by_rate[0].error.mean() == Approx(0.25)));
+  CHECK((found.by_rate[1].low == Approx(2.0) && found.by_rate[1].error.mean() == Approx(0.5)));
+}

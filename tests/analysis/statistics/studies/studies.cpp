@@ -1,0 +1,230 @@
+// Results of further runs, on frames whose answer is known.
+#include "analysis/statistics/studies/studies.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+using namespace tactbench::analysis;
+
+namespace {
+
+constexpr int kSide = 6;  // 36 taxels, 9 sets of four places
+
+double share_of_tilt(int place) { return 0.004 * (place % kSide - 2.5) - 0.002 * (place / kSide - 2.5); }
+// The same at all places that a quarter turn takes a taxel to.
+double share_of_bowl(int place) {
+  const double x = place % kSide - 2.5, y = place / kSide - 2.5;
+  return 0.001 * (x * x + y * y);
+}
+double share_of_taxel(int taxel) { return 0.01 * std::sin(1.7 * taxel); }
+
+SweepEstimates estimates_at(int angle, double noise_psi = 0.0, double offset_psi = 0.0) {
+  const std::vector<int> places = turned_places(kSide, kSide, angle);
+  std::mt19937 random(static_cast<unsigned>(angle) + 1);
+  std::normal_distribution<double> normal;
+  SweepEstimates out;
+  out.pressure_psi = {0.0, 10.0, 20.0, 40.0, 60.0};
+  out.sweeps = 1;
+  out.taxels = kSide * kSide;
+  for (const double p : out.pressure_psi)
+    for (int taxel = 0; taxel < out.taxels; ++taxel) {
+      const int place = places[static_cast<std::size_t>(taxel)];
+      const double share = share_of_tilt(place) + share_of_bowl(place) + share_of_taxel(taxel);
+      const double fixed = offset_psi * (place % 2 == 0 ? 1.0 : -1.0);
+      out.psi.push_back(p * (1.0 + share) + fixed + noise_psi * normal(random));
+    }
+  return out;
+}
+
+std::vector<TurnedRun> turned(const std::vector<int>& angles, double noise_psi = 0.0, double offset_psi = 0.0) {
+  std::vector<TurnedRun> runs;
+  for (const int angle : angles)
+    runs.push_back({static_cast<std::int64_t>(runs.size()) + 1, angle, estimates_at(angle, noise_psi, offset_psi)});
+  return runs;
+}
+
+}  // namespace
+
+TEST_CASE("turned places: counter-clockwise, row 0 on top") {
+  // Of an array of 3 x 3: the top right taxel goes to the top left, then to the bottom left.
+  CHECK(turned_places(3, 3, 0)[2] == 2);
+  CHECK(turned_places(3, 3, 90)[2] == 0);
+  CHECK(turned_places(3, 3, 180)[2] == 6);
+  CHECK(turned_places(3, 3, 270)[2] == 8);
+  CHECK(turned_places(2, 3, 180) == std::vector<int>{5, 4, 3, 2, 1, 0});
+  CHECK_THROWS_AS(turned_places(2, 3, 90), std::invalid_argument);
+  CHECK_THROWS_AS(turned_places(3, 3, 45), std::invalid_argument);
+}
+
+TEST_CASE("four quarter turns give the chamber's map back but for what a quarter turn does not change") {
+  const Uniformity u = uniformity_of(turned({0, 90, 180, 270}), kSide, kSide);
+  REQUIRE(u.assessed());
+  CHECK(u.pressure_psi == std::vector<double>{10.0, 20.0, 40.0});  // at 60 psi estimates come to the models' end
+  CHECK(u.undetermined == 9);
+  CHECK(u.residual_rms_psi < 1e-9);
+  double squares = 0.0, mean_of_taxels = 0.0, mean_of_bowl = 0.0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    mean_of_taxels += share_of_taxel(i) / (kSide * kSide);
+    mean_of_bowl += share_of_bowl(i) / (kSide * kSide);
+  }
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    // The tilt's mean over a set of four is 0: it comes back whole; the bowl stays with the sensor.
+    CHECK(u.chamber_share[at] == Approx(share_of_tilt(i)).margin(1e-12));
+    CHECK(u.chamber_psi[at] == Approx(0.0).margin(1e-9));
+    CHECK(u.sensor_share[at] ==
+          Approx(share_of_taxel(i) - mean_of_taxels + share_of_bowl(i) - mean_of_bowl).margin(1e-12));
+    squares += share_of_tilt(i) * share_of_tilt(i);
+  }
+  CHECK(u.u_share == Approx(std::sqrt(squares / 35.0)).epsilon(1e-9));
+  for (std::size_t level = 0; level < u.u_psi.size(); ++level)
+    CHECK(u.u_psi[level] == Approx(u.pressure_psi[level] * u.u_share).epsilon(1e-9));
+  // Typed the other way round, the maps cannot explain the runs.
+  CHECK(u.residual_other_sense_psi > 0.05);
+}
+
+TEST_CASE("the chamber's constant part is separated from the part that grows with pressure") {
+  const Uniformity u = uniformity_of(turned({0, 90, 180, 270}, 0.0, 0.2), kSide, kSide);
+  REQUIRE(u.assessed());
+  CHECK(u.residual_rms_psi < 1e-9);
+  // Stripes of +-0.2 psi add up to 0 over the four places of a taxel.
+  CHECK(u.u_offset_psi == Approx(0.2 * std::sqrt(36.0 / 35.0)).epsilon(1e-6));
+}
+
+TEST_CASE("levels at which estimates are cut off at the models' end do not make the chamber look more even") {
+  std::vector<TurnedRun> runs = turned({0, 90, 180, 270});
+  for (TurnedRun& run : runs)
+    for (double& psi : run.estimates.psi) psi = std::min(psi, 60.0);
+  const Uniformity u = uniformity_of(runs, kSide, kSide);
+  REQUIRE(u.assessed());
+  CHECK(u.pressure_psi == std::vector<double>{10.0, 20.0, 40.0});
+  for (int i = 0; i < kSide * kSide; ++i)
+    CHECK(u.chamber_share[static_cast<std::size_t>(i)] == Approx(share_of_tilt(i)).margin(1e-12));
+  // One level is left: no slope.
+  for (TurnedRun& run : runs)
+    for (std::size_t i = 36; i < 3 * 36; ++i) run.estimates.psi[i] = 60.0;
+  CHECK_THAT(uniformity_of(runs, kSide, kSide).not_assessed, Catch::Contains("fewer than two levels"));
+}
+
+TEST_CASE("noise comes out as the residual") {
+  const Uniformity u = uniformity_of(turned({0, 90, 180, 270}, 0.05), kSide, kSide);
+  REQUIRE(u.assessed());
+  CHECK(u.residual_rms_psi == Approx(0.05).epsilon(0.15));
+}
+
+TEST_CASE("half a turn alone leaves twice as many constants undetermined, and taxels without a model are skipped") {
+  std::vector<TurnedRun> runs = turned({0, 180});
+  const Uniformity half = uniformity_of(runs, kSide, kSide);
+  REQUIRE(half.assessed());
+  CHECK(half.undetermined == 18);  // pairs
+  CHECK(half.chamber_share[1] == Approx(share_of_tilt(1)).margin(1e-12));
+  runs = turned({0, 90, 180, 270});
+  for (TurnedRun& run : runs)
+    for (std::size_t level = 0; level < 5; ++level)
+      run.estimates.psi[level * 36 + 7] = std::numeric_limits<double>::quiet_NaN();
+  const Uniformity u = uniformity_of(runs, kSide, kSide);
+  REQUIRE(u.assessed());
+  CHECK(u.residual_rms_psi < 1e-9);
+  CHECK(std::isnan(u.sensor_share[7]));
+  CHECK(u.chamber_share[7] == Approx(share_of_tilt(7)).margin(1e-12));  // other taxels came to its place
+}
+
+TEST_CASE("without a turn nothing can be separated") {
+  CHECK_FALSE(uniformity_of(turned({0, 0}), kSide, kSide).assessed());
+  CHECK_FALSE(Uniformity().assessed());
+}
+
+TEST_CASE("mounts: within and between by hand") {
+  // One taxel, one level: sweeps 10 +- 0.1 in the first mount, 11 +- 0.1 in the second.
+  const auto mount = [](double centre) {
+    SweepEstimates estimates;
+    estimates.pressure_psi = {10.0};
+    estimates.sweeps = 2;
+    estimates.taxels = 1;
+    estimates.psi = {centre - 0.1, centre + 0.1};
+    return estimates;
+  };
+  const std::vector<MountedRun> mounts{{1, mount(10.0)}, {2, mount(11.0)}};
+  const Remount remount = remount_of(mounts);
+  REQUIRE(remount.assessed());
+  CHECK(remount.degrees == 1);
+  CHECK(remount.within_psi[0] == Approx(std::sqrt(0.02)));  // variance of two values 0.2 apart
+  // Variance of the means 0.5; two sweeps a mount explain 0.02 / 2 of it.
+  CHECK(remount.between_psi[0] == Approx(std::sqrt(0.5 - 0.01)));
+  CHECK(remount.mean_between_psi[0] == Approx(remount.between_psi[0]));
+  CHECK(remount.s_share == Approx(remount.between_psi[0] / 10.0));
+  CHECK(remount.taxel_between_psi[0] == Approx(remount.between_psi[0]));
+}
+
+TEST_CASE("mounts that differ less than their own sweeps count as equal") {
+  SweepEstimates estimates;
+  estimates.pressure_psi = {10.0};
+  estimates.sweeps = 2;
+  estimates.taxels = 1;
+  estimates.psi = {9.0, 11.0};
+  const std::vector<MountedRun> mounts{{1, estimates}, {2, estimates}};
+  CHECK(remount_of(mounts).between_psi[0] == 0.0);
+  CHECK_FALSE(remount_of(std::span(mounts).first(1)).assessed());
+}
+
+namespace {
+
+// A print of 2 x 2 taxels of 2 V at each of nine positions of an array of 12 x 12 with 20 mV of zero. Taxels in the
+// rows (columns) of the print show row (column) more, but row 3 shows `ghost`.
+std::vector<PointFrame> prints(double row, double column, double ghost) {
+  constexpr int kWide = 12;
+  std::vector<PointFrame> frames;
+  int position = 0;
+  for (const int r : {1, 3, 7}) {
+    for (const int c : {2, 5, 8}) {
+      for (const double force : {3.0, 6.0}) {
+        PointFrame frame{position, true, force, std::vector<double>(kWide * kWide, 0.02)};
+        const double peak = force / 3.0;
+        for (int i = 0; i < kWide; ++i) {
+          for (int k = 0; k < kWide; ++k) {
+            double& volts = frame.volts[static_cast<std::size_t>(i * kWide + k)];
+            const bool in_row = i == r || i == r + 1, in_column = k == c || k == c + 1;
+            if (in_row && in_column)
+              volts += peak;
+            else if (in_row)
+              volts += peak * (i == 3 ? ghost : row);
+            else if (in_column)
+              volts += peak * column;
+          }
+        }
+        frames.push_back(std::move(frame));
+      }
+      ++position;
+    }
+  }
+  return frames;
+}
+
+}  // namespace
+
+TEST_CASE("crosstalk: shares of rows and columns come back, a ghost row is named") {
+  const Crosstalk c = crosstalk_of(4, prints(0.002, 0.003, 0.03), 12, 12);
+  REQUIRE(c.assessed());
+  CHECK(c.positions == 9);
+  CHECK(c.force_n == Approx(6.0));
+  CHECK(c.elsewhere.mean_share == Approx(0.0).margin(1e-12));
+  CHECK(c.column.mean_share == Approx(0.003).epsilon(1e-9));
+  // Three of nine positions have row 3 as one of their two rows.
+  CHECK(c.row.mean_share == Approx(0.002 + 0.028 * 3.0 / 18.0).epsilon(1e-9));
+  CHECK(c.row.max_share == Approx(0.03).epsilon(1e-9));
+  REQUIRE(c.ghost_rows.size() == 1);
+  CHECK(c.ghost_rows[0].line == 3);
+  CHECK(c.ghost_columns.empty());
+}
+
+TEST_CASE("crosstalk: none is found without crosstalk, and few positions are not assessed") {
+  const std::vector<PointFrame> frames = prints(0.0, 0.0, 0.0);
+  const Crosstalk c = crosstalk_of(4, frames, 12, 12);
+  REQUIRE(c.assessed());
+  CHECK(c.row.mean_share == Approx(0.0).margin(1e-12));
+  CHECK(c.ghost_rows.empty());
+  CHECK_FALSE(crosstalk_of(4, std::span(frames).first(4), 12, 12).assessed());
+}

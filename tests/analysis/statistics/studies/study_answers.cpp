@@ -1,0 +1,176 @@
+// Figures of further runs and of raw behaviour against answers worked out on paper.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/figures/behaviour.h"
+#include "analysis/statistics/figures/usable_range.h"
+#include "analysis/statistics/studies/studies.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace straight_array;
+
+namespace {
+
+// Two sweeps `half` above and below `centre` at each level.
+struct LevelOfMount {
+  double level_psi, centre_psi, half_psi;
+};
+MountedRun mounted(std::int64_t run, const std::vector<LevelOfMount>& levels) {
+  MountedRun mount{run, {}};
+  mount.estimates.sweeps = 2;
+  mount.estimates.taxels = 1;
+  for (const LevelOfMount& level : levels) {
+    mount.estimates.pressure_psi.push_back(level.level_psi);
+    mount.estimates.psi.push_back(level.centre_psi - level.half_psi);
+    mount.estimates.psi.push_back(level.centre_psi + level.half_psi);
+  }
+  return mount;
+}
+
+}  // namespace
+
+TEST_CASE("shares within and between mounts are root mean squares over the levels from a tenth of the highest on") {
+  // Two sweeps d apart from their mean have a variance of 2 d^2; two means D apart have D^2 / 2, of which d^2 is the
+  // sweeps'. At 30 psi d = 0.3, D = 0.6: 0.09 between. At 60 psi d = 1.2, D^2 = 14.4: 5.76. 2 psi is below a tenth.
+  const double apart = std::sqrt(14.4);
+  const std::vector<MountedRun> mounts{mounted(1, {{2, 2, 1}, {30, 30, 0.3}, {60, 57, 1.2}}),
+                                       mounted(2, {{2, 9, 1}, {30, 30.6, 0.3}, {60, 57 + apart, 1.2}})};
+  const Remount remount = remount_of(mounts);
+  REQUIRE(remount.assessed());
+  REQUIRE(remount.within_psi.size() == 3);
+  CHECK(remount.within_psi[1] == Approx(0.3 * std::sqrt(2.0)));
+  CHECK(remount.between_psi[1] == Approx(0.3));
+  CHECK(remount.between_psi[2] == Approx(2.4));
+  CHECK(remount.within_share == Approx(std::sqrt((0.0002 + 0.0008) / 2)));  // 1.41 % and 2.83 %
+  CHECK(remount.s_share == Approx(std::sqrt((0.0001 + 0.0016) / 2)));       // 1 % and 4 %
+}
+
+namespace {
+
+// Rising from 0 to 40 psi in the given time; `mean_v` of the two live taxels at each step.
+Repeat paced(double seconds, const std::vector<double>& mean_v) {
+  Repeat repeat;
+  for (std::size_t i = 0; i < mean_v.size(); ++i) {
+    repeat.steps.push_back({20.0 * static_cast<double>(i), 20.0 * static_cast<double>(i),
+                            seconds * static_cast<double>(i) / 2.0, i == 1 ? 3.0 : 0.0});
+    repeat.volts.insert(repeat.volts.end(), {mean_v[i] - 0.25, mean_v[i] + 0.25, 9.0});
+  }
+  return repeat;
+}
+
+}  // namespace
+
+TEST_CASE("effect of rate on the output by hand: each faster repeat against the slowest") {
+  // Full scale 4.5 V. The fast repeat is off by 0, 0.09 and 0.27 V; one of 52 s is no other pace than one of 60 s.
+  const Dataset data = dataset_of({{"rate", {paced(30, {1, 2.09, 2.73}), paced(60, {1, 2, 3}), paced(52, {1, 4, 4})}}});
+  const std::vector<RateHoldRun> runs = rate_hold_of(data, straight_fit());
+  REQUIRE(runs.size() == 1);
+  CHECK(runs[0].output_max_share == Approx(0.06));
+  CHECK(runs[0].output_mean_share == Approx((0.0 + 0.02 + 0.06) / 3));
+  // Alike in pace: nothing is told.
+  const Dataset alike = dataset_of({{"rate", {paced(60, {1, 2, 3}), paced(52, {1, 4, 4})}}});
+  CHECK(rate_hold_of(alike, straight_fit())[0].output_max_share == 0.0);
+}
+
+TEST_CASE("compensation errors by rate and hold by hand") {
+  // Slow: 20 psi in 30 s, held 3 s at the middle level. The first taxel reads 0.75, 1.75, 2.75 V as 15, 35, 55 psi at
+  // 0, 20 and 40 psi, the second 1.25, 2.25, 3.25 V as 12.5, 22.5, 32.5 psi: off by 15, 15, 15 and 12.5, 2.5, 7.5.
+  const RateHoldRun run = rate_hold_of(dataset_of({{"rate", {paced(60, {1, 2, 3})}}}), straight_fit()).front();
+  CHECK(run.error.samples == 6);
+  CHECK(run.error.sum == Approx(67.5));
+  CHECK(run.error.mean() == Approx(11.25));
+  CHECK(run.error.max == Approx(15.0));
+  REQUIRE(run.by_rate.size() == 1);  // 0.67 psi/s
+  CHECK((run.by_rate[0].low == Approx(0.5) && run.by_rate[0].high == Approx(1.0)));
+  CHECK(run.by_rate[0].error.samples == 4);
+  CHECK(run.by_rate[0].error.mean() == Approx((15.0 + 15.0 + 2.5 + 7.5) / 4));
+  REQUIRE(run.by_hold.size() == 1);  // 3 s
+  CHECK((run.by_hold[0].low == Approx(2.0) && run.by_hold[0].high == Approx(5.0)));
+  CHECK(run.by_hold[0].error.mean() == Approx((15.0 + 2.5) / 2));
+}
+
+TEST_CASE("zero return by hand: the mean of the repeats, the largest of one, the worst taxel") {
+  // The live taxels end +3 and +1, -4 and -6, +1 and +1 mV off their start: +2, -5 and +1 mV in the mean.
+  const std::vector<Sample> steps{{0, 0}, {20, 20}, {0, 0}};
+  SequenceData sequence{"loop", {}};
+  for (const auto& [first, second] : {std::pair{3.0, 1.0}, std::pair{-4.0, -6.0}, std::pair{1.0, 1.0}}) {
+    Repeat repeat{steps, {0.1, 0.2, 9, 1, 2, 9, 0.1, 0.2, 5}};
+    repeat.volts[6] += 1e-3 * first;
+    repeat.volts[7] += 1e-3 * second;
+    sequence.repeats.push_back(repeat);
+  }
+  const Behaviour b = behaviour_of(dataset_of({sequence}), {0, 1});
+  REQUIRE(b.zero_returns.size() == 1);
+  CHECK(b.zero_returns[0].mean_v == Approx(-0.002 / 3));
+  CHECK(b.zero_returns[0].largest_v == Approx(-0.005));
+  CHECK(b.zero_returns[0].worst_taxel == 1);
+  CHECK(b.zero_returns[0].worst_taxel_v == Approx(-0.004 / 3));
+}
+
+TEST_CASE("repeatability by hand: of the mean taxel and of single taxels, each branch for itself") {
+  // Three repeats. Up at 20 psi the live taxels have -1 0 1 and 1 0 -1 mV beside their output: 1 mV each, none in the
+  // mean. Down they have -1 0 1 and -3 0 3 mV: 1 and 3 mV, 2 in the mean.
+  SequenceData sequence{"loop", {}};
+  for (const double r : {-1e-3, 0.0, 1e-3})
+    sequence.repeats.push_back({{{0, 0}, {20, 20}, {40, 40}, {20, 20}, {0, 0}},
+                                {0, 0, 9, 1 + r, 2 - r, 9, 2, 4, 9, 1.5 + r, 2.5 + 3 * r, 9, 0, 0, 9}});
+  const Behaviour b = behaviour_of(dataset_of({sequence}), {0, 1});
+  REQUIRE(b.repeatability.size() == 3);
+  CHECK(b.repeatability[1].mean_up_v == Approx(0.0).margin(1e-12));
+  CHECK(b.repeatability[1].taxel_up_v == Approx(1e-3));
+  CHECK(b.repeatability[1].mean_down_v == Approx(2e-3));
+  CHECK(b.repeatability[1].taxel_down_v == Approx(std::sqrt(5.0) * 1e-3));
+  REQUIRE(b.loops.size() == 4);
+  CHECK(b.loops[0].up_v[1] == Approx(1.5));
+  CHECK(b.loops[0].down_v[1] == Approx(2.0));
+}
+
+TEST_CASE("creep by hand: first and last output of the hold, and its share a decade") {
+  // 2 V at 2 s, 20 mV more each decade.
+  Repeat repeat;
+  for (int i = 0; i <= 99; ++i) {
+    const double held = 2.0 + 2.0 * i;
+    repeat.steps.push_back({40.0, 40.0, 2.0 * i, 2.0});
+    const double volts = 2.0 + 0.02 * std::log10(held / 2.0);
+    repeat.volts.insert(repeat.volts.end(), {volts - 0.5, volts + 0.5, 9.0});
+  }
+  const std::vector<Creep> creep = creep_of(dataset_of({{"creep-hold", {repeat}}}), {0, 1});
+  REQUIRE(creep.size() == 1);
+  CHECK(creep[0].first_v == Approx(2.0));
+  CHECK(creep[0].last_v == Approx(2.04));  // two decades, to 200 s
+  CHECK(creep[0].per_decade == Approx(0.01));
+  CHECK(creep[0].pressure_psi == 40.0);
+}
+
+TEST_CASE("resolved and usable ranges by hand, of the lower of two taxels in the median and of the worse one") {
+  // 8 mV of noise (four times 2 mV) at both. Model errors of 6 mV and 0.6 V: steps of 10 mV and 0.600053 V, by 20 and
+  // 10 psi a volt 0.2 and 6 psi.
+  SensorModel fit = straight_fit();
+  fit.taxels[0].noise = fit.taxels[1].noise = 0.002;
+  fit.taxels[0].fit.mean_error = 0.006;
+  fit.taxels[1].fit.mean_error = 0.6;
+  // Between 40 and 60 psi the second taxel's falling curve rises by 40 mV only: 8 mV are 4 psi there.
+  const std::vector<double> flat{0.0, 2.0, 5.96, 6.0};
+  const std::vector<double> straight{0.0, 2.0, 4.0, 6.0};
+  const PatternCurve up(kLevels, straight, 0.0, 6.0);
+  ModelTaxel& second = fit.taxels[1];
+  second.descending = PatternCurve(kLevels, flat, 0.0, 6.0);
+  second.fit.model = std::make_shared<ElamHysteresis>(ElamModel{up, second.descending, {}, {}});
+  const UsableRange range = usable_range(fit);
+  CHECK(range.loading.median_psi[2] == Approx(0.2));
+  CHECK(range.loading.worst_psi[2] == Approx(10.0 * std::hypot(0.008, 0.6)));
+  CHECK(range.loading.resolved_share == std::vector<double>(4, 1.0));
+  CHECK(range.loading.usable_share == std::vector<double>(4, 0.5));
+  CHECK(range.loading.resolved_low_psi == 0.0);
+  CHECK(range.loading.resolved_high_psi == 60.0);
+  CHECK(std::isnan(range.loading.low_psi));
+  CHECK(std::isnan(range.loading.high_psi));
+  CHECK(range.unloading.resolved_share == std::vector<double>{1.0, 1.0, 0.5, 0.5});
+  CHECK(range.unloading.resolved_low_psi == 0.0);
+  CHECK(range.unloading.resolved_high_psi == 20.0);
+  CHECK(range.unloading.median_psi[3] == Approx(0.2));
+  // With half of the taxels enough the whole range is usable.
+  UsableOptions half;
+  half.least_share = 0.5;
+  CHECK(usable_range(fit, half).loading.high_psi == 60.0);
+}

@@ -1,0 +1,199 @@
+// Certificates and dates, and which of them take precedence: known answers.
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
+
+#include <catch2/catch.hpp>
+
+#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
+#include "tests/analysis/support/uncertainty_example.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+db::DeviceRecord reference_with(const std::string& json) {
+  return {"pressure reference", "PT-150", "P-22", "", "hardware", json};
+}
+
+InstrumentCalibration dated(const std::string& calibrated, const std::string& due) {
+  InstrumentCalibration calibration;
+  calibration.calibrated_on = calibrated;
+  calibration.due = due;
+  return calibration;
+}
+
+constexpr const char* kStated =
+    R"({"certificate":"C-1","calibrated":"2025-01-31","due":"2026-01-31","expanded_uncertainty_psi":0.05})";
+
+}  // namespace
+
+TEST_CASE("dates are those of the calendar, written year, month, day") {
+  for (const char* date : {"2026-01-31", "2024-02-29", "2000-12-01"}) CHECK(is_date(date));
+  for (const char* none : {"", "soon", "31.01.2025", "2025-02-29", "2026-13-01", "2026-00-10", "2026-04-31",
+                           "2026-1-31", "2026-01-31T12:00:00Z", "2026/01/31", "202a-01-31", "2026-01-310"})
+    CHECK_FALSE(is_date(none));
+  CHECK(day_of("2026-03-01T00:00:00Z") == day_of("2026-03-01"));
+  CHECK_FALSE(day_of("2026-03-01 00:00"));
+  CHECK((*day_of("2024-03-01") - *day_of("2024-02-28")).count() == 2);
+}
+
+TEST_CASE("the run's stored values take precedence, and a laboratory file fills the gaps") {
+  const std::vector<InstrumentNote> notes = {
+      {"OTHER", "C-9", "somebody", "2020-01-01", "2021-01-01", "of another instrument"},
+      {"P-22", "C-1", "PTB", "2025-01-31", "", "in its case"}};
+  const InstrumentCalibration both = calibration_of(reference_with(kStated), notes);
+  CHECK(both.certificate == "C-1");
+  CHECK(both.calibrated_by == "PTB");
+  CHECK(both.calibrated_on == "2025-01-31");
+  CHECK(both.due == "2026-01-31");
+  CHECK(both.uncertainty == "U 0.05 psi (k = 2)");
+  CHECK(both.note == "in its case");
+  CHECK(both.remarks.empty());
+
+  const InstrumentCalibration filled = calibration_of(reference_with(R"({"certificate":"","due":""})"), notes);
+  CHECK(filled.certificate == "C-1");
+  CHECK(filled.calibrated_on == "2025-01-31");
+  CHECK(filled.due.empty());
+  CHECK(filled.remarks.empty());
+  CHECK_FALSE(calibration_of(reference_with("{}")).traceable());
+  CHECK(calibration_of(reference_with(R"({"expanded_uncertainty_n":0.1})")).uncertainty == "U 0.1 N (k = 2)");
+  CHECK(
+      calibration_of(reference_with(R"({"correction":{"expanded_uncertainty_psi":[0.04,0.16],"coverage_factor":2.1}})"))
+          .uncertainty == "U at most 0.16 psi (k = 2.1), of its correction");
+}
+
+TEST_CASE("contradictions are named, and the run's certificate and the earlier due date count") {
+  const auto resolved = [](const std::string& certificate, const std::string& calibrated, const std::string& due) {
+    return calibration_of(reference_with(kStated),
+                          std::vector<InstrumentNote>{{"P-22", certificate, "PTB", calibrated, due, ""}});
+  };
+  const InstrumentCalibration other = resolved("PTB-30123-26", "2019-05-01", "2020-01-31");
+  CHECK(other.certificate == "C-1");
+  CHECK(other.calibrated_on == "2025-01-31");
+  CHECK(other.calibrated_by.empty());  // who made the other certificate did not make this one
+  CHECK(other.due == "2020-01-31");
+  REQUIRE(other.remarks.size() == 3);
+  CHECK_THAT(other.remarks[0], Catch::Contains("C-1") && Catch::Contains("PTB-30123-26") &&
+                                   Catch::Contains("contradiction") && Catch::Contains("that of the run counts"));
+  CHECK_THAT(other.remarks[2], Catch::Contains("2026-01-31") && Catch::Contains("the earlier one counts"));
+  const InstrumentCalibration later = resolved("C-1", "", "2030-01-31");
+  CHECK(later.due == "2026-01-31");
+  CHECK(later.remarks.size() == 1);
+  CHECK(resolved("C-1", "2025-01-31", "2026-01-31").remarks.empty());
+}
+
+TEST_CASE("invalid dates and FILL-IN values count as not stated, and are reported") {
+  const InstrumentCalibration odd =
+      calibration_of(reference_with(R"({"certificate":"FILL-IN","calibrated":"last spring","due":"31.01.2025"})"),
+                     std::vector<InstrumentNote>{{"P-22", "FILL-IN", "", "", "", ""}});
+  CHECK(odd.certificate.empty());
+  CHECK(odd.calibrated_on.empty());
+  CHECK(odd.due.empty());
+  CHECK(odd.remarks == std::vector<std::string>{"certificate: the bench file is not filled in",
+                                                "calibrated: not a date: last spring", "due: not a date: 31.01.2025",
+                                                "certificate: the laboratory file is not filled in"});
+  CHECK(due_state(odd, "2026-05-06T07:08:09Z") == DueState::kNotStated);
+  db::DeviceRecord unnamed = reference_with("{}");
+  unnamed.serial = "FILL-IN";
+  CHECK(calibration_of(unnamed).serial.empty());
+  for (const char* broken : {"", "[]", "{", "7", R"({"certificate":7,"due":[]})"})
+    CHECK_FALSE(calibration_of(reference_with(broken)).traceable());
+  CHECK(without_placeholders(R"({"a":1,"certificate":"FILL-IN"})") == R"({"a":1})");
+  CHECK(without_placeholders(kStated) == kStated);
+}
+
+TEST_CASE("the last day of validity is in date, the next one is overdue") {
+  const InstrumentCalibration calibration = dated("", "2026-01-31");
+  CHECK(due_state(calibration, "2026-01-31T23:59:59Z") == DueState::kInDate);
+  CHECK(due_state(calibration, "2026-02-01") == DueState::kOverdue);
+  CHECK(due_state(calibration, "") == DueState::kInDate);
+  CHECK(due_state(dated("2025-01-31", ""), "2030-01-01") == DueState::kNotStated);
+}
+
+TEST_CASE("a stated limit of drift grows with the time since the calibration, and is never less than stated") {
+  // 2024-01-01 to 2025-12-31: 730 days. Twice that, and a day after the due date.
+  CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "2025-12-31") == 1.0);
+  CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "2024-06-01") == 1.0);
+  CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "2026-01-01") == Approx(731.0 / 730.0));
+  CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "2027-12-31") == Approx(1460.0 / 730.0));
+  // One of the dates alone: a year.
+  CHECK(drift_growth(dated("", "2026-01-01"), "2027-01-01") == Approx((365.25 + 365.0) / 365.25));
+  CHECK(drift_growth(dated("2024-01-01", ""), "2024-12-01") == 1.0);
+  CHECK(drift_growth(dated("2024-01-01", ""), "2026-01-01") == Approx(731.0 / 365.25));
+  CHECK(drift_growth(dated("", ""), "2026-01-01") == 1.0);
+  CHECK(drift_growth(dated("2026-01-01", "2025-01-01"), "2026-06-01") > 1.0);  // dates the wrong way round
+  CHECK(drift_growth(dated("2024-01-01", "2025-12-31"), "") == 1.0);
+}
+
+TEST_CASE("the reference's drift follows the same dates, and names the rule") {
+  using namespace uncertainty_example;
+  const auto reference = [](const std::string& due, const std::string& more = {}) {
+    return reference_uncertainty(record_with_reference(kWithCertificate + more, due));  // run of 2026-05-06
+  };
+  const ReferenceUncertainty in_date = reference("2027-01-31");
+  CHECK_FALSE(in_date.overdue);
+  CHECK(in_date.drift_psi == 0.05);
+  CHECK_THAT(in_date.drift_basis, Catch::Contains("until the due date, 2027-01-31"));
+  const ReferenceUncertainty none = reference("");
+  CHECK_FALSE(none.overdue);
+  CHECK(none.drift_psi == 0.05);
+  CHECK_THAT(none.drift_basis, Catch::Contains("due date not stated"));
+  CHECK_THAT(none.drift_basis, !Catch::Contains("until the due date"));
+  const ReferenceUncertainty overdue = reference("2025-05-06", R"(,"calibrated":"2024-05-06")");
+  CHECK(overdue.overdue);
+  CHECK(overdue.drift_missing.empty());
+  CHECK(overdue.drift_psi == Approx(0.05 * 730.0 / 365.0));
+  CHECK(overdue.drift_stated_psi == 0.05);
+  CHECK_THAT(overdue.drift_basis,
+             Catch::Contains("2024-05-06 to 2025-05-06") && Catch::Contains("overdue since 2025-05-06"));
+  CHECK_FALSE(reference("soon").overdue);
+  CHECK(reference("soon").drift_psi == 0.05);
+  // A laboratory file brings the due date that the run does not state.
+  const ReferenceUncertainty noted = reference_uncertainty(
+      record_with_reference(kWithCertificate, ""), std::vector<InstrumentNote>{{"2", "", "", "", "2020-01-31", ""}});
+  CHECK(noted.overdue);
+  CHECK(noted.drift_psi > 0.3);
+  const ReferenceUncertainty earlier = by_earlier_rules(noted);
+  CHECK_FALSE(earlier.overdue);
+  CHECK_FALSE(earlier.drift_missing.empty());
+}
+
+TEST_CASE("what rests on an overdue reference is inconclusive, what does not is judged") {
+  std::vector<db::VerdictRecord> verdicts;
+  for (const char* criterion : {"mean_compensation_error", "worst_taxel_error", "distance_of_mean", "unfit_taxels"}) {
+    db::VerdictRecord verdict;
+    verdict.run = 2;
+    verdict.criterion = criterion;
+    verdict.verdict = criterion[0] == 'w' ? "fail" : "pass";
+    verdicts.push_back(verdict);
+  }
+  const auto words = [](const std::vector<db::VerdictRecord>& of) {
+    std::vector<std::string> out;
+    for (const db::VerdictRecord& verdict : of) out.push_back(verdict.verdict);
+    return out;
+  };
+  const std::vector<std::string> judged = words(verdicts);
+  ReferenceUncertainty reference;
+  withhold_overdue(verdicts, 2, reference);
+  CHECK(words(verdicts) == judged);
+  reference.overdue = true;
+  withhold_overdue(verdicts, 1, reference);  // of another run
+  CHECK(words(verdicts) == judged);
+  withhold_overdue(verdicts, 2, reference);
+  CHECK(words(verdicts) == std::vector<std::string>{"inconclusive", "inconclusive", "pass", "pass"});
+  for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "report only";
+  withhold_overdue(verdicts, 2, reference);
+  CHECK(words(verdicts) == std::vector<std::string>(4, "report only"));
+}
+
+TEST_CASE("the scanner is the one that answered, else the one registered then, else now") {
+  db::RunRecord run;
+  const db::SensorRecord sensor{"S-1", "", "", "", "NOW", "", ""};
+  CHECK(scanner_serial_of(run).empty());
+  CHECK(scanner_serial_of(run, sensor) == "NOW");
+  run.scanner_serial = "THEN";
+  CHECK(scanner_serial_of(run, sensor) == "THEN");
+  run.devices = {{"tactile scanner", "T", "ANSWERED", "", "simulated", "{}"}};
+  CHECK(scanner_serial_of(run, sensor) == "ANSWERED");
+}

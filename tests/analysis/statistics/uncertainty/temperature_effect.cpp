@@ -1,0 +1,167 @@
+// Temperature in the budget: coefficients by hand from runs made by formula, and what keeps them from being assessed.
+#include "analysis/statistics/uncertainty/temperature_effect.h"
+
+#include <catch2/catch.hpp>
+
+#include "analysis/compensate/compensator.h"
+#include "analysis/error.h"
+#include "tests/analysis/support/effect_runs.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+using namespace effect_runs;
+
+namespace {
+
+constexpr double kStepC = 0.1;
+
+TemperatureEffect effect_of(const Example& example, const std::vector<Dataset>& others, double own_share = 0.0) {
+  return temperature_effect_of(at_temperature(example, 23.0, 0.0, 0.0, own_share), others, example.fit, kStepC);
+}
+
+}  // namespace
+
+TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, two taxels, two repeats, 5 K") {
+  // 0.5 V at 0 psi, 0.1 V a psi. At 28 degC the taxels' zeros are 0.4 and 0.2 V higher, their gains 3 and 1 % (2 and 0
+  // % and 4 and 2 % in the two repeats; the zeros 20 mV less and more).
+  const auto loops = [](double celsius, double warm) {
+    SequenceData sequence{"loop", {}};
+    for (const double r : {-1.0, 1.0}) {
+      Repeat repeat;
+      for (const double psi : {0.0, 10.0, 20.0, 30.0, 40.0, 30.0, 20.0, 10.0, 0.0}) {
+        repeat.steps.push_back({psi, psi});
+        for (const auto& [zero, share] : {std::pair{0.4, 0.03}, std::pair{0.2, 0.01}})
+          repeat.volts.push_back(0.5 + 0.1 * psi + warm * (zero + 0.02 * r + (share + 0.01 * r) * 0.1 * psi));
+      }
+      sequence.repeats.push_back(repeat);
+    }
+    Dataset dataset;
+    dataset.rows = 1;
+    dataset.columns = 2;
+    dataset.temperatures_c = {celsius - 0.1, celsius + 0.1};
+    dataset.sequences = {sequence};
+    return dataset;
+  };
+  SensorModel fit;
+  fit.rows = 1;
+  fit.columns = 2;
+  fit.taxels.resize(2);
+  for (ModelTaxel& taxel : fit.taxels) taxel.status = TaxelStatus::kFitted;
+  const TemperatureEffect effect =
+      temperature_effect_of(loops(23.0, 0.0), std::vector<Dataset>{loops(28.0, 1.0)}, fit, kStepC);
+  REQUIRE(effect.assessed());
+  REQUIRE(effect.change.size() == 2);
+  CHECK(effect.temperature_c[0] == Approx(23.0));
+  CHECK(effect.temperature_c[1] == Approx(28.0));
+  CHECK(effect.change[0].share == Approx(0.0).margin(1e-12));
+  CHECK(effect.change[0].zero_v == Approx(0.0).margin(1e-12));
+  CHECK(effect.change[1].share == Approx(0.02));
+  CHECK(effect.change[1].zero_v == Approx(0.3));
+  CHECK(effect.per_kelvin.share == Approx(0.004));
+  CHECK(effect.per_kelvin.zero_v == Approx(0.06));
+  // The taxels' own slopes: 0.6 and 0.2 % a kelvin, 80 and 40 mV a kelvin.
+  CHECK(effect.deviation.share == Approx(0.004 / std::sqrt(2.0)));
+  CHECK(effect.deviation.zero_v == Approx(0.04 / std::sqrt(2.0)));
+  // Squares within the repeats 2 x 0.01^2 with two degrees of freedom: s = 1 %, of the difference of two means of two
+  // again 1 %, over 5 K. Alike for 20 mV.
+  CHECK(effect.from_repeats);
+  CHECK(effect.dof == 2.0);
+  CHECK(effect.u.share == Approx(0.01 / 5));
+  CHECK(effect.u.zero_v == Approx(0.02 / 5));
+  CHECK(effect.low_c == Approx(22.9));
+  CHECK(effect.high_c == Approx(23.1));
+  CHECK(effect.resolution_c == kStepC);
+  CHECK(effect.half_width_c() == Approx(0.15));
+  // 2 V over the zero: 60 + 8 mV a kelvin, beside 4 and 4 mV of u and 28.3 and 5.66 mV between taxels.
+  CHECK(effect.width_v(2.0) == Approx(0.15 * 1e-3 * std::sqrt(68.0 * 68.0 + 16.0 + 16.0 + 800.0 + 32.0)));
+}
+
+TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the kelvins between two runs") {
+  const Example example(0.0);
+  constexpr double kRepeat = 0.004;
+  // Repeats at 0, +r and -r: standard deviation r about their mean, in both runs; r sqrt(1/3 + 1/3) / 5 K. What the
+  // synthetic repeats differ by anyway (their pressures) is found without r.
+  const double before = effect_of(example, {at_temperature(example, 28.0, -0.01, 0.0)}).u.share;
+  const TemperatureEffect effect = effect_of(example, {at_temperature(example, 28.0, -0.01, 0.0, kRepeat)}, kRepeat);
+  CHECK(before < 2e-5);
+  CHECK(effect.u.share == Approx(kRepeat * std::sqrt(2.0 / 3.0) / 5.0).epsilon(0.05));
+  CHECK(effect.per_kelvin.share == Approx(-0.002).epsilon(0.01));
+
+  // Three runs off a line by e, -2 e, e: residual standard deviation sqrt(6) e with one degree of freedom, over the
+  // root of the temperatures' squares about their mean.
+  constexpr double kOff = 0.003;
+  const TemperatureEffect bent = effect_of(
+      example, {at_temperature(example, 28.0, -0.01 - 3.0 * kOff, 0.0), at_temperature(example, 33.0, -0.02, 0.0)});
+  CHECK_FALSE(bent.from_repeats);
+  CHECK(bent.dof == 1.0);
+  CHECK(bent.per_kelvin.share == Approx(-0.002).epsilon(0.01));
+  CHECK(bent.u.share == Approx(std::sqrt(6.0) * kOff / std::sqrt(50.0)).epsilon(0.02));
+  CHECK_THAT(bent.in_words(), Catch::Contains("scatter of the runs about the line"));
+}
+
+TEST_CASE("temperature is not assessed from other sensors, one temperature, no readings, or single repeats") {
+  const Example example;
+  Dataset other = at_temperature(example, 28.0, -0.01, 0.0);
+  other.sensor_serial = "S2";
+  CHECK_THROWS_AS(effect_of(example, {other}), AnalysisError);
+
+  CHECK_THAT(effect_of(example, {}).not_assessed, Catch::Contains("another temperature"));
+  CHECK_THAT(effect_of(example, {at_temperature(example, 24.9, -0.01, 0.0)}).not_assessed,
+             Catch::Contains("at one temperature: 23.0 to 24.9"));
+  CHECK(effect_of(example, {at_temperature(example, 25.0, -0.01, 0.0)}).assessed());
+  Dataset silent = at_temperature(example, 28.0, -0.01, 0.0);
+  silent.temperatures_c.clear();
+  CHECK_THAT(effect_of(example, {silent}).not_assessed, Catch::Contains("have no temperature readings"));
+  CHECK(effect_of(example, {silent}).in_words().empty());
+  CHECK_FALSE(at_another_temperature(example.dataset.temperatures_c, silent.temperatures_c));
+  const Dataset warm = at_temperature(example, 28.0, -0.01, 0.0);
+  CHECK_THAT(temperature_effect_of(example.dataset, std::vector<Dataset>{warm}, example.fit, kStepC).not_assessed,
+             Catch::Contains("the run has no temperature readings"));
+
+  Dataset calibration = at_temperature(example, 23.0, 0.0, 0.0), single = warm;
+  for (Dataset* run : {&calibration, &single})
+    for (SequenceData& data : run->sequences) data.repeats.resize(1);
+  CHECK_THAT(temperature_effect_of(calibration, std::vector<Dataset>{single}, example.fit, kStepC).not_assessed,
+             Catch::Contains("one repeat each"));
+  // A run that holds its levels is no loop to compare with.
+  Dataset held = hold_run(example, {});
+  held.temperatures_c = {28.0};
+  CHECK_THAT(effect_of(example, {held}).not_assessed, Catch::Contains("five levels"));
+}
+
+TEST_CASE("temperature enters the budget as volts of a rectangle, along the whole loop") {
+  const Example example;
+  Dataset calibration = at_temperature(example, 23.0, 0.0, 0.0);
+  calibration.temperatures_c = {21.0, 25.0};
+  UncertaintyInputs inputs;
+  inputs.temperature = temperature_effect_of(
+      calibration, std::vector<Dataset>{at_temperature(example, 28.0, -0.01, 0.0)}, example.fit, kStepC);
+  REQUIRE(inputs.temperature.assessed());
+  const Uncertainty with = assess_uncertainty(calibration, example.fit, record_with_reference(""), inputs);
+  CHECK_THAT(with.from[static_cast<std::size_t>(UncertaintySource::kTemperature)], Catch::Contains("°C"));
+  for (const bool up : {true, false}) {
+    const Budget& budget = with.level(40.0, up)->worst;
+    const Contribution* row = row_of(budget, UncertaintySource::kTemperature);
+    REQUIRE(row != nullptr);
+    const auto taxel = static_cast<std::size_t>(budget.taxel);
+    const ElamModel& model = *elam_of(example.fit.taxels[taxel]);
+    const ElamCurve rising(model, true, model.x0(), model.y0()), falling(model, false, model.xu(), model.yu());
+    const double v = (up ? rising : falling).output(40.0);
+    CHECK(row->width == Approx(inputs.temperature.width_v(v - model.y0())));
+    CHECK(row->divisor == Approx(std::sqrt(3.0)));
+    CHECK(row->u_psi == Approx(row->width / std::sqrt(3.0) * std::abs(row->sensitivity)));
+    // What the compensator makes of a loop that is warm or cold throughout.
+    const auto read = [&](double sign) {
+      TaxelCompensator compensator(model, {});
+      double estimate = 0.0;
+      const auto step_at = [&](const ElamCurve& curve, int level) {
+        const double clean = curve.output(level);
+        estimate = compensator.step(clean + sign * inputs.temperature.width_v(clean - model.y0())).pressure_psi;
+      };
+      for (int level = 2; level <= (up ? 40 : 60); level += 2) step_at(rising, level);
+      for (int level = 58; level >= 40 && !up; level -= 2) step_at(falling, level);
+      return estimate;
+    };
+    CHECK(row->sensitivity * row->width == Approx(0.5 * (read(1.0) - read(-1.0))).epsilon(0.05));
+  }
+}

@@ -1,0 +1,112 @@
+// A film of the dynamic Preisach model's class, simulated by other means than the model's own: relays along a staircase
+// (PreisachModel's state), creep and lag by small steps, a divider, noise.
+#pragma once
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "analysis/compensate/dynamic_compensator.h"
+#include "tests/analysis/support/models.h"
+
+namespace synthetic {
+
+// One taxel's model in volts before the divider; full output about 6 V there.
+inline PreisachModel film_of(unsigned seed, std::size_t n) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      const double apart = static_cast<double>(i - j) / static_cast<double>(n);
+      weights.push_back((0.2 + uniform(random)) * std::exp(-8.0 * apart));
+      sum += weights.back();
+    }
+  for (double& weight : weights) weight *= 6.0 / sum;
+  return {0.0, 60.0, 0.0, weights};
+}
+
+inline std::vector<double> everett_table(const PreisachModel& model, std::size_t n) {
+  std::vector<double> table;
+  for (std::size_t i = 0; i <= n; ++i)
+    for (std::size_t j = 0; j <= i; ++j)
+      table.push_back(model.everett(60.0 * static_cast<double>(i) / static_cast<double>(n),
+                                    60.0 * static_cast<double>(j) / static_cast<double>(n)));
+  return table;
+}
+
+class DynamicPlant {
+ public:
+  DynamicPlant(const PreisachModel& film, const Dynamics& dynamics, const DynamicTaxel& taxel, int steps = 500)
+      : film_(film.state()), d_(dynamics), taxel_(taxel), steps_(steps) {}
+  // The pressure jumps to `psi` and is held for `seconds`; the output then.
+  double step(double psi, double seconds) {
+    for (int i = 0; i < steps_; ++i) {
+      const double dt = seconds / steps_;
+      late_ += (psi - late_) * -std::expm1(-dt / d_.lag_s);
+      for (std::size_t j = 0; j < kCreepElements; ++j)
+        psi_[j] += (psi / (psi + d_.creep_half) - psi_[j]) * -std::expm1(-dt / d_.creep_s[j]);
+    }
+    const double arrived = (1.0 - taxel_.lag_share) * psi + taxel_.lag_share * late_;
+    film_->go(arrived);
+    double factor = 1.0;
+    for (std::size_t j = 0; j < kCreepElements; ++j) factor += taxel_.creep_scale * d_.creep_share[j] * (psi_[j] - 1.0);
+    const double u = film_->output_at(arrived), v = u / (1.0 + taxel_.divider.per_amplitude * u);
+    return taxel_.divider.zero + v * factor;
+  }
+
+ private:
+  std::unique_ptr<ModelState> film_;
+  Dynamics d_;
+  DynamicTaxel taxel_;
+  int steps_;
+  double late_ = 0.0;
+  std::array<double, kCreepElements> psi_ = {};
+};
+
+struct DynamicArray {
+  DynamicSetup setup;
+  std::vector<PreisachModel> films;
+};
+
+inline DynamicArray dynamic_array(std::size_t taxels, double noise_v, std::size_t intervals = 20) {
+  DynamicArray array;
+  DynamicSetup& setup = array.setup;
+  setup.x_low = 0.0;
+  setup.x_high = 60.0;
+  setup.intervals = intervals;
+  setup.volts_per_count = 5.0 / 65536.0;
+  setup.dynamics.creep_share = {0.015, 0.012, 0.01};
+  setup.dynamics.creep_half = 6.0;
+  setup.dynamics.lag_share = 0.07;
+  setup.start_unknown = false;
+  for (std::size_t t = 0; t < taxels; ++t) {
+    array.films.push_back(film_of(static_cast<unsigned>(t) + 1, intervals));
+    DynamicTaxel taxel;
+    taxel.usable = true;
+    taxel.divider = {0.02, 1.0 / (4.0 + 0.05 * static_cast<double>(t % 8))};
+    taxel.everett = everett_table(array.films.back(), intervals);
+    taxel.creep_scale = 0.8 + 0.05 * static_cast<double>(t % 9);
+    taxel.lag_share = 0.05 + 0.005 * static_cast<double>(t % 5);
+    taxel.noise_v = noise_v;
+    setup.taxels.push_back(std::move(taxel));
+  }
+  return array;
+}
+
+// From rest at 0 to random turning points, `step` at most between samples.
+inline std::vector<double> random_way(std::size_t samples, double step, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> level(0.0, 60.0);
+  std::vector<double> way{0.0};
+  double target = 60.0;
+  while (way.size() < samples) {
+    const double now = way.back();
+    if (now == target) target = level(random);
+    way.push_back(std::abs(target - now) <= step ? target : now + std::copysign(step, target - now));
+  }
+  return way;
+}
+
+}  // namespace synthetic

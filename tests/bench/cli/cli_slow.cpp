@@ -1,0 +1,243 @@
+// The program as a person uses it: words, exit codes, files.
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+const char* const kSmall =
+    "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 30, 0]\nstep = 10\nrepeats = 2\n"
+    "dwell_s = 1.0\n";
+
+void prepare(const TemporaryFolder& folder) {
+  REQUIRE(call(folder, {"init"}).code == 0);
+  write_file(folder.path("small.toml"), kSmall);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+}
+
+std::vector<std::string> small_run(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words = {"run", "small.toml", "--bench", "bench.toml", "--sensor",
+                                    "S-1", "--operator", "tester",  "-q"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+// The lines of an error, its exit code and identifier. `devices`: of a verb that could have touched some.
+void check_error(const Finished& finished, int code, const std::string& id, bool devices = false) {
+  INFO(finished.err);
+  CHECK(finished.code == code);
+  CHECK_THAT(finished.err, Catch::Contains("error: ") && Catch::Contains("[" + id + "]"));
+  CHECK_THAT(finished.err, Catch::Contains("\n  try: "));
+  CHECK((finished.err.find("\n  state: ") != std::string::npos) == devices);
+  CHECK(finished.err.find('\x1b') == std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("from init to a report by hand") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  const Finished run = call(folder, small_run());
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  CHECK_THAT(run.out, Catch::Contains("run 1: completed, 54 frames") && Catch::Contains("vented, verified"));
+  const Finished held_out = call(folder, small_run({"--seed", "2", "--json"}));
+  REQUIRE(held_out.code == 0);
+  CHECK(json::parse(held_out.out)["run"] == 2);
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--json"});
+  INFO(fit.err);
+  REQUIRE(fit.code == 0);
+  const json fitted = json::parse(fit.out);
+  CHECK(fitted["schema"] == "tactbench.fit");
+  CHECK(fitted["fitted_taxels"] == 256);
+  CHECK(fitted["evaluations"].size() == 2);
+  CHECK(fitted["origin"] == "simulated");
+  const Finished report = call(folder, {"report", "1", "--held-out", "2"});
+  REQUIRE(report.code == 0);
+  CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
+  const Finished list = call(folder, {"runs", "list"});
+  CHECK_THAT(list.out, Catch::Contains("completed"));
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].size() == 2);
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("tester"));
+  CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["safe_state"] == "verified");
+  CHECK_THAT(call(folder, {"sensors", "list"}).out, Catch::Contains("S-1"));
+  CHECK(json::parse(call(folder, {"sensors", "show", "S-1", "--json"}).out)["runs"] == json::array({1, 2}));
+}
+
+TEST_CASE("limits decide the exit code") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  REQUIRE(call(folder, small_run()).code == 0);
+  REQUIRE(call(folder, small_run({"--seed", "2"})).code == 0);
+  write_file(folder.path("hard.toml"),
+             "schema = 1\nname = \"hard\"\nrule = \"simple\"\nmean_compensation_error_psi = 0.000001\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "hard.toml"});
+  CHECK(fit.code == 1);
+  CHECK_THAT(fit.out, Catch::Contains("simulated fail") && Catch::Contains("simulated pass"));
+  CHECK_THAT(call(folder, {"runs", "list"}).out, Catch::Contains("simulated fail"));
+  CHECK(call(folder, {"report", "1"}).code == 1);
+}
+
+TEST_CASE("plan is the real compiler: 211, 451, 3310") {
+  const TemporaryFolder folder;
+  const Finished plan = call(folder, {"plan", "descending", "ascending", "--json"});
+  REQUIRE(plan.code == 0);
+  CHECK(json::parse(plan.out)["frames"] == 3310);
+  CHECK(json::parse(call(folder, {"plan", "descending", "--set", "recipe.repeats=1", "--json"}).out)["frames"] == 211);
+  check_error(call(folder, {"plan", "descending", "--set", "limits.command_psi=59"}), 2, "TB-RECIPE-LIMIT");
+}
+
+TEST_CASE("usage and configuration errors end with 2 and touch nothing") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  check_error(call(folder, {"reprot", "1"}), 2, "TB-USAGE");
+  CHECK_THAT(call(folder, {"reprot"}).err, Catch::Contains("did you mean 'report'?"));
+  check_error(call(folder, {"run", "small.toml"}), 2, "TB-USAGE", true);
+  check_error(call(folder, small_run({"--set", "limits.comand_psi=50"})), 2, "TB-FILE-KEY", true);
+  check_error(call(folder, small_run({"--set", "nonsense"})), 2, "TB-USAGE", true);
+  check_error(call(folder, small_run({"--set", "limits.command_psi=\"60 psi\""})), 2, "TB-FILE-VALUE", true);
+  std::vector<std::string> by_nobody = small_run();
+  *std::find(by_nobody.begin(), by_nobody.end(), "tester") = " ";
+  const Finished nobody = call(folder, by_nobody);
+  check_error(nobody, 2, "TB-USAGE", true);
+  CHECK_THAT(nobody.err, Catch::Contains("--operator is empty"));
+  check_error(call(folder, {"devices", "reset", "--bench", "bench.toml", "--operator", ""}), 2, "TB-USAGE", true);
+  check_error(call(folder, {"plan", "no-such-recipe"}), 2, "TB-FILE-MISSING");
+  write_file(folder.path("wrong.toml"), std::string(kSmall) + "dwel_s = 1\n");
+  const Finished wrong = call(folder, {"plan", "wrong.toml"});
+  check_error(wrong, 2, "TB-FILE-KEY");
+  CHECK_THAT(wrong.err, Catch::Contains("wrong.toml:8:1") && Catch::Contains("did you mean 'dwell_s'?"));
+  check_error(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-9", "--operator", "t"}), 2,
+              "TB-SENSOR-UNKNOWN", true);
+  check_error(call(folder, {"fit", "7"}), 2, "TB-STORE-NOT-FOUND");
+  check_error(call(folder, {"init"}), 2, "TB-FILE-EXISTS");
+  CHECK(json::parse(call(folder, {"fit", "7", "--json"}).out)["exit_code"] == 2);
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].empty());
+}
+
+TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  const Finished scanner = call(folder, small_run({"--set", "simulation.wire_faults.scanner_silent_after_scans=12",
+                                                   "--set", "scanner.frame_timeout_ms=100"}));
+  check_error(scanner, 3, "TB-SCANNER-TIMEOUT", true);
+  CHECK_THAT(scanner.err, Catch::Contains("vented, verified") && Catch::Contains("run 1 kept with 4 frames"));
+  const Finished module = call(folder, small_run({"--set", "simulation.wire_faults.module_dead_after_requests=100",
+                                                  "--set", "module.response_timeout_ms=100"}));
+  CHECK(module.code == 7);
+  CHECK_THAT(module.err, Catch::Contains("vent NOT verified"));
+  const json runs = json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"];
+  REQUIRE(runs.size() == 2);
+  CHECK(runs[0]["outcome"] == "failed");
+  CHECK(runs[0]["frames"] == 4);
+  CHECK(runs[1]["safe_state"] == "unverified");
+  check_error(call(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
+}
+
+TEST_CASE("a store of a newer schema, a foreign file and a missing store are refused with 5") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(db, "PRAGMA user_version = 9999", nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(db);
+  check_error(call(folder, small_run()), 5, "TB-STORE-NEWER", true);
+  check_error(call(folder, {"runs", "list"}), 5, "TB-STORE-NEWER");
+  write_file(folder.path("text.db"), std::string(5000, 'x'));
+  check_error(call(folder, {"runs", "list", "--db", "text.db"}), 5, "TB-STORE-OPEN");
+  check_error(call(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+}
+
+TEST_CASE("fit names each taxel that it leaves out, and why") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  REQUIRE(call(folder, {"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q",
+                        "--set", "recipe.repeats=1", "--set",
+                        "simulation.defect=[{kind=\"dead\",row=2,column=5},{kind=\"saturated\",row=13,column=1}]"})
+              .code == 0);
+  const Finished fitted = call(folder, {"fit", "1"});
+  CHECK(fitted.code == 0);
+  CHECK_THAT(fitted.out,
+             Catch::Contains("254 of 256 taxels fitted") &&
+                 Catch::Contains("left out: row 2, column 5 (dead)\nleft out: row 13, column 1 (saturated)\n"));
+  const json told = json::parse(call(folder, {"fit", "1", "--json"}).out)["left_out"];
+  REQUIRE(told.size() == 2);
+  CHECK(told[0] == json{{"taxel", 37}, {"row", 2}, {"column", 5}, {"status", "dead"}});
+}
+
+TEST_CASE("demo: the paper's characterization, and models that hold on runs they never saw") {
+  const TemporaryFolder folder;
+  const Finished wrong = call(folder, {"demo", "--specimen", "harch"});
+  CHECK(wrong.code == 2);
+  CHECK_THAT(wrong.err, Catch::Contains("did you mean \"harsh\"?"));
+  const Finished demo = call(folder, {"demo", "--json", "-q"});
+  INFO(demo.err);
+  REQUIRE(demo.code == 0);
+  const json result = json::parse(demo.out);
+  REQUIRE(result["evaluations"].size() == 5);
+  const json& own = result["evaluations"][0];
+  const json& held_out = result["evaluations"][1];
+  const json& reversals = result["evaluations"][2];
+  CHECK(own["frames"] == 3310);
+  CHECK(held_out["frames"] == 662);
+  CHECK(reversals["frames"] == 463);
+  CHECK(result["specimen"] == "paper");
+  CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["specimen"] == "paper");
+  // A trajectory that was not fitted costs more than the same one again; both tables and all models say so.
+  CHECK(reversals["mean_error_psi"] > 1.5 * held_out["mean_error_psi"].get<double>());
+  for (const json& model : result["models"]) CHECK(model["scores"].size() == 2);
+  CHECK(own["hysteresis_max_fs"].get<double>() == Approx(0.253).margin(0.015));
+  CHECK(own["hysteresis_mean_fs"].get<double>() == Approx(0.100).margin(0.012));
+  CHECK(own["full_scale_v"].get<double>() == Approx(3.5).margin(0.05));
+  CHECK(held_out["raw_distance_fs"].get<double>() == Approx(0.10).margin(0.012));
+  CHECK(held_out["comp_distance_of_mean_fs"].get<double>() < 0.015);
+  CHECK(held_out["comp_distance_of_mean_fs"].get<double>() > 0.0);
+  // On the sensor as it was measured, and mounted anew, all pass; a month later and warmer it is out of its limits.
+  for (const json& verdict : result["verdicts"])
+    if (verdict["run"] != 5) CHECK(verdict["shown"] == "simulated pass");
+  CHECK(result["judgement"]["runs"].size() == 4);
+  CHECK(result["judgement"]["overall"] == "fail");
+  CHECK(result["judgement"]["decided_by"] == json::array({5}));
+  CHECK_THAT(result["on_purpose"].get<std::string>(),
+             Catch::StartsWith("run 5 fails on purpose") && Catch::Contains("exit code 0"));
+  const std::string page = read_file(folder.path("reports/run-1.html"));
+  CHECK(page.size() > 150000);
+  CHECK(page.size() < 2000000);
+  CHECK_THAT(page, Catch::Contains("random reversals") && Catch::Contains("re-mounted") && Catch::Contains("+5 °C") &&
+                       Catch::Contains("simulated fail</span>, decided by one month later, +5 °C."));
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
+  const auto integer = [&](const char* sql) {
+    sqlite3_stmt* statement = nullptr;
+    REQUIRE(sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) == SQLITE_OK);
+    REQUIRE(sqlite3_step(statement) == SQLITE_ROW);
+    const int value = sqlite3_column_int(statement, 0);
+    sqlite3_finalize(statement);
+    return value;
+  };
+  CHECK(integer("SELECT count(*) FROM v_frames WHERE run = 1") == 3310);
+  CHECK(integer("SELECT max(exchanges) FROM frames") <= 20);
+  CHECK(integer("SELECT count(*) FROM fit_taxels WHERE taxel >= 0 AND status = 'fitted'") == 256);
+  sqlite3_close(db);
+}
+
+TEST_CASE("help, version and a call without arguments") {
+  const TemporaryFolder folder;
+  CHECK_THAT(call(folder, {"--help"}).out, Catch::Contains("Exit codes") && Catch::Contains("demo"));
+  CHECK(call(folder, {"--help"}).code == 0);
+  CHECK_THAT(call(folder, {"--version"}).out, Catch::Contains("tactbench 0.1.0"));
+  CHECK(call(folder, {}).code == 2);
+  for (const char* verb : {"demo", "init", "plan", "run", "fit", "report", "runs", "sensors"}) {
+    CHECK(call(folder, {verb, "--help"}).code == 0);
+  }
+}

@@ -1,0 +1,175 @@
+// Models on any table, as a person uses them: words, exit codes, files.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/bench/cli/play_table.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// Sequences "full" (two cycles) and "inner".
+std::string table(const std::string& head = "sequence,step,input,output", double sign = 1.0) {
+  std::string text = head + "\n";
+  const auto add = [&](const std::string& name, const std::vector<double>& turns) {
+    for (const PlaySample& sample : play_samples(turns))
+      text += name + "," + std::to_string(sample.step) + "," + std::to_string(sample.input) + "," +
+              std::to_string(sign * sample.output) + "\n";
+  };
+  add("full", {0, 10, 0, 10, 5, 10, 0});
+  add("inner", {0, 8, 2, 6, 3, 10, 0});
+  return text;
+}
+
+std::vector<std::vector<std::string>> rows_of(const std::string& text) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    auto& row = rows.emplace_back();
+    std::istringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) row.push_back(field);
+  }
+  return rows;
+}
+
+void check_error(const Finished& finished, int code, const std::string& id) {
+  INFO(finished.err);
+  CHECK(finished.code == code);
+  CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
+}
+
+}  // namespace
+
+TEST_CASE("all models are fitted on one sequence of a table and scored on the other") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), table());
+  const Finished fit = call(folder, {"fit", "t.csv", "--model", "all", "--fit", "full", "--json"});
+  INFO(fit.err);
+  REQUIRE(fit.code == 0);
+  const json document = json::parse(fit.out);
+  REQUIRE(document["models"].size() == 6);
+  CHECK(document["origin"] == "imported");
+  double monotone = 0.0, preisach = 0.0;
+  for (const json& model : document["models"]) {
+    const json& score = model["scores"][0];
+    CHECK(score["on"] == "inner of t.csv");
+    CHECK(score["all"]["direct"]["samples"] == 240);
+    CHECK(model["shown_taxel"]["parameters"].size() > 1);
+    (model["model"] == "monotone" ? monotone : preisach) = score["all"]["compensated"]["mean"];
+    if (model["model"] == "preisach") break;
+  }
+  const Finished words = call(folder, {"fit", "t.csv", "--fit", "full"});
+  CHECK_THAT(words.out, Catch::Contains("scored on inner of t.csv") && Catch::Contains("none (straight line)"));
+}
+
+TEST_CASE("a stored model predicts and compensates in a pipe, full precision in and out") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), table());
+  REQUIRE(call(folder, {"fit", "t.csv", "--model", "preisach", "-o", "m.json"}).code == 0);
+  const Finished predicted = call(folder, {"predict", "m.json", "t.csv"});
+  INFO(predicted.err);
+  REQUIRE(predicted.code == 0);
+  const auto rows = rows_of(predicted.out);
+  REQUIRE(rows.size() == 483);
+  CHECK(rows[0].back() == "predicted");
+  double worst = 0.0;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    worst = std::max(worst, std::abs(std::stod(rows[i][4]) - std::stod(rows[i][3])));
+  CHECK(worst < 0.6);
+  // What is predicted is compensated back to the very inputs.
+  REQUIRE(call(folder, {"predict", "m.json", "t.csv", "-o", "p.csv"}).code == 0);
+  CHECK(read_file(folder.path("p.csv")) == predicted.out);
+  const Finished back = call(folder, {"compensate", "m.json", "p.csv", "--map", "output=predicted"});
+  const auto inputs = rows_of(back.out);
+  REQUIRE(inputs.size() == 483);
+  int near = 0;
+  for (std::size_t i = 1; i < inputs.size(); ++i)
+    near += std::abs(std::stod(inputs[i][5]) - std::stod(inputs[i][2])) < 0.3 ? 1 : 0;
+  CHECK(near > 440);
+}
+
+TEST_CASE("an imported table is a run like any other, and its models are stored with it") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), table("sequence,step,force_N,signal_V"));
+  const std::vector<std::string> import = {"import",       "t.csv", "--map",         "input=force_N,output=signal_V",
+                                           "--input-unit", "N",     "--output-unit", "V"};
+  const Finished imported = call(folder, import);
+  INFO(imported.err);
+  REQUIRE(imported.code == 0);
+  CHECK_THAT(imported.out, Catch::Contains("run 1: 482 rows in 2 sequences"));
+  REQUIRE(call(folder, {"fit", "1", "--model", "poly,elam", "--fit", "full"}).code == 0);
+  const Finished show = call(folder, {"model", "show", "1:1"});
+  CHECK_THAT(show.out, Catch::Contains("poly of run 1 (imported)") && Catch::Contains("N to V"));
+  REQUIRE(call(folder, {"model", "export", "1:1", "-o", "poly.json"}).code == 0);
+  const Finished same = call(folder, {"model", "diff", "1:1", "poly.json"});
+  CHECK_THAT(same.out, Catch::Contains("the same, byte for byte"));
+  check_error(call(folder, {"model", "diff", "1:1", "1:2"}), 2, "TB-MODEL-DIFF");
+  const Finished runs = call(folder, {"runs", "show", "1"});
+  CHECK_THAT(runs.out, Catch::Contains("imported") && Catch::Contains("table: t.csv"));
+}
+
+TEST_CASE("a drifted model is distinguished from a good one, and an adjusted model corrects it") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), table());
+  std::string later = "sequence,step,input,output\n";
+  for (const auto& row : rows_of(table()))
+    if (row[0] != "sequence")
+      later += row[0] + "," + row[1] + "," + row[2] + "," + std::to_string(0.3 + 1.1 * std::stod(row[3])) + "\n";
+  write_file(folder.path("later.csv"), later);
+  REQUIRE(call(folder, {"fit", "t.csv", "--model", "preisach", "-o", "m.json"}).code == 0);
+  CHECK_THAT(call(folder, {"fit", "t.csv", "--check", "m.json"}).out, Catch::Contains(": good"));
+  CHECK_THAT(call(folder, {"fit", "later.csv", "--check", "m.json"}).out, Catch::Contains("gain adjustment enough"));
+  const Finished child =
+      call(folder, {"model", "adjust", "m.json", "later.csv", "--zero", "--gain", "-o", "child.json"});
+  INFO(child.err);
+  REQUIRE(child.code == 0);
+  CHECK_THAT(call(folder, {"fit", "later.csv", "--check", "child.json"}).out, Catch::Contains(": good"));
+  CHECK_THAT(call(folder, {"model", "show", "child.json"}).out, Catch::Contains("zero and gain by later.csv"));
+}
+
+TEST_CASE("a falling sensor is fitted and predicted with its own sign") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), table("sequence,step,input,output", -1.0));
+  REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
+  const auto rows = rows_of(call(folder, {"predict", "m.json", "t.csv"}).out);
+  REQUIRE(rows.size() == 483);
+  CHECK(std::stod(rows[40][4]) < -5.0);
+  CHECK(std::stod(rows[40][4]) == Approx(std::stod(rows[40][3])).margin(0.3));
+}
+
+TEST_CASE("bad tables and models are refused with fault, place and remedy") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), table());
+  write_file(folder.path("nan.csv"), "input,output\n1,2\n2,nan\n");
+  write_file(folder.path("ragged.csv"), "input,output\n1,2\n2\n");
+  write_file(folder.path("empty.csv"), "");
+  write_file(folder.path("constant.csv"), "input,output\n1,2\n1,3\n1,4\n1,5\n");
+  write_file(folder.path("up.csv"), "input,output\n0,0\n1,1\n2,2\n3,3\n4,4\n");
+  check_error(call(folder, {"fit", "nan.csv"}), 2, "TB-TABLE-ROW");
+  check_error(call(folder, {"fit", "ragged.csv"}), 2, "TB-TABLE-ROW");
+  check_error(call(folder, {"fit", "empty.csv"}), 2, "TB-TABLE-EMPTY");
+  check_error(call(folder, {"fit", "missing.csv"}), 2, "TB-TABLE-OPEN");
+  check_error(call(folder, {"fit", "constant.csv"}), 2, "TB-TABLE-CONSTANT");
+  check_error(call(folder, {"fit", "up.csv"}), 6, "TB-ANALYSIS-NO-LOOP");
+  check_error(call(folder, {"fit", "up.csv", "--model", "preisach"}), 6, "TB-ANALYSIS-MODEL");
+  CHECK(call(folder, {"fit", "up.csv", "--model", "monotone"}).code == 0);
+  check_error(call(folder, {"import", "nan.csv"}), 2, "TB-TABLE-ROW");
+  CHECK_FALSE(std::filesystem::exists(folder.path("runs.db")));
+  check_error(call(folder, {"fit", "t.csv", "--model", "duhem"}), 2, "TB-USAGE");
+  check_error(call(folder, {"fit", "t.csv", "--fit", "sideways"}), 2, "TB-MODEL-SEQUENCE");
+  check_error(call(folder, {"predict", "t.csv", "t.csv"}), 2, "TB-MODEL-DOCUMENT");
+  check_error(call(folder, {"predict", "none.json", "t.csv"}), 2, "TB-MODEL-OPEN");
+  check_error(call(folder, {"predict", "/dev/zero", "t.csv"}), 2, "TB-MODEL-OPEN");
+  check_error(call(folder, {"model", "show", "/proc/self/mem"}), 2, "TB-MODEL-DOCUMENT");  // says it is empty
+  check_error(call(folder, {"fit", "/dev/zero"}), 2, "TB-TABLE-OPEN");
+  REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
+  check_error(call(folder, {"predict", "m.json", "up.csv", "--map", "input=x"}), 2, "TB-TABLE-COLUMN");
+  check_error(call(folder, {"compensate", "m.json", "t.csv", "--taxel", "7"}), 2, "TB-MODEL-TAXEL");
+}

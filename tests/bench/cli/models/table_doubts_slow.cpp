@@ -1,0 +1,112 @@
+// Tables as people have them, from the command line: assumptions, omissions and doubts are reported; files stay tables.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/play_table.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+const std::vector<double> kManyTurns = {0, 10, 0, 10, 5, 10, 3, 10, 1, 10, 0, 8, 0, 6, 0, 4, 0};
+
+std::string play_rows(const std::vector<double>& turns, const std::string& separator = ",", bool comma = false) {
+  std::string text;
+  for (const PlaySample& sample : play_samples(turns)) {
+    std::string row = std::to_string(sample.input) + "|" + std::to_string(sample.output);
+    if (comma) std::ranges::replace(row, '.', ',');
+    text += row.replace(row.find('|'), 1, separator) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("a table with decimal commas and a line of units gives the plain table's fit, and keeps its format") {
+  const TemporaryFolder folder;
+  write_file(folder.path("plain.csv"), "input,output\n" + play_rows(kManyTurns));
+  write_file(folder.path("comma.csv"), "\"force, N\";\"signal, V\"\n[N];[V]\n" + play_rows(kManyTurns, ";", true));
+  const std::string map = "input=\"force, N\",output=\"signal, V\"";
+  const Finished plain = call(folder, {"fit", "plain.csv", "--model", "preisach", "--json"});
+  const Finished comma =
+      call(folder, {"fit", "comma.csv", "--map", map, "--model", "preisach", "--json", "-o", "m.json"});
+  INFO(comma.err);
+  REQUIRE((plain.code == 0 && comma.code == 0));
+  const json a = json::parse(plain.out), b = json::parse(comma.out);
+  CHECK(a["models"][0]["shown_taxel"]["j"] == b["models"][0]["shown_taxel"]["j"]);
+  CHECK((b["input_unit"] == "N" && b["output_unit"] == "V"));
+  CHECK((a["assumed"].empty() && b["assumed"].size() == 3));
+  CHECK((a["warnings"].empty() && plain.err.empty()));
+  CHECK_THAT(comma.err, Catch::Contains("comma.csv: columns are separated by semicolons\n") &&
+                            Catch::Contains("numbers have decimal commas (line 3: 0,000000)") &&
+                            Catch::Contains("line 2 holds units, not samples: input in N, output in V"));
+  const Finished predicted = call(folder, {"predict", "m.json", "comma.csv", "--map", map});
+  CHECK_THAT(predicted.out, Catch::StartsWith("\"force, N\";\"signal, V\";predicted\n[N];[V];V\n0,000000;0,000000;"));
+  write_file(folder.path("p.csv"), predicted.out);
+  CHECK(call(folder, {"compensate", "m.json", "p.csv", "--map", "output=predicted"}).code == 0);
+}
+
+TEST_CASE("bad rows end a fit with line and remedy, or are left out by --skip-bad-rows and recorded by import") {
+  const TemporaryFolder folder;
+  std::string text = "input,output\n" + play_rows(kManyTurns);
+  const std::size_t third = text.find('\n', text.find('\n') + 1) + 1;
+  text.insert(third, "0.3,\n");
+  write_file(folder.path("t.csv"), text);
+  const Finished refused = call(folder, {"fit", "t.csv"});
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Catch::Contains("t.csv:3: \"\" in column output is blank") &&
+                              Catch::Contains("[TB-TABLE-ROW]") && Catch::Contains("--skip-bad-rows"));
+  const Finished fitted = call(folder, {"fit", "t.csv", "--skip-bad-rows"});
+  CHECK(fitted.code == 0);
+  CHECK_THAT(fitted.err, Catch::Contains("left out: t.csv:3: \"\" in column output is blank") &&
+                             Catch::Contains("warning: t.csv: 1 row left out by --skip-bad-rows"));
+  const Finished imported = call(folder, {"import", "t.csv", "--skip-bad-rows", "--json"});
+  REQUIRE(imported.code == 0);
+  CHECK(json::parse(imported.out)["left_out"] == 1);
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("imported without 1 row that cannot be read"));
+  write_file(folder.path("none.csv"), "input,output\n1,2\n,\n,\n");
+  const Finished none = call(folder, {"fit", "none.csv", "--skip-bad-rows"});
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err, Catch::Contains("[TB-TABLE-SKIPPED]"));
+}
+
+TEST_CASE("a table without an external loop is fitted with the models that need none") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), "input,output\n" + play_rows({0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}));
+  const Finished all = call(folder, {"fit", "t.csv", "--model", "all", "--json"});
+  INFO(all.err);
+  REQUIRE(all.code == 0);
+  const json document = json::parse(all.out);
+  std::vector<std::string> fitted, left_out;
+  for (const json& model : document["models"]) fitted.push_back(model["model"]);
+  for (const json& model : document["models_left_out"]) left_out.push_back(model["model"]);
+  CHECK(fitted == std::vector<std::string>{"gpi", "mpi", "preisach", "monotone"});
+  CHECK(left_out == std::vector<std::string>{"elam", "poly"});
+  CHECK_THAT(all.err, Catch::Contains("warning: elam is left out") && Catch::Contains("no sweep falls"));
+  const Finished elam = call(folder, {"fit", "t.csv"});
+  CHECK(elam.code == 6);
+  CHECK_THAT(elam.err,
+             Catch::Contains("[TB-ANALYSIS-NO-LOOP]") && Catch::Contains("--model gpi,mpi,preisach,monotone"));
+}
+
+TEST_CASE("turns can be stated, in units of the input") {
+  const TemporaryFolder folder;
+  write_file(folder.path("t.csv"), "input,output\n" + play_rows(kManyTurns));
+  const auto branches = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"fit", "t.csv", "--model", "monotone"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(folder, words).out;
+  };
+  CHECK_THAT(branches({}), Catch::Contains("16 branches: the input turned where it went back by more than 0.01;"));
+  CHECK_THAT(branches({"--turn", "4.5"}),
+             Catch::Contains("14 branches: the input turned where it went back by more than 4.5;"));
+  const Finished wide = call(folder, {"fit", "t.csv", "--turn", "10"});
+  CHECK(wide.code == 2);
+  CHECK_THAT(wide.err, Catch::Contains("[TB-TABLE-TURN]") && Catch::Contains("0 to 10"));
+}

@@ -1,0 +1,120 @@
+// Every verb that writes a file leaves stores alone, and files that are not its own.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "tests/bench/cli/play_table.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+// Up and down, and a smaller loop inside.
+std::string loop_table() {
+  std::string text = "sequence,input,output\n";
+  for (const PlaySample& sample : play_samples({0, 10, 0, 10, 4, 10, 0}, 20))
+    text += "a," + std::to_string(sample.input) + "," + std::to_string(sample.output) + "\n";
+  return text;
+}
+
+// A store with a run and its fit, a table and a model.
+void prepare_files(const TemporaryFolder& folder) {
+  REQUIRE(call(folder, {"init"}).code == 0);
+  write_file(folder.path("small.toml"),
+             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
+             "repeats = 1\ndwell_s = 1.0\n");
+  write_file(folder.path("t.csv"), loop_table());
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  REQUIRE(
+      call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}).code ==
+      0);
+  REQUIRE(call(folder, {"fit", "1"}).code == 0);
+  REQUIRE(call(folder, {"fit", "t.csv", "--model", "mpi", "-o", "m.json"}).code == 0);
+  write_file(folder.path("suite.toml"), "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"a\"\nabout = \"b\"\n");
+}
+
+const std::vector<Words>& writing_verbs() {
+  static const std::vector<Words> verbs = {
+      {"runs", "export", "1", "-o"},
+      {"runs", "export", "1", "--format", "json", "-o"},
+      {"report", "1", "-o"},
+      {"report", "1", "--approve-by", "C. Chief", "-o"},
+      {"report", "1", "--format", "json", "-o"},
+      {"trend", "--html"},
+      {"fit", "t.csv", "--model", "mpi", "-o"},
+      {"model", "export", "1", "-o"},
+      {"model", "adjust", "m.json", "t.csv", "--zero", "-o"},
+      {"predict", "m.json", "t.csv", "-o"},
+      {"compensate", "m.json", "t.csv", "-o"},
+      {"selfcheck", "-o"},
+      {"simulate", "--for", "0.1", "--write-bench"},
+      {"demo", "-q", "-o"},
+      {"nightly", "./suite.toml", "--junit"},
+      {"nightly", "./suite.toml", "--metrics"},
+      {"nightly", "./suite.toml", "--html"},
+      {"live", "--bench", "bench.toml", "--model", "1", "--frames", "1", "--csv"},
+      {"devices", "calibrate-reference", "--bench", "bench.toml", "--gauge", "G", "--uncertainty", "0.1", "-o"},
+  };
+  return verbs;
+}
+
+}  // namespace
+
+TEST_CASE("no verb overwrites a store, whatever its options") {
+  const TemporaryFolder folder;
+  prepare_files(folder);
+  const std::string before = read_file(folder.path("runs.db"));
+  std::filesystem::create_symlink("runs.db", folder.path("link"));
+  for (const Words& verb : writing_verbs())
+    for (const char* target : {"runs.db", "link"}) {
+      Words words = verb;
+      words.insert(words.end(), {target, "--replace"});
+      const Finished finished = call(folder, words);
+      INFO(verb[0] << " " << verb[1] << ": " << finished.err << finished.out);
+      CHECK(finished.code == 2);
+      CHECK_THAT(finished.err, Catch::Contains("[TB-FILE-STORE]") && Catch::Contains("\n  try: "));
+      CHECK(read_file(folder.path("runs.db")) == before);
+    }
+  CHECK(std::filesystem::is_symlink(folder.path("link")));
+  // init names its files itself.
+  std::filesystem::create_directory(folder.path("sub"));
+  std::filesystem::create_symlink("../runs.db", folder.path("sub/limits.toml"));
+  const Finished init = call(folder, {"init", "sub", "--force"});
+  CHECK(init.code == 2);
+  CHECK_THAT(init.err, Catch::Contains("[TB-FILE-STORE]"));
+  CHECK(read_file(folder.path("runs.db")) == before);
+}
+
+TEST_CASE("a verb overwrites its own earlier output, and another file only on request") {
+  const TemporaryFolder folder;
+  prepare_files(folder);
+  const std::string target = folder.path("target");
+  for (const Words& verb : writing_verbs()) {
+    if (verb[0] == "devices" || verb[0] == "demo" || verb[0] == "nightly" || verb[1] == "adjust") continue;
+    INFO(verb[0] << " " << verb[1]);
+    if (verb == Words{"report", "1", "--approve-by", "C. Chief", "-o"}) continue;  // once only
+    const auto written = [&](bool replace) {
+      Words words = verb;
+      words.push_back("target");
+      if (replace) words.push_back("--replace");
+      return call(folder, words);
+    };
+    write_file(target, "dear diary\n");
+    const Finished refused = written(false);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("[TB-FILE-EXISTS]") && Catch::Contains("--replace"));
+    CHECK(read_file(target) == "dear diary\n");
+    const Finished replaced = written(true);
+    INFO(replaced.err);
+    CHECK(replaced.code == 0);
+    const std::string kept = read_file(target);
+    CHECK(kept != "dear diary\n");
+    CHECK(written(false).code == 0);  // its own kind
+    std::filesystem::remove(target);
+  }
+}

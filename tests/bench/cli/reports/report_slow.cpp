@@ -1,0 +1,234 @@
+// The report verb as a person uses it: formats, signatures, comparison, batch; figures recomputed from the store.
+#include <sys/stat.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/gather.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+Finished report_call(const TemporaryFolder& folder, std::vector<std::string> words) {
+  return run_program(program_path(), words, folder.path());
+}
+
+const char* const kReportRecipe =
+    "schema = 1\nname = \"short\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\nrepeats = 2\n"
+    "dwell_s = 1.0\n";
+
+void make_run(const TemporaryFolder& folder, const std::string& sensor, const std::string& seed) {
+  const Finished run =
+      report_call(folder, {"run", "short.toml", "--bench", "bench.toml", "--sensor", sensor, "--operator",
+                           "</script><img onerror=x>", "-q", "--sensor-seed", seed, "--seed", seed});
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+}
+
+// One folder for all: two sensors, the first measured twice, models of each run.
+const TemporaryFolder& reported() {
+  static const TemporaryFolder folder;
+  static const bool made = [&] {
+    REQUIRE(report_call(folder, {"init"}).code == 0);
+    write_file(folder.path("short.toml"), kReportRecipe);
+    for (const char* sensor : {"S-1", "S-2"})
+      REQUIRE(report_call(folder, {"sensors", "add", sensor, "--type", "sensor.toml"}).code == 0);
+    make_run(folder, "S-1", "1");
+    make_run(folder, "S-1", "1");
+    make_run(folder, "S-2", "2");
+    for (const char* run : {"1", "2", "3"}) REQUIRE(report_call(folder, {"fit", run}).code == 0);
+    return true;
+  }();
+  (void)made;
+  return folder;
+}
+
+json data_of_run(const TemporaryFolder& folder, const std::vector<std::string>& words) {
+  std::vector<std::string> all = {"report"};
+  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), {"--format", "json", "-o", "report.json", "--replace"});
+  const Finished finished = report_call(folder, all);
+  INFO(finished.err);
+  REQUIRE(finished.code == 0);
+  return json::parse(read_file(folder.path("report.json")));
+}
+
+}  // namespace
+
+TEST_CASE("figures of health and raw behaviour are those recomputed from the stored counts") {
+  const TemporaryFolder& folder = reported();
+  const json data = data_of_run(folder, {"1"});
+  CHECK(data["schema"] == "tactbench.report");
+  const json &health = data["sections"]["health"], &raw = data["sections"]["raw"];
+  const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
+  double volts_per_count = 0.0;
+  for (const db::DeviceRecord& device : store.run(1).devices)
+    if (device.role == "tactile scanner")
+      volts_per_count = json::parse(device.calibration_json)["volts_per_count"].get<double>();
+  REQUIRE(volts_per_count > 0.0);
+  // Mean of the scans of each frame, by repeat and step.
+  std::map<std::int64_t, db::BranchRecord> branches;
+  for (const db::BranchRecord& branch : store.branches(1)) branches.emplace(branch.branch, branch);
+  std::map<int, std::map<int, std::vector<double>>> volts;
+  std::vector<double> low(256, 1e9), high(256, -1e9), squares(256, 0.0);
+  int degrees = 0, scans_a_frame = 0;
+  for (const db::FrameRecord& frame : store.frames(1)) {
+    REQUIRE(frame.columns * frame.rows == 256);
+    std::vector<double> mean(256, 0.0);
+    for (std::size_t i = 0; i < frame.counts.size(); ++i)
+      mean[i % 256] += volts_per_count * frame.counts[i] / frame.scans;
+    for (std::size_t i = 0; i < frame.counts.size(); ++i)
+      squares[i % 256] += std::pow(volts_per_count * frame.counts[i] - mean[i % 256], 2);
+    degrees += frame.scans - 1;
+    scans_a_frame = frame.scans;
+    for (std::size_t t = 0; t < 256; ++t) {
+      low[t] = std::min(low[t], mean[t]);
+      high[t] = std::max(high[t], mean[t]);
+    }
+    volts[branches.at(frame.branch).repeat][frame.ordinal] = mean;
+  }
+  REQUIRE(volts.size() == 2);
+  double zero = 0.0;
+  for (const auto& [repeat, steps] : volts)
+    for (std::size_t t = 0; t < 256; ++t) zero += (steps.rbegin()->second[t] - steps.at(0)[t]) / 512.0;
+  CHECK(raw["zero_return"][0]["mean_v"].get<double>() == Approx(zero).margin(1e-12));
+  for (const std::size_t t : {std::size_t{0}, std::size_t{100}, std::size_t{255}}) {
+    CHECK(health["low_v"][t].get<double>() == Approx(low[t]));
+    CHECK(health["high_v"][t].get<double>() == Approx(high[t]));
+    CHECK(health["noise_v"][t].get<double>() == Approx(std::sqrt(squares[t] / degrees / scans_a_frame)));
+  }
+  // The trace of the mean taxel, step by step.
+  const json& trace = raw["traces"][0]["output_v"];
+  REQUIRE(trace.size() == volts[0].size());
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    double mean = 0.0;
+    for (const auto& [repeat, steps] : volts)
+      for (const double v : steps.at(static_cast<int>(i))) mean += v / 512.0;
+    CHECK(trace[i].get<double>() == Approx(mean));
+  }
+  // What is moved to set-points follows from the dataset (behaviour.cpp checks how).
+  std::vector<int> all(256);
+  for (int t = 0; t < 256; ++t) all[static_cast<std::size_t>(t)] = t;
+  const analysis::Behaviour own = analysis::behaviour_of(analysis::load_dataset(store, 1), all);
+  CHECK(raw["loops"][0]["hysteresis_max_fs"] == own.loops[0].hysteresis_max);
+  CHECK(raw["loops"][3]["taxel"] == own.loops[3].taxel);
+  CHECK(raw["gain"][17].get<double>() == Approx(own.gain[17]).epsilon(1e-6));
+  CHECK(raw["repeatability"][3]["taxel_down_v"] == own.repeatability[3].taxel_down_v);
+  const json& evaluation = data["results"]["evaluation"];
+  CHECK(raw["loops"][0]["hysteresis_max_fs"].get<double>() ==
+        Approx(evaluation["hysteresis_max_fs"].get<double>()).epsilon(1e-9));
+  // And the page prints them.
+  REQUIRE(report_call(folder, {"report", "1", "-o", "one.html"}).code == 0);
+  const std::string page = read_file(folder.path("one.html"));
+  CHECK_THAT(page, Catch::Contains(fmt::format("<td class=\"n\">{:.1f}</td>", 100.0 * own.loops[0].hysteresis_max)));
+  CHECK_THAT(page, Catch::Contains("&lt;/script&gt;&lt;img onerror=x&gt;") && !Catch::Contains("<img"));
+  CHECK(page.size() > 150'000);
+  CHECK(page.size() < 2'000'000);
+}
+
+TEST_CASE("the same run gives the same bytes, a signature keeps the number, a change names what it replaces") {
+  const TemporaryFolder& folder = reported();
+  for (const char* name : {"a.html", "b.html"}) REQUIRE(report_call(folder, {"report", "2", "-o", name}).code == 0);
+  CHECK(read_file(folder.path("a.html")) == read_file(folder.path("b.html")));
+  const json first = json::parse(report_call(folder, {"report", "2", "--json"}).out);
+  const std::vector<std::string> sign = {"report", "2", "--json", "--without-verdict", "--approve-by", "C. Chief"};
+  const json approved = json::parse(report_call(folder, sign).out);
+  CHECK(approved["number"] == first["number"]);
+  CHECK_THAT(read_file(folder.path("reports/run-" + first["number"].get<std::string>() + ".html")),
+             Catch::Contains("C. Chief, 20"));
+  const Finished again = report_call(folder, sign);
+  CHECK(again.code == 5);
+  CHECK_THAT(again.out, Catch::Contains("TB-STORE-CONFLICT"));
+  write_file(folder.path("mine.toml"), "schema = 1\ncustomer = \"K\"\n");
+  REQUIRE(report_call(folder, {"report", "2", "--lab", "mine.toml", "-o", "c.html"}).code == 0);
+  CHECK_THAT(read_file(folder.path("c.html")),
+             Catch::Contains("nobody has signed") &&
+                 Catch::Contains("<th scope=\"row\">replaces</th><td>" + first["number"].get<std::string>()));
+}
+
+TEST_CASE("a report goes into a pipe, and to a full device it is an error") {
+  const TemporaryFolder& folder = reported();
+  const auto piped = [&](const std::string& words) {
+    return run_program("/bin/sh", {"-c", "timeout 60 '" + program_path() + "' " + words}, folder.path());
+  };
+  const Finished whole = piped("report 1 -q --format json -o /dev/stdout | cat");
+  CHECK(whole.code == 0);
+  CHECK(whole.out.find("\"schema\":\"tactbench.report\"") != std::string::npos);
+  REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
+  const Finished fifo = run_program(
+      "/bin/sh",
+      {"-c", "timeout 60 '" + program_path() + "' report 1 -q --format json -o pipe & timeout 60 cat pipe; wait $!"},
+      folder.path());
+  CHECK(fifo.code == whole.code);
+  CHECK(fifo.out.find("\"schema\":\"tactbench.report\"") != std::string::npos);
+  CHECK(piped("report 1 -q -o /dev/full").code == 2);
+}
+
+TEST_CASE("comparison and batch of stored runs") {
+  const TemporaryFolder& folder = reported();
+  REQUIRE(report_call(folder, {"report", "--compare", "1", "2"}).code == 0);
+  CHECK_THAT(read_file(folder.path("reports/compare-1-2.html")),
+             Catch::Contains("One sensor at two times") && Catch::Contains("as found (first run"));
+  CHECK(data_of_run(folder, {"--compare", "1", "3"})["schema"] == "tactbench.comparison");
+  const json batch = data_of_run(folder, {"--batch", "1", "2", "3"});
+  CHECK(batch["runs"] == json::array({2, 3}));  // one a sensor, the newest
+  CHECK(batch["content"][0]["figures"]["mean_error_psi"] ==
+        data_of_run(folder, {"2"})["results"]["evaluation"]["mean_error_psi"]);
+}
+
+TEST_CASE("report refuses what it cannot do, with place and remedy") {
+  const TemporaryFolder& folder = reported();
+  const auto refused = [&](std::vector<std::string> words, int code, const std::string& id) {
+    words.insert(words.begin(), "report");
+    const Finished finished = report_call(folder, words);
+    INFO(finished.err);
+    CHECK(finished.code == code);
+    CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
+  };
+  write_file(folder.path("wrong.toml"), "schema = 1\ncustommer = \"K\"\n");
+  refused({"1", "--lab", "wrong.toml"}, 2, "TB-FILE-KEY");
+  refused({"1", "--format", "odt"}, 2, "TB-USAGE");
+  refused({"1", "--issued-at", "yesterday"}, 2, "TB-USAGE");
+  refused({"--compare", "1"}, 2, "TB-USAGE");
+  refused({"--compare", "--batch", "1", "2"}, 2, "TB-USAGE");
+  refused({"--batch", "1", "2", "--approve-by", "C. Chief"}, 2, "TB-USAGE");
+  for (const char* nobody : {"", " "}) refused({"1", "--without-verdict", "--approve-by", nobody}, 2, "TB-USAGE");
+  refused({"99"}, 2, "TB-STORE-NOT-FOUND");
+  refused({"1", "3"}, 6, "TB-ANALYSIS-OTHER-SENSOR");
+}
+
+TEST_CASE("a PDF is made by what is installed, with the run's date, else an error names the packages") {
+  const TemporaryFolder& folder = reported();
+  const auto with_path = [&](const std::string& path, const std::string& name) {
+    return run_program("/usr/bin/env", {"PATH=" + path, program_path(), "report", "1", "--format", "pdf", "-o", name},
+                       folder.path());
+  };
+  const Finished none = with_path("/nowhere", "none.pdf");
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err,
+             Catch::Contains("[TB-REPORT-PDF]") && Catch::Contains("chromium") && Catch::Contains("weasyprint"));
+  const auto browser = [&](const std::string& script) {
+    write_file(folder.path("chromium"), "#!/bin/sh\n" + script);
+    REQUIRE(::chmod(folder.path("chromium").c_str(), 0700) == 0);
+  };
+  browser(
+      "for word; do case $word in --print-to-pdf=*) out=${word#--print-to-pdf=};; file://*) in=${word#file://};; esac; "
+      "done\n"
+      "[ -s \"$in\" ] && printf '%%PDF-1.4 /CreationDate (D:20990909090909+00)' > \"$out\"\n");
+  const Finished made = with_path(folder.path() + ":/usr/bin:/bin", "made.pdf");
+  INFO(made.err);
+  CHECK(made.code == 0);
+  CHECK_THAT(read_file(folder.path("made.pdf")), Catch::StartsWith("%PDF") && !Catch::Contains("D:2099"));
+  browser("echo no screen today >&2; exit 3\n");
+  const Finished failed = with_path(folder.path() + ":/usr/bin:/bin", "failed.pdf");
+  CHECK(failed.code == 2);
+  CHECK_THAT(failed.err, Catch::Contains("no screen today"));
+}

@@ -1,0 +1,90 @@
+// runs list: columns stay separate, and --verdict takes each word that they show.
+#include <catch2/catch.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+using RunNumbers = std::vector<std::int64_t>;
+
+void add_judged_run(db::RunStore& store, const std::string& origin, const std::string& verdict) {
+  db::RunRecord record = example_run();
+  record.origin = origin;
+  const std::int64_t run = store_example(store, record);
+  db::VerdictRecord row{run, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", verdict, "limits", "sha"};
+  if (!verdict.empty()) store.replace_verdicts(run, 0, {row});
+}
+
+// Of each run what stands between the heads "verdict" and "origin", without the blanks behind it.
+std::map<std::int64_t, std::string> column_of_verdicts(const std::string& table) {
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);
+  const std::size_t from = line.find("verdict"), to = line.find("origin");
+  REQUIRE(from < to);
+  REQUIRE(to != std::string::npos);
+  std::map<std::int64_t, std::string> words;
+  while (std::getline(lines, line)) {
+    INFO(line);
+    CHECK(line.at(from - 1) == ' ');
+    CHECK(line.at(to - 1) == ' ');
+    const std::string cell = line.substr(from, to - from);
+    words[std::stoll(line)] = cell.substr(0, cell.find_last_not_of(' ') + 1);
+  }
+  return words;
+}
+
+}  // namespace
+
+TEST_CASE("runs list: --verdict accepts each word of the verdict column and finds its runs") {
+  const TemporaryFolder folder;
+  {
+    db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+    for (const char* origin : {"simulated", "hardware"}) {
+      for (const std::string& word : analysis::verdict_words()) add_judged_run(store, origin, word);
+      add_judged_run(store, origin, "");
+    }
+  }
+  const auto listed = [&](const std::string& word) {
+    const Finished list = call(folder, {"runs", "list", "--json", "--verdict", word});
+    INFO(word << ": " << list.err);
+    REQUIRE(list.code == 0);
+    const auto document = nlohmann::json::parse(list.out);
+    RunNumbers runs;
+    for (const auto& run : document["runs"]) runs.push_back(run["run"].get<std::int64_t>());
+    return runs;
+  };
+  const Finished list = call(folder, {"runs", "list"});
+  REQUIRE(list.code == 0);
+  const std::map<std::int64_t, std::string> shown = column_of_verdicts(list.out);
+  REQUIRE(shown.size() == 12);
+  CHECK(shown.at(2) == "simulated conditional pass");
+  CHECK(shown.at(6) == "-");
+  CHECK(shown.at(8) == "conditional pass");
+  for (const auto& [number, word] : shown) {
+    RunNumbers same;  // without "simulated" those of every origin
+    for (const auto& [other, its_word] : shown)
+      if (its_word == word || its_word == "simulated " + word) same.push_back(other);
+    CHECK(listed(word) == same);
+  }
+  CHECK(listed("none") == RunNumbers{6, 12});
+  CHECK(listed("conditional-fail") == RunNumbers{3, 9});
+  CHECK(listed("simulated-inconclusive") == RunNumbers{4});
+  for (const char* wrong : {"good", "report only", "conditional", "condtional pass"}) {
+    const Finished refused = call(folder, {"runs", "list", "--verdict", wrong});
+    INFO(wrong << ": " << refused.err);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("at: --verdict"));
+    for (const std::string& word : analysis::verdict_words()) CHECK_THAT(refused.err, Catch::Contains(word));
+  }
+  CHECK_THAT(call(folder, {"runs", "list", "--verdict", "condtional pass"}).err,
+             Catch::Contains("did you mean 'conditional pass'?"));
+}

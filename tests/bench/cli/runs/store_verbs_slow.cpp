@@ -1,0 +1,292 @@
+// The store's verbs as a person uses them: verify, db check, snapshot, migrate, runs tag, note, void, list.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "db/sqlite.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+using tactbench::db::sqlite::Access;
+using tactbench::db::sqlite::Connection;
+
+namespace {
+
+const char* const kStoreRecipe =
+    "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\nrepeats = 1\n"
+    "dwell_s = 1.0\n";
+
+// Two runs of one sensor, the first fitted, the second judged.
+void prepare_store(const TemporaryFolder& folder) {
+  REQUIRE(call(folder, {"init"}).code == 0);
+  write_file(folder.path("small.toml"), kStoreRecipe);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  for (const char* seed : {"1", "2"}) {
+    REQUIRE(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q",
+                          "--seed", seed})
+                .code == 0);
+  }
+  write_file(folder.path("wide.toml"),
+             "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "wide.toml"}).code == 0);
+}
+
+void change(const TemporaryFolder& folder, const std::string& sql) {
+  Connection(folder.path("runs.db"), Access::kReadWrite).execute(sql);
+}
+
+void check_error(const Finished& finished, int code, const std::string& id) {
+  INFO(finished.err);
+  CHECK(finished.code == code);
+  CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
+}
+
+}  // namespace
+
+TEST_CASE("verify recomputes content, models and verdicts, and names what was changed") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  const Finished well = call(folder, {"verify", "1"});
+  INFO(well.out << well.err);
+  CHECK(well.code == 0);
+  CHECK_THAT(well.out, Catch::Contains("as it was stored") && Catch::Contains("fit 1 (elam)") &&
+                           Catch::Contains("equal") && Catch::EndsWith("verified\n"));
+  const bool modified = call(folder, {"--version"}).out.find("modified") != std::string::npos;
+  CHECK_THAT(well.out, Catch::Contains(modified ? "1e-12 relative" : "bit for bit"));
+  const Finished judged = call(folder, {"verify", "2", "--json"});
+  CHECK(judged.code == 0);
+  const json verified = json::parse(judged.out);
+  CHECK(verified["holds"] == true);
+  CHECK(verified["content"]["computed_sha256"] == verified["content"]["stored_sha256"]);
+  REQUIRE(verified["analysis"].size() == 1);
+  CHECK(verified["analysis"][0]["what"] == "verdicts");
+  CHECK(verified["analysis"][0]["recomputed"] == true);
+  CHECK(verified["analysis"][0]["fit_run"] == 1);
+
+  // As in a store from before schema 6: verdicts and fits are counted, and only recomputing tells that one differs.
+  change(folder, "UPDATE seals SET sha256 = ''");
+  change(folder, "UPDATE verdicts SET verdict = 'fail' WHERE criterion = 'unfit_taxels'");
+  const Finished word = call(folder, {"verify", "2"});
+  CHECK(word.code == 1);
+  CHECK_THAT(word.out, Catch::Contains("verdict on unfit_taxels (array): stored 'fail', recomputed 'pass'"));
+  change(folder, "UPDATE verdicts SET value = value + 1e-9 WHERE criterion = 'worst_taxel_error'");
+  const Finished value = call(folder, {"verify", "2"});
+  CHECK(value.code == 1);
+  CHECK_THAT(value.out, Catch::Contains("first difference: verdicts: verdict on worst_taxel_error (array), value"));
+
+  change(folder,
+         "UPDATE fit_taxels SET parameters = (SELECT parameters FROM fit_taxels WHERE taxel = 6) "
+         "WHERE taxel = 5");
+  const Finished fit = call(folder, {"verify", "1"});
+  CHECK(fit.code == 1);
+  CHECK_THAT(fit.out, Catch::Contains("first difference: fit 1: taxel 5, ") && Catch::Contains(": stored "));
+  change(folder, "DELETE FROM fit_taxels WHERE taxel = 3");
+  CHECK_THAT(call(folder, {"verify", "1"}).out, Catch::Contains("taxel 3: not stored"));
+
+  change(folder, "UPDATE frames SET reference_psi = reference_psi + 1e-9 WHERE frame = 1000000004");
+  const Finished frame = call(folder, {"verify", "1"});
+  CHECK(frame.code == 5);
+  CHECK_THAT(frame.out, Catch::Contains("first difference: frame 4 (sequence 0 'small'"));
+  CHECK(json::parse(call(folder, {"verify", "1", "--json"}).out)["content"]["holds"] == false);
+  const Finished models = call(folder, {"verify", "2"});
+  CHECK(models.code == 1);
+  CHECK_THAT(models.out, Catch::Contains("run 1, whose models they rest on: frame 4"));
+  const Finished check = call(folder, {"db", "check"});
+  CHECK(check.code == 5);
+  CHECK_THAT(check.out, Catch::Contains("1 run as it was stored, 1 not") && Catch::Contains("run 1   frame 4"));
+  check_error(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
+  change(folder, "UPDATE runs SET outcome = 'incomplete', state = 'running', content_sha256 = '' WHERE run = 2");
+  check_error(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
+}
+
+TEST_CASE("verify and db check report deleted verdicts, fits and approvals with exit code 5") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  REQUIRE(call(folder, {"report", "1", "--approve-by", "C. Chief"}).code == 0);
+  CHECK(call(folder, {"db", "check"}).code == 0);
+  change(folder, "DELETE FROM verdicts; DELETE FROM reports");
+  const Finished second = call(folder, {"verify", "2"});
+  CHECK(second.code == 5);
+  CHECK_THAT(second.out, Catch::Contains("as it was stored") && Catch::Contains("CHANGED") &&
+                             Catch::Contains("NOT verified; first difference: verdicts: ") &&
+                             Catch::Contains("were stored, 0 there now"));
+  CHECK_THAT(call(folder, {"verify", "1"}).out, Catch::Contains("approvals: 1 were stored, 0 there now"));
+  const Finished check = call(folder, {"db", "check"});
+  CHECK(check.code == 5);
+  CHECK_THAT(check.out, Catch::Contains("0 runs as they were stored, 2 not") && Catch::Contains("run 2   verdicts: "));
+  const json document = json::parse(call(folder, {"db", "check", "--json"}).out);
+  CHECK(document["runs"][1]["holds"] == false);
+  CHECK(document["runs"][1]["difference"] == "");
+  CHECK(document["runs"][1]["beside"].size() == 1);
+}
+
+TEST_CASE("a store with foreign objects is checked and read, not written") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  check_error(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
+  check_error(call(folder, {"runs", "note", "1", " "}), 2, "TB-STORE-BLANK");
+  change(folder, "CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END");
+  const Finished check = call(folder, {"db", "check"});
+  CHECK(check.code == 5);
+  CHECK_THAT(check.out, Catch::Contains("trigger 'evil' on 'runs'") && Catch::Contains("structure DAMAGED"));
+  CHECK(call(folder, {"runs", "list"}).code == 0);
+  check_error(call(folder, {"runs", "note", "1", "x"}), 5, "TB-STORE-FOREIGN");
+  check_error(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}),
+              5, "TB-STORE-FOREIGN");
+}
+
+TEST_CASE("a damaged stored model is reported as a store error, not as an internal error") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  write_file(folder.path("t.csv"), "taxel,output\n5,1.0\n5,1.5\n");
+  REQUIRE(call(folder, {"compensate", "1", "t.csv"}).code == 0);
+  const auto read_with = [&](const std::string& damage, const std::string& repair) {
+    change(folder, damage);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"compensate", "1", "t.csv"},
+                                                  {"model", "show", "1"},
+                                                  {"report", "1", "-o", "r.html"}}) {
+      INFO(damage << " " << words.front());
+      check_error(call(folder, words), 5, "TB-MODEL-STORED");
+    }
+    if (!repair.empty()) change(folder, repair);
+  };
+  read_with("UPDATE fit_taxels SET noise_v = -noise_v WHERE taxel = 5",
+            "UPDATE fit_taxels SET noise_v = -noise_v WHERE taxel = 5");
+  CHECK(call(folder, {"compensate", "1", "t.csv"}).code == 0);
+  read_with("UPDATE fits SET patterns_json = replace(patterns_json, '\"rows\":16', '\"rows\":99999')",
+            "UPDATE fits SET patterns_json = replace(patterns_json, '\"rows\":99999', '\"rows\":16')");
+  const std::string deep = "replace(hex(zeroblob(500000)), '0', '[')";
+  read_with("UPDATE fits SET patterns_json = " + deep + " || patterns_json",
+            "UPDATE fits SET patterns_json = substr(patterns_json, 1000001)");
+  change(folder, "UPDATE checks SET detail_json = " + deep);
+  CHECK(call(folder, {"runs", "show", "1", "--json"}).code == 0);
+  CHECK(call(folder, {"compensate", "1", "t.csv"}).code == 0);
+  read_with(
+      "UPDATE fit_taxels SET descending_v = (SELECT descending_v FROM fit_taxels WHERE taxel = 7) WHERE taxel = 5", "");
+}
+
+TEST_CASE("an older store is migrated by name, verified, snapshotted and checked") {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), folder.path("runs.db"));
+  check_error(call(folder, {"verify", "1"}), 5, "TB-STORE-OPEN");
+  const Finished migrated = call(folder, {"db", "migrate"});
+  CHECK(migrated.code == 0);
+  CHECK_THAT(migrated.out, Catch::Contains("schema 3 migrated to") && Catch::Contains("runs.db.schema-3.backup"));
+  CHECK_THAT(call(folder, {"db", "migrate"}).out, Catch::Contains("nothing was done"));
+  const Finished verified = call(folder, {"verify", "1"});
+  INFO(verified.out << verified.err);
+  CHECK(verified.code == 0);
+  CHECK_THAT(verified.out, Catch::Contains("does not say which build made it") && Catch::Contains("8 verdicts"));
+  CHECK(call(folder, {"db", "snapshot", "copy.db"}).code == 0);
+  check_error(call(folder, {"db", "snapshot", "copy.db"}), 2, "TB-STORE-EXISTS");
+  const Finished check = call(folder, {"db", "check", "copy.db", "--json"});
+  CHECK(check.code == 0);
+  CHECK(json::parse(check.out)["runs"].size() == 1);
+  CHECK(json::parse(check.out)["structure"].empty());
+  check_error(call(folder, {"db", "check", "none.db"}), 5, "TB-STORE-OPEN");
+  check_error(call(folder, {"db", "migrate", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+  CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
+  check_error(call(folder, {"db"}), 2, "TB-USAGE");
+}
+
+TEST_CASE("runs are tagged, noted, voided and found again") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  const auto listed = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"runs", "list", "--json"});
+    const Finished list = call(folder, words);
+    INFO(list.err);
+    REQUIRE(list.code == 0);
+    std::vector<int> runs;
+    const json document = json::parse(list.out);
+    for (const json& run : document["runs"]) runs.push_back(run["run"].get<int>());
+    return runs;
+  };
+  using Runs = std::vector<int>;
+  CHECK(call(folder, {"runs", "tag", "2", "night", "bench:a"}).code == 0);
+  CHECK_THAT(call(folder, {"runs", "tag", "2", "bench:a", "--remove"}).out, Catch::Contains("tags night"));
+  CHECK(call(folder, {"runs", "note", "2", "the door was open"}).code == 0);
+  CHECK_THAT(call(folder, {"runs", "show", "2"}).out,
+             Catch::Contains("night") && Catch::Contains("Z the door was open"));
+  CHECK(listed({"--tag", "night"}) == Runs{2});
+  CHECK(listed({"--tag", "nigh"}).empty());
+  CHECK(listed({"--sensor", "S-1"}) == Runs{1, 2});
+  CHECK(listed({"--sensor", "S-2"}).empty());
+  CHECK(listed({"--since", "2020-01-01"}) == Runs{1, 2});
+  CHECK(listed({"--since", "2999-01-01"}).empty());
+  CHECK(listed({"--verdict", "pass"}) == Runs{1, 2});  // the models' run, and the one that they were judged on
+  CHECK(listed({"--verdict", "none"}).empty());
+  CHECK(listed({"--verdict", "fail"}).empty());
+  check_error(call(folder, {"runs", "list", "--since", "yesterday"}), 2, "TB-USAGE");
+  check_error(call(folder, {"runs", "list", "--verdict", "good"}), 2, "TB-USAGE");
+  check_error(call(folder, {"runs", "tag", "2", "two words"}), 2, "TB-STORE-TAG");
+  check_error(call(folder, {"runs", "void", "2", "--by", "me"}), 2, "TB-USAGE");
+  CHECK(call(folder, {"runs", "void", "2", "--reason", "door open", "--by", "me"}).code == 0);
+  check_error(call(folder, {"runs", "void", "2", "--reason", "again", "--by", "me"}), 5, "TB-STORE-CONFLICT");
+  CHECK(listed({}) == Runs{1});
+  CHECK(listed({"--all"}) == Runs{1, 2});
+  CHECK_THAT(call(folder, {"runs", "list"}).out, Catch::Contains("1 void run left out"));
+  CHECK_THAT(call(folder, {"runs", "list", "--all"}).out, Catch::Contains("VOID: door open"));
+  CHECK(json::parse(call(folder, {"runs", "show", "2", "--json"}).out)["void_by"] == "me");
+  CHECK(call(folder, {"verify", "2"}).code == 0);  // none of this is content
+  check_error(call(folder, {"runs", "note", "2", "x", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+  CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
+}
+
+TEST_CASE("runs are compared, exported and copied into another store") {
+  const TemporaryFolder folder;
+  prepare_store(folder);
+  const Finished same = call(folder, {"runs", "diff", "1", "1"});
+  CHECK(same.code == 0);
+  CHECK_THAT(same.out, Catch::Contains("11 equal in place") && Catch::Contains("content: the same"));
+  const Finished differ = call(folder, {"runs", "diff", "1", "2", "--json"});
+  CHECK(differ.code == 1);
+  const json differences = json::parse(differ.out);
+  CHECK(differences["same_content"] == false);
+  CHECK(differences["frames_equal"].get<int>() < 11);
+  CHECK(differences["first_frame"] == 1);
+  bool seed = false;
+  for (const json& difference : differences["differences"]) {
+    seed = seed || (difference["what"] == "seed" && difference["first"] == "1" && difference["second"] == "2");
+  }
+  CHECK(seed);
+  CHECK(call(folder, {"runs", "export", "1", "-o", "out/run.csv"}).code == 0);
+  CHECK_THAT(read_file(folder.path("out/run.csv")), Catch::StartsWith("frame,sequence,recipe,"));
+  check_error(call(folder, {"runs", "export", "1", "--format", "xml", "-o", "x"}), 2, "TB-USAGE");
+  check_error(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
+
+  const Finished copied = call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"});
+  INFO(copied.err);
+  CHECK(copied.code == 0);
+  CHECK_THAT(copied.out, Catch::Contains("run 1 is run 1 of archive.db") && Catch::Contains("run 2 is run 2 of"));
+  CHECK(call(folder, {"verify", "1", "--db", "archive.db"}).code == 0);
+  CHECK(call(folder, {"verify", "2", "--db", "archive.db"}).code == 0);
+  CHECK(call(folder, {"db", "check", "archive.db"}).code == 0);
+  CHECK_THAT(copied.out, !Catch::Contains("is not copied"));
+  const Finished models = call(folder, {"runs", "copy", "1", "--to", "models.db"});
+  CHECK(models.code == 0);
+  CHECK_THAT(models.out, Catch::Contains("note: the models of run 1 were judged on run 2, which is not copied"));
+  check_error(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
+  check_error(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
+  CHECK_FALSE(std::filesystem::exists(folder.path("new.db")));
+  CHECK_THAT(call(folder, {"--help"}).out, Catch::Contains("verify") && Catch::Contains("check, copy or migrate"));
+}
+
+TEST_CASE("an imported run is exported as its series and verified") {
+  const TemporaryFolder folder;
+  std::string table = "input,output\n";
+  for (const char* row : {"0,1\n", "1,2.5\n", "2,3.25\n", "3,5\n", "2,4\n", "1,3\n", "0,1.1\n"}) table += row;
+  write_file(folder.path("loop.csv"), table);
+  const Finished imported = call(folder, {"import", "loop.csv", "--map", "input=1,output=2"});
+  INFO(imported.err);
+  REQUIRE(imported.code == 0);
+  CHECK(call(folder, {"runs", "export", "1", "-o", "run.csv"}).code == 0);
+  CHECK_THAT(read_file(folder.path("run.csv")),
+             Catch::StartsWith("sequence,name,taxel,position,input,output\n") && Catch::Contains(",0,2,2,3.25\n"));
+  const Finished verified = call(folder, {"verify", "1"});
+  CHECK(verified.code == 0);
+  CHECK_THAT(verified.out, Catch::Contains("no stored fit, no verdict"));
+}

@@ -1,0 +1,250 @@
+// Certificates and due dates as a person meets them: devices check, plan, run, fit, report, runs show, verify.
+#include <catch2/catch.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/stored/model_document.h"
+#include "db/run_store.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+Finished carry_out(const TemporaryFolder& folder, const std::string& recipe,
+                   const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
+                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
+  words.insert(words.end(), more.begin(), more.end());
+  Finished run = call(folder, words);
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  return run;
+}
+
+void prepare(const TemporaryFolder& folder) {
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  write_file(folder.path("three.toml"),
+             "schema = 1\nname = \"three\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\n"
+             "repeats = 3\ndwell_s = 1.0\n");
+  write_file(folder.path("far.toml"),
+             "schema = 1\nname = \"far\"\nrule = \"four-way\"\nmean_compensation_error_psi = 50\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+}
+
+json report_json(const TemporaryFolder& folder, const std::vector<std::string>& words, int code) {
+  std::vector<std::string> all = {"report"};
+  all.insert(all.end(), words.begin(), words.end());
+  for (const char* word : {"--format", "json", "-o", "r.json"}) all.emplace_back(word);
+  const Finished finished = call(folder, all);
+  INFO(finished.out << finished.err);
+  CHECK(finished.code == code);
+  return json::parse(read_file(folder.path("r.json")));
+}
+
+double expanded_mean_error(const json& report) {
+  return report["sections"]["uncertainty"]["judged_figures"][0]["expanded"].get<double>();
+}
+
+// The run as a program of before stored it: its devices state no calibration date.
+void copy_as_before(const db::RunStore& from, db::RunStore& to) {
+  db::RunRecord run = from.run(1);
+  to.add_sensor(*from.sensor(run.sensor_serial));
+  for (db::DeviceRecord& device : run.devices) {
+    auto calibration = nlohmann::ordered_json::parse(device.calibration_json);
+    calibration.erase("calibrated");
+    device.calibration_json = calibration.dump();
+  }
+  const db::RunRecord ended = run;
+  run.state = "prepared";
+  run.outcome = db::Outcome::kIncomplete;
+  run.ended_utc.clear();
+  run.content_sha256.clear();
+  const std::int64_t number = to.begin_run(run);
+  std::map<std::int64_t, std::int64_t> branches;
+  for (const db::BranchRecord& branch : from.branches(1)) branches[branch.branch] = to.begin_branch(number, branch);
+  for (db::FrameRecord frame : from.frames(1)) {
+    frame.branch = branches.at(frame.branch);
+    to.append_frame(number, frame);
+  }
+  to.end_run(number, ended.outcome, ended.reason, ended.safe_state, ended.ended_utc);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "devices check, plan and run warn about overdue instruments, the verdict is inconclusive, stored and verified") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  const std::vector<std::string> overdue = {"--set", "reference.due=2020-01-31"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), overdue.begin(), overdue.end());
+    return words;
+  };
+  const Finished check = call(folder, with({"devices", "check", "--bench", "bench.toml"}));
+  INFO(check.out << check.err);
+  CHECK(check.code == 0);
+  CHECK_THAT(check.out, Catch::Contains("warning pressure reference") && Catch::Contains("OVERDUE since 2020-01-31"));
+  const Finished plan = call(folder, with({"plan", "three.toml", "--bench", "bench.toml"}));
+  CHECK(plan.code == 0);
+  CHECK_THAT(plan.err, Catch::Contains("warning: pressure reference") && Catch::Contains("OVERDUE"));
+  const json planned = json::parse(call(folder, with({"plan", "ring", "--bench", "bench.toml", "--json"})).out);
+  CHECK(planned["instruments"].size() == 5);
+  CHECK(planned["instruments"][0]["overdue"] == true);
+  CHECK(planned["instruments"][4]["role"] == "force sensor");
+  const Finished run = carry_out(folder, "three.toml", overdue);
+  CHECK_THAT(run.err, Catch::Contains("OVERDUE for calibration since 2020-01-31"));
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("certificate SIM-CERT-1") &&
+                                                          Catch::Contains("OVERDUE since 2020-01-31") &&
+                                                          Catch::Contains("TB-CALIBRATION"));
+
+  carry_out(folder, "three.toml", overdue);
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"});
+  CHECK(fit.code == 6);
+  CHECK_THAT(fit.out, Catch::Contains("simulated inconclusive") && Catch::Contains("simulated pass"));
+  CHECK(call(folder, {"verify", "1"}).code == 0);
+  CHECK(call(folder, {"verify", "2"}).code == 0);
+  const json report = report_json(folder, {"1"}, 6);
+  CHECK(report["results"]["verdicts"][0]["verdict"] == "inconclusive");
+  CHECK(report["document"] == "Calibration report");
+  REQUIRE(call(folder, {"report", "1"}).code == 6);
+  const std::string page = read_file(folder.path("reports/run-1.html"));
+  CHECK_THAT(page, Catch::Contains("</span>: reference overdue since 2020-01-31 when held-out run"));
+  CHECK_THAT(page, Catch::Contains("overdue since 2020-01-31") && !Catch::Contains("until the due date"));
+
+  // The same run in date: U is smaller, and the verdict a pass.
+  for (int i = 0; i < 2; ++i) carry_out(folder, "three.toml", {"--set", "reference.due=2199-01-31"});
+  REQUIRE(call(folder, {"fit", "3", "--held-out", "4", "--limits", "far.toml"}).code == 0);
+  CHECK(expanded_mean_error(report_json(folder, {"3"}, 0)) < expanded_mean_error(report));
+}
+
+TEST_CASE(
+    "a laboratory file that contradicts the run changes no certificate, is named, and its earlier due date counts") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  for (int i = 0; i < 2; ++i) carry_out(folder, "three.toml");
+  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml"}).code == 0);
+  const json before = report_json(folder, {"1"}, 0);
+  write_file(
+      folder.path("lab.toml"),
+      "schema = 1\n[[instrument]]\nserial = \"SIM-REF-1\"\ncertificate = \"PTB-30123-26\"\ndue = \"2020-01-31\"\n");
+  const json after = report_json(folder, {"1", "--lab", "lab.toml"}, 6);
+  CHECK(expanded_mean_error(after) > expanded_mean_error(before));
+  const json& device = after["identification"]["run"]["devices"][2];
+  const json& reference = after["sections"]["uncertainty"]["reading"]["reference"];
+  CHECK(device["certificate"] == "SIM-CERT-1 (invented for the simulation)");
+  CHECK(device["certificate"] == reference["certificate"]);
+  CHECK(device["due"] == "2020-01-31");
+  CHECK(device["due"] == reference["due"]);
+  CHECK(reference["overdue"] == true);
+  CHECK(device["remarks"].size() == 1);
+  REQUIRE(call(folder, {"report", "1", "--lab", "lab.toml"}).code == 6);
+  CHECK_THAT(read_file(folder.path("reports/run-1.html")),
+             Catch::Contains("PTB-30123-26 by the laboratory file; that of the run counts"));
+  // fit sees the same dates, and what it found is kept.
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "far.toml", "--lab", "lab.toml"});
+  CHECK(fit.code == 6);
+  CHECK_THAT(fit.out, Catch::Contains("simulated inconclusive") && Catch::Contains("simulated pass") &&
+                          Catch::Contains("overdue for calibration since 2020-01-31 when run 2 was made"));
+  CHECK(report_json(folder, {"1"}, 6)["results"]["verdicts"][0]["verdict"] == "inconclusive");
+  CHECK(call(folder, {"verify", "1"}).code == 0);
+  const Finished verify = call(folder, {"verify", "2"});
+  CHECK(verify.code == 0);
+  CHECK_THAT(verify.out, Catch::Contains("overdue by a laboratory file"));
+  CHECK(call(folder, {"fit", "1", "--lab", "lab.toml"}).code == 2);  // nothing would be judged by it
+  write_file(folder.path("lab.toml"), "schema = 1\n[[instrument]]\nserial = \"SIM-REF-1\"\ndue = \"soon\"\n");
+  const Finished odd = call(folder, {"report", "1", "--lab", "lab.toml"});
+  CHECK(odd.code == 2);
+  CHECK_THAT(odd.err, Catch::Contains("'soon' is not a date") && Catch::Contains("lab.toml:4"));
+}
+
+TEST_CASE("the report of a ring is a test report that states the traceability of its forces") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  carry_out(folder, "three.toml");
+  REQUIRE(call(folder, {"fit", "1"}).code == 0);
+  carry_out(folder, "ring", {"--set", "recipe.repeats=1"});
+  carry_out(folder, "ring", {"--set", "recipe.repeats=1", "--set", "force.certificate="});
+  const json traced = report_json(folder, {"2", "--model", "1"}, 0);
+  CHECK(traced["document"] == "Test report");
+  const json& force = traced["identification"]["traceability"][0];
+  CHECK(force["quantity"] == "force");
+  CHECK(force["traceable"] == true);
+  CHECK_THAT(force["statement"].get<std::string>(),
+             Catch::Contains("serial SIM-FT-1") && Catch::Contains("SIM-CERT-2") && Catch::Contains("U 0.05 N"));
+  const json untraced = report_json(folder, {"3", "--model", "1"}, 0);
+  CHECK_THAT(untraced["identification"]["traceability"][0]["statement"].get<std::string>(),
+             Catch::Contains("Force not traceable"));
+  REQUIRE(call(folder, {"report", "3", "--model", "1"}).code == 0);
+  const std::string page = read_file(folder.path("reports/run-3.html"));
+  CHECK_THAT(page, Catch::Contains("<h1>Test report</h1>") &&
+                       Catch::Contains("Force not traceable: no certificate of") && Catch::Contains("SIM-STAGE-Z") &&
+                       !Catch::Contains("traceability of the pressure"));
+  // As a study of a chamber run, the statement stands with its forces.
+  const json study = report_json(folder, {"1", "--studies", "3"}, 0);
+  CHECK_THAT(study["sections"]["objects"][0]["force_traceability"].get<std::string>(),
+             Catch::Contains("Force not traceable"));
+  CHECK(study["document"] == "Calibration report");
+  const json exported = [&] {
+    REQUIRE(call(folder, {"runs", "export", "2", "--format", "json", "-o", "e.json"}).code == 0);
+    return json::parse(read_file(folder.path("e.json")));
+  }();
+  const auto sensor = std::find_if(exported["devices"].begin(), exported["devices"].end(),
+                                   [](const json& device) { return device["role"] == "force sensor"; });
+  REQUIRE(sensor != exported["devices"].end());
+  CHECK((*sensor)["serial"] == "SIM-FT-1");
+  CHECK((*sensor)["certificate"] == "SIM-CERT-2 (invented for the simulation)");
+  CHECK((*sensor)["calibration"]["range_n"][2] == 35.0);
+  CHECK_THAT(call(folder, {"runs", "show", "2"}).out,
+             Catch::Contains("force sensor: ATI Nano17, serial SIM-FT-1") && Catch::Contains("certificate SIM-CERT-2"));
+}
+
+TEST_CASE("a stored pass on an overdue reference verifies on a run of before, and fails on a present one") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  carry_out(folder, "three.toml", {"--set", "reference.due=2020-01-31"});
+  {
+    const db::RunStore now = db::RunStore::open_read_only(folder.path("runs.db"));
+    db::RunStore before = db::RunStore::open(folder.path("before.db"));
+    copy_as_before(now, before);
+  }
+  for (const std::string name : {"runs.db", "before.db"}) {
+    INFO(name);
+    REQUIRE(call(folder, {"fit", "1", "--limits", "far.toml", "--db", name}).code == 6);
+    REQUIRE(call(folder, {"verify", "1", "--db", name}).code == 0);
+    {
+      db::RunStore store = db::RunStore::open(folder.path(name));
+      std::vector<db::VerdictRecord> verdicts = store.verdicts(1);
+      for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "pass";
+      store.replace_verdicts(1, store.latest_fit(1, analysis::kElamFit)->fit, verdicts);
+    }
+    const Finished verify = call(folder, {"verify", "1", "--db", name});
+    INFO(verify.out);
+    CHECK(verify.code == (name == "before.db" ? 0 : 1));
+    if (name == "before.db") CHECK_THAT(verify.out, Catch::Contains("before an overdue reference counted"));
+    (void)report_json(folder, {"1", "--db", name}, 6);  // no pass is printed
+  }
+}
+
+TEST_CASE("hardware is not touched while the bench file is not filled in") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init", "--rig"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  const auto refused = [&](const std::vector<std::string>& words) {
+    const Finished finished = call(folder, words);
+    INFO(finished.out << finished.err);
+    CHECK(finished.code == 2);
+    CHECK_THAT(finished.err, Catch::Contains("TB-BENCH-FILL-IN") && Catch::Contains("reference.certificate"));
+  };
+  refused({"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "me"});
+  refused({"devices", "check", "--bench", "bench.toml"});
+  CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out)["runs"].empty());
+  const Finished plan = call(folder, {"plan", "production", "--bench", "bench.toml"});
+  CHECK(plan.code == 0);  // touches nothing
+  CHECK_THAT(plan.err, Catch::Contains("not filled in: reference.certificate"));
+  CHECK(call(folder, {"config", "show", "--bench", "bench.toml"}).code == 0);
+}

@@ -1,0 +1,192 @@
+// The words of the command line that scripts of people call: verbs, their options, defaults and ranges. What is added
+// needs no line here; what is gone or renamed breaks a script.
+#include <catch2/catch.hpp>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+
+namespace {
+
+// Verb -> its options, from the script that completes them in bash.
+std::map<std::string, std::string> options_of_verbs(const std::string& script) {
+  std::map<std::string, std::string> found;
+  std::istringstream lines(script);
+  const std::string head = "        \"", options = "options=\"";
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t from = line.find(options);
+    if (!line.starts_with(head) || from == std::string::npos) continue;
+    const std::size_t begin = from + options.size();
+    std::string verb = line.substr(head.size(), line.find('"', head.size()) - head.size());
+    if (verb.starts_with(' ')) verb.erase(0, 1);  // nothing stands before the program's own options
+    found[verb] = line.substr(begin, line.find('"', begin) - begin);
+  }
+  return found;
+}
+
+std::vector<std::string> parts_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> parts;
+  for (std::string part; stream >> part;) parts.push_back(part);
+  return parts;
+}
+
+}  // namespace
+
+TEST_CASE("each verb takes the options that scripts give it") {
+  const TemporaryFolder folder;
+  const std::map<std::string, std::string> verbs = options_of_verbs(call(folder, {"completion", "bash"}).out);
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"", "--version"},
+      {"demo", "--seed --sensor-seed -o --output --replace --timing#"},
+      {"init", "--rig --replace --force --json"},
+      {"plan", "--bench --set --limits --steps --parameters --db --json"},
+      {"run",
+       "--bench --sensor --operator --purpose --set --seed --sensor-seed --specimen-state --on-event --yes "
+       "--no-seating#"},
+      {"pause", "--db --json -q --quiet --bench"},
+      {"resume", "--db --json -q --quiet --bench --on-event --yes"},
+      {"stop", "--db --json -q --quiet --bench"},
+      {"abort", "--db --json -q --quiet --bench"},
+      {"panic", "--db --json -q --quiet --bench"},
+      {"fit",
+       "--model --fit --score --mode --identify --memory --exact-outer --splits --starts --mean-taxel --mount "
+       "--interface -o --output --replace --check --map --input-unit --noise --output-unit --held-out --limits --lab "
+       "--void-too#"},
+      {"import", "--map --input-unit --noise --output-unit --operator --purpose#"},
+      {"predict", "-o --output --replace --map --taxel --void-too#"},
+      {"compensate", "-o --output --replace --map --taxel --void-too#"},
+      {"model show", "--void-too#"},
+      {"model diff", "--void-too#"},
+      {"model export", "-o --output --replace --void-too#"},
+      {"model adjust", "--zero --gain -o --output --replace --map --input-unit --noise --output-unit --void-too#"},
+      {"report",
+       "--held-out --previous --studies --model --format --limits --lab --approve-by --without-verdict --issued-at "
+       "--paper --pdf-with --compare --batch --replace -o --output --void-too#"},
+      {"runs list", "--sensor --since --tag --verdict --all#"},
+      {"runs show", "--db --json -q --quiet"},
+      {"runs tag", "--remove#"},
+      {"runs note", "--db --json -q --quiet"},
+      {"runs void", "--reason --by#"},
+      {"runs export", "--format -o --output --replace#"},
+      {"runs copy", "--to#"},
+      {"runs diff", "--db --json -q --quiet"},
+      {"verify", "--db --json -q --quiet"},
+      {"db check", "--db --json -q --quiet"},
+      {"db snapshot", "--db --json -q --quiet"},
+      {"db migrate", "--db --json -q --quiet"},
+      {"sensors add", "--type --scanner --note#"},
+      {"sensors list", "--db --json -q --quiet"},
+      {"sensors show", "--db --json -q --quiet"},
+      {"devices scan", "--modbus --json"},
+      {"devices check", "--bench --set --json"},
+      {"devices watch", "--bench --set --interval --count"},
+      {"devices reset", "--bench --set --operator --json"},
+      {"devices calibrate-reference",
+       "--bench --gauge --uncertainty --resolution --levels --set -o --output --replace --json"},
+      {"live", "--bench --model --set --frames --interval --scans --csv --replace --void-too#"},
+      {"simulate", "--bench --set --rate --write-bench --replace --for --json"},
+      {"nightly",
+       "--jobs --junit --metrics --html --replace --stores --list --only --seed --seeds --limit --stop-on-red#"},
+      {"baseline accept", "--reason --by#"},
+      {"baseline list", "--db --json -q --quiet"},
+      {"trend", "--sensor --subject --figure --html --replace --check#"},
+      {"rig check", "--bench --standard --operator --recipe --press --yes --set --seed --sensor-seed#"},
+      {"config show", "--bench --set --origin --json"},
+      {"benchmark", "--exchanges --rounds --json"},
+      {"selfcheck", "-o --output --replace#"},
+  };
+  for (auto [verb, options] : expected) {
+    if (const std::size_t common = options.find('#'); common != std::string::npos)
+      options.replace(common, 1, " --db --json -q --quiet");
+    REQUIRE(verbs.contains(verb));
+    const std::string known = " " + verbs.at(verb) + " ";
+    for (const std::string& option : parts_of(options + " -h --help")) {
+      INFO(verb << ' ' << option);
+      CHECK(known.find(" " + option + " ") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("numbers of the command line have these ranges and defaults") {
+  const TemporaryFolder folder;
+  const std::vector<std::pair<std::string, std::string>> ranges = {
+      {"devices watch --bench simulated.toml --interval 1e9", "0.050000 to 60.000000"},
+      {"devices calibrate-reference --bench simulated.toml --gauge g --uncertainty 1e9", "0.000000 to 10.000000"},
+      {"simulate --rate 1e9", "0.100000 to 100.000000"},
+      {"nightly nightly --jobs 1000000", "1 to 64"},
+      {"nightly nightly --seeds 1000000", "1 to 1000"},
+      {"benchmark array --exchanges 1000000", "10 to 100000"},
+      {"benchmark array --rounds 1000000", "1 to 1000"},
+      {"live --bench b --model m --interval 1e9", "0.000000 to 60.000000"},
+      {"live --bench b --model m --scans 1000000", "1 to 64"},
+      {"fit t.csv --splits 1000000", "1 to 8"},
+      {"fit t.csv --starts 1000000", "1 to 4096"}};
+  for (const auto& [line, range] : ranges) {
+    INFO(line);
+    const Finished refused = call(folder, parts_of(line));
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("not in range " + range + " [TB-USAGE]"));
+  }
+  for (const char* line : {"devices watch --bench simulated.toml --count -1", "simulate --for -1",
+                           "live --bench b --model m --frames -1", "nightly nightly --limit 0"}) {
+    INFO(line);
+    const Finished refused = call(folder, parts_of(line));
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("[TB-USAGE]"));
+  }
+  const std::string page = call(folder, {"manual-page"}).out;
+  const std::vector<std::pair<std::string, std::string>> defaults = {
+      {"demo", "\\-\\-seed SEED 1"},
+      {"plan", "\\-\\-bench BENCH simulated.toml"},
+      {"fit", "\\-\\-splits SPLITS 1"},
+      {"fit", "\\-\\-starts STARTS 16"},
+      {"devices watch", "\\-\\-interval INTERVAL 0.5"},
+      {"devices watch", "\\-\\-count COUNT 0"},
+      {"devices calibrate\\-reference", "\\-\\-resolution RESOLUTION 0.1"},
+      {"devices calibrate\\-reference", "\\-\\-levels LEVELS [0,10,20,30,40,50,60]"},
+      {"live", "\\-\\-interval INTERVAL 0.01"},
+      {"live", "\\-\\-scans SCANS 1"},
+      {"simulate", "\\-\\-rate RATE 1"},
+      {"nightly", "\\-\\-jobs JOBS 2"},
+      {"nightly", "\\-\\-seeds SEEDS 1"},
+      {"nightly", "\\-\\-limit LIMIT 300"},
+      {"rig check", "\\-\\-recipe RECIPE [production]"},
+      {"benchmark", "\\-\\-exchanges EXCHANGES 500"},
+      {"benchmark", "\\-\\-rounds ROUNDS 5"},
+      {"runs export", "\\-\\-format FORMAT csv"},
+      {"runs list", "\\-\\-db DB runs.db"}};
+  for (const auto& [verb, option] : defaults) {
+    INFO(verb << ' ' << option);
+    const std::vector<std::string> words = parts_of(option);
+    const std::size_t section = page.find("\n.SS " + verb + "\n");
+    REQUIRE(section != std::string::npos);
+    const std::size_t entry = page.find("\\fB" + words[0] + "\\fR \\fI" + words[1] + "\\fR\n", section);
+    REQUIRE(entry != std::string::npos);
+    const std::string about = page.substr(entry, page.find("\n.", entry) - entry);
+    CHECK_THAT(about, Catch::EndsWith("(default: " + words[2] + ")"));
+  }
+}
+
+TEST_CASE("errors for a misspelled verb, no verb and an unknown option name the nearest one") {
+  const TemporaryFolder folder;
+  const Finished near = call(folder, {"rn", "--json"});
+  CHECK(near.code == 2);
+  CHECK_THAT(near.err, Catch::StartsWith("error: there is no verb 'rn' [TB-USAGE]\n  at: command line\n  try: did you "
+                                         "mean 'run'?\n"));
+  CHECK_THAT(near.out, Catch::Contains("\"remedy\": \"did you mean 'run'?\"") && Catch::Contains("\"exit_code\": 2"));
+  CHECK_THAT(call(folder, {"zzzzzzzz"}).err, Catch::Contains("try: one of: demo, init, plan, "));
+  CHECK_THAT(call(folder, {}).err, Catch::Contains("A subcommand is required [TB-USAGE]"));
+  CHECK_THAT(call(folder, {"runs", "list", "--dbb", "x"}).err,
+             Catch::Contains("there is no option '--dbb' of 'tactbench runs list'") &&
+                 Catch::Contains("did you mean '--db'?"));
+  CHECK_THAT(call(folder, {"runs", "list", "--zzzzzz"}).err,
+             Catch::Contains("try: tactbench runs list --help lists what is taken"));
+  CHECK(call(folder, {"--version"}).code == 0);
+  CHECK(call(folder, {"--help"}).code == 0);
+}

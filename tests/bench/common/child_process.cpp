@@ -1,0 +1,145 @@
+// Programs that this one starts: how they end, their environment, and that no process of them remains.
+#include "bench/common/child_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+using namespace tactbench::bench;
+
+namespace {
+
+// What children write, read here; the end for them is handed over.
+struct ChildOutput {
+  ChildOutput() {
+    int ends[2];
+    REQUIRE(::pipe2(ends, O_CLOEXEC) == 0);
+    read_end = ends[0];
+    write_end = ends[1];
+  }
+  ~ChildOutput() { ::close(read_end); }
+  // Until nobody holds the other end any more, or `until` has come.
+  std::string text(char until = '\0') const {
+    std::string all;
+    for (char c = 0; ::read(read_end, &c, 1) == 1;) {
+      all += c;
+      if (c == until) break;
+    }
+    return all;
+  }
+  int read_end = -1, write_end = -1;
+};
+
+ChildProgram shell_child(const std::string& line, int output = -1, const std::vector<std::string>& variables = {}) {
+  ChildStart start;
+  start.words = {"/bin/sh", "-c", line};
+  start.environment = environment_with(variables);
+  start.output = output;
+  return ChildProgram(std::move(start));
+}
+
+constexpr auto kAtOnce = std::chrono::steady_clock::time_point::min();
+
+}  // namespace
+
+TEST_CASE("child program: exit code and arguments are passed, both streams go to the descriptor") {
+  const ChildOutput output;
+  ChildProgram child = shell_child("cat; echo out; echo err >&2; exit 5", output.write_end);
+  CHECK(output.text() == "out\nerr\n");  // cat found an empty input
+  const int status = child.wait();
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 5);
+  CHECK(child.wait() == status);
+  CHECK(child.ended() == status);
+  CHECK(child.ended_by(kAtOnce) == status);
+}
+
+TEST_CASE("child program: its environment is ours plus its own variables, each once") {
+  ::setenv("TACTBENCH_CHILD_TEST", "ours", 1);
+  ::setenv("TACTBENCH_CHILD_OTHER", "kept", 1);
+  const std::vector<std::string> environment = environment_with({"TACTBENCH_CHILD_TEST=its own"});
+  CHECK(environment.front() == "TACTBENCH_CHILD_TEST=its own");
+  CHECK(std::ranges::count_if(
+            environment, [](const std::string& entry) { return entry.starts_with("TACTBENCH_CHILD_TEST="); }) == 1);
+  const ChildOutput output;
+  ChildProgram child = shell_child("echo $TACTBENCH_CHILD_TEST, $TACTBENCH_CHILD_OTHER", output.write_end,
+                                   {"TACTBENCH_CHILD_TEST=its own"});
+  CHECK(output.text() == "its own, kept\n");
+  CHECK(child.wait() == 0);
+  ::unsetenv("TACTBENCH_CHILD_TEST");
+  ::unsetenv("TACTBENCH_CHILD_OTHER");
+}
+
+TEST_CASE("child program: a failed start reports the reason, and the descriptor is closed") {
+  const ChildOutput output;
+  ChildStart start;
+  start.words = {"/no/such/program"};
+  start.output = output.write_end;
+  try {
+    const ChildProgram child(std::move(start));
+    FAIL("started");
+  } catch (const std::system_error& error) {
+    CHECK(error.code() == std::errc::no_such_file_or_directory);
+  }
+  CHECK(output.text().empty());
+  CHECK((::fcntl(output.write_end, F_GETFD) == -1 && errno == EBADF));
+}
+
+TEST_CASE("child program: it has a group of its own, and signals that we ignore or block are as by default") {
+  const auto before = ::signal(SIGPIPE, SIG_IGN);
+  sigset_t pipe_alone, old;
+  ::sigemptyset(&pipe_alone);
+  ::sigaddset(&pipe_alone, SIGPIPE);
+  ::pthread_sigmask(SIG_BLOCK, &pipe_alone, &old);
+  const ChildOutput output;
+  ChildProgram child =
+      shell_child("read id name state parent group rest </proc/$$/stat; echo $group; echo $$; kill -PIPE $$; exit 3",
+                  output.write_end);
+  const std::string group = output.text('\n'), process = output.text('\n');
+  ::pthread_sigmask(SIG_SETMASK, &old, nullptr);
+  ::signal(SIGPIPE, before);
+  CHECK(group == process);
+  const int status = child.wait();
+  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGPIPE));
+}
+
+TEST_CASE("child program: it ends on request, or is killed with all its processes") {
+  const ChildOutput told, killed;
+  ChildProgram child = shell_child("echo ready; exec sleep 1000", told.write_end);
+  REQUIRE(told.text('\n') == "ready\n");
+  CHECK_FALSE(child.ended());
+  CHECK_FALSE(child.ended_by(kAtOnce));
+  child.terminate();
+  const int status = child.wait();
+  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM));
+  ChildProgram parent = shell_child("sleep 1000 & echo ready; wait", killed.write_end);
+  REQUIRE(killed.text('\n') == "ready\n");
+  parent.kill_group();
+  CHECK(killed.text().empty());  // nobody holds it any more
+  CHECK(WTERMSIG(parent.wait()) == SIGKILL);
+}
+
+TEST_CASE("child program: a program still running at its owner's end is killed, a moved one is not") {
+  const ChildOutput output;
+  {
+    ChildProgram first = shell_child("sleep 1000 & echo ready; wait", output.write_end);
+    REQUIRE(output.text('\n') == "ready\n");
+    ChildProgram second = std::move(first);
+    CHECK_FALSE(second.ended());
+    ChildProgram third = shell_child("exit 0");
+    third = std::move(second);
+    CHECK_FALSE(third.ended());
+  }
+  CHECK(output.text().empty());
+}

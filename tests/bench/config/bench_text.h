@@ -1,0 +1,40 @@
+// The shortest bench files, and what is said of one with some values changed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+
+namespace tactbench::tests {
+
+using Changes = std::vector<sequences::Override>;
+
+// `origin`: "simulated" or "hardware". What is added last belongs to [reference].
+inline std::string bench_text(const std::string& origin) {
+  return "schema = 1\n[bench]\nid = \"b\"\norigin = \"" + origin +
+         "\"\n[module]\nprofile = \"beckhoff-ek9000\"\n[regulator]\nserial = \"R\"\n"
+         "[reference]\nmodel = \"m\"\nserial = \"s\"\n";
+}
+
+inline bench::BenchConfig simulated_bench(const Changes& changes = {}) {
+  return bench::parse_bench(bench_text("simulated"), "b.toml", changes);
+}
+inline bench::BenchConfig hardware_bench(const Changes& changes = {}) {
+  return bench::parse_bench(bench_text("hardware"), "b.toml", changes);
+}
+
+struct Refusal {
+  std::string what = "accepted", remedy = "accepted";
+};
+
+inline Refusal refusal_of(const std::string& text, const Changes& changes) {
+  try {
+    (void)bench::parse_bench(text, "b.toml", changes);
+  } catch (const sequences::FileError& error) {
+    return {error.what(), error.remedy()};
+  }
+  return {};
+}
+
+}  // namespace tactbench::tests

@@ -1,0 +1,300 @@
+#include "bench/config/config.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "analysis/error.h"
+#include "bench/common/error.h"
+#include "bench/config/config_calibration.h"
+#include "db/run_store.h"
+#include "devices/fault.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using sequences::FileError;
+
+namespace {
+
+const std::string kBench = find_config("simulated.toml");
+
+void refused(const sequences::Override& change, const std::string& message) {
+  try {
+    (void)read_bench(kBench, {change});
+    FAIL("accepted " << change.key << " = " << change.value);
+  } catch (const FileError& error) {
+    INFO(change.key << ": " << error.what() << " at " << error.where());
+    CHECK_THAT(error.what(), Catch::Contains(message));
+    CHECK(!error.where().empty());
+    CHECK(!error.remedy().empty());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the shipped bench, sensor and limits files read without complaint") {
+  const BenchConfig config = read_bench(kBench, {});
+  CHECK(config.origin == devices::Origin::kSimulated);
+  CHECK(config.limits.command_psi == 60.0);
+  CHECK(config.regulator.command_span.high.value() == Approx(130.534));
+  CHECK(config.regulator.command_limit.value() == 60.0);
+  CHECK(config.simulation->plant.specimen.rows == 16);
+  const SensorType type = read_sensor_type(find_config("sensor.toml"));
+  CHECK(type.rows * type.columns == 256);
+  CHECK(type.pitch_mm == 2.54);
+  const analysis::Limits limits = read_limits(find_config("limits.toml"));
+  CHECK(limits.distance_of_mean_fs == Approx(0.015));
+  CHECK(limits.sha256 == db::sha256_hex(limits.toml));
+}
+
+TEST_CASE("limits are read strictly, and the decision rule by name") {
+  const std::string whole =
+      "schema = 1\nname = \"l\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = 3\n"
+      "distance_of_mean_percent_fs = 1.5\nunfit_taxels = 0\n";
+  const auto complaint = [&](const std::string& more) {
+    try {
+      (void)parse_limits(whole + more, "l.toml");
+    } catch (const sequences::FileError& error) {
+      return error.id() + " " + error.where();
+    }
+    return std::string("none");
+  };
+  CHECK(parse_limits(whole, "l.toml").rule == analysis::DecisionRule::kDefault);
+  CHECK(parse_limits(fmt::format("{}rule = \"four-way\"\n", whole), "l.toml").rule == analysis::DecisionRule::kFourWay);
+  CHECK(parse_limits(fmt::format("{}rule = \"report-only\"\n", whole), "l.toml").rule ==
+        analysis::DecisionRule::kReportOnly);
+  CHECK_THAT(complaint("rule = \"4-way\"\n"), Catch::Contains("TB-FILE-VALUE") && Catch::Contains("l.toml:7"));
+  CHECK_THAT(complaint("guard_band = 0.5\n"), Catch::Contains("TB-FILE-KEY") && Catch::Contains("l.toml:7"));
+  CHECK_THAT(complaint("[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\nrule = \"simple\"\n"),
+             Catch::Contains("TB-FILE-KEY"));
+}
+
+TEST_CASE("bad bench values are refused with place and remedy") {
+  refused({"regulator.feed_intervall_ms", "400"}, "unknown key");
+  refused({"scaner.serial", "1"}, "unknown key");
+  refused({"limits.command_psi", "\"60 psi\""}, "must be a number");
+  refused({"limits.command_psi", "140"}, "outside");
+  refused({"limits.trip_psi", "50"}, "outside");
+  refused({"regulator.feed_interval_ms", "600"}, "outside");
+  refused({"module.watchdog_ms", "600"}, "too slow for a watchdog");
+  refused({"reference.drift_psi", "-1"}, "outside");
+  refused({"reference.channel", "0"}, "shares the regulator's feedback channel");
+  refused({"bench.id", "\" \""}, "'id' is empty");
+  refused({"bench.origin", "real"}, "not one of simulated, hardware");
+  refused({"bench.origin", "hardware"}, "has a [simulation] table");
+  refused({"simulation.effects.row_cross", "0.1"}, "unknown key");
+  refused({"regulator.span_v", "[10, 0]"}, "low < high");
+  refused({"settling.trace_s", "1e-9"}, "neither 0 nor 0.05 to 10");
+  refused({"settling.poll_s", "1e-9"}, "outside");
+  CHECK_THROWS_AS(read_bench(kBench, {{"module.profile", "beckhof"}}), sequences::FileError);
+}
+
+TEST_CASE("dates are refused unless they are dates, with place and form") {
+  for (const char* table : {"reference", "force", "stage"}) {
+    for (const char* key : {"due", "calibrated"}) {
+      const std::string dotted = fmt::format("{}.{}", table, key);
+      for (const char* no_date : {"\"31.01.2025\"", "\"soon\"", "\"2025-02-30\"", "\"2025-01-31T00:00:00Z\""}) {
+        refused({dotted, no_date}, "is not a date");
+        refused({dotted, no_date}, std::string(no_date).substr(1, 4));
+      }
+    }
+  }
+  refused({"force.due", "20250131"}, "must be text");
+  try {
+    (void)parse_bench(
+        "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = "
+        "\"beckhoff-ek9000\"\n[regulator]\nserial = \"R\"\n[reference]\nmodel = \"m\"\nserial = "
+        "\"s\"\ndue = \"31.01.2025\"\n",
+        "mine.toml", {});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK_THAT(error.where(), Catch::Contains("mine.toml:12:") && Catch::Contains("reference.due"));
+    CHECK_THAT(error.remedy(), Catch::Contains("2026-01-31"));
+  }
+  const BenchConfig config =
+      read_bench(kBench, {{"reference.calibrated", "\"2025-01-31\""}, {"reference.due", "2026-01-31"}});
+  CHECK(config.reference_stated.calibrated == "2025-01-31");
+  CHECK(config.reference_stated.due == "2026-01-31");  // TOML's own date
+  try {
+    (void)read_bench(kBench, {{"force.calibrated", "2026-01-31"}, {"force.due", "2026-01-31"}});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK_THAT(error.what(), Catch::Contains("not after the calibration"));
+  }
+}
+
+TEST_CASE("force sensor and stage take certificate, dates and U, and config show knows them") {
+  const BenchConfig config = read_bench(kBench, {{"force.certificate", "F-1"},
+                                                 {"force.expanded_uncertainty_n", "0.1"},
+                                                 {"stage.certificate", "Z-1"},
+                                                 {"stage.due", "\"2030-01-31\""},
+                                                 {"stage.expanded_uncertainty_mm", "0.02"}});
+  CHECK(config.force->stated.certificate == "F-1");
+  CHECK(config.force->stated.expanded_uncertainty == 0.1);
+  CHECK(config.stage->stated.due == "2030-01-31");
+  CHECK(config.stage->stated.expanded_uncertainty == 0.02);
+  std::set<std::string> keys;
+  for (const sequences::Setting& setting : config.settings) keys.insert(setting.key);
+  for (const char* table : {"reference", "force", "stage"})
+    for (const char* key : {"certificate", "calibrated", "due"}) CHECK(keys.contains(fmt::format("{}.{}", table, key)));
+  CHECK(keys.contains("force.expanded_uncertainty_n"));
+  CHECK(keys.contains("stage.expanded_uncertainty_mm"));
+  refused({"force.expanded_uncertainty_psi", "0.1"}, "unknown key");
+}
+
+TEST_CASE("a bench that drives hardware is refused until it is filled in, a simulated one is only named") {
+  const BenchConfig rig = read_bench(find_config("paper-rig.example.toml"), {});
+  const std::vector<std::string> places = placeholders_of(rig);
+  CHECK(places.size() >= 8);
+  CHECK(std::any_of(places.begin(), places.end(), [](const std::string& place) {
+    return place.find("reference.certificate (") == 0 && place.find("paper-rig.example.toml:") != std::string::npos;
+  }));
+  try {
+    refuse_placeholders(rig);
+    FAIL("accepted");
+  } catch (const Error& error) {
+    CHECK(error.id() == "TB-BENCH-FILL-IN");
+    CHECK(error.code() == ExitCode::kUsage);
+    CHECK_THAT(error.what(), Catch::Contains("stage.x.serial") && Catch::Contains("regulator.serial"));
+    CHECK_FALSE(error.remedy().empty());
+  }
+  std::vector<sequences::Override> filled;
+  for (const std::string& place : places) filled.push_back({place.substr(0, place.find(' ')), "\"\""});
+  CHECK_NOTHROW(refuse_placeholders(read_bench(find_config("paper-rig.example.toml"), filled)));
+  const BenchConfig simulated = read_bench(kBench, {{"reference.certificate", "FILL-IN"}});
+  CHECK_NOTHROW(refuse_placeholders(simulated));
+  CHECK(placeholders_of(simulated) == std::vector<std::string>{"reference.certificate (--set)"});
+}
+
+TEST_CASE("impossible file names and a folder are refused as missing files") {
+  refused({"module.profile", std::string(300, 'a')}, "no module profile");
+  refused({"module.profile", "\".\""}, "no module profile");
+  CHECK_THROWS_AS(read_bench(find_config(std::string(300, 'a')), {}), FileError);
+  CHECK_THROWS_AS(read_bench(".", {}), FileError);
+}
+
+TEST_CASE("an irregular, overlong or unreadable file is refused wherever a document is read") {
+  const auto message = [](const std::string& path) -> std::string {
+    try {
+      (void)sequences::TomlDocument::from_file(path);
+    } catch (const FileError& error) {
+      CHECK(error.id() == "TB-FILE-MISSING");
+      CHECK(error.where() == path);
+      return error.what();
+    }
+    return "accepted";
+  };
+  CHECK(message("/dev/zero") == "'/dev/zero' is not a regular file");
+  CHECK(message("/dev") == "'/dev' is not a regular file");
+  CHECK(message("/proc/self/mem") == "'/proc/self/mem' is empty");
+  const tests::TemporaryFolder folder;
+  REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
+  CHECK_THAT(message(folder.path("pipe")), Catch::Contains("is not a regular file"));
+  tests::write_file(folder.path("long.toml"), std::string(16'000'001, '\n'));
+  CHECK_THAT(message(folder.path("long.toml")), Catch::Contains("longer than 16000000 bytes"));
+  tests::write_file(folder.path("fits.toml"), std::string(15'999'999, '\n'));
+  CHECK(message(folder.path("fits.toml")) == "accepted");
+}
+
+TEST_CASE("a NUL in a value does not truncate the message") {
+  try {
+    (void)sequences::TomlDocument::from_text("a = \"x\\u0000y\"\n", "t").root().word("a", {"z"});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK(std::string(error.what()) == "'a' is \"x\\x00y\", which is not one of z");
+  }
+}
+
+TEST_CASE("a complaint about an overridden value names --set") {
+  try {
+    (void)read_bench(kBench, {{"limits.comand_psi", "3"}});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK_THAT(error.where(), Catch::Contains("--set limits.comand_psi"));
+    CHECK_THAT(error.remedy(), Catch::Contains("command_psi"));
+  }
+}
+
+TEST_CASE("dead-man setting blind = warn is accepted only for a module with its own watchdog") {
+  CHECK(read_bench(kBench, {}).dead_man.blind_ends);
+  CHECK_FALSE(read_bench(kBench, {{"dead_man.blind", "\"warn\""}}).dead_man.blind_ends);
+  refused({"dead_man.blind", "\"perhaps\""}, "blind");
+  std::string text = read_bench(kBench, {}).text;
+  text.erase(text.find("watchdog_ms"), text.find('\n', text.find("watchdog_ms")) - text.find("watchdog_ms"));
+  const sequences::Override module{"module.profile", "\"advantech-adam-6024\""};
+  CHECK(parse_bench(text, "bench.toml", {module}).watchdog_s == 0.0);
+  try {
+    (void)parse_bench(text, "bench.toml", {module, {"dead_man.blind", "\"warn\""}});
+    FAIL("accepted");
+  } catch (const FileError& error) {
+    CHECK_THAT(error.what(), Catch::Contains("without a watchdog"));
+    CHECK_THAT(error.remedy(), Catch::Contains("blind = \"end\""));
+  }
+}
+
+TEST_CASE("seeds of the command line take precedence over those of the file") {
+  const BenchConfig config = read_bench(kBench, {}, {42, 43});
+  CHECK(config.simulation->plant.seed == 42);
+  CHECK(config.simulation->plant.specimen.sensor_seed == 43);
+}
+
+TEST_CASE("every room's error becomes an exit code") {
+  const auto code = [](const auto& thrown) {
+    try {
+      throw thrown;
+    } catch (...) {
+      return as_error(std::current_exception()).code();
+    }
+  };
+  CHECK(code(devices::Fault("TB-MODBUS-TIMEOUT", "d", "m", "r")) == ExitCode::kDevice);
+  CHECK(code(devices::Fault(devices::Cause::kLimit, "TB-CHAMBER-TRIP", "d", "m", "r")) == ExitCode::kStopped);
+  CHECK(code(FileError("TB-FILE-KEY", "m", "w", "r")) == ExitCode::kUsage);
+  CHECK(code(db::StoreError("TB-STORE-NEWER", "m", "r")) == ExitCode::kStore);
+  CHECK(code(db::StoreError(db::Cause::kUsage, "TB-STORE-NOT-FOUND", "m", "r")) == ExitCode::kUsage);
+  CHECK(code(analysis::AnalysisError("TB-ANALYSIS-EMPTY", "m", "r")) == ExitCode::kInconclusive);
+  CHECK(code(std::runtime_error("x")) == ExitCode::kInternal);
+}
+
+TEST_CASE("an error states what, where, the remedy and the rig's state") {
+  const Error error(ExitCode::kDevice, "TB-X", "what", "where", "mend", "vented");
+  CHECK(error_text(error, true) == "error: what [TB-X]\n  at: where\n  try: mend\n  state: vented\n");
+  const Error no_rig(ExitCode::kUsage, "TB-X", "what", "", "");
+  CHECK(error_text(no_rig, true) == "error: what [TB-X]\n  state: no device was touched\n");
+  CHECK(error_text(no_rig, false) == "error: what [TB-X]\n");
+  const Error asked = Error(ExitCode::kStopped, "TB-RUN-STOPPED", "run 3 stopped by alice", "", "").by_word();
+  CHECK(error_text(asked.with_rig_state("vented", true), true) ==
+        "run 3 stopped by alice [TB-RUN-STOPPED]\n  state: vented\n");
+  const Error unsafe = asked.with_rig_state("NOT SAFE", false);
+  CHECK(unsafe.code() == ExitCode::kUnsafe);
+  CHECK(error_text(unsafe, true) == "error: run 3 stopped by alice [TB-RUN-STOPPED]\n  state: NOT SAFE\n");
+  CHECK_THAT(error_json(error), Catch::Contains("\"exit_code\": 3"));
+}
+
+TEST_CASE("the example of the paper's rig reads without complaint, and names hardware only") {
+  const BenchConfig config = read_bench(find_config("paper-rig.example.toml"), {});
+  CHECK(config.origin == devices::Origin::kHardware);
+  CHECK_FALSE(config.in_process);
+  CHECK_FALSE(config.simulation);
+  CHECK(config.scanner_kind == ScannerKind::kDaqmx);
+  REQUIRE(config.stage);
+  CHECK(config.stage->options.axes[2].device_id == 5082);
+  REQUIRE(config.force);
+  CHECK(config.force->kind == ForceKind::kNet);
+  CHECK(config.force->net.port == 49152);
+}
+
+TEST_CASE("bad instrument values are refused with place and remedy") {
+  refused({"scanner.kind", "daqmx"}, "no NI-DAQmx device");
+  refused({"scanner.kind", "camera"}, "not one of");
+  refused({"stage.x.device_id", "7"}, "not a device id");
+  refused({"stage.z.low_mm", "60"}, "high_mm");
+  refused({"force.kind", "daq"}, "no NI-DAQmx device");
+  refused({"force.overload_share", "1.5"}, "outside");
+  refused({"bench.simulator", "somewhere"}, "not one of");
+  refused({"bench.simulator", "external"}, "external simulator");
+  refused({"environment.sensor", "[{quantity = 'humidity', address = 1}]"}, "not one of");
+}

@@ -1,0 +1,236 @@
+// Defaults of a bench file, and what each kind of instrument and each unit in a key is read as.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <string>
+
+#include "bench/config/config.h"
+#include "tests/bench/config/bench_text.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace std::chrono_literals;
+using tests::bench_text;
+using tests::Changes;
+using tests::hardware_bench;
+using tests::simulated_bench;
+
+namespace {
+
+// The defaults taken in one table, in the order of reading: "key = value, key = value".
+std::string defaults(const BenchConfig& config, const std::string& table) {
+  std::string found;
+  for (const sequences::Setting& setting : config.settings) {
+    if (setting.origin != "default" || !setting.key.starts_with(table + ".")) continue;
+    const std::string key = setting.key.substr(table.size() + 1);
+    if (key.find('.') != std::string::npos) continue;  // of a table within
+    found += fmt::format("{}{} = {}", found.empty() ? "" : ", ", key, setting.value);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a bench file's defaults: limits, dead-man, settling, module, regulator, reference") {
+  const BenchConfig config = simulated_bench();
+  CHECK(defaults(config, "bench") == "location = \"not stated\"");
+  CHECK(defaults(config, "limits") ==
+        "command_psi = 60, trip_psi = 66, safe_psi = 1, disagreement_psi = 5, disagreement_s = 1, vent_timeout_s = 20, "
+        "rate_psi_per_s = 20, step_psi = 2.5, stale_s = 1, contact_n = 0.5, clear_z_mm = 25");
+  CHECK(config.limits.force_n == std::array<double, 3>{5.0, 5.0, 35.0});
+  CHECK(defaults(config, "dead_man") ==
+        "enabled = true, timeout_ms = 400, progress_ms = 1500, back_off_mm = 5, blind = \"end\"");
+  CHECK(config.dead_man.timeout_s == 0.4);
+  CHECK(config.dead_man.progress_s == 1.5);
+  CHECK(defaults(config, "settling") ==
+        "band_psi = 0.25, slope_psi_per_s = 0.5, poll_s = 0.2, trace_s = 0, landing_s = 0.5, timeout_s = 20");
+  CHECK(defaults(config, "module") ==
+        "outputs = 1, inputs = 2, transport = \"tcp\", host = \"127.0.0.1\", port = 502, unit = 1, "
+        "response_timeout_ms = 500, watchdog_ms = 1000, dump_coil = -1");
+  CHECK(config.watchdog_s == 1.0);
+  CHECK(defaults(config, "regulator") ==
+        "model = \"Pneumax 171E2N.T.D.0009\", output_channel = 0, feedback_channel = 0, span_v = [0, 10], "
+        "span_bar = [0, 9], feed_interval_ms = 450");
+  CHECK(config.regulator.feed_interval == 450ms);
+  CHECK(defaults(config, "reference") ==
+        "independent = true, certificate = \"\", calibrated = \"\", due = \"\", expanded_uncertainty_psi = 0, "
+        "drift_psi = 0, resolution_psi = 0, channel = 1, span_v = [0, 10], span_psi = [0, 100]");
+  CHECK(config.reference.span.high.value() == 100.0);
+  CHECK(defaults(simulated_bench({{"module.transport", "rtu"}, {"module.profile", "generic"}}), "module") ==
+        "outputs = 1, inputs = 2, serial_port = \"simulated line\", baud = 9600, parity = \"N\", stop_bits = 1, unit = "
+        "1, "
+        "max_reply_delay_ms = 1000, response_timeout_ms = 500, dump_coil = -1");
+  const Changes gauge{{"reference.gauge.host", "10.0.0.7"}, {"reference.gauge.address", "3"}};
+  CHECK(
+      defaults(simulated_bench(gauge), "reference.gauge") ==
+      "transport = \"tcp\", port = 502, unit = 1, response_timeout_ms = 500, function = 4, spare = 0, type = \"u16\", "
+      "word_order = \"high-first\", raw_span = [0, 1], span_psi = [0, 1]");
+}
+
+TEST_CASE("a bench file's defaults: scanners") {
+  const std::string common =
+      "serial = \"\", rows = 16, columns = 16, frame_timeout_ms = 500, cable = \"\", scans_per_frame = 2, ";
+  CHECK(defaults(simulated_bench(), "scanner") ==
+        "kind = \"hid\", " + common +
+            "model = \"tactbench HID scanner\", vendor_id = 0, product_id = 0, "
+            "socket = \"\"");
+  CHECK(defaults(simulated_bench({{"scanner.kind", "frame-source"}}), "scanner") ==
+        common + "address = \"tcp:127.0.0.1:0\"");
+  CHECK(
+      defaults(hardware_bench({{"scanner.kind", "daqmx"}}), "scanner") ==
+      common +
+          "library = \"\", device = \"Dev1\", column_channels = \"Dev1/ai0:15\", row_lines = \"Dev1/port0/line0:15\", "
+          "terminal = \"rse\", range_v = 10, relays_active_low = false, sample_rate_hz = 10000, convert_rate_hz = 0, "
+          "samples_per_row = 10, settle_ms = 5");
+}
+
+TEST_CASE("a bench file's defaults: stage and force") {
+  const BenchConfig stage = simulated_bench({{"stage.x.serial", "X"}});
+  CHECK(defaults(stage, "stage") ==
+        "port = \"\", usb_serial = \"\", renumber = false, knob_off = true, reply_timeout_ms = 300, "
+        "poll_interval_ms = 100, certificate = \"\", calibrated = \"\", due = \"\", expanded_uncertainty_mm = 0");
+  CHECK(defaults(stage, "stage.x") ==
+        "device = 1, device_id = 60, low_mm = 0, high_mm = 60, maximum_speed_mm_per_s = 4, home_timeout_s = 120");
+  CHECK(defaults(stage, "stage.y") ==
+        "device = 2, device_id = 60, low_mm = 0, high_mm = 60, maximum_speed_mm_per_s = 4, home_timeout_s = 120, "
+        "serial = \"\"");
+  CHECK(defaults(stage, "stage.z") ==
+        "device = 3, device_id = 5082, low_mm = 0, high_mm = 50.8, maximum_speed_mm_per_s = 8, home_timeout_s = 120, "
+        "serial = \"\"");
+  const std::string force =
+      "model = \"ATI Nano17\", serial = \"\", certificate = \"\", calibrated = \"\", due = \"\", "
+      "expanded_uncertainty_n = 0, overload_share = 1, records_per_reading = 50, ";
+  CHECK(defaults(simulated_bench({{"force.kind", "net"}}), "force") ==
+        force + "host = \"127.0.0.1\", port = 0, http_port = 0, page_file = \"\", reply_timeout_ms = 500");
+  CHECK(defaults(hardware_bench({{"force.kind", "net"}}), "force") ==
+        force + "host = \"192.168.1.1\", port = 49152, http_port = 80, page_file = \"\", reply_timeout_ms = 500");
+  CHECK(defaults(simulated_bench({{"force.kind", "digital"}}), "force") ==
+        force +
+            "port = \"\", usb_serial = \"\", baud = 1250000, parity = \"E\", unit = 10, low_word_first = false, "
+            "samples_per_second = 7000");
+  CHECK(defaults(hardware_bench({{"force.kind", "daq"}, {"force.calibration_file", "f.cal"}}), "force") ==
+        force +
+            "temperature_compensation = true, library = \"\", device = \"Dev1\", card_serial = \"\", "
+            "channels = \"Dev1/ai16:21\", terminal = \"differential\", range_v = 10, sample_rate_hz = 10000");
+}
+
+TEST_CASE("a bench file's defaults: the simulated plant") {
+  const BenchConfig config = simulated_bench();
+  CHECK(defaults(config, "simulation") ==
+        "seed = 1, sensor_seed = 1, specimen = \"paper\", mount_seed = 0, temperature_c = 23, age_months = 0, "
+        "mount_turn = \"none\", "
+        "turned_in_chamber_deg = 0, edge_outside = \"last-row\", edge_outside_lines = 0, supply_bar = 8, "
+        "frame_source_port = 0, scanner_serial = \"SIM-SCANNER-1\"");
+  CHECK(defaults(config, "simulation.contact").starts_with("object = \"ring\", outer_diameter_mm = 15, "));
+  CHECK(defaults(config, "simulation.wire_faults") ==
+        "module_silent_after_requests = -1, module_dead_after_requests = -1, scanner_silent_after_scans = -1, "
+        "scanner_corrupt_scan = -1, scanner_drop_report_scan = -1, scanner_unplug_after_scans = -1");
+  CHECK(config.simulation->plant.chamber.span_psi == Approx(130.534).epsilon(1e-5));
+  const BenchConfig faulty =
+      simulated_bench({{"simulation.faults", "[{kind = 'leak'}, {kind = 'row_stuck', at_psi = 0}]"}});
+  const auto& faults = faulty.simulation->plant.faults;
+  REQUIRE(faults.size() == 2);
+  CHECK(faults[0].kind == FaultKind::kLeak);
+  CHECK_FALSE((faults[0].at_s || faults[0].at_psi || faults[0].at_n || faults[0].value));
+  CHECK(faults[0].times == 0);
+  CHECK(faults[0].lasts_s > 1e300);
+  CHECK(faults[1].kind == FaultKind::kRowStuck);
+  CHECK(faults[1].at_psi == 0.0);
+}
+
+TEST_CASE("a bench file's words for the simulated sensor: turns, edges, objects, defects") {
+  const auto specimen = [](const Changes& changes) { return simulated_bench(changes).simulation->plant.specimen; };
+  CHECK(specimen({{"simulation.mount_turn", "turned-90"}}).mount_turn == MountTurn::kBy90);
+  CHECK(specimen({{"simulation.edge_outside", "first-column"}}).edge_outside == MountEdge::kFirstColumn);
+  const Changes narrow{{"scanner.rows", "8"}, {"simulation.mount_turn", "turned-90"}};
+  CHECK_THAT(tests::refusal_of(bench_text("simulated"), narrow).what, Catch::Contains("not one of none, turned-180"));
+  CHECK(specimen({{"scanner.rows", "8"}}).rows == 8);
+  CHECK(simulated_bench({{"simulation.contact.object", "flat"}}).simulation->plant.contact.object == Footprint::kFlat);
+  const char* const kinds[] = {"dead", "stuck", "saturated", "noisy"};
+  for (int i = 0; i < 4; ++i) {
+    const auto defects =
+        specimen({{"simulation.defect", fmt::format("[{{kind = '{}', row = 3, column = 15}}]", kinds[i])}}).defects;
+    REQUIRE(defects.size() == 1);
+    CHECK(static_cast<int>(defects[0].kind) == i);
+    CHECK(defects[0].row == 3);
+    CHECK(defects[0].column == 15);
+  }
+  const auto swapped =
+      specimen({{"simulation.defect", "[{kind = 'swapped', row = 0, column = 1, other_row = 2, other_column = 3}]"}});
+  CHECK(swapped.defects[0].kind == TaxelDefect::Kind::kSwapped);
+  CHECK(swapped.defects[0].other_row == 2);
+  CHECK(swapped.defects[0].other_column == 3);
+}
+
+TEST_CASE("milliseconds, bar and counts of a bench file become what the devices take") {
+  const BenchConfig config = simulated_bench({{"dead_man.timeout_ms", "200"},
+                                              {"dead_man.progress_ms", "750"},
+                                              {"module.response_timeout_ms", "250"},
+                                              {"module.watchdog_ms", "2000"},
+                                              {"regulator.feed_interval_ms", "300"},
+                                              {"regulator.span_bar", "[0, 2]"},
+                                              {"scanner.frame_timeout_ms", "120"},
+                                              {"stage.reply_timeout_ms", "50"},
+                                              {"stage.poll_interval_ms", "60"},
+                                              {"stage.y.home_timeout_s", "2.5"},
+                                              {"force.reply_timeout_ms", "70"}});
+  CHECK(config.dead_man.timeout_s == 0.2);
+  CHECK(config.dead_man.progress_s == 0.75);
+  CHECK(config.module.endpoint.response_timeout == 250ms);
+  CHECK(config.watchdog_s == 2.0);
+  CHECK(config.regulator.feed_interval == 300ms);
+  CHECK(config.regulator.command_span.high.value() == Approx(29.00755));  // 1 bar is 14.503774 psi
+  CHECK(config.regulator.feedback_span.high.value() == Approx(29.00755));
+  CHECK(config.scanner.frame_timeout == 120ms);
+  CHECK(config.stage->options.reply_timeout == 50ms);
+  CHECK(config.stage->options.poll_interval == 60ms);
+  CHECK(config.stage->options.axes[1].home_timeout == 2500ms);
+  CHECK(config.force->net.reply_timeout == 70ms);
+  const BenchConfig line = simulated_bench({{"module.profile", "generic"},
+                                            {"module.transport", "rtu"},
+                                            {"module.max_reply_delay_ms", "40"},
+                                            {"module.parity", "E"},
+                                            {"module.stop_bits", "2"}});
+  CHECK(line.module.endpoint.max_reply_delay == 40ms);
+  CHECK(line.module.endpoint.parity == 'E');
+  CHECK(line.module.endpoint.stop_bits == 2);
+  CHECK(line.watchdog_s == 0.0);
+  const BenchConfig card = hardware_bench({{"scanner.kind", "daqmx"}, {"scanner.settle_ms", "7"}});
+  CHECK(card.daqmx_scanner.settle == 7ms);
+  CHECK(card.daqmx_scanner.timeout == 500ms);
+}
+
+TEST_CASE("kinds of instruments and terminals are taken by their words") {
+  CHECK(simulated_bench({{"scanner.kind", "frame-source"}}).scanner_kind == ScannerKind::kFrameSource);
+  CHECK(simulated_bench().scanner_kind == ScannerKind::kHid);
+  const auto terminal = [](const char* word) {
+    return hardware_bench({{"scanner.kind", "daqmx"}, {"scanner.terminal", word}}).daqmx_scanner.terminal;
+  };
+  CHECK(terminal("rse") == devices::DaqmxTerminal::kRse);
+  CHECK(terminal("nrse") == devices::DaqmxTerminal::kNrse);
+  CHECK(terminal("differential") == devices::DaqmxTerminal::kDifferential);
+  CHECK(simulated_bench({{"force.kind", "net"}}).force->kind == ForceKind::kNet);
+  CHECK(simulated_bench({{"force.kind", "digital"}}).force->kind == ForceKind::kDigital);
+  CHECK(simulated_bench({{"force.kind", "digital"}, {"force.parity", "O"}}).force->address.parity == 'O');
+  const BenchConfig daq = hardware_bench({{"force.kind", "daq"},
+                                          {"force.calibration_file", "f.cal"},
+                                          {"force.range_v", "5"},
+                                          {"force.tool.displacement_mm", "[1, 2, 3]"}});
+  CHECK(daq.force->kind == ForceKind::kDaq);
+  CHECK(daq.force->daq.tool.displacement_mm == std::array<double, 3>{1, 2, 3});
+  CHECK(daq.force->daq.tool.rotation_deg == std::array<double, 3>{0, 0, 0});
+  CHECK(daq.force->daq.converter_limit.value() == 5.0);
+  const auto type = [](const char* word) {
+    return simulated_bench(
+               {{"reference.gauge.unit", "2"}, {"reference.gauge.address", "0"}, {"reference.gauge.type", word}})
+        .reference_gauge->quantity.format.type;
+  };
+  CHECK(type("i16") == devices::RegisterType::kI16);
+  CHECK(type("f32") == devices::RegisterType::kF32);
+  const BenchConfig external = simulated_bench({{"bench.simulator", "external"}, {"bench.rate", "10"}});
+  CHECK_FALSE(external.in_process);
+  CHECK_FALSE(external.simulation);
+  CHECK(external.rate == 10.0);
+  CHECK(simulated_bench({{"bench.simulator", "in-process"}}).in_process);
+}

@@ -1,0 +1,144 @@
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <fstream>
+
+#include "bench/config/config_profile.h"
+#include "devices/wire/modbus/modbus_value.h"
+#include "sequences/toml/strict_toml.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using bench::read_module_profile;
+
+namespace {
+
+std::string error_of(const std::string& name) {
+  try {
+    (void)read_module_profile(name);
+  } catch (const sequences::FileError& error) {
+    return error.id() + " " + error.what() + " " + error.remedy();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("module profiles: the EK9000's addresses") {
+  const auto profile = read_module_profile("beckhoff-ek9000");
+  CHECK(profile.tcp);
+  CHECK_FALSE(profile.rtu);
+  CHECK(profile.inputs.address == 0x0000);
+  CHECK(profile.outputs.address == 0x0800);
+  CHECK(profile.outputs.function == 23);
+  CHECK(profile.fail_safe.watchdog_address == 0x1120);
+  CHECK(profile.fail_safe.fallbacks_address == 0x1021);
+  CHECK(profile.fail_safe.layers.size() == 2);
+}
+
+TEST_CASE("module profiles: each shipped one can be read, and holds outputs or inputs") {
+  const auto names = bench::shipped_profiles();
+  CHECK(names.size() >= 7);
+  for (const std::string& name : names) {
+    INFO(name);
+    const auto profile = read_module_profile(name);
+    CHECK(profile.name == name);
+    CHECK(profile.outputs.channels + profile.inputs.channels > 0);
+  }
+}
+
+TEST_CASE("module profiles: the manuals' numbers of ADAM, Moxa and Waveshare") {
+  const auto adam = read_module_profile("advantech-adam-6024");
+  CHECK(adam.outputs.address == 40011 - 40001);
+  CHECK(adam.inputs.address + adam.inputs.status_offset == 40021 - 40001);
+  const auto moxa = read_module_profile("moxa-iologik-e1241");
+  CHECK(moxa.outputs.address == 41025 - 40001);
+  CHECK(moxa.fail_safe.safe_mode_address == 0x1010);
+  CHECK(moxa.fail_safe.safe_mode_clear_address == 0x1020);
+  const auto waveshare = read_module_profile("waveshare-analog-output-8ch-b");
+  CHECK_FALSE(waveshare.tcp);
+  CHECK(waveshare.outputs.volts.raw(1.0) == 1000.0);  // 01 06 00 00 03 E8: 1 V
+  CHECK(waveshare.fail_safe.layers.empty());
+}
+
+TEST_CASE("module profiles: an unknown name, a wrong function and an unknown key are reported with a remedy") {
+  CHECK_THAT(error_of("beckhof-ek9000"),
+             Catch::Contains("TB-MODULE-PROFILE") && Catch::Contains("did you mean 'beckhoff-ek9000'"));
+  const tests::TemporaryFolder folder;
+  const auto write = [&](const std::string& text) {
+    const std::string path = folder.path() + "/mine.toml";
+    std::ofstream(path) << "schema = 1\nmodel = \"mine\"\ntransport = \"any\"\n" << text;
+    return path;
+  };
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nfunction = 15\n")), Catch::Contains("6, 16, 23"));
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nadress = 3\n")), Catch::Contains("adress"));
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nvolts_span = [2, 10]\n")), Catch::Contains("0 V"));
+  CHECK_THAT(error_of(write("[outputs]\nchannels = 1\nfunction = 23\n")), Catch::Contains("function 23 reads inputs"));
+  CHECK(error_of(write("[inputs]\nchannels = 1\n")) == "none");
+}
+
+TEST_CASE("module profiles: defaults, ranges of all numbers, and what one may not say") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.path("mine.toml");
+  const auto told = [&](const std::string& text) {
+    std::ofstream(path) << "schema = 1\nmodel = \"mine\"\ntransport = \"any\"\n" << text;
+    return error_of(path);
+  };
+  REQUIRE(told("[outputs]\nchannels = 1\n[inputs]\nchannels = 2\n") == "none");
+  const auto profile = read_module_profile(path);
+  CHECK(profile.tcp);
+  CHECK(profile.rtu);
+  CHECK(profile.max_reply_delay == std::chrono::seconds(1));
+  CHECK(profile.outputs.function == 16);
+  CHECK(profile.outputs.address == 0);
+  CHECK(profile.outputs.readback == 3);
+  CHECK(profile.outputs.dead_band == 0);
+  CHECK(profile.outputs.deadline == std::chrono::seconds(0));
+  CHECK(profile.outputs.volts.raw(10.0) == 32767.0);
+  CHECK(profile.outputs.volts.raw(0.0) == 0.0);
+  CHECK(profile.inputs.function == 4);
+  CHECK(profile.inputs.address == 0);
+  CHECK(profile.inputs.spare == 0);
+  CHECK(profile.inputs.status_offset == -1);
+  CHECK(profile.inputs.format.type == devices::RegisterType::kI16);
+  CHECK_FALSE(profile.inputs.format.low_word_first);
+  CHECK(profile.fail_safe.watchdog_address == -1);
+  CHECK(profile.fail_safe.fallbacks_address == -1);
+  CHECK(profile.fail_safe.safe_mode_address == -1);
+  CHECK(profile.fail_safe.safe_mode_clear_address == -1);
+  struct Range {
+    const char *before, *key, *range;
+  };
+  const Range ranges[] = {
+      {"", "max_reply_delay_ms", "1 to 60000"},
+      {"[outputs]\nchannels = 1\n", "address", "a whole number from 0 to 65535"},
+      {"[outputs]\n", "channels", "a whole number from 1 to 120"},
+      {"[outputs]\nchannels = 1\n", "function", "a whole number from 0 to 127"},
+      {"[outputs]\nchannels = 1\n", "dead_band_counts", "a whole number from 0 to 1000"},
+      {"[outputs]\nchannels = 1\n", "deadline_ms", "0 for none, or 1 to 10000"},
+      {"[inputs]\nchannels = 1\n", "address", "a whole number from 0 to 65535"},
+      {"[inputs]\n", "channels", "a whole number from 1 to 60"},
+      {"[inputs]\nchannels = 1\n", "spare", "a whole number from 0 to 8"},
+      {"[inputs]\nchannels = 1\n", "status_offset", "a whole number from -1 to 60"},
+      {"[fail_safe]\n", "watchdog_address", "a whole number from -1 to 65535"},
+      {"[fail_safe]\n", "fallbacks_address", "a whole number from -1 to 65535"},
+      {"[fail_safe]\n", "safe_mode_address", "a whole number from -1 to 65535"},
+      {"[fail_safe]\n", "safe_mode_clear_address", "a whole number from -1 to 65535"},
+  };
+  for (const Range& range : ranges) {
+    INFO(range.before << range.key);
+    CHECK_THAT(told(range.before + std::string(range.key) + " = 1e300\n"),
+               Catch::EndsWith(std::string("use ") + range.range));
+  }
+  const std::string outputs = "[outputs]\nchannels = 1\n", inputs = "[inputs]\nchannels = 1\n";
+  CHECK_THAT(told(outputs + "readback_function = 6\n"), Catch::EndsWith("one of: 0, 3, 4"));
+  CHECK_THAT(told(inputs + "function = 16\n"), Catch::EndsWith("one of: 3, 4"));
+  CHECK_THAT(told(outputs + "volts_span = [-10, 0]\n"), Catch::Contains("does not hold 0 V"));
+  CHECK_THAT(told(outputs + "volts_span = [0.1, 10]\n"), Catch::Contains("does not hold 0 V"));
+  CHECK(told(outputs + "volts_span = [-10, 10]\nraw_span = [0, 65535]\n") == "none");
+  CHECK_THAT(told(outputs + "raw_span = [-1, 100]\n"), Catch::Contains("0 to 65535 counts"));
+  CHECK_THAT(told(outputs + "raw_span = [0, 65536]\n"), Catch::Contains("0 to 65535 counts"));
+  CHECK(told(inputs + "raw_span = [-32768, 32767]\nvolts_span = [-10, 10]\n") == "none");
+  REQUIRE(told("max_reply_delay_ms = 20\n" + outputs + "deadline_ms = 30\n") == "none");
+  CHECK(read_module_profile(path).max_reply_delay == std::chrono::milliseconds(20));
+  CHECK(read_module_profile(path).outputs.deadline == std::chrono::milliseconds(30));
+}

@@ -1,0 +1,293 @@
+// The guard with drivers that record every call: what it lets through, in which order, and how it uses their readings.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "bench/common/process_time.h"
+#include "bench/guard/guard.h"
+#include "bench/guard/guard_devices.h"
+#include "tests/bench/run/press/ideal_press.h"
+#include "tests/devices/fault_of.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+using devices::Axis;
+using devices::fault_id_of;
+using devices::fault_of;
+using devices::Millimetres;
+using devices::MillimetresPerSecond;
+using devices::Psi;
+using std::chrono::milliseconds;
+
+namespace {
+
+using Calls = std::vector<std::string>;
+
+class NotingSource final : public devices::PressureSource {
+ public:
+  explicit NotingSource(Calls& calls) : calls_(calls) {}
+  void arm() override { calls_.push_back("arm"); }
+  void disarm() noexcept override { calls_.push_back("disarm"); }
+  bool armed() const override { return true; }
+  std::uint16_t command(Psi pressure) override {
+    calls_.push_back("command " + std::to_string(static_cast<int>(pressure.value())));
+    return 77;
+  }
+  void keep_alive() override { calls_.push_back("keep_alive"); }
+  devices::PressureReading feedback() override { return {Psi(psi), {}, 5, milliseconds(3)}; }
+  devices::Nanoseconds last_fed() const override { return milliseconds(9); }
+  bool vent() noexcept override {
+    calls_.push_back("vent");
+    return vents;
+  }
+  devices::Identity identity() const override { return {}; }
+  double psi = 0.0;
+  bool vents = true;
+
+ private:
+  Calls& calls_;
+};
+
+// Fires after so many questions; the line is free or not.
+class CountingWatcher final : public Watcher {
+ public:
+  void feed() override { ++fed; }
+  bool fired() override { return fires_at >= 0 && asked++ >= fires_at; }
+  std::optional<WatcherLost> lost() override { return std::nullopt; }
+  bool wait_ended(devices::Nanoseconds longest) override {
+    waited.push_back(longest);
+    return ends;
+  }
+  int fed = 0, asked = 0, fires_at = -1;
+  bool ends = false;
+  std::vector<devices::Nanoseconds> waited;
+};
+
+struct Gate {
+  Gate() {
+    guard.set_log([this](devices::Nanoseconds, const std::string& actuator, const std::string& text, bool) {
+      lines.push_back(actuator + ": " + text);
+    });
+    guard.set_actuators(&inner, &stage);
+    guard.set_trip_sink([this](const Trip& trip) { stored.push_back(trip); });
+    guard.set_run(12);
+  }
+  static GuardLimits limits() {
+    GuardLimits limits;
+    limits.safety.step_psi = 100.0;
+    limits.axes.fill({1.0, 50.0, 8.0});
+    return limits;
+  }
+  void ready() {
+    source.arm();
+    guard.note_feedback(Psi(0.0), clock.now());
+    guard.note_reference(Psi(0.0), clock.now());
+    calls.clear();
+  }
+  Calls calls, lines;
+  std::vector<Trip> stored;
+  devices::TurnedClock clock;
+  Guard guard{limits(), clock};
+  IdealStage stage{clock};
+  NotingSource inner{calls};
+  GuardedSource source{std::make_unique<NotingSource>(calls), guard, [this] { calls.push_back("before"); }};
+  GuardedStage gate{stage, guard, [this] { calls.push_back("before stage"); }};
+};
+
+}  // namespace
+
+TEST_CASE("guard's gate: arming asks first, arms the driver, and the set-point stands at 0 with its step free") {
+  Gate gate;
+  CHECK_FALSE(gate.guard.armed());
+  gate.source.arm();
+  CHECK(gate.calls == Calls{"before", "arm"});
+  CHECK(gate.guard.armed());
+  CHECK(gate.guard.setpoint_psi() == 0.0);
+  GuardedSource refused(std::make_unique<NotingSource>(gate.calls), gate.guard, [] { throw std::runtime_error("no"); });
+  gate.calls.clear();
+  CHECK_THROWS(refused.arm());
+  CHECK(gate.calls.empty());
+}
+
+TEST_CASE("guard's gate: a command reaches the driver once, the set-point follows, a refused one is not sent") {
+  Gate gate;
+  gate.ready();
+  CHECK(gate.source.command(Psi(20.0)) == 77);
+  CHECK(gate.guard.setpoint_psi() == 20.0);
+  CHECK(gate.calls == Calls{"command 20"});
+  CHECK(fault_id_of([&] { (void)gate.source.command(Psi(61.0)); }) == "TB-CHAMBER-LIMIT");
+  CHECK(gate.calls == Calls{"command 20"});
+  CHECK(gate.guard.setpoint_psi() == 20.0);
+  gate.source.keep_alive();
+  CHECK(gate.calls.back() == "keep_alive");
+  CHECK(gate.source.vent());
+  CHECK(gate.guard.setpoint_psi() == 0.0);
+  CHECK(gate.lines.back() == "pressure: vent");
+  const std::size_t before = gate.lines.size();
+  CHECK(gate.source.vent());  // once more: nothing to tell
+  CHECK(gate.lines.size() == before);
+}
+
+TEST_CASE("guard's gate: a vent that is not read back keeps the set-point and reports that each time") {
+  Gate gate;
+  auto driver = std::make_unique<NotingSource>(gate.calls);
+  driver->vents = false;
+  GuardedSource source(std::move(driver), gate.guard, [] {});
+  source.arm();
+  gate.guard.note_feedback(Psi(0.0), gate.clock.now());
+  gate.guard.note_reference(Psi(0.0), gate.clock.now());
+  (void)source.command(Psi(10.0));
+  CHECK_FALSE(source.vent());
+  CHECK(gate.guard.setpoint_psi() == 10.0);
+  CHECK(gate.lines.back() == "pressure: vent, not read back");
+  const std::size_t before = gate.lines.size();
+  CHECK_FALSE(source.vent());
+  CHECK(gate.lines.size() == before + 1);
+}
+
+TEST_CASE("guard's gate: a dead-man that fires between check and write is noticed after it, and the chamber vented") {
+  for (const bool rewriting : {false, true}) {
+    Gate gate;
+    gate.ready();
+    CountingWatcher watcher;
+    gate.guard.set_watcher(&watcher);
+    (void)gate.source.command(Psi(20.0));
+    gate.calls.clear();
+    watcher.asked = 0;
+    watcher.fires_at = 1;  // not before the writing
+    const std::string id = fault_id_of([&] {
+      if (rewriting) {
+        gate.source.keep_alive();
+      } else {
+        (void)gate.source.command(Psi(21.0));
+      }
+    });
+    CHECK(id == "TB-DEADMAN-FIRED");
+    CHECK(gate.calls == Calls{rewriting ? "keep_alive" : "command 21", "vent"});
+    CHECK(watcher.waited.front() == milliseconds(0));
+    CHECK(gate.stored.size() == 1);
+  }
+}
+
+TEST_CASE("guard's gate: a trip vents, halts a stage that was armed, is stored with its run, and the first one stays") {
+  Gate gate;
+  gate.ready();
+  gate.guard.trip("TB-A", "first");
+  CHECK(gate.calls == Calls{"vent"});
+  CHECK(gate.stage.halts == 0);  // it was never armed
+  gate.guard.trip("TB-B", "second");
+  REQUIRE(gate.stored.size() == 1);
+  CHECK((gate.stored[0].id == "TB-A" && gate.stored[0].what == "first" && gate.stored[0].run == 12));
+  CHECK(gate.lines.back() == "guard: trip TB-A: first");
+  gate.guard.reset("somebody");
+  CHECK(gate.lines.back() == "guard: reset by somebody");
+  gate.gate.arm();
+  CHECK(gate.calls.back() == "before stage");
+  gate.guard.trip("TB-C", "third");
+  CHECK(gate.stage.halts == 1);
+  gate.guard.reset("somebody");
+  CountingWatcher watcher;
+  gate.guard.set_watcher(&watcher);
+  gate.guard.feed();
+  CHECK(watcher.fed == 1);
+  gate.guard.trip(kDeadManFired, "it works on the line");
+  CHECK(gate.stage.halts == 1);
+  gate.guard.reset("somebody");
+  watcher.ends = true;
+  gate.guard.trip(kDeadManFired, "it has ended");
+  CHECK(gate.stage.halts == 2);
+}
+
+TEST_CASE("guard's gate: a halt waits for a dead-man on the line at most 15 s, and leaves the stage to it") {
+  Gate gate;
+  CHECK(gate.gate.halt());
+  CountingWatcher watcher;
+  gate.guard.set_watcher(&watcher);
+  CHECK(gate.gate.halt());
+  CHECK(watcher.waited.empty());
+  watcher.fires_at = 0;
+  CHECK_FALSE(gate.gate.halt());
+  CHECK(watcher.waited == std::vector<devices::Nanoseconds>{std::chrono::seconds(15)});
+  CHECK(gate.stage.halts == 2);
+  watcher.ends = true;
+  CHECK(gate.gate.halt());
+  gate.stage.obeys = false;
+  CHECK_FALSE(gate.gate.halt());
+}
+
+TEST_CASE("guard's gate: each way to move the stage is checked by where it ends and how fast it goes") {
+  Gate gate;
+  gate.gate.arm();
+  gate.stage.put(Axis::kZ, 10.0);
+  gate.gate.start_move_to(Axis::kZ, Millimetres(12.0), std::nullopt);
+  CHECK(fault_id_of([&] { gate.gate.start_move_to(Axis::kX, Millimetres(5.0), std::nullopt); }) == "TB-STAGE-ENVELOPE");
+  CHECK(gate.gate.wait(Axis::kZ).value() == 12.0);
+  gate.gate.start_move_to(Axis::kX, Millimetres(5.0), std::nullopt);
+  CHECK(gate.stage.mm(Axis::kX) == 0.0);
+  CHECK(fault_id_of([&] { gate.gate.start_move_to(Axis::kZ, Millimetres(26.0), std::nullopt); }) ==
+        "TB-STAGE-ENVELOPE");
+  CHECK(gate.gate.wait(Axis::kX).value() == 5.0);
+  gate.stage.put(Axis::kX, 45.0);
+  CHECK(fault_id_of([&] { gate.gate.start_move_by(Axis::kX, Millimetres(5.1), std::nullopt); }) == "TB-STAGE-LIMIT");
+  CHECK(fault_id_of([&] { gate.gate.start_move_by(Axis::kX, Millimetres(-44.1), std::nullopt); }) == "TB-STAGE-LIMIT");
+  CHECK(fault_id_of([&] { gate.gate.start_move_by(Axis::kX, Millimetres(5.0), MillimetresPerSecond(8.1)); }) ==
+        "TB-STAGE-LIMIT");
+  CHECK(fault_id_of([&] { gate.gate.start_move_by(Axis::kX, Millimetres(5.0), MillimetresPerSecond(8.0)); }) == "none");
+  CHECK(gate.gate.stop(Axis::kX).value() == 45.0);
+  CHECK(fault_id_of([&] { gate.gate.start_speed(Axis::kX, MillimetresPerSecond(-8.0)); }) == "none");
+  CHECK(gate.lines.back() == "stage x: a move to 1 mm at 8 mm/s");
+  (void)gate.gate.stop(Axis::kX);
+  CHECK(fault_id_of([&] { gate.gate.start_speed(Axis::kX, MillimetresPerSecond(4.0)); }) == "none");
+  CHECK(gate.lines.back() == "stage x: a move to 50 mm at 4 mm/s");
+  CHECK(fault_id_of([&] { gate.gate.start_speed(Axis::kX, MillimetresPerSecond(0.0)); }) == "TB-STAGE-LIMIT");
+  (void)gate.gate.stop(Axis::kX);
+  gate.gate.home(Axis::kZ);
+  CHECK(gate.stage.homed_order == std::vector<Axis>{Axis::kZ});
+  CHECK(gate.lines.back() == "stage z: homing");
+  gate.gate.start_move_by(Axis::kZ, Millimetres(2.0), std::nullopt);
+  gate.gate.arm();  // what moved before is not known to move
+  CHECK(fault_id_of([&] { gate.gate.home(Axis::kX); }) == "none");
+}
+
+TEST_CASE("guard's gate: force is judged from the first tare on, an overload of the sensor is the guard's trip") {
+  Gate gate;
+  gate.gate.arm();
+  auto inner = std::make_unique<IdealForce>(gate.clock, gate.stage, [](double) { return 40.0; });
+  IdealForce& sensor = *inner;
+  GuardedForce force(std::move(inner), gate.guard);
+  CHECK(force.read(10).records == 10);  // 40 N before the tare
+  CHECK_FALSE(gate.guard.tripped());
+  CHECK(force.bias(25).force_n[2] == 0.0);
+  CHECK(sensor.biased_by == 25);
+  const auto fault = fault_of([&] { (void)force.read(10); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-FORCE-TRIP");
+  CHECK_THAT(fault->what(), Catch::Contains("Fx = 10.00 N measured, beyond the limit of 5 N"));
+  CHECK(gate.stage.halts == 1);
+  CHECK_NOTHROW((void)force.read(10));  // tripped once: noted
+  for (const auto& [id, trips] : {std::pair{"TB-FORCE-OVERLOAD", true}, std::pair{"TB-FORCE-SATURATED", true},
+                                  std::pair{"TB-FORCE-TIMEOUT", false}}) {
+    gate.guard.reset("test");
+    sensor.law = [id = id](double) -> double { throw devices::Fault(id, "sensor", "said so", "look"); };
+    CHECK(fault_id_of([&] { (void)force.read(10); }) == (trips ? "TB-FORCE-TRIP" : id));
+    CHECK(gate.guard.tripped().has_value() == trips);
+  }
+}
+
+TEST_CASE("feeding clock: feeds before, between and after slices, and not beyond the time asked for") {
+  devices::TurnedClock inner;
+  std::vector<devices::Nanoseconds> fed;
+  FeedingClock clock(inner, milliseconds(100), [&] { fed.push_back(inner.now()); });
+  clock.wait_until(milliseconds(250));
+  using Times = std::vector<devices::Nanoseconds>;
+  CHECK(fed == Times{milliseconds(0), milliseconds(100), milliseconds(200), milliseconds(250)});
+  CHECK(clock.now() == milliseconds(250));
+  fed.clear();
+  clock.wait_until(milliseconds(250));
+  CHECK(fed == Times{milliseconds(250)});
+  clock.reply_lost(milliseconds(50));
+  CHECK(clock.now() == milliseconds(300));
+}

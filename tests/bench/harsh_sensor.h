@@ -1,0 +1,31 @@
+// Simulated sensors by their seeds, for the tests of the harsh specimen.
+#pragma once
+
+#include <cstdint>
+
+#include "bench/config/plant_options.h"
+
+namespace tactbench::bench::testing {
+
+inline SpecimenOptions harsh_sensor(std::uint64_t sensor, std::uint64_t run = 1234) {
+  SpecimenOptions options;
+  options.kind = SpecimenKind::kHarsh;
+  options.sensor_seed = sensor;
+  options.seed = run;
+  return options;
+}
+
+inline SpecimenOptions paper_sensor(std::uint64_t sensor) {
+  SpecimenOptions options;
+  options.sensor_seed = sensor;
+  return options;
+}
+
+inline PlantOptions harsh_plant(std::uint64_t sensor, std::uint64_t run) {
+  PlantOptions options;
+  options.seed = run;
+  options.specimen = harsh_sensor(sensor);
+  return options;
+}
+
+}  // namespace tactbench::bench::testing

@@ -1,0 +1,161 @@
+// `devices check` and related verbs on the simulated rig, and their messages when something is absent or wrong.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "bench/common/error.h"
+#include "bench/config/calibration_words.h"
+#include "bench/instruments/check.h"
+#include "bench/instruments/reference_calibration.h"
+#include "bench/instruments/scan.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using State = bench::DeviceCheck::State;
+
+namespace {
+
+std::vector<bench::DeviceCheck> check(const std::vector<sequences::Override>& overrides) {
+  bench::Rig rig(small_request(overrides).bench);
+  return bench::check_devices(rig, "2026-06-01");
+}
+
+const bench::DeviceCheck& of(const std::vector<bench::DeviceCheck>& checks, const std::string& role) {
+  for (const bench::DeviceCheck& each : checks) {
+    if (each.role == role) return each;
+  }
+  throw std::runtime_error("no check of " + role);
+}
+
+bool says(const bench::DeviceCheck& device, const std::string& text) {
+  for (const std::string& note : device.notes) {
+    if (note.find(text) != std::string::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("devices check: every instrument of the simulated rig is ok, named and near zero, and nothing was armed") {
+  bench::Rig rig(small_request({{"reference.due", "\"2026-05-31\""}}).bench);
+  const auto checks = bench::check_devices(rig, "2026-06-01");
+  CHECK(checks.size() == 6);
+  for (const bench::DeviceCheck& device : checks) {
+    INFO(device.role << " " << device.remedy);
+    const bool overdue = device.role == "pressure reference";
+    CHECK(device.state == (overdue ? State::kWarning : State::kOk));
+    CHECK_FALSE(device.found.empty());
+    CHECK_FALSE(device.reading.empty());
+    CHECK(device.remedy.empty() != overdue);
+    CHECK_THAT(device.found, Catch::Contains("simulated"));
+  }
+  CHECK(says(of(checks, "pressure reference"), "OVERDUE since 2026-05-31"));
+  CHECK_THAT(of(checks, "stage").found, Catch::Contains("z: id 5082"));
+  CHECK_FALSE(rig.source().armed());
+  CHECK_FALSE(rig.stage()->armed());
+}
+
+TEST_CASE("devices check: a silent device is absent, another serial or model is wrong, the others are still checked") {
+  const auto silent =
+      check({{"simulation.wire_faults.module_silent_after_requests", "0"}, {"module.response_timeout_ms", "50"}});
+  CHECK(of(silent, "analog module").state == State::kAbsent);
+  CHECK(of(silent, "regulator").state == State::kAbsent);
+  CHECK(of(silent, "tactile scanner").state == State::kOk);
+  CHECK_FALSE(of(silent, "analog module").remedy.empty());
+
+  const auto serial = check({{"scanner.serial", "\"OTHER\""}, {"force.serial", "\"FT-7\""}});
+  CHECK(of(serial, "tactile scanner").state == State::kWrong);
+  CHECK(says(of(serial, "tactile scanner"), "OTHER"));
+  CHECK(of(serial, "force sensor").state == State::kOk);  // the simulated sensor takes the serial of the file
+
+  const auto model = check({{"stage.z.low_mm", "1"}, {"stage.x.device_id", "5082"}, {"stage.x.high_mm", "20"}});
+  CHECK(of(model, "stage").state == State::kOk);  // the simulated chain is made of the models in the file
+}
+
+TEST_CASE("devices check: a chamber that is not at zero is reported with a remedy") {
+  const auto checks = check({{"reference.span_psi", "[5, 105]"}});
+  CHECK(of(checks, "pressure reference").state == State::kWrong);
+  CHECK(says(of(checks, "pressure reference"), "not at zero"));
+  CHECK_FALSE(of(checks, "pressure reference").remedy.empty());
+}
+
+TEST_CASE("devices check: with frame source and digital force sensor in place of scanner and Net F/T") {
+  const auto checks = check({{"scanner.kind", "frame-source"}, {"force.kind", "digital"}});
+  CHECK(of(checks, "tactile scanner").state == State::kOk);
+  CHECK_THAT(of(checks, "tactile scanner").found, Catch::Contains("frame source"));
+  CHECK(of(checks, "force sensor").state == State::kOk);
+  CHECK_THAT(of(checks, "force sensor").found, Catch::Contains("SIMFT2"));
+}
+
+TEST_CASE("a run through the frame source gives the frames of the run through HID reports") {
+  const TemporaryFolder folder;
+  db::RunStore hid = db::RunStore::open(folder.path("hid.db"), db::Durability::kNormal);
+  db::RunStore tcp = db::RunStore::open(folder.path("tcp.db"), db::Durability::kNormal);
+  const auto one = run_small(small_request(), hid);
+  const auto two = run_small(small_request({{"scanner.kind", "frame-source"}}), tcp);
+  if (two.error) FAIL(two.error->what());
+  const auto first = hid.frames(one.run);
+  const auto second = tcp.frames(two.run);
+  REQUIRE(first.size() == second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) CHECK(first[i].counts == second[i].counts);
+}
+
+TEST_CASE("the indenter's force follows the stage: free above the surface, stiffness times depth below") {
+  bench::Rig rig(small_request({{"simulation.contact.surface_z_mm", "20"},
+                                {"simulation.contact.stiffness_n_per_mm", "10"},
+                                {"simulation.contact.stiffening_n_per_mm2", "0"},
+                                {"simulation.contact.friction_share", "0"},
+                                {"simulation.contact.relaxation_share", "0"}})
+                     .bench);
+  devices::ZaberStage& stage = *rig.stage();
+  devices::ForceSensor& force = rig.open_force();
+  stage.arm();
+  stage.home(devices::Axis::kZ);
+  stage.start_move_to(devices::Axis::kZ, devices::Millimetres(19.9), std::nullopt);
+  CHECK(stage.wait(devices::Axis::kZ).value() == Approx(19.9).margin(0.001));
+  CHECK(force.read(20).wrench.force_n[2] == Approx(0.0).margin(0.02));
+  stage.start_move_to(devices::Axis::kZ, devices::Millimetres(21.0), std::nullopt);
+  stage.wait(devices::Axis::kZ);
+  CHECK(force.read(20).wrench.force_n[2] == Approx(-10.0).margin(0.02));
+  CHECK(stage.halt());
+}
+
+TEST_CASE("devices scan: a refusing Modbus host is reported, an invalid address is a usage error") {
+  const auto entries = bench::scan_devices({"127.0.0.1:1"});
+  CHECK(std::any_of(entries.begin(), entries.end(), [](const auto& entry) {
+    return entry.kind == "Modbus TCP" && entry.what.find("Connection refused") != std::string::npos;
+  }));
+  CHECK_THROWS_AS(bench::scan_devices({"host:0"}), bench::Error);
+}
+
+TEST_CASE("calibrating a reference: corrections by level, residuals, and U from gauge, hysteresis and resolution") {
+  const std::vector<bench::GaugePoint> points = {{0.0, true, 0.0, 0.1},     {30.0, true, 30.0, 30.2},
+                                                 {60.0, true, 60.0, 60.5},  {60.0, false, 60.0, 60.5},
+                                                 {30.0, false, 30.0, 30.4}, {0.0, false, 0.0, 0.1}};
+  const auto result = bench::calibrate_reference(points, 0.06, 0.1);
+  CHECK(result.correction.reading_psi == std::vector<double>{0.0, 30.0, 60.0});
+  CHECK(result.correction.correction_psi[1] == Approx(0.3));
+  CHECK(result.correction.corrected(devices::Psi(60.0)).value() == Approx(60.5));
+  CHECK(result.hysteresis_psi == Approx(0.2));
+  CHECK(result.largest_residual_psi == Approx(0.1));
+  // u² = 0.03² + 0.1²/3 + 0.1²/12 at 30 psi.
+  CHECK(result.correction.expanded_uncertainty_psi[1] == Approx(2.0 * std::sqrt(0.0009 + 0.01 / 3.0 + 0.01 / 12.0)));
+  CHECK(result.correction.expanded_uncertainty_psi[0] == Approx(2.0 * std::sqrt(0.0009 + 0.01 / 12.0)));
+  CHECK_THROWS_AS(bench::calibrate_reference({points[0]}, 0.06, 0.1), std::invalid_argument);
+  CHECK_THROWS_AS(bench::calibrate_reference({{0.0, true, 5.0, 0.0}, {10.0, true, 4.0, 9.0}}, 0.06, 0.1),
+                  std::invalid_argument);
+}
+
+TEST_CASE("certificate and due date in words") {
+  const auto words = [](const std::string& json, const std::string& day) {
+    return bench::calibration_words(analysis::calibration_of({"force sensor", "M", "1", "", "hardware", json}), day);
+  };
+  CHECK(words("{}", "2026-06-01") == "certificate not stated, no due date stated");
+  const char* stated =
+      R"({"certificate":"C-1","calibrated":"2025-06-01","due":"2026-06-01","expanded_uncertainty_n":0.1})";
+  CHECK(words(stated, "2026-06-01") == "certificate C-1, calibrated 2025-06-01, due 2026-06-01, U 0.1 N (k = 2)");
+  CHECK_THAT(words(stated, "2026-06-02"), Catch::Contains("OVERDUE since 2026-06-01"));
+  CHECK_THAT(words(R"({"due":"soon"})", "2026-06-02"), Catch::Contains("no due date stated; due: not a date: soon"));
+}

@@ -1,0 +1,176 @@
+// What `model show` and `model diff` print of models that are known number by number.
+#include <catch2/catch.hpp>
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/models/mpi.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using analysis::ModelTaxel;
+using analysis::SensorModel;
+using nlohmann::json;
+
+namespace {
+
+ModelTaxel taxel_with(int number, const analysis::MpiParameters& parameters) {
+  ModelTaxel taxel;
+  taxel.taxel = number;
+  taxel.status = analysis::TaxelStatus::kFitted;
+  taxel.noise = 0.004;
+  taxel.fit.model = std::make_unique<analysis::MpiModel>(parameters, 0.0, 60.0, 0.0);
+  taxel.fit.j = 2.5;
+  taxel.fit.mean_error = 0.02;
+  taxel.fit.max_error = 0.06;
+  taxel.fit.full_scale = 2.0;
+  return taxel;
+}
+
+// Two taxels and the mean taxel; between them a dead one.
+SensorModel known_model(double a1, double zero) {
+  SensorModel document;
+  document.model = "mpi";
+  document.source = "me.csv";
+  document.origin = "imported";
+  document.content_sha256 = "0123";
+  document.sequences = {"up", "down"};
+  document.sensor_serial = "S-1";
+  document.input_unit = "N";
+  document.output_unit = "V";
+  document.rows = 1;
+  document.columns = 3;
+  document.validity.input = analysis::Range{0.0, 60.0};
+  document.validity.rate = analysis::Range{0.5, 2.0};
+  document.validity.mount = "glued";
+  document.taxels.push_back(taxel_with(0, {0.1, -0.001, 0.0, 3.0, 0.7}));
+  document.taxels.emplace_back();
+  document.taxels.back().taxel = 1;
+  document.taxels.back().status = analysis::TaxelStatus::kDead;
+  document.taxels.push_back(taxel_with(2, {a1, -0.001, 0.0, 3.0, 0.7}));
+  document.taxels.back().zero = zero;
+  document.taxels.push_back(taxel_with(analysis::kMeanTaxel, {0.1, -0.001, 0.0, 3.0, 5.0}));
+  return document;
+}
+
+void write_model(const TemporaryFolder& folder, const std::string& name, const SensorModel& document) {
+  write_file(folder.path(name), analysis::to_text(document));
+}
+
+void check_holds(const Finished& finished, const std::vector<std::string>& lines) {
+  INFO(finished.out << finished.err);
+  for (const std::string& line : lines) {
+    INFO(line);
+    CHECK(("\n" + finished.out).find("\n" + line + "\n") != std::string::npos);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("model show: what was fitted, where it holds, and the last taxel's numbers") {
+  const TemporaryFolder folder;
+  // As a reader has it: with the loops that a document made by hand lacks.
+  SensorModel document = analysis::document_from_text(analysis::to_text(known_model(0.1, 0.0)), "m.json");
+  write_model(folder, "m.json", document);
+  check_holds(
+      call(folder, {"model", "show", "m.json"}),
+      {"mpi of me.csv (imported), sha256 " + analysis::sha256_of(document).substr(0, 12), "  fitted on     up, down",
+       "  content       0123", "  sensor        S-1, scanner (not stated)", "  units         N to V",
+       "  valid for     input 0 .. 60 N; hold not known; rate 0.5 .. 2 N/s; temperature not known",
+       "  mount         glued", "  interface     not stated", "  taxels        1 dead, 2 fitted; and the mean taxel",
+       "mean taxel: J 2.5, mean error 1.000 % FS, max 3.000 % FS, full scale 2 V, noise 0.004 V",
+       "  a1            0.1                   y/x", "  tau           5                     1  at its bound"});
+  document.taxels.resize(1);
+  document.parent_sha256 = "00112233445566";
+  document.adjustment = "zero by t.csv";
+  document.falling = true;
+  write_model(folder, "one.json", document);
+  check_holds(
+      call(folder, {"model", "show", "one.json"}),
+      {"  units         N to V, falling", "  parent        001122334455: zero by t.csv", "  taxels        1 fitted",
+       "taxel 0: J 2.5, mean error 1.000 % FS, max 3.000 % FS, full scale 2 V, noise 0.004 V",
+       "  tau           0.7                   1"});
+}
+
+TEST_CASE("model diff: mean and largest difference of each parameter, with sign and taxel") {
+  const TemporaryFolder folder;
+  write_model(folder, "m.json", known_model(0.1, 0.0));
+  write_model(folder, "n.json", known_model(0.04, 0.25));
+  const Finished differ = call(folder, {"model", "diff", "m.json", "n.json"});
+  CHECK(differ.code == 1);
+  check_holds(differ,
+              {"n.json against m.json: not the same", "parameter            mean diff       largest   taxel  unit",
+               "zero                 0.0833333          0.25       2  V",
+               "gain                         0             0       0  1",
+               "a1                       -0.02         -0.06       2  y/x",
+               "tau                          0             0       0  1"});
+  CHECK(differ.out.find("fitted in the first alone") == std::string::npos);
+  const json told = json::parse(call(folder, {"model", "diff", "m.json", "n.json", "--json"}).out);
+  CHECK(told["same"] == false);
+  CHECK(told["taxels_of_first_alone"] == 0);
+  REQUIRE(told["parameters"].size() == 7);
+  CHECK(told["parameters"][2]["name"] == "a1");
+  CHECK(told["parameters"][2]["largest"].get<double>() == Approx(-0.06));
+  CHECK(told["parameters"][2]["mean"].get<double>() == Approx(-0.02));
+  CHECK(told["parameters"][2]["taxel"] == 2);
+  SensorModel fewer = known_model(0.1, 0.0);
+  fewer.taxels.erase(fewer.taxels.begin() + 2);
+  write_model(folder, "fewer.json", fewer);
+  check_holds(call(folder, {"model", "diff", "m.json", "fewer.json"}), {"1 taxel is fitted in the first alone"});
+  check_holds(call(folder, {"model", "diff", "fewer.json", "fewer.json"}),
+              {"fewer.json against fewer.json: the same, byte for byte"});
+}
+
+TEST_CASE("predict and compensate along a table: taxel by taxel, with zero and gain, reporting values outside") {
+  const TemporaryFolder folder;
+  SensorModel document = known_model(0.1, 0.0);
+  document.validity.input = analysis::Range{0.0, 64.0};
+  document.taxels.pop_back();
+  for (ModelTaxel& taxel : document.taxels) {
+    if (taxel.taxel == 1) continue;
+    // A straight line, 0.125 V/N: no play rubs.
+    taxel.fit.model =
+        std::make_unique<analysis::MpiModel>(analysis::MpiParameters{0.125, 0.0, 0.0, 0.0, 0.7}, 0.0, 64.0, 0.0);
+    taxel.fit.full_scale = 8.0;
+    taxel.noise = 0.0;
+  }
+  document.taxels.back().zero = 0.5;
+  document.taxels.back().gain = 2.0;
+  write_model(folder, "line.json", document);
+  write_file(folder.path("t.csv"), "taxel,input\n0,8\n2,8\n0,16\n2,65\n0,65.5\n");
+  const Finished predicted = call(folder, {"predict", "line.json", "t.csv"});
+  CHECK(predicted.code == 0);
+  INFO(predicted.out << predicted.err);
+  CHECK_THAT(predicted.out, Catch::StartsWith("taxel,input,predicted\n0,8,1\n2,8,2.5\n0,16,2\n2,65,"));
+  CHECK_THAT(predicted.err, Catch::Contains("1 of 5 inputs lie outside the model's validity, 0 to 64 N"));
+  write_file(folder.path("y.csv"), "taxel;output\n0;1\n2;2.5\n0;8.5\n2;-1\n0;0.5\n");
+  const Finished back = call(folder, {"compensate", "line.json", "y.csv"});
+  CHECK(back.code == 0);
+  INFO(back.out << back.err);
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(back.out);
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string>& row = rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ';');) row.push_back(cell);
+  }
+  REQUIRE(rows.size() == 6);
+  CHECK(rows[0] == std::vector<std::string>{"taxel", "output", "compensated", "uncertainty", "flags"});
+  for (const auto& [row, input] : {std::pair{1U, 8.0}, {2U, 8.0}, {5U, 4.0}}) {
+    REQUIRE(rows[row].size() == 4);  // no flag
+    CHECK(std::stod(rows[row][2]) == Approx(input));
+    CHECK(rows[row][3] == "nan");  // the noise is not known
+  }
+  for (const std::size_t row : {3U, 4U}) CHECK(rows[row].back() == "range");
+  for (const auto& [more, code] : {std::pair{"0", 0}, {"2", 0}, {"1", 6}, {"7", 2}}) {
+    write_file(folder.path("x.csv"), "input\n8\n");
+    CHECK(call(folder, {"predict", "line.json", "x.csv", "--taxel", more}).code == code);
+  }
+  CHECK_THAT(call(folder, {"predict", "line.json", "x.csv"}).err, Catch::Contains("the model has 3 taxels"));
+}

@@ -1,0 +1,158 @@
+// The verb itself, in its own process, with the processes that it starts.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+
+namespace {
+
+const char* const kSuite = R"(schema = 1
+name = "small"
+[[scenario]]
+name = "whole"
+about = "nothing is wrong"
+recipes = ["equilibration"]
+fits = false
+[scenario.figures]
+frames = [60, 60.5]
+[[scenario]]
+name = "unseen-defect"
+about = "a dead taxel that this scenario knows nothing of"
+set = ["recipe.repeats=1", 'simulation.defect=[{kind="dead",row=3,column=4}]']
+[[scenario]]
+name = "misspelt"
+about = "a recipe that does not exist"
+recipes = ["no-such"]
+)";
+
+nlohmann::json json_of(const Finished& finished) { return nlohmann::json::parse(finished.out); }
+
+}  // namespace
+
+TEST_CASE("a night: green is reported, red states the reason, a broken scenario does not end the others") {
+  const TemporaryFolder folder;
+  write_file(folder.path("small.toml"), kSuite);
+  const Finished night = run_program(program_path(),
+                                     {"nightly", "./small.toml", "--json", "--junit", "night.xml", "--metrics",
+                                      "night.prom", "--html", "night.html", "--stores", "kept"},
+                                     folder.path());
+  CHECK(night.code == 1);
+  CHECK_THAT(read_file(folder.path("night.prom")), Catch::Contains("tactbench_nightly_green{scenario=\"whole\"} 1\n"));
+  CHECK_THAT(read_file(folder.path("night.html")), Catch::Contains("3 scenarios, 2 red, 0 not run."));
+  const nlohmann::json json = json_of(night);
+  CHECK(json.at("red") == 2);
+  CHECK(json.at("scenarios").at(0).at("wrong").empty());
+  CHECK(json.at("scenarios").at(1).at("wrong").at(0) == "the list of dead taxels is 52, must be none");
+  CHECK(json.at("scenarios").at(2).at("wrong").at(0) == "its process ended with exit code 2 and left no result");
+  CHECK(read_file(folder.path("night.xml")).find("failures=\"2\" errors=\"0\"") != std::string::npos);
+  CHECK(std::filesystem::exists(folder.path("kept/whole.db")));
+}
+
+TEST_CASE("a scenario repeated with the same seed has the same content, with another seed different content") {
+  const TemporaryFolder folder;
+  write_file(folder.path("small.toml"), kSuite);
+  const auto hash = [&](const std::string& seed) {
+    const Finished night = run_program(
+        program_path(), {"nightly", "./small.toml", "--only", "whole", "--seed", seed, "--json"}, folder.path());
+    REQUIRE(night.code == 0);
+    return json_of(night).at("scenarios").at(0).at("runs").at(0).at("content_sha256").get<std::string>();
+  };
+  const std::string first = hash("7");
+  CHECK(first.size() == 64);
+  CHECK(hash("7") == first);
+  CHECK(hash("8") != first);
+}
+
+TEST_CASE("a scenario that does not end in time is killed and red, and none is started after it on request") {
+  const TemporaryFolder folder;
+  write_file(folder.path("small.toml"), kSuite);
+  const Finished night = run_program(
+      program_path(), {"nightly", "./small.toml", "--jobs", "1", "--limit", "0.05", "--stop-on-red", "--json"},
+      folder.path());
+  CHECK(night.code == 1);
+  const nlohmann::json json = json_of(night);
+  CHECK(json.at("not_run") == 2);
+  CHECK(json.at("scenarios").at(0).at("wrong").at(0).get<std::string>().find("was killed") != std::string::npos);
+}
+
+TEST_CASE("nights are kept in one store, compared with a baseline, and changes are named") {
+  const TemporaryFolder folder;
+  const std::string head =
+      "schema = 1\nname = \"kept\"\n[[scenario]]\nname = \"short\"\nabout = \"one repeat\"\nset = "
+      "[\"recipe.repeats=1\"";
+  write_file(folder.path("suite.toml"), head + "]\n");
+  write_file(folder.path("noisy.toml"), head + ", \"simulation.front_end.noise_v=0.02\"]\n");
+  const auto call = [&](std::vector<std::string> words) {
+    return run_program(program_path(), std::move(words), folder.path());
+  };
+  const Finished seeds = call({"nightly", "./suite.toml", "--db", "nights.db", "--seeds", "4", "--json"});
+  INFO(seeds.err << seeds.out);
+  REQUIRE(seeds.code == 0);
+  CHECK(json_of(seeds).at("scenarios").at(3).at("name") == "short-seed-4");
+  CHECK(json_of(seeds).at("scenarios").at(3).at("runs").at(0).at("run") == 4);
+  CHECK(json_of(seeds).at("scenarios").at(3).at("compared") == "first run with this seed");
+  CHECK(call({"baseline", "accept", "1-4", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
+  REQUIRE(call({"baseline", "accept", "1-4", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
+  const Finished same = call({"nightly", "./suite.toml", "--db", "nights.db", "--json", "--html", "night.html"});
+  INFO(same.err << same.out);
+  CHECK(same.code == 0);
+  CHECK(json_of(same).at("scenarios").at(0).at("compared") == "same content as run 1");
+  CHECK(run_program("/usr/bin/xmllint", {"--noout", "night.html"}, folder.path()).code == 0);
+  const Finished noisy = call({"nightly", "./noisy.toml", "--db", "nights.db", "--junit", "night.xml", "--json"});
+  CHECK(noisy.code == 1);
+  const nlohmann::json result = json_of(noisy).at("scenarios").at(0);
+  CHECK(result.at("compared").get<std::string>().starts_with("content changed since run 5"));
+  const std::string junit = read_file(folder.path("night.xml"));
+  CHECK_THAT(junit, Catch::Contains("noisiest_taxel_mv is") && Catch::Contains("of the baseline (mean"));
+  const Finished trend = call({"trend", "--subject", "nightly/short", "--figure", "noisiest_taxel_mv", "--db",
+                               "nights.db", "--check", "--json"});
+  CHECK(trend.code == 1);
+  CHECK(json_of(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 6);
+  CHECK(call({"trend", "--subject", "nightly/none", "--db", "nights.db"}).code == 2);
+  CHECK(call({"db", "check", "--db", "nights.db"}).code == 0);
+}
+
+TEST_CASE("a folder of stores: those of a night are replaced, files of others stay") {
+  const TemporaryFolder folder;
+  write_file(folder.path("small.toml"), kSuite);
+  std::filesystem::create_directory(folder.path("kept"));
+  const std::string log = folder.path("kept/whole.log"), store = folder.path("kept/whole.db");
+  const auto night = [&](const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"nightly", "./small.toml", "--only", "whole", "--stores", "kept"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(folder, words);
+  };
+  const auto refused = [&](const std::string& id, const std::vector<std::string>& more = {}) {
+    const Finished finished = night(more);
+    INFO(finished.out << finished.err);
+    CHECK(finished.code == 2);
+    CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
+  };
+  write_file(log, "dear diary\n");
+  refused("TB-FILE-EXISTS");
+  CHECK(read_file(log) == "dear diary\n");
+  CHECK_FALSE(std::filesystem::exists(store));
+  CHECK(night({"--replace"}).code == 0);
+  CHECK_THAT(read_file(log), Catch::StartsWith("# Talk of tactbench nightly, scenario whole\n"));
+  write_file(folder.path("kept/whole.json"), "mine\n");
+  CHECK(night().code == 0);  // its own
+  CHECK(read_file(folder.path("kept/whole.json")) == "mine\n");
+  // What somebody keeps: a night that was noted, another store, no store at all.
+  const std::string made = read_file(store);
+  REQUIRE(call(folder, {"runs", "note", "1", "look here", "--db", "kept/whole.db"}).code == 0);
+  refused("TB-FILE-STORE", {"--replace"});
+  for (const std::string ending : {"", "-wal", "-shm"}) std::filesystem::remove(store + ending);
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "kept/whole.db"}).code == 0);
+  refused("TB-FILE-STORE", {"--replace"});
+  CHECK_THAT(call(folder, {"sensors", "list", "--db", "kept/whole.db"}).out, Catch::Contains("S-1"));
+  write_file(store, "dear diary\n");
+  refused("TB-FILE-STORE", {"--replace"});
+  CHECK(read_file(store) == "dear diary\n");
+  write_file(store, made);
+  CHECK(night().code == 0);
+}

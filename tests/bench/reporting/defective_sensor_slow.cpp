@@ -1,0 +1,237 @@
+// A sensor with defects of every kind, from the run to the report: what was planted is named, and nothing else.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "bench/reporting/evaluation.h"
+#include "tests/analysis/report/report_page.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::TaxelDefect;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kDeadTaxel = 2 * 16 + 5, kStuckTaxel = 7 * 16 + 9, kNoisyTaxel = 8 * 16 + 12,
+              kSaturatedTaxel = 13 * 16 + 1;
+
+void plant_taxels(std::vector<TaxelDefect>& defects) {
+  using Kind = TaxelDefect::Kind;
+  for (const auto& [kind, taxel] : {std::pair{Kind::kDead, kDeadTaxel},
+                                    {Kind::kStuck, kStuckTaxel},
+                                    {Kind::kNoisy, kNoisyTaxel},
+                                    {Kind::kSaturated, kSaturatedTaxel}})
+    defects.push_back({kind, taxel / 16, taxel % 16});
+}
+
+void swap_rows(std::vector<TaxelDefect>& defects, int row, int other) {
+  for (int column = 0; column < 16; ++column)
+    defects.push_back({TaxelDefect::Kind::kSwapped, row, column, other, column});
+}
+
+std::int64_t run_with(db::RunStore& store, std::uint64_t seed,
+                      const std::function<void(std::vector<TaxelDefect>&)>& plant) {
+  bench::RunRequest request = small_request({}, {seed, 7});
+  request.recipes = {sequences::read_recipe(bench::find_recipe("production"))};
+  request.check_seating = true;
+  plant(request.bench.simulation->plant.specimen.defects);
+  const bench::RunResult result = run_small(request, store);
+  INFO((result.error ? result.error->what() : ""));
+  REQUIRE(!result.error);
+  return result.run;
+}
+
+struct Judged {
+  analysis::SensorModel fit;
+  analysis::ReportInput input;
+  analysis::Report report;
+  json data;
+};
+
+// As fit and report do it.
+Judged judged_report(db::RunStore& store, std::int64_t run, const std::string& previous = {},
+                     const std::vector<std::int64_t>& held_out = {}) {
+  Judged out;
+  analysis::Runs runs(store);
+  out.fit = bench::fit_run(store, runs.dataset(run));
+  const std::vector<bench::NamedEvaluation> evaluations = bench::evaluate_runs(runs, out.fit, held_out);
+  const bench::Judgement judgement = bench::judge_and_store(store, runs, out.fit, evaluations, "limits.toml");
+  bench::ReportExtras extras;
+  extras.previous = previous;
+  out.input = bench::report_input(runs, run, out.fit, evaluations, judgement, {}, &extras);
+  out.report = analysis::render_report(out.input);
+  out.data = json::parse(out.report.json);
+  return out;
+}
+
+using Findings = std::set<std::pair<int, std::string>>;
+
+Findings findings_of(const json& health) {
+  Findings out;
+  for (const json& finding : health["findings"]) out.emplace(finding["taxel"], finding["state"]);
+  CHECK(out.size() == health["findings"].size());
+  return out;
+}
+
+Findings planted() {
+  return {{kDeadTaxel, "dead"}, {kStuckTaxel, "stuck"}, {kNoisyTaxel, "noisy"}, {kSaturatedTaxel, "saturated"}};
+}
+
+// What people read: no tag, no data.
+std::set<std::string> words_of_page(const std::string& page) {
+  std::set<std::string> words;
+  std::string word;
+  bool in_tag = false;
+  // The foot speaks of null in the data.
+  const std::string shown = page.substr(page.find("<body"), page.find("<footer") - page.find("<body"));
+  for (const char c : shown) {
+    if (c == '<') in_tag = true;
+    const bool letter = !in_tag && std::isalpha(static_cast<unsigned char>(c)) != 0;
+    if (letter) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!letter && !word.empty()) words.insert(std::exchange(word, {}));
+    if (c == '>') in_tag = false;
+  }
+  return words;
+}
+
+void check_page(const std::string& page) {
+  analysis::require_well_formed(page);
+  analysis::require_inert(page);
+  const std::set<std::string> words = words_of_page(page);
+  CHECK(words.contains("sensor"));
+  for (const char* word : {"nan", "inf", "null", "infinity"}) CHECK_FALSE(words.contains(word));
+  CHECK(page.size() > 150'000);
+  CHECK(page.size() < 2'000'000);
+}
+
+// The figures of the array are those of the taxels that are well, recomputed from the frames.
+void check_left_out(const Judged& judged, const analysis::Dataset& dataset) {
+  const std::set<int> left_out = {kDeadTaxel, kStuckTaxel, kSaturatedTaxel};
+  const json &raw = judged.data["sections"]["raw"], &results = judged.data["results"];
+  CHECK(raw["taxels"].size() == 253);
+  for (int taxel = 0; taxel < 256; ++taxel) {
+    const auto at = static_cast<std::size_t>(taxel);
+    CHECK(raw["gain"][at].is_null() == left_out.contains(taxel));
+    CHECK(results["taxel_mean_error_psi"][at].is_null() == left_out.contains(taxel));
+    CHECK((judged.fit.taxels[at].status == analysis::TaxelStatus::kFitted) == !left_out.contains(taxel));
+  }
+  const analysis::SequenceData& sequence = dataset.sequences.front();
+  const json& trace = raw["traces"][0]["output_v"];
+  REQUIRE(trace.size() == sequence.repeats.front().steps.size());
+  for (std::size_t step = 0; step < trace.size(); ++step) {
+    double well = 0.0, all = 0.0;
+    for (const analysis::Repeat& repeat : sequence.repeats) {
+      for (std::size_t taxel = 0; taxel < 256; ++taxel) {
+        const double share = repeat.volts[step * 256 + taxel] / static_cast<double>(sequence.repeats.size());
+        all += share / 256.0;
+        if (!left_out.contains(static_cast<int>(taxel))) well += share / 253.0;
+      }
+    }
+    CHECK(trace[step].get<double>() == Approx(well).margin(1e-6));
+    if (step == 0) CHECK(all > well + 0.015);  // three volts of stuck and saturated taxels
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a report of a defective sensor names the planted defects and no others, and leaves them out") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const std::int64_t good = run_with(store, 1, [](auto&) {});
+  const std::int64_t bad = run_with(store, 2, [](std::vector<TaxelDefect>& defects) {
+    swap_rows(defects, 3, 11);
+    plant_taxels(defects);
+  });
+  (void)bench::fit_run(store, analysis::load_dataset(store, good));
+  const std::int64_t held_out = run_with(store, 3, [](std::vector<TaxelDefect>& defects) {
+    swap_rows(defects, 3, 11);
+    plant_taxels(defects);
+  });
+  const Judged judged = judged_report(store, bad, std::to_string(good), {held_out});
+  const json& health = judged.data["sections"]["health"];
+  CHECK(findings_of(health) == planted());
+  for (const json& finding : health["findings"]) {
+    CHECK(finding["excluded"].get<bool>() == (finding["state"] != "noisy"));
+    CHECK_FALSE(finding["reason"].get<std::string>().empty());
+  }
+  CHECK(health["swaps_assessed"] == true);
+  REQUIRE(health["swaps"].size() == 1);
+  CHECK(health["swaps"][0]["lines"] == "rows");
+  CHECK(health["swaps"][0]["first"] == 3);
+  CHECK(health["swaps"][0]["second"] == 11);
+  CHECK(health["swaps"][0]["correlation_exchanged"].get<double>() > 0.95);
+  check_left_out(judged, analysis::load_dataset(store, bad));
+
+  // As found: the models of the good run, over the same taxels; those of the exchanged rows fit no more.
+  CHECK(judged.data["sections"]["compensation"]["as_found"]["fitted_taxels"] == 253);
+  REQUIRE(judged.input.more.previous.has_value());
+  const analysis::Evaluation& found = judged.input.more.previous->evaluation;
+  for (const std::size_t taxel : {kDeadTaxel, kStuckTaxel, kSaturatedTaxel})
+    CHECK(std::isnan(found.taxel_mean_error_psi[taxel]));
+  CHECK(found.mean_error_psi > 3.0 * judged.input.evaluation.mean_error_psi);
+
+  const std::string& page = judged.report.html;
+  check_page(page);
+  const std::string told =
+      page.substr(page.find("id=\"health\""), page.find("id=\"raw\"") - page.find("id=\"health\""));
+  for (const char* words :
+       {"253 of 256 taxels used, 3 left out.", "<td>row 2, column 5</td><td class=\"state\">dead</td>",
+        "<td>row 7, column 9</td><td class=\"state\">stuck</td>",
+        "<td>row 8, column 12</td><td class=\"state\">noisy</td>",
+        "<td>row 13, column 1</td><td class=\"state\">saturated</td>", "rows 3 and 11 stand in each other’s place",
+        "of run 1; lines"}) {
+    INFO(words);
+    CHECK(analysis::contains(told, words));
+  }
+  CHECK(analysis::count(told, "<td>every figure</td>") == 3);
+  CHECK(analysis::count(told, "<td>nothing</td>") == 1);
+  const auto overall = std::ranges::find(judged.input.verdicts, "unfit_taxels", &db::VerdictRecord::criterion);
+  REQUIRE(overall != judged.input.verdicts.end());
+  CHECK(overall->verdict == "fail");
+  CHECK(overall->value == 3.0);
+  CHECK(analysis::contains(page,
+                           "All criteria together: <span class=\"fail\"><span class=\"sign\">✗</span> simulated fail"));
+  CHECK(
+      analysis::contains(page, "3 of 256 taxels left out of every figure; 1 noisy taxel; rows 3 and 11 swapped; see"));
+
+  // The run before it has none of all that, and nothing to compare its lines with.
+  const Judged well = judged_report(store, good);
+  CHECK(well.data["sections"]["health"]["findings"].empty());
+  CHECK(well.data["sections"]["health"]["swaps_assessed"] == false);
+  CHECK_FALSE(analysis::contains(well.report.html, "Found on the sensor"));
+  check_page(well.report.html);
+}
+
+TEST_CASE("swapped lines are found where dead taxels lie in one of them, and none without a swap") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  run_with(store, 1, [](auto&) {});
+  const auto health_after = [&](std::uint64_t seed, const std::function<void(std::vector<TaxelDefect>&)>& plant) {
+    return json(judged_report(store, run_with(store, seed, plant)).data["sections"]["health"]);
+  };
+  const json straight = health_after(2, plant_taxels);
+  CHECK(findings_of(straight) == planted());
+  CHECK(straight["swaps_assessed"] == true);
+  CHECK(straight["swaps"].empty());
+  // Column 5, with the dead taxel and two more, against column 14.
+  const json exchanged = health_after(3, [](std::vector<TaxelDefect>& defects) {
+    for (int row = 0; row < 16; ++row) defects.push_back({TaxelDefect::Kind::kSwapped, row, 5, row, 14});
+    for (const int row : {6, 11}) defects.push_back({TaxelDefect::Kind::kDead, row, 5});
+    plant_taxels(defects);
+  });
+  Findings moved = planted();
+  moved.erase({kDeadTaxel, "dead"});
+  for (const int row : {2, 6, 11}) moved.emplace(row * 16 + 14, "dead");
+  CHECK(findings_of(exchanged) == moved);
+  REQUIRE(exchanged["swaps"].size() == 1);
+  CHECK(exchanged["swaps"][0]["lines"] == "columns");
+  CHECK(exchanged["swaps"][0]["first"] == 5);
+  CHECK(exchanged["swaps"][0]["second"] == 14);
+}

@@ -1,0 +1,265 @@
+// Models compared, compensation, studies and objects: every figure of the report against the one recomputed from the
+// store that it was made from.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/report/page/html.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/studies/contact_results.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+void carry_out(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
+                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Finished run = call(folder, words);
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+}
+
+const char* const kLoops =
+    "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 60, 40, 60, 0]\nstep = 4\n"
+    "repeats = 2\ndwell_s = 1.0\n[conditioning]\ncycles = 2\npeak = 60\n";
+
+struct Reported {
+  std::string html;
+  json data;
+};
+
+Reported report_of(const TemporaryFolder& folder, const std::vector<std::string>& words) {
+  const Finished made = call(folder, words);
+  INFO(made.err);
+  REQUIRE((made.code == 0 || made.code == 6));
+  Reported out{read_file(folder.path("r.html")), {}};
+  const std::string start = "id=\"report-data\">";
+  const std::size_t from = out.html.find(start) + start.size();
+  out.data = json::parse(out.html.substr(from, out.html.find("</script>", from) - from));
+  return out;
+}
+
+bool shows(const Reported& report, const analysis::html::Text& text) {
+  return report.html.find(text.value) != std::string::npos;
+}
+
+// Mean and maximum of |a - b| over the samples that count: all but the first of each branch of set-points.
+std::pair<double, double> branch_errors(const json& pressure, const json& measured, const json& model) {
+  double sum = 0.0, most = 0.0, n = 0.0;
+  for (const analysis::Branch& branch : analysis::branches_along(pressure.get<std::vector<double>>()))
+    for (int i = branch.first + 1; i <= branch.last; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double off = std::abs(model[at].get<double>() - measured[at].get<double>());
+      sum += off;
+      most = std::max(most, off);
+      n += 1.0;
+    }
+  return {sum / n, most};
+}
+
+void check_models(const Reported& report, const analysis::Dataset& dataset, const analysis::SensorModel& fit) {
+  const json& taxels = report.data["sections"]["models"];
+  REQUIRE(taxels.size() == 4);
+  for (const json& taxel : taxels) {
+    double elam_j = 0.0;
+    const int number = taxel["taxel"];
+    const analysis::ModelTaxel& own = number < 0 ? fit.mean_taxel() : fit.taxels[static_cast<std::size_t>(number)];
+    CHECK(taxel["full_scale_v"].get<double>() == own.full_scale());
+    for (const json& sequence : taxel["sequences"]) {
+      REQUIRE(sequence["models"].size() == 4);
+      for (const json& model : sequence["models"]) {
+        INFO(taxel["title"] << " " << model["model"]);
+        REQUIRE_FALSE(model.contains("failed"));
+        const auto [mean, most] = branch_errors(sequence["pressure_psi"], sequence["measured_v"], model["model_v"]);
+        CHECK(model["mean_error_v"].get<double>() == Approx(mean).margin(1.5e-4));
+        CHECK(model["max_error_v"].get<double>() == Approx(most).margin(1.5e-4));
+        CHECK(model["operations_per_sample"].get<int>() > 0);
+        CHECK(model["parameters"].size() >= 5);
+        const double share = model["mean_error_v"].get<double>() / own.full_scale();
+        CHECK(shows(report, analysis::html::percent(share, 2)));
+        CHECK(shows(report, analysis::html::fixed(model["j_v2"], 4)));
+        if (model["model"] == "elam") elam_j += model["j_v2"].get<double>();
+      }
+      if (number < 0) continue;
+      const analysis::TaxelTable common = analysis::bring_to_common(dataset.sequences.front(), dataset.taxels());
+      for (std::size_t i = 0; i < common.pressure_psi.size(); ++i)
+        CHECK(sequence["measured_v"][i].get<double>() ==
+              Approx(common.values[i * fit.array().size() + static_cast<std::size_t>(number)]).margin(1e-4));
+    }
+    // One set of parameters for all sequences: what the stored fit was left with.
+    CHECK(elam_j == Approx(own.fit.j).epsilon(1e-9));
+  }
+}
+
+void check_compensation(const Reported& report, const analysis::Dataset& dataset, const analysis::SensorModel& fit,
+                        const analysis::Evaluation& found) {
+  const json& data = report.data["sections"]["compensation"];
+  const analysis::ModelTaxel& mean = fit.mean_taxel();
+  double sum = 0.0, n = 0.0;
+  for (const analysis::Repeat& repeat : dataset.sequences.front().repeats)
+    for (std::size_t i = 0; i < repeat.steps.size(); ++i)
+      for (std::size_t taxel = 0; taxel < fit.array().size(); ++taxel) {
+        if (fit.taxels[taxel].status != analysis::TaxelStatus::kFitted) continue;
+        const double volts = repeat.volts[i * fit.array().size() + taxel];
+        sum += std::abs((volts - mean.y0()) / (mean.yu() - mean.y0()) * 60.0 - repeat.steps[i].reference_psi);
+        n += 1.0;
+      }
+  CHECK(data["straight_line"]["mean_error_psi"].get<double>() == Approx(sum / n).epsilon(1e-9));
+  CHECK(shows(report, analysis::html::psi(sum / n, 2)));
+  CHECK(data["as_found"]["mean_error_psi"].get<double>() == Approx(found.mean_error_psi).epsilon(1e-9));
+  CHECK(shows(report, analysis::html::psi(found.mean_error_psi, 3)));
+  REQUIRE(data["as_found"]["levels"].size() == found.levels.size());
+  for (std::size_t i = 0; i < found.levels.size(); ++i) {
+    CHECK(data["as_found"]["levels"][i]["comp_distance_fs"].get<double>() ==
+          Approx(found.levels[i].comp_distance).epsilon(1e-9));
+    CHECK(shows(report, analysis::html::percent(found.levels[i].comp_distance, 2)));
+  }
+  // The share of taxels that are resolved at 52 psi on the way down, from the stored patterns.
+  const auto& levels = fit.pressure_psi;
+  const auto at = static_cast<std::size_t>(std::ranges::find(levels, 52.0) - levels.begin());
+  double resolved = 0.0;
+  for (const analysis::ModelTaxel& taxel : fit.array()) {
+    const analysis::PatternCurve& curve = taxel.descending;
+    const double step = 4.0 * taxel.noise, y = curve(52.0);
+    const double off = std::max(curve.inverse(y + step) - 52.0, 52.0 - curve.inverse(y - step));
+    resolved += off <= 2.0 ? 1.0 / static_cast<double>(fit.array().size()) : 0.0;
+  }
+  CHECK(data["usable"]["unloading"]["resolved_share"][at].get<double>() == Approx(resolved).margin(0.01));
+}
+
+// Forces from the frames' counts alone, by the scale that the run keeps.
+void check_contact(const Reported& report, const db::RunStore& store, std::int64_t run,
+                   const analysis::SensorModel& fit) {
+  const auto& contacts = report.data["sections"]["objects"];
+  const auto ring = std::ranges::find_if(contacts, [](const json& contact) { return contact["object"] == "ring"; });
+  REQUIRE(ring != contacts.end());
+  const double scale =
+      analysis::load_press_runs(analysis::read_run(store, store.run(run))).front().frames.front().volts.front() / [&] {
+        const db::FrameRecord first = store.frames(run).front();
+        return 0.5 * (first.counts[0] + first.counts[256]);
+      }();
+  const analysis::ModelTaxel& mean = fit.mean_taxel();
+  double error = 0.0, n = 0.0;
+  for (const db::FrameRecord& frame : store.frames(run)) {
+    double total = 0.0;
+    for (std::size_t taxel = 0; taxel < 256; ++taxel) {
+      const double volts = scale * 0.5 * (frame.counts[taxel] + frame.counts[256 + taxel]);
+      total += (volts - mean.y0()) / (mean.yu() - mean.y0()) * 60.0 * 6.4516 * analysis::kNewtonPerPsiMm2;
+    }
+    error += std::abs(total + frame.wrench->wrench[2]);  // pressing is negative in z
+    n += 1.0;
+  }
+  CHECK((*ring)["raw_mean_error_n"].get<double>() == Approx(error / n).epsilon(1e-6));
+  CHECK(shows(report, analysis::html::fixed(error / n, 2)));
+  CHECK((*ring)["compensated_mean_error_n"].get<double>() < 0.25 * error / n);
+  CHECK((*ring)["levels"].size() == 9);
+  for (const json& level : (*ring)["levels"]) {
+    double force = 0.0, along = 0.0, in_contact = 0.0, peak = 0.0;
+    for (const json& pressure : level["compensated_psi"]) peak = std::max(peak, pressure.get<double>());
+    for (std::size_t taxel = 0; taxel < 256; ++taxel) {
+      const double pressure = level["compensated_psi"][taxel];
+      force += pressure * 6.4516 * analysis::kNewtonPerPsiMm2;
+      if (pressure < std::max(0.5, 0.1 * peak)) continue;
+      along += pressure * (static_cast<double>(taxel % 16) - 7.5) * 2.54;
+      in_contact += pressure;
+    }
+    CHECK(level["compensated"]["force_n"].get<double>() == Approx(force).epsilon(1e-4));
+    CHECK(level["compensated"]["x_mm"].get<double>() == Approx(along / in_contact).margin(0.01));
+    CHECK(shows(report, analysis::html::fixed(level["compensated"]["force_n"], 2)));
+    // The rig's ring stands on the array's middle, and registration says so; light touches scatter.
+    if (level["target_n"].get<double>() >= 10.0) CHECK(level["compensated_place_error_mm"].get<double>() < 1.0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("models, compensation, studies and objects of a report are what the store gives") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  write_file(folder.path("loops.toml"), kLoops);
+  carry_out(folder, "loops.toml", {"--seed", "1"});
+  carry_out(folder, "loops.toml",
+            {"--seed", "2", "--set", "simulation.mount_seed=1", "--set", "simulation.effects.remount_variation=0.03"});
+  carry_out(folder, "register");
+  carry_out(folder, "ring", {"--set", "recipe.repeats=1"});
+  carry_out(folder, "point-grid", {"--set", "simulation.effects.row_crosstalk=0.1"});
+  carry_out(folder, "rate-ramp");
+  REQUIRE(call(folder, {"fit", "1"}).code == 0);
+  REQUIRE(call(folder, {"fit", "2"}).code == 0);
+
+  const Reported report = report_of(folder, {"report", "2", "--previous", "1", "--held-out", "1", "--studies", "3", "4",
+                                             "5", "6", "1:mount", "-o", "r.html"});
+  const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
+  const analysis::Dataset dataset = analysis::load_dataset(store, 2);
+  const analysis::SensorModel fit = analysis::load_fit(store, 2), previous = analysis::load_fit(store, 1);
+  check_models(report, dataset, fit);
+  check_compensation(report, dataset, fit, analysis::evaluate(dataset, previous));
+  check_contact(report, store, 4, fit);
+
+  const json& studies = report.data["sections"]["studies"];
+  CHECK(studies["uniformity"].contains("not_assessed"));
+  CHECK(report.html.find("not assessed: no runs of this sensor turned in the chamber were given") != std::string::npos);
+  // 3 % of pressure change by mount; two mounts are one degree of freedom.
+  CHECK(studies["remount"]["degrees"] == 1);
+  CHECK(studies["remount"]["s_share"].get<double>() == Approx(0.03).epsilon(0.5));
+  const analysis::SweepEstimates a = analysis::sweep_estimates(dataset, fit);
+  const analysis::SweepEstimates b = analysis::sweep_estimates(analysis::load_dataset(store, 1), fit);
+  double squares = 0.0;
+  for (int taxel = 0; taxel < 256; ++taxel) squares += std::pow(a.mean(10, taxel) - b.mean(10, taxel), 2) / 2.0 / 256.0;
+  CHECK(studies["remount"]["pressure_psi"][9].get<double>() == 40.0);
+  CHECK(studies["remount"]["between_psi"][9].get<double>() == Approx(std::sqrt(squares)).epsilon(0.1));
+  // A tenth of the mean of fifteen others: two of them pressed.
+  CHECK(studies["crosstalk"]["row"]["mean_share"].get<double>() > 0.005);
+  CHECK(std::abs(studies["crosstalk"]["column"]["mean_share"].get<double>()) < 0.003);
+  CHECK(shows(report, analysis::html::percent(studies["crosstalk"]["row"]["mean_share"], 2)));
+  REQUIRE(studies["rate_hold"].size() == 1);
+  double errors = 0.0;
+  for (const json& bin : studies["rate_hold"][0]["by_rate_psi_per_s"])
+    errors += bin["samples"].get<double>() * bin["mean_psi"].get<double>();
+  CHECK(errors > 0.0);
+  CHECK(shows(report, analysis::html::psi(studies["rate_hold"][0]["mean_psi"], 3)));
+}
+
+TEST_CASE("earlier models as a document and as a fit of the store find the same") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  write_file(folder.path("loops.toml"), kLoops);
+  carry_out(folder, "loops.toml", {"--set", "recipe.repeats=1"});
+  REQUIRE(call(folder, {"fit", "1"}).code == 0);
+  REQUIRE(call(folder, {"model", "export", "1", "-o", "m.json"}).code == 0);
+  const Reported from_store = report_of(folder, {"report", "1", "--previous", "1", "-o", "r.html"});
+  const Reported from_file = report_of(folder, {"report", "1", "--previous", "m.json", "-o", "r.html"});
+  const json &a = from_store.data["sections"]["compensation"]["as_found"],
+             &b = from_file.data["sections"]["compensation"]["as_found"];
+  CHECK(a == b);
+  // Found with its own models, the run is as it was left.
+  CHECK(a["mean_error_psi"] == from_store.data["results"]["evaluation"]["mean_error_psi"]);
+
+  const Finished wrong = call(folder, {"report", "1", "--studies", "1:upside-down"});
+  CHECK(wrong.code == 2);
+  CHECK_THAT(wrong.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("RUN:90"));
+  carry_out(folder, "loops.toml", {"--set", "recipe.repeats=1", "--seed", "2"});
+  const Finished plain = call(folder, {"report", "1", "--studies", "2"});
+  CHECK(plain.code == 2);
+  CHECK_THAT(plain.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("2:mount"));
+  for (const char* own : {"1", "1:mount", "1:90"}) {
+    const Finished refused = call(folder, {"report", "1", "--studies", own});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("run 1 is the report's own"));
+  }
+  const Finished twice = call(folder, {"report", "1", "--studies", "2:90", "2:180", "2:90"});
+  CHECK(twice.code == 2);
+  CHECK_THAT(twice.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("'2:90' is named twice"));
+  const Reported once = report_of(folder, {"report", "1", "--studies", "1:0", "2:90", "-o", "r.html"});
+  CHECK(once.data["sections"]["studies"]["uniformity"]["angles_deg"] == json({0, 90}));
+}

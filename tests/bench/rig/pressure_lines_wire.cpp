@@ -1,0 +1,137 @@
+// The pressure side as the bench file describes it: other modules, a serial line, a digital gauge, the environment.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "bench/safety/fail_safe.h"
+#include "sequences/toml/strict_toml.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+using Overrides = std::vector<sequences::Override>;
+
+std::string value_of(const std::vector<db::EventRecord>& events, const std::string& kind, const std::string& id) {
+  for (const db::EventRecord& event : events) {
+    if (event.kind == kind && event.id == id) return event.detail;
+  }
+  return "none";
+}
+
+const Overrides kWaveshare = {{"module.profile", "waveshare-analog-output-8ch-b"},
+                              {"module.transport", "rtu"},
+                              {"module.baud", "115200"},
+                              {"input_module.profile", "waveshare-analog-input-8ch-b"},
+                              {"input_module.unit", "2"}};
+
+// The shipped bench file without the lines that begin with one of `keys`, from `table` on.
+bench::RunRequest request_without(const std::string& table, const std::vector<std::string>& keys,
+                                  const Overrides& overrides) {
+  const TemporaryFolder folder;
+  std::string text = bench::read_bench(bench::find_config("simulated.toml"), {}).text;
+  for (const std::string& key : keys) {
+    const std::size_t at = text.find("\n" + key + " =", text.find("[" + table + "]"));
+    text.erase(at, text.find('\n', at + 1) - at);
+  }
+  std::ofstream(folder.path("bench.toml")) << text;
+  bench::RunRequest request = small_request();
+  request.bench = bench::read_bench(folder.path("bench.toml"), overrides);
+  return request;
+}
+
+// The keys that only a module with a watchdog, on TCP, has.
+bench::RunRequest rtu_request() {
+  return request_without("module", {"watchdog_ms", "host", "port", "profile"}, kWaveshare);
+}
+
+}  // namespace
+
+TEST_CASE("a run over Modbus RTU with outputs and inputs in two modules") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(rtu_request(), store);
+  if (result.error) FAIL(result.error->what());
+  CHECK(result.frames == 30);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.most_exchanges_a_step <= 30);
+  CHECK(store.run(result.run).devices.size() == 5);
+  for (const db::FrameRecord& frame : store.frames(result.run)) {
+    CHECK(std::abs(frame.reference_psi - frame.setpoint_psi) < 1.0);
+  }
+}
+
+TEST_CASE("a digital gauge as reference, its certificate applied, and the environment stored with the run") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const Overrides overrides = {{"reference.gauge.unit", "5"},
+                               {"reference.gauge.address", "100"},
+                               {"reference.gauge.type", "f32"},
+                               {"reference.gauge.word_order", "low-first"},
+                               {"reference.correction.reading_psi", "[0, 60]"},
+                               {"reference.correction.correction_psi", "[0.0, 3.0]"},
+                               {"reference.correction.expanded_uncertainty_psi", "[0.02, 0.05]"},
+                               {"environment.sensor",
+                                "[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, "
+                                "1000], span_c = [-100, 100]}, {quantity = 'supply_bar', unit = 9, address = 20, "
+                                "type = 'f32'}]"},
+                               {"simulation.temperature_c", "25.5"}};
+  const bench::RunResult result =
+      run_small(request_without("reference", {"channel", "span_v", "span_psi"}, overrides), store);
+  if (result.error) FAIL(result.error->what());
+  for (const db::FrameRecord& frame : store.frames(result.run)) {
+    CHECK(frame.reference_psi == Approx(1.05 * frame.feedback_psi).margin(0.6));
+  }
+  const auto events = store.events(result.run);
+  CHECK(value_of(events, "environment", "temperature_c") == "25.500");
+  CHECK(value_of(events, "environment", "supply_bar") == "8.000");
+  const db::RunRecord run = store.run(result.run);
+  CHECK(run.devices.size() == 6);
+  CHECK_THAT(run.devices[2].calibration_json, Catch::Contains("correction_psi"));
+}
+
+TEST_CASE("a reference that differs from the feedback trips the run, and the chamber is vented") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  // The transducer is taken for one of twice its span.
+  const bench::RunResult result = run_small(small_request({{"reference.span_psi", "[0, 200]"}}), store);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-CHAMBER-DISAGREE");
+  CHECK(result.error->code() == bench::ExitCode::kStopped);
+  CHECK(result.outcome == db::Outcome::kAborted);
+  CHECK(result.safe == db::SafeState::kVerified);
+}
+
+TEST_CASE("preflight lists a module's fail-safe layers, and warns when there are none") {
+  const auto with = bench::fail_safe_layers(small_request().bench);
+  CHECK(std::any_of(with.begin(), with.end(), [](const auto& line) { return line.find("coupler") != line.npos; }));
+  const auto without = bench::fail_safe_layers(rtu_request().bench);
+  CHECK(std::any_of(without.begin(), without.end(), [](const auto& line) { return line.starts_with("WARNING"); }));
+}
+
+TEST_CASE("an impossible pressure configuration is refused with the remedy") {
+  const auto complaint = [](const Overrides& overrides) {
+    try {
+      (void)small_request(overrides);
+    } catch (const sequences::FileError& error) {
+      return std::string(error.what()) + " | " + error.remedy();
+    }
+    return std::string("none");
+  };
+  CHECK_THAT(complaint({{"module.profile", "moxa-iologik-e1241"}}), Catch::Contains("no watchdog that can be set"));
+  CHECK_THAT(complaint({{"module.profile", "moxa-iologik-e1240"}}), Catch::Contains("no outputs"));
+  CHECK_THAT(complaint({{"module.transport", "rtu"}}), Catch::Contains("does not support Modbus RTU"));
+  CHECK_THAT(complaint({{"module.baud", "9600"}}), Catch::Contains("belongs to a serial line"));
+  CHECK_THAT(complaint({{"reference.correction.reading_psi", "[0, 60]"},
+                        {"reference.correction.correction_psi", "[0.0]"},
+                        {"reference.correction.expanded_uncertainty_psi", "[0.02, 0.05]"}}),
+             Catch::Contains("differ in length"));
+  CHECK_THAT(complaint({{"reference.gauge.address", "3"}, {"reference.independent", "false"}}),
+             Catch::Contains("a gauge is an independent reference"));
+  CHECK_THAT(complaint({{"reference.gauge.address", "3"}, {"reference.gauge.unit", "3"}}),
+             Catch::Contains("reads pressure directly"));
+}

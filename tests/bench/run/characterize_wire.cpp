@@ -1,0 +1,255 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/dataset.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::ExitCode;
+
+TEST_CASE("a run from recipe to store ends with a closed, verified row") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.bench.scanner_cable = "W-17";
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE(!result.error);
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.frames == 2 * 15);
+  CHECK(result.most_exchanges_a_step <= 20);
+  const db::RunRecord row = store.run(result.run);
+  CHECK(row.origin == "simulated");
+  CHECK(row.state == "ended");
+  REQUIRE(row.devices.size() == 4);
+  CHECK_THAT(row.devices.back().calibration_json, Catch::Contains("\"cable\":\"W-17\""));
+  CHECK(row.content_sha256 == store.content_hash(result.run));
+  CHECK(row.content_sha256.size() == 64);
+  const std::vector<db::FrameRecord> frames = store.frames(result.run);
+  REQUIRE(frames.size() == 30);
+  for (const db::FrameRecord& frame : frames) {
+    CHECK(frame.in_band_ns >= 2'000'000'000);
+    CHECK(frame.in_band_ns < 2'100'000'000);
+    CHECK(frame.since_command_ns > frame.in_band_ns);
+    CHECK(std::abs(frame.feedback_psi - frame.setpoint_psi) < 0.5);
+    CHECK(std::abs(frame.reference_psi - frame.setpoint_psi) < 1.0);
+    CHECK(frame.counts.size() == 2U * 256U);
+    CHECK(frame.exchanges > 0);
+  }
+  CHECK(store.branches(result.run).size() == 8);
+}
+
+TEST_CASE("the same seeds give the same canonical content, another noise seed another") {
+  const TemporaryFolder folder;
+  db::RunStore one = db::RunStore::open(folder.path("one.db"), db::Durability::kNormal);
+  db::RunStore two = db::RunStore::open(folder.path("two.db"), db::Durability::kNormal);
+  const std::string first = run_small(small_request({}, {5, 7}), one).content_sha256;
+  CHECK(run_small(small_request({}, {5, 7}), two).content_sha256 == first);
+  CHECK(run_small(small_request({}, {6, 7}), two).content_sha256 != first);
+  CHECK(run_small(small_request({}, {5, 8}), two).content_sha256 != first);
+}
+
+TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, exit code 3") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const auto [key, id] = GENERATE(table<std::string, std::string>({
+      {"scanner_silent_after_scans", "TB-SCANNER-TIMEOUT"},
+      {"scanner_unplug_after_scans", "TB-SCANNER-LOST"},
+  }));
+  // 2 scans a frame and 2 for the baseline: the fault strikes in frame 6 (counted from 0).
+  const bench::RunResult result =
+      run_small(small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "100"}}), store);
+  REQUIRE(result.error);
+  INFO(key << ": " << result.error->what());
+  CHECK(result.error->id() == id);
+  CHECK(result.error->code() == ExitCode::kDevice);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.outcome == db::Outcome::kFailed);
+  CHECK(result.frames == 6);
+  CHECK(store.frames(result.run).size() == 6);
+  const db::RunRecord row = store.run(result.run);
+  CHECK(row.outcome == db::Outcome::kFailed);
+  CHECK_THAT(row.reason, Catch::StartsWith(id));
+  CHECK(row.content_sha256 == store.content_hash(result.run));
+  CHECK_THAT(result.error->rig_state(), Catch::Contains("vented, verified"));
+  CHECK(!result.error->remedy().empty());
+}
+
+TEST_CASE("one bad frame is read again, and both the attempt and the flag are stored") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const std::string key = GENERATE("scanner_corrupt_scan", "scanner_drop_report_scan");
+  bench::RunRequest request =
+      small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "100"}});
+  const std::string rule = GENERATE("worst", "any");
+  request.recipes = {small_recipe("[retry]\nverdict = \"" + rule + "\"\n")};
+  const bench::RunResult result = run_small(request, store);
+  INFO(key << " " << rule);
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  const std::vector<db::FrameRecord> frames = store.frames(result.run);
+  REQUIRE(frames.size() == 30);
+  CHECK(frames[6].flags == (rule == "worst" ? "retried" : ""));
+  int attempts = 0;
+  for (const db::EventRecord& event : store.events(result.run)) {
+    if (event.kind != "attempt") continue;
+    ++attempts;
+    CHECK(event.id == "TB-SCANNER-CORRUPT");
+    CHECK_THAT(event.detail, Catch::StartsWith("frame, 1 of 2: "));
+  }
+  CHECK(attempts == 1);
+}
+
+TEST_CASE("a silent or dead Modbus server ends the run, and the safe state is reported as unverified") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const std::string key = GENERATE("module_silent_after_requests", "module_dead_after_requests");
+  const bench::RunResult result =
+      run_small(small_request({{"simulation.wire_faults." + key, "150"}, {"module.response_timeout_ms", "50"}}), store);
+  REQUIRE(result.error);
+  INFO(key << ": " << result.error->what() << " / " << result.error->rig_state());
+  CHECK(result.error->code() == ExitCode::kUnsafe);
+  CHECK_THAT(result.error->id(), Catch::StartsWith("TB-MODBUS-"));
+  CHECK(result.safe == db::SafeState::kUnverified);
+  CHECK(result.outcome == db::Outcome::kFailed);
+  CHECK(result.frames > 0);
+  CHECK(static_cast<int>(store.frames(result.run).size()) == result.frames);
+  CHECK_THAT(result.error->rig_state(), Catch::Contains("tactile array back at its unloaded baseline"));
+}
+
+TEST_CASE("a module that never answers is found before the first command") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(small_request({{"simulation.wire_faults.module_silent_after_requests", "0"},
+                                                           {"module.response_timeout_ms", "50"}}),
+                                            store);
+  REQUIRE(result.error);
+  CHECK(result.error->code() == ExitCode::kUnsafe);
+  CHECK(result.frames == 0);
+  CHECK(store.run(result.run).outcome == db::Outcome::kFailed);
+}
+
+TEST_CASE("pressure above the trip aborts the run and vents") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  // A transducer that reads a third too much stands for an overshoot: 50 psi seem to be 66.7.
+  bench::RunRequest request = small_request({{"limits.disagreement_psi", "50"}, {"reference.span_psi", "[0, 133.4]"}});
+  request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
+      "schema = 1\nname = \"high\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 10\ndwell_s = 0.5\n",
+      "high.toml"))};
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE(result.error);
+  INFO(result.error->what());
+  CHECK(result.error->id() == "TB-CHAMBER-TRIP");
+  CHECK(result.error->code() == ExitCode::kStopped);
+  CHECK(result.outcome == db::Outcome::kAborted);
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(result.frames == 5);
+}
+
+TEST_CASE("a chamber that cannot reach its level is a named time-out") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result =
+      run_small(small_request({{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}}), store);
+  REQUIRE(result.error);
+  INFO(result.error->what());
+  CHECK(result.error->id() == "TB-CHAMBER-TIMEOUT");
+  CHECK(result.error->code() == ExitCode::kDevice);
+  CHECK(result.safe == db::SafeState::kVerified);
+}
+
+TEST_CASE("a sensor registered with another scanner is refused before any pressure") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.sensor.scanner_serial = "ANOTHER";
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-SCANNER-SERIAL");
+  CHECK(result.frames == 0);
+}
+
+TEST_CASE("a recipe beyond the command limit is refused before a row exists") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request({{"limits.command_psi", "6"}});
+  CHECK_THROWS_AS(run_small(request, store), bench::Error);
+  CHECK(store.runs().empty());
+}
+
+TEST_CASE("the film's memory can be carried from one run to the next") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  const std::string virgin = run_small(request, store).content_sha256;
+  request.specimen_state_file = folder.path("film.json");
+  CHECK(run_small(request, store).content_sha256 == virgin);  // no such file yet: virgin film
+  CHECK(run_small(request, store).content_sha256 != virgin);  // the second time the film remembers
+}
+
+TEST_CASE("a run carries out the very steps that plan lists") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  std::vector<sequences::Step> carried_out;
+  request.on_step = [&](const sequences::Step& step) { carried_out.push_back(step); };
+  REQUIRE(run_small(request, store).outcome == db::Outcome::kCompleted);
+  const std::vector<sequences::Step> planned = sequences::compile(request.recipes);
+  CHECK(carried_out == planned);
+  write_file(folder.path("small.toml"), request.recipes.front().text);
+  const std::string listed =
+      run_program(program_path(), {"plan", "small.toml", "--bench", "simulated.toml", "--steps"}, folder.path()).out;
+  std::string lines;
+  for (const sequences::Step& step : carried_out) lines += sequences::step_line(step) + "\n";
+  CHECK_THAT(listed, Catch::EndsWith(lines));
+}
+
+TEST_CASE("the trace stored with the frames holds every reading of the pressure, in order and without a gap") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(small_request({{"settling.trace_s", "0.1"}}), store);
+  double last_s = 0.0;
+  for (const db::FrameRecord& frame : store.frames(result.run)) {
+    REQUIRE(!frame.trace.empty());
+    const double frame_s = static_cast<double>(frame.time_ns) * 1e-9;
+    for (const db::TracePoint& point : frame.trace) {
+      const double time_s = frame_s - static_cast<double>(point.before_frame_s);
+      CHECK(time_s > last_s);
+      if (frame.ordinal > 0) CHECK(time_s - last_s < 0.25);
+      last_s = time_s;
+    }
+    const db::TracePoint& at_frame = frame.trace.back();
+    CHECK(at_frame.reference_psi == Approx(frame.reference_psi).margin(1e-4));
+    CHECK(at_frame.setpoint_psi == Approx(frame.setpoint_psi).margin(1e-4));
+    CHECK(frame.flags.empty());
+    CHECK(static_cast<double>(frame.in_band_ns) * 1e-9 == Approx(2.0).margin(0.01));
+  }
+}
+
+TEST_CASE("an overshoot inside a rising branch breaks it, the branch is redone, all attempts are kept") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.recipes = {small_recipe("[guard]\nredo = 2\n")};
+  bench::PlannedFault overshoot;
+  overshoot.kind = bench::FaultKind::kOvershoot;
+  overshoot.at_s = 40.0;  // in a branch of the first repeat, after the conditioning
+  overshoot.value = 1.5;
+  request.bench.simulation->plant.faults.push_back(overshoot);
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE_FALSE(result.error);
+  CHECK(result.branches_redone == 1);
+  int voids = 0;
+  for (const db::BranchRecord& branch : store.branches(result.run)) {
+    if (!branch.is_void) continue;
+    ++voids;
+    CHECK(branch.attempt == 0);
+    CHECK_THAT(branch.void_reason, Catch::StartsWith("TB-BRANCH-BROKEN"));
+  }
+  CHECK(voids == 1);
+  CHECK(store.frames(result.run).size() > 30);                                           // what was measured is kept
+  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);  // and the set is whole
+}

@@ -1,0 +1,241 @@
+// Commands and signals to a run on a rig in its own process. An answer is promised within 200 ms; the quickest of
+// several shows whether it waits for anything but the machine. Other times are printed as FIGURE lines, with a wide
+// bound.
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "bench/guard/trip.h"
+#include "bench/run/control/control_client.h"
+#include "tests/bench/run/kill_record.h"
+#include "tests/support/live_runs.h"
+#include "tests/support/paths.h"
+#include "tests/support/served_rig.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+constexpr double kRate = 10.0;
+constexpr int kFrames = 11, kRepeats = 2;
+constexpr double kQuickAnswer = 0.2, kMost = 10.0, kPatience = 30.0;
+
+struct WordRig : ServedRig {
+  WordRig() : ServedRig(kRate) {
+    write_file(folder.path("small.toml"),
+               "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 12, 4, 12, 0]\nstep = 4\n"
+               "repeats = 2\ndwell_s = 2\n[dwell]\ntolerance_s = 5\n");
+  }
+  [[nodiscard]] std::unique_ptr<ChildProcess> start_small() const {
+    return start({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q",
+                  "--no-seating", "--on-event", "echo $TACTBENCH_EVENT $TACTBENCH_RUN >> told"});
+  }
+  bool wait_for(const std::function<bool()>& done) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience);
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      usleep(2000);
+    }
+    return true;
+  }
+  bool wait_pressure() {
+    return wait_for([&] { return !live_runs().empty() && psi() > 3.0; });
+  }
+  [[nodiscard]] static bool is(bench::RunState state) {
+    const auto live = live_runs();
+    return live.size() == 1 && live.front().status.state == state;
+  }
+  // A word through the program; its real time counts, with that of starting a program.
+  Finished say(const std::string& word) {
+    time_answers();
+    const auto start = std::chrono::steady_clock::now();
+    Finished answer = run({word});
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    worst_answer_s = std::max(worst_answer_s, took);
+    return answer;
+  }
+  [[nodiscard]] json row(std::int64_t number = 1) const {
+    return json::parse(run({"runs", "show", std::to_string(number), "--json"}).out);
+  }
+  [[nodiscard]] db::RunStore store() const { return db::RunStore::open_read_only(folder.path("runs.db")); }
+  [[nodiscard]] std::vector<std::string> states() const {
+    std::vector<std::string> states;
+    for (const db::EventRecord& event : store().events(1)) {
+      if (event.kind == "state") states.push_back(event.detail.substr(0, event.detail.find(':')));
+    }
+    return states;
+  }
+  [[nodiscard]] bool told(const std::string& lines) const {
+    return wait_for(
+        [&] { return std::filesystem::exists(folder.path("told")) && read_file(folder.path("told")) == lines; });
+  }
+  void time_answers() {
+    const auto live = live_runs();
+    for (int i = 0; i < 5 && live.size() == 1; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      if (!bench::send_command(live.front().name, bench::Command::kStatus)) continue;
+      const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      quickest_answer_s = std::min(quickest_answer_s, took);
+    }
+  }
+  double quickest_answer_s = kPatience, worst_answer_s = 0.0;
+};
+
+}  // namespace
+
+TEST_CASE("control: pause waits vented at the end of the branch, and resume continues by the path back") {
+  WordRig rig;
+  const auto run = rig.start_small();
+  REQUIRE(rig.wait_pressure());
+  const Finished pause = rig.say("pause");
+  INFO(pause.err);
+  CHECK(pause.code == 0);
+  CHECK_THAT(pause.out, Catch::Contains("run 1 pauses at the end of this branch"));
+  const auto asked = std::chrono::steady_clock::now();
+  REQUIRE(rig.wait_for([] { return !WordRig::is(bench::RunState::kRunning); }));
+  const double acted_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
+  REQUIRE(rig.wait_for([] { return WordRig::is(bench::RunState::kPaused); }));
+  CHECK(rig.psi() < 1.0);
+  CHECK(rig.say("pause").code == 2);
+  CHECK_THAT(rig.run({"pause"}).err, Catch::Contains("TB-RUN-WORD") && Catch::Contains("paused already"));
+  for (int i = 0; i < 50; ++i) CHECK(rig.psi() < 1.0);
+  const Finished second = rig.run({"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "u"});
+  CHECK(second.code == 2);
+  CHECK_THAT(second.err, Catch::Contains("TB-BENCH-LOCKED") && Catch::Contains("pid ") && Catch::Contains("run 1 of "));
+  CHECK(rig.say("resume").code == 0);
+  CHECK(run->wait() == 0);
+  CHECK(rig.states() == std::vector<std::string>{"prepared -> running", "running -> pausing", "pausing -> paused",
+                                                 "paused -> running", "running -> stopping"});
+  const auto events = rig.store().events(1);
+  CHECK(std::any_of(events.begin(), events.end(), [](const auto& event) { return event.kind == "way-back"; }));
+  CHECK(std::any_of(events.begin(), events.end(), [](const auto& event) {
+    return event.kind == "safe" && event.detail.starts_with("to pause: vented, verified");
+  }));
+  CHECK(judge_final_set(rig.store(), 1, kFrames, kRepeats).faults == std::vector<std::string>());
+  CHECK(rig.told("waiting 1\ndone 1\n"));
+  const Finished late = rig.run({"pause", "1"});
+  CHECK(late.code == 2);
+  CHECK_THAT(late.err, Catch::Contains("TB-RUN-NOT-LIVE") && Catch::Contains("tactbench resume RUN"));
+  WARN(fmt::format("FIGURE worst_answer_to_a_word {:.3f} s\nFIGURE state_pausing_after {:.3f} s", rig.worst_answer_s,
+                   acted_s));
+  CHECK(rig.quickest_answer_s < kQuickAnswer);
+  CHECK(acted_s < kMost);
+  CHECK(rig.worst_answer_s < kMost);
+}
+
+TEST_CASE("control: stop, abort and panic end a run at once, and a panic latches a trip") {
+  struct Row {
+    std::string word, outcome, id;
+  };
+  const Row row = GENERATE(values<Row>({{"stop", "stopped", "TB-RUN-STOPPED"},
+                                        {"abort", "aborted", "TB-RUN-ABORTED"},
+                                        {"panic", "aborted", "TB-RUN-PANIC"}}));
+  WordRig rig;
+  const auto run = rig.start_small();
+  REQUIRE(rig.wait_pressure());
+  INFO(row.word);
+  CHECK(rig.say(row.word).code == 0);
+  const double safe_s = rig.seconds_until_safe(kPatience);
+  WARN(fmt::format("FIGURE safe_after_{} {:.3f} s, process time at {:g} x", row.word, safe_s, kRate));
+  CHECK(safe_s < kPatience);
+  CHECK(run->wait() == 4);
+  INFO(rig.log());
+  CHECK_THAT(rig.log(), Catch::Contains(row.id));
+  const json ended = rig.row();
+  CHECK(ended["outcome"] == row.outcome);
+  CHECK(ended["safe_state"] == "verified");
+  CHECK(rig.told("failed 1\n"));
+  CHECK(rig.quickest_answer_s < kQuickAnswer);
+  CHECK(rig.worst_answer_s < kMost);
+  CHECK(bench::TripFile(rig.bench_id).read().has_value() == (row.word == "panic"));
+  if (row.word == "panic") {
+    const Finished refused = rig.run({"resume", "1", "--bench", "bench.toml"});
+    CHECK(refused.code == 4);
+    CHECK_THAT(refused.err, Catch::Contains("TB-BENCH-TRIPPED") && Catch::Contains("devices reset"));
+    CHECK(rig.run({"devices", "reset", "--bench", "bench.toml", "--operator", "t"}).code == 0);
+  }
+  const Finished resumed = rig.run({"resume", "1", "--bench", "bench.toml", "-q"});
+  INFO(resumed.err);
+  CHECK(resumed.code == 0);
+  CHECK(judge_final_set(rig.store(), 1, kFrames, kRepeats).faults == std::vector<std::string>());
+}
+
+TEST_CASE("control: Ctrl-C once pauses, once more after a resume pauses again, and then ends the run") {
+  WordRig rig;
+  const auto run = rig.start_small();
+  for (int i = 0; i < 2; ++i) {
+    REQUIRE(rig.wait_pressure());
+    run->signal(SIGINT);
+    REQUIRE(rig.wait_for([] { return WordRig::is(bench::RunState::kPaused); }));
+    CHECK(rig.psi() < 1.0);
+    if (i == 0) CHECK(rig.say("resume").code == 0);
+  }
+  run->signal(SIGINT);
+  CHECK(run->wait() == 130);
+  CHECK(rig.row()["outcome"] == "stopped");
+  CHECK(rig.row()["safe_state"] == "verified");
+}
+
+TEST_CASE("control: Ctrl-C twice and a request to terminate end a run under pressure, vented") {
+  const auto [signal, times, code] = GENERATE(table<int, int, int>({{SIGINT, 2, 130}, {SIGTERM, 1, 143}}));
+  WordRig rig;
+  const auto run = rig.start_small();
+  REQUIRE(rig.wait_pressure());
+  run->signal(signal);
+  if (times == 2) {  // two signals at once may be one
+    REQUIRE(rig.wait_for([] { return WordRig::is(bench::RunState::kPausing); }));
+    run->signal(signal);
+  }
+  CHECK(run->wait() == code);
+  CHECK(rig.psi() < 1.0);
+  CHECK(rig.row()["outcome"] == "stopped");
+  CHECK(rig.row()["safe_state"] == "verified");
+}
+
+TEST_CASE("control: commands without a run, to one of two runs and to another bench state a remedy") {
+  const TemporaryFolder folder;
+  const std::string program = program_path();
+  const auto say = [&](const std::vector<std::string>& words) { return run_program(program, words, folder.path()); };
+  const Finished nobody = say({"pause"});
+  CHECK(nobody.code == 2);
+  CHECK_THAT(nobody.err, Catch::Contains("TB-RUN-NOT-LIVE") && Catch::Contains("tactbench runs list"));
+  REQUIRE(say({"init"}).code == 0);
+  write_file(folder.path("long.toml"),
+             "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n");
+  std::vector<std::unique_ptr<ChildProcess>> runs;
+  for (const char* name : {"one", "two"}) {
+    const std::string db = folder.path(std::string(name) + ".db");
+    REQUIRE(say({"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}).code == 0);
+    const std::string line = fmt::format(
+        "cd '{}' && exec '{}' run long.toml --bench bench.toml --sensor S-1 --operator t -q --no-seating "
+        "--db '{}' 2>>log",
+        folder.path(), program, db);
+    runs.push_back(std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/sh", "-c", line}));
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience);
+  while (live_runs().size() < 2 && std::chrono::steady_clock::now() < end) usleep(5000);
+  const Finished both = say({"stop"});
+  CHECK(both.code == 2);
+  CHECK_THAT(both.err, Catch::Contains("TB-RUN-AMBIGUOUS") && Catch::Contains("one.db") && Catch::Contains("two.db"));
+  CHECK(say({"stop", "1"}).code == 2);
+  CHECK(say({"stop", "7"}).code == 2);
+  CHECK(say({"stop", "1", "--db", folder.path("one.db")}).code == 0);
+  CHECK(runs[0]->wait() == 4);
+  std::filesystem::copy_file(folder.path("one.db"), folder.path("runs.db"));
+  const Finished which = say({"resume", "1"});  // ended in runs.db, live in two.db
+  CHECK(which.code == 2);
+  CHECK_THAT(which.err, Catch::Contains("TB-RUN-AMBIGUOUS") && Catch::Contains("two.db"));
+  CHECK(say({"stop"}).code == 0);
+  CHECK(runs[1]->wait() == 4);
+  write_file(folder.path("other.toml"), [&] {
+    std::string text = read_file(folder.path("bench.toml"));
+    const std::size_t at = text.find("simulated-rig");
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, 13, "another-rig");
+  }());
+  const Finished elsewhere = say({"resume", "1", "--db", "one.db", "--bench", "other.toml"});
+  CHECK(elsewhere.code == 2);
+  CHECK_THAT(elsewhere.err, Catch::Contains("TB-RESUME-BENCH") && Catch::Contains("another-rig"));
+}

@@ -1,0 +1,208 @@
+// Names that one process at a time holds, and who is at the other end of them.
+#include "bench/run/control/machine_name.h"
+
+#include <grp.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <functional>
+
+#include "bench/common/error.h"
+#include "bench/run/control/locks.h"
+#include "bench/run/control/peer.h"
+#include "tests/support/process.h"
+#include "tests/support/variable.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+constexpr uid_t kNobody = 65534;
+constexpr gid_t kSomeGroup = 54321;
+
+// A process of its own, which lives until the object goes; `stay`, called by its work, says that all is ready.
+using Stay = std::function<void()>;
+
+class Apart {
+ public:
+  explicit Apart(const std::function<void(const Stay&)>& work) {
+    REQUIRE(pipe(ends_) == 0);
+    child_ = fork();
+    if (child_ == 0) {
+      try {
+        work([this] {
+          (void)!write(ends_[1], "x", 1);
+          for (;;) pause();
+        });
+      } catch (...) {
+      }
+      _exit(1);
+    }
+    close(ends_[1]);
+    char byte = 0;
+    ready_ = read(ends_[0], &byte, 1) == 1;
+  }
+  ~Apart() {
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+    close(ends_[0]);
+  }
+  Apart(const Apart&) = delete;
+  Apart& operator=(const Apart&) = delete;
+  [[nodiscard]] bool ready() const { return ready_; }
+  [[nodiscard]] pid_t process() const { return child_; }
+
+ private:
+  int ends_[2] = {-1, -1};
+  pid_t child_ = -1;
+  bool ready_ = false;
+};
+
+void become_nobody(gid_t group) {
+  if (setgroups(1, &group) != 0 || setgid(kNobody) != 0 || setuid(kNobody) != 0) throw std::runtime_error("no rights");
+}
+
+template <class Work>
+std::string refusal_of(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.id() + ": " + error.what();
+  }
+  return "not refused";
+}
+
+}  // namespace
+
+TEST_CASE("machine names: one holder, listed while it lives, free when it is gone") {
+  const auto listed = [](const std::string& name) {
+    const auto names = held_names();
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  {
+    const Apart other([](const Stay& stay) {
+      const MachineName name("rig/dead-man");
+      if (name.held()) stay();
+    });
+    REQUIRE(other.ready());
+    const MachineName second("rig/dead-man");
+    CHECK_FALSE(second.held());
+    CHECK(second.owner() == peer_text({other.process(), geteuid(), false}));
+    CHECK(listed("rig/dead-man"));
+  }
+  CHECK_FALSE(listed("rig/dead-man"));
+  CHECK(MachineName("rig/dead-man").held());
+  CHECK_THAT(refusal_of([] { const MachineName name(std::string(120, 'x')); }), Catch::StartsWith("TB-BENCH-NAME"));
+}
+
+TEST_CASE("machine names: do not depend on folders or the home of a login") {
+  BenchConfig config;
+  config.id = "machine-" + std::to_string(getpid());
+  const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);  // the machine's own names
+  const Apart other([&](const Stay& stay) {
+    const BenchLock lock(config);
+    stay();
+  });
+  REQUIRE(other.ready());
+  const TemporaryFolder folder;
+  const Variable runtime("XDG_RUNTIME_DIR", folder.path()), temporary("TMPDIR", folder.path()),
+      home("HOME", std::nullopt);
+  const std::string refused = refusal_of([&] { const BenchLock lock(config); });
+  CHECK_THAT(refused,
+             Catch::StartsWith("TB-BENCH-LOCKED") && Catch::Contains("pid " + std::to_string(other.process())));
+  config.in_process = true;  // no rig to share
+  CHECK(refusal_of([&] { const BenchLock lock(config); }) == "not refused");
+}
+
+TEST_CASE("machine names: TACTBENCH_RUNTIME_DIR is a separate scope, a folder of this user closed to others") {
+  const TemporaryFolder folder;
+  const MachineName mine("rig");
+  REQUIRE(mine.held());
+  {
+    const Variable scope("TACTBENCH_RUNTIME_DIR", folder.path());
+    CHECK(held_names().empty());
+    CHECK(MachineName("rig").held());
+    std::filesystem::create_directory_symlink(folder.path(), folder.path("link"));
+  }
+  const auto hold = [] { const MachineName name("rig"); };
+  {
+    const Variable scope("TACTBENCH_RUNTIME_DIR", folder.path("link"));
+    CHECK_THAT(refusal_of(hold), Catch::StartsWith("TB-FOLDER-UNSAFE") && Catch::Contains("link"));
+  }
+  const Variable scope("TACTBENCH_RUNTIME_DIR", folder.path());
+  REQUIRE(chmod(folder.path().c_str(), 0755) == 0);
+  CHECK_THAT(refusal_of(hold), Catch::StartsWith("TB-FOLDER-UNSAFE") && Catch::Contains("other users may enter"));
+  REQUIRE(chmod(folder.path().c_str(), 0700) == 0);
+  if (geteuid() != 0) return;
+  REQUIRE(chown(folder.path().c_str(), kNobody, kNobody) == 0);
+  CHECK_THAT(refusal_of(hold), Catch::StartsWith("TB-FOLDER-UNSAFE") && Catch::Contains("belongs to user 65534"));
+}
+
+TEST_CASE("machine names: the holder of a bench's name is named, and not trusted") {
+  if (geteuid() != 0) {
+    WARN("skipped: only root can be another user");
+    return;
+  }
+  BenchConfig config;
+  config.id = "squatted-" + std::to_string(getpid());
+  const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
+  const Apart stranger([&](const Stay& stay) {
+    become_nobody(kNobody);
+    const MachineName name(config.id);
+    if (name.held()) stay();
+  });
+  REQUIRE(stranger.ready());
+  CHECK_THAT(refusal_of([&] { const BenchLock lock(config); }),
+             Catch::StartsWith("TB-BENCH-LOCKED") && Catch::Contains("nobody (pid "));
+  const int connected = connect_to_name(config.id);
+  REQUIRE(connected >= 0);
+  const std::optional<Peer> peer = peer_of(connected, kSomeGroup);
+  close(connected);
+  REQUIRE(peer);
+  CHECK(peer->user == kNobody);
+  CHECK(peer->process == stranger.process());
+  CHECK_FALSE(peer->in_group);
+  CHECK_FALSE(is_trusted(*peer, 5));
+  CHECK_FALSE(is_trusted(*peer, 0));
+  CHECK(is_trusted(*peer, kNobody));
+}
+
+TEST_CASE("machine names: root, the own user and the group are trusted, by what the process is and not by its name") {
+  CHECK(is_trusted({1, 0, false}, 1000));
+  CHECK(is_trusted({1, 1000, false}, 1000));
+  CHECK(is_trusted({1, 1001, true}, 1000));
+  CHECK_FALSE(is_trusted({1, 1001, false}, 1000));
+  if (geteuid() != 0) return;
+  for (const bool member : {true, false}) {
+    const MachineName name("rig-" + std::to_string(member));
+    REQUIRE(name.held());
+    const Apart client([&](const Stay& stay) {
+      become_nobody(member ? kSomeGroup : kNobody);
+      if (connect_to_name(name.text()) >= 0) stay();
+    });
+    // The scope's folder is root's: another user is refused there.
+    CHECK_FALSE(client.ready());
+    const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
+    const MachineName open("group-" + std::to_string(getpid()) + "-" + std::to_string(member));
+    const Apart other([&](const Stay& stay) {
+      become_nobody(member ? kSomeGroup : kNobody);
+      if (connect_to_name(open.text()) >= 0) stay();
+    });
+    REQUIRE(other.ready());
+    const int accepted = accept4(open.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
+    REQUIRE(accepted >= 0);
+    const std::optional<Peer> peer = peer_of(accepted, kSomeGroup);
+    close(accepted);
+    REQUIRE(peer);
+    CHECK(peer->in_group == member);
+    CHECK(is_trusted(*peer, 5) == member);
+  }
+}

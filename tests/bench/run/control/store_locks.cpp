@@ -1,0 +1,177 @@
+// Locks of a store and of its runs, between processes as between objects of one: whoever opens the file anew is
+// another.
+#include <poll.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "bench/common/error.h"
+#include "bench/common/utc.h"
+#include "bench/run/control/locks.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+using std::chrono::milliseconds;
+
+namespace {
+
+template <class Work>
+std::string refused_as(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.id();
+  }
+  return "not refused";
+}
+
+struct LockedStore {
+  LockedStore() : path(folder.path("runs.db")), store(db::RunStore::open(path, db::Durability::kNormal)) {}
+  std::int64_t begin() {
+    const RunRequest request = small_request();
+    if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
+    db::RunRecord run;
+    run.sensor_serial = request.sensor.serial;
+    run.bench_id = "b";
+    run.state = "prepared";
+    run.origin = "simulated";
+    run.started_utc = utc_now();
+    return store.begin_run(run);
+  }
+  const TemporaryFolder folder;
+  const std::string path;
+  db::RunStore store;
+};
+
+// A process that takes the lock of a new run as `run` does once it is told to, says so, and lives until it is killed.
+// It has to be made before a lock that it is to meet: a copy of a process holds what the process held.
+class OtherRun {
+ public:
+  explicit OtherRun(const std::string& db_path) {
+    REQUIRE((pipe(ends_) == 0 && pipe(told_) == 0));
+    child_ = fork();
+    if (child_ == 0) {
+      char byte = 0;
+      try {
+        if (read(told_[0], &byte, 1) != 1) _exit(1);
+        const RunLock lock(db_path);
+        (void)!write(ends_[1], "x", 1);
+        pause();
+      } catch (...) {
+      }
+      _exit(1);
+    }
+    close(ends_[1]);
+  }
+  ~OtherRun() {
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+    for (const int end : {ends_[0], told_[0], told_[1]}) close(end);
+  }
+  void begin() const { REQUIRE(write(told_[1], "x", 1) == 1); }
+  OtherRun(const OtherRun&) = delete;
+  OtherRun& operator=(const OtherRun&) = delete;
+  [[nodiscard]] bool holds_within(int wait_ms) const {
+    pollfd said{ends_[0], POLLIN, 0};
+    return poll(&said, 1, wait_ms) == 1;
+  }
+
+ private:
+  int ends_[2] = {-1, -1}, told_[2] = {-1, -1};
+  pid_t child_ = -1;
+};
+
+}  // namespace
+
+TEST_CASE("store locks: runs share a store, a start that searches for dead runs locks it exclusively") {
+  LockedStore own;
+  const StoreLocks start(own.path);
+  {
+    const RunLock one(own.path), other(own.path);
+    CHECK_FALSE(start.take_whole());
+  }
+  REQUIRE(start.take_whole());
+  const StoreLocks late(own.path);
+  CHECK_FALSE(late.take_whole());
+  CHECK(refused_as([&] { late.share(milliseconds(20)); }) == "TB-STORE-LOCK");
+}
+
+TEST_CASE("store locks: a run waits while another start holds the store, and counts as live afterwards") {
+  LockedStore own;
+  {
+    const OtherRun run(own.path);
+    auto start = std::make_unique<StoreLocks>(own.path);
+    REQUIRE(start->take_whole());
+    run.begin();
+    CHECK_FALSE(run.holds_within(200));
+    start.reset();
+    REQUIRE(run.holds_within(10'000));
+    CHECK_FALSE(StoreLocks(own.path).take_whole());
+  }
+  CHECK(StoreLocks(own.path).take_whole());  // gone with its process
+}
+
+TEST_CASE("store locks: a live process's run is not marked interrupted, a dead one's is") {
+  LockedStore own;
+  const std::int64_t run = own.begin();
+  const BenchConfig config = small_request().bench;
+  {
+    const OtherRun live(own.path);
+    live.begin();
+    REQUIRE(live.holds_within(10'000));
+    (void)open_for_running(own.path, config);
+    CHECK(own.store.run(run).outcome == db::Outcome::kIncomplete);
+  }
+  (void)open_for_running(own.path, config);
+  CHECK(own.store.run(run).outcome == db::Outcome::kInterrupted);
+}
+
+TEST_CASE("store locks: a run has one process, another run of the store can have another") {
+  LockedStore own;
+  const RunLock one(own.path), other(own.path);
+  CHECK(is_carried_out(own.path, 7) == false);
+  one.take_again(7);
+  CHECK(is_carried_out(own.path, 7) == true);
+  CHECK(is_carried_out(own.path, 9) == false);
+  CHECK(is_carried_out(own.folder.path("none.db"), 7) == std::nullopt);
+  CHECK(refused_as([&] { other.take_again(7); }) == "TB-RUN-LIVE");
+  CHECK(refused_as([&] { other.take_again(8); }) == "not refused");
+  const RunRequest request = [&] {
+    RunRequest made = small_request();
+    made.resume = own.begin();
+    return made;
+  }();
+  const RunLock holder(own.path);
+  holder.take_again(request.resume);
+  CHECK(refused_as([&] { (void)run_small(request, own.store); }) == "TB-RUN-LIVE");
+  CHECK(own.store.run(request.resume).outcome == db::Outcome::kIncomplete);
+}
+
+TEST_CASE("store locks: one empty file beside the store, with the store's mode, never the target of a link") {
+  LockedStore own;
+  REQUIRE(chmod(own.path.c_str(), 0664) == 0);
+  for (int i = 0; i < 3; ++i) const RunLock lock(own.path);
+  struct stat found {};
+  REQUIRE(stat((own.path + "-lock").c_str(), &found) == 0);
+  CHECK(found.st_size == 0);
+  CHECK((found.st_mode & 0777) == 0664);
+  const std::filesystem::directory_iterator files(own.folder.path());
+  CHECK(std::distance(files, std::filesystem::directory_iterator()) <= 4);  // store, wal, shm, lock
+  std::filesystem::create_symlink(own.path, own.folder.path("other.db"));
+  const StoreLocks here(own.path), there(own.folder.path("other.db"));  // one store, two names
+  REQUIRE(here.take_whole());
+  CHECK_FALSE(there.take_whole());
+  const std::string precious = own.folder.path("precious");
+  write_file(precious, "kept");
+  std::filesystem::remove(own.path + "-lock");
+  std::filesystem::create_symlink(precious, own.path + "-lock");
+  CHECK(refused_as([&] { const RunLock lock(own.path); }) == "TB-STORE-LOCK");
+  CHECK(read_file(precious) == "kept");
+}

@@ -1,0 +1,148 @@
+// Who may do what, as the README's table says: other users of the machine against a run, on the machine's own names.
+// Other users, and a group of their own for members, take root's rights; without them the tests say that they were
+// skipped.
+#include <grp.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+
+#include "bench/run/control/machine_name.h"
+#include "tests/support/endless_run.h"
+#include "tests/support/variable.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+constexpr int kOwner = 5, kOther = 65534, kGroup = 54321;
+
+// Shell words before a program: another user, the group's member or not, on a machine that has such a group. `own`: a
+// folder for what the user keeps.
+std::string as_user(int user, bool member, const std::string& own) {
+  return fmt::format(
+      "unshare -m /bin/sh -c 'mount --bind \"$0/group\" /etc/group && exec setpriv --reuid={0} --regid={0} {1} env -u "
+      "TACTBENCH_RUNTIME_DIR HOME=\"$0\" XDG_STATE_HOME=\"$0\" TMPDIR=\"$0\" \"$@\"' '{2}' ",
+      user, member ? fmt::format("--groups {}", kGroup) : std::string("--clear-groups"), own);
+}
+
+struct Users {
+  Users() {
+    write_file(folder.path("group"), fmt::format("root:x:0:\ntactbench:x:{}:\n", kGroup));
+    (void)run_program("/bin/sh", {"-c", "chmod -R a+rwX ."}, folder.path());
+  }
+  [[nodiscard]] Finished say(int user, bool member, const std::string& words) const {
+    return run_program("/bin/sh", {"-c", as_user(user, member, folder.path()) + "'" + program_path() + "' " + words},
+                       folder.path());
+  }
+  // That all of it is allowed here.
+  [[nodiscard]] bool can() const {
+    const Finished tried = say(kOther, true, "--version");
+    if (tried.code != 0)
+      WARN("skipped: this needs root, its capabilities and a program that all can read: " + tried.err);
+    return tried.code == 0;
+  }
+  const TemporaryFolder folder;
+};
+
+// Another user's process that holds a name and answers whoever asks that it is a run on `bench` and takes all.
+class Stranger {
+ public:
+  Stranger(const std::string& name, const std::string& bench) {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    process_ = fork();
+    if (process_ == 0) answer_for_ever(name, bench, ends[1]);
+    char byte = 0;
+    REQUIRE(read(ends[0], &byte, 1) == 1);
+    close(ends[0]);
+    close(ends[1]);
+  }
+  ~Stranger() {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+  }
+  Stranger(const Stranger&) = delete;
+  Stranger& operator=(const Stranger&) = delete;
+
+ private:
+  [[noreturn]] static void answer_for_ever(const std::string& what, const std::string& bench, int ready) {
+    if (setgroups(0, nullptr) != 0 || setgid(kOther) != 0 || setuid(kOther) != 0) _exit(1);
+    const bench::MachineName name(what);
+    const std::string lie = fmt::format(
+        R"({{"bench":"{}","taken":true,"run":1,"state":"running","store":"x.db","text":"run 1 ends: vented"}})", bench);
+    (void)!write(ready, "x", 1);
+    for (;;) {
+      const int client = accept4(name.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
+      if (client >= 0) (void)send(client, lie.data(), lie.size(), MSG_NOSIGNAL);
+      if (client < 0) usleep(1000);
+    }
+  }
+  pid_t process_ = -1;
+};
+
+}  // namespace
+
+TEST_CASE("users: only root, the run's own user and members of the group command a run") {
+  const Users users;
+  if (!users.can()) return;
+  struct Row {
+    int user;
+    bool member, owner_is_member, may;
+  };
+  const Row row = GENERATE(values<Row>({{0, false, false, true},
+                                        {kOwner, false, false, true},
+                                        {kOther, false, false, false},
+                                        {kOther, true, true, true},
+                                        {kOther, true, false, false},
+                                        {kOther, false, true, false}}));
+  INFO("user " << row.user << ", member " << row.member << ", owner a member " << row.owner_is_member);
+  const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
+  const std::string id = fmt::format("users-{}", getpid());
+  EndlessRun run(id, as_user(kOwner, row.owner_is_member, users.folder.path()));
+  REQUIRE(run.lives());  // root hears anybody
+  const Finished word = users.say(row.user, row.member, "stop --bench " + id);
+  INFO(word.err);
+  CHECK(word.code == (row.may ? 0 : 2));
+  if (!row.may) {
+    CHECK_THAT(word.err, Catch::Contains("TB-RUN-DENIED"));
+    CHECK_FALSE(run.process().ended_within(std::chrono::milliseconds(300)));
+    CHECK(users.say(kOwner, row.owner_is_member, "stop --bench " + id).code == 0);
+  }
+  CHECK(run.process().wait() == 4);
+}
+
+TEST_CASE("users: an answer of another user is not trusted, and its run is not shown") {
+  const Users users;
+  if (!users.can()) return;
+  const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
+  const std::string id = fmt::format("stranger-{}", getpid());
+  const Stranger stranger(id, "x");
+  const Finished panic = users.say(kOwner, false, "panic --bench " + id);
+  CHECK(panic.code == 2);
+  CHECK_THAT(panic.err, Catch::Contains("TB-RUN-DENIED") && Catch::Contains("nobody (pid "));
+  // Nor does it stand in the way of a word to a run that is real.
+  EndlessRun run(fmt::format("real-{}", getpid()), as_user(kOwner, false, users.folder.path()));
+  REQUIRE(run.lives());
+  const Finished real = users.say(kOwner, false, fmt::format("panic --db '{}'", run.folder.path("runs.db")));
+  INFO(real.err);
+  CHECK(real.code == 0);
+  CHECK(run.process().wait() == 4);
+}
+
+TEST_CASE("users: a false answer in a run's name does not keep root's panic from the run") {
+  const Users users;
+  if (!users.can()) return;
+  const Variable scope("TACTBENCH_RUNTIME_DIR", std::nullopt);
+  const std::string id = fmt::format("doubled-{}", getpid());
+  EndlessRun run(id, as_user(kOwner, false, users.folder.path()));
+  REQUIRE(run.lives());
+  const Stranger stranger(id + "/process/1", id);
+  const Finished panic = users.say(0, false, "panic --bench " + id);
+  INFO(panic.err);
+  CHECK(panic.code == 0);
+  CHECK(run.process().wait() == 4);
+}

@@ -1,0 +1,195 @@
+// A closed terminal, a reader of the output that ends or is stopped, unexpected signals: the run ends safely or
+// continues, and its record is complete.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bench/run/control/control_client.h"
+#include "bench/run/control/notify.h"
+#include "db/run_store.h"
+#include "tests/support/child_process.h"
+#include "tests/support/live_runs.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// Runs in whole or until they are ended, on a rig in the program's own process.
+struct Desk {
+  Desk() {
+    // The tests may run under nohup, and children inherit that.
+    std::signal(SIGHUP, SIG_DFL);
+    const std::string recipe = "schema = 1\nname = \"r\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\n";
+    write_file(folder.path("long.toml"), recipe + "repeats = 1000\n");
+    write_file(folder.path("short.toml"), recipe);
+    REQUIRE(call({"init"}).code == 0);
+    REQUIRE(call({"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  }
+  [[nodiscard]] Finished call(const std::vector<std::string>& words) const {
+    return run_program(program_path(), words, folder.path());
+  }
+  static std::vector<std::string> run_words(const std::string& recipe) {
+    return {"run", recipe, "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "--no-seating"};
+  }
+  // In a shell, `redirected` to what it says: "2>&-".
+  [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::vector<std::string>& words,
+                                                    const std::string& redirected) const {
+    return std::make_unique<ChildProcess>(std::vector<std::string>{
+        "/bin/sh", "-c",
+        fmt::format("cd '{}' && exec '{}' {} {}", folder.path(), program_path(), fmt::join(words, " "), redirected)});
+  }
+  [[nodiscard]] db::RunStore store() const { return db::RunStore::open_read_only(folder.path("runs.db")); }
+  [[nodiscard]] bool has_frames() const {
+    try {
+      return store().frame_count(1) > 0;
+    } catch (const db::StoreError&) {  // it is being made
+      return false;
+    }
+  }
+  static bool wait_for(const std::function<bool()>& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      usleep(5000);
+    }
+    return true;
+  }
+  static bool paused() {
+    const auto live = live_runs();
+    return live.size() == 1 && live.front().status.state == bench::RunState::kPaused;
+  }
+  void check_row(db::Outcome outcome) const {
+    const db::RunRecord row = store().run(1);
+    CHECK(row.outcome == outcome);
+    CHECK(row.safe_state == db::SafeState::kVerified);
+    CHECK(row.content_sha256 == store().content_hash(1));
+  }
+  TemporaryFolder folder;
+};
+
+// A named pipe with a reader that is there and goes, or stands still.
+class Pipe {
+ public:
+  explicit Pipe(const std::string& path) : path_(path) {
+    if (::mkfifo(path.c_str(), 0600) != 0) throw std::runtime_error("cannot make " + path);
+    reader_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  }
+  ~Pipe() { close_reader(); }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  void close_reader() {
+    if (reader_ >= 0) ::close(std::exchange(reader_, -1));
+  }
+  [[nodiscard]] bool has_words() const {
+    char byte = 0;
+    return ::read(reader_, &byte, 1) == 1;
+  }
+  void fill() const {
+    const int writer = ::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    const std::array<char, 4096> bytes{};
+    while (::write(writer, bytes.data(), bytes.size()) > 0) {
+    }
+    ::close(writer);
+  }
+
+ private:
+  std::string path_;
+  int reader_ = -1;
+};
+
+}  // namespace
+
+TEST_CASE("end of run: every signal ends a run like a request to terminate") {
+  const auto [number, code] = GENERATE(table<int, int>({{SIGHUP, 129},
+                                                        {SIGQUIT, 131},
+                                                        {SIGUSR1, 138},
+                                                        {SIGUSR2, 140},
+                                                        {SIGPWR, 158},
+                                                        {SIGXCPU, 152},
+                                                        {SIGALRM, 142},
+                                                        {SIGIO, 157},
+                                                        {64, 192}}));
+  const Desk desk;
+  const Finished run = run_program(program_path(), Desk::run_words("long.toml"), desk.folder.path(),
+                                   {number, [&] { return desk.has_frames(); }});
+  INFO(run.err);
+  CHECK(run.code == code);
+  CHECK_THAT(run.err, Catch::Contains("[TB-RUN-STOPPED]") && Catch::Contains("vented, verified"));
+  CHECK_THAT(run.err, !Catch::Contains("error:"));  // it did what it was told
+  desk.check_row(db::Outcome::kStopped);
+}
+
+TEST_CASE("end of run: a run whose reader of standard error has ended continues, pauses and stops as asked") {
+  const Desk desk;
+  Pipe pipe(desk.folder.path("err"));
+  const auto run = desk.start(Desk::run_words("long.toml"), "2>err");
+  REQUIRE(Desk::wait_for([&] { return pipe.has_words(); }));  // the estimate
+  pipe.close_reader();
+  REQUIRE(Desk::wait_for([&] { return desk.has_frames(); }));
+  run->signal(SIGINT);
+  REQUIRE(Desk::wait_for(Desk::paused));  // two notes later
+  run->signal(SIGINT);
+  CHECK(run->wait() == 130);
+  desk.check_row(db::Outcome::kStopped);
+}
+
+TEST_CASE("end of run: a run without a reader of its result, or with its streams closed, completes") {
+  const Desk desk;
+  const bool closed = GENERATE(false, true);
+  Pipe pipe(desk.folder.path("out"));
+  if (!closed) {
+    const auto run = desk.start(Desk::run_words("short.toml"), ">out 2>&1");
+    REQUIRE(Desk::wait_for([&] { return pipe.has_words(); }));
+    pipe.close_reader();
+    CHECK(run->wait() == 0);
+  } else {
+    CHECK(desk.start(Desk::run_words("short.toml"), "<&- >&- 2>&-")->wait() == 0);
+  }
+  desk.check_row(db::Outcome::kCompleted);
+  CHECK(desk.call({"verify", "1"}).code == 0);
+}
+
+TEST_CASE("end of run: a stopped reader of standard error does not delay it") {
+  const Desk desk;
+  const Pipe pipe(desk.folder.path("err"));
+  pipe.fill();
+  CHECK(desk.start(Desk::run_words("short.toml"), "2>err")->wait() == 0);
+  desk.check_row(db::Outcome::kCompleted);
+}
+
+TEST_CASE("end of run: devices watch ends when the reader of its output ends") {
+  const Desk desk;
+  Pipe pipe(desk.folder.path("out"));
+  const auto watch = desk.start({"devices", "watch", "--bench", "bench.toml", "--interval", "0.05"}, ">out");
+  REQUIRE(Desk::wait_for([&] { return pipe.has_words(); }));
+  pipe.close_reader();
+  CHECK(watch->wait() == 0);
+}
+
+TEST_CASE("end of run: --on-event gets its own run's values, not those of the environment") {
+  const TemporaryFolder folder;
+  const std::array<const char*, 3> names = {"TACTBENCH_EVENT", "TACTBENCH_RUN", "TACTBENCH_REASON"};
+  for (const char* name : names) setenv(name, "stale", 1);
+  setenv("TACTBENCH_RUNNER", "kept", 1);  // another name that begins alike
+  const std::string told = folder.path("told");
+  bench::Notify(
+      fmt::format("env | grep -E '^TACTBENCH_(EVENT|REASON|RUN|RUNNER)=' | sort > {0}.part && mv {0}.part {0}", told))
+      .tell("done", 7, "all steps done");
+  for (const char* name : names) unsetenv(name);
+  unsetenv("TACTBENCH_RUNNER");
+  REQUIRE(Desk::wait_for([&] { return std::filesystem::exists(told); }));
+  CHECK(read_file(told) ==
+        "TACTBENCH_EVENT=done\nTACTBENCH_REASON=all steps done\nTACTBENCH_RUN=7\nTACTBENCH_RUNNER=kept\n");
+}

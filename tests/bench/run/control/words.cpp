@@ -1,0 +1,292 @@
+// Commands to a run, what ends it, and how its answers are parsed: without a rig and without a socket.
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "bench/common/error.h"
+#include "bench/run/control/control.h"
+#include "bench/run/control/control_client.h"
+#include "bench/run/ending.h"
+#include "bench/run/recorder.h"
+#include "devices/fault.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+
+namespace {
+
+// What catches the exception that `thrown` is.
+template <class Thrown>
+void met(Ending& ending, const Thrown& thrown) {
+  try {
+    throw thrown;
+  } catch (...) {
+    ending.by_exception("here");
+  }
+}
+
+const devices::Fault kDeviceFault("TB-SCANNER-LOST", "scanner", "gone", "plug it in");
+const devices::Fault kTripFault(devices::Cause::kLimit, "TB-CHAMBER-TRIP", "chamber", "67 psi", "look");
+
+RunStatus status_in(RunState state) {
+  RunStatus status;
+  status.run = 7;
+  status.state = state;
+  return status;
+}
+
+}  // namespace
+
+TEST_CASE("commands: names, and those accepted in each state") {
+  const std::vector<std::string> words = {"status", "pause", "resume", "stop", "abort", "panic"};
+  for (std::size_t i = 0; i < words.size(); ++i) CHECK(to_string(static_cast<Command>(i)) == words[i]);
+  Control control;
+  control.publish(status_in(RunState::kRunning));
+  CHECK(control.ask(Command::kStatus, "x").text == "running");
+  CHECK(control.ask(Command::kStatus, "x").taken);
+  CHECK(control.who().empty());  // who only asks is not remembered
+  const auto early = control.ask(Command::kResume, "a");
+  CHECK_FALSE(early.taken);
+  CHECK(early.text == "run 7 is running, not paused");
+  CHECK(control.ask(Command::kPause, "b").text == "run 7 pauses at the end of this branch; 'stop' ends it at once");
+  CHECK(control.who() == "b");
+  CHECK(control.ask(Command::kResume, "c").text == "run 7 continues: the pause is taken back");
+  CHECK(control.ask(Command::kPause, "b").taken);  // takes the resume back
+  CHECK_FALSE(control.take_resume());
+  CHECK(control.pause_wanted());
+  control.publish(status_in(RunState::kPaused));
+  const auto again = control.ask(Command::kPause, "b");
+  CHECK_FALSE(again.taken);
+  CHECK(again.text == "run 7 is paused already");
+  CHECK(control.ask(Command::kResume, "c").text == "run 7 continues: conditioned again, then the next branch");
+  CHECK(control.take_resume());
+  CHECK_FALSE(control.pause_wanted());
+  CHECK(control.ask(Command::kStop, "d").text == "run 7 ends: vents, retracts and proves it");
+  CHECK(control.ask(Command::kPanic, "e").text == "run 7 ends: vented and halted past the sequencer");
+  for (const RunState ending : {RunState::kStopping, RunState::kEnded}) {
+    control.publish(status_in(ending));
+    CHECK(control.ask(Command::kPanic, "e").text == std::string("run 7 is ") + to_string(ending) + " already");
+    CHECK(control.ask(Command::kStatus, "e").taken);
+  }
+  Control closed;
+  const StopRequest signals;
+  closed.publish(status_in(RunState::kRunning));
+  CHECK_FALSE(closed.close(signals));
+  CHECK(closed.ask(Command::kAbort, "e").text == "run 7 is stopping already");
+}
+
+TEST_CASE("commands: the end is attributed to the first sender of the strongest command") {
+  const StopRequest signals;
+  Control control;
+  CHECK(control.ask(Command::kAbort, "alice").taken);
+  CHECK(control.ask(Command::kStop, "bob").taken);
+  CHECK(control.ask(Command::kAbort, "carol").taken);
+  REQUIRE(control.asked(signals));
+  CHECK(control.asked(signals)->who == "alice");
+  CHECK(control.asked(signals)->command == Command::kAbort);
+  CHECK(control.who() == "carol");
+  int panics = 0;
+  control.on_panic([&] { ++panics; });
+  CHECK(control.ask(Command::kPanic, "dora").taken);
+  CHECK(panics == 1);
+  CHECK(control.asked(signals)->who == "dora");
+  Control lone;  // without anybody to call
+  CHECK(lone.ask(Command::kPanic, "e").taken);
+}
+
+TEST_CASE("Ctrl-C: a cancelled or ended pause no longer counts, panic wins over signals, signals over commands") {
+  const StopRequest signals;
+  Control control;
+  control.publish(status_in(RunState::kRunning));
+  CHECK_FALSE(control.pause_wanted());
+  control.poll(signals);
+  CHECK_FALSE(control.pause_wanted());
+  std::raise(SIGINT);
+  CHECK(signals.interrupts() == 1);
+  control.poll(signals);
+  CHECK(control.pause_wanted());
+  CHECK(control.who() == "Ctrl-C");
+  CHECK(control.ask(Command::kResume, "t").taken);
+  CHECK(control.take_resume());
+  control.poll(signals);
+  CHECK_FALSE(control.pause_wanted());  // the old Ctrl-C does not pause again
+  std::raise(SIGINT);
+  CHECK_NOTHROW(control.poll(signals));  // the first since then
+  CHECK(control.pause_wanted());
+  CHECK(control.ask(Command::kAbort, "x").taken);
+  CHECK(control.asked(signals)->command == Command::kAbort);
+  std::raise(SIGINT);
+  REQUIRE(control.asked(signals));
+  CHECK(control.asked(signals)->command == Command::kStop);
+  CHECK(control.asked(signals)->signal == SIGINT);
+  CHECK(control.asked(signals)->who == "Ctrl-C");
+  std::raise(SIGTERM);
+  CHECK(control.asked(signals)->signal == SIGTERM);
+  CHECK(signals.signal() == SIGINT);
+  CHECK(control.ask(Command::kPanic, "p").taken);
+  CHECK(control.asked(signals)->command == Command::kPanic);
+  CHECK(control.asked(signals)->signal == 0);
+}
+
+TEST_CASE("signals: their descriptions, and the old handlers are restored") {
+  CHECK(signal_text(SIGINT) == "Ctrl-C");
+  CHECK(signal_text(SIGTERM) == "a request to terminate");
+  CHECK_THAT(signal_text(SIGHUP), Catch::StartsWith("a hang-up"));
+  CHECK(signal_text(SIGUSR1) == "signal 10");
+  static int old_seen;
+  old_seen = 0;
+  const auto before = std::signal(SIGUSR2, [](int) { ++old_seen; });
+  {
+    const StopRequest first;
+    std::raise(SIGUSR2);
+    CHECK(first.ending() == SIGUSR2);
+  }
+  std::raise(SIGUSR2);
+  CHECK(old_seen == 1);
+  std::signal(SIGUSR2, before);
+  const StopRequest fresh;
+  CHECK(fresh.signal() == 0);
+  CHECK(fresh.ending() == 0);
+  CHECK(fresh.interrupts() == 0);
+}
+
+TEST_CASE("answers: every field is read, text that no run wrote gives none") {
+  const auto live = read_answer("B/process/3", {12, 34, true},
+                                R"({"bench":"B","run":9,"state":"paused","store":"/s.db","label":"l","reason":"r",
+                                    "step":3,"steps":8,"left_s":1.5,"taken":true,"denied":true,"text":"t"})");
+  REQUIRE(live);
+  CHECK(live->name == "B/process/3");
+  CHECK(live->bench == "B");
+  CHECK((live->server.process == 12 && live->server.user == 34 && live->server.in_group));
+  CHECK(live->status.run == 9);
+  CHECK(live->status.state == RunState::kPaused);
+  CHECK(live->status.store == "/s.db");
+  CHECK(live->status.label == "l");
+  CHECK(live->status.reason == "r");
+  CHECK((live->status.step == 3 && live->status.steps == 8));
+  CHECK(live->status.left_s == 1.5);
+  CHECK((live->taken && live->denied));
+  CHECK(live->text == "t");
+  const auto bare = read_answer("B", {}, "{}");
+  REQUIRE(bare);
+  CHECK((bare->status.run == 0 && bare->status.step == 0 && bare->status.steps == 0 && bare->status.left_s == 0.0));
+  CHECK(bare->status.state == RunState::kEnded);
+  CHECK_FALSE((bare->taken || bare->denied));
+  const std::vector<std::string> states = {"prepared",  "running",  "pausing", "paused",
+                                           "suspended", "stopping", "ended"};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    CHECK(to_string(static_cast<RunState>(i)) == states[i]);
+    CHECK(read_answer("B", {}, R"({"state":")" + states[i] + R"("})").value().status.state == static_cast<RunState>(i));
+  }
+  for (const char* strange : {"", "[]", "7", "{", R"({"run":"x"})", R"({"taken":1})"})
+    CHECK_FALSE(read_answer("B", {}, strange));
+}
+
+TEST_CASE("ending: by a command, with its outcome and code") {
+  const auto ended = [](Command command, int signal) {
+    const StopRequest signals;
+    Control control;
+    Ending ending(control, signals);
+    met(ending, Leave{command, signal, "bob"});
+    CHECK(ending.error().value().where() == "here");
+    CHECK_FALSE(ending.met_store());
+    return std::tuple(ending.error()->id(), ending.error()->code(), std::string(ending.error()->what()),
+                      ending.outcome());
+  };
+  CHECK(ended(Command::kStop, 0) ==
+        std::tuple("TB-RUN-STOPPED", ExitCode::kStopped, "stopped by bob", db::Outcome::kStopped));
+  CHECK(ended(Command::kStop, SIGTERM) ==
+        std::tuple("TB-RUN-STOPPED", ExitCode::kTerminated, "stopped by bob", db::Outcome::kStopped));
+  CHECK(ended(Command::kAbort, 0) ==
+        std::tuple("TB-RUN-ABORTED", ExitCode::kStopped, "aborted by bob", db::Outcome::kAborted));
+  CHECK(ended(Command::kPanic, 0) ==
+        std::tuple("TB-RUN-PANIC", ExitCode::kStopped, "panic by bob", db::Outcome::kAborted));
+}
+
+TEST_CASE("ending: by a fault, and which command wins over which fault") {
+  const StopRequest signals;
+  const auto ended = [&](const auto& thrown, std::optional<Command> word) {
+    Control control;
+    if (word) CHECK(control.ask(*word, "bob").taken);
+    Ending ending(control, signals);
+    met(ending, thrown);
+    return std::tuple(ending.error().value().id(), ending.error()->code(), ending.outcome(), ending.met_store());
+  };
+  using db::Outcome;
+  CHECK(ended(kDeviceFault, {}) == std::tuple("TB-SCANNER-LOST", ExitCode::kDevice, Outcome::kFailed, false));
+  CHECK(ended(kTripFault, {}) == std::tuple("TB-CHAMBER-TRIP", ExitCode::kStopped, Outcome::kAborted, false));
+  const db::StoreError full("TB-STORE-FULL", "full", "make room");
+  CHECK(ended(full, {}) == std::tuple("TB-STORE-FULL", ExitCode::kStore, Outcome::kFailed, true));
+  CHECK(ended(kDeviceFault, Command::kStop) ==
+        std::tuple("TB-RUN-STOPPED", ExitCode::kStopped, Outcome::kStopped, false));
+  CHECK(ended(kDeviceFault, Command::kAbort) ==
+        std::tuple("TB-RUN-ABORTED", ExitCode::kStopped, Outcome::kAborted, false));
+  CHECK(ended(kTripFault, Command::kAbort) ==
+        std::tuple("TB-CHAMBER-TRIP", ExitCode::kStopped, Outcome::kAborted, false));
+  CHECK(ended(kTripFault, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kStopped, Outcome::kAborted, false));
+  CHECK(ended(full, Command::kStop) == std::tuple("TB-STORE-FULL", ExitCode::kStore, Outcome::kFailed, true));
+  CHECK(ended(full, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kStopped, Outcome::kAborted, true));
+  const Error unsafe(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "not proved", "", "");
+  CHECK(ended(unsafe, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kUnsafe, Outcome::kAborted, false));
+}
+
+TEST_CASE("ending: a last command other than stop ends a run that nothing else has ended") {
+  const StopRequest signals;
+  struct Told {
+    std::optional<Error> error;
+    db::Outcome outcome;
+    std::vector<std::string> events;
+  };
+  const auto told = [&](const std::function<void(Ending&, Control&)>& act) {
+    const tests::TemporaryFolder folder;
+    db::RunStore store = db::RunStore::open(folder.path("s.db"), db::Durability::kNormal);
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = "simulated";
+    run.state = "prepared";
+    store.add_sensor({"S-1", "type", "", "", "", "", ""});
+    run.sensor_serial = "S-1";
+    const std::int64_t number = store.begin_run(run);
+    devices::TurnedClock clock;
+    Recorder recorder(store, number, clock);
+    Control control;
+    Ending ending(control, signals);
+    act(ending, control);
+    ending.take_last_command("at the end");
+    CHECK_FALSE(control.ask(Command::kAbort, "late").taken);
+    ending.write(recorder);
+    Told what{ending.error(), ending.outcome(), {}};
+    for (const db::EventRecord& event : store.events(number)) what.events.push_back(event.kind + " " + event.id);
+    return what;
+  };
+  using Events = std::vector<std::string>;
+  const Told done = told([](Ending&, Control&) {});
+  CHECK_FALSE(done.error);
+  CHECK(done.outcome == db::Outcome::kCompleted);
+  CHECK(done.events.empty());
+  const Told stop = told([](Ending&, Control& control) { (void)control.ask(Command::kStop, "x"); });
+  CHECK_FALSE(stop.error);
+  CHECK(stop.events == Events{"word TB-RUN-STOPPED"});
+  const Told abort = told([](Ending&, Control& control) { (void)control.ask(Command::kAbort, "x"); });
+  CHECK(abort.error.value().id() == "TB-RUN-ABORTED");
+  CHECK(abort.events == Events{"fault TB-RUN-ABORTED"});
+  const Told both = told([](Ending& ending, Control& control) {
+    met(ending, kDeviceFault);
+    (void)control.ask(Command::kAbort, "x");
+    ending.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "", "", ""));  // something has ended it already
+  });
+  CHECK(both.error.value().id() == "TB-SCANNER-LOST");
+  CHECK(both.events == Events{"fault TB-SCANNER-LOST", "word TB-RUN-ABORTED"});
+  const Told same = told([](Ending& ending, Control& control) {
+    (void)control.ask(Command::kStop, "x");
+    met(ending, kDeviceFault);
+  });
+  CHECK(std::string(same.error.value().what()) == "stopped by x; also, while the run ended: TB-SCANNER-LOST");
+  CHECK(same.events == Events{"fault TB-SCANNER-LOST", "fault TB-RUN-STOPPED"});
+  const Told unsafe = told([](Ending& ending, Control&) {
+    ending.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "not proved", "", ""));
+  });
+  CHECK(unsafe.error.value().id() == "TB-SAFE-UNVERIFIED");
+  CHECK(unsafe.outcome == db::Outcome::kFailed);
+}

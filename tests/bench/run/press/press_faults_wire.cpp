@@ -1,0 +1,150 @@
+// Faults while z moves under force: each has its own error, and the axis stops before anyone is informed.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/bench/run/press/press_rig.h"
+#include "tests/devices/fault_of.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::Branch;
+using bench::PressOptions;
+using devices::fault_id_of;
+
+TEST_CASE("approach: no contact, a force before the start and the wrong sign each have their own error") {
+  SECTION("nothing there") {
+    PressRig rig([](double) { return 0.0; });
+    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-NO-CONTACT");
+    CHECK(rig.z_mm() == Approx(14.0).margin(1e-4));
+    CHECK(rig.press->retract().verified);
+    CHECK(rig.z_mm() == Approx(10.0).margin(1e-4));
+  }
+  SECTION("the tip no longer follows the stage") {
+    PressRig rig([](double z_mm) { return elastic(20.0)(std::min(z_mm, kSurfaceMm - 0.5)); });
+    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-NO-CONTACT");
+  }
+  SECTION("a force before the start") {
+    PressRig rig(elastic(20.0));
+    rig.port.offset_n = 0.4;  // never tared
+    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-NOT-FREE");
+    CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));
+  }
+  SECTION("the wrong sign") {
+    PressRig rig(elastic(20.0), small_press(), {}, 1.0);
+    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-PRESS-SIGN");
+    CHECK(rig.z_mm() < kSurfaceMm + 0.1);
+  }
+}
+
+TEST_CASE("press: a servo without effect stops at its bounds") {
+  SECTION("the tip stays behind") {
+    PressRig rig([](double z_mm) { return elastic(20.0)(std::min(z_mm, kSurfaceMm + 0.2)); });
+    (void)rig.press->approach();
+    CHECK_FALSE(rig.go(2.0, Branch::kLoading).broken);
+    CHECK(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }) == "TB-PRESS-NO-FORCE");
+    CHECK(rig.z_mm() <= 14.0);
+    CHECK(rig.press->retract().verified);
+  }
+  SECTION("too few moves") {
+    PressOptions options = small_press();
+    options.most_moves = 2;
+    PressRig rig(elastic(20.0), options);
+    (void)rig.press->approach();
+    CHECK(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }) == "TB-PRESS-TIMEOUT");
+  }
+  SECTION("too little time") {
+    PressOptions options = small_press();
+    options.level_timeout_s = 0.5;
+    PressRig rig(elastic(20.0), options);
+    (void)rig.press->approach();
+    CHECK(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }) == "TB-PRESS-TIMEOUT");
+  }
+}
+
+TEST_CASE("press: the force limit halts the stage in the middle of a move") {
+  PressOptions options = small_press();
+  options.force_limit_n = 12.0;
+  // Soft, then a wall that no step expects.
+  PressRig rig(
+      [](double z_mm) {
+        const double depth_mm = std::max(0.0, z_mm - kSurfaceMm);
+        return 1.0 * depth_mm + 90.0 * std::max(0.0, depth_mm - 1.2);
+      },
+      options);
+  (void)rig.press->approach();
+  const int before = rig.stage.halts;
+  CHECK(fault_id_of([&] { (void)rig.go(11.0, Branch::kLoading); }) == "TB-PRESS-FORCE-LIMIT");
+  CHECK(rig.stage.halts == before + 1);
+  CHECK(rig.stands());
+  // What the preflight computes for the greatest stiffness is not passed.
+  double greatest_n = 0.0;
+  for (const bench::ForceSample& sample : rig.samples) greatest_n = std::max(greatest_n, sample.force_n);
+  CHECK(greatest_n <= 12.0 + 100.0 * options.servo_mm_per_s * 2.0 * options.poll_interval_s);
+  CHECK(rig.press->retract().verified);
+}
+
+TEST_CASE("press: a silent sensor, an unplugged stage and a request to stop leave the axis standing") {
+  SECTION("the sensor falls silent while z goes down") {
+    PressRig rig(elastic(20.0), small_press(), {.silent_after_records = 800});
+    CHECK(fault_id_of([&] { (void)rig.press->approach(); }) == "TB-FORCE-TIMEOUT");
+    CHECK(rig.stage.halts == 1);
+    CHECK(rig.z_mm() > 10.0);
+    CHECK(rig.stands());
+    const bench::RetractProof proof = rig.press->retract();
+    INFO(proof.text);
+    CHECK_FALSE(proof.verified);  // z is clear, and nobody says that no force stands
+    CHECK_FALSE(proof.force_n);
+    REQUIRE(proof.z_mm);
+    CHECK(*proof.z_mm == Approx(10.0).margin(1e-3));
+  }
+  SECTION("the stage is unplugged in contact") {
+    PressRig rig(elastic(20.0));
+    (void)rig.press->approach();
+    CHECK_FALSE(rig.go(6.0, Branch::kLoading).broken);
+    rig.zaber.chain.unplug();
+    CHECK_THAT(fault_id_of([&] { (void)rig.go(10.0, Branch::kLoading); }), Catch::StartsWith("TB-SERIAL"));
+    const bench::RetractProof proof = rig.press->retract();
+    INFO(proof.text);
+    CHECK_FALSE(proof.verified);
+    CHECK_FALSE(proof.halted);
+    CHECK_THAT(proof.text, Catch::StartsWith("NOT SAFE"));
+    rig.zaber.chain.plug_in();
+    CHECK(rig.press->retract().verified);
+  }
+  SECTION("a request to stop comes from the wait") {
+    PressRig rig(elastic(20.0));
+    int waits = 0;
+    rig.on_wait = [&] {
+      if (++waits >= 60) throw std::runtime_error("stop");
+    };
+    CHECK_THROWS_WITH(rig.press->approach(), "stop");
+    CHECK(rig.stands());
+    CHECK(rig.press->retract().verified);  // though each wait throws
+    CHECK(rig.z_mm() == Approx(10.0).margin(1e-3));
+  }
+}
+
+TEST_CASE("retract: never toward the specimen, callable twice, and a z that lost its home goes home") {
+  PressRig rig(elastic(20.0));
+  CHECK(rig.press->retract().verified);
+  CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));  // further off than clear: stays
+  (void)rig.press->approach();
+  CHECK_FALSE(rig.go(6.0, Branch::kLoading).broken);
+  rig.zaber.chain.power_cycle();
+  const bench::RetractProof proof = rig.press->retract();
+  INFO(proof.text);
+  CHECK(proof.verified);
+  CHECK(rig.z_mm() == Approx(0.0).margin(1e-4));
+  CHECK(rig.press->retract().verified);
+}
+
+TEST_CASE("retract: a force that stays is not safe, and without a sensor nothing is verified") {
+  PressRig rig([](double) { return 3.0; });  // stuck to the object
+  const bench::RetractProof stuck = rig.press->retract();
+  CHECK_FALSE(stuck.verified);
+  CHECK_THAT(stuck.text, Catch::StartsWith("NOT SAFE"));
+  const bench::RetractProof blind = bench::retract(rig.stage, nullptr, rig.zaber.clock, {10.0, 4.0, 0.5, 50}, {});
+  CHECK_FALSE(blind.verified);
+  CHECK(blind.z_mm);
+  CHECK_THAT(blind.text, Catch::Contains("no force sensor"));
+}

@@ -1,0 +1,127 @@
+// Registration of the stage to the taxels from frames made here: the given transform is found, and ambiguous touches
+// are refused.
+#include "bench/run/press/registration.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "tests/devices/fault_of.h"
+
+using namespace tactbench;
+using bench::MountRegistration;
+using bench::Touch;
+using devices::fault_id_of;
+
+namespace {
+
+constexpr int kRows = 16, kColumns = 16;
+constexpr double kPitchMm = 2.54;
+constexpr double kOffsetCounts = 900.0;
+
+struct Mount {
+  double angle_deg = 0.0, x_mm = 0.0, y_mm = 0.0, scale = 1.0;
+  bool flipped = false;
+};
+
+// Where the stage stands over taxel coordinates `at`.
+Touch place(const Mount& mount, double taxel_x_mm, double taxel_y_mm) {
+  const double angle = mount.angle_deg * std::numbers::pi / 180.0;
+  const double x = mount.scale * taxel_x_mm;
+  const double y = mount.scale * (mount.flipped ? -taxel_y_mm : taxel_y_mm);
+  return {mount.x_mm + std::cos(angle) * x - std::sin(angle) * y,
+          mount.y_mm + std::sin(angle) * x + std::cos(angle) * y,
+          {}};
+}
+
+const std::vector<double> kBaseline(kRows* kColumns, kOffsetCounts);
+
+// A blunt point there, a Gaussian of 2.5 mm, over the baseline.
+std::vector<double> frame_of(double taxel_x_mm, double taxel_y_mm) {
+  std::vector<double> frame = kBaseline;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const double away = std::hypot(column * kPitchMm - taxel_x_mm, row * kPitchMm - taxel_y_mm);
+      frame[static_cast<std::size_t>(row * kColumns + column)] += 20000.0 * std::exp(-away * away / (2.0 * 2.5 * 2.5));
+    }
+  }
+  return frame;
+}
+
+std::vector<Touch> touches(const Mount& mount, const std::vector<std::pair<double, double>>& places) {
+  std::vector<Touch> made;
+  for (const auto& [x, y] : places) {
+    Touch touch = place(mount, x, y);
+    touch.taxel_mm = bench::touch_centre_mm(frame_of(x, y), kBaseline, kRows, kColumns, kPitchMm, 500.0);
+    made.push_back(touch);
+  }
+  return made;
+}
+
+const std::vector<std::pair<double, double>> kThree = {{8.1, 9.3}, {29.0, 10.2}, {12.4, 27.7}};
+const std::vector<std::pair<double, double>> kFour = {{8.1, 9.3}, {29.0, 10.2}, {27.3, 28.8}, {9.4, 27.7}};
+
+}  // namespace
+
+TEST_CASE("registration: rotated, shifted and flipped mounts come out as they were made") {
+  const bool flipped = GENERATE(false, true);
+  const double angle = GENERATE(0.0, 3.5, -92.0, 179.0);
+  const auto& places = GENERATE_REF(values({kThree, kFour}));
+  const Mount mount{angle, 21.3, 30.9, 1.0, flipped};
+  const MountRegistration found = bench::register_mount(touches(mount, places), kPitchMm);
+  CHECK(found.flipped == flipped);
+  CHECK(found.angle_deg == Approx(angle).margin(0.15));
+  CHECK(found.offset_mm[0] == Approx(21.3).margin(0.08));
+  CHECK(found.offset_mm[1] == Approx(30.9).margin(0.08));
+  CHECK(found.scale == Approx(1.0).margin(0.005));
+  CHECK(found.rms_mm < 0.05);
+  CHECK(found.other_rms_mm > 2.0);
+  const Touch there = place(mount, 20.0, 14.0);
+  CHECK(std::hypot(found.stage_mm({20.0, 14.0})[0] - there.x_mm, found.stage_mm({20.0, 14.0})[1] - there.y_mm) < 0.1);
+}
+
+TEST_CASE("registration: a pitch that is not the nominal one shows as scale, and the text holds every touch") {
+  const MountRegistration found = bench::register_mount(touches({10.0, 0.0, 0.0, 1.02, false}, kFour), kPitchMm);
+  CHECK(found.scale == Approx(1.02).margin(0.005));
+  const auto json = nlohmann::json::parse(found.json());
+  CHECK(json["pitch_mm"] == kPitchMm);
+  CHECK(json["touches"].size() == 4);
+  CHECK(json["touches"][2]["residual_mm"].get<double>() == found.residual_mm[2]);
+  CHECK(json["flipped"] == false);
+}
+
+TEST_CASE("registration: touches in a line, too few, one astray, none felt and one on the edge are refused") {
+  const Mount mount{5.0, 1.0, 2.0, 1.0, false};
+  const auto line = touches(mount, {{8.0, 8.0}, {16.0, 16.0}, {28.0, 28.5}});
+  CHECK(fault_id_of([&] { (void)bench::register_mount(line, kPitchMm); }) == "TB-MOUNT-COLLINEAR");
+  CHECK(fault_id_of([&] { (void)bench::register_mount({line[0], line[1]}, kPitchMm); }) == "TB-MOUNT-TOUCHES");
+  auto astray = touches(mount, kFour);
+  astray[1].y_mm += 2.5;
+  CHECK(fault_id_of([&] { (void)bench::register_mount(astray, kPitchMm); }) == "TB-MOUNT-RESIDUAL");
+  const auto centre = [](const std::vector<double>& frame) {
+    return fault_id_of([&] { (void)bench::touch_centre_mm(frame, kBaseline, kRows, kColumns, kPitchMm, 500.0); });
+  };
+  CHECK(centre(kBaseline) == "TB-MOUNT-NO-TOUCH");
+  CHECK(centre(frame_of(0.3, 12.0)) == "TB-MOUNT-EDGE");
+  CHECK(centre(frame_of(15 * kPitchMm, 12.0)) == "TB-MOUNT-EDGE");
+  CHECK(centre(frame_of(12.0, 12.0)) == "none");
+}
+
+TEST_CASE("registration by hand: the transform that fits, and how far the rejected mirror misses") {
+  // Corners of 20 x 10 mm. Their mirror image fits best along the longer side: squares of 400 and 100 about the centre,
+  // scale (400 - 100) / 500, what is left 500 - 300^2 / 500 = 320 over four corners.
+  const bool flipped = GENERATE(false, true);
+  std::vector<Touch> corners;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{20.0, 0.0}, std::pair{20.0, 10.0}, std::pair{0.0, 10.0}})
+    corners.push_back({5.0 + x, 7.0 + (flipped ? -y : y), {x, y}});
+  const MountRegistration found = bench::register_mount(corners, kPitchMm);
+  CHECK(found.flipped == flipped);
+  CHECK(found.angle_deg == Approx(0.0).margin(1e-9));
+  CHECK(found.scale == Approx(1.0));
+  CHECK(found.offset_mm[0] == Approx(5.0));
+  CHECK(found.offset_mm[1] == Approx(7.0));
+  CHECK(found.rms_mm == Approx(0.0).margin(1e-9));
+  CHECK(found.other_rms_mm == Approx(std::sqrt(80.0)));
+  CHECK(nlohmann::json::parse(found.json())["other_flip_rms_mm"].get<double>() == found.other_rms_mm);
+}

@@ -1,0 +1,171 @@
+// Which instruments a run stores, and what it reports of their calibration before and after: on the simulated rig.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "bench/rig/rig.h"
+#include "bench/run/run_record.h"
+#include "devices/fault.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::ExitCode;
+
+namespace {
+
+bench::RunRequest ring_request(const std::vector<sequences::Override>& overrides = {}) {
+  bench::RunRequest request = small_request(overrides);
+  request.recipes = {sequences::read_recipe(bench::find_recipe("ring"), {{"repeats", "1"}})};
+  request.assume_yes = true;
+  return request;
+}
+
+const db::DeviceRecord& device_of(const db::RunRecord& run, const std::string& role) {
+  const auto found = std::ranges::find(run.devices, role, &db::DeviceRecord::role);
+  if (found == run.devices.end()) throw std::runtime_error("no " + role + " in the run");
+  return *found;
+}
+
+std::vector<std::string> warnings_of(const db::RunStore& store, std::int64_t run) {
+  std::vector<std::string> lines;
+  for (const db::EventRecord& event : store.events(run))
+    if (event.kind == "warning" && event.id == "TB-CALIBRATION") lines.push_back(event.detail);
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a run that presses keeps force sensor and stage with serial, calibration, range, certificate, due date and U") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(
+      ring_request({{"force.certificate", "F-1"}, {"force.calibrated", "2025-01-31"}, {"force.due", "2199-01-31"}}),
+      store);
+  if (result.error) FAIL(result.error->what());
+  const db::RunRecord run = store.run(result.run);
+  const db::DeviceRecord& force = device_of(run, "force sensor");
+  CHECK(force.serial == "SIM-FT-1");  // what the simulated sensor tells; the bench file names none
+  CHECK(force.model == "ATI Nano17");
+  CHECK(force.firmware == "sim-1");
+  CHECK(force.origin == "simulated");
+  const auto json = nlohmann::json::parse(force.calibration_json);
+  CHECK(json["calibration"] == "SIM-FT-1");
+  CHECK(json["range_n"] == nlohmann::json::array({25.0, 25.0, 35.0}));
+  CHECK(json["range_nmm"] == nlohmann::json::array({250.0, 250.0, 250.0}));
+  CHECK(json["certificate"] == "F-1");
+  CHECK(json["calibrated"] == "2025-01-31");
+  CHECK(json["due"] == "2199-01-31");
+  CHECK(json["expanded_uncertainty_n"] == 0.05);
+  for (const auto& [role, serial, model] :
+       {std::tuple("stage x", "SIM-STAGE-X", "Zaber T-LA60A"), std::tuple("stage y", "SIM-STAGE-Y", "Zaber T-LA60A"),
+        std::tuple("stage z", "SIM-STAGE-Z", "Zaber T-NA08A50")}) {
+    const db::DeviceRecord& axis = device_of(run, role);
+    CHECK(axis.serial == serial);
+    CHECK(axis.model == model);
+    CHECK(axis.firmware == "5.23");
+    CHECK(nlohmann::json::parse(axis.calibration_json)["expanded_uncertainty_mm"] == 0.01);
+    CHECK(nlohmann::json::parse(axis.calibration_json)["high_mm"].get<double>() > 50.0);
+  }
+  CHECK(run.devices.size() == 8);
+  CHECK(store.check_content(result.run).holds());
+  CHECK(warnings_of(store, result.run).empty());
+}
+
+TEST_CASE("the force sensor that answers is the one that is kept: Digital F/T has another serial") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(ring_request({{"force.kind", "digital"}}), store);
+  if (result.error) FAIL(result.error->what());
+  CHECK(device_of(store.run(result.run), "force sensor").serial == "SIMFT2");
+}
+
+TEST_CASE("an instrument with an overlong serial number ends the run, and nothing of it is stored") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request({{"scanner.kind", "frame-source"}});
+  request.bench.simulation->scanner_serial = std::string(db::kLongestName + 1, '7');
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-DEVICE-NAME");
+  CHECK(result.error->code() == ExitCode::kDevice);
+  CHECK_THAT(result.error->what(), Catch::Contains("the serial number of the tactile scanner has 201 characters"));
+  CHECK(result.safe == db::SafeState::kVerified);
+  CHECK(store.run(result.run).devices.empty());
+}
+
+TEST_CASE("a run in the chamber does not keep instruments that it does not use") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(small_request({{"force.due", "\"2020-01-31\""}}), store);
+  REQUIRE_FALSE(result.error);
+  for (const db::DeviceRecord& device : store.run(result.run).devices) {
+    CHECK(device.role != "force sensor");
+    CHECK_FALSE(device.role.starts_with("stage"));
+  }
+  CHECK(warnings_of(store, result.run).empty());  // overdue, and not used
+}
+
+TEST_CASE("a run with chamber and stage stores all its instruments before its first frame") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = ring_request();
+  request.recipes.insert(request.recipes.begin(), small_recipe());
+  const bench::RunResult result = run_small(request, store);
+  if (result.error) FAIL(result.error->what());
+  CHECK(device_of(store.run(result.run), "force sensor").serial == "SIM-FT-1");
+}
+
+TEST_CASE("an instrument that is overdue when the run begins is an event of the run") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result =
+      run_small(ring_request({{"force.due", "\"2020-01-31\""}, {"reference.due", "\"2021-01-31\""}}), store);
+  if (result.error) FAIL(result.error->what());
+  const std::vector<std::string> lines = warnings_of(store, result.run);
+  REQUIRE(lines.size() == 2);
+  CHECK_THAT(lines[0], Catch::Contains("pressure reference") && Catch::Contains("SIM-REF-1") &&
+                           Catch::Contains("OVERDUE for calibration since 2021-01-31"));
+  CHECK_THAT(lines[1], Catch::Contains("force sensor") && Catch::Contains("SIM-FT-1") &&
+                           Catch::Contains("OVERDUE for calibration since 2020-01-31"));
+}
+
+TEST_CASE("a bench that was never filled in runs simulated with a warning, and is refused on hardware with no row") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request({{"reference.certificate", "FILL-IN"}});
+  const bench::RunResult result = run_small(request, store);
+  REQUIRE_FALSE(result.error);
+  REQUIRE(warnings_of(store, result.run).size() == 1);
+  CHECK_THAT(warnings_of(store, result.run)[0], Catch::Contains("reference.certificate"));
+  request.bench.origin = devices::Origin::kHardware;
+  CHECK_THROWS_AS(run_small(request, store), bench::Error);
+  CHECK(store.runs().size() == 1);
+  CHECK_THROWS_AS(bench::Rig(request.bench), bench::Error);
+}
+
+TEST_CASE("a resumed run that presses continues only with its original force sensor") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(ring_request(), store);
+  if (result.error) FAIL(result.error->what());
+  const db::RunRecord begun = store.run(result.run);
+  bench::Rig other(ring_request({{"force.serial", "\"FT-7\""}}).bench);
+  other.open_array();
+  other.name_press_instruments();
+  CHECK(other.force() == nullptr);  // as it was
+  CHECK_THROWS_AS(bench::check_same_devices(begun, other.devices()), devices::Fault);
+  bench::Rig same(ring_request().bench);
+  same.open_array();
+  same.name_press_instruments();
+  CHECK_NOTHROW(bench::check_same_devices(begun, same.devices()));
+  // A run of before knew neither.
+  db::RunRecord older = begun;
+  std::erase_if(older.devices, [](const db::DeviceRecord& device) {
+    return device.role == "force sensor" || device.role.starts_with("stage");
+  });
+  CHECK_NOTHROW(bench::check_same_devices(older, same.devices()));
+}

@@ -1,0 +1,84 @@
+// A run waits, vented, while the compressed air is missing, and continues once it has been back for a while.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "analysis/dataset.h"
+#include "bench/run/time_estimate.h"
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+bench::RunRequest request_with(double lost_at_s, double lasts_s, double timeout_s) {
+  bench::RunRequest request =
+      small_request({{"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}});
+  request.recipes = {
+      small_recipe(fmt::format("[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\n"
+                               "hold_s = 2\ntimeout_s = {}\n",
+                               timeout_s))};
+  bench::PlannedFault fault;
+  fault.kind = bench::FaultKind::kSupplyLost;
+  fault.at_s = lost_at_s;
+  fault.lasts_s = lasts_s;
+  fault.value = 0.001;
+  request.bench.simulation->plant.faults.push_back(fault);
+  return request;
+}
+
+}  // namespace
+
+TEST_CASE("suspension: a branch is void while the supply is gone, and done again when it is back") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult result = run_small(request_with(45.0, 8.0, 600.0), store);
+  if (result.error) FAIL(result.error->what());
+  std::string states;
+  for (const db::EventRecord& event : store.events(result.run)) {
+    if (event.kind == "state") states += event.detail + "\n";
+  }
+  CHECK_THAT(states, Catch::Contains("running -> suspended: supply_bar is 0.00, below 6") &&
+                         Catch::Contains("suspended -> running: conditions hold again"));
+  int suspended = 0;
+  for (const db::BranchRecord& branch : store.branches(result.run)) {
+    if (!branch.is_void) continue;
+    ++suspended;
+    CHECK_THAT(branch.void_reason, Catch::StartsWith("suspended: supply_bar"));
+  }
+  CHECK(suspended == 1);
+  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);
+}
+
+TEST_CASE("suspension: a supply that stays away ends the run, which can be resumed") {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const bench::RunResult ended = run_small(request_with(45.0, 1e6, 10.0), store);
+  REQUIRE(ended.error);
+  CHECK(ended.error->id() == "TB-RUN-SUSPENDED");
+  CHECK(ended.safe == db::SafeState::kVerified);
+  bench::RunRequest again = request_with(1e6, 1.0, 10.0);
+  again.resume = ended.run;
+  const bench::RunResult result = run_small(again, store);
+  if (result.error) FAIL(result.error->what());
+  CHECK(analysis::load_dataset(store, result.run).sequences.at(0).repeats.size() == 2);
+}
+
+TEST_CASE("suspension: what a run waited is not learned as its recipe's time") {
+  const TemporaryFolder folder;
+  std::vector<double> learned;
+  for (const double lasts_s : {0.0, 30.0}) {
+    db::RunStore store = db::RunStore::open(folder.path(fmt::format("{:.0f}.db", lasts_s)), db::Durability::kNormal);
+    const bench::RunRequest request = request_with(lasts_s > 0.0 ? 45.0 : 1e6, lasts_s, 600.0);
+    const bench::RunResult result = run_small(request, store);
+    if (result.error) FAIL(result.error->what());
+    CHECK(result.waiting_seconds == Approx(lasts_s).margin(8.0));
+    bench::TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), sequences::TimeModel());
+    estimate.learn(store, request.bench.id, request.overrides, false);
+    CHECK(estimate.total().runs == 1);
+    learned.push_back(estimate.total().p50_s);
+  }
+  CHECK(learned[1] == Approx(learned[0]).epsilon(0.05));
+}

@@ -1,0 +1,217 @@
+// The watches of a run at their limits: branch guard, conditioning, surroundings, stuck rows, and the time spent.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "bench/config/config.h"
+#include "bench/rig/rig.h"
+#include "bench/run/time_spent.h"
+#include "bench/run/watch/branch_guard.h"
+#include "bench/run/watch/conditioning.h"
+#include "bench/run/watch/stuck_rows.h"
+#include "bench/run/watch/suspension.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace std::chrono_literals;
+
+namespace {
+
+sequences::Suspension rule_of(const std::string& quantity, bool below, double trip, double resume, double hold_s) {
+  sequences::Suspension rule;
+  rule.quantity = quantity;
+  rule.below = below;
+  rule.trip = trip;
+  rule.resume = resume;
+  rule.hold_s = hold_s;
+  rule.timeout_s = 77.0;
+  return rule;
+}
+
+devices::ScanSet scans_with(int rows, int columns, const std::vector<std::uint16_t>& counts) {
+  devices::ScanSet scans;
+  scans.rows = rows;
+  scans.columns = columns;
+  scans.scans = static_cast<int>(counts.size()) / (rows * columns);
+  scans.counts = counts;
+  return scans;
+}
+
+}  // namespace
+
+TEST_CASE("branch guard: exactly the tolerance passes in both directions, and the text names the value") {
+  BranchGuard rising(2.0, 10.0, 0.25);
+  CHECK_FALSE(rising.see(5.0));
+  CHECK_FALSE(rising.see(4.75));
+  CHECK(rising.see(4.5) == "rose to 5.00 and fell back to 4.50 in the branch from 2 to 10 (tolerance 0.25)");
+  CHECK_FALSE(rising.see(9.0));
+  CHECK_FALSE(rising.see(8.75));
+  BranchGuard falling(10.0, 2.0, 0.25);
+  CHECK_FALSE(falling.see(5.0));
+  CHECK_FALSE(falling.see(5.25));
+  CHECK(falling.see(5.5) == "fell to 5.00 and rose again to 5.50 in the branch from 10 to 2 (tolerance 0.25)");
+  CHECK_FALSE(falling.see(4.0));
+  CHECK_FALSE(falling.see(1.0));
+  BranchGuard level(3.0, 3.0, 0.25);
+  CHECK_FALSE(level.see(3.0));
+  CHECK_FALSE(level.see(3.25));
+  CHECK_FALSE(level.see(3.0));
+  CHECK(level.see(2.75));
+  BranchGuard other(3.0, 3.0, 0.25);
+  CHECK_FALSE(other.see(3.0));
+  CHECK(other.see(3.5));
+  CHECK(level.see(std::numeric_limits<double>::infinity()) == "a reading is not a number");
+}
+
+TEST_CASE(
+    "conditioning: never before the least cycles, below its limit and not at it, by the span of the loop itself") {
+  sequences::Conditioning rule;
+  rule.cycles = 5;
+  rule.least = 3;
+  rule.change_percent = 2.0;
+  ConditioningWatch watch(rule);
+  CHECK(watch.wants_output());
+  const auto cycle = [&](int number, std::uint16_t peak, std::uint16_t zero) {
+    sequences::Step step;
+    step.repeat = number;
+    watch.see(step, {peak, static_cast<std::uint16_t>(peak + 20)});
+    if (number > 0) CHECK(watch.changes().size() == static_cast<std::size_t>(number - 1));
+    watch.see(step, {zero, zero});
+  };
+  cycle(0, 990, 0);
+  CHECK(watch.changes().empty());
+  CHECK_FALSE(watch.enough(1));
+  cycle(1, 991, 1);  // from 1000 and 0 to 1001 and 1: 1 of 1000
+  REQUIRE(watch.changes().size() == 1);
+  CHECK(watch.changes()[0] == Approx(0.1));
+  CHECK_FALSE(watch.enough(2));
+  CHECK(watch.enough(3));
+  cycle(2, 1011, 21);  // by 20 of 1000: just the limit
+  REQUIRE(watch.changes().size() == 2);
+  CHECK(watch.changes()[1] == 2.0);
+  CHECK_FALSE(watch.enough(3));
+  CHECK(watch.verdict() == "warning");
+  const auto detail = nlohmann::json::parse(watch.detail_json());
+  CHECK(detail["cycles_at_most"] == 5);
+  CHECK(detail["cycles_done"] == 3);
+  CHECK(detail["change_limit_percent"] == 2.0);
+  CHECK(detail["last_change_percent"] == 2.0);
+  cycle(3, 1011, 21);
+  CHECK(watch.enough(4));
+  CHECK(watch.verdict() == "pass");
+  rule.change_percent = 0.0;
+  ConditioningWatch counting(rule);
+  CHECK_FALSE(counting.wants_output());
+  CHECK(counting.verdict() == "pass");
+  const auto plain = nlohmann::json::parse(counting.detail_json());
+  CHECK_FALSE(plain.contains("cycles_done"));
+  CHECK_FALSE(plain.contains("last_change_percent"));
+}
+
+TEST_CASE("conditioning: an array without response gives no change, of several steps the largest change counts") {
+  sequences::Conditioning rule;
+  rule.cycles = 3;
+  rule.change_percent = 1.0;
+  ConditioningWatch flat(rule);
+  sequences::Step step;
+  for (int number = 0; number < 3; ++number) {
+    step.repeat = number;
+    flat.see(step, {500, 500});
+    flat.see(step, {500, 500});
+  }
+  CHECK(flat.changes().empty());
+  CHECK_FALSE(flat.enough(2));
+  CHECK(flat.verdict() == "warning");
+  ConditioningWatch first_counts(rule);
+  for (int number = 0; number < 2; ++number) {
+    step.repeat = number;
+    first_counts.see(step, {static_cast<std::uint16_t>(number == 0 ? 150 : 200)});
+    first_counts.see(step, {static_cast<std::uint16_t>(number == 0 ? 90 : 100)});
+  }
+  REQUIRE(first_counts.changes().size() == 1);
+  CHECK(first_counts.changes()[0] == 50.0);  // 50 of 100, not the 10 at zero
+}
+
+TEST_CASE("suspension: each rule in its direction, the longest hold, a quantity without a sensor suspends nothing") {
+  SuspensionWatch watch;
+  CHECK(watch.empty());
+  watch.follow({rule_of("supply_bar", true, 6.0, 6.5, 10.0), rule_of("temperature_c", false, 30.0, 28.0, 20.0)});
+  CHECK_FALSE(watch.empty());
+  CHECK_FALSE(watch.tripped({}));
+  CHECK_FALSE(watch.tripped({{"supply_bar", 6.0}, {"temperature_c", 30.0}}));
+  const auto cold = watch.tripped({{"supply_bar", std::nextafter(6.0, 0.0)}});
+  REQUIRE(cold);
+  CHECK(cold->timeout_s == 77.0);
+  const auto hot = watch.tripped({{"supply_bar", 7.0}, {"temperature_c", 30.25}});
+  REQUIRE(hot);
+  CHECK(hot->what == "temperature_c is 30.25, above 30");
+  CHECK_FALSE(watch.may_resume({{"supply_bar", 6.5}, {"temperature_c", std::nextafter(28.0, 29.0)}}, 0s));
+  CHECK_FALSE(watch.may_resume({{"supply_bar", 6.5}, {"temperature_c", 28.0}}, 5s));
+  CHECK_FALSE(watch.may_resume({{"supply_bar", 6.5}, {"temperature_c", 28.0}}, 25s - 1ns));
+  CHECK(watch.may_resume({{"supply_bar", 6.5}, {"temperature_c", 28.0}}, 25s));
+  CHECK_FALSE(watch.may_resume({{"supply_bar", 6.5}, {"temperature_c", 28.0}}, 26s));  // begins anew
+  watch.follow({rule_of("supply_bar", true, 6.0, 6.5, 10.0)});
+  CHECK(watch.may_resume({}, 100s));
+  watch.follow({rule_of("temperature_c", false, 30.0, 28.0, 0.0), rule_of("supply_bar", true, 6.0, 6.5, 0.0)});
+  CHECK(watch.may_resume({}, 0s));
+}
+
+TEST_CASE("stuck rows: judged from exactly the least load, a change of one taxel or in one scan clears the row") {
+  StuckRowWatch watch;
+  const std::vector<std::uint16_t> counts = {10, 11, 12, 13, 14, 15, 20, 21, 22, 23, 24, 25};  // 3 x 2, two scans
+  CHECK(watch.see(scans_with(3, 2, counts), 5.0, 1.0).rows.empty());
+  CHECK(watch.see(scans_with(3, 2, counts), std::nextafter(6.0, 0.0), 1.0).rows.empty());
+  auto now = counts;
+  now[6 + 3] = 99;  // the second row, in its second scan, in its second column
+  const StuckRows stuck = watch.see(scans_with(3, 2, now), 6.0, 1.0);
+  CHECK(stuck.rows == std::vector<int>{0, 2});
+  CHECK_FALSE(stuck.all);
+  const StuckRows again = watch.see(scans_with(3, 2, now), 7.0, 1.0);
+  CHECK(again.rows == std::vector<int>{0, 1, 2});
+  CHECK(again.all);
+  now[0] = now[1] = now[6] = now[7] = 0;  // the first row at the converter's foot: it has nothing to tell any more
+  const StuckRows low = watch.see(scans_with(3, 2, now), 7.5, 1.0);
+  CHECK(low.rows == std::vector<int>{1, 2});
+  CHECK(low.all);
+  CHECK(watch.see(scans_with(3, 2, now), 4.0, 1.0).rows == std::vector<int>{1, 2});  // less load tells as well
+  now[0] = 1;
+  CHECK(watch.see(scans_with(3, 2, now), 9.0, 1.0).rows == std::vector<int>{1, 2});
+  CHECK(watch.see(scans_with(3, 2, now), 10.0, 1.0).rows == std::vector<int>{0, 1, 2});
+  // Another shape begins anew.
+  CHECK(watch.see(scans_with(2, 3, now), 20.0, 1.0).rows.empty());
+  CHECK(watch.see(scans_with(2, 3, now), 21.0, 1.0).rows == std::vector<int>{0, 1});
+  CHECK(watch.see(scans_with(2, 3, {1, 2, 3, 4, 5, 6}), 30.0, 1.0).rows.empty());
+  StuckRowWatch limits;
+  const std::vector<std::uint16_t> ends = {0, UINT16_MAX, 0, UINT16_MAX};
+  CHECK(limits.see(scans_with(2, 2, ends), 0.0, 1.0).rows.empty());
+  CHECK_FALSE(limits.see(scans_with(2, 2, ends), 5.0, 1.0).all);
+}
+
+TEST_CASE("time spent: a part shows from a thousandth on, and a stretch gives back what was under way") {
+  devices::TurnedClock clock;
+  clock.wait_until(3s);
+  TimeSpent times(clock);
+  CHECK(times.start(Spent::kDwelling) == Spent::kSetup);
+  clock.wait_until(3s + 998'000'000ns);
+  CHECK(times.start(Spent::kMoving) == Spent::kDwelling);
+  clock.wait_until(3s + 999'100'000ns);
+  CHECK(times.start(Spent::kReading) == Spent::kMoving);
+  clock.wait_until(3s + 1'000'000'000ns);
+  (void)times.start(Spent::kWaiting);
+  CHECK(times.total() == Approx(1.0));
+  CHECK(times.text() == "dwelling 99.8 %, moving 0.1 %");
+  {
+    const TimeSpent::Stretch stretch(times, Spent::kConditioning);
+    CHECK(times.start(Spent::kSettling) == Spent::kConditioning);
+    clock.wait_until(5s);
+  }
+  CHECK(times.seconds(Spent::kConditioning) == Approx(1.0));
+  (void)times.start(Spent::kTeardown);
+  CHECK(times.seconds(Spent::kSettling) == 0.0);
+  CHECK(times.text() == "conditioning 50.0 %, dwelling 49.9 %");
+  const std::vector<std::string> words = {"setting up", "conditioning", "moving",  "settling",    "dwelling",
+                                          "reading",    "redoing",      "waiting", "tearing down"};
+  for (std::size_t i = 0; i < words.size(); ++i) CHECK(to_string(static_cast<Spent>(i)) == words[i]);
+}

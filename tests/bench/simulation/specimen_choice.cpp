@@ -1,0 +1,147 @@
+// Which specimen it is: the paper's, which the harsh one must not change by a bit, or the harsh one, its seeds, its
+// truth and its memory.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "bench/simulation/plant.h"
+#include "db/run_store.h"
+#include "tests/bench/config/bench_text.h"
+#include "tests/bench/harsh_sensor.h"
+
+namespace tactbench::bench::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Counts of three scans at each of thirteen levels, as bytes, low byte first.
+std::string scanned(Plant& plant, devices::TurnedClock& clock, const PlantOptions& options) {
+  std::string bytes;
+  auto time = 0s;
+  for (const double psi : {8.0, 30.0, 60.0, 41.0, 12.0, 0.0, 20.0, 55.0, 33.0, 47.0, 5.0, 60.0, 0.0}) {
+    plant.drive(devices::Volts(psi / options.chamber.span_psi * 10.0), devices::Nanoseconds::max(),
+                devices::Volts(0.0));
+    for (const auto wait : {1s, 2s, 40s}) {
+      time += wait;
+      clock.wait_until(time);
+      std::vector<std::uint16_t> counts(256);
+      std::vector<std::uint8_t> status(16);
+      plant.scan(counts, status);
+      for (const std::uint16_t count : counts) {
+        bytes += static_cast<char>(count & 0xFFU);
+        bytes += static_cast<char>(count >> 8U);
+      }
+    }
+  }
+  return bytes;
+}
+
+std::string scanned(const PlantOptions& options) {
+  devices::TurnedClock clock;
+  Plant plant(options, clock);
+  return scanned(plant, clock, options);
+}
+
+}  // namespace
+
+TEST_CASE("paper specimen: scans and memory are unchanged since the harsh specimen was added") {
+  PlantOptions options;
+  devices::TurnedClock clock;
+  Plant plant(options, clock);
+  CHECK(db::sha256_hex(scanned(plant, clock, options)) ==
+        "1a8cfec24340644be6128848c56eb06cfaed5fe4d31bc2a3a9f15d09e28fcab0");
+  CHECK(nlohmann::json::parse(plant.specimen_state()).size() == 11);
+  options.seed = 5;
+  SpecimenOptions& specimen = options.specimen;
+  specimen.sensor_seed = 77;
+  specimen.mount_seed = 3;
+  specimen.effects.remount_variation = 0.05;
+  specimen.effects.row_crosstalk = 0.02;
+  specimen.effects.zero_drift_v_per_month = 0.004;
+  specimen.age_months = 2.0;
+  specimen.temperature_c = 30.0;
+  specimen.defects = {{TaxelDefect::Kind::kNoisy, 2, 3, 0, 0}, {TaxelDefect::Kind::kStuck, 5, 5, 0, 0}};
+  CHECK(db::sha256_hex(scanned(options)) == "85b1d5108ea7cbf1c358f605abffd751374535fe8381a3415700ec6902b30de1");
+}
+
+TEST_CASE("harsh specimen: same seeds, same scans, and either seed changes them") {
+  const std::string one = scanned(harsh_plant(11, 1));
+  CHECK(scanned(harsh_plant(11, 1)) == one);
+  CHECK(scanned(harsh_plant(11, 2)) != one);
+  CHECK(scanned(harsh_plant(12, 1)) != one);
+}
+
+TEST_CASE("harsh specimen: the plant reports the true output without noise, and the query changes nothing") {
+  const PlantOptions options = harsh_plant(21, 3);
+  devices::TurnedClock clock, other_clock;
+  Plant plant(options, clock), asked(options, other_clock);
+  for (int k = 1; k <= 20; ++k) {
+    other_clock.wait_until(std::chrono::seconds(k));
+    const std::vector<double> truth = asked.true_output();
+    CHECK(asked.true_output() == truth);
+    CHECK(truth.size() == 256);
+  }
+  clock.wait_until(20s);
+  CHECK(plant.true_output() == asked.true_output());
+  CHECK(plant.specimen_state() == asked.specimen_state());
+  // The mean of many scans at one moment is the truth but for the film's slow noise, 0.3 % of the output at most.
+  plant.drive(devices::Volts(30.0 / options.chamber.span_psi * 10.0), devices::Nanoseconds::max(), devices::Volts(0.0));
+  clock.wait_until(60s);
+  const std::vector<double> truth = plant.true_output();
+  std::vector<double> sum(256);
+  std::vector<std::uint16_t> counts(256);
+  std::vector<std::uint8_t> status(16);
+  for (int k = 0; k < 400; ++k) {
+    plant.scan(counts, status);
+    for (std::size_t i = 0; i < 256; ++i) sum[i] += counts[i] * options.scanner.volts_per_count / 400.0;
+  }
+  for (std::size_t i = 0; i < 256; ++i) REQUIRE(sum[i] == Approx(truth[i]).epsilon(0.006).margin(0.0005));
+}
+
+TEST_CASE("harsh specimen: the film's memory is restored from text, only in a harsh specimen of that sensor") {
+  Specimen one(harsh_sensor(31)), other(harsh_sensor(31));
+  for (const double psi : {20.0, 60.0, 35.0}) one.advance(psi, 7.0);
+  other.set_state(one.state());
+  CHECK(other.state() == one.state());
+  for (Specimen* specimen : {&one, &other}) {
+    for (const double psi : {0.0, 44.0, 10.0}) specimen->advance(psi, 40.0);
+  }
+  std::vector<double> a(256), b(256), ahead(256);
+  one.output(a);
+  other.output(b);
+  CHECK(a == b);
+  one.output_after(30.0, 2.0, ahead);
+  one.output(b);
+  CHECK(a == b);
+  other.advance(30.0, 2.0);
+  other.output(b);
+  CHECK(ahead == b);
+  Specimen paper(paper_sensor(31));
+  CHECK_THROWS_WITH(paper.set_state(one.state()), Catch::Contains("specimen \"harsh\""));
+  CHECK_THROWS_WITH(one.set_state(paper.state()), Catch::Contains("specimen \"paper\""));
+  Specimen wrong(harsh_sensor(32));
+  CHECK_THROWS_WITH(wrong.set_state(one.state()), Catch::Contains("another sensor"));
+  for (const char* key : {"load_psi", "sliding", "drag_psi", "zero_walk_v", "gain_walk"}) {
+    auto json = nlohmann::json::parse(one.state());
+    json["harsh"][key].erase(0);
+    CHECK_THROWS_WITH(one.set_state(json.dump()), Catch::Contains(key));
+  }
+}
+
+TEST_CASE("specimen: chosen by its word, an unknown one is an error that names the nearest") {
+  const auto kind_of = [](const std::vector<sequences::Override>& overrides) {
+    return read_bench(find_config("simulated.toml"), overrides).simulation->plant.specimen.kind;
+  };
+  CHECK(kind_of({}) == SpecimenKind::kPaper);
+  CHECK(kind_of({{"simulation.specimen", "harsh"}}) == SpecimenKind::kHarsh);
+  CHECK(kind_of({{"simulation.specimen", "paper"}}) == SpecimenKind::kPaper);
+  const tests::Refusal harch = tests::refusal_of(tests::bench_text("simulated"), {{"simulation.specimen", "harch"}});
+  CHECK_THAT(harch.what, Catch::Contains("not one of paper, harsh"));
+  CHECK(harch.remedy == "did you mean \"harsh\"?");
+}
+
+}  // namespace tactbench::bench::testing

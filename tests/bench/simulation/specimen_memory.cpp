@@ -1,0 +1,104 @@
+// The specimen's memory as text, its seeds and its shapes.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "tests/bench/simulation/specimen_runs.h"
+
+namespace tactbench::bench::testing {
+namespace {
+
+SpecimenOptions sensor(std::uint64_t seed) {
+  SpecimenOptions options;
+  options.sensor_seed = seed;
+  return options;
+}
+
+// The array at 30 psi on the ascending branch after one cycle.
+Frame loaded(std::uint64_t seed) {
+  Specimen specimen(sensor(seed));
+  Walker walker(specimen);
+  walker.walk({60, 0, 30});
+  return walker.frame();
+}
+
+}  // namespace
+
+TEST_CASE("specimen: the memory goes through text to the last bit") {
+  Specimen first({});
+  Walker walker(first);
+  walker.walk({60, 14, 36});
+  Specimen second({});
+  second.set_state(first.state());
+  CHECK(second.state() == first.state());
+  CHECK(Walker(second).frame() == walker.frame());
+  for (const double pressure : {37.0, 20.0, 45.5, 3.0}) {
+    first.advance(pressure, 0.7);
+    second.advance(pressure, 0.7);
+  }
+  CHECK(Walker(second).frame() == Walker(first).frame());
+}
+
+TEST_CASE("specimen: a state that does not fit is refused and changes nothing") {
+  Specimen specimen({});
+  Walker(specimen).walk({20});
+  const std::string before = specimen.state();
+  const auto refuse = [&](const std::string& text) {
+    CHECK_THROWS_AS(specimen.set_state(text), std::invalid_argument);
+    CHECK(specimen.state() == before);
+  };
+  refuse("");
+  refuse("{}");
+  refuse(before.substr(0, before.size() / 2));
+  Specimen other(sensor(2));
+  refuse(other.state());
+  auto json = nlohmann::json::parse(before);
+  json["plays"][0].erase(0);
+  refuse(json.dump());
+  json = nlohmann::json::parse(before);
+  json["creep"][3][7] = -0.5;
+  refuse(json.dump());
+  json = nlohmann::json::parse(before);
+  json["version"] = 2;
+  refuse(json.dump());
+}
+
+TEST_CASE("specimen: the same sensor seed always gives the same array") {
+  const Frame one = loaded(1);
+  CHECK(loaded(1) == one);
+  std::set<double> tenth;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) tenth.insert(loaded(seed)[10]);
+  CHECK(tenth.size() == 5);
+  CHECK(std::abs(correlation(one, loaded(2))) < 0.5);
+}
+
+TEST_CASE("specimen: looking ahead leaves the memory alone and agrees with going there") {
+  Specimen specimen({});
+  Walker(specimen).walk({40, 20});
+  const std::string before = specimen.state();
+  Frame ahead(256);
+  specimen.output_after(24.0, 1.5, ahead);
+  CHECK(specimen.state() == before);
+  specimen.advance(24.0, 1.5);
+  CHECK(Walker(specimen).frame() == ahead);
+}
+
+TEST_CASE("specimen: other shapes of array work") {
+  for (const auto& [rows, columns] : {std::pair{1, 1}, {3, 5}, {32, 16}}) {
+    SpecimenOptions options;
+    options.rows = rows;
+    options.columns = columns;
+    options.effects.row_crosstalk = 0.01;
+    options.effects.chamber_nonuniformity = 0.02;
+    Specimen specimen(options);
+    Walker walker(specimen);
+    walker.walk({30});
+    const Frame frame = walker.frame();
+    CHECK(mean(frame) > 1.0);
+    CHECK(mean(frame) < 4.9);
+  }
+}
+
+}  // namespace tactbench::bench::testing

@@ -1,0 +1,220 @@
+#include "devices/force/ati_calibration.h"
+
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "devices/force/ati_matrix.h"
+#include "devices/force/ati_units.h"
+#include "tests/devices/force/invented_calibration.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+
+namespace {
+
+using Table = std::array<std::array<double, 6>, 6>;
+
+// Written from the paper form of the transform, without the room's code: rotations about x, y, z by hand, cross
+// products by hand, plain doubles.
+std::array<double, 6> moved(const std::array<double, 6>& w, const std::array<double, 3>& d,
+                            const std::array<double, 3>& degrees) {
+  const double k = std::numbers::pi / 180;
+  const double sx = std::sin(degrees[0] * k), cx = std::cos(degrees[0] * k);
+  const double sy = std::sin(degrees[1] * k), cy = std::cos(degrees[1] * k);
+  const double sz = std::sin(degrees[2] * k), cz = std::cos(degrees[2] * k);
+  const double r[3][3] = {{cy * cz, sx * sy * cz + cx * sz, sx * sz - cx * sy * cz},
+                          {-cy * sz, -sx * sy * sz + cx * cz, sx * cz + cx * sy * sz},
+                          {sy, -sx * cy, cx * cy}};
+  const double t[3] = {w[3] - (d[1] * w[2] - d[2] * w[1]), w[4] - (d[2] * w[0] - d[0] * w[2]),
+                       w[5] - (d[0] * w[1] - d[1] * w[0])};
+  std::array<double, 6> out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      out[i] += r[i][j] * w[j];
+      out[i + 3] += r[i][j] * t[j];
+    }
+  }
+  return out;
+}
+
+std::array<double, 6> times(const Table& rows, const std::array<double, 6>& scale, const std::array<double, 6>& volts) {
+  std::array<double, 6> out{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j < 6; ++j) out[i] += rows[i][j] / scale[i] * volts[j];
+  }
+  return out;
+}
+
+Vector6 vector(const std::array<double, 6>& values) { return Vector6::Map(values.data()); }
+
+void check_equal(const Vector6& got, const std::array<double, 6>& expected) {
+  for (int i = 0; i < 6; ++i) CHECK(got[i] == Approx(expected[static_cast<std::size_t>(i)]).margin(1e-10));
+}
+
+constexpr std::array<double, 6> kVolts{0.5, -1.25, 2.0, 0.125, -0.75, 3.5};
+
+AtiCalibration parse(const InventedCalibration& invented) { return parse_ati_calibration(invented.text(), "test.cal"); }
+
+}  // namespace
+
+TEST_CASE("calibration: every field of a file is read") {
+  InventedCalibration invented;
+  invented.more = kInventedTemperature;
+  const auto calibration = parse(invented);
+  CHECK(calibration.serial == "FT99901");
+  CHECK(calibration.body_style == "Nano17");
+  CHECK(calibration.part_number == "SI-50-0.5");
+  CHECK(calibration.date == "2/30/2020");
+  CHECK(calibration.version == "1.0");
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(calibration.axes[i].values == invented.rows[i]);
+    CHECK(calibration.axes[i].scale == invented.scale[i]);
+    CHECK(calibration.axes[i].max == invented.max[i]);
+  }
+  CHECK(calibration.basic.displacement_mm == std::array<double, 3>{0, 0, 6.096});
+  CHECK_FALSE(calibration.user_axes);
+  REQUIRE(calibration.temperature);
+  CHECK(calibration.temperature->bias_slope == std::array<double, 6>{0.01, -0.02, 0.03, 0, 0.05, -0.06});
+  CHECK(calibration.temperature->gain_slope == std::array<double, 6>{0.1, 0, -0.1, 0.2, 0.05, -0.3});
+  CHECK(calibration.temperature->thermistor_v == 1.25);
+  CHECK(rated_range(calibration) == std::array<double, 6>{50, 50, 70, 500, 500, 500});
+}
+
+TEST_CASE("calibration: the working matrix gives what plain arithmetic gives") {
+  InventedCalibration invented;
+  const auto loads = times(invented.rows, invented.scale, kVolts);
+  check_equal(working_matrix(parse(invented)) * vector(kVolts), moved(loads, {0, 0, 6.096}, {0, 0, 0}));
+  invented.basic = R"(<BasicTransform Dx="1.5" Dy="-2" Dz="6.096" Rx="10" Ry="-20" Rz="35"/>)";
+  check_equal(working_matrix(parse(invented)) * vector(kVolts), moved(loads, {1.5, -2, 6.096}, {10, -20, 35}));
+}
+
+TEST_CASE("calibration: other units are converted to newtons, N*mm and mm") {
+  InventedCalibration invented;
+  const auto reference = working_matrix(parse(invented));
+  // The same transducer written in newton-metres and metres, and in pounds and inches.
+  invented.torque_unit = "N-m";
+  invented.distance_unit = "m";
+  invented.basic = R"(<BasicTransform Dz="0.006096"/>)";
+  for (std::size_t i = 3; i < 6; ++i) invented.scale[i] *= 1000;
+  CHECK((working_matrix(parse(invented)) - reference).cwiseAbs().maxCoeff() < 1e-10);
+  InventedCalibration pounds;
+  pounds.force_unit = "lbf";
+  pounds.torque_unit = "lbf-in";
+  pounds.distance_unit = "in";
+  pounds.basic = R"(<BasicTransform Dz="0.24"/>)";
+  for (std::size_t i = 0; i < 6; ++i) pounds.scale[i] *= i < 3 ? 4.4482216152605 : 4.4482216152605 * 25.4;
+  CHECK((working_matrix(parse(pounds)) - reference).cwiseAbs().maxCoeff() < 1e-10);
+  CHECK(rated_range(parse(pounds))[0] == Approx(50 * 4.4482216152605));
+  CHECK(rated_range(parse(pounds))[3] == Approx(500 * 4.4482216152605 * 25.4));
+}
+
+TEST_CASE("calibration: the final rows of version 1.1 are taken as written") {
+  InventedCalibration invented;
+  invented.version = "1.1";
+  for (const char* name : {"Tz", "Ty", "Tx", "Fz", "Fy", "Fx"}) {  // any order
+    invented.more += fmt::format(R"(<UserAxis Name="{}" values="1 2 3 4 5 {}" max="{}"/>)", name, name[1] - 'w',
+                                 name[0] == 'F' ? 12 : 120);
+  }
+  const auto calibration = parse(invented);
+  REQUIRE(calibration.user_axes);
+  check_equal(working_matrix(calibration) * vector({1, 1, 1, 1, 1, 1}), {16, 17, 18, 16, 17, 18});
+  CHECK(rated_range(calibration) == std::array<double, 6>{12, 12, 12, 120, 120, 120});
+}
+
+TEST_CASE("calibration: a force at the gauges' origin has a moment about the displaced one") {
+  const AtiTransform nano17{{0, 0, 6.096}, {}};
+  check_equal(wrench_transform(nano17) * vector({1, 0, 0, 0, 0, 0}), {1, 0, 0, 0, -6.096, 0});
+  check_equal(wrench_transform(nano17) * vector({0, 1, 0, 0, 0, 0}), {0, 1, 0, 6.096, 0, 0});
+  check_equal(wrench_transform(nano17) * vector({0, 0, 1, 0, 0, 0}), {0, 0, 1, 0, 0, 0});
+}
+
+TEST_CASE("calibration: the turned frame is turned, not sheared") {
+  const AtiTransform tool{{3, -4, 5}, {15, 40, -70}};
+  const Matrix6 matrix = wrench_transform(tool);
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  CHECK((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-14);
+  CHECK(rotation.determinant() == Approx(1.0));
+  CHECK(matrix.bottomRightCorner<3, 3>() == rotation);
+  CHECK(matrix.topRightCorner<3, 3>().isZero());
+  // Signs as ATI's library has them.
+  const double k = std::numbers::pi / 180;
+  CHECK(rotation(2, 0) == Approx(std::sin(40 * k)));
+  CHECK(rotation(0, 1) ==
+        Approx(std::sin(15 * k) * std::sin(40 * k) * std::cos(-70 * k) + std::cos(15 * k) * std::sin(-70 * k)));
+  const std::array<double, 6> wrench{1, -2, 3, 40, 50, -60};
+  check_equal(matrix * vector(wrench), moved(wrench, tool.displacement_mm, tool.rotation_deg));
+}
+
+TEST_CASE("calibration: temperature compensation by ATI's formula") {
+  InventedCalibration invented;
+  invented.more = kInventedTemperature;
+  const auto temperature = parse(invented).temperature.value();
+  const double bias[] = {0.01, -0.02, 0.03, 0, 0.05, -0.06}, gain[] = {0.1, 0, -0.1, 0.2, 0.05, -0.3};
+  std::array<double, 6> expected{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    expected[i] = (kVolts[i] + bias[i] * (1.75 - 1.25)) / (1 - gain[i] * (1.75 - 1.25));
+  }
+  check_equal(compensated(temperature, vector(kVolts), 1.75), expected);
+  check_equal(compensated(temperature, vector(kVolts), 1.25), kVolts);
+}
+
+TEST_CASE("calibration: a wrong file is refused, naming element and error") {
+  const auto complaint = [](const std::string& text) {
+    const auto fault = fault_of([&] { (void)parse_ati_calibration(text, "test.cal"); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-FORCE-CALIBRATION");
+    CHECK_THAT(fault->what(), Catch::Contains("test.cal"));
+    return std::string(fault->what());
+  };
+  const std::string good = InventedCalibration().text();
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    auto text = good;
+    REQUIRE(text.find(from) != std::string::npos);
+    return text.replace(text.find(from), from.size(), to);
+  };
+  using Catch::Contains;
+  CHECK_THAT(complaint(""), Contains("not XML"));
+  CHECK_THAT(complaint(good.substr(0, good.size() / 2)), Contains("not XML") && Contains("byte"));
+  CHECK_THAT(complaint("<a/>"), Contains("no FTSensor"));
+  CHECK_THAT(complaint(changed("<Calibration ", "<Other ")), Contains("not XML"));
+  CHECK_THAT(complaint(changed("Serial=\"FT99901\"", "")), Contains("FTSensor has no attribute Serial"));
+  CHECK_THAT(complaint(changed("NumGages=\"6\"", "NumGages=\"8\"")), Contains("NumGages is 8"));
+  CHECK_THAT(complaint(changed("CalFileVersion=\"1.0\"", "CalFileVersion=\"2.0\"")), Contains("CalFileVersion is 2.0"));
+  CHECK_THAT(complaint(changed("ForceUnits=\"N\"", "ForceUnits=\"stone\"")), Contains("'stone'") && Contains("lbf"));
+  CHECK_THAT(complaint(changed("TorqueUnits=\"N-mm\"", "TorqueUnits=\"N\"")), Contains("TorqueUnits 'N'"));
+  CHECK_THAT(complaint(changed("DistUnits=\"mm\"", "DistUnits=\"px\"")), Contains("DistUnits 'px'"));
+  CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Mx\"")), Contains("'Mx'"));
+  CHECK_THAT(complaint(changed("Name=\"Fx\"", "Name=\"Fy\"")), Contains("Axis Fy is present twice"));
+  CHECK_THAT(complaint(changed("Axis Name=\"Tz\"", "Extra Name=\"Tz\"")), Contains("Axis Tz is missing"));
+  CHECK_THAT(complaint(changed("-0.25  0.5", "-0,25  0.5")), Contains("Axis Fx") && Contains("-0,25"));
+  CHECK_THAT(complaint(changed("-0.25  0.5", "-0.25")), Contains("not six numbers"));
+  CHECK_THAT(complaint(changed("-0.25  0.5", "-0.25 0.5 7")), Contains("not six numbers"));
+  CHECK_THAT(complaint(changed("-0.25  0.5", "nan  0.5")), Contains("not six numbers"));
+  CHECK_THAT(complaint(changed("scale=\"5.5\"", "scale=\"0\"")), Contains("scale is 0"));
+  CHECK_THAT(complaint(changed("max=\"70\"", "max=\"-70\"")), Contains("Axis Fz max is -70"));
+  CHECK_THAT(complaint(changed("max=\"70\" ", "")), Contains("Axis has no attribute max"));
+  CHECK_THAT(complaint(changed("Dz=\"6.096\"", "Dz=\"6.096 mm\"")), Contains("BasicTransform Dz"));
+  CHECK_THAT(complaint(changed("</Calibration>", "<BiasSlope values=\"1 2 3 4 5 6\"/></Calibration>")),
+             Contains("holds no GainSlope"));
+  CHECK_THAT(
+      complaint(changed("</Calibration>", "<UserAxis Name=\"Fx\" values=\"1 2 3 4 5 6\" max=\"1\"/></Calibration>")),
+      Contains("UserAxis Fy is missing"));
+  CHECK_THAT(complaint(changed("</Calibration>", "</Calibration><Calibration/>")), Contains("more than once"));
+  CHECK(fault_id_of([] { (void)read_ati_calibration("/nowhere/at/all.cal"); }) == "TB-FORCE-CALIBRATION");
+  CHECK_THAT(fault_of([] { (void)read_ati_calibration("/dev/zero"); })->what(), Contains("not a regular file"));
+}
+
+TEST_CASE("calibration: a file is read, a number needs its decimal point") {
+  const TemporaryFolder folder;
+  const auto path = folder.path("FT99901.cal");
+  std::ofstream(path) << InventedCalibration().text();
+  CHECK(read_ati_calibration(path) == parse(InventedCalibration()));
+  CHECK(finite_number(" +2.5\t") == 2.5);
+  for (const char* text : {"", " ", "2,5", "1e999", "inf", "0x10", "1 2", "--1", "+-1", "+"}) {
+    INFO(text);
+    CHECK_FALSE(finite_number(text));
+  }
+}

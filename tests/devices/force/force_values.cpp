@@ -1,0 +1,295 @@
+// Units, ranges and records of force at their edges, each by its definition.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "devices/force/ati_calibration.h"
+#include "devices/force/ati_matrix.h"
+#include "devices/force/ati_units.h"
+#include "devices/force/digital_record.h"
+#include "devices/force/force_checks.h"
+#include "devices/force/netft_xml.h"
+#include "tests/devices/force/invented_calibration.h"
+#include "tests/devices/force/invented_digital.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+using Bytes = std::vector<std::uint8_t>;
+
+namespace {
+
+std::string said_of(const std::string& text) {
+  const auto fault = fault_of([&] { (void)parse_ati_calibration(text, "test.cal"); });
+  if (!fault) return "";
+  CHECK(fault->id() == "TB-FORCE-CALIBRATION");
+  return fault->what();
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  REQUIRE(text.find(from) != std::string::npos);
+  return text.replace(text.find(from), from.size(), to);
+}
+
+Vector6 unit_vector(int i) { return Vector6::Unit(i); }
+
+}  // namespace
+
+TEST_CASE("units of force, torque, length and angle by their definitions") {
+  // 1 lbf = 0.45359237 kg x 9.80665 m/s^2 = 4.4482216152605 N, 1 in = 25.4 mm, 1 ft = 12 in (NIST SP 811, exact).
+  const double pound = 4.4482216152605, kilogram = 9.80665;
+  for (const auto& [name, value] : std::vector<std::pair<const char*, double>>{{"N", 1},
+                                                                               {"kN", 1000},
+                                                                               {"lbf", pound},
+                                                                               {"lb", pound},
+                                                                               {"klbf", 1000 * pound},
+                                                                               {"klb", 1000 * pound},
+                                                                               {"kg", kilogram},
+                                                                               {"kgf", kilogram},
+                                                                               {"g", 0.00980665}}) {
+    INFO(name);
+    REQUIRE(newtons_in(name));
+    CHECK(*newtons_in(name) == Approx(value).epsilon(1e-14));
+  }
+  const double inches = 112.98482902761668, feet = 1355.8179483314002;  // of a pound, in N*mm
+  for (const auto& [name, value] : std::vector<std::pair<const char*, double>>{{"N-mm", 1},
+                                                                               {"Nmm", 1},
+                                                                               {"N-m", 1000},
+                                                                               {"Nm", 1000},
+                                                                               {"kN-m", 1e6},
+                                                                               {"kNm", 1e6},
+                                                                               {"lbf-in", inches},
+                                                                               {"lb-in", inches},
+                                                                               {"in-lbf", inches},
+                                                                               {"in-lb", inches},
+                                                                               {"lbf-ft", feet},
+                                                                               {"lb-ft", feet},
+                                                                               {"ft-lbf", feet},
+                                                                               {"ft-lb", feet},
+                                                                               {"kg-cm", 98.0665},
+                                                                               {"kgcm", 98.0665}}) {
+    INFO(name);
+    REQUIRE(newton_millimetres_in(name));
+    CHECK(*newton_millimetres_in(name) == Approx(value).epsilon(1e-14));
+  }
+  for (const auto& [name, value] :
+       std::vector<std::pair<const char*, double>>{{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"ft", 304.8}}) {
+    INFO(name);
+    REQUIRE(millimetres_in(name));
+    CHECK(*millimetres_in(name) == Approx(value).epsilon(1e-14));
+  }
+  for (const char* name : {"degrees", "degree", "deg"}) CHECK(degrees_in(name) == 1.0);
+  for (const char* name : {"radians", "radian", "rad"})
+    CHECK(*degrees_in(name) == Approx(57.29577951308232).epsilon(1e-14));
+  CHECK(
+      (!newtons_in("n") && !newtons_in("") && !newton_millimetres_in("N") && !millimetres_in("N") && !degrees_in("N")));
+  CHECK(known_force_units() == "N, kN, lbf, lb, klbf, klb, kg, kgf, g");
+  CHECK(known_torque_units() ==
+        "N-mm, Nmm, N-m, Nm, kN-m, kNm, lbf-in, lb-in, in-lbf, in-lb, lbf-ft, lb-ft, ft-lbf, ft-lb, kg-cm, kgcm");
+}
+
+TEST_CASE("six numbers are separated by blanks or the separator, and nothing else is accepted beside them") {
+  const std::array<double, 6> values{1, -2.5, 3, 40, 5, 6};
+  CHECK(six_numbers("1 -2.5 3 40 5 6") == values);
+  CHECK(six_numbers("\t1 -2.5\n3 40\r5 +6 ") == values);
+  CHECK(six_numbers("1;-2.5;3;40;5;6;", ';') == values);
+  CHECK(six_numbers(";1;-2.5; 3;40;5;6", ';') == values);
+  CHECK_FALSE(six_numbers("1;-2.5;3;40;5;6"));
+  CHECK_FALSE(six_numbers("1 -2.5 3 40 5"));
+  CHECK_FALSE(six_numbers("1 -2.5 3 40 5 6 7"));
+  CHECK_FALSE(six_numbers("1 -2.5 x 40 5 6"));
+  CHECK_FALSE(six_numbers(""));
+  CHECK(finite_number("+5") == 5.0);
+  CHECK(finite_number("7") == 7.0);
+  CHECK(finite_number("\r\n -1e3\t ") == -1000.0);
+}
+
+TEST_CASE("calibration: a file may have a mebibyte, on disk as in memory") {
+  constexpr std::size_t kMebibyte = 1'048'576;
+  std::string text = InventedCalibration().text();
+  text.resize(kMebibyte, ' ');
+  CHECK(said_of(text).empty());
+  CHECK_THAT(said_of(text + " "), Catch::Contains("1048577"));
+  const TemporaryFolder folder;
+  const std::string path = folder.path("t.cal");
+  std::ofstream(path) << text;
+  CHECK(read_ati_calibration(path).serial == "FT99901");
+  std::ofstream(path) << text << "     ";
+  const auto fault = fault_of([&] { (void)read_ati_calibration(path); });
+  REQUIRE(fault);
+  CHECK_THAT(fault->what(), Catch::Contains("1048577"));  // no more is read than shows that it is too much
+  // Files of the kernel's that say they have no length; as root, the first one would be waited for.
+  for (const char* kernels : {"/proc/kmsg", "/proc/self/mem"})
+    CHECK_THAT(fault_of([&] { (void)read_ati_calibration(kernels); })->what(), Catch::Contains("it is empty"));
+  CHECK_THAT(fault_of([] { (void)read_ati_calibration("/nowhere.cal"); })->what(), Catch::Contains("cannot be opened"));
+}
+
+TEST_CASE("calibration: rated loads are above 0 and below a thousand million") {
+  const std::string good = InventedCalibration().text();
+  const auto with_max = [&](const std::string& max) {
+    return said_of(replaced(good, "max=\"70\"", "max=\"" + max + "\""));
+  };
+  CHECK(with_max("0.5").empty());
+  CHECK(with_max("999999999").empty());
+  CHECK_THAT(with_max("0"), Catch::Contains("Axis Fz max is 0"));
+  CHECK_FALSE(with_max("1000000000").empty());
+  CHECK_FALSE(with_max("nan").empty());
+}
+
+TEST_CASE("calibration: an empty element counts as missing, and a duplicate one is refused") {
+  const std::string good = InventedCalibration().text();
+  CHECK_THAT(said_of(replaced(good, "FT99901", "")), Catch::Contains("FTSensor has no attribute Serial"));
+  CHECK_THAT(said_of(replaced(good, "scale=\"5.5\"", "scale=\"\"")), Catch::Contains("has no attribute scale"));
+  CHECK(said_of(replaced(good, " scale=\"5.5\"", "")).empty());  // then it is 1
+  CHECK(parse_ati_calibration(replaced(good, " scale=\"5.5\"", ""), "t").axes[0].scale == 1.0);
+  const std::string basic = InventedCalibration().basic;
+  CHECK_THAT(said_of(replaced(good, basic, basic + basic)),
+             Catch::Contains("BasicTransform is present more than once"));
+  CHECK_THAT(said_of(replaced(good, "CalFileVersion=\"1.0\"", "CalFileVersion=\"1.2\"")), Catch::Contains("1.2"));
+  CHECK_THAT(said_of("<FTSensor Serial=\"a\"/>"), Catch::Contains("FTSensor holds no Calibration"));
+  CHECK_THAT(said_of(replaced(good, "<FTSensor", "<Sensor").replace(good.find("</FTSensor>") - 2, 11, "</Sensor>")),
+             Catch::Contains("it holds no FTSensor"));
+}
+
+TEST_CASE("calibration: without a transform the rows are as they stand, and angles may be radians") {
+  InventedCalibration invented;
+  invented.basic = "";
+  invented.distance_unit = "furlong";  // nobody asks for it
+  const Matrix6 bare = working_matrix(parse_ati_calibration(invented.text(), "t"));
+  for (int row = 0; row < 6; ++row) {
+    for (int gauge = 0; gauge < 6; ++gauge) {
+      const auto r = static_cast<std::size_t>(row), g = static_cast<std::size_t>(gauge);
+      CHECK((bare * unit_vector(gauge))[row] == Approx(invented.rows[r][g] / invented.scale[r]).epsilon(1e-14));
+    }
+  }
+  invented.distance_unit = "mm";
+  const auto transform_of = [&](const std::string& unit, const std::string& angles) {
+    invented.basic = "<BasicTransform Dx=\"1\" Dy=\"2\" Dz=\"3\" " + angles + "/>";
+    return parse_ati_calibration(replaced(invented.text(), "DistUnits", unit + " DistUnits"), "t").basic;
+  };
+  const auto degrees = transform_of("", R"(Rx="90" Ry="180" Rz="-45")");
+  CHECK(degrees.displacement_mm == std::array<double, 3>{1, 2, 3});
+  CHECK(degrees.rotation_deg == std::array<double, 3>{90, 180, -45});
+  const auto radians = transform_of("AngleUnits=\"radians\"",
+                                    R"(Rx="1.5707963267948966" Ry="3.141592653589793" Rz="-0.7853981633974483")");
+  for (std::size_t i = 0; i < 3; ++i) CHECK(radians.rotation_deg[i] == Approx(degrees.rotation_deg[i]).epsilon(1e-14));
+  invented.basic = "<BasicTransform Rx=\"1\"/>";
+  CHECK_THAT(said_of(replaced(invented.text(), "DistUnits", "AngleUnits=\"grad\" DistUnits")),
+             Catch::Contains("'grad'"));
+}
+
+TEST_CASE("calibration: each part of the temperature compensation requires the others") {
+  const auto with = [](const std::string& more) {
+    InventedCalibration invented;
+    invented.more = more;
+    return said_of(invented.text());
+  };
+  const std::string bias = R"(<BiasSlope values="1 2 3 4 5 6"/>)", gain = R"(<GainSlope values="1 2 3 4 5 6"/>)",
+                    thermistor = R"(<Thermistor value="1"/>)";
+  CHECK(with("").empty());
+  CHECK(with(bias + gain + thermistor).empty());
+  CHECK_THAT(with(bias), Catch::Contains("holds no"));
+  CHECK_THAT(with(gain), Catch::Contains("holds no"));
+  CHECK_THAT(with(thermistor), Catch::Contains("holds no"));
+  CHECK_THAT(with(bias + gain), Catch::Contains("no Thermistor"));
+  CHECK_THAT(with(bias + thermistor), Catch::Contains("no GainSlope"));
+  CHECK_THAT(with(gain + thermistor), Catch::Contains("no BiasSlope"));
+  CHECK_THAT(with(bias + gain + thermistor + bias), Catch::Contains("more than once"));
+}
+
+TEST_CASE("calibration: numbers that make no matrix are refused") {
+  const std::string text = replaced(InventedCalibration().text(), "scale=\"5.5\"", "scale=\"1e-307\"");
+  CHECK_THAT(said_of(text), Catch::Contains("too large"));
+}
+
+TEST_CASE("overload: only values beyond the range count, and each axis reports its excess") {
+  const SixAxes range{10, 20, 30, 100, 200, 300};
+  constexpr std::array<const char*, 6> kNames{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      SixAxes load{};
+      load[axis] = sign * 0.5 * range[axis];
+      CHECK(fault_id_of([&] { check_overload(wrench_of(load), range, 0.5); }) == "none");
+      load[axis] = std::nextafter(load[axis], sign * HUGE_VAL);
+      const auto fault = fault_of([&] { check_overload(wrench_of(load), range, 0.5); });
+      REQUIRE(fault);
+      CHECK(fault->id() == "TB-FORCE-OVERLOAD");
+      CHECK_THAT(fault->what(), Catch::Contains(std::string(kNames[axis]) + " is ") && Catch::Contains("50 %") &&
+                                    Catch::Contains(axis < 3 ? " N, " : " N*mm, ") && !Catch::Contains("; "));
+    }
+  }
+  CHECK(fault_id_of([&] { check_overload({{std::nan(""), 0, 0}, {}}, range, 1.0); }) == "TB-FORCE-OVERLOAD");
+  const auto two = fault_of([&] { check_overload({{11, 0, 0}, {0, 0, -301}}, range, 1.0); });
+  REQUIRE(two);
+  CHECK_THAT(two->what(), Catch::Contains("Fx is 11 N, beyond 10 (100 %") && Catch::Contains("; Tz is -301 N*mm"));
+}
+
+TEST_CASE("a wrench less another, records that can be asked for, and serials") {
+  const Wrench left = Wrench{{1, 2, 3}, {4, 5, 6}} - Wrench{{10, 200, 3000}, {40, 500, 6000}};
+  CHECK(left.force_n == std::array<double, 3>{-9, -198, -2997});
+  CHECK(left.torque_nmm == std::array<double, 3>{-36, -495, -5994});
+  const auto asked = [](int records) { return fault_id_of([&] { check_records(records); }); };
+  CHECK((asked(1) == "none" && asked(100'000) == "none"));
+  CHECK((asked(0) == "TB-FORCE-RECORDS" && asked(-1) == "TB-FORCE-RECORDS" && asked(100'001) == "TB-FORCE-RECORDS"));
+  const auto serial = [](const char* wanted, const char* found) {
+    return fault_id_of([&] { check_serial(wanted, found, "x"); });
+  };
+  CHECK((serial("", "A") == "none" && serial("A", "A") == "none" && serial("A", "B") == "TB-FORCE-SERIAL"));
+}
+
+TEST_CASE("Digital F/T: texts fill their fields and no more, and each number of a calibration has bounds") {
+  DigitalCalibration calibration = invented_digital();
+  calibration.serial = "12345678";
+  calibration.part_number = std::string(32, 'p');
+  calibration.date = std::string(20, 'd');
+  CHECK(decode_digital_calibration(encode(calibration)) == calibration);
+  DigitalCalibration longer = calibration;
+  longer.serial += "9";
+  longer.part_number += "P";
+  longer.date += "D";
+  CHECK(encode(longer) == encode(calibration));
+  const auto refused = [&](auto change) {
+    DigitalCalibration wrong = invented_digital();
+    change(wrong);
+    return fault_id_of([&] { (void)decode_digital_calibration(encode(wrong)); }) == "TB-FORCE-CALIBRATION";
+  };
+  for (const std::size_t i : {0U, 5U}) {
+    CHECK(refused([&](DigitalCalibration& c) { c.range[i] = 1e6F; }));
+    CHECK(refused([&](DigitalCalibration& c) { c.range[i] = -1.0F; }));
+    CHECK(refused([&](DigitalCalibration& c) { c.matrix[i][i] = std::numeric_limits<float>::infinity(); }));
+    CHECK_FALSE(refused([&](DigitalCalibration& c) { c.range[i] = 999'999.0F; }));
+    CHECK_FALSE(refused([&](DigitalCalibration& c) { c.range[i] = 0.001F; }));
+  }
+  CHECK(refused([](DigitalCalibration& c) { c.counts_per_force = 0; }));
+  CHECK(refused([](DigitalCalibration& c) { c.counts_per_torque = 0; }));
+  CHECK_FALSE(refused([](DigitalCalibration& c) { c.counts_per_force = c.counts_per_torque = 1; }));
+  CHECK(refused([](DigitalCalibration& c) { c.force_unit = 3; }));
+  CHECK(refused([](DigitalCalibration& c) { c.torque_unit = 2; }));
+  // A frame is a body and two bytes of check sum.
+  CHECK(rtu_frame_is_whole(rtu_frame(Bytes{1, 2})));
+  CHECK_FALSE(rtu_frame_is_whole(rtu_frame(Bytes{1})));
+}
+
+TEST_CASE("Net F/T page: 262144 bytes, ranges below a thousand million, and no element without a text") {
+  NetFtPage page;
+  page.product = "p";
+  page.range = SixAxes{1, 2, 3, 4, 5, 999'999'999};
+  std::string text = format_netft_page(page);
+  for (const char* absent : {"cfgcalsn", "mfgdigsn", "mfgdigver"}) CHECK(text.find(absent) == std::string::npos);
+  CHECK(parse_netft_page(text, "page") == page);
+  text.resize(262'144, ' ');
+  CHECK(parse_netft_page(text, "page") == page);
+  CHECK(fault_id_of([&] { (void)parse_netft_page(text + " ", "page"); }) == "TB-FORCE-CALIBRATION");
+  page.range = SixAxes{1, 2, 3, 4, 5, 1e9};
+  CHECK(fault_id_of([&] { (void)parse_netft_page(format_netft_page(page), "page"); }) == "TB-FORCE-CALIBRATION");
+  page.range.reset();
+  CHECK_FALSE(page.range_n_nmm());
+  page.range = SixAxes{1, 2, 3, 4, 5, 6};
+  page.force_unit = "kN";
+  page.torque_unit = "kNm";
+  page.counts_per_force = 2000;
+  page.counts_per_torque = 4'000'000;
+  CHECK(page.newtons_per_count() == 0.5);
+  CHECK(page.newton_millimetres_per_count() == 0.25);
+  CHECK(page.range_n_nmm() == SixAxes{1e3, 2e3, 3e3, 4e6, 5e6, 6e6});
+}

@@ -1,0 +1,259 @@
+#include "devices/force/net_ft.h"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <mutex>
+
+#include "devices/force/simulated_net_ft.h"
+#include "devices/wire/ends/loopback.h"
+#include "devices/wire/http_get.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+// The n-th wrench requested (from 0) is the base and n steps on Fx.
+class SteppedLoad final : public ForcePort {
+ public:
+  Wrench wrench() override {
+    const std::lock_guard lock(mutex_);
+    Wrench wrench = base_;
+    wrench.force_n[0] += step * asked++;
+    return wrench;
+  }
+  void force(std::size_t axis, double newtons) {
+    const std::lock_guard lock(mutex_);
+    base_.force_n[axis] = newtons;
+  }
+  std::atomic<double> step = 0.0;
+  std::atomic<int> asked = 0;
+
+ private:
+  std::mutex mutex_;
+  Wrench base_{{1.0, -2.0, 3.0}, {10.0, -20.0, 30.0}};
+};
+
+struct NetFtRig {
+  explicit NetFtRig(SimulatedNetFtFaults faults = {}, Nanoseconds reply_timeout = 20s)
+      : server({0, 0, page(), faults}, load) {
+    options.host = "127.0.0.1";
+    options.port = server.rdt_port();
+    options.http_port = server.http_port();
+    options.reply_timeout = reply_timeout;
+    options.page_timeout = 20s;
+    options.origin = Origin::kSimulated;
+    sensor = std::make_unique<NetFt>(options, clock);
+  }
+  static NetFtPage page() {
+    NetFtPage page;
+    page.product = "simulated Net F/T";
+    page.calibration_serial = "FT99901";
+    page.firmware = "1.0";
+    page.range = SixAxes{25, 25, 35, 250, 250, 250};
+    return page;
+  }
+  TurnedClock clock;
+  SteppedLoad load;
+  SimulatedNetFt server;
+  NetFtOptions options;
+  std::unique_ptr<NetFt> sensor;
+};
+
+constexpr Nanoseconds kSilence = 300ms;
+const Nanoseconds kLimitOf10 = kSilence + Nanoseconds(static_cast<Nanoseconds::rep>(1e9 * 10 / 7000.0));
+
+}  // namespace
+
+TEST_CASE("Net F/T: the mean of the requested records, raw counts beside it") {
+  NetFtRig rig;
+  rig.load.step = 0.5;
+  rig.clock.wait_until(7s);
+  const auto reading = rig.sensor->read(5);
+  CHECK(reading.records == 5);
+  CHECK(reading.wrench.force_n[0] == Approx(2.0));
+  CHECK(reading.wrench.force_n[1] == Approx(-2.0));
+  CHECK(reading.wrench.force_n[2] == Approx(3.0));
+  CHECK(reading.wrench.torque_nmm == std::array<double, 3>{10.0, -20.0, 30.0});
+  CHECK(reading.raw == SixAxes{2e6, -2e6, 3e6, 10e6, -20e6, 30e6});
+  CHECK(reading.time == 7s);
+  CHECK(reading.status == 0);
+  CHECK(rig.clock.now() == 7s);
+  CHECK(rig.load.asked == 5);  // nothing flows unasked
+  CHECK(rig.sensor->exchanges() == 1);
+  CHECK(rig.sensor->range() == SixAxes{25, 25, 35, 250, 250, 250});
+  CHECK(rig.sensor->calibration_serial() == "FT99901");
+  CHECK(rig.sensor->identity().firmware == "1.0");
+}
+
+TEST_CASE("Net F/T: many records go in requests that a receive buffer holds") {
+  NetFtRig rig;
+  const auto reading = rig.sensor->read(1234);
+  CHECK(reading.records == 1234);
+  CHECK(reading.lost == 0);
+  CHECK(rig.load.asked == 1234);
+  CHECK(rig.sensor->exchanges() == 13);
+  CHECK(fault_id_of([&] { (void)rig.sensor->read(0); }) == "TB-FORCE-RECORDS");
+  CHECK(fault_id_of([&] { (void)rig.sensor->read(kMostForceRecords + 1); }) == "TB-FORCE-RECORDS");
+}
+
+TEST_CASE("Net F/T: bias is removed, raw counts stay") {
+  NetFtRig rig;
+  const Wrench removed = rig.sensor->bias(4);
+  CHECK(removed.force_n == std::array<double, 3>{1.0, -2.0, 3.0});
+  rig.load.force(2, 3.5);
+  const auto reading = rig.sensor->read(4);
+  CHECK(reading.wrench.force_n[0] == Approx(0.0).margin(1e-9));
+  CHECK(reading.wrench.force_n[2] == Approx(0.5));
+  CHECK(reading.wrench.torque_nmm[1] == Approx(0.0).margin(1e-9));
+  CHECK(reading.raw[2] == 3.5e6);
+}
+
+TEST_CASE("Net F/T: a dropped record is counted and requested again") {
+  NetFtRig rig({.drop_record = 4}, kSilence);
+  const auto reading = rig.sensor->read(10);
+  CHECK(reading.records == 10);
+  CHECK(reading.lost == 1);
+  CHECK(reading.reordered == 0);
+  CHECK(rig.sensor->exchanges() == 2);
+  CHECK(rig.load.asked == 11);
+  CHECK(rig.clock.now() == kLimitOf10);
+  CHECK(rig.sensor->read(10).lost == 1);
+}
+
+TEST_CASE("Net F/T: a record out of order is counted and used") {
+  NetFtRig rig({.late_record = 4});
+  const auto reading = rig.sensor->read(10);
+  CHECK(reading.records == 10);
+  CHECK(reading.lost == 0);
+  CHECK(reading.reordered == 1);
+  CHECK(rig.load.asked == 10);
+}
+
+TEST_CASE("Net F/T: silence is a fault that costs its timeout") {
+  NetFtRig rig({.silent_after_records = 10}, kSilence);
+  CHECK(rig.sensor->read(10).records == 10);
+  const auto fault = fault_of([&] { (void)rig.sensor->read(10); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-FORCE-TIMEOUT");
+  CHECK_THAT(fault->what(), Catch::Contains("10 records") && Catch::Contains("127.0.0.1") && Catch::Contains("0 came"));
+  CHECK(rig.clock.now() == kLimitOf10);
+}
+
+TEST_CASE("Net F/T: a counter that stands still is a fault, within a reading and between two") {
+  {
+    NetFtRig rig({.stall_from_record = 4});
+    CHECK(fault_id_of([&] { (void)rig.sensor->read(10); }) == "TB-FORCE-STALL");
+  }
+  NetFtRig rig({.stall_from_record = 3});
+  CHECK(rig.sensor->read(3).records == 3);
+  CHECK(fault_id_of([&] { (void)rig.sensor->read(1); }) == "TB-FORCE-STALL");
+  CHECK(rig.clock.now() == 0ns);
+}
+
+TEST_CASE("Net F/T: a status that is an error is a fault that names its bits, and the next reading is clean") {
+  NetFtRig rig({.status_record = 0, .status_bits = 0x80080004U});
+  const auto fault = fault_of([&] { (void)rig.sensor->read(10); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-FORCE-STATUS");
+  CHECK_THAT(fault->what(), Catch::Contains("0x80080004") && Catch::Contains("EtherNet/IP, temperature"));
+  rig.load.force(0, 9.0);  // records of the failed request carried 1.0
+  CHECK(rig.sensor->read(10).wrench.force_n[0] == Approx(9.0));
+
+  NetFtRig saturated({.status_record = 2});
+  CHECK(fault_id_of([&] { (void)saturated.sensor->read(10); }) == "TB-FORCE-SATURATED");
+  NetFtRig monitor({.status_record = 2, .status_bits = 0x80010000U});
+  CHECK(monitor.sensor->read(10).status == 0x80010000U);
+}
+
+TEST_CASE("Net F/T: a load beyond the range is a fault that names axis and amount") {
+  NetFtRig rig;
+  rig.load.force(2, -35.1);
+  const auto fault = fault_of([&] { (void)rig.sensor->read(3); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-FORCE-OVERLOAD");
+  CHECK_THAT(fault->what(), Catch::Contains("Fz is -35.1 N") && Catch::Contains("beyond 35"));
+  rig.load.force(2, -34.9);
+  CHECK(rig.sensor->read(3).records == 3);
+  rig.options.overload_share = 0.5;
+  NetFt careful(rig.options, rig.clock);
+  CHECK(fault_id_of([&] { (void)careful.read(3); }) == "TB-FORCE-OVERLOAD");
+}
+
+TEST_CASE("Net F/T: the page from a file, another serial number, no range") {
+  NetFtRig rig;
+  const TemporaryFolder folder;
+  auto page = NetFtRig::page();
+  page.range.reset();
+  page.counts_per_force = 2e6;
+  rig.options.page_file = folder.path("netftapi2.xml");
+  std::ofstream(rig.options.page_file) << format_netft_page(page);
+  const auto fault = fault_of([&] { NetFt(rig.options, rig.clock); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-FORCE-CALIBRATION");
+  CHECK_THAT(fault->what(), Catch::Contains("cfgmr"));
+  rig.options.range = SixAxes{12, 12, 17, 120, 120, 120};
+  CHECK(NetFt(rig.options, rig.clock).read(2).wrench.force_n[2] == Approx(1.5));
+  rig.options.expected_serial = "FT00000";
+  CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-FORCE-SERIAL");
+  for (const std::string& no_file : {folder.path("absent.xml"), std::string("/dev/zero"), std::string("/dev")}) {
+    rig.options.page_file = no_file;
+    CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-FORCE-CALIBRATION");
+  }
+}
+
+TEST_CASE("Net F/T: an invalid address, and a port without a listener") {
+  NetFtRig rig;
+  rig.options.host = "sensor.example";
+  CHECK(fault_id_of([&] { NetFt(rig.options, rig.clock); }) == "TB-HTTP-OPEN");
+  rig.options.host = "127.0.0.1";
+  const auto nobody = bind_loopback(SOCK_DGRAM, 0, "test");
+  ::close(nobody.socket);
+  rig.options.port = nobody.port;
+  NetFt sensor(rig.options, rig.clock);
+  CHECK(fault_id_of([&] { (void)sensor.read(1); }) == "TB-UDP-LOST");
+  CHECK(fault_id_of([&] {
+          SimulatedNetFt({rig.server.rdt_port(), 0, NetFtRig::page(), {}}, rig.load);
+        }) == "TB-SIM-LISTEN");
+}
+
+TEST_CASE("Net F/T: the page's server answers other paths 404, and the bias command acts in the sensor") {
+  NetFtRig rig;
+  const auto fault = fault_of([&] {
+    (void)http_get({"127.0.0.1", rig.server.http_port(), "/other.xml", 20s}, "test", rig.clock);
+  });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-HTTP-ANSWER");
+  CHECK_THAT(fault->what(), Catch::Contains("404"));
+  CHECK(parse_netft_page(
+            http_get({"127.0.0.1", rig.server.http_port(), "/netftapi2.xml?index=0", 20s}, "test", rig.clock),
+            "page") == NetFtRig::page());
+  UdpLink foreign("127.0.0.1", rig.server.rdt_port(), "foreign client");
+  foreign.send(encode(RdtRequest{RdtCommand::kSetBias, 0}));
+  const auto reading = rig.sensor->read(2);
+  CHECK(reading.raw == SixAxes{});
+}
+
+TEST_CASE("Net F/T: an endless stream runs until it is stopped") {
+  NetFtRig rig;
+  UdpLink client("127.0.0.1", rig.server.rdt_port(), "foreign client");
+  client.send(encode(RdtRequest{RdtCommand::kStartRealtime, 0}));
+  std::array<std::uint8_t, 64> bytes{};
+  for (std::uint32_t sequence = 1; sequence <= 20; ++sequence) {
+    const auto record = decode_rdt_record(std::span(bytes).first(client.receive(bytes, 20s)));
+    REQUIRE(record);
+    REQUIRE(record->rdt_sequence == sequence);
+  }
+  client.send(encode(RdtRequest{RdtCommand::kStop, 0}));
+  // The sensor's answer to another shows that it has read the stop.
+  CHECK(rig.sensor->read(1).records == 1);
+  client.drain();
+  const int asked = rig.load.asked;
+  CHECK(rig.sensor->read(1).records == 1);
+  CHECK(rig.load.asked == asked + 1);
+}

@@ -1,0 +1,107 @@
+// A line that exists in memory alone with a Digital F/T at its end: every byte that the driver sends, and what comes
+// back.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/force/digital_ft.h"
+#include "tests/devices/force/invented_digital.h"
+
+namespace tactbench::tests {
+
+using namespace devices;
+using Bytes = std::vector<std::uint8_t>;
+
+inline constexpr std::uint8_t kUnit = 10;
+
+// What lies on the line, and what the sensor at its end does.
+struct Line {
+  std::vector<Bytes> written;
+  std::deque<std::uint8_t> coming;
+  std::map<int, std::uint16_t> registers;
+  Bytes stream;              // what follows the answer to a start
+  std::size_t chunk = 1024;  // most bytes of one read
+  bool deaf = false;         // to a jam
+  bool torn = false;         // an empty line is a lost one
+  std::function<Bytes(const Bytes& request, Bytes answer)> change = [](const Bytes&, Bytes answer) { return answer; };
+
+  void load(const DigitalCalibration& calibration) {
+    for (int i = 0; i < 12; ++i) registers[i] = calibration.gains_and_offsets[static_cast<std::size_t>(i)];
+    const auto bytes = encode(calibration);
+    for (std::size_t i = 0; i < bytes.size(); i += 2) {
+      registers[0x00E3 + static_cast<int>(i / 2)] = static_cast<std::uint16_t>(bytes[i] << 8 | bytes[i + 1]);
+    }
+  }
+  [[nodiscard]] Bytes answer(const Bytes& request) const {
+    if (request[1] == 0x46) return rtu_frame(Bytes{kUnit, 0x46, 1});
+    Bytes body{kUnit, 3, static_cast<std::uint8_t>(2 * request[5])};
+    for (int i = 0; i < request[5]; ++i) {
+      const std::uint16_t value = registers.at((request[2] << 8 | request[3]) + i);
+      body.push_back(static_cast<std::uint8_t>(value >> 8U));
+      body.push_back(static_cast<std::uint8_t>(value & 0xFFU));
+    }
+    return rtu_frame(body);
+  }
+};
+
+class LineStream final : public ByteStream {
+ public:
+  explicit LineStream(Line& line) : line_(line) {}
+  void write(std::span<const std::uint8_t> bytes) override {
+    const Bytes request(bytes.begin(), bytes.end());
+    line_.written.push_back(request);
+    if (std::ranges::all_of(request, [](std::uint8_t byte) { return byte == 0xFF; })) {
+      if (!line_.deaf) line_.coming.clear();
+      return;
+    }
+    const Bytes answer = line_.change(request, line_.answer(request));
+    line_.coming.insert(line_.coming.end(), answer.begin(), answer.end());
+    if (request[1] == 0x46) line_.coming.insert(line_.coming.end(), line_.stream.begin(), line_.stream.end());
+  }
+  std::size_t read(std::span<std::uint8_t> into, Nanoseconds /*timeout*/) override {
+    if (line_.torn && line_.coming.empty()) throw Fault("TB-SERIAL-LOST", "port", "it is gone", "Plug it in.");
+    const std::size_t size = std::min({into.size(), line_.coming.size(), line_.chunk});
+    std::copy_n(line_.coming.begin(), size, into.begin());
+    line_.coming.erase(line_.coming.begin(), line_.coming.begin() + static_cast<std::ptrdiff_t>(size));
+    return size;
+  }
+  std::size_t discard() override {
+    const std::size_t size = line_.coming.size();
+    line_.coming.clear();
+    return size;
+  }
+  [[nodiscard]] std::string description() const override { return "port A"; }
+  [[nodiscard]] int descriptor() const override { return -1; }
+
+ private:
+  Line& line_;
+};
+
+// Of N: 0.004 G1, 0.004 G2, 0.004 G3; of N*mm: -0.008 G4, -0.008 G5, -0.008 G0; ranges wide enough for full gauges.
+inline DigitalCalibration wide() {
+  DigitalCalibration calibration = invented_digital();
+  calibration.range = {500.0F, 500.0F, 500.0F, 0.5F, 0.5F, 0.5F};
+  return calibration;
+}
+
+struct Script {
+  explicit Script(const DigitalCalibration& calibration = wide()) { line.load(calibration); }
+  DigitalFt open() { return {std::make_unique<LineStream>(line), options, clock}; }
+  void say(const std::array<std::int16_t, 6>& gauges, bool error = false) {
+    const auto bytes = encode(DigitalSample{gauges, error});
+    line.stream.insert(line.stream.end(), bytes.begin(), bytes.end());
+  }
+  [[nodiscard]] long jams() const { return std::ranges::count(line.written, Bytes(14, 0xFF)); }
+  Line line;
+  DigitalFtOptions options;
+  TurnedClock clock;
+};
+
+}  // namespace tactbench::tests

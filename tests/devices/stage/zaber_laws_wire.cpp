@@ -1,0 +1,196 @@
+// The Zaber driver's promises beyond the laws of every actuator (zaber_actuator_wire.cpp joins it to those).
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/zaber_rig.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+namespace {
+
+// Every command, each expected to end in `fault`.
+void check_all_refused(Stage& stage, const std::string& fault) {
+  CHECK(fault_id_of([&] { stage.home(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { stage.start_move_to(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
+  CHECK(fault_id_of([&] { stage.start_move_by(Axis::kX, Millimetres(1.0), std::nullopt); }) == fault);
+  CHECK(fault_id_of([&] { stage.start_speed(Axis::kX, MillimetresPerSecond(1.0)); }) == fault);
+  CHECK(fault_id_of([&] { (void)stage.wait(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { (void)stage.stop(Axis::kX); }) == fault);
+  CHECK(fault_id_of([&] { (void)stage.state(Axis::kX); }) == fault);
+}
+
+}  // namespace
+
+TEST_CASE("zaber law: no axis moves before it is homed, nor after it lost its power") {
+  ZaberRig rig;
+  rig.stage.arm();
+  const auto before = rig.chain.bytes_received();
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(fault_id_of([&] { rig.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0)); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(rig.chain.bytes_received() == before);
+  rig.stage.home(Axis::kX);
+  rig.chain.power_cycle();
+  CHECK(fault_id_of([&] { rig.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(rig.count({kMoveAbsolute, kMoveRelative, kConstantSpeed}) == 0);
+}
+
+TEST_CASE("zaber law: a quiet wire is a fault within its deadline and disarms") {
+  SimulatedChainFaults faults;
+  faults.silent_after_requests = GENERATE(0L, 7L, 60L, 75L);
+  ZaberRig rig({}, faults, impatient_stage());
+  const auto all = [&] {
+    rig.arm_and_home();
+    rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
+    (void)rig.stage.wait(Axis::kZ);
+  };
+  CHECK(fault_id_of(all) == "TB-STAGE-TIMEOUT");
+  CHECK_FALSE(rig.stage.armed());
+  // The query whose reply was lost was sent twice: process time has advanced by both waits.
+  CHECK(rig.clock.now() >= 2 * impatient_stage().reply_timeout);
+  check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
+}
+
+TEST_CASE("zaber law: an unplugged stage is a fault at once, and nothing is replayed after it is back") {
+  SimulatedChainOptions options;
+  SECTION("pseudo-terminal") {}
+  SECTION("TCP") { options.listen = "tcp:0"; }
+  ZaberRig rig(options);
+  rig.arm_and_home();
+  rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
+  rig.chain.unplug();
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kZ); }) == "TB-SERIAL-LOST");
+  CHECK_FALSE(rig.stage.armed());
+  check_all_refused(rig.stage, "TB-STAGE-NOT-ARMED");
+  CHECK(fault_id_of([&] { rig.stage.arm(); }) == "TB-SERIAL-OPEN");
+
+  rig.chain.plug_in();
+  const std::size_t before = rig.chain.requests().size();
+  rig.stage.arm();
+  CHECK(rig.count(kMoving, before) == 0);
+  // The move under way continues by itself; it is waited for and not repeated.
+  CHECK(rig.stage.wait(Axis::kZ).value() == Approx(40.0).margin(1e-4));
+  CHECK(rig.stage.state(Axis::kZ).homed);
+  CHECK(rig.count(kMoving, before) == 0);
+}
+
+TEST_CASE("zaber law: unplugging in the middle of any exchange is a loss and never silence") {
+  SimulatedChainFaults faults;
+  faults.unplug_after_requests = GENERATE(0L, 9L, 33L, 60L, 80L);
+  ZaberRig rig({}, faults);
+  CHECK(fault_id_of([&] {
+          rig.arm_and_home();
+          rig.stage.start_move_to(Axis::kZ, Millimetres(20.0), std::nullopt);
+          (void)rig.stage.wait(Axis::kZ);
+        }) == "TB-SERIAL-LOST");
+  CHECK_FALSE(rig.stage.armed());
+}
+
+TEST_CASE("zaber law: halt stops every axis from any state, twice, and commands wait for arming") {
+  ZaberRig rig;
+  CHECK(rig.stage.halt());  // never armed: it opens the line by itself
+  CHECK(rig.count(kMoving) == 0);
+  rig.arm_and_home();
+  rig.stage.start_move_to(Axis::kX, Millimetres(40.0), std::nullopt);
+  rig.stage.start_speed(Axis::kZ, MillimetresPerSecond(8.0));
+  rig.clock.wait_until(rig.clock.now() + 1s);
+  CHECK(rig.stage.halt());
+  CHECK_FALSE(rig.stage.armed());
+  const Millimetres x = rig.chain.position(Axis::kX);
+  const Millimetres z = rig.chain.position(Axis::kZ);
+  CHECK(x.value() < 6.0);
+  CHECK(z.value() < 12.0);
+  rig.clock.wait_until(rig.clock.now() + 100s);
+  CHECK(rig.chain.position(Axis::kX) == x);
+  CHECK(rig.chain.position(Axis::kZ) == z);
+  CHECK(rig.stage.halt());
+  const auto before = rig.chain.bytes_received();
+  check_all_refused(rig.stage, "TB-STAGE-HALTED");
+  CHECK(rig.chain.bytes_received() == before);
+  rig.stage.arm();
+  rig.stage.start_move_to(Axis::kZ, Millimetres(0.0), std::nullopt);
+  CHECK(rig.stage.wait(Axis::kZ).value() == Approx(0.0).margin(1e-4));
+}
+
+TEST_CASE("zaber law: halt while homing repeats until the axis stands, whether the device stops or finishes") {
+  SimulatedChainOptions options;
+  options.devices[2].stands_at = Millimetres(1.5);
+  options.devices[2].refuses_stop_while_homing = GENERATE(false, true);
+  ZaberRig rig(options);
+  rig.stage.arm();
+  // Another program's homing: the driver's own would block the thread that turns the clock.
+  {
+    rig.stage.disarm();
+    const auto stream = rig.connect();
+    stream->write(encode({3, kHome, 0, 1}));
+    stream->write(encode({3, kStatus, 0, 2}));
+    std::array<std::uint8_t, 6> reply{};
+    REQUIRE(stream->read(reply, 5s) == 6);
+    REQUIRE(decode(reply).data == kZaberHoming);
+  }
+  CHECK(rig.stage.halt());
+}
+
+TEST_CASE("zaber law: halt is bounded and returns false when the wire is quiet or gone") {
+  SimulatedChainFaults faults;
+  faults.silent_after_requests = 40;
+  ZaberRig rig({}, faults, impatient_stage());
+  CHECK(fault_id_of([&] { rig.arm_and_home(); }) == "TB-STAGE-TIMEOUT");
+  const auto before = rig.stage.exchanges();
+  CHECK_FALSE(rig.stage.halt());
+  CHECK(rig.stage.exchanges() - before <= 6);  // a quiet axis is queried twice
+  rig.chain.unplug();
+  CHECK_FALSE(rig.stage.halt());
+  CHECK_FALSE(rig.stage.halt());
+}
+
+TEST_CASE("zaber law: half a frame left on the line does not corrupt the halt") {
+  ZaberRig rig;
+  rig.arm_and_home();
+  rig.stage.start_move_to(Axis::kZ, Millimetres(40.0), std::nullopt);
+  if (GENERATE(false, true)) rig.stage.disarm();
+  const int intruder = ::open(rig.chain.address().c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
+  const std::array<std::uint8_t, 4> half{3, 20, 0, 0};
+  REQUIRE(::write(intruder, half.data(), half.size()) == 4);
+  CHECK(rig.stage.halt());
+  ::close(intruder);
+  // Joined to it the first bytes of the stop would have made another move.
+  CHECK(rig.count(kMoving) == 4);
+  CHECK(rig.chain.position(Axis::kZ).value() < 39.0);
+}
+
+TEST_CASE("zaber law: a halt that a device refuses at first is repeated") {
+  ZaberRig rig;
+  rig.arm_and_home();
+  rig.stage.start_move_to(Axis::kX, Millimetres(60.0), std::nullopt);
+  rig.chain.refuse_next(kStop, kZaberBusy);
+  CHECK(rig.stage.halt());
+  CHECK(rig.chain.position(Axis::kX).value() < 10.0);
+}
+
+TEST_CASE("zaber law: halt from another thread ends the wait of the first one") {
+  ZaberStageOptions options = paper_stage();
+  options.halt_timeout = 100ms;
+  ZaberRig rig({}, {}, options);
+  rig.arm_and_home();
+  rig.stage.start_move_to(Axis::kX, Millimetres(60.0), MillimetresPerSecond(0.001));  // 60 000 s
+  const std::size_t before = rig.chain.requests().size();
+  std::thread other([&] {
+    while (rig.chain.requests().size() < before + 20) std::this_thread::yield();
+    (void)rig.stage.halt();  // the clock may stand still meanwhile, so that the answer may be no
+  });
+  CHECK(fault_id_of([&] { (void)rig.stage.wait(Axis::kX); }) == "TB-STAGE-HALTED");
+  other.join();
+  CHECK(rig.stage.halt());
+  CHECK(rig.chain.position(Axis::kX).value() < 59.0);
+}

@@ -1,0 +1,266 @@
+#include "devices/tactile/daqmx_scanner.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <limits>
+#include <numeric>
+
+#include "devices/tactile/scan_report.h"
+#include "tests/devices/test_chamber.h"
+#include "tests/support/fake_nidaqmx/fake_nidaqmx.h"
+#include "tests/support/paths.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using tactbench::tests::fake_daqmx;
+using tactbench::tests::FakeDaqmx;
+using Levels = FakeDaqmx::Levels;
+
+namespace {
+
+constexpr int kRowsColumns = 16;
+
+int closed_row(const Levels& lines) {
+  const auto first = std::find(lines.begin(), lines.end(), 1);
+  return first == lines.end() ? -1 : static_cast<int>(first - lines.begin());
+}
+
+// Each taxel (row, column) has its own voltage; samples scatter about it and average out.
+double taxel_volts(int row, int column) { return 0.1 + 0.02 * (kRowsColumns * row + column); }
+double plant(const Levels& lines, int channel, int sample) {
+  const int row = closed_row(lines);
+  return row < 0 ? 0.0 : taxel_volts(row, channel) + (sample % 2 == 0 ? 0.01 : -0.01);
+}
+
+struct DaqmxRig {
+  DaqmxRig() {
+    card = FakeDaqmx{};
+    card.volts = plant;
+    options.library = tactbench::tests::fake_nidaqmx_path();
+  }
+  ~DaqmxRig() {
+    CHECK(card.tasks == 0);
+    CHECK(card.misuse.empty());
+  }
+  DaqmxRig(const DaqmxRig&) = delete;
+  DaqmxRig& operator=(const DaqmxRig&) = delete;
+  void fail(const std::string& function, int code, int call = 0) const {
+    card.fail_function = function;
+    card.fail_code = code;
+    card.fail_call = call + static_cast<int>(std::count(card.calls.begin(), card.calls.end(), function));
+  }
+  [[nodiscard]] bool all_open() const {
+    return card.lines.size() == kRowsColumns && std::count(card.lines.begin(), card.lines.end(), 0) == kRowsColumns;
+  }
+
+  FakeDaqmx& card = fake_daqmx();
+  TurnedClock clock;
+  DaqmxScannerOptions options;
+};
+
+std::optional<Fault> fault_in_scan(DaqmxRig& rig, const std::string& function, int code, int call) {
+  DaqmxScanner scanner(rig.options, rig.clock);
+  rig.fail(function, code, call);
+  const auto fault = fault_of([&] { (void)scanner.read(1); });
+  CHECK(rig.all_open());
+  return fault;
+}
+
+}  // namespace
+
+TEST_CASE("daqmx scanner: frames are the averaged voltages, row by row") {
+  DaqmxRig rig;
+  DaqmxScanner scanner(rig.options, rig.clock);
+  const auto set = scanner.read(2);
+  REQUIRE(set.counts.size() == 2 * 256);
+  const double lsb = scanner.volts_per_count().value();
+  CHECK(lsb == Approx(10.0 / 65535));
+  for (int i = 0; i < 512; ++i) {
+    const double volts = set.counts[static_cast<std::size_t>(i)] * lsb;
+    if (std::abs(volts - taxel_volts(i % 256 / 16, i % 16)) > 0.51 * lsb) FAIL("taxel " << i << ": " << volts << " V");
+  }
+  CHECK(set.frame_counters == std::vector<std::uint32_t>{0, 1});
+  CHECK(set.status == 0);
+  CHECK(rig.card.terminal == 10083);
+  CHECK(rig.card.minimum == -10.0);
+  CHECK(rig.card.maximum == 10.0);
+  CHECK(rig.card.rate == 10'000);
+  CHECK(rig.card.timeout == Approx(0.501));
+  CHECK(rig.card.convert_rate == 0);
+  CHECK(scanner.exchanges() == 1 + 2 * 2 * 16 + 1);
+}
+
+TEST_CASE("daqmx scanner: one relay closed at a time, each settled on the process clock, all open at the end") {
+  DaqmxRig rig;
+  std::vector<std::pair<int, Nanoseconds>> seen;  // row closed when the first sample was taken, and when that was
+  rig.card.volts = [&](const Levels& lines, int channel, int sample) {
+    if (channel == 0 && sample == 0) seen.emplace_back(closed_row(lines), rig.clock.now());
+    return 0.5;
+  };
+  DaqmxScanner scanner(rig.options, rig.clock);
+  REQUIRE(rig.card.writes.size() == 1);
+  CHECK(rig.all_open());  // before anything else
+  rig.clock.wait_until(1s);
+  const auto set = scanner.read(3);
+  CHECK(set.time == 1s);
+  CHECK(set.device_time_us == 1'000'000);
+  REQUIRE(seen.size() == 48);
+  for (int i = 0; i < 48; ++i) {
+    CHECK(seen[static_cast<std::size_t>(i)] == std::pair{i % 16, Nanoseconds(1s + (i + 1) * 5ms)});
+  }
+  CHECK(rig.clock.now() == 1s + 48 * 5ms);
+  REQUIRE(rig.card.writes.size() == 1 + 48 + 1);
+  for (const Levels& levels : rig.card.writes) CHECK(std::accumulate(levels.begin(), levels.end(), 0) <= 1);
+  CHECK(rig.all_open());
+  CHECK(scanner.relay_operations() == std::vector<std::uint64_t>(16, 3));
+}
+
+TEST_CASE("daqmx scanner: relays that close on 0, another shape, range, wiring and rates") {
+  DaqmxRig rig;
+  rig.options.relays_active_low = true;
+  rig.options.rows = 3;
+  rig.options.columns = 5;
+  rig.options.row_lines = "Dev1/port0/line4:6";
+  rig.options.column_channels = "Dev1/ai0:2,Dev1/ai8,Dev1/ai9";
+  rig.options.range = Volts(2.0);
+  rig.options.terminal = DaqmxTerminal::kDifferential;
+  rig.options.samples_per_row = 1;
+  rig.options.convert_rate_hz = 200'000;
+  rig.card.volts = [](const Levels& lines, int channel, int) {
+    return std::count(lines.begin(), lines.end(), 0) == 1 ? 0.1 * channel + lines[0] : -1.0;
+  };
+  {
+    DaqmxScanner scanner(rig.options, rig.clock);
+    CHECK(rig.card.lines == Levels{1, 1, 1});
+    const auto set = scanner.read(1);
+    REQUIRE(set.counts.size() == 15);
+    CHECK(set.counts[4] * scanner.volts_per_count().value() == Approx(0.4).margin(2e-5));
+    CHECK(set.counts[9] * scanner.volts_per_count().value() == Approx(1.4).margin(2e-5));
+    CHECK(rig.card.maximum == 2.0);
+    CHECK(rig.card.terminal == 10106);
+    CHECK(rig.card.convert_rate == 200'000);
+  }
+  CHECK(rig.card.lines == Levels{1, 1, 1});
+}
+
+TEST_CASE("daqmx scanner: the converter's limit and a column below zero are flagged, noise about zero is not") {
+  DaqmxRig rig;
+  double volts = 0.0;
+  rig.card.volts = [&](const Levels& lines, int channel, int) {
+    return closed_row(lines) == 7 && channel == 2 ? volts : 1.0;
+  };
+  DaqmxScanner scanner(rig.options, rig.clock);
+  for (const auto& [value, count, status] :
+       {std::tuple{9.99, 65469, 0}, {10.0, 65535, 1}, {10.4, 65535, 1}, {-0.05, 0, 0}, {-0.2, 0, 1}}) {
+    volts = value;
+    const auto set = scanner.read(1);
+    CHECK(set.counts[7 * 16 + 2] == count);
+    CHECK(set.status == status * kStatusAtLimit);
+  }
+}
+
+TEST_CASE("daqmx scanner: every failure opens the relays and carries the driver's text") {
+  for (const auto& [code, id] : {std::pair{-200284, "TB-SCANNER-TIMEOUT"},
+                                 {-200279, "TB-SCANNER-CORRUPT"},
+                                 {-200324, "TB-SCANNER-LOST"},
+                                 {-201003, "TB-SCANNER-LOST"},
+                                 {-50103, "TB-DAQMX-ERROR"},
+                                 {-999999, "TB-DAQMX-ERROR"}}) {
+    DaqmxRig rig;
+    const auto fault = fault_in_scan(rig, "ReadAnalogF64", code, 4);
+    REQUIRE(fault);
+    CHECK(fault->id() == id);
+    CHECK_THAT(fault->what(), Catch::Contains(std::to_string(code)) && Catch::Contains("as the test asked"));
+    CHECK_FALSE(fault->remedy().empty());
+    // Five rows settled; a timeout costs its waiting time, too.
+    CHECK(rig.clock.now() == 5 * 5ms + (code == -200284 ? 501ms : 0ms));
+  }
+  DaqmxRig rig;
+  const auto starting = fault_in_scan(rig, "StartTask", -200088, 0);
+  REQUIRE(starting);
+  CHECK_THAT(starting->what(), Catch::Contains("starting") && Catch::Contains("invalid task"));
+}
+
+TEST_CASE("daqmx scanner: after a failure the next reading is whole") {
+  DaqmxRig rig;
+  DaqmxScanner scanner(rig.options, rig.clock);
+  rig.fail("ReadAnalogF64", -200284, 3);
+  CHECK(fault_id_of([&] { (void)scanner.read(1); }) == "TB-SCANNER-TIMEOUT");
+  rig.card.fail_function.clear();
+  const auto set = scanner.read(1);
+  CHECK(set.counts.size() == 256);
+  CHECK(set.counts[255] * scanner.volts_per_count().value() == Approx(taxel_volts(15, 15)).margin(1e-3));
+  CHECK(scanner.relay_operations()[3] == 2);
+  CHECK(scanner.relay_operations()[4] == 1);
+}
+
+TEST_CASE("daqmx scanner: a card that disappears in mid-scan is lost, and nothing hangs at the end") {
+  DaqmxRig rig;
+  DaqmxScanner scanner(rig.options, rig.clock);
+  rig.fail("WriteDigitalLines", -200045, 2);
+  const auto fault = fault_of([&] { (void)scanner.read(1); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-SCANNER-LOST");
+  CHECK_THAT(fault->what(), Catch::Contains("device removed"));
+}
+
+TEST_CASE("daqmx scanner: missing samples and values that are not voltages are not used") {
+  DaqmxRig rig;
+  DaqmxScanner scanner(rig.options, rig.clock);
+  rig.card.short_by = 1;
+  const auto missing = fault_of([&] { (void)scanner.read(1); });
+  REQUIRE(missing);
+  CHECK(missing->id() == "TB-SCANNER-CORRUPT");
+  CHECK_THAT(missing->what(), Catch::Contains("10 samples") && Catch::Contains("9 came"));
+  CHECK(rig.all_open());
+  rig.card.short_by = 0;
+  rig.card.volts = [](const Levels&, int channel, int) {
+    return channel == 3 ? std::numeric_limits<double>::quiet_NaN() : 1.0;
+  };
+  CHECK(fault_id_of([&] { (void)scanner.read(1); }) == "TB-SCANNER-CORRUPT");
+  CHECK(rig.all_open());
+}
+
+TEST_CASE("daqmx scanner: the card's identity, its serial checked in any notation") {
+  DaqmxRig rig;
+  for (const char* serial : {"", "01A2B3C4", "1a2b3c4"}) {
+    rig.options.expected_serial = serial;
+    const DaqmxScanner scanner(rig.options, rig.clock);
+    CHECK(scanner.identity().model == "NI USB-6259");
+    CHECK(scanner.identity().serial == "01A2B3C4");
+    CHECK(scanner.identity().origin == Origin::kHardware);
+  }
+  for (const char* serial : {"01A2B3C5", "not a number", "01A2B3C4F"}) {
+    rig.options.expected_serial = serial;
+    const auto fault = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-DAQMX-SERIAL");
+    CHECK_THAT(fault->what(), Catch::Contains(serial) && Catch::Contains("01A2B3C4"));
+  }
+  CHECK(rig.card.writes.size() == 3 * 2);  // the card of another serial was not touched
+  rig.options.expected_serial.clear();
+  rig.card.devices[0].simulated = true;
+  CHECK(DaqmxScanner(rig.options, rig.clock).identity().origin == Origin::kSimulated);
+}
+
+TEST_CASE("daqmx scanner: the numbers of channels and lines must be those of columns and rows") {
+  DaqmxRig rig;
+  rig.options.columns = 15;
+  const auto columns = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });
+  REQUIRE(columns);
+  CHECK(columns->id() == "TB-SCANNER-GEOMETRY");
+  CHECK_THAT(columns->what(), Catch::Contains("15 columns") && Catch::Contains("makes 16"));
+  rig.options.columns = 16;
+  rig.options.row_lines = "Dev1/port0/line0:31";
+  const auto rows = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });
+  REQUIRE(rows);
+  CHECK_THAT(rows->what(), Catch::Contains("16 rows") && Catch::Contains("makes 32"));
+  rig.options.row_lines = "Dev1/port0/line0:15";
+  rig.options.column_channels = "Dev1/ai30:45";
+  const auto unknown = fault_of([&] { DaqmxScanner(rig.options, rig.clock); });
+  REQUIRE(unknown);
+  CHECK(unknown->id() == "TB-DAQMX-ERROR");
+  CHECK_THAT(unknown->what(), Catch::Contains("-200170, no such physical channel"));
+  rig.options.samples_per_row = 0;
+  CHECK(fault_id_of([&] { DaqmxScanner(rig.options, rig.clock); }) == "TB-SCANNER-GEOMETRY");
+}

@@ -1,0 +1,176 @@
+// Documents: how files and lines are bounded, what is set and removed, and which word is near.
+#include "sequences/toml/strict_toml.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/process.h"
+
+using namespace tactbench::sequences;
+using tactbench::tests::TemporaryFolder;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+FileError error_of(const std::string& path) {
+  try {
+    (void)TomlDocument::from_file(path);
+  } catch (const FileError& error) {
+    return error;
+  }
+  return {"", "accepted", "", ""};
+}
+
+FileError error_of_text(const std::string& text) {
+  try {
+    (void)TomlDocument::from_text(text, "t");
+  } catch (const FileError& error) {
+    return error;
+  }
+  return {"", "accepted", "", ""};
+}
+
+std::string near(const std::string& word, const std::vector<std::string>& known) { return nearest_word(word, known); }
+
+}  // namespace
+
+TEST_CASE("words are near when they differ by at most two changes, or by a third of the letters") {
+  // A change puts a letter in, takes one out or puts another in its place; capitals are the same letters.
+  CHECK(near("abcdef", {"abcdxy"}) == "abcdxy");
+  CHECK(near("abcdef", {"abcxyz"}).empty());
+  CHECK(near("abc", {"abcde"}) == "abcde");
+  CHECK(near("abc", {"abcdef"}).empty());
+  CHECK(near("abcde", {"abc"}) == "abc");
+  CHECK(near("abcdef", {"abc"}).empty());
+  CHECK(near("abcdefghi", {"abcdefxyz"}) == "abcdefxyz");
+  CHECK(near("abcdefghi", {"abcdewxyz"}).empty());
+  CHECK(near("abcdefgh", {"abcdexyz"}).empty());  // 8 / 3 is 2
+  CHECK(near("bacdef", {"abcdef"}) == "abcdef");  // two letters changed places: two changes
+  CHECK(near("cabdef", {"abcdef"}) == "abcdef");  // one letter moved: out and in
+  CHECK(near("kitten", {"sitting"}).empty());     // three, as every textbook says
+  CHECK(near("sittings!", {"kitten"}).empty());   // five
+  CHECK(near("SITTING99", {"sitting"}) == "sitting");
+  CHECK(near("Dwell_S", {"dwell_s"}) == "dwell_s");
+  CHECK(near("", {"ab"}) == "ab");
+  CHECK(near("", {"abc"}).empty());
+  CHECK(near("ab", {}).empty());
+  // Of several the nearest, of equally near ones the first.
+  CHECK(near("abcd", {"abxy", "abcx", "xbcd"}) == "abcx");
+}
+
+TEST_CASE("a line may have 16384 characters") {
+  const std::string longest = "# " + std::string(16382, 'x');
+  CHECK(error_of_text(longest).id().empty());
+  CHECK(error_of_text(longest + "\na = 1\n" + longest + "\n").id().empty());
+  const FileError error = error_of_text("a = 1\n\n" + longest + "x\nb = 2\n");
+  CHECK(error.id() == "TB-FILE-SYNTAX");
+  CHECK(error.where() == "t:3");
+  CHECK_THAT(error.what(), Catch::Contains("16385"));
+  CHECK(error_of_text(longest + "x").where() == "t:1");
+}
+
+TEST_CASE("invalid TOML is refused with its line and column") {
+  const FileError error = error_of_text("a = 1\nb = = 2\n");
+  CHECK(error.id() == "TB-FILE-SYNTAX");
+  CHECK_THAT(error.where(), Catch::StartsWith("t:2:"));
+}
+
+TEST_CASE("a file is read unchanged, whatever its number of blocks") {
+  const TemporaryFolder folder;
+  std::string text = "first = 1\n";
+  while (text.size() < 200'000) text += "# a line that says nothing\n";
+  text += "last = 2\n";
+  std::ofstream(folder.path("long.toml"), std::ios::binary) << text;
+  const TomlDocument document = TomlDocument::from_file(folder.path("long.toml"));
+  CHECK(document.text() == text);
+  CHECK(document.name() == folder.path("long.toml"));
+  CHECK((document.root().number("first") == 1.0 && document.root().number("last") == 2.0));
+}
+
+TEST_CASE("a file may have 16 million bytes") {
+  const TemporaryFolder folder;
+  const std::string line = "#" + std::string(9998, ' ') + "\n";
+  {
+    std::ofstream file(folder.path("large.toml"), std::ios::binary);
+    for (int i = 0; i < 1600; ++i) file << line;
+  }
+  REQUIRE(fs::file_size(folder.path("large.toml")) == 16'000'000);
+  CHECK(error_of(folder.path("large.toml")).id().empty());
+  std::ofstream(folder.path("large.toml"), std::ios::binary | std::ios::app) << "#";
+  const FileError error = error_of(folder.path("large.toml"));
+  CHECK(error.id() == "TB-FILE-MISSING");
+  CHECK_THAT(error.what(), Catch::Contains("16000000"));
+}
+
+TEST_CASE("a missing file, a folder and an unreadable file are refused by name") {
+  const TemporaryFolder folder;
+  fs::create_symlink("round.toml", folder.path("round.toml"));
+  for (const std::string& path :
+       {folder.path("nothing.toml"), folder.path("round.toml"), std::string("/proc/self/mem")}) {
+    const FileError error = error_of(path);
+    CHECK(error.id() == "TB-FILE-MISSING");
+    CHECK(error.where() == path);
+    CHECK_THAT(error.what(), Catch::Contains(path) && !Catch::Contains("regular"));
+  }
+  CHECK_THAT(error_of(folder.path()).what(), Catch::Contains("regular"));
+  // A file of the kernel's says that it has no length; as root, this one would be waited for.
+  CHECK_THAT(error_of("/proc/kmsg").what(), Catch::Contains("'/proc/kmsg' is empty"));
+}
+
+TEST_CASE("a name has at least one visible character") {
+  for (const char* nothing : {"", " ", "\\t \\n"}) {
+    const TomlDocument document = TomlDocument::from_text("name = \"" + std::string(nothing) + "\"\n", "t");
+    CHECK(document.root().text("name").size() < 5);
+    try {
+      (void)document.root().name("name");
+      FAIL("accepted");
+    } catch (const FileError& error) {
+      CHECK(error.id() == "TB-FILE-VALUE");
+      CHECK_THAT(error.where(), Catch::Contains("t:1:"));
+    }
+  }
+  CHECK(TomlDocument::from_text("name = \" a\"\n", "t").root().name("name") == " a");
+}
+
+TEST_CASE("values of --set go into tables, which are created where missing") {
+  TomlDocument document = TomlDocument::from_text("a = 1\n[b]\nc = 2\n", "t");
+  document.set({"a", "7"});
+  document.set({"b.c", "8"});
+  document.set({"b.d", "word"});
+  document.set({"e.f.g", "[1, 2]"});
+  const TomlTable root = document.root();
+  CHECK(root.number("a") == 7.0);
+  CHECK(root.table("b").number("c") == 8.0);
+  CHECK(root.table("b").text("d") == "word");
+  CHECK(root.table("e").table("f").numbers("g") == std::vector<double>{1, 2});
+  CHECK(TomlDocument::from_text(document.to_text(), "again").root().table("b").number("c") == 8.0);
+  CHECK(document.text() == "a = 1\n[b]\nc = 2\n");
+  document.remove("b");
+  document.remove("not there");
+  CHECK(!document.root().has("b"));
+  CHECK(!TomlDocument::from_text(document.to_text(), "again").root().has("b"));
+}
+
+TEST_CASE("an impossible --set is refused and quoted as typed") {
+  TomlDocument document = TomlDocument::from_text("a = 1\n", "t");
+  const auto refused = [&](const Override& typed, const std::string& fact) {
+    try {
+      document.set(typed, "bench.");
+      return std::string("accepted");
+    } catch (const FileError& error) {
+      CHECK(error.id() == "TB-FILE-VALUE");
+      CHECK_THAT(error.what(), Catch::Contains(fact));
+      return error.where();
+    }
+  };
+  CHECK(refused({"a.b", "1"}, "'a'") == "--set bench.a.b=1");
+  CHECK(refused({"", "1"}, "empty") == "--set bench.=1");
+  CHECK(refused({"c.", "1"}, "empty") == "--set bench.c.=1");
+}
+
+TEST_CASE("a NUL in a message is shown") {
+  const FileError error("TB-FILE-KEY", std::string("a\0b\0c", 5), "w", "r");
+  CHECK(std::string(error.what()) == "a\\x00b\\x00c");
+}
