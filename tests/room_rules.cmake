@@ -1,5 +1,5 @@
-# The house's rules, checked on the sources: who may include whom, how long a file may be, what may lie at the top,
-# that the command line stands above all else, no circle of folders, one place for sqlite3.h, one way out to people's terminals, no heavy
+# Rules of docs/rules.md, checked on the sources: who may include whom, how long a file may be, what may lie at the top,
+# that the command line is above all else, no circle of folders, one place for sqlite3.h, one place that prints, no heavy
 # library in headers, no driver in bench/config/config.h, that every library included is in quickstart's list, that every
 # actuator is held to the laws of actuators, and that comments and documents name only files that exist. Run:
 # cmake -P tests/room_rules.cmake
@@ -176,7 +176,7 @@ endwhile()
 
 # Documents and headers that comments, texts and documents name: by the path from the top, by the path from the file's
 # own folder, or by the bare name of any file. Documents have to name sources by such a path, too.
-set(not_ours "^(build/|sqlite3\\.h$|linux/)")  # made by a build, or a library's
+set(not_ours "^(build/|\\./|CLONE/|sqlite3\\.h$|linux/)")  # made by a build or a user, or a library's
 file(GLOB_RECURSE named_files RELATIVE ${root} ${root}/bench/* ${root}/devices/* ${root}/sequences/* ${root}/analysis/*
   ${root}/db/* ${root}/tests/* ${root}/docs/*)
 file(GLOB top_files RELATIVE ${root} ${root}/*.md)

@@ -1,4 +1,4 @@
-// What any model is identified from: one taxel's (or one table's) histories, their branches and their external loop.
+// Input of every identification: histories of one taxel (or one table), their branches and external loop.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace tactbench::analysis {
 
-// Inputs and outputs in the order in which they came.
+// Inputs and outputs in measured order.
 struct History {
   std::string name;
   std::vector<double> x, y;
@@ -21,14 +21,14 @@ struct History {
   std::vector<double> time_s = {}, held_s = {};
 };
 
-// The recording begins on a branch that falls: it is taken to have come from the highest input. Any other has come from
-// the lowest input by one rise.
+// The recording begins on a falling branch: it is assumed to have come from the highest input. Any other is assumed to
+// have come from the lowest input by one rise.
 [[nodiscard]] bool begins_falling(const History& history);
 
 struct FitData {
   std::vector<History> histories;
   PatternCurve ascending, descending;  // mean full sweeps, ends common to both [A11]
-  std::string no_loop = {};  // what is missing of the external loop; the patterns then say where its ends would lie
+  std::string no_loop = {};            // what is missing of the external loop; the patterns then give its expected ends
 };
 
 struct IdentifyOptions {
@@ -36,7 +36,7 @@ struct IdentifyOptions {
   bool exact_outer = false;  // ELAM: external branches follow the pattern [A6]
   bool genetic = false;      // ELAM: the paper's genetic algorithm instead of the exact way (genetic.h)
   bool memory = false;       // ELAM: return-point memory, inner loops close; ours, not the paper's [A10]
-  bool settle = true;  // ELAM: what the data leave open is taken near the pattern; false: as fits were made before
+  bool settle = true;  // ELAM: open parameters are taken near the pattern (elam_determined.h); false: as older fits
   int splits = 1;   // ELAM: split points a branch, up to 8; more than 1 is ElamPieces, named in the paper's conclusion
   int starts = 16;  // GPI: of the search
   int cells = 30;   // Preisach: intervals of the input range

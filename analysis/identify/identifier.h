@@ -17,7 +17,7 @@ class Identifier {
   [[nodiscard]] virtual ModelFit fit(const FitData& data) const = 0;
 };
 
-// Throw as identify_* does. Only the inputs, the branches and the patterns' range of `like` are looked at.
+// Throw as identify_* does. Only inputs, branches and the patterns' range of `like` are used.
 std::unique_ptr<Identifier> prepare_gpi(const FitData& like, const IdentifyOptions& options);
 std::unique_ptr<Identifier> prepare_mpi(const FitData& like, const IdentifyOptions& options);
 std::unique_ptr<Identifier> prepare_poly(const FitData& like, const IdentifyOptions& options);

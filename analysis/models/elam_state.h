@@ -54,7 +54,7 @@ class ElamState final : public ModelState {
   bool memory_;
   std::vector<ElamSegment> segments_;  // directions alternate; the last is the current one
   ElamPoint here_;
-  bool anchored_ = false;  // measured here: any way on is a new branch
+  bool anchored_ = false;  // a measured point: any continuation is a new branch
 };
 
 }  // namespace tactbench::analysis

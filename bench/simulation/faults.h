@@ -18,7 +18,7 @@ namespace tactbench::bench {
 
 enum class Instrument { kModule, kStage, kForce, kScanner };
 
-// Thread-safe; calls nobody.
+// Thread-safe; makes no calls outside.
 class Faults {
  public:
   explicit Faults(const std::vector<PlannedFault>& planned);

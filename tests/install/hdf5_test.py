@@ -31,6 +31,7 @@ def attribute(path):
 
 
 with tempfile.TemporaryDirectory() as folder:
+    os.environ["TACTBENCH_RUNTIME_DIR"] = folder  # commands to other runs of this machine do not reach it
     said(PROGRAM, "init")
     said(PROGRAM, "sensors", "add", "S-1", "--type", "sensor.toml")
     said(PROGRAM, "run", "ring", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "Zoë, \"Q\"", "-q",

@@ -9,10 +9,11 @@ import tempfile
 
 CMAKE, BUILD = sys.argv[1:]
 HERE = os.path.dirname(os.path.abspath(__file__))
+RUNTIME = tempfile.TemporaryDirectory()  # commands to other runs of this machine do not reach ours
 
 
 def run(*words, folder, **environment):
-    clean = {"PATH": os.environ["PATH"], "HOME": folder, **environment}
+    clean = {"PATH": os.environ["PATH"], "HOME": folder, "TACTBENCH_RUNTIME_DIR": RUNTIME.name, **environment}
     done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=200)
     assert done.returncode == 0, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout

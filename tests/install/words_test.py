@@ -1,6 +1,6 @@
 """The completion scripts in the shells themselves, where these are installed (bash always), and the manual page before
-man and mandoc; the commands of the README have the verbs and options that the program has. Arguments: the program, the
-README."""
+man and mandoc; the commands of README and docs have the verbs and options that the program has. Arguments: the program,
+the documents."""
 
 import os
 import shlex
@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-PROGRAM, README = sys.argv[1:]
+PROGRAM, *DOCUMENTS = sys.argv[1:]
 
 
 def said(*words, **more):
@@ -84,10 +84,20 @@ def check_manual():
         said("mandoc", "-Tlint", "-W", "warning", path)
 
 
+def command_lines(text):
+    """Lines of the blocks of commands: indented by four, or in a fence named sh or bash; one that ends in a backslash with the next."""
+    fence = ""
+    for line in text.replace("\\\n", " ").splitlines():
+        if line.startswith("```"):
+            fence = "" if fence else line
+        elif fence in ("```sh", "```bash") or not fence and line.startswith("    "):
+            yield line
+
+
 def commands_of(text):
-    """Of the blocks of commands, which are indented by four: the words after each `tactbench`."""
-    for line in text.splitlines():
-        if not line.startswith("    ") or "tactbench " not in line:
+    """The words after each `tactbench` of the blocks of commands."""
+    for line in command_lines(text):
+        if "tactbench " not in line:
             continue
         lexer = shlex.shlex(line, posix=True, punctuation_chars=";|()<>")
         lexer.whitespace_split = True
@@ -103,17 +113,18 @@ def commands_of(text):
                 yield command
 
 
-def check_readme():
-    count = 0
-    with open(README) as file:
-        commands = list(commands_of(file.read()))
+def check_documents():
+    count, commands = 0, []
+    for name in DOCUMENTS:
+        with open(name) as file:
+            commands += commands_of(file.read())
     for command in commands:
         assert command[0] in bash(command[0]), command
         for i, word in enumerate(command):
             if word.startswith("-"):
                 assert word.split("=")[0] in bash(*command[:i], "-"), (command, word)
                 count += 1
-    assert len(commands) > 60 and count > 60, (len(commands), count)
+    assert len(commands) > 120 and count > 200, (len(commands), count)
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -128,5 +139,5 @@ with tempfile.TemporaryDirectory() as folder:
     check_every_option()
     check_others()
     check_manual()
-    check_readme()
-print("completion, manual page and the README's commands are well")
+    check_documents()
+print("completion, manual page and the documents' commands are well")

@@ -55,7 +55,7 @@ template <int N, bool kUniform, class V = typename Lanes<N>::Value>
 TACTBENCH_INLINE void look_up(const LaneTable& table, const double* rows, const V& u, V& start, V& rise, V& part,
                               V& per) {
   if constexpr (kUniform) {
-    const auto index = __builtin_convertvector(u, typename Lanes<N>::Index);  // a hair outside: 0, or the row at xu
+    const auto index = __builtin_convertvector(u, typename Lanes<N>::Index);  // rounding beyond the range: 0, or xu's
     part = u - __builtin_convertvector(index, V);
     gather<N>(rows, index, start, rise);
   } else {
@@ -111,7 +111,7 @@ TACTBENCH_INLINE void descending(const LaneProblem& p, const double* alphas, std
         }
         if (x >= low) {  // Eqs (16), (17): flat at y_turn for beta_d = 1
           const auto right = xs <= x;
-          const V off = right ? x - xs : zero;  // a lane that is left of it shall look up something, too
+          const V off = right ? x - xs : zero;  // a lane left of the split must read a valid entry, too
           look_up<N, kUniform>(p.table, rows, xs + stretch * off, start, rise, part, per);
           const V share = right_flat ? off * by_right_x : (start + rise * part - ysp) * by_right_y;
           slope = right ? curve.rise * (1.0 - share) : slope;

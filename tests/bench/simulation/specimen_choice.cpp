@@ -11,7 +11,7 @@
 #include "bench/simulation/plant.h"
 #include "db/run_store.h"
 #include "tests/bench/config/bench_text.h"
-#include "tests/bench/harsh_sensor.h"
+#include "tests/bench/simulation/harsh_sensor.h"
 
 namespace tactbench::bench::testing {
 namespace {

@@ -12,6 +12,7 @@ import tempfile
 
 program, old_store = sys.argv[1:]
 folder = tempfile.mkdtemp()
+os.environ["TACTBENCH_RUNTIME_DIR"] = folder  # commands to other runs of this machine do not reach it
 
 
 def call(*words):

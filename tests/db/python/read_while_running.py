@@ -12,6 +12,7 @@ import time
 
 program = sys.argv[1]
 folder = tempfile.mkdtemp()
+os.environ["TACTBENCH_RUNTIME_DIR"] = folder  # commands to other runs of this machine do not reach it
 store = os.path.join(folder, "runs.db")
 faults = []
 ended = threading.Event()

@@ -2,10 +2,8 @@
 #include "analysis/statistics/sensor/seating.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 
-#include "bench/simulation/counter_noise.h"
-#include "bench/simulation/specimen.h"
+#include "tests/analysis/statistics/sensor/seated.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;
@@ -15,36 +13,6 @@ using bench::SpecimenOptions;
 using bench::TaxelDefect;
 
 namespace {
-
-// Unloaded, then 8 psi after 20 s; 1.5 mV of noise a sample, two samples a frame.
-SeatingFrames seated(const SpecimenOptions& options, std::uint64_t noise_seed = 1, double noise_v = 0.0015) {
-  bench::Specimen specimen(options);
-  const auto taxels = static_cast<std::size_t>(options.rows * options.columns);
-  SeatingFrames frames{8.0, std::vector<double>(taxels), std::vector<double>(taxels)};
-  specimen.output(frames.unloaded_v);
-  for (int k = 1; k <= 8; ++k) specimen.advance(k, 0.05);
-  for (int k = 0; k < 5; ++k) specimen.advance(8.0, 4.0);
-  specimen.output(frames.loaded_v);
-  for (std::size_t i = 0; i < taxels; ++i) {
-    frames.unloaded_v[i] += noise_v / std::sqrt(2.0) * bench::bell_of(bench::hash_of(noise_seed, 1, i));
-    frames.loaded_v[i] += noise_v / std::sqrt(2.0) * bench::bell_of(bench::hash_of(noise_seed, 2, i));
-  }
-  return frames;
-}
-
-SpecimenOptions sensor(std::uint64_t seed) {
-  SpecimenOptions options;
-  options.sensor_seed = seed;
-  return options;
-}
-
-// The same sensor taken out and mounted again: another noise, 3 % of local pressure.
-SpecimenOptions mounted_again(std::uint64_t seed) {
-  SpecimenOptions options = sensor(seed);
-  options.mount_seed = seed + 1;
-  options.effects.remount_variation = 0.03;
-  return options;
-}
 
 void break_line(SpecimenOptions& options, bool row, int line, TaxelDefect::Kind kind = TaxelDefect::Kind::kDead) {
   for (int i = 0; i < (row ? options.columns : options.rows); ++i) {
@@ -63,24 +31,6 @@ std::string kinds(const SeatingResult& result) {
 }
 
 }  // namespace
-
-TEST_CASE("seating: 200 well seated arrays pass, new, seen again, mounted again, a month older and warmer") {
-  int alarms = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const SeatingFrames first = seated(sensor(seed), seed);
-    SpecimenOptions later = mounted_again(seed);
-    later.temperature_c = 28.0;
-    later.age_months = 1.0;
-    later.effects.gain_drift_per_month = 0.01;
-    later.effects.zero_drift_v_per_month = 0.01;
-    for (const SeatingResult& result :
-         {check_seating(16, 16, first, std::nullopt), check_seating(16, 16, seated(later, seed + 1000), first)}) {
-      alarms += result.verdict == "pass" ? 0 : 1;
-      if (!result.findings.empty()) UNSCOPED_INFO(seed << ": " << result.findings.front().text);
-    }
-  }
-  CHECK(alarms == 0);
-}
 
 TEST_CASE("seating: noise five times larger gives no finding") {
   const SeatingFrames first = seated(sensor(3), 1, 0.0075);

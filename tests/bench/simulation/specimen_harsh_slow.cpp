@@ -10,7 +10,7 @@
 
 #include "bench/benchmarks/specimen.h"
 #include "bench/simulation/specimen.h"
-#include "tests/bench/harsh_sensor.h"
+#include "tests/bench/simulation/harsh_sensor.h"
 
 namespace tactbench::bench::testing {
 namespace {
