@@ -1,6 +1,6 @@
-// Who may do what, as the table of docs/safety.md says: other users of the machine against a run, on the machine's own names.
-// Other users, and a group of their own for members, take root's rights; without them the tests say that they were
-// skipped.
+// Who may do what, as the table of docs/safety.md says: other users of the machine against a run, on the machine's own
+// names. Other users, and a group of their own for members, take root's rights; without them the tests say that they
+// were skipped.
 #include <grp.h>
 #include <signal.h>
 #include <sys/socket.h>
