@@ -43,7 +43,7 @@ TaxelStatus status_without_fit(const Dataset& dataset, const Health& health, std
 }
 
 std::string reason_for(const Health& health, const ModelTaxel* fit, TaxelStatus status, std::size_t taxel) {
-  const std::string range = volts_range(health, taxel);
+  std::string range = volts_range(health, taxel);
   switch (status) {
     case TaxelStatus::kFitted:
       break;
