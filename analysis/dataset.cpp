@@ -21,6 +21,14 @@ constexpr std::uint16_t kConverterLimit = 65535;
 
 }  // namespace
 
+TimePassed time_passed(const Sample& sample, double before_s) {
+  constexpr double kAccounted = 5.0;  // seconds that settling may take beside the command
+  const double passed = sample.time_s - std::max(before_s, 0.0);
+  const bool worked = passed > sample.held_s + kAccounted;
+  return {worked ? passed - sample.held_s : 0.0,
+          worked || before_s < 0.0 ? std::min(passed, sample.held_s) : std::max(passed, 0.0)};
+}
+
 double volts_per_count(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
     if (device.role != kScannerRole) continue;

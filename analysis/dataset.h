@@ -18,6 +18,14 @@ struct Sample {
   double held_s = 0.0;         // since the set-point was commanded
 };
 
+// What lies between two samples in time order: time that no command accounts for was conditioning over the whole range,
+// which ended at rest at the lowest pressure.
+struct TimePassed {
+  double worked_s = 0.0, step_s = 0.0;  // conditioning; since the set-point was commanded, or since the sample before
+};
+// `before_s`: the time of the sample before, negative at the first.
+TimePassed time_passed(const Sample& sample, double before_s);
+
 // One pass through a sequence's turning points.
 struct Repeat {
   std::vector<Sample> steps;

@@ -104,8 +104,12 @@ void TableReader::read_names(std::size_t line, const ColumnMap& map, TableNeeds 
   output_ = needs == TableNeeds::kInput ? kAbsent : column_of("output", true);
   sequence_ = column_of("sequence", map.columns.at("sequence") != "sequence");
   taxel_ = column_of("taxel", map.columns.at("taxel") != "taxel");
-  const auto step = std::ranges::find(names_, "step");
-  if (step != names_.end()) step_ = static_cast<std::size_t>(step - names_.begin());
+  const auto at = [&](const char* name) {
+    const auto found = std::ranges::find(names_, name);
+    return found == names_.end() ? kAbsent : static_cast<std::size_t>(found - names_.begin());
+  };
+  step_ = at("step");
+  time_ = at("time_s");
 }
 
 // The line after the names is one of units when it has as many fields, no number, and short words in those needed.
@@ -212,9 +216,14 @@ void TableReader::read_row(Row& row) {
   }
   if (input_ != kAbsent) row.input = number(input_);
   if (output_ != kAbsent) row.output = number(output_);
-  row.step.reset();
-  double step = 0.0;
-  if (step_ != kAbsent && NumberText(numbers_).read(fields_.all[step_], number_, step).empty()) row.step = step;
+  const auto if_number = [&](std::size_t column) -> std::optional<double> {
+    double value = 0.0;
+    if (column == kAbsent || !NumberText(numbers_).read(fields_.all[column], number_, value).empty())
+      return std::nullopt;
+    return value;
+  };
+  row.step = if_number(step_);
+  row.time_s = if_number(time_);
 }
 
 bool TableReader::next(Row& row) {

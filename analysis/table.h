@@ -56,6 +56,7 @@ class TableReader {
     int taxel = 0;
     double input = 0.0, output = 0.0;  // 0 where not asked for
     std::optional<double> step;        // of a column called so, where it is a number
+    std::optional<double> time_s;      // likewise
   };
   // False at the end. Throws AnalysisError TB-TABLE-ROW: ragged, blank, not a number, not finite, a quote that is not
   // closed, a NUL, a line beyond kLongestLine; with file, line and column. TB-TABLE-SKIPPED: more rows are left out
@@ -69,6 +70,7 @@ class TableReader {
   [[nodiscard]] char separator() const { return separator_; }
   [[nodiscard]] bool decimal_comma() const { return numbers_.comma(); }  // as far as it was read
   [[nodiscard]] bool has_taxel() const { return taxel_ != kAbsent; }
+  [[nodiscard]] bool has_time() const { return time_ != kAbsent; }  // a column time_s
   [[nodiscard]] const SkippedRows& skipped() const { return skipped_; }
   void check_skipped() const;  // throws TB-TABLE-SKIPPED
   // What was taken for granted in what was read so far, a line each: separators, decimal commas, units.
@@ -100,7 +102,8 @@ class TableReader {
   Fields fields_;
   NumberText numbers_;
   SkippedRows skipped_;
-  std::size_t sequence_ = kAbsent, taxel_ = kAbsent, input_ = kAbsent, output_ = kAbsent, step_ = kAbsent;
+  std::size_t sequence_ = kAbsent, taxel_ = kAbsent, input_ = kAbsent, output_ = kAbsent, step_ = kAbsent,
+              time_ = kAbsent;
 };
 
 // A file or a pipe, at most 1 GB. Throws AnalysisError TB-TABLE-OPEN.

@@ -111,8 +111,8 @@ class RunStore {
   // TB-STORE-TAG for another kind of tag.
   void set_tags(std::int64_t run, const std::vector<std::string>& add, const std::vector<std::string>& remove);
   void add_note(std::int64_t run, const std::string& text);  // appends a line
-  // The run no longer counts, permanently; its rows stay. TB-STORE-CONFLICT when it has not ended, is void already, or
-  // has no reason or name.
+  // The run no longer counts, permanently; its rows stay. TB-STORE-BLANK without reason or name, TB-STORE-CONFLICT
+  // without date, or when the run has not ended or is void already.
   void void_run(std::int64_t run, const std::string& reason, const std::string& by, const std::string& utc);
   // Closes the run: state ended, outcome, reason, safe state, content hash.
   void end_run(std::int64_t run, Outcome outcome, const std::string& reason, SafeState safe, const std::string& utc);
@@ -176,8 +176,9 @@ class RunStore {
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitRecord> fits(std::int64_t run) const;  // oldest first
   [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
-  // Replaces the run's verdicts by the same limits, from any fit of the run that `fit` was made from. Verdicts by other
-  // limits stay: a later file does not undo an earlier one's verdict. fit 0: judged without a stored fit.
+  // Replaces those of the run's verdicts that are by the same limits and from any fit of the same model on the same run
+  // as `fit`. Verdicts from other models and by other limits stay: a later file does not undo an earlier one's verdict.
+  // fit 0: judged without a stored fit.
   void replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] std::vector<VerdictRecord> verdicts(std::int64_t run) const;  // on the run; in the order stored
   // Verdicts on any run, from all fits that were made from this run; in the order stored.
@@ -187,15 +188,16 @@ class RunStore {
   void replace_figures(std::int64_t run, const std::string& subject, const std::map<std::string, double>& figures);
   // Figures of runs that are not void, by run, then name. Empty subject: figures of all subjects.
   [[nodiscard]] std::vector<FigureRecord> figures(const std::string& subject) const;
-  // TB-STORE-CONFLICT without reason, name or runs, for a void run, for a run without figures of the subject, for runs
-  // of several origins, and for several runs that all repeat one, so that no figure has a spread.
+  // TB-STORE-BLANK without reason or name. TB-STORE-CONFLICT without date or runs, for a void run, for a run without
+  // figures of the subject, for runs of several origins, and for several runs that all repeat one, so that no figure
+  // has a spread.
   std::int64_t add_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
   // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same
   // seeds), or the same value of every figure of the subject. A repetition contributes nothing to a spread.
   [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
                                                                    std::vector<std::int64_t> runs) const;
-  // Approved reports. TB-STORE-CONFLICT when that number is approved already, when the name is missing, or when
+  // Approved reports. TB-STORE-BLANK without name, TB-STORE-CONFLICT when that number is approved already, or when
   // `replaces` is not the last approved report.
   void add_report(const ReportRecord& report);
   [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first

@@ -103,7 +103,7 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   sqlite::Transaction transaction(connection);
   database_->require_run(run);
   if (fit != 0) static_cast<void>(this->fit(fit));
-  // A repeated fit of one run has the same models.
+  // Verdicts are replaced per model and run: the same model fitted on the same run again takes the earlier fit's place.
   sqlite::Statement before(
       connection,
       "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run || f.model FROM "

@@ -14,7 +14,8 @@ namespace tactbench::sequences {
 
 enum class RecipeKind { kLevels, kPress };
 
-// Cycles 0 -> peak -> 0 without frames before the first repeat; of press before the first branch at each position.
+// Cycles 0 -> peak -> 0 without frames: for levels before the first repeat, for press in the first repeat before the
+// first branch at each position.
 struct Conditioning {
   int cycles = 0;               // at most
   int least = 1;                // at least, if change_percent may end it

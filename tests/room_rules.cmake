@@ -41,6 +41,8 @@ file(READ ${root}/quickstart quickstart)
 # Libraries that cost seconds a source: included by sources, and by headers that few sources include.
 set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
 set(may_be_heavy
+  analysis/identify/rivals/gpi_normal.h     # the matrices of GPI's searches: gpi_search.cpp, gpi_evolution.cpp
+  analysis/identify/rivals/gpi_evolution.h  # keeps such a matrix; gpi_search.cpp
   analysis/identify/rivals/nnls.h  # its functions take Eigen's matrices; preisach.cpp and its test
   devices/force/ati_matrix.h      # the matrices of a calibration; two drivers, their simulated ends and tests
   devices/force/daq_ft.h          # keeps such a matrix; bench/rig/rig.cpp and its test

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <memory>
-#include <new>
-#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "analysis/compensate/compensator_handle.h"
@@ -67,45 +65,16 @@ uint32_t tb_compensator_abi_version(void) { return TB_COMPENSATOR_ABI_VERSION; }
 
 int tb_compensator_create(const tb_compensator_setup* setup, const tb_compensator_taxel* taxels,
                           tb_compensator** handle, char* message, size_t message_size) {
-  (void)refuse(0, "", message, message_size);
-  if (handle == nullptr) return refuse(TB_COMPENSATOR_NULL, "handle is null", message, message_size);
-  *handle = nullptr;
-  if (setup == nullptr || taxels == nullptr)
-    return refuse(TB_COMPENSATOR_NULL, "setup or taxels is null", message, message_size);
-  if (setup->struct_size < kSetupSize)
-    return refuse(TB_COMPENSATOR_SIZE, "setup.struct_size is below version 1's", message, message_size);
-  if (setup->pressure == nullptr) return refuse(TB_COMPENSATOR_NULL, "setup.pressure is null", message, message_size);
-  if (setup->taxels == 0 || setup->knots < 2)
-    return refuse(TB_COMPENSATOR_SIZE, "no taxels, or fewer than two knots", message, message_size);
-  const std::size_t step = taxels->struct_size;
-  if (step < kTaxelSize || step % alignof(tb_compensator_taxel) != 0)
-    return refuse(TB_COMPENSATOR_SIZE, "taxel.struct_size is below version 1's", message, message_size);
-  try {
-    std::vector<tb_compensator_taxel> own(setup->taxels);
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      std::memcpy(&own[i], reinterpret_cast<const char*>(taxels) + i * step, kTaxelSize);
-      if (own[i].struct_size != step)
-        return refuse(TB_COMPENSATOR_SIZE, "the taxels' struct_size differ", message, message_size);
-      if ((own[i].flags & TB_TAXEL_USABLE) != 0 && (own[i].ascending == nullptr || own[i].descending == nullptr))
-        return refuse(TB_COMPENSATOR_NULL, "a usable taxel's pattern is null", message, message_size);
-    }
-    const FrameSetup made = setup_of(*setup, own);
-    auto compensator = std::make_unique<tb_compensator>();
-    compensator->status_spare.resize(setup->taxels);
-    if ((setup->flags & TB_COMPENSATOR_DOUBLE) != 0) {
-      compensator->whole.emplace(made);
-      compensator->whole_spare.resize(2 * setup->taxels);
-    } else {
-      compensator->single.emplace(made);
-      compensator->single_spare.resize(2 * setup->taxels);
-    }
-    *handle = compensator.release();
-    return TB_COMPENSATOR_OK;
-  } catch (const std::bad_alloc&) {
-    return refuse(TB_COMPENSATOR_MEMORY, "not enough memory", message, message_size);
-  } catch (const std::exception& fault) {
-    return refuse(TB_COMPENSATOR_VALUE, fault.what(), message, message_size);
-  }
+  const auto wrong = [](const tb_compensator_setup& given) -> std::pair<int, const char*> {
+    if (given.pressure == nullptr) return {TB_COMPENSATOR_NULL, "setup.pressure is null"};
+    if (given.taxels == 0 || given.knots < 2) return {TB_COMPENSATOR_SIZE, "no taxels, or fewer than two knots"};
+    return {TB_COMPENSATOR_OK, ""};
+  };
+  const auto missing = [](const tb_compensator_taxel& taxel) {
+    return taxel.ascending == nullptr || taxel.descending == nullptr ? "a usable taxel's pattern is null" : nullptr;
+  };
+  return create_handle(setup, kSetupSize, taxels, kTaxelSize, wrong, missing, setup_of, &tb_compensator::whole,
+                       &tb_compensator::single, handle, message, message_size);
 }
 
 void tb_compensator_destroy(tb_compensator* handle) { delete handle; }

@@ -134,6 +134,9 @@ typedef struct tb_dynamic_setup {
   double lag_seconds;                               /* 0: 1 */
   double top_share; /* of the full output: what a turn may lie below the top and set the gain; 0: 0.02, below 0: off */
   const double* residual; /* 2 n: what the model leaves, rms, by interval, rising and then falling; null: not known */
+  /* Seconds for which the pressure went over its range just before a start; 0: it rested for long. A struct_size that
+   * ends before this member means 0. */
+  double worked_seconds;
 } tb_dynamic_setup;
 
 typedef struct tb_dynamic_taxel {

@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
-#include <memory>
-#include <new>
-#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "analysis/compensate/compensator_handle.h"
@@ -13,8 +12,9 @@ using namespace tactbench::analysis;
 
 namespace {
 
-// Version 1's structs; later ones are longer.
-constexpr std::size_t kDynamicSetupSize = sizeof(tb_dynamic_setup), kDynamicTaxelSize = sizeof(tb_dynamic_taxel);
+// The least of version 1's structs; later ones are longer.
+constexpr std::size_t kDynamicSetupSize = offsetof(tb_dynamic_setup, worked_seconds),
+                      kDynamicTaxelSize = sizeof(tb_dynamic_taxel);
 
 DynamicTaxel taxel_of(const tb_dynamic_taxel& given, std::size_t intervals) {
   DynamicTaxel taxel;
@@ -50,6 +50,7 @@ DynamicSetup setup_of(const tb_dynamic_setup& given, const std::vector<tb_dynami
   }
   d.creep_half = or_default(given.creep_half, d.creep_half);
   d.lag_s = or_default(given.lag_seconds, d.lag_s);
+  if (given.struct_size >= sizeof(tb_dynamic_setup)) setup.worked_s = given.worked_seconds;
   setup.observer.share = given.top_share < 0.0 ? 0.0 : or_default(given.top_share, setup.observer.share);
   return setup;
 }
@@ -58,44 +59,16 @@ DynamicSetup setup_of(const tb_dynamic_setup& given, const std::vector<tb_dynami
 
 int tb_compensator_create_dynamic(const tb_dynamic_setup* setup, const tb_dynamic_taxel* taxels,
                                   tb_compensator** handle, char* message, size_t message_size) {
-  (void)refuse(0, "", message, message_size);
-  if (handle == nullptr) return refuse(TB_COMPENSATOR_NULL, "handle is null", message, message_size);
-  *handle = nullptr;
-  if (setup == nullptr || taxels == nullptr)
-    return refuse(TB_COMPENSATOR_NULL, "setup or taxels is null", message, message_size);
-  if (setup->struct_size < kDynamicSetupSize)
-    return refuse(TB_COMPENSATOR_SIZE, "setup.struct_size is below version 1's", message, message_size);
-  if (setup->taxels == 0 || setup->intervals < 1 || setup->intervals > 100)
-    return refuse(TB_COMPENSATOR_SIZE, "no taxels, or not 1 to 100 intervals", message, message_size);
-  const std::size_t step = taxels->struct_size;
-  if (step < kDynamicTaxelSize || step % alignof(tb_dynamic_taxel) != 0)
-    return refuse(TB_COMPENSATOR_SIZE, "taxel.struct_size is below version 1's", message, message_size);
-  try {
-    std::vector<tb_dynamic_taxel> own(setup->taxels);
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      std::memcpy(&own[i], reinterpret_cast<const char*>(taxels) + i * step, kDynamicTaxelSize);
-      if (own[i].struct_size != step)
-        return refuse(TB_COMPENSATOR_SIZE, "the taxels' struct_size differ", message, message_size);
-      if ((own[i].flags & TB_TAXEL_USABLE) != 0 && own[i].everett == nullptr)
-        return refuse(TB_COMPENSATOR_NULL, "a usable taxel's table is null", message, message_size);
-    }
-    const DynamicSetup made = setup_of(*setup, own);
-    auto compensator = std::make_unique<tb_compensator>();
-    compensator->status_spare.resize(setup->taxels);
-    if ((setup->flags & TB_COMPENSATOR_DOUBLE) != 0) {
-      compensator->dynamic_whole.emplace(made);
-      compensator->whole_spare.resize(2 * setup->taxels);
-    } else {
-      compensator->dynamic_single.emplace(made);
-      compensator->single_spare.resize(2 * setup->taxels);
-    }
-    *handle = compensator.release();
-    return TB_COMPENSATOR_OK;
-  } catch (const std::bad_alloc&) {
-    return refuse(TB_COMPENSATOR_MEMORY, "not enough memory", message, message_size);
-  } catch (const std::exception& fault) {
-    return refuse(TB_COMPENSATOR_VALUE, fault.what(), message, message_size);
-  }
+  const auto wrong = [](const tb_dynamic_setup& given) -> std::pair<int, const char*> {
+    if (given.taxels == 0 || given.intervals < 1 || given.intervals > 100)
+      return {TB_COMPENSATOR_SIZE, "no taxels, or not 1 to 100 intervals"};
+    return {TB_COMPENSATOR_OK, ""};
+  };
+  const auto missing = [](const tb_dynamic_taxel& taxel) {
+    return taxel.everett == nullptr ? "a usable taxel's table is null" : nullptr;
+  };
+  return create_handle(setup, kDynamicSetupSize, taxels, kDynamicTaxelSize, wrong, missing, setup_of,
+                       &tb_compensator::dynamic_whole, &tb_compensator::dynamic_single, handle, message, message_size);
 }
 
 int tb_compensator_set_interval(tb_compensator* handle, double seconds) {

@@ -13,9 +13,8 @@ DynamicTaxelCompensator::DynamicTaxelCompensator(const DynamicSetup& setup, std:
       divider_{0.0, taxel_->divider.per_amplitude},
       everett_{taxel_->everett.data(), setup.intervals},
       per_interval_((setup.x_high - setup.x_low) / static_cast<double>(setup.intervals)) {
-  check_options(options_);
-  if (taxel_->everett.size() != Everett<double>::size(setup.intervals))
-    throw std::invalid_argument("dynamic compensator: the taxel's table does not have the size of its intervals");
+  check_setup(setup);
+  check_taxel(setup, *taxel_);
   options_.noise_v = taxel_->noise_v;
   options_.hold_in_noises = std::min(options_.hold_in_noises, options_.band_in_noises);
   top_ = divider_.output(everett_.top());
@@ -42,6 +41,12 @@ void DynamicTaxelCompensator::reset_unknown() {
   other_.start_high(everett_, 0.0);
   unknown_ = true;
   started_ = decided_ = false;
+}
+
+void DynamicTaxelCompensator::work(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0.0)
+    throw std::invalid_argument("dynamic compensator: a time is negative or not a finite number");
+  work_unseen(setup_->dynamics, dynamics_, seconds, setup_->x_high - setup_->x_low);
 }
 
 // As TaxelCompensator's.
@@ -160,7 +165,9 @@ double DynamicTaxelCompensator::residual() const {
   const std::size_t n = setup_->intervals;
   if (setup_->residual_psi.empty()) return 0.0;
   const std::size_t at = std::min(n - 1, static_cast<std::size_t>(std::max(last_x_, 0.0)));
-  return taxel_->residual_scale * setup_->residual_psi.at(ascending_ ? at : n + at);
+  const double changed =
+      setup_->observer.doubt * std::abs(1.0 - gain_) * (static_cast<double>(at) + 0.5) * per_interval_;
+  return std::hypot(taxel_->residual_scale * setup_->residual_psi.at(ascending_ ? at : n + at), changed);
 }
 
 void DynamicTaxelCompensator::settle_history(Compensated& result) {

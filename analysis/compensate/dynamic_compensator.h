@@ -11,11 +11,15 @@ namespace tactbench::analysis {
 
 class DynamicTaxelCompensator {
  public:
-  // At rest at the lowest pressure. Keeps a reference to `setup`. Throws std::invalid_argument on negative options.
+  // At rest at the lowest pressure. Keeps a reference to `setup`. Throws std::invalid_argument as check_setup and
+  // check_taxel.
   DynamicTaxelCompensator(const DynamicSetup& setup, std::size_t taxel);
   // `seconds` since the sample before (0: not known, creep and lag stand still). Throws std::invalid_argument when a
   // value is not finite or seconds is negative; the state is then as before.
   Compensated step(double volts, double seconds);
+  // The pressure went to and fro over its whole range for so long, unseen, and came to rest at the lowest:
+  // conditioning. Lag and creep follow. Throws std::invalid_argument when the time is negative or not finite.
+  void work(double seconds);
   void reset();
   void reset_unknown();  // as TaxelCompensator
   [[nodiscard]] double gain() const { return gain_; }

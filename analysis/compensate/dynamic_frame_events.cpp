@@ -60,7 +60,10 @@ void DynamicFrameCompensator<Real>::State::locate(std::size_t taxel) {
   if (residuals.empty()) return;
   const Real x = piece.along(u);
   const std::size_t at = std::min(intervals - 1, static_cast<std::size_t>(std::max(x, Real(0))));
-  b.residual[i] = t.residual_scale * residuals[b.rising[i] > Real(0) ? at : intervals + at];
+  const Real residual = t.residual_scale * residuals[b.rising[i] > Real(0) ? at : intervals + at];
+  const Real changed = static_cast<Real>(observer.doubt) * std::abs(Real(1) - t.gain) *
+                       (static_cast<Real>(at) + Real(0.5)) * per_interval;
+  b.residual[i] = std::sqrt(residual * residual + changed * changed);
 }
 
 template <class Real>

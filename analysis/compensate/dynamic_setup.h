@@ -26,6 +26,9 @@ struct DynamicTaxel {
 struct GainObserver {
   double share = 0.02;
   double forget = 0.02;  // how far the highest goes toward each lower turn within the share
+  // A gain that changed tells of a new mount or of drift, and near the top, where the output is flat, of pressures that
+  // changed by a larger share. The uncertainty has a part of this times |1 - gain| times the pressure above the lowest.
+  double doubt = 5.0;
 };
 
 struct DynamicSetup {
@@ -44,5 +47,12 @@ struct DynamicSetup {
   int longest_gap = 10;     // frames lost in a row after which the history is unknown
   double tare_share = 0.2;  // as FrameSetup's
 };
+
+// All but the taxels and what only frames need. Throws std::invalid_argument.
+void check_setup(const DynamicSetup& setup);
+// One that is usable, within a setup that was checked. Throws std::invalid_argument.
+void check_taxel(const DynamicSetup& setup, const DynamicTaxel& taxel);
+// The most that creep may take of an output: what is left is divided by.
+inline constexpr double kMostCreep = 0.9, kMostCreepScale = 10.0;
 
 }  // namespace tactbench::analysis

@@ -17,7 +17,7 @@ struct Congruency {
 // A falling branch from an inner turn x_t on the rising external branch, and a rising one from an inner turn x_b on the
 // falling external branch, give Everett's function of the same (x_t, x_b), if loops are congruent: each predicts the
 // other's output where they cross. The least sum of squares over c decides; c = 0 unless that brings the misfit to
-// 0.8 of what it was, or where fewer than three crossings are measured. The zero is the loop's lower end.
+// 0.95 of what it was, or where fewer than three crossings are measured. The zero is the loop's lower end.
 Congruency find_divider(const FitData& data);
 FitData linearised(const FitData& data, const Divider& divider);
 

@@ -3,11 +3,9 @@
 #include <stdexcept>
 
 #include "analysis/error.h"
-#include "analysis/identify/congruency.h"
 #include "analysis/identify/elam/genetic.h"
-#include "analysis/identify/fit_samples.h"
 #include "analysis/identify/identifier.h"
-#include "analysis/models/linearised.h"
+#include "analysis/identify/linearised_identifier.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -22,26 +20,6 @@ class ElamIdentifier final : public Identifier {
 
  private:
   IdentifyOptions options_;
-};
-
-// Any model on the linearised output; the plain model where no divider is found.
-class LinearisedIdentifier final : public Identifier {
- public:
-  LinearisedIdentifier(const FitData& like, std::unique_ptr<Identifier> inner, bool free_run)
-      : samples_(like), inner_(std::move(inner)), free_run_(free_run) {}
-  [[nodiscard]] ModelFit fit(const FitData& data) const override {
-    const Congruency found = find_divider(data);
-    if (found.divider.per_amplitude == 0.0) return inner_->fit(data);
-    ModelFit fit = inner_->fit(linearised(data, found.divider));
-    fit.model = std::make_unique<LinearisedModel>(found.divider, std::move(fit.model));
-    score_walk(fit, data, samples_, samples_.outputs(data), free_run_);
-    return fit;
-  }
-
- private:
-  FitSamples samples_;
-  std::unique_ptr<Identifier> inner_;
-  bool free_run_;
 };
 
 std::unique_ptr<Identifier> prepare_elam(const FitData& /*like*/, const IdentifyOptions& options) {
@@ -64,9 +42,12 @@ std::unique_ptr<Identifier> prepare(const std::string& name, const FitData& like
     throw AnalysisError("TB-ANALYSIS-NO-LOOP", name + " is made of the external loop: " + like.no_loop,
                         "measure from the lowest to the highest and back without a turn, or fit a model that needs no "
                         "external loop: --model gpi,mpi,preisach,monotone");
-  std::unique_ptr<Identifier> own = kPrepare[static_cast<std::size_t>(found - kModelNames.begin())](like, options);
-  if (!options.linearise) return own;
-  return std::make_unique<LinearisedIdentifier>(like, std::move(own), options.free_run);
+  const Prepare own = kPrepare[static_cast<std::size_t>(found - kModelNames.begin())];
+  if (!options.linearise) return own(like, options);
+  // The congruency test is about Preisach's kind of model, and tells of it what held branches would: there errors are
+  // more of weights that the others leave open.
+  return prepare_linearised(like, options.free_run, name != "preisach",
+                            [&](const FitData& data) { return own(data, options); });
 }
 
 ModelFit identify(const std::string& name, const FitData& data, const IdentifyOptions& options) {

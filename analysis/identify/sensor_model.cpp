@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/models/elam_hysteresis.h"
+#include "analysis/models/linearised.h"
 
 namespace tactbench::analysis {
 
@@ -57,6 +58,10 @@ const ElamModel* elam_of(const ModelTaxel& taxel) {
 const ElamModel* paper_elam_of(const ModelTaxel& taxel) {
   const auto* const elam = dynamic_cast<const ElamHysteresis*>(taxel.fit.model.get());
   return elam != nullptr && elam->is_paper() ? &elam->elam() : nullptr;
+}
+
+const LinearisedModel* linearised_of(const ModelTaxel& taxel) {
+  return dynamic_cast<const LinearisedModel*>(taxel.fit.model.get());
 }
 
 ExternalBranch::ExternalBranch(const ModelTaxel& taxel, bool up) : taxel_(&taxel), state_(taxel.fit.model->state()) {

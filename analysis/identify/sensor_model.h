@@ -13,9 +13,12 @@
 #include "analysis/identify/fit_data.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/taxel_status.h"
+#include "analysis/models/dynamics.h"
 #include "analysis/models/elam.h"
 
 namespace tactbench::analysis {
+
+class LinearisedModel;
 
 // Where the model was fitted, so that use elsewhere can be flagged. Absent: not known.
 struct Range {
@@ -33,6 +36,20 @@ struct Validity {
 
 Validity validity_of(const std::vector<History>& histories, const std::vector<double>& temperatures_c);
 
+// What a film does in time: the taxels' models are then those of its outputs with creep undone at the pressures that
+// have arrived (dynamic/dynamic_fit.h), and a stream is told the time.
+struct SensorDynamics {
+  Dynamics shared;
+  // Root mean square of what the stream leaves of the fitted run, psi, over that of a taxel: by interval of the models,
+  // rising, then falling.
+  std::vector<double> residual_shape;
+  struct Source {
+    std::int64_t run = 0;
+    std::string content_sha256;
+  };
+  Source rate, creep;  // runs that lag and creep were taken from
+};
+
 struct ModelTaxel {
   int taxel = 0;
   TaxelStatus status = TaxelStatus::kUnfit;
@@ -41,6 +58,8 @@ struct ModelTaxel {
   double loop_low = 0.0;  // output at the lowest input of the external loop; fit.full_scale above is its highest
   double zero = 0.0, gain = 1.0;  // output = zero + gain x the model's: adjustments since the fit
   ModelFit fit;                   // figures, and the model; without one where none could be fitted
+  // Of a model with SensorDynamics: its creep over the array's, its share that comes late, what its stream leaves, psi.
+  double creep_scale = 1.0, lag_share = 0.0, residual_psi = 0.0;
   // The external loop on SensorModel::pressure_psi, adjustments included; empty without a model.
   PatternCurve ascending, descending;
 
@@ -60,7 +79,7 @@ struct ModelTaxel {
 };
 
 struct SensorModel {
-  std::string model;  // elam, gpi, mpi, poly, preisach, monotone
+  std::string model;  // elam, gpi, mpi, poly, preisach, monotone; dynamic: preisach, with dynamics
   IdentifyOptions options;
   std::int64_t run = 0;  // that it was fitted on; 0: a table, or not known
   std::int64_t fit = 0;  // its number in the store; 0: not stored
@@ -76,6 +95,7 @@ struct SensorModel {
   std::vector<double> pressure_psi;       // inputs of the external loop, ascending
   std::vector<ModelTaxel> taxels;         // rows x columns, then their mean; of a table those that it has
   std::vector<RepeatDrift> repeats;       // of the mean of the fitted taxels of a run; not stored
+  std::optional<SensorDynamics> dynamics;
 
   [[nodiscard]] const ModelTaxel& taxel(int number) const;  // AnalysisError TB-MODEL-TAXEL
   [[nodiscard]] std::span<const ModelTaxel> array() const;  // without the mean
@@ -91,6 +111,9 @@ struct SensorModel {
 // ELAM's own parameters and patterns, for what only the paper's model has; nullptr: another model, or none.
 const ElamModel* elam_of(const ModelTaxel& taxel);
 const ElamModel* paper_elam_of(const ModelTaxel& taxel);  // ELAM with one split point a branch and without memory
+
+// Of the output with its readout divider undone (analysis/models/divider.h); nullptr: another, or none.
+const LinearisedModel* linearised_of(const ModelTaxel& taxel);
 
 // A branch of a taxel's external loop as its model has it, in outputs as measured (of a falling sensor negated).
 class ExternalBranch {

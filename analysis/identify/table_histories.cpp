@@ -20,6 +20,7 @@ constexpr double kWidestTurn = 0.25;      // of the span: inputs with more noise
 constexpr double kDoubtful = 0.02;        // of the span: turns of the input and dead bands above it are told
 constexpr double kNearEnd = 0.01;         // of the span: an input as near to its end lies there
 constexpr std::size_t kNoiseInputs = 50;  // fewer do not tell their noise
+constexpr double kRepeated = 0.5;         // of neighbouring outputs are equal where a converter counts in wide steps
 constexpr int kFewInner = 3;              // inner branches of one direction
 constexpr std::size_t kNamed = 3;         // sequences that a warning names
 
@@ -36,7 +37,26 @@ bool is_fitted(const History& history, const HistoriesOptions& options) {
   return options.fitted.empty() || std::ranges::find(options.fitted, history.name) != options.fitted.end();
 }
 
-// Within the branches that are fitted.
+// The least step between neighbours where so many of them are equal that the outputs are counts; else 0.
+double resolution_of(const std::vector<Stretch>& stretches) {
+  std::size_t pairs = 0, equal = 0;
+  double least = HUGE_VAL;
+  for (const Stretch& stretch : stretches) {
+    for (std::size_t i = 1; i < stretch.y.size(); ++i) {
+      const double step = std::abs(stretch.y[i] - stretch.y[i - 1]);
+      ++pairs;
+      if (step == 0.0)
+        ++equal;
+      else
+        least = std::min(least, step);
+    }
+  }
+  if (equal == pairs) return 0.0;
+  return static_cast<double>(equal) / static_cast<double>(pairs) > kRepeated ? least : 0.0;
+}
+
+// Within the branches that are fitted. Where outputs are counts differences may show no noise: rounding alone has
+// 1 / sqrt(12) of a count.
 double output_noise_of(const std::vector<History>& histories, const HistoriesOptions& options) {
   std::vector<Stretch> stretches;
   for (const History& history : histories) {
@@ -47,7 +67,7 @@ double output_noise_of(const std::vector<History>& histories, const HistoriesOpt
       stretches.push_back({std::span(history.x).subspan(first, count), std::span(history.y).subspan(first, count)});
     }
   }
-  return difference_noise(stretches);
+  return std::max(difference_noise(stretches), resolution_of(stretches) / std::sqrt(12.0));
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -156,12 +176,12 @@ void tell_band(const Histories& histories, std::vector<std::string>& warnings) {
 }
 
 // Sets `turn` of a taxel.
-void find_turn(TaxelHistories& taxel, const Span& x, const HistoriesOptions& options,
-               std::vector<std::string>& warnings) {
+void find_turn(TaxelHistories& taxel, const std::vector<History>& fitted, const Span& x,
+               const HistoriesOptions& options, std::vector<std::string>& warnings) {
   taxel.turn = options.turn;
   if (options.turn >= 0.0) return;
   taxel.turn = kTurnShare * x.length();
-  const double wanted = kTurnInNoises * input_noise_of(taxel.fit);
+  const double wanted = kTurnInNoises * input_noise_of(fitted);
   if (wanted <= kWidestTurn * x.length()) taxel.turn = std::max(taxel.turn, wanted);
   if (!warnings.empty() || wanted <= kDoubtful * x.length()) return;
   const std::string noisy =
@@ -172,6 +192,30 @@ void find_turn(TaxelHistories& taxel, const Span& x, const HistoriesOptions& opt
                 "the inputs jump {}: turns are counted from {:.3g} on, 0.1 % of the span; --turn states another size",
                 noisy, taxel.turn)
           : fmt::format("the inputs are noisy {}: lesser turns are not seen; --turn states another size", noisy));
+}
+
+std::vector<History> fitted_of(const std::vector<History>& histories, const HistoriesOptions& options) {
+  std::vector<History> fitted;
+  for (const History& history : histories)
+    if (is_fitted(history, options)) fitted.push_back(history);
+  return fitted.empty() ? histories : fitted;
+}
+
+// Of a history that is scored alone, whose inputs may be noisier; nothing that is fitted depends on it.
+double own_turn(const History& history, double turn) {
+  const double wanted = kTurnInNoises * input_noise_of({history});
+  return wanted <= kWidestTurn * span_of({history}, &History::x).length() ? std::max(turn, wanted) : turn;
+}
+
+// Sets `turn` of a taxel and the branches of its histories.
+void find_turns(TaxelHistories& taxel, const HistoriesOptions& options, std::vector<std::string>& warnings) {
+  const std::vector<History> fitted = fitted_of(taxel.fit, options);
+  const Span x = span_of(fitted, &History::x);
+  find_turn(taxel, fitted, x, options, warnings);
+  for (History& history : taxel.fit) {
+    const bool own = options.turn < 0.0 && !is_fitted(history, options);
+    history.branches = branches_along(history.x, own ? own_turn(history, taxel.turn) : taxel.turn);
+  }
 }
 
 }  // namespace
@@ -205,8 +249,7 @@ Histories histories_of(const std::vector<TableSeries>& series, const std::string
                           fmt::format("{}: --turn {:g} is not less than what the inputs of taxel {} span, {:g} to {:g}",
                                       source, options.turn, number, x.low, x.high),
                           "state in input units by how much an input goes back when it turns, noise apart");
-    find_turn(taxel, x, options, histories.warnings);
-    for (History& history : taxel.fit) history.branches = branches_along(history.x, taxel.turn);
+    find_turns(taxel, options, histories.warnings);
     if (y.length() <= 0.0) taxel.status = TaxelStatus::kConstant;
     taxel.noise = options.noise < 0.0 ? output_noise_of(taxel.fit, options) : options.noise;
     taxel.score = taxel.fit;

@@ -39,7 +39,9 @@ std::unique_ptr<LinearisedModel> LinearisedModel::from_json(const nlohmann::orde
 }
 
 std::vector<ModelParameter> LinearisedModel::parameters() const {
-  std::vector<ModelParameter> list = {{"c", divider_.per_amplitude, "1/y", 0.0, HUGE_VAL}};
+  // Where it is off, c = 0 is no bound that was met.
+  const double c = divider_.per_amplitude;
+  std::vector<ModelParameter> list = {{"c", c, "1/y", c > 0.0 ? 0.0 : -HUGE_VAL, HUGE_VAL}};
   for (ModelParameter& own : inner_->parameters()) list.push_back(std::move(own));
   return list;
 }

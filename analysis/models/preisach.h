@@ -29,6 +29,7 @@ class PreisachModel final : public HysteresisModel {
 
   static std::size_t cell(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
   [[nodiscard]] double y_low() const { return y_low_; }
+  [[nodiscard]] std::size_t intervals() const { return n_; }
   // Everett's function: the output's rise when the input rises from `low`, a minimum, to `high`, and its fall on the
   // way back; both within the range, 0 when high <= low. A constant number of table accesses.
   [[nodiscard]] double everett(double high, double low) const;

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
@@ -43,6 +44,10 @@ Text moment(const std::string& utc) {
 std::string place_of(int taxel, int columns) {
   const int width = std::max(1, columns);
   return fmt::format("row {}, column {}", taxel / width, taxel % width);
+}
+
+std::string model_name(const SensorModel& fit) {
+  return fit.model == kElamFit && !fit.options.linearise ? "ELAM" : label_of(fit);
 }
 
 bool is_simulated(const ReportInput& input) {

@@ -22,8 +22,9 @@ html::Markup number_cell(const html::Safe& content);
 html::Markup pairs_table(const char* caption, const std::vector<Pair>& rows);
 html::Markup section_start(const char* id, const char* title);
 html::Markup code(const std::string& untrusted);
-html::Text moment(const std::string& utc);     // "2024-05-06 07:08:09Z"
-std::string place_of(int taxel, int columns);  // "row 1, column 5"
+html::Text moment(const std::string& utc);       // "2024-05-06 07:08:09Z"
+std::string place_of(int taxel, int columns);    // "row 1, column 5"
+std::string model_name(const SensorModel& fit);  // "ELAM" for the paper's, else as tables name it
 
 bool is_simulated(const ReportInput& input);
 // The word "certificate" is allowed: an accreditation number and uncertainties are stated, the data are real, the

@@ -14,28 +14,28 @@ TaxelTrace trace_of_mean(const NamedTaxel& taxel, const Trace& trace) {
 }
 
 // All sequences of one taxel: the compensator's state carries over from repeat to repeat and sequence to sequence.
-std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const ModelTaxel& fit, const NamedTaxel& named) {
+std::vector<TaxelTrace> traces_of_taxel(const Dataset& dataset, const SensorModel& model, const NamedTaxel& named) {
   const auto width = static_cast<std::size_t>(dataset.taxels()), taxel = static_cast<std::size_t>(named.taxel);
-  TaxelStream compensator(fit);
+  const ModelTaxel& fit = model.taxels[taxel];
   std::vector<TaxelTrace> out;
   for (const SequenceData& sequence : dataset.sequences) {
-    const std::size_t steps = sequence.repeats.front().steps.size();
-    const std::vector<double> zeros(steps, 0.0);
-    TaxelTrace trace{named, sequence.name, zeros, zeros, {}, zeros};
-    const double weight = 1.0 / static_cast<double>(sequence.repeats.size());
-    for (const Repeat& repeat : sequence.repeats) {
-      for (std::size_t i = 0; i < steps; ++i) {
-        const double volts = repeat.volts[i * width + taxel];
-        trace.pressure_psi[i] += weight * repeat.steps[i].reference_psi;
-        trace.measured_v[i] += weight * volts;
-        trace.estimate_psi[i] += weight * compensator.step(volts).pressure_psi;
-      }
-    }
+    const std::vector<double> zeros(sequence.repeats.front().steps.size(), 0.0);
+    out.push_back({named, sequence.name, zeros, zeros, {}, zeros});
+  }
+  TaxelStream stream(model, fit);
+  const auto volts = [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + taxel]; };
+  stream_samples(dataset, stream, volts, [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+    const Repeat& repeat = dataset.sequences[s].repeats[r];
+    const double weight = 1.0 / static_cast<double>(dataset.sequences[s].repeats.size());
+    out[s].pressure_psi[i] += weight * repeat.steps[i].reference_psi;
+    out[s].measured_v[i] += weight * volts(repeat, i);
+    out[s].estimate_psi[i] += weight * now.pressure_psi;
+  });
+  for (std::size_t s = 0; s < out.size(); ++s) {
     std::vector<double> commanded;
-    for (const Sample& step : sequence.repeats.front().steps) commanded.push_back(step.setpoint_psi);
-    const History history{sequence.name, trace.pressure_psi, trace.measured_v, branches_along(commanded), {}, {}};
-    trace.model_v = fit.predicted(history, false);
-    out.push_back(std::move(trace));
+    for (const Sample& step : dataset.sequences[s].repeats.front().steps) commanded.push_back(step.setpoint_psi);
+    const History history{out[s].sequence, out[s].pressure_psi, out[s].measured_v, branches_along(commanded), {}, {}};
+    out[s].model_v = fit.predicted(history, false);
   }
   return out;
 }
@@ -86,8 +86,7 @@ ReportResults results_of(const Dataset& measured, const SensorModel& fit, const 
       for (const Trace& trace : evaluation.traces) out.traces.push_back(trace_of_mean(named, trace));
       continue;
     }
-    for (TaxelTrace& trace : traces_of_taxel(dataset, fit.taxels[static_cast<std::size_t>(named.taxel)], named))
-      out.traces.push_back(std::move(trace));
+    for (TaxelTrace& trace : traces_of_taxel(dataset, fit, named)) out.traces.push_back(std::move(trace));
   }
   out.straight = straight_line(dataset, fit);
   out.usable = usable_range(fit);

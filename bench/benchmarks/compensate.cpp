@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
-#include <numeric>
 #include <random>
 
 #include "analysis/compensate/compensator.h"
@@ -43,22 +41,6 @@ std::uint16_t counts_of(double volts) {
   return static_cast<std::uint16_t>(std::clamp(std::lround(volts / kStreamedVoltsPerCount), 0L, 65535L));
 }
 
-// Other work on the machine varies: the stream is cut into pieces, and each counts with its best round. All forms are
-// measured in this way.
-double best_seconds(int rounds, std::size_t frames, const std::function<void(std::size_t)>& act_on) {
-  constexpr std::size_t kStretch = 100;
-  std::vector<double> best((frames + kStretch - 1) / kStretch, 1e9);
-  for (int i = 0; i < rounds; ++i)
-    for (std::size_t first = 0; first < frames; first += kStretch) {
-      const std::size_t end = std::min(frames, first + kStretch);
-      const auto start = RealClock::now();
-      for (std::size_t f = first; f < end; ++f) act_on(f);
-      double& least = best[first / kStretch];
-      least = std::min(least, std::chrono::duration<double>(RealClock::now() - start).count());
-    }
-  return std::accumulate(best.begin(), best.end(), 0.0);
-}
-
 struct Results {
   std::vector<float> pressure, uncertainty;
   std::vector<std::uint16_t> status;
@@ -67,7 +49,7 @@ struct Results {
 
 double fast_seconds(int rounds, const CompensationCase& c, FrameCompensator<float>& fast, Results& results) {
   const std::size_t width = c.models.size();
-  return best_seconds(rounds, c.frames, [&](std::size_t f) {
+  return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
     fast.frame(std::span<const std::uint16_t>(c.counts).subspan(f * width, width),
                {results.pressure, results.uncertainty, results.status});
   });
@@ -79,7 +61,7 @@ double plain_seconds(int rounds, const CompensationCase& c, Results& results) {
   options.noise_v = kStreamedNoise;
   for (const ElamModel& model : c.models) plain.emplace_back(model, options);
   const std::size_t width = c.models.size();
-  return best_seconds(rounds, c.frames, [&](std::size_t f) {
+  return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
     for (std::size_t t = 0; t < width; ++t) {
       const Compensated now = plain[t].step(c.counts[f * width + t] * kStreamedVoltsPerCount);
       results.pressure[t] = static_cast<float>(now.pressure_psi);
@@ -98,7 +80,7 @@ double bare_seconds(int rounds, const CompensationCase& c, Results& results) {
   std::vector<Bare> bare;
   for (const ElamModel& model : c.models) bare.push_back({{model, true, model.x0(), model.y0()}, model.y0()});
   const std::size_t width = c.models.size();
-  return best_seconds(rounds, c.frames, [&](std::size_t f) {
+  return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
     for (std::size_t t = 0; t < width; ++t) {
       Bare& b = bare[t];
       const double volts = c.counts[f * width + t] * kStreamedVoltsPerCount;
@@ -117,7 +99,7 @@ double bare_seconds(int rounds, const CompensationCase& c, Results& results) {
 // The very frames that the others read, written as floats to where they write theirs.
 double scale_seconds(int rounds, const CompensationCase& c, Results& results) {
   const std::size_t width = c.models.size();
-  return best_seconds(rounds, c.frames, [&](std::size_t f) {
+  return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
     const std::uint16_t* const counts = c.counts.data() + f * width;
     float* const to = results.pressure.data();
     for (std::size_t t = 0; t < width; ++t) to[t] = static_cast<float>(counts[t]) * 1e-3F;

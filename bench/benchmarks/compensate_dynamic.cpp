@@ -98,27 +98,15 @@ DynamicCase random_dynamic(std::size_t frames) {
   return c;
 }
 
-// A frame's time in microseconds, the best of the rounds for each stretch of 100 frames.
+// A frame's time in microseconds.
 template <class Compensator>
 double us_a_frame(int rounds, Compensator& compensator, const std::vector<std::uint16_t>& counts, std::size_t frames) {
-  constexpr std::size_t kStretch = 100;
   std::vector<float> pressure(kDynamicTaxels), uncertainty(kDynamicTaxels);
   std::vector<std::uint16_t> status(kDynamicTaxels);
-  double sum = 0.0;
-  std::vector<double> best(frames / kStretch, HUGE_VAL);
-  for (int round = 0; round < rounds; ++round)
-    for (std::size_t k = 0; k < best.size(); ++k)
-      best[k] =
-          std::min(best[k], best_seconds(
-                                1,
-                                [&] {
-                                  for (std::size_t f = k * kStretch; f < (k + 1) * kStretch; ++f)
-                                    compensator.frame(std::span(counts).subspan(f * kDynamicTaxels, kDynamicTaxels),
-                                                      {pressure, uncertainty, status});
-                                },
-                                By::kWall));
-  for (const double seconds : best) sum += seconds;
-  return 1e6 * sum / static_cast<double>(best.size() * kStretch);
+  const double seconds = sum_of_best_seconds(rounds, frames, [&](std::size_t f) {
+    compensator.frame(std::span(counts).subspan(f * kDynamicTaxels, kDynamicTaxels), {pressure, uncertainty, status});
+  });
+  return 1e6 * seconds / static_cast<double>(frames);
 }
 
 }  // namespace

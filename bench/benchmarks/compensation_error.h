@@ -1,5 +1,6 @@
-// How far compensated pressures are from the truth on the simulated sensor: the dynamic compensator beside ELAM's
-// stream, both identified on the same runs, on sensors and trajectories that nothing was chosen on.
+// How far compensated pressures are from the truth on the simulated sensors, the paper's and the harsh one: the dynamic
+// compensator beside ELAM's stream, both identified on the same runs, on sensors and trajectories that nothing was
+// chosen on.
 #pragma once
 
 #include <string>

@@ -1,6 +1,7 @@
 // The result of a benchmark, and how times are measured.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -37,6 +38,10 @@ double best_seconds(int rounds, const std::function<void()>& act, By by = By::kW
 
 // Several in turn, round by round, so that a slow spell of the machine does not fall on one of them alone.
 std::vector<double> best_seconds(int rounds, const std::vector<std::function<void()>>& acts, By by = By::kWall);
+
+// Of a stream of frames: the sum over stretches of 100, each with its best round, because other work on the machine
+// comes and goes.
+double sum_of_best_seconds(int rounds, std::size_t frames, const std::function<void(std::size_t)>& act_on);
 
 // Keeps the compiler from removing work whose result is not read.
 template <class T>

@@ -8,21 +8,16 @@
 #include <span>
 #include <utility>
 
+#include "analysis/statistics/numbers/moments.h"
 #include "bench/benchmarks/specimen_walk.h"
 
 namespace tactbench::bench {
 
 namespace {
 
-constexpr double kTopPsi = 60.0;
-constexpr int kLevels = 31;
-constexpr std::size_t kRuns = 8;
+using analysis::mean_of;
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
+constexpr std::size_t kRuns = 8;
 
 struct SquareMean {
   double sum = 0.0;
@@ -34,7 +29,7 @@ struct SquareMean {
   [[nodiscard]] double root() const { return count > 0.0 ? std::sqrt(sum / count) : 0.0; }
 };
 
-// Heights of one minor loop entered from 0 psi and from 60 psi, and the span, by taxel; outputs at the loops' ends.
+// Outputs at the two ends of a minor loop, entered from 0 psi and from 60 psi, by taxel.
 struct MinorLoop {
   std::vector<double> low_from_below, high_from_below, low_from_above, high_from_above;
 };

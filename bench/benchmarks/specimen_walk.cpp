@@ -7,8 +7,8 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr double kTop = 60.0, kWalkStep = 2.0, kPiece = 0.25;
-constexpr int kSteps = 30;
+constexpr int kSteps = kLevels - 1;
+constexpr double kWalkStep = kTopPsi / kSteps, kPiece = 0.25;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void SpecimenWalk::at_once(std::initializer_list<double> turning_points) {
 }
 
 void SpecimenWalk::condition_at_once() {
-  for (int cycle = 0; cycle < 6; ++cycle) at_once({kTop, 0.0});
+  for (int cycle = 0; cycle < 6; ++cycle) at_once({kTopPsi, 0.0});
 }
 
 void SpecimenWalk::hold(double seconds) {

@@ -9,6 +9,9 @@
 
 namespace tactbench::bench {
 
+inline constexpr double kTopPsi = 60.0;
+inline constexpr int kLevels = 31;  // of a branch of loop()
+
 class SpecimenWalk {
  public:
   explicit SpecimenWalk(const SpecimenOptions& options);

@@ -24,6 +24,8 @@ Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touc
   70 internal error, 128 + N ended by signal N after the safe state (129 hang-up, 130 Ctrl-C twice, 131 quit,
   143 terminated). Ctrl-C once: pause at the end of the branch; twice: stop now.
   However a run ends, it vents, retracts, proves the safe state and keeps all frames.
+Not to be typed each time: --db and --bench by TACTBENCH_DB, TACTBENCH_BENCH; bench, db, operator, recipe and limits
+  by the file tactbench.toml in the working folder. The command line precedes the environment, and that the file.
 First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
 
 // For a misspelled verb CLI11 reports only "a subcommand is required".
@@ -69,8 +71,8 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
 // Verbs that talk to instruments, or to a run that uses them.
 bool may_touch_devices(const std::string& verb) {
-  constexpr std::array kVerbs{"run",   "resume", "rig",   "devices", "live",     "demo",
-                              "pause", "stop",   "abort", "panic",   "simulate", "dead-man"};
+  constexpr std::array kVerbs{"run",   "calibrate", "resume", "rig",   "devices",  "live",    "demo",
+                              "pause", "stop",      "abort",  "panic", "simulate", "dead-man"};
   return std::find(kVerbs.begin(), kVerbs.end(), verb) != kVerbs.end();
 }
 
@@ -90,7 +92,11 @@ int run_command_line(int argc, char** argv) {
   db::tell_warnings_to(
       [](const std::string& text) { tty::print(stderr, "warning: {}\n", one_line(text, kLongestText)); });
   Session session;
-  for (int i = 1; i < argc; ++i) session.json = session.json || std::string(argv[i]) == "--json";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    session.json = session.json || word == "--json";
+    if (word == "--help" || word == "-h") session.profile.only_for_help();
+  }
   CLI::App app("tactbench: controls a test bench for tactile arrays, keeps every sample, compensates hysteresis",
                "tactbench");
   app.set_version_flag("--version", fmt::format("tactbench {} (commit {}; {})", build_info().version, commit_text(),
@@ -100,13 +106,17 @@ int run_command_line(int argc, char** argv) {
   add_demo(app, session);
   add_init(app, session);
   add_plan(app, session);
+  add_recipes(app, session);
   add_run(app, session);
+  add_calibrate(app, session);
   add_control(app, session);
+  add_status(app, session);
   add_fit(app, session);
   add_import(app, session);
   add_predict(app, session);
   add_model(app, session);
   add_report(app, session);
+  add_reports(app, session);
   add_runs(app, session);
   add_verify(app, session);
   add_db(app, session);

@@ -59,21 +59,17 @@ std::size_t verdict_columns() {
   return longest + 2;
 }
 
-namespace {
-
-std::string with_unit(double value, const std::string& unit) {
+std::string figure_text(double value, const std::string& unit) {
   if (!std::isfinite(value)) return "not measured";  // e.g. the run has no such level
   return unit == "FS" ? fmt::format("{:.3g} % FS", 100.0 * value) : fmt::format("{:.3g} {}", value, unit);
 }
-
-}  // namespace
 
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
   std::string text =
       fmt::format("{:>5}  {:<26}{:<14}{:>14} {:>13}  {}\n", "run", "criterion", "scope", "value", "limit", "verdict");
   for (const db::VerdictRecord& row : verdicts) {
     text += fmt::format("{:>5}  {}{}{:>14} {:>13}  {}\n", row.run, cell(row.criterion, 26), cell(row.scope, 14),
-                        with_unit(row.value, row.unit), with_unit(row.limit, row.unit),
+                        figure_text(row.value, row.unit), figure_text(row.limit, row.unit),
                         one_line(shown_verdict(row.verdict, origin)));
   }
   std::vector<std::string> rules;
@@ -115,20 +111,29 @@ ordered_json evaluation_json(const NamedEvaluation& named) {
   return json;
 }
 
-std::string clock_text(double seconds) {
-  const long whole = std::lround(seconds);
-  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
-}
-
 void check_operator(const std::string& name) {
   if (!db::is_blank(name)) return;
   throw Error(ExitCode::kUsage, "TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
 }
 
-void add_common(CLI::App& verb, Session& session) {
-  verb.add_option("--db", session.db, "run store, one SQLite file per bench")->capture_default_str();
+namespace {
+
+void add_manner(CLI::App& verb, Session& session) {
   verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
   verb.add_flag("-q,--quiet", session.quiet, "no progress line");
+}
+
+}  // namespace
+
+void add_common(CLI::App& verb, Session& session) {
+  session.profile.add(verb, "--db", ProfileKey::kDb, session.db, "run store, one SQLite file per bench")
+      ->capture_default_str();
+  add_manner(verb, session);
+}
+
+void add_common_typed(CLI::App& verb, Session& session) {
+  verb.add_option("--db", session.db, "run store, one SQLite file per bench")->capture_default_str();
+  add_manner(verb, session);
 }
 
 void add_replace(CLI::App& verb, Session& session) {

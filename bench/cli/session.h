@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "analysis/statistics/conformity/overall_verdict.h"
+#include "bench/cli/profile_options.h"
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
 
@@ -29,6 +30,7 @@ struct Session {
   bool replace = false;   // --replace: bench/common/output_file.h
   bool void_too = false;  // include void runs, where the verb offers it
   std::string db = "runs.db";
+  ProfileOptions profile;
   ExitCode code = ExitCode::kPass;
 };
 
@@ -40,6 +42,8 @@ ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
 // The verdict in words: "simulated pass" on a simulated run.
 std::string shown_verdict(const std::string& word, const std::string& origin);
 std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
+// A figure of a verdict: "0.903 psi", "1.5 % FS", "not measured".
+std::string figure_text(double value, const std::string& unit);
 // Width of a cell() for the longest of these words.
 std::size_t verdict_columns();
 std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
@@ -52,19 +56,24 @@ nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 // One file a verb.
 void add_init(CLI::App& app, Session& session);
 void add_plan(CLI::App& app, Session& session);
+void add_recipes(CLI::App& app, Session& session);
 void add_run(CLI::App& app, Session& session);
+void add_calibrate(CLI::App& app, Session& session);
 void add_control(CLI::App& app, Session& session);
+void add_status(CLI::App& app, Session& session);
 void add_fit(CLI::App& app, Session& session);
 void add_import(CLI::App& app, Session& session);
 void add_predict(CLI::App& app, Session& session);
 void add_model(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
+void add_reports(CLI::App& app, Session& session);
 void add_runs(CLI::App& app, Session& session);
 void add_db(CLI::App& app, Session& session);
 void add_verify(CLI::App& app, Session& session);
 void add_sensors(CLI::App& app, Session& session);
 void add_demo(CLI::App& app, Session& session);
 void add_devices(CLI::App& app, Session& session);
+void add_model_list(CLI::App& model, Session& session);
 void add_run_remarks(CLI::App& runs, Session& session);
 void add_run_export(CLI::App& runs, Session& session);
 void add_run_copy(CLI::App& runs, Session& session);
@@ -80,14 +89,14 @@ void add_config(CLI::App& app, Session& session);
 void add_benchmark(CLI::App& app, Session& session);
 void add_dead_man(CLI::App& app, Session& session);
 
-// "h:mm:ss".
-std::string clock_text(double seconds);
-
 // Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);
 
 // --db, --json, -q on a verb.
 void add_common(CLI::App& verb, Session& session);
+// The same where --db is valid only as typed: what a demonstration or a night keeps does not belong into the store of
+// one's own runs.
+void add_common_typed(CLI::App& verb, Session& session);
 // --replace on a verb that writes files (bench/common/output_file.h).
 void add_replace(CLI::App& verb, Session& session);
 // --void-too on a verb that uses runs as evidence (bench/reporting/named_runs.h).

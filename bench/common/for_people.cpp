@@ -1,14 +1,17 @@
 #include "bench/common/for_people.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "bench/common/error.h"
+#include "bench/common/screen.h"
 #include "db/utf8.h"
 
 namespace tactbench::bench {
@@ -105,15 +108,28 @@ std::string cell(std::string_view text, std::size_t columns) {
   return line.append(columns - display_width(line), ' ');
 }
 
+std::string clock_text(double seconds) {
+  const long whole = std::lround(seconds);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
 namespace tty {
 
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args) {
   write_raw(stream, for_people(fmt::vformat(format, args)));
 }
 
-void renew_line(std::string_view text) { write_raw(stderr, fmt::format("\r{}\x1b[K", one_line(text))); }
+void renew_line(std::string_view text) {
+  const std::size_t columns = std::max<std::size_t>(screen_size(STDERR_FILENO).columns, 2) - 1;
+  write_raw(stderr, fmt::format("\r{}\x1b[K", one_line(text, std::min(columns, kLongestCell))));
+}
 
 void clear_screen() { write_raw(stdout, "\x1b[H\x1b[2J"); }
+
+void write_painted(std::string_view painted) {
+  write_raw(stdout, painted);
+  (void)std::fflush(stdout);
+}
 
 }  // namespace tty
 }  // namespace tactbench::bench

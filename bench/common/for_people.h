@@ -27,6 +27,9 @@ std::string cell(std::string_view text, std::size_t columns);
 // Columns that `text`, free of control characters, takes on a terminal: none for combining marks, two for wide letters.
 std::size_t display_width(std::string_view text);
 
+// "h:mm:ss".
+std::string clock_text(double seconds);
+
 namespace tty {
 
 // As fmt::print, through for_people(). Standard output that cannot be written throws Error TB-FILE-WRITE; standard
@@ -42,10 +45,12 @@ void print(fmt::format_string<Args...> format, Args&&... args) {
   tty::vprint(stdout, format, fmt::make_format_args(args...));
 }
 
-// One line of standard error, written over by the next.
+// One line of standard error, cut to the terminal's width, written over by the next.
 void renew_line(std::string_view text);
 // An empty screen, of standard output.
 void clear_screen();
+// To standard output at once: what painted() of bench/common/screen.h has made safe.
+void write_painted(std::string_view painted);
 
 }  // namespace tty
 }  // namespace tactbench::bench

@@ -141,7 +141,6 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   specimen.sensor_seed =
       seeds.sensor_seed.value_or(static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kMost)));
   specimen.kind = word_of(table, "specimen", specimen.kind, specimen_words());
-  specimen.seed = plant.seed;
   specimen.mount_seed = static_cast<std::uint64_t>(table.integer("mount_seed", 0, 0, kMost));
   specimen.temperature_c = table.number_in("temperature_c", specimen.temperature_c, -20.0, 80.0);
   specimen.age_months = table.number_in("age_months", specimen.age_months, 0.0, 1200.0);

@@ -31,7 +31,7 @@ struct GuardLimits {
 GuardLimits guard_limits(const BenchConfig& config);
 
 // Time, actuator ("pressure", "stage z", "guard"), command, and whether it passed. Called for each refusal and stage
-// command; for set-points when they differ by 1 psi from the last one logged, or are 0.
+// command; for set-points when they differ by 1 psi from the last one logged, or return to 0.
 using CommandLog =
     std::function<void(devices::Nanoseconds, const std::string& actuator, const std::string& text, bool let_through)>;
 
@@ -65,6 +65,10 @@ class Guard {
   void note_feedback(devices::Psi pressure, devices::Nanoseconds time);
   void note_reference(devices::Psi pressure, devices::Nanoseconds time);
   void note_force(const devices::Wrench& wrench, devices::Nanoseconds time);
+  // Magnitude of the last force noted; none: no force was noted.
+  [[nodiscard]] std::optional<double> last_force_n() const {
+    return force_.time.count() < 0 ? std::nullopt : std::optional(force_.value);
+  }
 
   // Checks of commands. Each logs what passes, and logs and throws Interlock for what does not. Ids:
   // TB-GUARD-NOT-ARMED, TB-GUARD-TRIPPED, TB-DEADMAN-..., TB-CHAMBER-LIMIT, TB-CHAMBER-RATE, TB-CHAMBER-STALE,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -85,8 +86,12 @@ LiveSummary live_frames(const BenchConfig& config, const analysis::SensorModel& 
   std::vector<double> latencies, compensations;
   const StopRequest stop;
   const auto begun = RealClock::now();
+  std::optional<devices::Nanoseconds> before;  // process time of the last frame, lost ones too
   for (int lost = 0; stop.signal() == 0 && (options.frames == 0 || summary.frames < options.frames);) {
     const auto asked = RealClock::now();
+    const devices::Nanoseconds now = rig.clock().now();
+    if (before) compensator.set_interval(devices::in_seconds(now - *before));
+    before = now;
     try {
       const devices::ScanSet scan = array.read(options.scans);
       const auto came = RealClock::now();

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -91,7 +90,7 @@ class Night {
       if (!child.program.ended_by(last)) child.program.kill_group();
     children_.clear();
     const auto done = std::ranges::count_if(results_, [](const auto& result) { return result.has_value(); });
-    throw Error(signal == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated, "TB-NIGHTLY-STOPPED",
+    throw Error(code_of_signal(signal), "TB-NIGHTLY-STOPPED",
                 fmt::format("the night was ended by {} after {} of {}", signal_text(signal), done,
                             analysis::counted(results_.size(), "scenario")),
                 suite_.file, "--db keeps nothing of a night that did not end; start it again");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/parts.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
@@ -15,6 +16,7 @@
 #include "bench/config/config.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/reporting/named_runs.h"
+#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
 
@@ -27,6 +29,23 @@ constexpr const char* kNoIndependentData =
 
 // A void run is no evidence.
 bool run_counts(const db::RunRecord& run, bool void_too) { return void_too || !run.is_void(); }
+
+bool is_among(const std::vector<std::int64_t>& runs, std::int64_t run) {
+  return std::ranges::find(runs, run) != runs.end();
+}
+
+// What the models of a stored verdict rest on beside its model_run: only a dynamic model has more. Models that can no
+// longer be read are not asked: `verify` reports them.
+std::vector<std::int64_t> further_sources(const db::RunStore& store, const db::VerdictRecord& verdict) {
+  if (verdict.fit == 0) return {};
+  const db::FitRecord record = store.fit(verdict.fit);
+  if (record.model != analysis::kDynamicModel) return {};
+  try {
+    return source_runs(store, analysis::load_fit(store, record));
+  } catch (const analysis::AnalysisError&) {
+    return {};
+  }
+}
 
 std::vector<db::VerdictRecord> stored_on(const StoredJudgement& stored, std::int64_t run, const std::string& sha256) {
   std::vector<db::VerdictRecord> rows;
@@ -70,6 +89,7 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorMod
   const db::RunStore& store = runs.store();
   std::map<std::int64_t, bool> same_models;  // by fit
   const std::string models = analysis::model_sha256(fit);
+  const std::vector<std::int64_t> sources = source_runs(store, fit);
   std::vector<std::int64_t> gone;
   std::string other_limits;
   std::int64_t other_fit = 0;
@@ -89,6 +109,7 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorMod
       stored.verdicts.push_back(verdict);
       continue;
     }
+    if (is_among(sources, verdict.run)) continue;  // no independent data
     const db::RunRecord& run = runs.record(verdict.run);
     if (run_counts(run, void_too)) {
       stored.verdicts.push_back(verdict);
@@ -129,16 +150,22 @@ Judgement judge_runs(analysis::Runs& runs, const analysis::SensorModel& fit,
                      const StoredJudgement& stored) {
   Judgement judgement;
   if (evaluations.empty()) return judgement;
-  const db::RunRecord& models = runs.record(fit.run);
-  const bool models_count = run_counts(models, void_too);
-  if (models.is_void()) {
-    if (models_count) judgement.void_runs.push_back(models);
-    if (!models_count) judgement.notes.not_judged = void_in_words(models) + ", and the models were made from it";
+  const std::vector<std::int64_t> sources = source_runs(runs.store(), fit);
+  bool models_count = true;
+  for (const std::int64_t source : sources) {
+    const db::RunRecord& models = runs.record(source);
+    if (!models.is_void()) continue;
+    if (run_counts(models, void_too)) {
+      judgement.void_runs.push_back(models);
+    } else if (models_count) {
+      models_count = false;
+      judgement.notes.not_judged = void_in_words(models) + ", and the models were made from it";
+    }
   }
   std::vector<std::string> left_out = stored.lost;
   for (const NamedEvaluation& named : evaluations) {
     const std::int64_t number = named.evaluation.run;
-    if (number == fit.run || !models_count) continue;
+    if (is_among(sources, number) || !models_count) continue;
     const db::RunRecord& run = runs.record(number);
     if (!run_counts(run, void_too)) {
       left_out.push_back(fmt::format("run {} is not judged: {}", number, void_in_words(run)));
@@ -204,12 +231,23 @@ std::vector<db::VerdictRecord> standing_verdicts(const db::RunStore& store, std:
     if (added) known->second = run_counts(store.run(number), false);
     return known->second;
   };
-  std::erase_if(rows, [&](const db::VerdictRecord& v) { return !stands(v.run) || !stands(v.model_run); });
+  std::map<std::int64_t, std::vector<std::int64_t>> further;  // by fit
+  const auto sources_of = [&](const db::VerdictRecord& v) -> const std::vector<std::int64_t>& {
+    const auto [known, added] = further.try_emplace(v.fit);
+    if (added) known->second = further_sources(store, v);
+    return known->second;
+  };
+  const auto on_own = [&](const db::VerdictRecord& v) {
+    return v.run == v.model_run || is_among(sources_of(v), v.run);
+  };
+  std::erase_if(rows, [&](const db::VerdictRecord& v) {
+    return !stands(v.run) || !stands(v.model_run) || !std::ranges::all_of(sources_of(v), stands);
+  });
   const bool independent =
-      std::ranges::any_of(rows, [&](const db::VerdictRecord& v) { return v.model_run == run && v.run != run; });
-  std::erase_if(rows, [&](const db::VerdictRecord& v) { return independent && v.run == v.model_run; });
+      std::ranges::any_of(rows, [&](const db::VerdictRecord& v) { return v.model_run == run && !on_own(v); });
+  std::erase_if(rows, [&](const db::VerdictRecord& v) { return independent && v.model_run == run && on_own(v); });
   for (db::VerdictRecord& verdict : rows)
-    if (verdict.run == verdict.model_run) verdict.verdict = to_string(Verdict::kInconclusive);
+    if (on_own(verdict)) verdict.verdict = to_string(Verdict::kInconclusive);
   return rows;
 }
 

@@ -1,5 +1,6 @@
 // Verdicts on a fit's models: every run that they were not made from is judged, and the worst one counts. The run that
-// they were made from flatters them and is no evidence; neither is a void run.
+// they were made from flatters them and is no evidence, and neither are those that lag and creep of a dynamic model
+// were taken from (source_runs.h); nor is a void run.
 #pragma once
 
 #include <optional>
@@ -61,7 +62,8 @@ Judgement judge_for_report(analysis::Runs& runs, const analysis::SensorModel& fi
 Judgement judgement_on(const db::RunStore& store, std::int64_t run);
 
 // All stored verdicts of a run that still count: on it, and on any run by models made from it. Verdicts on the models'
-// own run are inconclusive and count only when there are no others. None for a void run.
+// own runs are inconclusive and count only when there are no others. None for a void run, and none by models that rest
+// on a void one.
 std::vector<db::VerdictRecord> standing_verdicts(const db::RunStore& store, std::int64_t run);
 // Fail if any verdict is fail, else the worst one by the newest limits; none without rows.
 std::optional<analysis::Verdict> standing_verdict(const std::vector<db::VerdictRecord>& standing);

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
@@ -16,6 +18,7 @@
 #include "analysis/statistics/figures/limits.h"
 #include "bench/config/config.h"
 #include "bench/reporting/evaluation.h"
+#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
 
@@ -35,10 +38,11 @@ class Verification {
   VerifiedResult verify_fit(const db::FitRecord& fit) {
     VerifiedResult result{fit.fit, fit.run, fit.model, {}, {}, false, 0};
     const analysis::FitRows stored{fit, store_.fit_taxels(fit.fit)};
-    if (result.compared = why_not(fit); !result.compared.empty()) return result;
+    const bool in_rows = lies_in_rows(fit, stored.taxels);
+    if (result.compared = why_not(fit, in_rows); !result.compared.empty()) return result;
     return compared(result, fit, [&](double tolerance) {
       result.rows = std::max<std::size_t>(stored.taxels.size(), 1);
-      return analysis::first_difference(stored, analysis::rows_of(recomputed(fit)), tolerance);
+      return analysis::first_difference(stored, analysis::rows_of(recomputed(fit, in_rows)), tolerance);
     });
   }
 
@@ -50,7 +54,8 @@ class Verification {
     }
     const db::FitRecord fit = store_.fit(result.fit);
     result.fit_run = fit.run;
-    if (result.compared = why_not(fit); !result.compared.empty()) return result;
+    const bool in_rows = lies_in_rows(fit, store_.fit_taxels(fit.fit));
+    if (result.compared = why_not(fit, in_rows); !result.compared.empty()) return result;
     if (fit.run != run_) {
       const db::ContentCheck& content = content_of(fit.run);
       if (!content.holds()) {
@@ -64,7 +69,7 @@ class Verification {
       const std::string& toml = verdicts.front().limits_toml;
       if (db::sha256_hex(toml) != verdicts.front().limits_sha256) return std::string("the limits file kept with them");
       const analysis::Limits limits = parse_limits(toml, "the limits kept with the verdicts");
-      const analysis::SensorModel& models = recomputed(fit);
+      const analysis::SensorModel& models = recomputed(fit, in_rows);
       const analysis::Evaluation evaluation = analysis::evaluate(runs_.dataset(run_), models);
       // Figures on the models' own run have no verdict; older programs gave one.
       const bool withheld = fit.run == run_ && std::ranges::all_of(verdicts, [](const db::VerdictRecord& verdict) {
@@ -124,35 +129,78 @@ class Verification {
     return known != contents_.end() ? known->second : contents_.emplace(run, store_.check_content(run)).first->second;
   }
 
-  bool in_rows(const db::FitRecord& fit) const {
-    return fit.model == analysis::kElamFit || !store_.fit_taxels(fit.fit).empty();
+  static bool lies_in_rows(const db::FitRecord& fit, const std::vector<db::FitTaxelRecord>& taxels) {
+    return fit.model == analysis::kElamFit || !taxels.empty();
   }
 
   // Empty: it can be recomputed from its run.
-  std::string why_not(const db::FitRecord& fit) const {
-    if (in_rows(fit)) return {};
+  std::string why_not(const db::FitRecord& fit, bool in_rows) const {
+    if (in_rows) return {};
     if (analysis::made_by(fit).empty())
       return "not recomputed: it is kept as a document of an older program, which rounds otherwise";
     if (store_.run(fit.run).origin == "imported") return "not recomputed: it was made from an imported table";
+    return why_not_dynamic(fit);
+  }
+
+  // Lag and creep come from further runs, which a copy of the run alone does not bring along.
+  std::string why_not_dynamic(const db::FitRecord& fit) const {
+    if (fit.model != analysis::kDynamicModel) return {};
+    std::optional<analysis::SensorDynamics> dynamics;
+    try {
+      dynamics = analysis::load_fit(store_, fit).dynamics;
+    } catch (const analysis::AnalysisError&) {
+      return {};  // recomputing it says why
+    }
+    if (!dynamics) return "not recomputed: it does not say which runs its lag and creep are from";
+    for (const auto& [source, what] : {std::pair(dynamics->rate, "lag"), std::pair(dynamics->creep, "creep")}) {
+      if (run_of_source(store_, source)) continue;
+      return fmt::format(
+          "not recomputed: this store does not have the run that its {} is from, run {} where it was "
+          "made, content {}",
+          what, source.run, source.content_sha256.substr(0, 12));
+    }
     return {};
   }
 
-  const analysis::SensorModel& recomputed(const db::FitRecord& fit) {
-    std::optional<analysis::SensorModel>& kept = fits_[fit.fit];
+  // Throws AnalysisError TB-ANALYSIS-FRAME where a run's content has changed.
+  analysis::SensorModel recomputed_dynamic(const analysis::SensorModel& stored) {
+    // why_not_dynamic() has found both in this store.
+    const std::int64_t rate = run_of_source(store_, stored.dynamics->rate).value();
+    const std::int64_t creep = run_of_source(store_, stored.dynamics->creep).value();
+    for (const std::int64_t run : {rate, creep})
+      if (const db::ContentCheck& content = content_of(run); !content.holds())
+        throw analysis::AnalysisError("TB-ANALYSIS-FRAME",
+                                      fmt::format("run {}, which it rests on: {}", run, content.difference),
+                                      "restore the store from a copy");
+    analysis::SensorModel fit =
+        analysis::fit_dynamic(runs_.dataset(stored.run), runs_.dataset(rate), runs_.dataset(creep));
+    fit.dynamics->rate = stored.dynamics->rate;
+    fit.dynamics->creep = stored.dynamics->creep;
+    return fit;
+  }
+
+  const analysis::SensorModel& recomputed(const db::FitRecord& fit, bool in_rows) {
+    analysis::FitOptions options;
+    FitKey key{fit.run, fit.fit, false, false};
+    if (in_rows) {  // of them the options alone are read: what else differs is named
+      options.identify = analysis::options_of(fit);
+      key = FitKey(fit.run, 0, options.identify.exact_outer, options.identify.settle);
+    }
+    std::optional<analysis::SensorModel>& kept = fits_[key];
     if (kept) return *kept;
     const analysis::Dataset& dataset = runs_.dataset(fit.run);
-    analysis::FitOptions options;
-    if (in_rows(fit)) {  // of them the options alone are read: what else differs is named
-      options.identify = analysis::options_of(fit);
-      return kept.emplace(analysis::fit_array(dataset, options));
-    }
+    if (in_rows) return kept.emplace(analysis::fit_array(dataset, options));
     const analysis::SensorModel stored = analysis::load_fit(store_, fit);
-    options.model = stored.model;
-    options.identify = stored.options;
-    const bool all = std::ranges::equal(stored.sequences, dataset.sequences, {}, {}, &analysis::SequenceData::name);
-    if (!all) options.sequences = stored.sequences;
-    options.mean_alone = stored.array().empty();
-    kept = analysis::fit_array(dataset, options);
+    if (stored.dynamics) {
+      kept = recomputed_dynamic(stored);
+    } else {
+      options.model = stored.model;
+      options.identify = stored.options;
+      const bool all = std::ranges::equal(stored.sequences, dataset.sequences, {}, {}, &analysis::SequenceData::name);
+      if (!all) options.sequences = stored.sequences;
+      options.mean_alone = stored.array().empty();
+      kept = analysis::fit_array(dataset, options);
+    }
     // What no frame says.
     kept->content_sha256 = stored.content_sha256;
     kept->program_version = stored.program_version;
@@ -161,11 +209,14 @@ class Verification {
     return *kept;
   }
 
+  // Run, fit, exact_outer, settle. Fits in rows have fit 0: those of one run with the same options are recomputed once.
+  using FitKey = std::tuple<std::int64_t, std::int64_t, bool, bool>;
+
   const db::RunStore& store_;
   analysis::Runs runs_;
   std::int64_t run_;
   std::map<std::int64_t, db::ContentCheck> contents_;
-  std::map<std::int64_t, std::optional<analysis::SensorModel>> fits_;
+  std::map<FitKey, std::optional<analysis::SensorModel>> fits_;
 };
 
 }  // namespace

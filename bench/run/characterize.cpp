@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <array>
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include "analysis/counted.h"
-#include "analysis/whole_file.h"
 #include "bench/common/utc.h"
 #include "bench/config/calibration_words.h"
 #include "bench/config/config.h"
@@ -26,51 +23,15 @@
 #include "bench/run/resume.h"
 #include "bench/run/run_record.h"
 #include "bench/run/set_up.h"
+#include "bench/run/specimen_file.h"
 #include "bench/run/time_estimate.h"
 #include "bench/safety/fail_safe.h"
-#include "bench/simulation/plant.h"
 #include "devices/fault.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {
 
 namespace {
-
-void load_specimen(Rig& rig, const std::string& file) {
-  if (file.empty() || rig.plant() == nullptr || !std::filesystem::exists(file)) return;
-  constexpr std::size_t kLargestState = 256'000'000;  // bytes; 64 x 64 taxels need about a hundredth
-  try {
-    rig.plant()->set_specimen_state(analysis::whole_file(file, {kLargestState}, "TB-SPECIMEN-STATE", ""));
-  } catch (const std::exception& error) {
-    throw Error(ExitCode::kUsage, "TB-SPECIMEN-STATE", fmt::format("not a specimen state: {}", error.what()), file,
-                "give a file that --specimen-state wrote for this sensor seed, or a new name");
-  }
-}
-
-void save_specimen(Rig& rig, const std::string& file) {
-  if (file.empty() || rig.plant() == nullptr) return;
-  std::ofstream stream(file);
-  stream << rig.plant()->specimen_state();
-  if (!stream.flush()) {
-    throw Error(ExitCode::kUsage, "TB-SPECIMEN-STATE", "cannot write the specimen state", file,
-                "check folder and space");
-  }
-}
-
-// A rig simulated in this process gets the recipe's object on its stage.
-BenchConfig with_object(BenchConfig bench, const std::vector<sequences::Recipe>& recipes) {
-  if (!bench.simulation) return bench;
-  constexpr std::array<std::pair<const char*, Footprint>, 3> kObjects = {
-      {{"ring", Footprint::kRing}, {"point", Footprint::kPoint}, {"flat", Footprint::kFlat}}};
-  for (const sequences::Recipe& recipe : recipes) {
-    for (const auto& [word, footprint] : kObjects) {
-      if (recipe.press.object != word) continue;
-      bench.simulation->plant.contact.object = footprint;
-      return bench;
-    }
-  }
-  return bench;
-}
 
 // One run from its row to its end. Each part of the way out is bounded in time, and a failure in one does not skip the
 // next.
@@ -87,7 +48,6 @@ class RunLifecycle {
     work_.on_step = request.on_step;
     work_.estimate = request.estimate;
     work_.assume_yes = request.assume_yes;
-    work_.label = request.label;
     if (!request.attended) control_.end_by_first_interrupt();
     if (request.resume != 0) {
       lock_.take_again(request.resume);
@@ -116,6 +76,7 @@ class RunLifecycle {
     } catch (...) {
       ending_.by_exception(place());
     }
+    board_.phase("venting, retracting, proving the safe state");
     progress_.finish();
     moment(RigMoment::kTearingDown);
     tear_down();
@@ -133,10 +94,13 @@ class RunLifecycle {
   [[nodiscard]] std::int64_t frames_kept() const { return frames_before_ + (recorder_ ? recorder_->frames() : 0); }
 
   void set_up() {
-    RunStatus status;
+    RunStatus& status = board_.now();
     status.run = result_.run;
     status.store = std::filesystem::absolute(store_.path()).string();  // the client may have another working directory
-    control_.publish(status);
+    status.label = request_.label;
+    status.frames = frames_before_;
+    status.rate = request_.bench.in_process ? 0.0 : request_.bench.rate;
+    board_.phase("opening the devices");
     control_.on_panic([this] {
       if (DeadManProcess* const dead_man = dead_man_) dead_man->fire();
     });
@@ -158,16 +122,17 @@ class RunLifecycle {
     if (rig_->dead_man() != nullptr) rig_->dead_man()->name_run(result_.run);
     keep_devices();
     control_.poll(signals_);  // commands that came while the devices opened
+    board_.phase("reading the unloaded array");
     for (const std::string& layer : fail_safe_layers(request_.bench)) recorder_->event("fail-safe", "", layer);
     record_environment(*rig_, *recorder_);
     check_scanner(request_, rig_->array().identity().serial);
     baseline_ = sequencer_->read_baseline();
-    conductor_ = std::make_unique<Conductor>(*sequencer_, *recorder_, control_, progress_, notify_, std::move(work_),
-                                             baseline_, status);
+    conductor_ =
+        std::make_unique<Conductor>(*sequencer_, *recorder_, control_, board_, notify_, std::move(work_), baseline_);
     conductor_->set_state(RunState::kRunning, "devices open, chamber unloaded");
     for (bool ready = false; !ready;) {
       try {
-        prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, progress_);
+        prepare_sensor(*sequencer_, *recorder_, store_, request_, baseline_, board_);
         ready = true;
       } catch (const Suspended& suspended) {
         conductor_->suspend(suspended);
@@ -270,6 +235,7 @@ class RunLifecycle {
   Notify notify_;
   const StopRequest signals_;
   Control control_;
+  StatusBoard board_{control_, progress_};
   Ending ending_{control_, signals_};
   Work work_;
   const RunLock lock_;  // of the run in its store

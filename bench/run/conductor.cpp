@@ -9,6 +9,7 @@
 #include "bench/common/error.h"
 #include "bench/common/process_time.h"
 #include "bench/run/dead_man_news.h"
+#include "bench/run/phase_words.h"
 #include "bench/run/watch/conditioning.h"
 #include "devices/fault.h"
 
@@ -22,21 +23,22 @@ using sequences::SpanKind;
 using sequences::Step;
 using sequences::StepKind;
 
-Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, Progress& progress,
-                     const Notify& notify, Work work, Baseline baseline, RunStatus status)
+Conductor::Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, StatusBoard& board,
+                     const Notify& notify, Work work, Baseline baseline)
     : sequencer_(sequencer),
       recorder_(recorder),
       control_(control),
-      progress_(progress),
+      board_(board),
       notify_(notify),
       work_(std::move(work)),
       baseline_(std::move(baseline)),
-      status_(std::move(status)),
+      status_(board.now()),
+      frames_before_(board.now().frames),
       stage_(sequencer, recorder),
       spans_(sequences::branches(work_.steps)) {
   sequencer_.set_listener([this] { listen(); });
-  status_.label = work_.label;
   status_.steps = static_cast<int>(work_.steps.size());
+  status_.frames_planned = std::ranges::count_if(work_.steps, sequences::takes_frame);
   publish();
 }
 
@@ -145,7 +147,8 @@ void Conductor::go_back(const BranchKey& key) {
       "way-back", "",
       fmt::format("conditioned again, then the turning points before branch {} of repeat {}", key.branch, key.repeat));
   const TimeSpent::Stretch stretch(sequencer_.times(), Spent::kRedoing);
-  for (const Step& step : sequences::way_back(recipe, key.sequence, key.repeat, key.branch)) carry_out(step);
+  const std::string back = fmt::format("back to branch {} of repeat {}: ", key.branch + 1, key.repeat + 1);
+  for (const Step& step : sequences::way_back(recipe, key.sequence, key.repeat, key.branch)) carry_out(step, back);
 }
 
 void Conductor::conditioning(const BranchSpan& span) {
@@ -174,7 +177,10 @@ void Conductor::travel(const BranchSpan& span) {
   for (std::size_t i = span.first; i < span.first + span.count; ++i) carry_out(work_.steps[i]);
 }
 
-void Conductor::carry_out(const Step& step) {
+void Conductor::carry_out(const Step& step, const std::string& before) {
+  const Recipe& recipe = work_.recipes[static_cast<std::size_t>(step.sequence)];
+  status_.phase = before + phase_of(step, recipe, status_.step, status_.steps);
+  status_.target_n = step.kind == StepKind::kPress ? std::optional(step.force_n) : std::nullopt;
   publish();
   if (work_.on_step) work_.on_step(step);
   sequencer_.begin_step();
@@ -183,12 +189,9 @@ void Conductor::carry_out(const Step& step) {
   } else if (step.kind == StepKind::kConditioning || step.kind == StepKind::kMeasure) {
     sequencer_.chamber_step(step);
   } else {
-    stage_.carry_out(step, work_.recipes[static_cast<std::size_t>(step.sequence)]);
+    stage_.carry_out(step, recipe);
   }
-  // Under a turned clock process time says nothing about a person's wait: there the pace so far is used.
-  const BenchConfig& bench = sequencer_.rig().config();
-  const bool known = work_.estimate != nullptr && !bench.in_process;
-  progress_.step(status_.label, status_.step, status_.steps, step, known ? status_.left_s / bench.rate : -1.0);
+  board_.step_done();
 }
 
 // Judged once, at the first frame at the recipe's highest level.
@@ -234,22 +237,30 @@ void Conductor::set_state(RunState state, const std::string& reason) {
 
 // Shows at once that a pause was asked for or taken back.
 void Conductor::listen() {
-  record_dead_man_news(sequencer_.rig(), recorder_, progress_);
+  record_dead_man_news(sequencer_.rig(), recorder_, board_.progress());
   check_dead_man(sequencer_.rig());
   if (control_.pause_wanted() && recorder_.state() == RunState::kRunning) {
     set_state(RunState::kPausing, "asked by " + control_.who());
-    progress_.note("pausing at the end of this branch; Ctrl-C (or `tactbench stop`) ends the run now");
+    board_.note("pausing at the end of this branch; Ctrl-C (or `tactbench stop`) ends the run now");
   } else if (!control_.pause_wanted() && recorder_.state() == RunState::kPausing) {
     (void)control_.take_resume();
     set_state(RunState::kRunning, "taken back by " + control_.who());
   }
+  // The stage's steps poll no pressure; while a person is waited for, the note on the terminal stands.
+  if (status_.target_n) sequencer_.tell_readings();
+  if (recorder_.state() == RunState::kRunning || recorder_.state() == RunState::kPausing) board_.refresh();
 }
 
 void Conductor::publish() {
   if (work_.estimate != nullptr) {
-    status_.left_s = work_.estimate->remaining(static_cast<std::size_t>(status_.step)).p50_s;
+    const TimeBand left = work_.estimate->remaining(static_cast<std::size_t>(status_.step));
+    status_.left_s = left.p50_s;
+    status_.left_low_s = left.p10_s;
+    status_.left_high_s = left.p90_s;
+    status_.prompts_left = work_.assume_yes ? 0 : left.prompts;
   }
-  control_.publish(status_);
+  status_.frames = frames_before_ + recorder_.frames();
+  board_.publish();
 }
 
 }  // namespace tactbench::bench

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/run/control/notify.h"
-#include "bench/run/control/progress.h"
+#include "bench/run/control/status_board.h"
 #include "bench/run/sequencer.h"
 #include "bench/run/stage_steps.h"
 #include "bench/run/time_estimate.h"
@@ -24,14 +24,14 @@ struct Work {
   std::function<void(const sequences::Step&)> on_step;  // called with each step before it is carried out; may be empty
   const TimeEstimate* estimate = nullptr;               // of time left; null: none
   bool assume_yes = false;                              // operator prompts are answered with yes
-  std::string label = "run";                            // of the progress line
 };
 
 class Conductor {
  public:
-  // `status` has run and store filled in. All have to outlive this.
-  Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, Progress& progress, const Notify& notify,
-            Work work, Baseline baseline, RunStatus status);
+  // The board's status has run, store and label filled in, and the frames of earlier processes. All have to outlive
+  // this.
+  Conductor(Sequencer& sequencer, Recorder& recorder, Control& control, StatusBoard& board, const Notify& notify,
+            Work work, Baseline baseline);
   // Until all branches are done. Throws what ends the run: Fault, Error, Leave, StoreError.
   void run();
   void set_state(RunState state, const std::string& reason);
@@ -47,7 +47,8 @@ class Conductor {
   void conditioning(const sequences::BranchSpan& span);
   bool condition(const sequences::BranchSpan& span);
   void travel(const sequences::BranchSpan& span);
-  void carry_out(const sequences::Step& step);
+  // `before` goes in front of the step's own words in the status.
+  void carry_out(const sequences::Step& step, const std::string& before = {});
   void go_back(const sequences::BranchKey& key);
   void fail_fast(const sequences::Step& step);
   void give_up(const std::string& reason);  // voids the open branch; the sensor's state is no longer the expected one
@@ -65,11 +66,12 @@ class Conductor {
   Sequencer& sequencer_;
   Recorder& recorder_;
   Control& control_;
-  Progress& progress_;
+  StatusBoard& board_;
   const Notify& notify_;
   Work work_;
   Baseline baseline_;
-  RunStatus status_;
+  RunStatus& status_;           // the board's
+  std::int64_t frames_before_;  // of earlier processes
   StageSteps stage_;
   std::vector<sequences::BranchSpan> spans_;
   bool displaced_ = false;  // the next branch needs the path to its start

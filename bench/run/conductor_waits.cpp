@@ -19,9 +19,10 @@ using devices::Nanoseconds;
 void Conductor::pause(const std::string& why) {
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, why);
   vent("to pause");
+  status_.phase = "paused, vented: waits for `tactbench resume`";
   set_state(RunState::kPaused, why);
-  progress_.note(fmt::format("run {} is paused, vented: `tactbench resume {}` continues, `tactbench stop {}` ends it",
-                             status_.run, status_.run, status_.run));
+  board_.note(fmt::format("run {} is paused, vented: `tactbench resume {}` continues, `tactbench stop {}` ends it",
+                          status_.run, status_.run, status_.run));
   notify_.tell("waiting", status_.run, "paused: " + why);
   wait_for_resume();
 }
@@ -57,7 +58,9 @@ std::size_t Conductor::after_rest(std::size_t next) {
 void Conductor::suspend(const Suspended& suspended) {
   set_state(RunState::kSuspended, suspended.what);
   vent("to wait: " + suspended.what);
-  progress_.note(fmt::format("run {} waits, vented: {}", status_.run, suspended.what));
+  status_.phase = "waiting, vented: " + suspended.what;
+  publish();
+  board_.note(fmt::format("run {} waits, vented: {}", status_.run, suspended.what));
   notify_.tell("waiting", status_.run, suspended.what);
   (void)sequencer_.times().start(Spent::kWaiting);
   Rig& rig = sequencer_.rig();
@@ -86,11 +89,12 @@ void Conductor::prompt(const sequences::Step& step) {
   }
   vent("for the operator");
   status_.question = step.text;
+  status_.phase = "waiting for an answer: " + step.text;
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, "for the operator");
   set_state(RunState::kPaused, "operator: " + step.text);
   const bool terminal = isatty(STDIN_FILENO) == 1;
-  progress_.note(fmt::format("{}\n  when done: {}`tactbench resume {}`", step.text, terminal ? "press Enter, or " : "",
-                             status_.run));
+  board_.note(fmt::format("{}\n  when done: {}`tactbench resume {}`", step.text, terminal ? "press Enter, or " : "",
+                          status_.run));
   notify_.tell("waiting", status_.run, step.text);
   (void)sequencer_.times().start(Spent::kWaiting);
   for (bool answered = false; !answered;) {
@@ -108,6 +112,9 @@ void Conductor::prompt(const sequences::Step& step) {
 }
 
 bool Conductor::vented(const std::string& why) {
+  status_.phase = "venting " + why;
+  status_.target_n.reset();
+  publish();
   const SafeProof proof = make_safe(sequencer_.rig(), baseline_);
   recorder_.event("safe", to_string(proof.state), why + ": " + proof.text);
   sequencer_.forget();
@@ -122,6 +129,8 @@ void Conductor::vent(const std::string& why) {
 }
 
 void Conductor::recover() {
+  status_.phase = "opening the devices again";
+  publish();
   Rig& rig = sequencer_.rig();
   rig.source().arm();
   rig.close_array();

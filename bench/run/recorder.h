@@ -48,6 +48,8 @@ class Recorder {
   [[nodiscard]] int frames() const { return frames_; }  // of this process
   [[nodiscard]] int most_exchanges() const { return most_exchanges_; }
   [[nodiscard]] std::int64_t run() const { return run_; }
+  // Process time since the run's start, those of earlier processes included.
+  [[nodiscard]] double elapsed_s() const { return static_cast<double>(now_ns()) * 1e-9; }
   [[nodiscard]] double store_seconds() const { return store_seconds_; }  // real, spent in storing frames
 
  private:

@@ -10,7 +10,7 @@
 #include "analysis/json_io.h"
 #include "analysis/statistics/sensor/seating.h"
 #include "bench/common/error.h"
-#include "bench/run/control/progress.h"
+#include "bench/run/control/status_board.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -85,7 +85,7 @@ std::string why_not(const RunRequest& request, const sequences::Extremes& extrem
 }  // namespace
 
 void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                const Baseline& unloaded, Progress& progress) {
+                const Baseline& unloaded, StatusBoard& board) {
   const sequences::Extremes extremes = sequences::extremes(sequences::compile(request.recipes));
   const double psi = std::min(kHighestPsi, extremes.highest.value());
   if (const std::string reason = why_not(request, extremes, psi); !reason.empty()) {
@@ -96,10 +96,12 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
   analysis::SeatingFrames now;
   const devices::ScanSet scans = [&] {
     const TimeSpent::Stretch stretch(sequencer.times(), Spent::kSetup);
+    board.phase(fmt::format("checking the seating at {:g} psi", psi));
     sequencer.chamber_step(at_level(psi, kLoadedDwell));
     now.pressure_psi = sequencer.last().reference.pressure.value();
     std::string flags;
     devices::ScanSet read = sequencer.read_array(flags);
+    board.phase("checking the seating: back at 0 psi");
     sequencer.chamber_step(at_level(0.0, kVentedDwell));
     return read;
   }();
@@ -118,7 +120,7 @@ void check_seat(Sequencer& sequencer, Recorder& recorder, const db::RunStore& st
       failed.push_back(finding.text);
     } else {
       recorder.event("warning", "TB-SEATING", finding.text);
-      progress.note("seating: " + finding.text);
+      board.note("seating: " + finding.text);
     }
   }
   if (failed.empty()) return;

@@ -61,9 +61,11 @@ void Sequencer::chamber_step(const Step& step) {
     rig_.source().arm();
     setpoint_ = Psi(0.0);
   }
+  moving_ = !step.hold;
   if (!step.hold) ramp(step);
   if (step.settle && !step.hold) settle(step);
   (void)times_.start(Spent::kDwelling);
+  moving_ = false;
   dwell(step);
   if (!sequences::takes_frame(step)) return;
   (void)times_.start(Spent::kReading);
@@ -191,11 +193,23 @@ void Sequencer::poll() {
   readings_.feedback = rig_.source().feedback();
   readings_.reference = rig_.reference().read();
   recorder_.poll(setpoint_, readings_.feedback, readings_.reference);
+  tell_readings();
   check_agreement();
   if (!guard_) return;
   const std::optional<std::string> broken = guard_->see(readings_.reference.pressure.value());
   if (broken && !tolerant_) throw PathBroken{*broken + " psi"};
   broken_ = broken_ || broken.has_value();
+}
+
+void Sequencer::tell_readings() {
+  RunReadings now;
+  now.time_s = recorder_.elapsed_s();
+  now.setpoint_psi = setpoint_.value();
+  now.feedback_psi = readings_.feedback.pressure.value();
+  now.reference_psi = readings_.reference.pressure.value();
+  now.settled = !moving_ && std::abs(now.feedback_psi - now.setpoint_psi) <= rig_.config().settling.band_psi;
+  now.force_n = rig_.guard().last_force_n();
+  control_.see(now);
 }
 
 // During a ramp the two may differ by their lag; a lasting difference means that one of them is wrong.

@@ -57,7 +57,12 @@ class Sequencer {
   [[nodiscard]] TimeSpent& times() { return times_; }
   [[nodiscard]] Rig& rig() { return rig_; }
   // Starts a new path: pressure is 0, no dwell is under way.
-  void forget() { setpoint_ = devices::Psi(0.0); }
+  void forget() {
+    setpoint_ = devices::Psi(0.0);
+    moving_ = false;
+  }
+  // Tells Control the newest readings; poll() does it for those of the chamber.
+  void tell_readings();
 
  private:
   void ramp(const sequences::Step& step);
@@ -85,6 +90,7 @@ class Sequencer {
   devices::Nanoseconds polled_{0}, conditions_due_{0};
   devices::Nanoseconds last_frame_{0}, step_deadline_ = devices::Nanoseconds::max();
   bool left_band_ = false, tolerant_ = false, broken_ = false;
+  bool moving_ = false;  // the set-point moves, or the pressure has not settled since
 };
 
 }  // namespace tactbench::bench

@@ -8,7 +8,7 @@
 #include "analysis/json_io.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/common/process_time.h"
-#include "bench/run/control/progress.h"
+#include "bench/run/control/status_board.h"
 #include "bench/run/seating.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
@@ -22,8 +22,10 @@ constexpr double kConverterRange = 65535.0;
 
 // Waits until the unloaded output drifts less than required, or the time is up. Returns the newest unloaded frame;
 // `cold` where there is nothing to wait for.
-Baseline warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::WarmUp& rule, const Baseline& cold) {
+Baseline warm_up(Sequencer& sequencer, Recorder& recorder, const sequences::WarmUp& rule, const Baseline& cold,
+                 StatusBoard& board) {
   if (rule.at_most_s <= 0.0) return cold;
+  board.phase(fmt::format("warming up, at most {:.0f} min", rule.at_most_s / 60.0));
   Rig& rig = sequencer.rig();
   const devices::Nanoseconds start = rig.clock().now();
   std::vector<double> drifts;
@@ -66,10 +68,10 @@ void check_scanner(const RunRequest& request, const std::string& serial) {
 }
 
 void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                    const Baseline& baseline, Progress& progress) {
+                    const Baseline& baseline, StatusBoard& board) {
   (void)sequencer.times().start(Spent::kSetup);
-  const Baseline unloaded = warm_up(sequencer, recorder, request.recipes.front().warm_up, baseline);
-  check_seat(sequencer, recorder, store, request, unloaded, progress);
+  const Baseline unloaded = warm_up(sequencer, recorder, request.recipes.front().warm_up, baseline, board);
+  check_seat(sequencer, recorder, store, request, unloaded, board);
 }
 
 }  // namespace tactbench::bench

@@ -10,7 +10,7 @@ class RunStore;
 
 namespace tactbench::bench {
 
-class Progress;
+class StatusBoard;
 
 void record_environment(Rig& rig, Recorder& recorder);  // one event a sensor
 // Throws Fault TB-SCANNER-SERIAL when the scanner is not the one that the sensor is registered with.
@@ -18,6 +18,6 @@ void check_scanner(const RunRequest& request, const std::string& serial);
 // Warm-up by the first recipe's criterion, then seating; each a stored check. Throws Error TB-SEATING and what the
 // sequencer throws; after Suspended it may be called again.
 void prepare_sensor(Sequencer& sequencer, Recorder& recorder, const db::RunStore& store, const RunRequest& request,
-                    const Baseline& baseline, Progress& progress);
+                    const Baseline& baseline, StatusBoard& board);
 
 }  // namespace tactbench::bench

@@ -30,7 +30,7 @@ class TimeSpent {
   };
   [[nodiscard]] double seconds(Spent spent) const;  // up to the last start()
   [[nodiscard]] double total() const;
-  // "dwelling 71 %, settling 18 %, ...": only shares that do not round to zero.
+  // "dwelling 71.0 %, settling 18.4 %, ...": only shares of 0.1 % and more.
   [[nodiscard]] std::string text() const;
 
  private:

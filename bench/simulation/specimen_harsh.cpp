@@ -41,11 +41,10 @@ double heavy_tailed_of(std::uint64_t hash) {
 }
 
 HarshFilm::HarshFilm(const SpecimenOptions& options, FilmMake& make)
-    : rows_(options.rows),
-      columns_(options.columns),
+    : columns_(options.columns),
       sensor_seed_(options.sensor_seed),
       run_key_(hash_of(options.seed, kRun, options.sensor_seed)) {
-  const std::size_t count = make.amplitude_v.size();
+  const std::size_t count = make.amplitude_v.size(), rows = static_cast<std::size_t>(options.rows);
   for (std::size_t i = 0; i < count; ++i) {
     taxels_.push_back(make_taxel(make, i));
     make.amplitude_v[i] *= harsh::kAmplitude;
@@ -54,7 +53,7 @@ HarshFilm::HarshFilm(const SpecimenOptions& options, FilmMake& make)
       return usual * (0.5 + uniform_of(hash_of(sensor_seed_, kLinks, 4 * i + side)));
     };
     const std::size_t row = i / static_cast<std::size_t>(columns_), column = i % static_cast<std::size_t>(columns_);
-    const bool last_row = row + 1 == static_cast<std::size_t>(rows_);
+    const bool last_row = row + 1 == rows;
     const bool last_column = column + 1 == static_cast<std::size_t>(columns_);
     right_.push_back(last_column ? 0.0 : link(0, harsh::kCoupling));
     below_.push_back(last_row ? 0.0 : link(1, harsh::kCoupling));

@@ -72,7 +72,7 @@ struct HarshMemory {
 
 class HarshFilm {
  public:
-  // Takes the spread of `make`, raises its amplitude and scales its friction.
+  // Takes the spread of `make` and scales its amplitude and zero.
   HarshFilm(const SpecimenOptions& options, FilmMake& make);
 
   // A new film at the start of a run.
@@ -96,7 +96,7 @@ class HarshFilm {
   [[nodiscard]] Taxel make_taxel(const FilmMake& make, std::size_t taxel) const;
   void walk(HarshMemory& own, std::uint64_t knot, double knots) const;
 
-  int rows_, columns_;
+  int columns_;
   std::uint64_t sensor_seed_, run_key_;
   std::vector<Taxel> taxels_;
   std::vector<double> right_, below_, below_right_, below_left_;  // links of each taxel; 0 at the edge

@@ -1,5 +1,6 @@
 // A Modbus analog module as data (profile) and as process image: writes output words and reads them back, reads input
-// words, keeps raw counts beside volts. Profiles are files (devices/profiles/*.toml), read by bench/config_profile.
+// words, keeps raw counts beside volts. Profiles are files (devices/profiles/*.toml), read by
+// bench/config/config_profile.h.
 #pragma once
 
 #include <cstdint>

@@ -31,6 +31,8 @@ def attribute(path):
 
 
 with tempfile.TemporaryDirectory() as folder:
+    for name in ("TACTBENCH_BENCH", "TACTBENCH_DB"):
+        os.environ.pop(name, None)  # the developer's
     os.environ["TACTBENCH_RUNTIME_DIR"] = folder  # commands to other runs of this machine do not reach it
     said(PROGRAM, "init")
     said(PROGRAM, "sensors", "add", "S-1", "--type", "sensor.toml")

@@ -76,7 +76,7 @@ class _DynamicSetup(ctypes.Structure):
                 ("tare_share", ctypes.c_double), ("creep_seconds", ctypes.c_double * 3),
                 ("creep_share", ctypes.c_double * 3), ("creep_half", ctypes.c_double),
                 ("lag_seconds", ctypes.c_double), ("top_share", ctypes.c_double),
-                ("residual", ctypes.POINTER(ctypes.c_double))]
+                ("residual", ctypes.POINTER(ctypes.c_double)), ("worked_seconds", ctypes.c_double)]
 
 
 class _DynamicTaxel(ctypes.Structure):
@@ -227,11 +227,12 @@ class Compensator:
 
 class DynamicCompensator(Compensator):
     """The dynamic Preisach model's compensator: tell it the time between frames by set_interval. creep: pairs (seconds,
-    share) of up to three elements; the other options are Compensator's and compensator_c.h's."""
+    share) of up to three elements; worked_seconds: how long the sensor was conditioned just before a start; the other
+    options are Compensator's and compensator_c.h's."""
 
     def __init__(self, intervals, taxels, volts_per_count, pressure_low, pressure_high, creep=(), creep_half=0.0,
                  lag_seconds=0.0, top_share=0.0, residual=(), double=False, at_rest=False, longest_gap=0, flat_pressure=0.0,
-                 known_pressure=0.0, tare_share=0.0, library=None):
+                 known_pressure=0.0, tare_share=0.0, library=None, worked_seconds=0.0):
         self._library, self._handle, self._real = load_library(library), None, "d" if double else "f"
         self._count = len(taxels)
         self._functions = ["tb_compensator_" + name + ("_double" if double else "") for name in ("counts", "volts")]
@@ -256,6 +257,7 @@ class DynamicCompensator(Compensator):
                               longest_gap, len(taxels), intervals, pressure_low, pressure_high, volts_per_count,
                               flat_pressure, known_pressure, tare_share, seconds, shares, creep_half, lag_seconds,
                               top_share)
+        setup.worked_seconds = worked_seconds
         if residual:
             if len(residual) != 2 * intervals:
                 raise CompensatorError(f"residual has {len(residual)} values, not {2 * intervals}")

@@ -2,27 +2,25 @@
 // the congruency test and Preisach's weights on its linearised output.
 #pragma once
 
-#include "analysis/compensate/dynamic_setup.h"
 #include "analysis/identify/dynamic/dynamics_search.h"
-#include "analysis/identify/elam/identify.h"
+#include "analysis/identify/sensor_model.h"
 
 namespace tactbench::analysis {
 
+inline constexpr const char* kDynamicModel = "dynamic";  // SensorModel::model
+
 struct DynamicFitOptions {
-  int cells = 20;   // Preisach's intervals of the input range
-  int threads = 0;  // 0: as many as there are cores
-  bool linearise = true;
+  int cells = 20;        // Preisach's intervals of the input range
+  int threads = 0;       // 0: as many as there are cores
   bool by_input = true;  // IdentifyOptions::by_input
 };
 
-struct DynamicFit {
-  ArrayDynamics dynamics;
-  DynamicSetup setup;                // volts_per_count is left 0: the caller's converter
-  std::vector<double> mean_error_v;  // per taxel of the direct model on what was fitted, creep and lag undone
-};
-
-// `rate` and `creep` may be null (find_dynamics). Throws AnalysisError as histories_of and fit_data_of do.
-DynamicFit fit_dynamic(const Dataset& fitted, const Dataset* rate, const Dataset* creep,
-                       const DynamicFitOptions& options = {});
+// The taxels' models and figures are of the static film: outputs of `fitted` with creep undone, at the pressures that
+// have arrived. Validity covers the holds and rates of all three runs. `rate` and `creep` may be one run. Content
+// hashes are left empty: a Dataset does not tell them. Deterministic; threads by taxel. Throws AnalysisError
+// TB-ANALYSIS-OTHER-SENSOR and TB-ANALYSIS-ORIGIN where a run is of another array or origin than `fitted`,
+// TB-ANALYSIS-DYNAMICS where `creep` holds no level or `rate` has no two rates, and as fit_array does.
+SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Dataset& creep,
+                        const DynamicFitOptions& options = {});
 
 }  // namespace tactbench::analysis

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/compensate/dynamic_setup.h"
 #include "analysis/identify/dynamic/track.h"
 #include "analysis/identify/rivals/nnls.h"
 
@@ -127,6 +128,8 @@ void find_creep(const Dataset& data, const std::vector<double>& zero_v, const st
   const Eigen::Map<const Eigen::Vector3d> shares(share.data());
   const Eigen::VectorXd shape = best_columns * shares;
   for (double& k : share) k *= factor / count;
+  const double total = share[0] + share[1] + share[2];
+  const double most = total > 0.0 ? std::min(kMostCreepScale, kMostCreep / total) : kMostCreepScale;
   for (std::size_t t = 0; t < zero_v.size(); ++t) {
     if (!usable[t]) continue;
     std::vector<double> above;
@@ -137,7 +140,7 @@ void find_creep(const Dataset& data, const std::vector<double>& zero_v, const st
     const double scale = column.dot(off) / column.squaredNorm();
     const double doubt2 = (off - scale * column).squaredNorm() / static_cast<double>(off.size()) / column.squaredNorm();
     constexpr double kSpread2 = 0.25 * 0.25;  // of taxels, as far as is known before
-    result.creep_scale[t] = std::max(0.0, 1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2));
+    result.creep_scale[t] = std::clamp(1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2), 0.0, most);
   }
 }
 

@@ -81,7 +81,8 @@ void find_lag(const Dataset& data, const std::vector<double>& zero_v, const std:
       xy += x * y;
       yy += y * y;
     }
-    const double share = xx > 0.0 ? xy / xx : 0.0, rest = yy - share * xy;
+    if (xx <= 0.0) return Share{0.0, std::numeric_limits<double>::infinity(), yy};
+    const double share = xy / xx, rest = yy - share * xy;
     return Share{share, rest / static_cast<double>(rows.size()) / xx, rest};
   };
   std::vector<std::vector<double>> outputs(width);

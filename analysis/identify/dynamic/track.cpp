@@ -25,12 +25,9 @@ Track track_of(const Dataset& data) {
 }
 
 DynamicsStep next_step(const Dynamics& d, DynamicsState& state, const Sample& sample, double before, double span) {
-  constexpr double kAccounted = 5.0;  // seconds that settling may take beside the command
-  double passed = sample.time_s - std::max(before, 0.0);
-  const bool unseen = passed > sample.held_s + kAccounted;
-  if (unseen) work_unseen(d, state, passed - sample.held_s, span);
-  if (unseen || before < 0.0) passed = std::min(passed, sample.held_s);
-  return {d, passed};
+  const TimePassed passed = time_passed(sample, before);
+  if (passed.worked_s > 0.0) work_unseen(d, state, passed.worked_s, span);
+  return {d, passed.step_s};
 }
 
 std::vector<std::array<double, kCreepElements>> walk_creep(const Track& track, const Dynamics& d) {

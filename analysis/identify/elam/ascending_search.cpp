@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/identify/elam/evolution.h"
+
 namespace tactbench::analysis {
 namespace {
 
@@ -65,40 +67,17 @@ Point damped_step(std::array<double, 6> a, Point b, double damping, const Point&
 }
 
 constexpr std::size_t kOffspring = 24, kParents = 12, kGenerations = 60;
-constexpr double kDimensions = 3.0, kMeanLength = 1.596;  // of a normal vector
+constexpr int kDimensions = 3;
+constexpr double kMeanLength = 1.596;  // of a normal vector
 
-// What does not change from one evolution to the next: a fixed sequence of nearly normal variates (sums of four 16-bit
-// parts of xorshift numbers), weights log(12.5) - log(i), and the constants that follow from these and the dimension.
+// What does not change from one evolution to the next.
 struct Strategy {
+  EvolutionConstants<kParents, kDimensions> constants;
   std::array<Point, kOffspring * kGenerations> variates{};
-  std::array<double, kParents> weight{};
-  double mass = 0.0, path_share = 0.0, path_damping = 0.0, way_share = 0.0, rank_one = 0.0, rank_many = 0.0;
   Strategy() {
-    std::uint64_t state = 88172645463325252ULL;
-    for (Point& point : variates) {
-      for (double& value : point) {
-        state ^= state << 13U;
-        state ^= state >> 7U;
-        state ^= state << 17U;
-        const std::uint64_t sum =
-            (state & 0xffffU) + ((state >> 16U) & 0xffffU) + ((state >> 32U) & 0xffffU) + (state >> 48U);
-        value = (static_cast<double>(sum) / 65536.0 - 2.0) * 1.7320508;
-      }
-    }
-    double sum = 0.0, squares = 0.0;
-    for (std::size_t i = 0; i < kParents; ++i)
-      sum += weight[i] = std::log(12.5) - std::log(1.0 + static_cast<double>(i));
-    for (double& w : weight) {
-      w /= sum;
-      squares += w * w;
-    }
-    mass = 1.0 / squares;
-    path_share = (mass + 2.0) / (kDimensions + mass + 5.0);
-    path_damping = 1.0 + path_share;
-    way_share = (4.0 + mass / kDimensions) / (kDimensions + 4.0 + 2.0 * mass / kDimensions);
-    rank_one = 2.0 / ((kDimensions + 1.3) * (kDimensions + 1.3) + mass);
-    rank_many =
-        std::min(1.0 - rank_one, 2.0 * (mass - 2.0 + 1.0 / mass) / ((kDimensions + 2.0) * (kDimensions + 2.0) + mass));
+    Variates variate;
+    for (Point& point : variates)
+      for (double& value : point) value = variate();
   }
 };
 
@@ -164,7 +143,8 @@ void AscendingSearch::descend(std::span<Value> values, int steps, Gradient gradi
 Value AscendingSearch::evolve(const Value& start) {
   constexpr double kFirst = 0.0548, kLast = 1e-4;  // step sizes: at them J would rise by their square, as a share
   static const Strategy strategy;
-  const auto& [variates, weight, mass, path_share, path_damping, way_share, rank_one, rank_many] = strategy;
+  const auto& variates = strategy.variates;
+  const auto& [weight, mass, path_share, path_damping, way_share, rank_one, rank_many] = strategy.constants;
 
   put(0, start.at);
   lane_ascending(lanes_, 1, Gradient::kSpace);

@@ -133,9 +133,7 @@ double fit_ascending(ElamModel& model, std::span<const CurveSamples> curves) {
     const Value found = search.evolve(end);
     if (found.j < best.j) best = found;
   }
-  model.parameters.alpha_a0 = best.at[0];
-  model.parameters.alpha_a1 = (best.at[1] - best.at[0]) / (model.xu() - model.x0());
-  model.parameters.beta_a = best.at[2];
+  set_direction(model.parameters, true, model.xu() - model.x0(), best.at.data());
   return best.j;
 }
 

@@ -30,13 +30,8 @@ class Halved {
   }
   [[nodiscard]] Eigen::Index size() const { return ascending_ ? 3 : 2; }
   [[nodiscard]] At here() const {
-    const ElamParameters& p = model_.parameters;
-    At at(size());
-    if (ascending_)
-      at << p.alpha_a0, p.alpha_a0 + p.alpha_a1 * length(), p.beta_a;
-    else
-      at << p.alpha_d, p.beta_d;
-    return at;
+    const std::array<double, 3> row = direction_of(model_.parameters, ascending_, length());
+    return At::Map(row.data(), size());
   }
   // The pattern's own split at this share of the input range.
   [[nodiscard]] At own_split(double share) const {
@@ -46,17 +41,7 @@ class Halved {
     at[size() - 1] = std::clamp(beta, 0.0, 1.0);
     return at;
   }
-  void put(const At& at) {
-    ElamParameters& p = model_.parameters;
-    if (ascending_) {
-      p.alpha_a0 = at[0];
-      p.alpha_a1 = (at[1] - at[0]) / length();
-      p.beta_a = at[2];
-    } else {
-      p.alpha_d = at[0];
-      p.beta_d = at[1];
-    }
-  }
+  void put(const At& at) { set_direction(model_.parameters, ascending_, length(), at.data()); }
   [[nodiscard]] double j(const At& at) { return constant_ + residuals(at).squaredNorm(); }
   // Directions with the variance that the samples leave in each.
   struct Spread {

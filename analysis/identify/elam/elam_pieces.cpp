@@ -25,12 +25,9 @@ class Direction {
   }
   [[nodiscard]] Eigen::Index own() const { return ascending_ ? 3 : 2; }  // the paper's parameters
   [[nodiscard]] Eigen::VectorXd start() const {
-    const ElamParameters& p = model_.parameters;
+    const std::array<double, 3> row = direction_of(model_.parameters, ascending_, length());
     Eigen::VectorXd at = Eigen::VectorXd::Zero(own() + static_cast<Eigen::Index>(low_ + high_));
-    if (ascending_)
-      at.head(3) << p.alpha_a0, p.alpha_a0 + p.alpha_a1 * length(), p.beta_a;
-    else
-      at.head(2) << p.alpha_d, p.beta_d;
+    at.head(own()) = Eigen::VectorXd::Map(row.data(), own());
     return clipped(at);
   }
   [[nodiscard]] Eigen::VectorXd clipped(Eigen::VectorXd at) const {
@@ -40,15 +37,7 @@ class Direction {
     return at;
   }
   void put(const Eigen::VectorXd& at, ElamModel& model, ElamPieces& pieces) const {
-    ElamParameters& p = model.parameters;
-    if (ascending_) {
-      p.alpha_a0 = at[0];
-      p.alpha_a1 = (at[1] - at[0]) / length();
-      p.beta_a = at[2];
-    } else {
-      p.alpha_d = at[0];
-      p.beta_d = at[1];
-    }
+    set_direction(model.parameters, ascending_, length(), at.data());
     const double* logs = at.data() + own();
     (ascending_ ? pieces.ascending_low : pieces.descending_low).assign(logs, logs + low_);
     (ascending_ ? pieces.ascending_high : pieces.descending_high).assign(logs + low_, logs + low_ + high_);

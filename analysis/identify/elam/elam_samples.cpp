@@ -80,4 +80,20 @@ void thin(std::vector<CurveSamples>& curves, std::size_t most) {
   std::erase_if(curves, [](const CurveSamples& curve) { return curve.x.empty(); });
 }
 
+std::array<double, 3> direction_of(const ElamParameters& p, bool ascending, double length) {
+  if (!ascending) return {p.alpha_d, p.beta_d, 0.0};
+  return {p.alpha_a0, p.alpha_a0 + p.alpha_a1 * length, p.beta_a};
+}
+
+void set_direction(ElamParameters& p, bool ascending, double length, const double* at) {
+  if (ascending) {
+    p.alpha_a0 = at[0];
+    p.alpha_a1 = (at[1] - at[0]) / length;
+    p.beta_a = at[2];
+  } else {
+    p.alpha_d = at[0];
+    p.beta_d = at[1];
+  }
+}
+
 }  // namespace tactbench::analysis

@@ -2,6 +2,7 @@
 // same model value, so a search needs only their weighted mean and a constant.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -38,6 +39,11 @@ inline constexpr std::size_t kSearchedSamples = 10000;
 ElamSamples searched_samples(const ElamModel& model, std::span<const TaxelBranch> branches);
 // The fit that `model` is, whoever found its parameters.
 ElamFit scored(const ElamModel& model, std::span<const TaxelBranch> branches);
+
+// One direction's parameters in a row, each in [0, 1]: alpha_d, beta_d; or phi(0), phi(length), beta_a, where `length`
+// is that of the longest branch, psi.
+std::array<double, 3> direction_of(const ElamParameters& parameters, bool ascending, double length);  // 2 or 3 of them
+void set_direction(ElamParameters& parameters, bool ascending, double length, const double* at);
 
 // The minimum of J's descending half over alpha_d, beta_d in [0, 1] and of its ascending half over the unit cube in
 // (phi(x = 0 long), phi(full length), beta_a); the model's other parameters are left alone. Return J without constant.

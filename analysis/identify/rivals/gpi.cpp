@@ -1,4 +1,4 @@
-// GPI has many minima: Levenberg-Marquardt from fixed starts, spread evenly over the shapes that loops have.
+// GPI has many minima: local searches from fixed starts, spread evenly over the shapes that loops have.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +11,16 @@
 namespace tactbench::analysis {
 namespace {
 
-// Of kTried times as many points as there are starts the best after a few steps are followed to where they stall,
-// kFollowed times as many as there are starts, and the best of these evolved.
-constexpr int kTried = 64, kFirstSteps = 6, kFollowed = 4, kGpiSteps = 60;
-constexpr std::size_t kEvolutions = 6;  // at most,
-constexpr double kHopeful = 0.3;        // of those whose J is within this share of the least
-constexpr double kApart = 1e-4;         // share of J by which two ends differ that are not one
+// Of kTried times as many points as there are starts the best, kFirst times, are followed for a few steps, the best of
+// these, kSecond times, for some more, and all of these evolved in a tournament from whose first round kThird times as
+// many come. Chosen on simulated sensors with the seeds 1 to 3 and 11 to 13.
+constexpr int kTried = 256, kFirst = 32, kSecond = 8, kThird = 2;
+constexpr int kFirstSteps = 6, kSecondSteps = 30, kLastSteps = 60;
+constexpr double kEqualJ = 1e-7;  // share of J by which points differ that are not one
+constexpr double kApart = 1e-4;   // the same of ends that are not yet at their minimum
 constexpr double kFirstSize = 0.1;
-constexpr int kGpiGenerations = 250;
+constexpr int kTournament = 300, kGenerations = 250;
+constexpr double kFurther[] = {2.0, 1.0, 0.5};  // sizes of the last evolutions, about the best: neighbouring minima
 
 // What the data leave open: standard errors above 1, a factor e or the whole output. By the parameter that the unknown
 // alone, or first, moves.
@@ -37,30 +39,30 @@ double root(const auto& rising, double low, double high) {
   return first_crossing(rising, way, 0.0);
 }
 
-// The n-th start: bends, threshold and density from the sequence, the envelopes' ends so that the external loop runs
-// from 0 to 1 and back.
+// The n-th start: bends, density, and in units of the left envelope's end thresholds, its begin and the right one's end
+// from the sequence; the right one's begin and the unit so that the external loop runs from 0 to 1 and back.
 GpiPoint start_of(int n) {
   const auto between = [n](int base, double low, double high) { return low + (high - low) * halton(n, base); };
-  const double alpha = std::exp(between(2, std::log(0.005), std::log(1.2))), s = between(3, -1.5, 3.0);
+  const double alpha = std::exp(between(2, -4.0, 0.2)), s = between(3, -1.8, 1.8);
+  const double l0 = between(7, -1.0, 0.7), r1 = between(11, -0.8, 1.4);
   const auto sum = [&](const auto& output) {
     double total = 0.0;
     for (int i = 0; i < kGpiOperators; ++i) total += std::exp(-s * i) * output(alpha * i);
     return total;
   };
-  const double top =
-      root([&](double left) { return sum([&](double r) { return std::max(left - r, 0.0); }) - 1.0; }, 0.0, 2.0);
-  const auto at_top = [&](double r) { return std::max(top - r, 0.0); };
-  const double bottom =
-      root([&](double right) { return sum([&](double r) { return std::min(right + r, at_top(r)); }); }, -8.0, top);
-  const double l0 = top * between(7, -0.3, 0.2), r1 = top * between(11, 0.5, 1.1);
+  const auto at_top = [](double r) { return std::max(1.0 - r, 0.0); };
+  const double unit = 1.0 / sum(at_top);
+  const double r0 = root(
+      [&](double right) { return sum([&](double r) { return std::max(l0 - r, std::min(right + r, at_top(r))); }); },
+      -8.0, 1.0);
   GpiPoint start{};
-  start[kLnA] = between(5, std::log(0.05), std::log(8.0));
-  start[kLnB] = between(13, std::log(0.05), std::log(12.0));
-  start[kL0] = l0;
-  start[kLnDl] = std::log(top - l0);
-  start[kR0] = bottom;
-  start[kLnDr] = std::log(std::max(r1 - bottom, 0.1));
-  start[kLnAlpha] = std::log(alpha);
+  start[kLnA] = between(5, std::log(0.3), std::log(10.0));
+  start[kLnB] = between(13, std::log(0.1), std::log(40.0));
+  start[kL0] = unit * l0;
+  start[kLnDl] = std::log(unit * (1.0 - l0));
+  start[kR0] = unit * r0;
+  start[kLnDr] = std::log(unit * std::max(r1 - r0, 0.1));
+  start[kLnAlpha] = std::log(unit * alpha);
   start[kS] = s;
   return start;
 }
@@ -96,21 +98,25 @@ class GpiIdentifier final : public Identifier {
   [[nodiscard]] GpiFound search(const GpiTree::Target& target) const {
     GpiSearch search(tree_, target);
     std::vector<GpiFound> found = tried_;
-    const auto best_of = [&](std::size_t count, int steps) {
-      search.descend(found, steps);
+    const auto keep = [&](int share, double apart) {
       std::ranges::stable_sort(found, {}, &GpiFound::j);
-      found.resize(std::min(count, found.size()));
+      keep_apart(found, static_cast<std::size_t>(share * starts_), apart, [](const GpiFound& one) { return one.j; });
     };
-    best_of(static_cast<std::size_t>(kFollowed * starts_), kFirstSteps);
-    best_of(found.size(), kGpiSteps);
-    std::vector<GpiFound> ends;
-    for (const GpiFound& one : found) {
-      if (ends.size() == kEvolutions || one.j > found.front().j * (1.0 + kHopeful)) break;
-      if (ends.empty() || one.j > ends.back().j * (1.0 + kApart)) ends.push_back(one);
+    search.rate(found);
+    keep(kFirst, kEqualJ);
+    search.descend(found, kFirstSteps);
+    keep(kSecond, kEqualJ);
+    search.descend(found, kSecondSteps);
+    keep(kSecond, kApart);
+    found = search.tournament(found, kFirstSize, static_cast<std::size_t>(kThird * starts_), kTournament, kApart);
+    search.descend(found, kLastSteps);
+    GpiFound best = *std::ranges::min_element(found, {}, &GpiFound::j);
+    for (const double size : kFurther) {
+      GpiFound further = search.evolve(best, size, kGenerations);
+      search.descend(std::span(&further, 1), kLastSteps);
+      if (further.j < best.j) best = further;
     }
-    for (GpiFound& end : ends) end = search.evolve(end, kFirstSize, kGpiGenerations);
-    search.descend(ends, kGpiSteps);
-    return *std::ranges::min_element(ends, {}, &GpiFound::j);
+    return best;
   }
 
   FitSamples samples_;

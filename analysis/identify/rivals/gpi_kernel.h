@@ -7,7 +7,7 @@
 
 namespace tactbench::analysis::kernel {
 
-// e^x for x in -700..0: Cody and Waite's reduction, Taylor's polynomial on |r| < 0.35, to the last place or two.
+// e^x for x in -700..700: Cody and Waite's reduction, Taylor's polynomial on |r| < 0.35, to the last place or two.
 template <int N, class V = typename Lanes<N>::Value, class M = typename Lanes<N>::Mask>
 TACTBENCH_INLINE V exponential(const V& x) {
   constexpr double kShift = 6755399441055744.0;  // 1.5 x 2^52: what is added to it is rounded to a whole number
@@ -36,13 +36,12 @@ TACTBENCH_INLINE void envelopes(GpiLanes& lanes, std::size_t lane) {
   using V = typename Lanes<N>::Value;
   constexpr int kRow = kGradient ? kFields : kValues;
   for (const bool is_left : {true, false}) {
-    const GpiLanes::Shape& own = is_left ? lanes.left : lanes.right;
-    V a, start, rise, per_whole, end;
-    load(a, &own.a[lane]);
-    load(start, &own.start[lane]);
-    load(rise, &own.rise[lane]);
-    load(per_whole, &own.per_whole[lane]);
-    load(end, &own.end[lane]);
+    V ln_a, start, ln_rise;
+    load(ln_a, &lanes.unknown[is_left ? kLnA : kLnB][lane]);
+    load(start, &lanes.unknown[is_left ? kL0 : kR0][lane]);
+    load(ln_rise, &lanes.unknown[is_left ? kLnDl : kLnDr][lane]);
+    const V a = exponential<N>(ln_a), rise = exponential<N>(ln_rise), end = exponential<N>(-a);
+    const V per_whole = 1.0 / (1.0 - end);
     double* row = lanes.envelopes.data() + (is_left ? 0 : N);
     for (const double u : lanes.tree->knots) {
       const V rest = exponential<N>(-a * u), shape = (1.0 - rest) * per_whole;
@@ -82,9 +81,13 @@ TACTBENCH_INLINE void gpi_walk(GpiLanes& lanes, const GpiTree::Target& target, s
   const GpiTree& tree = *lanes.tree;
   const V zero{}, one = zero + 1.0;
   V threshold[kGpiOperators], density[kGpiOperators];
+  V ln_alpha, s_of;
+  load(ln_alpha, &lanes.unknown[kLnAlpha][lane]);
+  load(s_of, &lanes.unknown[kS][lane]);
+  const V alpha = exponential<N>(ln_alpha), fall = exponential<N>(-s_of);
   for (int i = 0; i < kGpiOperators; ++i) {
-    load(threshold[i], &lanes.threshold[static_cast<std::size_t>(i)][lane]);
-    load(density[i], &lanes.density[static_cast<std::size_t>(i)][lane]);
+    threshold[i] = alpha * static_cast<double>(i);
+    density[i] = i == 0 ? one : density[i - 1] * fall;
   }
   envelopes<N, kGradient>(lanes, lane);
   V j = zero + target.constant, normal[kGpiNormals], slope[kGpiUnknowns];

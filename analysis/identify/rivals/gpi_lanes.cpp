@@ -1,7 +1,5 @@
 #include "analysis/identify/rivals/gpi_lanes.h"
 
-#include <cmath>
-
 #include "analysis/identify/elam/lanes.h"
 
 // Vectors wider than the base's registers are passed between always-inlined functions only.
@@ -46,24 +44,8 @@ GpiLanes::GpiLanes(const GpiTree& own) : tree(&own) {
 }
 
 void GpiLanes::evaluate(const GpiTree::Target& target, bool gradient) {
-  for (std::size_t lane = 0; lane < kMost; ++lane) {
-    const GpiPoint& p = at[lane];
-    const auto shape = [&](Shape& own, GpiUnknown ln_a, GpiUnknown start, GpiUnknown ln_rise) {
-      own.a[lane] = std::exp(p[ln_a]);
-      own.start[lane] = p[start];
-      own.rise[lane] = std::exp(p[ln_rise]);
-      own.end[lane] = std::exp(-own.a[lane]);
-      own.per_whole[lane] = -1.0 / std::expm1(-own.a[lane]);
-    };
-    shape(left, kLnA, kL0, kLnDl);
-    shape(right, kLnB, kR0, kLnDr);
-    const double alpha = std::exp(p[kLnAlpha]), fall = std::exp(-p[kS]);
-    double share = 1.0;
-    for (std::size_t i = 0; i < kGpiOperators; ++i, share *= fall) {
-      threshold[i][lane] = alpha * static_cast<double>(i);
-      density[i][lane] = share;
-    }
-  }
+  for (std::size_t lane = 0; lane < kMost; ++lane)
+    for (std::size_t k = 0; k < kGpiUnknowns; ++k) unknown[k][lane] = at[lane][k];
   kGpiLevels[static_cast<std::size_t>(lane_dispatch())](*this, target, gradient);
 }
 

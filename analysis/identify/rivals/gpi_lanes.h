@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,11 @@ namespace tactbench::analysis {
 enum GpiUnknown { kLnA, kL0, kLnDl, kLnB, kR0, kLnDr, kLnAlpha, kS, kGpiUnknowns };
 using GpiPoint = std::array<double, kGpiUnknowns>;
 inline constexpr std::size_t kGpiNormals = kGpiUnknowns * (kGpiUnknowns + 1) / 2;
+
+struct GpiFound {
+  GpiPoint at{};
+  double j = std::numeric_limits<double>::infinity();  // of outputs in 0..1
+};
 
 struct GpiLanes {
   static constexpr std::size_t kMost = 8;  // candidates in one call
@@ -32,12 +38,8 @@ struct GpiLanes {
   std::array<std::array<double, kMost>, kGpiNormals> normal{};
   std::array<std::array<double, kMost>, kGpiUnknowns> slope{};
 
-  // Of the kernel: parameters as it takes them, envelopes at each knot with their derivatives, operators in each slot.
-  struct Shape {
-    std::array<double, kMost> a, start, rise, per_whole, end;
-  };
-  Shape left{}, right{};
-  std::array<std::array<double, kMost>, kGpiOperators> threshold{}, density{};
+  // Of the kernel: the candidates lane by lane, envelopes at each knot with their derivatives, operators in each slot.
+  std::array<std::array<double, kMost>, kGpiUnknowns> unknown{};
   std::vector<double> envelopes, slots;
 };
 

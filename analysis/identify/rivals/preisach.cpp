@@ -24,11 +24,12 @@ constexpr double kFlattest = 0.1;  // of the mean slope
 
 constexpr double kRidge = 1e-4;  // of the Gram matrix's mean diagonal
 
-// No branch turns further than an external one's share from the ends of the range.
+// No branch turns further than an external one's share from the ends of the range. Where a recording begins is no turn.
 bool external_only(const FitSamples& samples) {
   const double near = kOuterShare * (samples.x_high - samples.x_low);
   return std::ranges::none_of(samples.parts, [&](const FitSamples::Part& part) {
     const double first = samples.x[part.first];
+    if (part.opens_history) return false;
     return part.ascending ? first - samples.x_low > near : samples.x_high - first > near;
   });
 }

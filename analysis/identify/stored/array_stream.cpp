@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/error.h"
+#include "analysis/identify/dynamic_setup_of.h"
 #include "analysis/identify/stored/model_document.h"
 
 namespace tactbench::analysis {
@@ -32,6 +33,12 @@ ArrayStream::ArrayStream(const SensorModel& model, double volts_per_count, doubl
         Cause::kUsage, "TB-MODEL-COMPENSATOR",
         fmt::format("{} of {} cannot compensate frames: it is not of a whole array", label_of(model), model.source),
         "fit a run of the array: tactbench fit RUN");
+  if (model.dynamics) {
+    DynamicSetup setup = dynamic_setup_of(model, model.array(), volts_per_count, noisier);
+    setup.longest_gap = longest_gap;
+    dynamic_.emplace(setup);
+    return;
+  }
   for (const ModelTaxel& taxel : model.array())
     streams_.push_back(taxel.fitted() ? std::optional<TaxelStream>(std::in_place, taxel, noisier) : std::nullopt);
   last_psi_.assign(taxels(), static_cast<float>(model.pressure_psi.front()));
@@ -51,10 +58,8 @@ std::uint16_t ArrayStream::step(std::size_t taxel, float volts, float& pressure,
 }
 
 void ArrayStream::frame(std::span<const float> volts, const Output& output) {
-  if (elam_) {
-    elam_->frame(volts, output);
-    return;
-  }
+  if (elam_) return elam_->frame(volts, output);
+  if (dynamic_) return dynamic_->frame(volts, output);
   for (std::size_t i = 0; i < taxels(); ++i) {
     output.status[i] = step(i, volts[i], last_psi_[i], last_uncertainty_psi_[i]);
     if (outside_ && output.status[i] != kTaxelDead)
@@ -65,10 +70,8 @@ void ArrayStream::frame(std::span<const float> volts, const Output& output) {
 }
 
 void ArrayStream::lost_frame(const Output& output) {
-  if (elam_) {
-    elam_->lost_frame(output);
-    return;
-  }
+  if (elam_) return elam_->lost_frame(output);
+  if (dynamic_) return dynamic_->lost_frame(output);
   const std::vector<float> none(taxels(), std::nanf(""));
   frame(none, output);
 }
@@ -76,6 +79,11 @@ void ArrayStream::lost_frame(const Output& output) {
 void ArrayStream::set_outside_validity(bool outside) {
   outside_ = outside;
   if (elam_) elam_->set_outside_validity(outside);
+  if (dynamic_) dynamic_->set_outside_validity(outside);
+}
+
+void ArrayStream::set_interval(double seconds) {
+  if (dynamic_) dynamic_->set_interval(seconds);
 }
 
 }  // namespace tactbench::analysis

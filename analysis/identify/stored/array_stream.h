@@ -1,5 +1,5 @@
-// Frames of an array compensated by any model: ELAM as in the paper by the frame compensator, every other model taxel
-// by taxel with its own inverse.
+// Frames of an array compensated by any model: ELAM as in the paper and the dynamic model by their frame compensators,
+// every other model taxel by taxel with its own inverse.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/compensate/dynamic_frame_compensator.h"
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/identify/taxel_stream.h"
 
@@ -16,12 +17,16 @@ class ArrayStream {
  public:
   using Output = FrameCompensator<float>::Output;
   // Keeps a pointer to `model`. `noisier`: by how much more noise a sample has than those that were fitted. Starts
-  // from any state with ELAM, at rest at the lowest input with other models, which do not know an unknown history.
+  // from any state with ELAM and the dynamic model, at rest at the lowest input with others, which do not know an
+  // unknown history.
   // Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array, std::invalid_argument when its
   // numbers make no compensator.
   ArrayStream(const SensorModel& model, double volts_per_count, double noisier, int longest_gap);
 
   [[nodiscard]] std::size_t taxels() const { return model_->array().size(); }
+  // Seconds from the frame before to the next one: lag and creep of a model that has them go on by these. Throws
+  // std::invalid_argument when they are negative or not finite.
+  void set_interval(double seconds);
   // One frame, as FrameCompensator's; volts as measured.
   void frame(std::span<const float> volts, const Output& output);
   void lost_frame(const Output& output);
@@ -32,6 +37,7 @@ class ArrayStream {
 
   const SensorModel* model_;
   std::optional<FrameCompensator<float>> elam_;
+  std::optional<DynamicFrameCompensator<float>> dynamic_;
   std::vector<std::optional<TaxelStream>> streams_;  // none: the taxel was not fitted
   std::vector<float> last_psi_, last_uncertainty_psi_;
   bool outside_ = false;

@@ -107,7 +107,8 @@ nlohmann::json summary_of(const SensorModel& fit, bool in_rows) {
 bool goes_in_rows(const SensorModel& fit) {
   const IdentifyOptions& options = fit.options;
   return fit.model == kElamFit && fit.run != 0 && fit.origin != "imported" && fit.all_sequences && !options.free_run &&
-         !options.genetic && !options.memory && options.splits == 1 && fit.parent_sha256.empty() &&
+         !options.genetic && !options.memory && !options.linearise && options.splits == 1 &&
+         fit.parent_sha256.empty() &&
          fit.array().size() == static_cast<std::size_t>(fit.rows) * static_cast<std::size_t>(fit.columns);
 }
 
@@ -139,7 +140,13 @@ FitRows rows_of(const SensorModel& fit) {
   record.summary_json = json_line(summary_of(fit, in_rows));
   if (!in_rows) {
     if (record.model == kElamFit) record.model += ", in part";  // not what stands for the run
-    record.options_json = "{}";
+    nlohmann::json options = nlohmann::json::object();
+    if (fit.options.linearise) options["linearise"] = true;
+    if (fit.dynamics) {
+      options["rate_run"] = fit.dynamics->rate.run;
+      options["creep_run"] = fit.dynamics->creep.run;
+    }
+    record.options_json = json_line(options);
     record.patterns_json = to_text(fit);
     return rows;
   }

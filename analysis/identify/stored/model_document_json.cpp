@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/identify/elam/identify.h"
+#include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
 #include "analysis/models/json_members.h"
@@ -95,7 +96,7 @@ void read_loop(const Json& json, const std::vector<double>& inputs, ModelTaxel& 
   taxel.descending = PatternCurve(inputs, down, down.front(), down.back());
 }
 
-Json taxel_json(const ModelTaxel& taxel) {
+Json taxel_json(const ModelTaxel& taxel, bool dynamic) {
   Json json = {{"taxel", taxel.taxel}, {"status", to_string(taxel.status)}, {"noise", taxel.noise}};
   if (!taxel.reason.empty()) json["reason"] = taxel.reason;
   if (taxel.fit.model == nullptr) return json;
@@ -115,6 +116,7 @@ Json taxel_json(const ModelTaxel& taxel) {
   json["at_bound"] = at_bound;
   if (elam_of(taxel) == nullptr && !taxel.ascending.x().empty()) json["loop"] = loop_json(taxel);
   if (!taxel.fit.undetermined.empty()) json["undetermined"] = taxel.fit.undetermined;
+  if (dynamic) add_taxel_dynamics(taxel, json);
   json["model"] = taxel.fit.model->to_json();
   return json;
 }
@@ -130,7 +132,7 @@ void read_status(const Json& json, ModelTaxel& taxel) {
   if (taxel.fitted() && !json.contains("model")) taxel.status = TaxelStatus::kUnfit;
 }
 
-ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs) {
+ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs, bool dynamic) {
   ModelTaxel taxel;
   taxel.taxel = integer_from(json, "taxel");
   read_status(json, taxel);
@@ -150,6 +152,7 @@ ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs) {
   taxel.fit.starts = integer_from(figures, "starts");
   for (const Json& name : json.value("undetermined", Json::array()))
     taxel.fit.undetermined.push_back(name.get<std::string>());
+  if (dynamic) read_taxel_dynamics(json, taxel);
   taxel.fit.model = model_from_json(json.at("model"));
   read_loop(json, inputs, taxel);
   return taxel;
@@ -170,6 +173,7 @@ SensorModel document_from(const Json& json) {
   document.options.memory = flag_from(options, "memory");
   document.options.splits = integer_from(options, "splits");
   document.options.starts = integer_from(options, "starts");
+  document.options.linearise = options.contains("linearise") && flag_from(options, "linearise");
   document.input_unit = text_from(json_member(json, "input"), "unit");
   document.output_unit = text_from(json_member(json, "output"), "unit");
   document.falling = flag_from(json_member(json, "output"), "falling");
@@ -193,9 +197,10 @@ SensorModel document_from(const Json& json) {
   document.parent_sha256 = text_from(parent, "sha256");
   document.adjustment = text_from(parent, "adjustment");
   document.program_version = text_from(json, "program_version");
+  if (json.contains("dynamics")) document.dynamics = dynamics_from(json.at("dynamics"));
   if (json.contains("loop_inputs")) document.pressure_psi = numbers_from(json, "loop_inputs");
   for (const Json& taxel : json_member(json, "taxels"))
-    document.taxels.push_back(taxel_from(taxel, document.pressure_psi));
+    document.taxels.push_back(taxel_from(taxel, document.pressure_psi, document.dynamics.has_value()));
   if (document.taxels.empty()) throw std::invalid_argument("\"taxels\" is empty");
   for (const ModelTaxel& taxel : document.taxels) {
     if (!document.pressure_psi.empty() || taxel.fit.model == nullptr) continue;
@@ -214,6 +219,7 @@ std::string to_text(const SensorModel& document) {
                      {"memory", document.options.memory},
                      {"splits", document.options.splits},
                      {"starts", document.options.starts}};
+  if (document.options.linearise) json["options"]["linearise"] = true;  // documents of before have no such member
   json["input"] = {{"unit", document.input_unit}};
   json["output"] = {{"unit", document.output_unit}, {"falling", document.falling}, {"scans", document.scans}};
   json["source"] = {{"name", document.source},
@@ -232,9 +238,12 @@ std::string to_text(const SensorModel& document) {
                       {"interface_material", document.validity.interface_material}};
   json["parent"] = {{"sha256", document.parent_sha256}, {"adjustment", document.adjustment}};
   json["program_version"] = document.program_version;
-  if (document.model != kElamFit) json["loop_inputs"] = document.pressure_psi;  // of ELAM its patterns say so
+  // Of ELAM its patterns say so, but where they are of the linearised output.
+  if (document.model != kElamFit || document.options.linearise) json["loop_inputs"] = document.pressure_psi;
+  if (document.dynamics) json["dynamics"] = dynamics_json(*document.dynamics);
   json["taxels"] = Json::array();
-  for (const ModelTaxel& taxel : document.taxels) json["taxels"].push_back(taxel_json(taxel));
+  for (const ModelTaxel& taxel : document.taxels)
+    json["taxels"].push_back(taxel_json(taxel, document.dynamics.has_value()));
   return json.dump(1) + "\n";
 }
 

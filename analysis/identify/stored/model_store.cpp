@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/json_io.h"
 #include "analysis/whole_file.h"
 #include "db/run_store.h"
 
@@ -70,6 +71,7 @@ std::string label_of(const SensorModel& document) {
   std::string label = document.model;
   if (document.options.free_run) label += ", free run";
   if (document.options.genetic && document.model == kElamFit) label += ", genetic";
+  if (document.options.linearise && !document.dynamics) label += ", linearised";
   if (document.options.memory) label += ", memory";
   if (document.options.exact_outer) label += ", exact outer";
   if (document.options.splits > 1) label += fmt::format(", {} splits", document.options.splits);

@@ -83,11 +83,19 @@ std::string model_sha256(const SensorModel& fit) {
       add(std::array{0.5, 0.5, 0.0, 0.5, 0.5});  // as reports have counted a taxel without a model
     }
     for (const PatternCurve* curve : {&taxel.ascending, &taxel.descending}) add(curve->y());
+    if (fit.dynamics) add(std::array{taxel.creep_scale, taxel.lag_share, taxel.residual_psi});
   };
   bytes.reserve((fit.array().size() + 1) * 32 * (fit.pressure_psi.size() + 3));
   add(fit.pressure_psi);
   add_taxel(fit.mean_taxel());
   for (const ModelTaxel& taxel : fit.array()) add_taxel(taxel);
+  if (fit.dynamics) {
+    const Dynamics& d = fit.dynamics->shared;
+    add(d.creep_s);
+    add(d.creep_share);
+    add(std::array{d.creep_half, d.lag_s, d.lag_share});
+    add(fit.dynamics->residual_shape);
+  }
   return db::sha256_hex(bytes);
 }
 

@@ -2,6 +2,7 @@
 
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/documents/run_json.h"
+#include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
 #include "analysis/report/data/data.h"
@@ -60,6 +61,26 @@ Json parameter_names(const SensorModel& fit) {
   if (fit.taxels.empty() || fit.mean_taxel().fit.model == nullptr) return kElamParameterNames;
   for (const ModelParameter& parameter : fit.mean_taxel().fit.model->parameters()) names.push_back(parameter.name);
   return names;
+}
+
+// Lag and creep that a dynamic model undoes, and the runs that they were taken from, are there only where it has them.
+Json model_json(const SensorModel& fit) {
+  const bool none = fit.taxels.empty();
+  Json taxels = Json::array();
+  for (std::size_t i = 0; i < fit.array().size(); ++i) {
+    taxels.push_back(taxel_json(fit.taxels[i], static_cast<int>(i)));
+    if (fit.dynamics && fit.taxels[i].fitted()) add_taxel_dynamics(fit.taxels[i], taxels.back());
+  }
+  Json json = {{"name", none ? "elam" : label_of(fit)},
+               {"rows", fit.rows},
+               {"columns", fit.columns},
+               {"parameter_names", parameter_names(fit)},
+               {"full_scale_v", none ? 0.0 : fit.full_scale_v()},
+               {"pressure_psi", number_list(fit.pressure_psi)}};
+  if (fit.dynamics) json["dynamics"] = dynamics_json(*fit.dynamics);
+  json["mean_taxel"] = taxel_json(none ? ModelTaxel{} : fit.mean_taxel(), -1);
+  json["taxels"] = std::move(taxels);
+  return json;
 }
 
 Json laboratory_json(const Laboratory& l) {
@@ -175,8 +196,7 @@ std::string identification_json(const ReportInput& input) {
 
 std::string results_json(const ReportInput& input) {
   const Evaluation& e = input.evaluation;
-  Json frames = Json::array(), traces = Json::array(), taxels = Json::array(), verdicts = Json::array(),
-       held_out = Json::array();
+  Json frames = Json::array(), traces = Json::array(), verdicts = Json::array(), held_out = Json::array();
   for (const LevelFigures& level : e.levels) {
     frames.push_back({{"pressure_psi", level.pressure_psi},
                       {"raw_up_v", number_list(level.raw_up_v)},
@@ -191,9 +211,6 @@ std::string results_json(const ReportInput& input) {
                       {"model_v", number_list(trace.model_v)},
                       {"compensated_psi", number_list(trace.compensated_psi)}});
   }
-  for (std::size_t i = 0; i < input.fit.array().size(); ++i) {
-    taxels.push_back(taxel_json(input.fit.taxels[i], static_cast<int>(i)));
-  }
   for (const db::VerdictRecord& verdict : input.verdicts) verdicts.push_back(judged_json(input, verdict));
   for (const HeldOut& run : input.held_out) {
     held_out.push_back(
@@ -205,15 +222,7 @@ std::string results_json(const ReportInput& input) {
                     {"taxel_mean_error_psi", number_list(e.taxel_mean_error_psi)},
                     {"held_out", std::move(held_out)},
                     {"traces", std::move(traces)},
-                    {"model",
-                     {{"name", input.fit.taxels.empty() ? "elam" : label_of(input.fit)},
-                      {"rows", input.fit.rows},
-                      {"columns", input.fit.columns},
-                      {"parameter_names", parameter_names(input.fit)},
-                      {"full_scale_v", input.fit.taxels.empty() ? 0.0 : input.fit.full_scale_v()},
-                      {"pressure_psi", number_list(input.fit.pressure_psi)},
-                      {"mean_taxel", taxel_json(input.fit.taxels.empty() ? ModelTaxel{} : input.fit.mean_taxel(), -1)},
-                      {"taxels", std::move(taxels)}}},
+                    {"model", model_json(input.fit)},
                     {"frames", std::move(frames)}});
 }
 

@@ -21,8 +21,8 @@ Markup third(LineChart chart, const char* caption) {
   return markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(chart), Text(caption));
 }
 
-// Figs 13, 14: direct model, inverse model, pressure against pressure.
-Markup trace_triple(const TaxelTrace& trace) {
+// Figs 13, 14: direct model, inverse model, pressure against pressure. `model`: its name.
+Markup trace_triple(const TaxelTrace& trace, const std::string& model) {
   const std::string of = fmt::format("{}, sequence {}", trace.taxel.title, trace.sequence);
   Markup out =
       markup("<div class=\"keep\"><h4>Sequence {}</h4>\n<div class=\"triple\">\n", html::stated(trace.sequence));
@@ -30,7 +30,7 @@ Markup trace_triple(const TaxelTrace& trace) {
                 .x_label = "pressure, psi",
                 .y_label = "output, V",
                 .series = {{"measured", trace.pressure_psi, trace.measured_v, 0},
-                           {"ELAM", trace.pressure_psi, trace.model_v, 1}}},
+                           {model, trace.pressure_psi, trace.model_v, 1}}},
                "Direct model.");
   out += third({.title = "Pressure measured and by the inverse model against output, " + of,
                 .x_label = "output, V",
@@ -82,7 +82,7 @@ Markup compensation_section(const ReportInput& input) {
   for (const TaxelTrace& trace : traces) {
     if (trace.taxel.taxel != before) out += markup("<h3>The {}</h3>\n", Text(trace.taxel.title));
     before = trace.taxel.taxel;
-    out += trace_triple(trace);
+    out += trace_triple(trace, model_name(input.fit));
   }
   out += markup(
       "<p class=\"note\">Every repeat was compensated frame by frame in the order in which it was measured; shown are "

@@ -24,14 +24,15 @@ Markup figure(const LineChart& chart, const std::string& caption) {
   return markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(chart), Text(caption));
 }
 
-Markup trace_figures(const Trace& trace) {
+// `model`: its name.
+Markup trace_figures(const Trace& trace, const std::string& model) {
   const std::string of = "mean taxel, sequence " + trace.sequence;
   Markup out = markup("<div class=\"keep\"><h3>Sequence {}</h3>\n<div class=\"pair\">\n", html::stated(trace.sequence));
-  out += figure({.title = "Output voltage measured and by the ELAM model against pressure, " + of,
+  out += figure({.title = fmt::format("Output voltage measured and by the {} model against pressure, {}", model, of),
                  .x_label = "reference pressure in psi",
                  .y_label = "output in V",
                  .series = {{"measured", trace.pressure_psi, trace.measured_v, 0, false},
-                            {"ELAM model", trace.pressure_psi, trace.model_v, 1, false}},
+                            {model + " model", trace.pressure_psi, trace.model_v, 1, false}},
                  .width = 335,
                  .height = 250},
                 "Measured output and direct model.");
@@ -54,7 +55,7 @@ Markup trace_figures(const Trace& trace) {
   }
   std::vector<double> at(trace.pressure_psi.begin(),
                          trace.pressure_psi.begin() + static_cast<std::ptrdiff_t>(residual_mv.size()));
-  out += figure({.title = "Residual of the ELAM model against pressure, " + of,
+  out += figure({.title = fmt::format("Residual of the {} model against pressure, {}", model, of),
                  .x_label = "reference pressure in psi",
                  .y_label = "residual in mV",
                  .series = {{"model minus measured", at, residual_mv, 1, true}},
@@ -73,7 +74,7 @@ Markup loops_section(const ReportInput& input) {
     return out;
   }
   for (const Trace& trace : input.evaluation.traces) {
-    out += trace_figures(trace);
+    out += trace_figures(trace, model_name(input.fit));
   }
   const double full_scale = input.evaluation.full_scale_v;
   out += markup(

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "analysis/identify/stored/model_document.h"
 #include "analysis/report/page/figure.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
@@ -26,7 +25,7 @@ std::array<double, kParameters> parameters_of(const ModelTaxel& taxel) {
 
 bool is_elam(const SensorModel& fit) { return elam_of(fit.mean_taxel()) != nullptr; }
 
-Text name_of(const SensorModel& fit) { return Text(fit.model == kElamFit ? "ELAM" : label_of(fit)); }
+Text name_of(const SensorModel& fit) { return Text(model_name(fit)); }
 
 Text unit_of(std::size_t parameter) { return Text(parameter == 2 ? "1/psi" : "1"); }
 
@@ -60,6 +59,25 @@ Markup mean_taxel_table(const ReportInput& input) {
   row(Text("noise of one sample"), html::fixed(1000.0 * mean.noise, 2), Text("mV"), Text("standard deviation"));
   out += markup("</tbody></table>\n");
   return out;
+}
+
+// What a dynamic model undoes beside hysteresis, and the runs that this was taken from.
+Markup dynamics_table(const SensorModel& fit) {
+  if (!fit.dynamics) return {};
+  const Dynamics& d = fit.dynamics->shared;
+  Markup creep;
+  for (std::size_t j = 0; j < kCreepElements; ++j)
+    creep += markup("{}{} % in {} s", Text(j == 0 ? "" : ", "), html::percent(d.creep_share[j], 2),
+                    html::significant(d.creep_s[j], 3));
+  const auto source = [](const SensorDynamics::Source& from) {
+    return markup("run {}, content {}", from.run, code(from.content_sha256));
+  };
+  return pairs_table("Lag and creep that the models undo: the array's",
+                     {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
+                                     html::fixed(d.lag_s, 2))},
+                      {"lag taken from", source(fit.dynamics->rate)},
+                      {"creep", markup("{} of the output; half of it at {}", creep, html::psi(d.creep_half, 1))},
+                      {"creep taken from", source(fit.dynamics->creep)}});
 }
 
 std::vector<const ModelTaxel*> fitted(const SensorModel& fit) {
@@ -197,6 +215,7 @@ Markup model_section(const ReportInput& input) {
   // First: below a long table a map of this height would leave half a page blank.
   out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input), error_table(input));
   out += mean_taxel_table(input);
+  out += dynamics_table(input.fit);
   out += distribution_table(input);
   out += markup(
       "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose "

@@ -144,6 +144,11 @@ std::string CreepEffect::in_words() const {
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs,
                             const SensorModel& measured_fit) {
   CreepEffect effect;
+  if (measured_fit.dynamics) {
+    for (const Dataset& run : runs) check_same_sensor(run, measured_fit);
+    effect.not_assessed = "the model undoes creep; what it leaves of it is in the errors of held-out runs";
+    return effect;
+  }
   SensorModel fit = measured_fit;
   fit.falling = false;
   effect.read_after_s = usual_time(calibration);

@@ -53,7 +53,8 @@ struct CreepEffect {
   [[nodiscard]] std::string in_words() const;  // data and assumptions in words; empty when not assessed
 };
 
-// `runs`: of the same sensor, the calibration itself among them where it holds levels. Throws AnalysisError
+// `runs`: of the same sensor, the calibration itself among them where it holds levels. Not assessed for a model that
+// undoes creep: the output's whole change is not what is left in its readings. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const SensorModel& fit);
 

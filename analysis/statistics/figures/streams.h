@@ -1,6 +1,7 @@
 // Compensates every stored frame in time order; the figures of an Evaluation are computed from the result.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -33,23 +34,19 @@ struct CompensatedStreams {
   std::vector<TaxelErrors> errors;  // taxels; zero frames where not fitted
 };
 
-// Each fitted taxel's stored samples through its compensator in time order; state carries over from repeat to repeat
-// and from sequence to sequence. `take_of(taxel)` returns the function to call with (sequence, repeat, step,
-// Compensated), in that taxel's order. Threads by taxel.
+// Each fitted taxel's stored samples through its compensator in time order (stream_samples). A model with lag and creep
+// is told the times, and what of them was conditioning. `take_of(taxel)` returns the function to call with (sequence,
+// repeat, step, Compensated), in that taxel's order. Threads by taxel.
 template <class TakeOf>
 void compensate_in_order(const Dataset& dataset, const SensorModel& fit, int threads, const TakeOf& take_of) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
   for_each_index(width, threads, [&](std::size_t taxel) {
     const ModelTaxel& own = fit.taxels[taxel];
     if (!own.fitted()) return;
-    TaxelStream compensator(own);
-    auto take = take_of(taxel);
-    for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
-      const std::vector<Repeat>& repeats = dataset.sequences[s].repeats;
-      for (std::size_t r = 0; r < repeats.size(); ++r)
-        for (std::size_t i = 0; i < repeats[r].steps.size(); ++i)
-          take(s, r, i, compensator.step(repeats[r].volts[i * width + taxel]));
-    }
+    TaxelStream stream(fit, own);
+    stream_samples(
+        dataset, stream, [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + taxel]; },
+        take_of(taxel));
   });
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/identify/folds.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -20,6 +21,13 @@ std::string units_of(const std::string& input, const std::string& output) {
 }  // namespace
 
 void check_same_source(const SensorModel& document, const Histories& histories) {
+  if (document.dynamics)
+    throw AnalysisError(Cause::kUsage, "TB-MODEL-DYNAMIC",
+                        fmt::format("the dynamic model of {} is not compared with samples that tell no times, nor "
+                                    "adjusted by them: its lag and creep would count as errors",
+                                    document.source),
+                        "judge it on runs, which tell the times: tactbench fit RUN --model dynamic --rate RUN --creep "
+                        "RUN --held-out RUN; where the sensor has changed, fit it again");
   if (document.origin != histories.origin)
     throw AnalysisError(
         "TB-ANALYSIS-ORIGIN",
@@ -93,34 +101,15 @@ ModelScore score_model(const SensorModel& document, const Histories& histories,
 }
 
 ErrorSum cross_validate(const std::string& model, const FitData& data, const IdentifyOptions& options, int folds) {
-  const double low = data.ascending.x().front(), high = data.ascending.x().back(), near = 0.01 * (high - low);
-  const auto inner = [&](const History& history, const Branch& branch) {
-    const double from = history.x[static_cast<std::size_t>(branch.first)];
-    return branch.ascending ? from - low > near : high - from > near;
-  };
-  int count = 0;
-  for (const History& history : data.histories)
-    count += static_cast<int>(
-        std::ranges::count_if(history.branches, [&](const Branch& branch) { return inner(history, branch); }));
   ErrorSum errors;
-  folds = std::min(folds, count);
-  for (int fold = 0; count > 1 && fold < folds; ++fold) {
-    FitData kept = data, held = data;
-    int number = 0;
-    for (std::size_t h = 0; h < data.histories.size(); ++h) {
-      kept.histories[h].branches.clear();
-      held.histories[h].branches.clear();
-      for (const Branch& branch : data.histories[h].branches) {
-        const bool out = inner(data.histories[h], branch) && number++ % folds == fold;
-        (out ? held : kept).histories[h].branches.push_back(branch);
-      }
-    }
+  for (const Fold& fold : folds_of(data, folds)) {
     ModelFit fit;
     try {
-      fit = identify(model, kept, options);
+      fit = identify(model, with_branches(data, fold.kept), options);
     } catch (const std::invalid_argument&) {
       return {};  // a part without branches of both directions carries no model
     }
+    const FitData held = with_branches(data, fold.held);
     for (const History& history : held.histories) {
       if (history.branches.empty()) continue;
       const std::vector<double> predicted = predict_history(*fit.model, history, options.free_run);

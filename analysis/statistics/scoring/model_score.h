@@ -14,7 +14,8 @@ struct ModelScore {
 };
 
 // Checks that a model applies to the data. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor or scanner differ,
-// TB-ANALYSIS-ORIGIN when the origins do, TB-MODEL-UNITS when the units do, TB-ANALYSIS-FALLING when the signs do.
+// TB-ANALYSIS-ORIGIN when the origins do, TB-MODEL-UNITS when the units do, TB-ANALYSIS-FALLING when the signs do,
+// TB-MODEL-DYNAMIC when the model has lag and creep.
 void check_same_source(const SensorModel& document, const Histories& histories);
 
 // On the named sequences (empty: all). Throws as check_same_source, and TB-ANALYSIS-NO-TAXEL.

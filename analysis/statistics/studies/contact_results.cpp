@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "analysis/error.h"
 #include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
@@ -169,6 +170,13 @@ double mean_distance(const std::vector<double>& up, const std::vector<double>& d
 }  // namespace
 
 ContactResult contact_result(const PressRun& run, const SensorModel& fit, const ArrayGeometry& geometry) {
+  if (fit.dynamics)
+    throw AnalysisError(Cause::kUsage, "TB-MODEL-DYNAMIC",
+                        fmt::format("run {}: frames of a press tell no times, and without them the dynamic model of {} "
+                                    "cannot undo lag and creep",
+                                    run.run, fit.source),
+                        "leave out the runs under an object, or use a model without lag and creep: tactbench fit RUN, "
+                        "then report with --model RUN:FIT");
   check_press(run, fit);
   ContactResult out;
   out.run = run.run;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/models/elam_pieces.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/session.h"
@@ -15,7 +16,7 @@ namespace {
 
 struct FitOptions {
   FitModelsOptions models;
-  std::string model_list = "elam", fit_list, score_list, mode = "paper", way = "exact", check;
+  std::string model_list, fit_list, score_list, mode = "paper", way = "exact", check;
 };
 
 std::vector<std::string> models_of(const std::string& list) {
@@ -23,20 +24,68 @@ std::vector<std::string> models_of(const std::string& list) {
   if (list == "all") return {known.begin(), known.end()};
   std::vector<std::string> models = split_list(list);
   for (const std::string& model : models) {
-    if (std::ranges::find(known, model) != known.end()) continue;
+    if (std::ranges::find(known, model) != known.end() || model == analysis::kDynamicModel) continue;
     throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("there is no model '{}'", model), "--model",
-                fmt::format("all, or some of {}", fmt::join(known, ", ")));
+                fmt::format("all, or some of {}; or {} alone", fmt::join(known, ", "), analysis::kDynamicModel));
   }
   if (models.empty()) throw Error(ExitCode::kUsage, "TB-USAGE", "no model is named", "--model", "e.g. --model all");
   return models;
 }
 
+// The dynamic model is of a run's whole array and all its sequences, and has options of its own.
+void check_dynamic(const FitOptions& options) {
+  const FitModelsOptions& models = options.models;
+  const auto refuse = [](const std::string& what, const std::string& remedy) {
+    throw Error(ExitCode::kUsage, "TB-USAGE", what, "fit", remedy);
+  };
+  const bool dynamic = std::ranges::find(models.models, analysis::kDynamicModel) != models.models.end();
+  if (!dynamic && (models.rate_run != 0 || models.creep_run != 0))
+    refuse("--rate and --creep are of the dynamic model, and another is named",
+           "add --model dynamic, or leave them out");
+  if (!dynamic) return;
+  if (!options.check.empty())
+    refuse("--check fits nothing, and the dynamic model is named to be fitted",
+           "leave out --model, --rate and --creep to check a model, or --check to fit");
+  if (models.models.size() != 1)
+    refuse("the dynamic model is fitted alone, and several models are named", "--model dynamic --rate RUN --creep RUN");
+  if (models.rate_run == 0 || models.creep_run == 0)
+    refuse(
+        "the dynamic model needs two further runs of the sensor: its lag comes from one of recipe rate, its creep "
+        "from one of creep-levels",
+        "measure them (tactbench run rate creep-levels) and name them: --rate RUN --creep RUN");
+  const analysis::IdentifyOptions& identify = models.identify;
+  const bool of_others = identify.free_run || identify.genetic || identify.memory || identify.exact_outer ||
+                         identify.splits != 1 || identify.linearise ||
+                         identify.starts != analysis::IdentifyOptions().starts;
+  if (of_others || !models.fit.empty() || !models.score.empty() || models.mean_taxel || !names_run(models.source))
+    refuse("the dynamic model is of all sequences of a run and of its whole array, always on the linearised output",
+           "leave out --fit, --score, --mean-taxel and the options of other models; judge it by --held-out RUN");
+}
+
+// The profile's limits count where there is something to judge: held-out runs, and one model of the whole array.
+void take_limits_of_profile(FitModelsOptions& models, Session& session) {
+  if (!models.limits.empty() || models.held_out.empty() || models.models.size() != 1) return;
+  const auto given = session.profile.values().find(ProfileKey::kLimits);
+  if (given == session.profile.values().end()) return;
+  models.limits = given->second.values.front();
+  if (!session.quiet && !session.json)
+    tty::print(stderr, "judged by {} ({})\n", one_line(models.limits), given->second.origin);
+}
+
 void fit(FitOptions options, Session& session) {
+  if (options.model_list.empty())
+    options.model_list =
+        options.models.rate_run != 0 || options.models.creep_run != 0 ? analysis::kDynamicModel : "elam";
   options.models.models = models_of(options.model_list);
   options.models.fit = split_list(options.fit_list);
   options.models.score = split_list(options.score_list);
   options.models.identify.free_run = options.mode == "free-run";
   options.models.identify.genetic = options.way == "ga";
+  check_dynamic(options);
+  take_limits_of_profile(options.models, session);
+  if (!options.models.lab.empty() && options.models.limits.empty())
+    throw Error(ExitCode::kUsage, "TB-USAGE", "--lab is for judging, and there are no limits", "--lab",
+                "add --limits FILE, or leave --lab out");
   if (options.check.empty())
     fit_models(options.models, session);
   else
@@ -51,8 +100,9 @@ void add_fit(CLI::App& app, Session& session) {
       "fit", "identify models for every taxel of a run or table, score them on what was not fitted, store");
   verb->add_option("source", options->models.source, "run number, or a table (see import)")->required();
   verb->add_option("--model", options->model_list,
-                   "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all")
-      ->capture_default_str();
+                   "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all; or dynamic: Preisach "
+                   "on the linearised output with lag and creep undone (ours) [dynamic with --rate and --creep, elam "
+                   "without]");
   verb->add_option("--fit", options->fit_list, "fit these sequences alone (names with commas between)");
   verb->add_option("--score", options->score_list,
                    "score on these: sequences, runs or tables with commas between (default: what was not fitted)");
@@ -63,6 +113,15 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option("--identify", options->way, "ELAM: exact, or ga, the paper's genetic algorithm, for comparison")
       ->check(CLI::IsMember({"exact", "ga"}))
       ->capture_default_str();
+  verb->add_option("--rate", options->models.rate_run, "dynamic: run of recipe rate, which the lag is taken from")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--creep", options->models.creep_run,
+                   "dynamic: run of recipe creep-levels, which the creep is taken from; may be the same run")
+      ->check(CLI::PositiveNumber);
+  verb->add_flag(
+      "--linearise", options->models.identify.linearise,
+      "undo the readout divider of each taxel, one number c, where a test on inner branches finds that it helps "
+      "(ours)");
   verb->add_flag("--memory", options->models.identify.memory, "ELAM: return-point memory, inner loops close (ours)");
   verb->add_flag("--exact-outer", options->models.identify.exact_outer, "ELAM: external branches follow the patterns");
   verb->add_option("--splits", options->models.identify.splits, "ELAM: split points a branch (ours when more than 1)")
@@ -82,14 +141,14 @@ void add_fit(CLI::App& app, Session& session) {
   add_table_options(*verb, options->models.table);
   verb->add_option("--held-out", options->models.held_out, "score these runs of the same sensor with the models, too")
       ->take_all();
-  CLI::Option* limits = verb->add_option(
+  verb->add_option(
       "--limits", options->models.limits,
       "limits file: judge every held-out run and store the verdicts; the worst one counts. Without a held-out run "
-      "nothing is judged: the run that the models come from is no evidence");
+      "nothing is judged: the run that the models come from is no evidence. Without this option, held-out runs are "
+      "judged by the limits of tactbench.toml, if it names any");
   verb->add_option(
-          "--lab", options->models.lab,
-          "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive, as in a report")
-      ->needs(limits);
+      "--lab", options->models.lab,
+      "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive, as in a report");
   add_void_too(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { fit(*options, session); });

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
 
 #include "analysis/counted.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_words.h"
 #include "bench/cli/models/model_table.h"
+#include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
 #include "bench/config/config.h"
 #include "bench/config/config_laboratory.h"
@@ -81,6 +84,18 @@ class Fit {
   }
 
   void run() {
+    work();
+    session_.json ? print_as_json() : print();
+  }
+
+  JudgedFit judged() {
+    work();
+    FittedRun& fitted = fitted_.front();
+    return {std::move(rows_.front().document), std::move(fitted.evaluations), std::move(fitted.judgement)};
+  }
+
+ private:
+  void work() {
     histories_ = read(options_.source, options_.fit);
     // A run of a bench, every taxel of it: what figures are taken on, and verdicts.
     on_bench_ = runs_ && histories_.origin != "imported" && !options_.mean_taxel;
@@ -90,7 +105,10 @@ class Fit {
     if (on_bench_) (void)named_runs(*runs_, options_.held_out, {"--held-out", histories_.run}, session_.void_too);
     check_scored(options_, histories_);
     find_targets();
-    rows_ = model_rows(options_.models, histories_, options_.fit, options_.identify, targets_, &refusals_);
+    if (options_.models.front() == analysis::kDynamicModel)
+      fit_dynamic();
+    else
+      rows_ = model_rows(options_.models, histories_, options_.fit, options_.identify, targets_, &refusals_);
     for (const ModelRefusal& refusal : refusals_)
       tty::print(stderr, "warning: {} is left out: {}\n", refusal.model, refusal.why);
     for (ModelRow& row : rows_) {
@@ -103,10 +121,8 @@ class Fit {
     if (in_table_) cross_validate(rows_, histories_, options_.fit);
     evaluate();
     keep();
-    session_.json ? print_as_json() : print();
   }
 
- private:
   // `fitted`: sequences of it that the models are made from; empty: all.
   analysis::Histories read(const std::string& source, const std::vector<std::string>& fitted) {
     analysis::Histories histories = names_run(source) && runs_
@@ -131,6 +147,30 @@ class Fit {
     if (!own.empty())
       targets_.insert(targets_.begin(),
                       {fmt::format("{} of {}", fmt::join(own, ", "), histories_.source), &histories_, own});
+  }
+
+  void fit_dynamic() {
+    if (!on_bench_)
+      refuse("the dynamic model is fitted on runs, which tell the times, and this is an imported table",
+             "fit a run that the bench made");
+    analysis::SensorDynamics::Source rate, creep;
+    for (const auto& [number, option, source] :
+         {std::tuple(options_.rate_run, "--rate", &rate), std::tuple(options_.creep_run, "--creep", &creep)}) {
+      const db::RunRecord run = named_runs(*runs_, {number}, {option}, session_.void_too).front();
+      if (std::ranges::find(options_.held_out, number) != options_.held_out.end())
+        throw Error(ExitCode::kUsage, "TB-RUN-OWN",
+                    fmt::format("run {} is named by {}: it is no independent data for the model", number, option),
+                    "--held-out", "name runs that the model is not made from");
+      *source = {number, run.content_sha256};
+    }
+    ModelRow& row = rows_.emplace_back();
+    row.document =
+        analysis::fit_dynamic(runs_->dataset(histories_.run), runs_->dataset(rate.run), runs_->dataset(creep.run));
+    row.document.content_sha256 = histories_.content_sha256;
+    row.document.program_version = build_info().version;
+    row.document.dynamics->rate = rate;
+    row.document.dynamics->creep = creep;
+    row.label = analysis::label_of(row.document);
   }
 
   // Figures of a model alone, or where they are asked for.
@@ -221,5 +261,7 @@ class Fit {
 }  // namespace
 
 void fit_models(const FitModelsOptions& options, Session& session) { Fit(options, session).run(); }
+
+JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session) { return Fit(options, session).judged(); }
 
 }  // namespace tactbench::bench

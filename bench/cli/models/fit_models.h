@@ -7,16 +7,20 @@
 #include <vector>
 
 #include "analysis/identify/fit_data.h"
+#include "analysis/identify/sensor_model.h"
 #include "bench/cli/runs/source.h"
+#include "bench/reporting/judgement.h"
+#include "bench/reporting/named_evaluation.h"
 
 namespace tactbench::bench {
 
 struct FitModelsOptions {
   std::string source;  // run or table
   std::vector<std::string> models, fit,
-      score;                           // score: sequences of the source, runs, tables; empty: what was not fitted
-  std::vector<std::int64_t> held_out;  // runs that figures are taken on, too
-  std::string limits, lab;             // files
+      score;                                 // score: sequences of the source, runs, tables; empty: what was not fitted
+  std::vector<std::int64_t> held_out;        // runs that figures are taken on, too
+  std::int64_t rate_run = 0, creep_run = 0;  // of the dynamic model; 0: not named
+  std::string limits, lab;                   // files
   analysis::IdentifyOptions identify;
   std::string mount, interface_material;  // for the model's validity
   TableOptions table;
@@ -25,6 +29,16 @@ struct FitModelsOptions {
 };
 
 void fit_models(const FitModelsOptions& options, Session& session);
+
+// One model of a run of the bench, with its figures and its judgement.
+struct JudgedFit {
+  analysis::SensorModel model;
+  std::vector<NamedEvaluation> evaluations;  // the first is the run's own, then the held-out runs in turn
+  Judgement judgement;                       // empty without limits
+};
+// As fit_models(), stores the same, and prints only warnings. `options` names one model and a run of the bench; nothing
+// to score. Sets session.code by the judgement.
+JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session);
 
 // fit --check MODEL: what the model is worth on a later run.
 void check_model(const std::string& model, const FitModelsOptions& options, Session& session);

@@ -1,12 +1,18 @@
 #include "bench/cli/models/fit_words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/models/linearised.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/session.h"
 
@@ -32,6 +38,8 @@ nlohmann::ordered_json mean_json(const analysis::ModelTaxel& taxel) {
   json["full_scale_v"] = fs;
   json["at_bound"] = taxel.fit.at_bound;
   json["undetermined"] = taxel.fit.undetermined;
+  if (const analysis::LinearisedModel* const model = analysis::linearised_of(taxel))
+    json["c_per_v"] = model->divider().per_amplitude;
   return json;
 }
 
@@ -47,27 +55,18 @@ nlohmann::ordered_json repeats_json(const std::vector<analysis::RepeatDrift>& re
   return json;
 }
 
-// Each that no model was made for, in the order of their numbers.
-nlohmann::ordered_json left_out_json(const analysis::SensorModel& fit) {
+nlohmann::ordered_json left_out_json(const std::vector<LeftOut>& left_out) {
   auto json = nlohmann::ordered_json::array();
-  for (const analysis::ModelTaxel& taxel : fit.array()) {
-    if (taxel.status == analysis::TaxelStatus::kFitted) continue;
-    json.push_back({{"taxel", taxel.taxel},
-                    {"row", taxel.taxel / fit.columns},
-                    {"column", taxel.taxel % fit.columns},
-                    {"status", analysis::to_string(taxel.status)}});
-  }
+  for (const LeftOut& own : left_out)
+    json.push_back({{"taxel", own.taxel}, {"row", own.row}, {"column", own.column}, {"status", own.status}});
   return json;
 }
 
-std::string left_out_text(const nlohmann::ordered_json& left_out) {
+std::string left_out_text(const std::vector<LeftOut>& left_out) {
   constexpr std::size_t kNamed = 12;
   std::string text;
-  for (std::size_t i = 0; i < std::min(left_out.size(), kNamed); ++i) {
-    const auto& taxel = left_out[i];
-    text += fmt::format("left out: row {}, column {} ({})\n", taxel["row"].get<int>(), taxel["column"].get<int>(),
-                        taxel["status"].get<std::string>());
-  }
+  for (const LeftOut& own : std::span(left_out).first(std::min(left_out.size(), kNamed)))
+    text += fmt::format("left out: row {}, column {} ({})\n", own.row, own.column, own.status);
   if (left_out.size() > kNamed) text += fmt::format("left out: {} more; --json lists all\n", left_out.size() - kNamed);
   return text;
 }
@@ -83,18 +82,61 @@ std::string parameters_text(const analysis::ModelTaxel& mean) {
 
 }  // namespace
 
+std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit) {
+  std::vector<LeftOut> left_out;
+  for (const analysis::ModelTaxel& taxel : fit.array()) {
+    if (taxel.status == analysis::TaxelStatus::kFitted) continue;
+    left_out.push_back(
+        {taxel.taxel, taxel.taxel / fit.columns, taxel.taxel % fit.columns, analysis::to_string(taxel.status)});
+  }
+  return left_out;
+}
+
+std::string linearised_text(const analysis::SensorModel& fit) {
+  double low = HUGE_VAL, high = 0.0;
+  std::size_t on = 0, taxels = 0;
+  const bool alone = fit.array().empty();  // the mean taxel
+  for (const analysis::ModelTaxel& taxel : alone ? std::span(fit.taxels) : fit.array()) {
+    const analysis::LinearisedModel* const model = analysis::linearised_of(taxel);
+    if (model == nullptr) continue;
+    ++taxels;
+    const double c = model->divider().per_amplitude;
+    if (c == 0.0) continue;
+    ++on;
+    low = std::min(low, c);
+    high = std::max(high, c);
+  }
+  if (taxels == 0) return {};
+  const std::string unit = fit.output_unit.empty() ? "" : " 1/" + fit.output_unit;
+  return fmt::format("linearised output, u = v / (1 - c v): {} of {}{}", on, analysis::counted(taxels, "taxel"),
+                     on > 0 ? fmt::format(", c {:.4f} to {:.4f}{}", low, high, unit) : std::string());
+}
+
+std::string dynamics_text(const analysis::SensorModel& fit) {
+  if (!fit.dynamics) return {};
+  const analysis::Dynamics& d = fit.dynamics->shared;
+  std::vector<std::string> elements;
+  for (std::size_t j = 0; j < analysis::kCreepElements; ++j)
+    elements.push_back(fmt::format("{:.2f} % in {:g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
+  return fmt::format("creep {}, half of it at {:.1f} {} (run {}); lag {:.1f} % in {:.2f} s (run {})",
+                     fmt::join(elements, ", "), d.creep_half, fit.input_unit, fit.dynamics->creep.run,
+                     100.0 * d.lag_share, d.lag_s, fit.dynamics->rate.run);
+}
+
 std::string fitted_text(const FittedRun& fitted) {
   const analysis::SensorModel& fit = *fitted.model;
   const std::string label = analysis::label_of(fit);
   std::string text = fmt::format("{} on run {} ({}): {} of {} fitted, full scale {:.3f} V\n",
                                  label == analysis::kElamFit ? "ELAM" : label, fit.run, fit.origin, fit.fitted().size(),
                                  analysis::counted(fit.array().size(), "taxel"), fit.full_scale_v());
-  text += left_out_text(left_out_json(fit));
+  text += left_out_text(left_out_of(fit));
   const analysis::ModelTaxel& mean = fit.mean_taxel();
   if (mean.fit.model != nullptr)
     text += fmt::format("mean taxel: {}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n", parameters_text(mean),
                         mean.fit.j, 100.0 * mean.fit.mean_error / mean.full_scale(),
                         100.0 * mean.fit.max_error / mean.full_scale());
+  for (const std::string& line : {linearised_text(fit), dynamics_text(fit)})
+    if (!line.empty()) text += line + "\n";
   text += "\n";
   for (const analysis::RepeatDrift& repeat : fit.repeats) {
     if (!repeat.differs) continue;
@@ -117,7 +159,7 @@ void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json) {
   json["origin"] = fit.origin;
   json["taxels"] = fit.array().size();
   json["fitted_taxels"] = fit.fitted().size();
-  json["left_out"] = left_out_json(fit);
+  json["left_out"] = left_out_json(left_out_of(fit));
   json["mean_taxel"] = mean_json(fit.mean_taxel());
   json["evaluations"] = nlohmann::ordered_json::array();
   for (const NamedEvaluation& named : fitted.evaluations) json["evaluations"].push_back(evaluation_json(named));

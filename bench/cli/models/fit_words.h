@@ -17,6 +17,18 @@ struct FittedRun {
   Judgement judgement;                       // empty without limits
 };
 
+// How many taxels have the readout divider undone, and by which c; lag and creep of the array. A line each, without its
+// end; empty where the model has none.
+std::string linearised_text(const analysis::SensorModel& fit);
+std::string dynamics_text(const analysis::SensorModel& fit);
+
+struct LeftOut {
+  int taxel = 0, row = 0, column = 0;
+  std::string status;
+};
+// Each taxel that no model was made for, in the order of their numbers.
+std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit);
+
 std::string fitted_text(const FittedRun& fitted);
 // Adds what a program wants of it to `json`.
 void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json);

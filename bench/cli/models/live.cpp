@@ -155,7 +155,7 @@ void live(const LiveVerbOptions& options, const Session& session) {
 void add_live(CLI::App& app, Session& session) {
   auto options = std::make_shared<LiveVerbOptions>();
   CLI::App* verb = app.add_subcommand("live", "read the tactile array and print compensated frames until Ctrl-C");
-  verb->add_option("--bench", options->bench, "bench file")->required();
+  session.profile.add_bench(*verb, options->bench);
   verb->add_option("--model", options->model, "a .json that fit -o wrote, or RUN or RUN:FIT of the store")->required();
   verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   verb->add_option("--frames", options->live.frames, "end after so many; 0: at Ctrl-C")

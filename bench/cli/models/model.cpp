@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,7 @@
 #include "analysis/error.h"
 #include "analysis/statistics/sensor/drift.h"
 #include "bench/cli/models/fit_models.h"
+#include "bench/cli/models/fit_words.h"
 #include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
 
@@ -19,6 +21,7 @@ namespace tactbench::bench {
 
 namespace {
 
+using analysis::ModelParameter;
 using analysis::ModelTaxel;
 using analysis::SensorModel;
 
@@ -49,6 +52,8 @@ void show(const std::string& name, const Session& session) {
                    range_text(model.validity.temperature_c, "degC")));
   line("mount", model.validity.mount);
   line("interface", model.validity.interface_material);
+  if (const std::string linearised = linearised_text(model); !linearised.empty()) line("output", linearised);
+  if (const std::string dynamics = dynamics_text(model); !dynamics.empty()) line("in time", dynamics);
   if (!model.parent_sha256.empty())
     line("parent", fmt::format("{}: {}", model.parent_sha256.substr(0, 12), model.adjustment));
   std::map<std::string, int> statuses;
@@ -88,9 +93,12 @@ void diff(const std::string& first, const std::string& second, Session& session)
     int count = 0, worst_taxel = 0;
   };
   std::vector<Line> lines;
-  const auto add = [&](std::size_t i, const std::string& name, const std::string& unit, double off, int taxel) {
-    if (i >= lines.size()) lines.push_back({name, unit, 0.0, 0.0, 0, 0});
-    Line& line = lines[i];
+  // By name: a taxel may lack a weight of Preisach's that another has.
+  std::map<std::string, std::size_t, std::less<>> places;
+  const auto add = [&](const std::string& name, const std::string& unit, double off, int taxel) {
+    const auto [place, fresh] = places.try_emplace(name, lines.size());
+    if (fresh) lines.push_back({name, unit, 0.0, 0.0, 0, 0});
+    Line& line = lines[place->second];
     line.sum += off;
     ++line.count;
     if (std::abs(off) > std::abs(line.worst)) {
@@ -105,11 +113,21 @@ void diff(const std::string& first, const std::string& second, Session& session)
       only += own.fit.model != nullptr ? 1 : 0;
       continue;
     }
-    add(0, "zero", a.output_unit, other->zero - own.zero, own.taxel);
-    add(1, "gain", "1", other->gain - own.gain, own.taxel);
+    add("zero", a.output_unit, other->zero - own.zero, own.taxel);
+    add("gain", "1", other->gain - own.gain, own.taxel);
+    if (a.dynamics && b.dynamics) {
+      add("creep_scale", "1", other->creep_scale - own.creep_scale, own.taxel);
+      add("lag_share", "1", other->lag_share - own.lag_share, own.taxel);
+    }
+    // One that a model does not have is 0 there: c, a weight.
     const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
-    for (std::size_t i = 0; i < std::min(p.size(), q.size()); ++i)
-      add(i + 2, p[i].name, p[i].unit, q[i].value - p[i].value, own.taxel);
+    for (const ModelParameter& mine : p) {
+      const auto theirs = std::ranges::find(q, mine.name, &ModelParameter::name);
+      add(mine.name, mine.unit, (theirs == q.end() ? 0.0 : theirs->value) - mine.value, own.taxel);
+    }
+    for (const ModelParameter& theirs : q)
+      if (std::ranges::find(p, theirs.name, &ModelParameter::name) == p.end())
+        add(theirs.name, theirs.unit, theirs.value, own.taxel);
   }
   const bool same = analysis::to_text(a) == analysis::to_text(b);
   session.code = same ? ExitCode::kPass : ExitCode::kCriterionFailed;
@@ -211,11 +229,12 @@ void check_model(const std::string& name, const FitModelsOptions& options, Sessi
 }
 
 void add_model(CLI::App& app, Session& session) {
-  CLI::App* model = app.add_subcommand("model", "show, compare, write out or adjust stored models");
+  CLI::App* model = app.add_subcommand("model", "list, show, compare, write out or adjust stored models");
   model->require_subcommand(1);
   const char* what = "a .json that fit -o wrote, or RUN or RUN:FIT of the store";
   auto first = std::make_shared<std::string>(), second = std::make_shared<std::string>();
   auto output = std::make_shared<std::string>();
+  add_model_list(*model, session);
   CLI::App* show_verb = model->add_subcommand("show", "what a model is, and its parameters");
   show_verb->add_option("model", *first, what)->required();
   add_void_too(*show_verb, session);

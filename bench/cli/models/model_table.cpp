@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "analysis/counted.h"
@@ -81,15 +82,17 @@ nlohmann::ordered_json score_json(const analysis::Score& score) {
 
 std::string undetermined_text(const analysis::SensorModel& document) {
   std::vector<std::string> names;
-  int taxels = 0;
-  for (const analysis::ModelTaxel& taxel : document.taxels) {
-    if (!taxel.fit.undetermined.empty()) ++taxels;
+  int left_open = 0;
+  const bool alone = document.array().empty();  // the mean taxel
+  const std::span<const analysis::ModelTaxel> taxels = alone ? std::span(document.taxels) : document.array();
+  for (const analysis::ModelTaxel& taxel : taxels) {
+    if (!taxel.fit.undetermined.empty()) ++left_open;
     for (const std::string& name : taxel.fit.undetermined)
       if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
   if (names.empty()) return {};
   return fmt::format("{}: the data do not determine {} ({} of {})\n", analysis::label_of(document),
-                     fmt::join(names, ", "), taxels, analysis::counted(document.taxels.size(), "taxel"));
+                     fmt::join(names, ", "), left_open, analysis::counted(taxels.size(), "taxel"));
 }
 
 std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
@@ -152,8 +155,9 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
                         analysis::counted(rows.front().scores[t].taxels.direct.samples, "sample"),
                         array ? fmt::format(", {} taxels", rows.front().scores[t].count) : std::string());
     text += fmt::format("{:<22}{:>42}\n", "", "direct model, % FS");
-    text += fmt::format("{:<22}{:>21}{:>21}{:>24}{}\n", "", "from measured turns", "free running",
-                        fmt::format("compensated, {}", unit), array ? "      mean taxel" : "");
+    text += fmt::format("{:<22}{:>21}{:>21}  {:>22}{}\n", "", "from measured turns", "free running",
+                        unit == "input units" ? "input, compensated" : fmt::format("compensated, {}", unit),
+                        array ? "      mean taxel" : "");
     text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{:>12}{:>12}{}\n", "model", "mean", "max", "mean", "max", "mean",
                         "max", array ? fmt::format("{:>10}{:>10}", "mean", "max") : std::string());
     const analysis::ModelScore& any = rows.front().scores[t];
@@ -184,17 +188,18 @@ nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<Sco
   auto parameters = nlohmann::ordered_json::array();
   for (const analysis::ModelParameter& p : fit.model->parameters())
     parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});
-  json["shown_taxel"] = {{"taxel", shown(row.document).taxel},
-                         {"j", fit.j},
-                         {"mean_error", fit.mean_error},
-                         {"max_error", fit.max_error},
-                         {"full_scale", fit.full_scale},
-                         {"samples", fit.samples},
-                         {"starts", fit.starts},
-                         {"undetermined", fit.undetermined},
-                         {"operations_per_sample", fit.model->operations_per_sample()},
-                         {"cross_validated", error_json(row.crossed)},
-                         {"parameters", parameters}};
+  nlohmann::ordered_json taxel = {{"taxel", shown(row.document).taxel},
+                                  {"j", fit.j},
+                                  {"mean_error", fit.mean_error},
+                                  {"max_error", fit.max_error},
+                                  {"full_scale", fit.full_scale},
+                                  {"samples", fit.samples},
+                                  {"starts", fit.starts},
+                                  {"undetermined", fit.undetermined},
+                                  {"operations_per_sample", fit.model->operations_per_sample()}};
+  if (row.crossed.samples > 0) taxel["cross_validated"] = error_json(row.crossed);
+  taxel["parameters"] = std::move(parameters);
+  json["shown_taxel"] = std::move(taxel);
   json["scores"] = nlohmann::ordered_json::array();
   for (std::size_t t = 0; t < targets.size(); ++t)
     json["scores"].push_back(

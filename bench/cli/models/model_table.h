@@ -19,7 +19,7 @@ struct ScoreTarget {
 struct ModelRow {
   std::string label;
   analysis::SensorModel document;
-  analysis::ErrorSum crossed;                // of the shown taxel, by cross_validate()
+  analysis::ErrorSum crossed;                // of the shown taxel, by cross_validate(); no samples: not made
   std::vector<analysis::ModelScore> scores;  // a target each
 };
 
@@ -39,7 +39,8 @@ std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const a
 void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
                     const std::vector<std::string>& sequences);
 
-// What the data leave open, with the number of taxels it is open for, as a line; empty where all is determined.
+// What the data leave open, with the number of taxels it is open for (of an array without its mean), as a line; empty
+// where all is determined.
 std::string undetermined_text(const analysis::SensorModel& document);
 std::string fits_table(const std::vector<ModelRow>& rows);
 std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,

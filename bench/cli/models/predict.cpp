@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "analysis/identify/taxel_stream.h"
@@ -26,6 +27,7 @@ namespace {
 
 struct PredictOptions {
   std::string model, file = "-", output, map, taxel;
+  double conditioned_s = 0.0;
 };
 
 // The one taxel of a model that the rows speak of when they name none.
@@ -57,7 +59,7 @@ class Predictor {
  public:
   static constexpr std::array kColumns{"predicted"};
   static std::array<std::string, 1> units(const analysis::SensorModel& model) { return {model.output_unit}; }
-  Predictor(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel)
+  Predictor(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel, const PredictOptions&)
       : model_(&model), taxel_(&taxel), state_(taxel.fit.model->state()) {}
   std::string step(const analysis::TableReader::Row& row, char /*separator*/) {
     state_->go(row.input);
@@ -76,10 +78,20 @@ class Compensator {
   static std::array<std::string, 3> units(const analysis::SensorModel& model) {
     return {model.input_unit, model.input_unit, {}};
   }
-  Compensator(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel)
-      : sign_(model.falling ? -1.0 : 1.0), stream_(taxel) {}
+  Compensator(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel, const PredictOptions& options)
+      : sign_(model.falling ? -1.0 : 1.0), timed_(model.dynamics), stream_(model, taxel) {
+    stream_.work(options.conditioned_s);
+  }
   std::string step(const analysis::TableReader::Row& row, char separator) {
-    const analysis::Compensated now = stream_.step(sign_ * row.output);
+    double seconds = 0.0;
+    if (timed_) {
+      if (!row.time_s || (before_ && *row.time_s < *before_))
+        throw Error(ExitCode::kUsage, "TB-TABLE-ROW", row.time_s ? "the time goes back" : "time_s is not a number",
+                    fmt::format("line {}", row.line), "times in seconds rise within a taxel's sequence");
+      seconds = *row.time_s - before_.value_or(*row.time_s);
+      before_ = row.time_s;
+    }
+    const analysis::Compensated now = stream_.step(sign_ * row.output, seconds);
     // Not known: beyond the loop, where the input is its end, and where the model does not know the noise (0).
     const bool known = !now.out_of_range && now.uncertainty_psi > 0.0;
     const double uncertainty = known ? now.uncertainty_psi : std::numeric_limits<double>::quiet_NaN();
@@ -89,6 +101,8 @@ class Compensator {
 
  private:
   double sign_;
+  bool timed_;
+  std::optional<double> before_;
   analysis::TaxelStream stream_;
 };
 
@@ -112,6 +126,14 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   std::istream& in = options.file == "-" ? std::cin : file;
   analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
                                analysis::column_map_from(options.map), needs);
+  if (model.dynamics && needs == analysis::TableNeeds::kOutput && !reader.has_time())
+    throw Error(ExitCode::kUsage, "TB-TABLE-COLUMN",
+                "the model undoes lag and creep, and the table has no column of times", options.file,
+                "add a column time_s in seconds, or use a model without them");
+  if (model.dynamics && needs == analysis::TableNeeds::kInput)
+    tty::print(stderr,
+               "the outputs predicted are the model's static ones, without lag and creep: those of creep at its very "
+               "end, somewhat above what a held pressure reaches\n");
   const int only = reader.has_taxel() ? 0 : only_taxel(model, options.taxel);
   std::map<std::pair<std::string, int>, Applied, std::less<>> histories;
   const std::string separator(1, reader.separator());
@@ -134,7 +156,8 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
     ++rows;
     if (needs == analysis::TableNeeds::kInput && range && !range->contains(row.input, slack)) ++outside;
     try {
-      auto& history = histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel).first->second;
+      auto& history =
+          histories.try_emplace({std::string(row.sequence), taxel.taxel}, model, taxel, options).first->second;
       text += fmt::format("{}{}{}\n", row.text, separator, written(history.step(row, reader.separator()), reader));
     } catch (const std::invalid_argument& error) {
       throw Error(ExitCode::kUsage, "TB-MODEL-DOCUMENT",
@@ -176,12 +199,17 @@ void add_predict(CLI::App& app, Session& session) {
   auto predict = std::make_shared<PredictOptions>(), compensate = std::make_shared<PredictOptions>();
   add_verb(app, session, predict, "predict", "outputs of a model along the inputs of a table: adds a column predicted")
       ->callback([predict, &session] { apply<Predictor>(*predict, session, analysis::TableNeeds::kInput); });
-  add_verb(app, session, compensate, "compensate",
-           "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
-           "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
-           "the flag range says; the input is then the loop's "
-           "end) and flags (flat, range)")
-      ->callback([compensate, &session] { apply<Compensator>(*compensate, session, analysis::TableNeeds::kOutput); });
+  CLI::App* verb = add_verb(
+      app, session, compensate, "compensate",
+      "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
+      "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
+      "the flag range says; the input is then the loop's "
+      "end) and flags (flat, range). A dynamic model needs a column time_s, in seconds");
+  verb->add_option("--conditioned", compensate->conditioned_s,
+                   "dynamic: seconds for which the pressure went over its range just before the first row")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  verb->callback([compensate, &session] { apply<Compensator>(*compensate, session, analysis::TableNeeds::kOutput); });
 }
 
 }  // namespace tactbench::bench

@@ -145,7 +145,7 @@ void add_nightly(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_flag("--stop-on-red", options->stop_on_red, "start no scenario after the first red one");
   verb->add_option("--result", options->result)->group("");
-  add_common(*verb, session);
+  add_common_typed(*verb, session);
   verb->get_option("--db")->description("keep the night in this store, and compare it with the baselines");
   verb->callback([options, verb, &session] {
     options->keeps = verb->count("--db") > 0;

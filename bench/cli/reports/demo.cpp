@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -128,7 +127,7 @@ std::string on_purpose(const Judgement& judgement, std::int64_t drifted) {
 void end_if_asked(const StopRequest& signals, std::int64_t run) {
   const int signal = signals.signal();
   if (signal == 0) return;
-  throw Error(signal == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated, "TB-DEMO-STOPPED",
+  throw Error(code_of_signal(signal), "TB-DEMO-STOPPED",
               fmt::format("the demo was ended by {} before its report was written", signal_text(signal)),
               fmt::format("run {}", run), "its runs are stored: tactbench runs list; or start it again");
 }
@@ -241,7 +240,7 @@ void add_demo(CLI::App& app, Session& session) {
   verb->add_option("-o,--output", options->output, "report file (default: reports/run-N.html beside the store)");
   add_replace(*verb, session);
   verb->add_flag("--timing", options->timing, "print the time of each stage");
-  add_common(*verb, session);
+  add_common_typed(*verb, session);
   verb->callback([options, &session] { demo(*options, session); });
 }
 

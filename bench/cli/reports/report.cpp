@@ -11,8 +11,8 @@
 #include "analysis/report/overview/overview.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "bench/cli/judgement_words.h"
-#include "bench/cli/reports/report_options.h"
 #include "bench/cli/reports/report_signing.h"
+#include "bench/cli/reports/written_report.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
@@ -27,10 +27,16 @@ namespace tactbench::bench {
 
 namespace {
 
-// Models of `model_run`: ELAM where it was fitted, else the newest of the whole array; none where it has none: then the
-// report says what it does not show.
-analysis::SensorModel models_for(analysis::Runs& runs, std::int64_t model_run) {
+// The models named: of a run ELAM where it was fitted, else the newest of the whole array; none where it has none: then
+// the report says what it does not show.
+analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) {
   const db::RunStore& store = runs.store();
+  const std::int64_t model_run = named.run;
+  if (named.fit != 0) {
+    analysis::SensorModel fit = analysis::load_model(fmt::format("{}:{}", model_run, named.fit), &store);
+    check_models_of_array(runs, fit, named);
+    return fit;
+  }
   if (store.latest_fit(model_run, analysis::kElamFit)) return analysis::load_fit(store, model_run);
   const std::optional<db::FitRecord> record = store.latest_fit(model_run);
   if (!record || runs.record(model_run).origin == "imported") return {};
@@ -64,8 +70,10 @@ struct JudgedInput {
 // --limits judges without storing.
 JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::int64_t run, const Session& session) {
   const bool several = options.compare || options.batch;
-  const std::int64_t model_run = options.model_run != 0 ? options.model_run : run;
-  const analysis::SensorModel fit = models_for(runs, model_run);
+  const ModelNamed named = model_named(options.model, run);
+  const std::int64_t model_run = named.run;
+  const analysis::SensorModel fit = models_for(runs, named);
+  check_independent_of_dynamics(runs.store(), fit, options.held_out);
   if (fit.taxels.empty())
     tty::print(stderr,
                "note: run {} has no models: the report shows the measurements, nothing compensated; `tactbench fit {}` "
@@ -97,13 +105,6 @@ void add_as_found(analysis::Runs& runs, analysis::ReportInput& first, const anal
   const std::vector<NamedEvaluation> found = evaluations_for(runs, first.fit, second.run.run, {});
   if (!found.empty()) first.held_out.push_back({"as found", second.run, found.front().evaluation});
 }
-
-struct WrittenReport {
-  analysis::Report report;
-  std::vector<Judgement> judgements;  // of one run, or of each run on the page
-  std::string origin, started_utc, path;
-  bool written = true;  // false: the file held this report already, signed
-};
 
 std::string path_of(const db::RunStore& store, const ReportOptions& options, const std::string& name) {
   return options.output.empty() ? report_path(store, fmt::format("{}.{}", name, options.format)) : options.output;
@@ -179,7 +180,9 @@ std::optional<analysis::Verdict> worst_of(const std::vector<Judgement>& judgemen
   return worst;
 }
 
-void report_runs(ReportOptions options, Session& session) {
+}  // namespace
+
+WrittenReport write_reports(ReportOptions options, Session& session) {
   check_report_options(options);
   if (!options.lab.empty()) options.extras.laboratory = read_laboratory(find_config(options.lab));
   db::RunStore store =
@@ -188,17 +191,26 @@ void report_runs(ReportOptions options, Session& session) {
   analysis::Runs runs(store);
   check_report_runs(runs, options, session);
   const bool one = !options.compare && !options.batch;
-  const WrittenReport written = one ? one_run(store, runs, options, session) : several_runs(runs, options, session);
+  WrittenReport written = one ? one_run(store, runs, options, session) : several_runs(runs, options, session);
   const std::string& path = written.path;
   if (written.written && options.format == "pdf") {
     write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, session.replace});
   } else if (written.written) {
     write_output(path, options.format == "json" ? written.report.json + "\n" : written.report.html, session.replace);
   }
+  session.code = exit_code_of(worst_of(written.judgements));
+  return written;
+}
+
+namespace {
+
+void report_runs(const ReportOptions& options, Session& session) {
+  const WrittenReport written = write_reports(options, session);
+  const std::string& path = written.path;
+  const bool one = !options.compare && !options.batch;
   std::vector<db::VerdictRecord> verdicts;
   for (const Judgement& judgement : written.judgements)
     verdicts.insert(verdicts.end(), judgement.verdicts.begin(), judgement.verdicts.end());
-  session.code = exit_code_of(worst_of(written.judgements));
   warn_of_conditional(verdicts);
   if (session.json) {
     nlohmann::ordered_json json = {{"run", options.runs.front()},
@@ -246,7 +258,8 @@ void add_report(CLI::App& app, Session& session) {
                    "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
                    "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
       ->take_all();
-  verb->add_option("--model", options->model_run, "use the models of this run (default: the run's own)");
+  verb->add_option("--model", options->model,
+                   "use the models of this run, or RUN:FIT (default: the run's own: ELAM where it was fitted)");
   verb->add_option("--format", options->format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
       ->check(CLI::IsMember({"html", "pdf", "json"}))
       ->capture_default_str();

@@ -3,12 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/cli/runs/source.h"
 #include "bench/reporting/named_runs.h"
+#include "bench/reporting/source_runs.h"
 
 namespace tactbench::bench {
+
+ModelNamed model_named(const std::string& text, std::int64_t run) {
+  if (text.empty()) return {run, 0};
+  ModelNamed named;
+  const char* const end = text.data() + text.size();
+  auto read = std::from_chars(text.data(), end, named.run);
+  bool good = read.ec == std::errc() && named.run > 0;
+  if (good && read.ptr != end) {
+    good = *read.ptr == ':';
+    if (good) read = std::from_chars(read.ptr + 1, end, named.fit);
+    good = good && read.ec == std::errc() && read.ptr == end && named.fit > 0;
+  }
+  if (good) return named;
+  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' names no stored models", text), "--model",
+              "RUN, or RUN:FIT (tactbench runs show RUN lists its fits)");
+}
 
 void check_report_options(const ReportOptions& options) {
   const auto refuse = [](const std::string& what, const std::string& remedy) {
@@ -26,6 +44,29 @@ void check_report_options(const ReportOptions& options) {
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
 }
 
+void check_independent_of_dynamics(const db::RunStore& store, const analysis::SensorModel& fit,
+                                   const std::vector<std::int64_t>& held_out) {
+  if (!fit.dynamics) return;
+  for (const std::int64_t run : source_runs(store, fit))
+    if (std::ranges::find(held_out, run) != held_out.end())
+      throw Error(ExitCode::kUsage, "TB-RUN-OWN",
+                  fmt::format("the models, or their lag or creep, were made from run {}: it is not independent data "
+                              "for them",
+                              run),
+                  "--held-out", "name other runs of the same sensor");
+}
+
+void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named) {
+  const auto refuse = [&](const char* why) {
+    throw Error(ExitCode::kUsage, "TB-USAGE",
+                fmt::format("a report cannot use fit {}:{}: {}", named.run, named.fit, why), "--model",
+                "name a fit of the whole array of a run that the bench made (tactbench model list shows the fits), or "
+                "make one: tactbench fit RUN");
+  };
+  if (runs.record(named.run).origin == "imported") refuse("it was made from an imported table");
+  if (fit.fitted().empty()) refuse("it has a model of no single taxel of the array");
+}
+
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   const std::int64_t run = options.runs.front();
   (void)runs.record(run);  // an unknown run is reported first
@@ -33,7 +74,8 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
     (void)named_runs(runs, options.runs, {"report --compare and --batch"}, session.void_too);
     return;
   }
-  const std::int64_t model_run = options.model_run != 0 ? options.model_run : run;
+  const ModelNamed named = model_named(options.model, run);
+  const std::int64_t model_run = named.run;
   if (model_run != run) (void)named_runs(runs, {model_run}, {"--model"}, session.void_too);
   (void)named_runs(runs, {options.runs.begin() + 1, options.runs.end()}, {"runs after the report's own"},
                    session.void_too);

@@ -12,14 +12,28 @@ namespace tactbench::bench {
 
 struct ReportOptions {
   std::vector<std::int64_t> runs, held_out;
-  std::int64_t model_run = 0;  // 0: the run's own models
+  std::string model;  // RUN or RUN:FIT; empty: the run's own
   std::string format = "html", limits, lab, output, approve_by, issued, paper = "a4", pdf_with;
   bool compare = false, batch = false, without_verdict = false;
   ReportExtras extras;
 };
 
+// The run and fit (0: ELAM where it was fitted, else the newest) whose models are used; {`run`, 0} where none is named.
+struct ModelNamed {
+  std::int64_t run = 0, fit = 0;
+};
+// Throws TB-USAGE.
+ModelNamed model_named(const std::string& text, std::int64_t run);
+
 // Options that go together. Throws TB-USAGE.
 void check_report_options(const ReportOptions& options);
+
+// Runs that lag and creep of the models were taken from are no independent data for them. Throws TB-RUN-OWN.
+void check_independent_of_dynamics(const db::RunStore& store, const analysis::SensorModel& fit,
+                                   const std::vector<std::int64_t>& held_out);
+
+// Models named by RUN:FIT are of a run that the bench made and of single taxels. Throws TB-USAGE.
+void check_models_of_array(analysis::Runs& runs, const analysis::SensorModel& fit, const ModelNamed& named);
 
 // Checks that all runs on the command line exist and may be used (named_runs.h). The report's own run may be void.
 void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const Session& session);

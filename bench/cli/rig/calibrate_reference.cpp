@@ -210,7 +210,7 @@ void add_calibrate_reference(CLI::App& devices, Session& session) {
   CLI::App* verb = devices.add_subcommand(
       "calibrate-reference",
       "approach levels upward and downward, ask for a hand gauge's readings, write the reference's correction");
-  verb->add_option("--bench", options->bench, "bench file")->required();
+  session.profile.add_bench(*verb, options->bench);
   verb->add_option("--gauge", options->gauge, "the hand gauge: model, serial, certificate; recorded")->required();
   verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty in psi, k = 2")
       ->required()

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,19 +20,35 @@ struct ConfigOptions {
   bool origin = false;
 };
 
-void show(const ConfigOptions& options, const Session& session) {
+// What verbs take where nothing is typed, as settings "profile.KEY".
+std::vector<sequences::Setting> profile_settings(const OperatorProfile& profile) {
+  std::vector<sequences::Setting> settings;
+  for (const auto& [key, given] : profile)
+    settings.push_back({fmt::format("profile.{}", to_string(key)),
+                        fmt::format("\"{}\"", fmt::join(given.values, "\", \"")), given.origin});
+  return settings;
+}
+
+nlohmann::ordered_json settings_json(const std::vector<sequences::Setting>& settings) {
+  auto list = nlohmann::ordered_json::array();
+  for (const sequences::Setting& setting : settings)
+    list.push_back({{"key", setting.key}, {"value", setting.value}, {"origin", setting.origin}});
+  return list;
+}
+
+void show(const ConfigOptions& options, Session& session) {
+  std::vector<sequences::Setting> shown = profile_settings(session.profile.values());
   const BenchConfig config = read_bench(find_config(options.bench), split_overrides(options.set).bench);
   if (session.json) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const sequences::Setting& setting : config.settings) {
-      list.push_back({{"key", setting.key}, {"value", setting.value}, {"origin", setting.origin}});
-    }
-    print_json("config.show", {{"bench", config.file}, {"settings", list}});
+    print_json(
+        "config.show",
+        {{"bench", config.file}, {"profile", settings_json(shown)}, {"settings", settings_json(config.settings)}});
     return;
   }
+  shown.insert(shown.end(), config.settings.begin(), config.settings.end());
   std::size_t widest = 0;
   std::vector<std::string> lines;
-  for (const sequences::Setting& setting : config.settings) {
+  for (const sequences::Setting& setting : shown) {
     lines.push_back(one_line(fmt::format("{} = {}", setting.key, setting.value), kLongestText));
     widest = std::max(widest, display_width(lines.back()));
   }
@@ -39,7 +56,7 @@ void show(const ConfigOptions& options, const Session& session) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string blanks(widest - std::min(widest, display_width(lines[i])), ' ');
     tty::print("{}{}\n", lines[i],
-               options.origin ? fmt::format("{}  # {}", blanks, one_line(config.settings[i].origin)) : std::string());
+               options.origin ? fmt::format("{}  # {}", blanks, one_line(shown[i].origin)) : std::string());
   }
 }
 
@@ -47,12 +64,15 @@ void show(const ConfigOptions& options, const Session& session) {
 
 void add_config(CLI::App& app, Session& session) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* verb = app.add_subcommand("config", "show every value of a bench file, defaults included");
+  CLI::App* verb = app.add_subcommand(
+      "config",
+      "show every value of a bench file, defaults included, and what tactbench.toml and the environment give");
   verb->require_subcommand(1);
   CLI::App* show_verb = verb->add_subcommand("show", "all keys with the values in force");
-  show_verb->add_option("--bench", options->bench, "bench file")->capture_default_str();
+  session.profile.add(*show_verb, "--bench", ProfileKey::kBench, options->bench, "bench file")->capture_default_str();
   show_verb->add_option("--set", options->set, "override table.key=value")->take_all();
-  show_verb->add_flag("--origin", options->origin, "show the source of each value: file and line, --set, default");
+  show_verb->add_flag("--origin", options->origin,
+                      "show the source of each value: file and line, variable of the environment, --set, default");
   show_verb->add_flag("--json", session.json, "one JSON document on standard output");
   show_verb->callback([options, &session] { show(*options, session); });
 }

@@ -1,8 +1,6 @@
 // pause, resume, stop, abort, panic: commands to a live run on this machine; `resume` opens a run again whose process
 // has ended.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,9 +9,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/cli/rig/named_run.h"
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
-#include "bench/config/config.h"
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/machine_name.h"
 
@@ -21,118 +19,10 @@ namespace tactbench::bench {
 
 namespace {
 
-struct ControlOptions {
-  std::int64_t run = 0;
-  bool db_given = false;
-  std::string bench;  // an id, or a bench file; of `resume`: a file
+struct ControlOptions : NamedRun {  // bench of `resume`: a file
   std::string on_event;
   bool assume_yes = false;
 };
-
-bool same_store(const std::string& one, const std::string& other) {
-  std::error_code ignored;
-  return std::filesystem::weakly_canonical(one, ignored) == std::filesystem::weakly_canonical(other, ignored);
-}
-
-std::string bench_id_of(const std::string& named) {
-  return named.ends_with(".toml") ? read_bench(find_config(named), {}).id : named;
-}
-
-// The live runs of this machine that could be meant.
-struct Candidates {
-  std::vector<LiveRun> runs, others;  // runs that answer: meant; not meant
-  std::vector<SilentBench> silent;    // benches that do not answer and could be meant
-};
-
-Candidates candidates(const ControlOptions& options, const Session& session) {
-  const auto meant = [&](const LiveRun& live) {
-    return (options.run == 0 || live.status.run == options.run) &&
-           (!options.db_given || same_store(live.status.store, session.db));
-  };
-  ListenOptions listen;
-  listen.wanted = meant;
-  if (options.run != 0 && options.db_given) listen.enough = meant;  // there can be no second one
-  Heard heard = say_to(run_names(bench_id_of(options.bench)), Command::kStatus, listen);
-  Candidates found;
-  for (LiveRun& live : heard.answers) (live.denied || meant(live) ? found.runs : found.others).push_back(live);
-  // Prefers runs of trusted users, and runs that accept commands of this user: others may only hold the name.
-  const auto prefer = [&](const auto& good) {
-    if (std::any_of(found.runs.begin(), found.runs.end(), good)) std::erase_if(found.runs, std::not_fn(good));
-  };
-  prefer([](const LiveRun& live) { return is_trusted(live.server, ::geteuid()); });
-  prefer([](const LiveRun& live) { return !live.denied; });
-  for (const SilentBench& silent : heard.silent) {
-    const bool other_run = options.run != 0 && silent.run != 0 && silent.run != options.run;
-    if (!other_run) found.silent.push_back(silent);
-  }
-  return found;
-}
-
-std::string run_text(const LiveRun& live) {
-  if (live.denied) return fmt::format("a run on bench '{}' ({})", live.bench, peer_text(live.server));
-  return fmt::format("run {} of {} on bench '{}' ({}, step {}/{})", live.status.run, live.status.store, live.bench,
-                     to_string(live.status.state), live.status.step, live.status.steps);
-}
-
-// In words; root accepts all users, so for root it did not answer at all.
-bool unheard(const SilentBench& silent) { return silent.stranger && ::geteuid() != 0; }
-
-std::string silent_text(const SilentBench& silent) {
-  const std::string who = silent.server ? fmt::format(" ({})", peer_text(*silent.server)) : std::string();
-  if (unheard(silent)) return fmt::format("bench '{}' is held by another user{}", silent.bench, who);
-  const std::string run = silent.run != 0 ? fmt::format("run {}", silent.run) : std::string("what holds the lock");
-  return fmt::format("{} on bench '{}' does not answer{}", run, silent.bench, who);
-}
-
-std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {}) {
-  std::vector<std::string> lines;
-  for (const LiveRun& live : runs) lines.push_back(run_text(live));
-  for (const SilentBench& one : silent) lines.push_back(silent_text(one));
-  return fmt::format("{}", fmt::join(lines, "; "));
-}
-
-[[noreturn]] void refuse_word(const std::string& id, const std::string& what, const std::string& name,
-                              const std::string& remedy) {
-  throw Error(ExitCode::kUsage, id, what, name, remedy);
-}
-
-[[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent) {
-  const SilentBench& first = silent.front();
-  if (unheard(first)) {
-    refuse_word(
-        "TB-RUN-DENIED",
-        fmt::format("{}: neither root, nor your own user, nor of the group '{}'", listed({}, silent), kGroupName),
-        shown_name(first.name),
-        fmt::format(
-            "ask that user, or give the command as root; members of the group '{}' may command each other's runs",
-            kGroupName));
-  }
-  const std::string process = first.server ? std::to_string(first.server->process) : "PID";
-  refuse_word("TB-RUN-SILENT", listed({}, silent), shown_name(first.name),
-              fmt::format("check the rig: the process is stopped, or opens its devices. `kill -CONT {0}` continues a "
-                          "stopped process, `kill -KILL {0}` ends it, and its dead-man vents",
-                          process));
-}
-
-LiveRun only(const Candidates& found, const ControlOptions& options, Command command) {
-  const std::string place = "runs listed in /proc/net/unix as " + shown_name("");
-  // In an emergency the command goes to every run that answers. Any other command could end or resume the wrong run.
-  const bool exact = !options.bench.empty() || options.db_given || command == Command::kPanic;
-  if (found.runs.size() == 1 && (exact || std::all_of(found.silent.begin(), found.silent.end(),
-                                                      [](const SilentBench& one) { return one.stranger; }))) {
-    return found.runs.front();
-  }
-  if (!found.runs.empty()) {
-    refuse_word("TB-RUN-AMBIGUOUS", fmt::format("{} runs are live", found.runs.size() + found.silent.size()), place,
-                fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", to_string(command),
-                            listed(found.runs, found.silent)));
-  }
-  if (!found.silent.empty()) refuse_silent(found.silent);
-  refuse_word("TB-RUN-NOT-LIVE",
-              options.run != 0 ? fmt::format("no live run {} answers", options.run) : "no live run answers", place,
-              found.others.empty() ? "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`"
-                                   : "live: " + listed(found.others));
-}
 
 // The answer of the run that took the command; throws when it did not.
 LiveRun taken_by(const LiveRun& chosen, Command command) {
@@ -170,7 +60,8 @@ LiveRun panic_all(const std::vector<LiveRun>& runs) {
 void say(const ControlOptions& options, const Session& session, Command command, const Candidates& found) {
   const bool named = !options.bench.empty() || options.db_given || options.run != 0;
   const bool all = command == Command::kPanic && named && found.runs.size() > 1;
-  const std::optional<LiveRun> chosen = all ? std::nullopt : std::optional(only(found, options, command));
+  const std::optional<LiveRun> chosen =
+      all ? std::nullopt : std::optional(only_one(found, options, to_string(command), command == Command::kPanic));
   for (const SilentBench& silent : found.silent)
     if (!silent.stranger) tty::print(stderr, "warning: {}\n", silent_text(silent));
   const LiveRun answer = all ? panic_all(found.runs) : taken_by(*chosen, command);
@@ -209,10 +100,7 @@ void resume(const ControlOptions& options, Session& session) {
 CLI::App* add_command(CLI::App& app, Session& session, const std::shared_ptr<ControlOptions>& options, Command command,
                       const char* what) {
   CLI::App* verb = app.add_subcommand(to_string(command), what);
-  verb->add_option("run", options->run, "its number; may be omitted when one run is live");
-  verb->add_option("--db", session.db, "run store, one SQLite file per bench")->each([options](const std::string&) {
-    options->db_given = true;
-  });
+  add_named_run(*verb, session, options, command == Command::kResume);
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->add_flag("-q,--quiet", session.quiet, "no progress line");
   return verb;

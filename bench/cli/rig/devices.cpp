@@ -115,7 +115,7 @@ void add_devices(CLI::App& app, Session& session) {
                                               "warning for one that is overdue for calibration");
   CLI::App* watch_verb = verb->add_subcommand("watch", "live values, read-only, until Ctrl-C");
   for (CLI::App* each : {check_verb, watch_verb}) {
-    each->add_option("--bench", options->bench, "bench file")->required();
+    session.profile.add_bench(*each, options->bench);
     each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   }
   check_verb->add_flag("--json", session.json, "one JSON document on standard output");
@@ -128,7 +128,7 @@ void add_devices(CLI::App& app, Session& session) {
       ->capture_default_str();
   watch_verb->callback([options] { watch(*options); });
   CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
-  reset_verb->add_option("--bench", options->bench, "bench file")->required();
+  session.profile.add_bench(*reset_verb, options->bench);
   reset_verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   reset_verb->add_option("--operator", options->operator_name, "who has inspected the rig; logged")->required();
   reset_verb->add_flag("--json", session.json, "one JSON document on standard output");

@@ -8,15 +8,32 @@
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/config/config.h"
+#include "bench/config/operator_profile.h"
+#include "db/utf8.h"
 
 namespace tactbench::bench {
 
 namespace {
 
 struct InitOptions {
-  std::string folder = ".";
+  std::string folder = ".", operator_name;
   bool rig = false;
 };
+
+// For --operator. JSON's escapes are also TOML's.
+std::string profile_text(const std::string& operator_name) {
+  return fmt::format(
+      "# What need not be typed with every verb, for the folder in which tactbench is started. The command line "
+      "precedes\n"
+      "# the environment (TACTBENCH_BENCH, TACTBENCH_DB), and that precedes this file: tactbench config show "
+      "--origin.\n"
+      "bench = \"bench.toml\"        # --bench\n"
+      "db = \"runs.db\"              # --db\n"
+      "operator = {}               # --operator\n"
+      "recipe = \"production\"       # of run and calibrate\n"
+      "limits = \"limits.toml\"      # by which calibrate judges, and fit its held-out runs\n",
+      nlohmann::json(operator_name).dump());
+}
 
 void init(const InitOptions& options, const Session& session) {
   namespace fs = std::filesystem;
@@ -25,7 +42,10 @@ void init(const InitOptions& options, const Session& session) {
       {"sensor.toml", "sensor.toml"},
       {"limits.toml", "limits.toml"},
       {"lab.toml", "lab.toml"}};
-  for (const auto& [shipped, name] : files) {
+  std::vector<std::string> names;
+  for (const auto& [shipped, name] : files) names.push_back(name);
+  if (!options.operator_name.empty()) names.emplace_back(kProfileFile);
+  for (const std::string& name : names) {
     const fs::path target = fs::path(options.folder) / name;
     if (fs::exists(target) && !session.replace) {
       throw Error(ExitCode::kUsage, "TB-FILE-EXISTS", fmt::format("'{}' exists already", target.string()),
@@ -45,6 +65,11 @@ void init(const InitOptions& options, const Session& session) {
     }
     written.push_back(target.string());
   }
+  if (!options.operator_name.empty()) {
+    const std::string target = (fs::path(options.folder) / kProfileFile).string();
+    write_output(target, profile_text(options.operator_name), session.replace);
+    written.push_back(target);
+  }
   if (session.json) {
     print_json("init", {{"files", written}});
     return;
@@ -55,6 +80,11 @@ void init(const InitOptions& options, const Session& session) {
         "\nNext:  fill in bench.toml (serials, ports, certificates), then\n"
         "       tactbench devices check --bench {}/bench.toml\n",
         options.folder);
+    return;
+  }
+  if (!options.operator_name.empty()) {
+    tty::print("\nNext:  {}tactbench calibrate SERIAL\n",
+               options.folder == "." ? std::string() : fmt::format("cd {}, then ", options.folder));
     return;
   }
   tty::print(
@@ -70,6 +100,10 @@ void add_init(CLI::App& app, Session& session) {
   CLI::App* verb =
       app.add_subcommand("init", "write a commented bench.toml, sensor.toml, limits.toml and lab.toml to start from");
   verb->add_option("folder", options->folder, "where to")->capture_default_str();
+  verb->add_option("--operator", options->operator_name,
+                   "also write tactbench.toml, with this name: bench, store, operator, recipe and limits then need not "
+                   "be typed")
+      ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
   verb->add_flag("--rig", options->rig, "bench.toml describes the paper's rig (hardware) instead of the simulated one");
   verb->add_flag("--replace,--force", session.replace, "overwrite existing files");
   verb->add_flag("--json", session.json, "one JSON document on standard output");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "bench/cli/rig/recipes.h"
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
 #include "bench/common/utc.h"
@@ -109,14 +110,9 @@ TimeEstimate estimate_time(const Plan& plan, const SplitOverrides& overrides, co
 // The recipes that can be planned, for a call without names.
 void list_recipes(const Session& session) {
   ordered_json list = ordered_json::array();
-  for (const std::string& file : shipped_files("sequences")) {
-    try {
-      const Recipe recipe = sequences::read_recipe(find_recipe(file));
-      list.push_back({{"name", recipe.name}, {"title", recipe.title}});
-      if (!session.json) tty::print("{:<18}{}\n", one_line(recipe.name), one_line(recipe.title));
-    } catch (const sequences::FileError&) {
-      continue;  // the folder also holds a suite
-    }
+  for (const auto& [recipe, path] : shipped_recipes()) {
+    list.push_back({{"name", recipe.name}, {"title", recipe.title}});
+    if (!session.json) tty::print("{:<18}{}\n", one_line(recipe.name), one_line(recipe.title));
   }
   if (session.json) return print_json("plan.recipes", {{"recipes", list}});
   tty::print("tactbench plan NAME... shows more; own recipes are given as files\n");
@@ -283,14 +279,15 @@ void add_plan(CLI::App& app, Session& session) {
       app.add_subcommand("plan", "compile recipes without touching a device: steps, extremes, margins, time, bytes");
   verb->add_option("recipe", options->recipes,
                    "recipe files or names of shipped ones (descending, ring, ...); none: lists the shipped ones");
-  verb->add_option("--bench", options->bench, "bench file, for its limits and devices")->capture_default_str();
+  session.profile.add(*verb, "--bench", ProfileKey::kBench, options->bench, "bench file, for its limits and devices")
+      ->capture_default_str();
   verb->add_option("--set", options->set, "override table.key=value, or recipe.key=value (a parameter or a key)")
       ->take_all();
   verb->add_option("--limits", options->limits,
                    "limits file: list levels to be judged that are not measured; exit code 6 when there are any");
   verb->add_flag("--steps", options->steps, "list every step in the order of the run");
   verb->add_flag("--parameters", options->parameters, "list the recipes' parameters instead");
-  verb->add_option("--db", session.db, "store to learn times from")->capture_default_str();
+  session.profile.add(*verb, "--db", ProfileKey::kDb, session.db, "store to learn times from")->capture_default_str();
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { plan(*options, session); });
 }

@@ -140,10 +140,10 @@ void add_rig(CLI::App& app, Session& session) {
       "check",
       "steps and holds of the chamber, reference against feedback, and a check-standard sensor, each compared with its "
       "baseline; with --press also the force sensor's zero and the stage's repeatability");
-  verb->add_option("--bench", options->run.bench, "bench file")->required();
+  session.profile.add_bench(*verb, options->run.bench);
   verb->add_option("--standard", options->run.sensor, "serial of the sensor that is used only for these checks")
       ->required();
-  verb->add_option("--operator", options->run.operator_name, "who runs it; recorded")->required();
+  session.profile.add_operator(*verb, options->run.operator_name);
   verb->add_option("--recipe", options->standard_recipes, "that characterizes the standard; always the same")
       ->capture_default_str();
   verb->add_flag("--press", options->press, "also three presses of the ring (asks for it to be mounted)");

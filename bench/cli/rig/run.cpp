@@ -79,8 +79,7 @@ void show_run_result(const CarriedOut& done, const Session& session) {
     print_json("run", json);
     return;
   }
-  tty::print("run {}: {}, {} in {:.0f} min of process time; {}\n", result.run, db::to_string(result.outcome),
-             analysis::counted(result.frames_kept, "frame"), result.process_seconds / 60.0, result.safe_text);
+  tty::print("{}\n", run_line(result));
   const std::string waited =
       result.waiting_seconds < 1.0 ? "" : fmt::format(" and {} of waiting", clock_text(result.waiting_seconds));
   tty::print("took {} of process time{}, estimated {}\n{}\n",
@@ -113,6 +112,8 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   request.on_event = options.on_event;
   request.assume_yes = options.assume_yes;
   request.check_seating = !options.no_seating;
+  request.label = options.label;
+  request.on_begun = options.on_begun;
   if (!options.specimen_state.empty() && !request.bench.simulation) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
                 "leave it out: real film keeps its own state");
@@ -124,6 +125,11 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
 }
 
 }  // namespace
+
+std::string run_line(const RunResult& result) {
+  return fmt::format("run {}: {}, {} in {:.0f} min of process time; {}", result.run, db::to_string(result.outcome),
+                     analysis::counted(result.frames_kept, "frame"), result.process_seconds / 60.0, result.safe_text);
+}
 
 RunResult carry_out_run(const RunOptions& options, const Session& session) {
   return begin_and_carry_out(options, session).result;
@@ -172,11 +178,13 @@ void add_run(CLI::App& app, Session& session) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* verb =
       app.add_subcommand("run", "carry out recipes on a bench and store every frame; prints the run's number");
-  verb->add_option("recipe", options->recipes, "recipe files or names of shipped ones (descending, ascending)")
+  session.profile
+      .add(*verb, "recipe", ProfileKey::kRecipe, options->recipes,
+           "recipe files or names of shipped ones (descending, ascending)")
       ->required();
-  verb->add_option("--bench", options->bench, "bench file")->required();
+  session.profile.add_bench(*verb, options->bench);
   verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();
-  verb->add_option("--operator", options->operator_name, "who runs it; recorded")->required();
+  session.profile.add_operator(*verb, options->operator_name);
   verb->add_option("--purpose", options->purpose, "why; recorded");
   verb->add_option("--set", options->set, "override table.key=value of the bench file, or recipe.key=value")
       ->take_all();

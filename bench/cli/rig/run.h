@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,14 @@ struct RunOptions {
   std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
   bool assume_yes = false, no_seating = false;
   SeedOptions seeds;
+  std::string label = "run";                   // of the progress line
+  std::function<void(std::int64_t)> on_begun;  // called with the run's number once it has a row; may be empty
 };
 
 // Carries out a new run. Throws Error when it did not complete or was refused before it began.
 RunResult carry_out_run(const RunOptions& options, const Session& session);
+// "run 1: completed, 303 frames in 12 min of process time; vented, verified (...)".
+std::string run_line(const RunResult& result);
 
 struct ResumeOptions {
   std::string bench;     // bench file; empty: as stored with the run

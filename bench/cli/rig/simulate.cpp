@@ -103,7 +103,8 @@ void simulate(const SimulateOptions& options, const Session& session) {
 void add_simulate(CLI::App& app, Session& session) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* verb = app.add_subcommand("simulate", "serve the whole simulated rig on real wires, for any client");
-  verb->add_option("--bench", options->bench, "simulated bench file")->capture_default_str();
+  session.profile.add(*verb, "--bench", ProfileKey::kBench, options->bench, "simulated bench file")
+      ->capture_default_str();
   verb->add_option("--set", options->set, "override table.key=value, such as module.port=1502")->take_all();
   verb->add_option("--rate", options->rate, "ratio of process time to real time")
       ->check(CLI::Range(0.1, 100.0))

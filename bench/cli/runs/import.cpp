@@ -58,11 +58,8 @@ struct ImportOptions {
 void import(const ImportOptions& options, const Session& session) {
   const TableFile file = read_table_file(options.file, options.table);
   tell_reading(options.file, file.table);
-  analysis::HistoriesOptions reading;
-  reading.turn = options.table.turn;
-  reading.noise = options.table.noise;
   // Refuses a table on which no model can be fitted.
-  tell_doubts(analysis::histories_of(file.table.series, options.file, reading));
+  tell_doubts(analysis::histories_of(file.table.series, options.file, options_of(options.table)));
   db::RunRecord run = program_record();
   run.origin = "imported";
   run.operator_name = options.operator_name;
@@ -113,7 +110,7 @@ void add_import(CLI::App& app, Session& session) {
           "hold units")
       ->required();
   add_table_options(*verb, options->table);
-  verb->add_option("--operator", options->operator_name, "who imports it");
+  session.profile.add(*verb, "--operator", ProfileKey::kOperator, options->operator_name, "who imports it");
   verb->add_option("--purpose", options->purpose, "what it is");
   add_common(*verb, session);
   verb->callback([options, &session] { import(*options, session); });

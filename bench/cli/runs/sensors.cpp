@@ -6,6 +6,7 @@
 
 #include "analysis/documents/run_json.h"
 #include "analysis/json_io.h"
+#include "bench/cli/runs/register_sensor.h"
 #include "bench/cli/session.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
@@ -13,18 +14,19 @@
 
 namespace tactbench::bench {
 
+db::SensorRecord register_sensor(const std::string& db, const SensorEntry& entry) {
+  const SensorType type = read_sensor_type(find_config(entry.type_file));
+  db::RunStore store = db::RunStore::open(db);
+  db::SensorRecord sensor{entry.serial,  type.name,  type.text, db::sha256_hex(type.text),
+                          entry.scanner, entry.note, utc_now()};
+  store.add_sensor(sensor);
+  return sensor;
+}
+
 namespace {
 
-struct SensorsOptions {
-  std::string serial, type = "sensor.toml", scanner, note;
-};
-
-void add(const SensorsOptions& options, const Session& session) {
-  const SensorType type = read_sensor_type(find_config(options.type));
-  db::RunStore store = db::RunStore::open(session.db);
-  db::SensorRecord sensor{options.serial,  type.name,    type.text, db::sha256_hex(type.text),
-                          options.scanner, options.note, utc_now()};
-  store.add_sensor(sensor);
+void add(const SensorEntry& entry, const Session& session) {
+  const db::SensorRecord sensor = register_sensor(session.db, entry);
   if (session.json) {
     print_json("sensors.add", analysis::sensor_json(sensor));
   } else {
@@ -77,10 +79,10 @@ void show_sensor(const std::string& serial, const Session& session) {
 void add_sensors(CLI::App& app, Session& session) {
   CLI::App* sensors = app.add_subcommand("sensors", "register, list or show sensors");
   sensors->require_subcommand(1);
-  auto options = std::make_shared<SensorsOptions>();
+  auto options = std::make_shared<SensorEntry>();
   CLI::App* add_verb = sensors->add_subcommand("add", "register a sensor: its serial, its type file, its scanner");
   add_verb->add_option("serial", options->serial, "the sensor's serial number")->required();
-  add_verb->add_option("--type", options->type, "sensor type file")->capture_default_str();
+  add_verb->add_option("--type", options->type_file, "sensor type file")->capture_default_str();
   add_verb->add_option("--scanner", options->scanner, "serial of the scanner it is read with (default: any)");
   add_verb->add_option("--note", options->note, "anything worth knowing");
   add_common(*add_verb, session);

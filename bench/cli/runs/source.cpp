@@ -13,8 +13,6 @@
 
 namespace tactbench::bench {
 
-namespace {
-
 analysis::HistoriesOptions options_of(const TableOptions& table, const std::vector<std::string>& fitted) {
   analysis::HistoriesOptions options;
   options.fitted = fitted;
@@ -22,6 +20,8 @@ analysis::HistoriesOptions options_of(const TableOptions& table, const std::vect
   options.noise = table.noise;
   return options;
 }
+
+namespace {
 
 // The series of an imported run, with the units that its table was given.
 analysis::Histories imported(const db::RunStore& store, const db::RunRecord& run,

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "analysis/identify/histories.h"
 #include "analysis/table.h"
 #include "bench/cli/runs/source.h"
 
@@ -16,6 +18,9 @@ struct TableFile {
 };
 // Units of `options`, or those of the table's own line of units. Throws AnalysisError TB-TABLE-*.
 TableFile read_table_file(const std::string& path, const TableOptions& options);
+
+// How its series are read. `fitted`: as for read_run().
+analysis::HistoriesOptions options_of(const TableOptions& table, const std::vector<std::string>& fitted = {});
 
 // What was assumed in reading the table, and which rows were left out: lines for standard error.
 void tell_reading(const std::string& path, const analysis::Table& table);

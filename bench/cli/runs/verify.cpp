@@ -28,7 +28,7 @@ void print_result(const VerifiedResult& result) {
   const std::string state = !result.difference.empty() ? fmt::format("DIFFER: {}", result.difference)
                             : result.recomputed        ? "equal"
                                                        : "";
-  tty::print("  {:<14}{}{}{}\n", name, state, state.empty() ? "" : "; ", result.compared);
+  tty::print("  {:<14}{}{}{}\n", name + " ", state, state.empty() ? "" : "; ", result.compared);
 }
 
 void verify(std::int64_t number, Session& session) {

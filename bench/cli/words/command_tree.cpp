@@ -1,6 +1,8 @@
 #include "bench/cli/words/command_tree.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 
 #include "bench/config/config.h"
 
@@ -43,7 +45,8 @@ CommandArgument argument_of(const CLI::Option& option) {
                                             : ArgumentKind::kText;
   if (argument.kind != ArgumentKind::kText) return argument;
   const std::string& name = argument.names.back();
-  if (name == "recipe" || name == "suite") argument.choices = shipped_recipes();
+  constexpr std::array kOfRecipes{"recipe", "suite", "--recipe", "--held-out-recipe", "--from"};
+  if (std::ranges::find(kOfRecipes, name) != kOfRecipes.end()) argument.choices = shipped_recipes();
   if (name == "--bench" || name == "--limits") argument.choices = shipped_files("bench/config");
   return argument;
 }

@@ -125,6 +125,9 @@ const std::vector<ManualEntry> manual_codes = {
      "output or error does not end a run."}};
 
 const std::vector<ManualEntry> manual_environment = {
+    {"TACTBENCH_BENCH, TACTBENCH_DB",
+     "Bench file and store where a verb is given no --bench and no --db. They precede tactbench.toml. demo and nightly "
+     "do not take the store from them; pause, stop, abort and panic take neither."},
     {"TACTBENCH_SHARE",
      "Folder of the shipped recipes, configurations and module profiles. Without it the folder share/tactbench beside "
      "the program's bin folder is taken, and without that the source tree that the program was built from."},
@@ -145,6 +148,10 @@ const std::vector<ManualEntry> manual_files = {
      "Rig and its limits, type of sensor, acceptance limits; tactbench init writes commented ones to start from. "
      "[reference], [force] and [stage] take certificate, calibrated, due (dates as 2026-01-31) and an expanded "
      "uncertainty. A bench that drives hardware is refused while a value says FILL-IN."},
+    {"tactbench.toml",
+     "In the working folder: what need not be typed with every verb. Keys: bench, db, operator, recipe (several with "
+     "commas between) and limits, which calibrate judges by, and fit where it has held-out runs. The command line and "
+     "the environment precede it; an unknown key is an error. config show prints what is in force."},
     {"lab.toml",
      "Facts for reports that no instrument knows. The run's own certificates take precedence; this file fills the "
      "gaps."},
@@ -190,7 +197,8 @@ std::string manual_page(const CommandNode& root, const std::string& version, con
       ".SH EXAMPLES\n.nf\ntactbench demo\ntactbench init\ntactbench plan descending ascending\n"
       "tactbench sensors add MY\\-1 \\-\\-type sensor.toml\n"
       "tactbench run descending ascending \\-\\-bench bench.toml \\-\\-sensor MY\\-1 \\-\\-operator me\n"
-      "tactbench fit 1 \\-\\-limits limits.toml\ntactbench report 1\ntactbench verify 1\n.fi\n";
+      "tactbench fit 1 \\-\\-limits limits.toml\ntactbench report 1\ntactbench verify 1\n"
+      "tactbench init \\-\\-operator me\ntactbench calibrate MY\\-1\n.fi\n";
   return text;
 }
 

@@ -55,7 +55,9 @@ Control::Answer Control::ask(Command command, const std::string& who) {
 
 RunStatus Control::status() const {
   const std::lock_guard lock(mutex_);
-  return status_;
+  RunStatus status = status_;
+  status.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - told_).count();
+  return status;
 }
 
 std::optional<Leave> Control::leave(const StopRequest& signals) const {
@@ -112,7 +114,17 @@ bool Control::take_resume() {
 
 void Control::publish(const RunStatus& status) {
   const std::lock_guard lock(mutex_);
+  const std::optional<RunReadings> readings = status_.readings;
   status_ = status;
+  status_.readings = readings;
+  told_ = std::chrono::steady_clock::now();
+}
+
+void Control::see(const RunReadings& readings) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return;
+  status_.readings = readings;
+  told_ = std::chrono::steady_clock::now();
 }
 
 std::string Control::who() const {

@@ -2,14 +2,14 @@
 // wait.
 #pragma once
 
-#include <cstdint>
+#include <chrono>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "bench/common/stop_request.h"
-#include "bench/run/control/run_state.h"
+#include "bench/run/control/run_status.h"
 
 namespace tactbench::bench {
 
@@ -29,15 +29,6 @@ struct Leave {
   Command command = Command::kStop;
   int signal = 0;   // SIGINT, SIGTERM, SIGHUP, ...; 0: by a command
   std::string who;  // "Ctrl-C", "alice (pid 812)"
-};
-
-struct RunStatus {
-  std::int64_t run = 0;
-  RunState state = RunState::kPrepared;
-  std::string store, label, reason;  // reason of the last change of state
-  std::string question;              // to the operator, while it waits for the answer; empty: none
-  int step = 0, steps = 0;
-  double left_s = 0.0;  // process time
 };
 
 class Control {
@@ -67,13 +58,17 @@ class Control {
   [[nodiscard]] bool pause_wanted() const;
   // True once after a resume.
   [[nodiscard]] bool take_resume();
+  // Readings are kept as see() gave them.
   void publish(const RunStatus& status);
+  // Never waits: while another thread looks at the status, these readings are left out and the next ones come.
+  void see(const RunReadings& readings);
   [[nodiscard]] std::string who() const;  // asked last
 
  private:
   [[nodiscard]] std::optional<Leave> leave(const StopRequest& signals) const;  // under the lock
   mutable std::mutex mutex_;
   RunStatus status_;
+  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();  // by publish() or see()
   bool finished_ = false, closed_ = false;
   Command command_ = Command::kStatus;  // the strongest asked so far; kStatus: nothing
   bool pause_ = false, resume_ = false;

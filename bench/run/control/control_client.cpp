@@ -23,13 +23,6 @@ using WordClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kConnectAgain{5};
 
-RunState state_of(const std::string& text) {
-  for (int i = 0; i <= static_cast<int>(RunState::kEnded); ++i) {
-    if (text == to_string(static_cast<RunState>(i))) return static_cast<RunState>(i);
-  }
-  return RunState::kEnded;
-}
-
 }  // namespace
 
 std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, const std::string& text) {
@@ -40,14 +33,7 @@ std::optional<LiveRun> read_answer(const std::string& name, const Peer& server, 
     live.name = name;
     live.server = server;
     live.bench = answer.value("bench", "");
-    live.status.run = answer.value("run", std::int64_t{0});
-    live.status.state = state_of(answer.value("state", ""));
-    live.status.store = answer.value("store", "");
-    live.status.label = answer.value("label", "");
-    live.status.reason = answer.value("reason", "");
-    live.status.step = answer.value("step", 0);
-    live.status.steps = answer.value("steps", 0);
-    live.status.left_s = answer.value("left_s", 0.0);
+    live.status = told_status(answer);
     live.taken = answer.value("taken", false);
     live.denied = answer.value("denied", false);
     live.text = answer.value("text", "");
@@ -113,7 +99,7 @@ class Asking {
     state_ = State::kAsked;
   }
   void receive() {
-    std::array<char, 8192> bytes{};
+    std::array<char, 32768> bytes{};
     const ssize_t size = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (size > 0) answer_ = read_answer(name_, *server_, std::string(bytes.data(), static_cast<std::size_t>(size)));

@@ -14,6 +14,7 @@
 
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
+#include "bench/common/for_people.h"
 #include "bench/common/private_files.h"
 #include "bench/run/control/peer.h"
 
@@ -124,17 +125,8 @@ bool ControlSocket::answer(const Client& client) {
     // continue later.
     if (command == Command::kResume && hung_up(client.descriptor)) return true;
     const Control::Answer answer = control_.ask(command, who);
-    const RunStatus status = control_.status();
-    told.update({{"taken", answer.taken},
-                 {"text", answer.text},
-                 {"run", status.run},
-                 {"state", to_string(status.state)},
-                 {"store", status.store},
-                 {"label", status.label},
-                 {"reason", status.reason},
-                 {"step", status.step},
-                 {"steps", status.steps},
-                 {"left_s", status.left_s}});
+    told.update({{"taken", answer.taken}, {"text", one_line(answer.text, kLongestAnswer)}});
+    tell_status(told, control_.status());
   } else {
     told["text"] = fmt::format("{} may not command it: root, user {} and members of the group '{}' may", who,
                                ::geteuid(), kGroupName);

@@ -11,6 +11,22 @@
 
 namespace tactbench::bench {
 
+// What matters most comes first: a narrow terminal cuts the end.
+std::string progress_line(const RunStatus& status, double left_s) {
+  std::string line = status.label + ": ";
+  if (status.steps > 0) line += fmt::format("{:3.0f} %  ", 100.0 * status.step / status.steps);
+  if (left_s >= 0.0) {
+    const double minutes = std::floor(left_s / 60.0);
+    line += fmt::format("{:.0f}:{:02.0f} left  ", minutes, std::floor(left_s - 60.0 * minutes));
+  }
+  line += status.phase;
+  if (const auto& now = status.readings) {
+    line += status.target_n ? fmt::format("  {:.1f} N (force {:.1f})", *status.target_n, now->force_n.value_or(0.0))
+                            : fmt::format("  {:.1f} psi (reference {:.1f})", now->setpoint_psi, now->reference_psi);
+  }
+  return line;
+}
+
 Progress::Mode Progress::mode_for(bool quiet) {
   if (quiet) return Mode::kQuiet;
   const char* terminal = std::getenv("TERM");
@@ -18,21 +34,24 @@ Progress::Mode Progress::mode_for(bool quiet) {
   return isatty(STDERR_FILENO) != 0 && std::getenv("CI") == nullptr && !dumb ? Mode::kTerminal : Mode::kPlain;
 }
 
-void Progress::step(const std::string& label, int done, int total, const sequences::Step& now_doing, double left_s) {
+bool Progress::due(const RunStatus& status) const {
+  if (mode_ == Mode::kQuiet) return false;
+  const auto passed = Clock::now() - shown_;
+  const bool in_real_time = status.rate > 0.0;
+  const bool first = phase_.empty() && in_real_time;
+  if (mode_ == Mode::kTerminal) return first || passed >= std::chrono::milliseconds(100);
+  return first || passed >= std::chrono::seconds(10) ||
+         (in_real_time && stage_of(status.phase) != stage_of(phase_) && passed >= std::chrono::seconds(1));
+}
+
+void Progress::show(const RunStatus& status) {
   if (mode_ == Mode::kQuiet) return;
-  const auto now = Clock::now();
-  const auto interval = mode_ == Mode::kTerminal ? std::chrono::milliseconds(100) : std::chrono::milliseconds(10000);
-  if (shown_ == Clock::time_point{}) shown_ = mode_ == Mode::kTerminal ? now - interval : now;
-  if (now - shown_ < interval && done != total) return;
-  shown_ = now;
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double by_pace = done > 0 ? elapsed * (total - done) / done : 0.0;
-  const double left = left_s >= 0.0 ? left_s : by_pace;
-  const bool presses = now_doing.force_to_n != now_doing.force_from_n;
-  const std::string line =
-      fmt::format("{}: step {}/{}  {:5.1f} {}  {:3.0f} %  {:.0f}:{:02.0f} left", label, done, total,
-                  presses ? now_doing.force_n : now_doing.setpoint.value(), presses ? "N" : "psi", 100.0 * done / total,
-                  std::floor(left / 60.0), std::floor(left - 60.0 * std::floor(left / 60.0)));
+  shown_ = Clock::now();
+  phase_ = status.phase;
+  const double elapsed = std::chrono::duration<double>(shown_ - start_).count();
+  const double by_pace = status.step > 0 ? elapsed * (status.steps - status.step) / status.step : -1.0;
+  const bool estimated = status.left_high_s > 0.0 && status.rate > 0.0;
+  const std::string line = progress_line(status, estimated ? status.left_s / status.rate : by_pace);
   if (mode_ == Mode::kTerminal) {
     tty::renew_line(line);
     std::fflush(stderr);

@@ -1,13 +1,17 @@
-// The progress line on standard error: on a terminal one line rewritten at 10 Hz, otherwise (or with CI set) a plain
-// line every 10 s.
+// The progress line on standard error: on a terminal one line renewed at 10 Hz, otherwise (or with CI set) a plain line
+// every 10 s, and one when another phase has begun and a second has passed since the line before.
 #pragma once
 
 #include <chrono>
 #include <string>
 
-#include "sequences/step.h"
+#include "bench/run/control/run_status.h"
 
 namespace tactbench::bench {
+
+// "run:   9 %  10:45 left  conditioning 2 of 6  60.0 psi (reference 43.2)". `left_s` in real seconds, below 0: not
+// known.
+std::string progress_line(const RunStatus& status, double left_s);
 
 class Progress {
  public:
@@ -15,8 +19,10 @@ class Progress {
   explicit Progress(Mode mode) : mode_(mode) {}
   // kTerminal or kPlain by what standard error is; kQuiet when asked.
   static Mode mode_for(bool quiet);
-  // `done` of `total` steps. Below 0, the time left follows from the pace so far.
-  void step(const std::string& label, int done, int total, const sequences::Step& now, double left_s);
+  // Whether show() should be called now. In real time a run's first phase is shown at once.
+  [[nodiscard]] bool due(const RunStatus& status) const;
+  // Where process time says nothing about real time, the time left follows from the pace so far.
+  void show(const RunStatus& status);
   // A line that stays, for what a person has to know now. Shown in every mode.
   void note(const std::string& text);
   void finish();
@@ -25,7 +31,8 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   Mode mode_;
   Clock::time_point start_ = Clock::now();
-  Clock::time_point shown_{};
+  Clock::time_point shown_ = start_;
+  std::string phase_;  // shown last
   bool open_ = false;
 };
 

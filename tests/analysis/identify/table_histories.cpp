@@ -63,6 +63,31 @@ TEST_CASE("noise is estimated from the fitted branches, without turns and withou
   CHECK(histories_of(table, "t.csv", options).taxels[0].noise == 0.5);
 }
 
+TEST_CASE("outputs that are counts have at least the noise of rounding") {
+  TableSeries coarse = play_series("1", kTurningPoints, 400, {0.0, 0.01});
+  constexpr double kCount = 0.25;
+  for (double& y : coarse.output) y = kCount * std::round(y / kCount);
+  const double noise = histories_of({coarse}, "t.csv", {}).taxels[0].noise;
+  CHECK(noise == Approx(kCount / std::sqrt(12.0)));
+  // Where the noise moves the counts, it is seen as it is.
+  TableSeries fine = play_series("1", kTurningPoints, 40, {0.0, 0.01});
+  for (double& y : fine.output) y = 0.005 * std::round(y / 0.005);
+  CHECK(histories_of({fine}, "t.csv", {}).taxels[0].noise == Approx(0.01).epsilon(0.2));
+}
+
+TEST_CASE("what is only scored changes neither the turns nor the noise of what is fitted") {
+  const TableSeries fitted = play_series("fit", kTurningPoints, 40, {0.002, 0.01});
+  TableSeries wide = play_series("score", {0, 30, 0, 30, 0}, 400, {0.5, 0.0});
+  HistoriesOptions options;
+  options.fitted = {"fit"};
+  const TaxelHistories alone = histories_of({fitted}, "t.csv", options).taxels[0];
+  const TaxelHistories both = histories_of({fitted, wide}, "t.csv", options).taxels[0];
+  CHECK(both.turn == alone.turn);
+  CHECK(both.noise == alone.noise);
+  CHECK(both.fit[0].branches.size() == alone.fit[0].branches.size());
+  CHECK(both.fit[1].branches.size() == 4);  // its own noise does not shred it
+}
+
 TEST_CASE("curvature and turns of a coarse table are not taken for noise") {
   TableSeries series{"1", 0, {}, {}};
   for (int cycle = 0; cycle < 5; ++cycle) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/compensate/dynamic_compensator.h"
+#include "analysis/identify/fit_data.h"
 #include "tests/analysis/support/models.h"
 
 namespace synthetic {
@@ -107,6 +108,34 @@ inline std::vector<double> random_way(std::size_t samples, double step, unsigned
     way.push_back(std::abs(target - now) <= step ? target : now + std::copysign(step, target - now));
   }
   return way;
+}
+
+// The paper's two sequences along a model, on a grid of 2 psi.
+inline FitData two_sequences(const HysteresisModel& model) {
+  FitData data;
+  const auto history = [&](const std::string& name, const std::vector<double>& turns) {
+    History own{name, {turns.front()}, {}, {}, {}, {}};
+    for (std::size_t i = 0; i + 1 < turns.size(); ++i) {
+      const auto first = static_cast<int>(own.x.size()) - 1;
+      const double step = turns[i + 1] > turns[i] ? 2.0 : -2.0;
+      while (own.x.back() != turns[i + 1]) own.x.push_back(own.x.back() + step);
+      own.branches.push_back({first, static_cast<int>(own.x.size()) - 1, step > 0.0});
+    }
+    own.y = predict(model, own.x);
+    data.histories.push_back(own);
+  };
+  history("descending", {0, 60, 0, 50, 0, 40, 0, 30, 0, 20, 0, 10, 0});
+  history("ascending", {0, 60, 10, 60, 0, 60, 20, 60, 0, 60, 30, 60, 0, 60, 40, 60, 0, 60, 50, 60, 0});
+  std::vector<double> x, up, down;
+  const History& first = data.histories.front();
+  for (std::size_t i = 0; i <= 30; ++i) {
+    x.push_back(first.x[i]);
+    up.push_back(first.y[i]);
+    down.push_back(first.y[60 - i]);
+  }
+  data.ascending = PatternCurve(x, up, up.front(), up.back());
+  data.descending = PatternCurve(x, down, up.front(), up.back());
+  return data;
 }
 
 }  // namespace synthetic

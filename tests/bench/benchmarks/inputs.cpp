@@ -253,3 +253,11 @@ TEST_CASE("benchmark rounds go through all acts in turn, by either clock") {
   CHECK(best_seconds(2, [&] { ++calls; }) < 10.0);
   CHECK(calls == 2);
 }
+
+TEST_CASE("benchmark streams go through all frames round by round, the last stretch too") {
+  std::vector<std::size_t> frames;
+  const double seconds = sum_of_best_seconds(2, 250, [&](std::size_t f) { frames.push_back(f); });
+  CHECK((seconds >= 0.0 && seconds < 10.0));
+  REQUIRE(frames.size() == 500);
+  for (std::size_t i = 0; i < frames.size(); ++i) CHECK(frames[i] == i % 250);
+}

@@ -44,7 +44,16 @@ TEST_CASE("each verb takes the options that scripts give it") {
   const std::vector<std::pair<std::string, std::string>> expected = {
       {"", "--version"},
       {"demo", "--seed --sensor-seed -o --output --replace --timing#"},
-      {"init", "--rig --replace --force --json"},
+      {"init", "--operator --rig --replace --force --json"},
+      {"calibrate",
+       "--bench --operator --recipe --held-out-recipe --limits --lab --model --type --run --held-out --set --seed "
+       "--sensor-seed --on-event --yes --no-seating#"},
+      {"recipes list", "--json"},
+      {"recipes show", "--json"},
+      {"recipes check", "--bench --json"},
+      {"recipes new", "--from -o --output --replace --json"},
+      {"model list", "--db --json -q --quiet"},
+      {"reports list", "--db --json -q --quiet"},
       {"plan", "--bench --set --limits --steps --parameters --db --json"},
       {"run",
        "--bench --sensor --operator --purpose --set --seed --sensor-seed --specimen-state --on-event --yes "
@@ -54,13 +63,16 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"stop", "--db --json -q --quiet --bench"},
       {"abort", "--db --json -q --quiet --bench"},
       {"panic", "--db --json -q --quiet --bench"},
+      {"status", "--db --json --bench"},
+      {"watch", "--db --bench"},
       {"fit",
-       "--model --fit --score --mode --identify --memory --exact-outer --splits --starts --mean-taxel --mount "
+       "--model --fit --score --mode --identify --rate --creep --linearise --memory --exact-outer --splits --starts "
+       "--mean-taxel --mount "
        "--interface -o --output --replace --check --map --input-unit --noise --output-unit --held-out --limits --lab "
        "--void-too#"},
       {"import", "--map --input-unit --noise --output-unit --operator --purpose#"},
       {"predict", "-o --output --replace --map --taxel --void-too#"},
-      {"compensate", "-o --output --replace --map --taxel --void-too#"},
+      {"compensate", "-o --output --replace --map --taxel --conditioned --void-too#"},
       {"model show", "--void-too#"},
       {"model diff", "--void-too#"},
       {"model export", "-o --output --replace --void-too#"},

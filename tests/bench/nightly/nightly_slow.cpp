@@ -43,11 +43,11 @@ TEST_CASE("a night: green is reported, red states the reason, a broken scenario 
   CHECK(night.code == 1);
   CHECK_THAT(read_file(folder.path("night.prom")), Catch::Contains("tactbench_nightly_green{scenario=\"whole\"} 1\n"));
   CHECK_THAT(read_file(folder.path("night.html")), Catch::Contains("3 scenarios, 2 red, 0 not run."));
-  const nlohmann::json json = json_of(night);
-  CHECK(json.at("red") == 2);
-  CHECK(json.at("scenarios").at(0).at("wrong").empty());
-  CHECK(json.at("scenarios").at(1).at("wrong").at(0) == "the list of dead taxels is 52, must be none");
-  CHECK(json.at("scenarios").at(2).at("wrong").at(0) == "its process ended with exit code 2 and left no result");
+  const nlohmann::json result = json_of(night);
+  CHECK(result.at("red") == 2);
+  CHECK(result.at("scenarios").at(0).at("wrong").empty());
+  CHECK(result.at("scenarios").at(1).at("wrong").at(0) == "the list of dead taxels is 52, must be none");
+  CHECK(result.at("scenarios").at(2).at("wrong").at(0) == "its process ended with exit code 2 and left no result");
   CHECK(read_file(folder.path("night.xml")).find("failures=\"2\" errors=\"0\"") != std::string::npos);
   CHECK(std::filesystem::exists(folder.path("kept/whole.db")));
 }
@@ -74,9 +74,9 @@ TEST_CASE("a scenario that does not end in time is killed and red, and none is s
       program_path(), {"nightly", "./small.toml", "--jobs", "1", "--limit", "0.05", "--stop-on-red", "--json"},
       folder.path());
   CHECK(night.code == 1);
-  const nlohmann::json json = json_of(night);
-  CHECK(json.at("not_run") == 2);
-  CHECK(json.at("scenarios").at(0).at("wrong").at(0).get<std::string>().find("was killed") != std::string::npos);
+  const nlohmann::json result = json_of(night);
+  CHECK(result.at("not_run") == 2);
+  CHECK(result.at("scenarios").at(0).at("wrong").at(0).get<std::string>().find("was killed") != std::string::npos);
 }
 
 TEST_CASE("nights are kept in one store, compared with a baseline, and changes are named") {

@@ -12,6 +12,8 @@ import time
 
 program = sys.argv[1]
 folder = tempfile.mkdtemp()
+for name in ("TACTBENCH_BENCH", "TACTBENCH_DB"):
+    os.environ.pop(name, None)  # the developer's
 os.environ["TACTBENCH_RUNTIME_DIR"] = folder  # commands to other runs of this machine do not reach it
 store = os.path.join(folder, "runs.db")
 faults = []

@@ -78,6 +78,14 @@ with make_dynamic() as single:
     check(len(of("dynamic_counts")) == 200 and frame.status[2] == tc.DEAD, "200 frames, a dead taxel")
     single.lost_frame()
     refused(lambda: single.set_interval(-1.0), "code -3")
+# A film that was worked just before has crept already: the same output tells less pressure.
+loaded = [int(count) for count in of("dynamic_counts")[-1]]
+with make_dynamic() as rested, make_dynamic(worked_seconds=600.0) as worked:
+    for compensator in (rested, worked):
+        compensator.set_interval(0.4)
+    pairs = list(zip(rested.counts(loaded).pressure, worked.counts(loaded).pressure))
+    check(all(b <= a for a, b in pairs) and any(b < a for a, b in pairs), "conditioning")
+refused(lambda: make_dynamic(worked_seconds=-1.0), "worked_s")
 dynamic[4].everett[3] = -5.0
 refused(make_dynamic, "taxel 4")
 dynamic[4].everett.pop()

@@ -121,13 +121,13 @@ TEST_CASE("paper taxel: Preisach fits both sets together to 0.7 % of full scale"
   CHECK(mean < 0.7);
 }
 
-TEST_CASE("paper taxel: 16 starts of GPI come within 8 % of the best J that 128 find") {
+TEST_CASE("paper taxel: 16 starts of GPI find the J that 128 find") {
   for (const Set* set : {&kDescending, &kAscending}) {
     for (unsigned seed = 1; seed <= kSeeds; ++seed) {
       const FitData data = paper_data(set->turns, set->noise, seed);
       const double few = identify("gpi", data).j, many = identify("gpi", data, {.starts = 128}).j;
       INFO(set->name << ", seed " << seed << ": " << few << " and " << many);
-      CHECK(few <= 1.08 * many);
+      CHECK(few <= many * (1.0 + 1e-6));
       CHECK(few >= many * (1.0 - 1e-9));
     }
   }

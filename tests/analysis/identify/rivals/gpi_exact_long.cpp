@@ -1,6 +1,6 @@
 // GPI's fits beside an exhaustive search that shares nothing with them but the data
 // (tests/analysis/support/gpi_reference.h): 20 taxels of each of three simulated sensors. Constants of the search were
-// chosen on sensor seeds 901 to 903; never on these.
+// chosen on sensor seeds 1 to 3 and 11 to 13; never on these.
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 

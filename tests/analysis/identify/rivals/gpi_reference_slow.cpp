@@ -42,7 +42,7 @@ GpiParameters parameters_of(const ModelFit& fit) {
 }  // namespace
 
 TEST_CASE("GPI: the fits of two taxels are not above what another search finds") {
-  const std::vector<FitData> taxels = specimen_taxels(7100, 2, 0.0005);
+  const std::vector<FitData> taxels = specimen_taxels(7112, 2, 0.0005);
   const auto prepared = prepare("gpi", taxels.front());
   for (const FitData& data : taxels) {
     const ModelFit fit = prepared->fit(data);

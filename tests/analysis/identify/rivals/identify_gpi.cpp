@@ -6,6 +6,7 @@
 #include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/identifier.h"
 #include "analysis/identify/rivals/gpi_search.h"
+#include "tests/analysis/support/fit_samples.h"
 
 using namespace synthetic;
 

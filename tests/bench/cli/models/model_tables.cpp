@@ -156,4 +156,18 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK(score["all"]["by_hold_s"][1]["low"] == 1.0);
   CHECK(score["all"]["by_hold_s"][1]["compensated"]["mean"] == 0.5);
   CHECK(score["mean_taxel"]["raw"]["max"] == 0.75);
+  const nlohmann::ordered_json alone = model_row_json(row_of_one("alone"), {{"table", &histories, {}}});
+  CHECK_FALSE(alone["shown_taxel"].contains("cross_validated"));
+  CHECK(alone["shown_taxel"].contains("parameters"));
+}
+
+TEST_CASE("what the data leave open: counted over the taxels of an array without its mean, or over the mean alone") {
+  ModelRow row = row_of_array();
+  CHECK(undetermined_text(row.document).empty());
+  row.document.taxels[0].fit.undetermined = {"tau"};
+  row.document.taxels[2].fit.undetermined = {"tau", "q"};
+  row.document.taxels[3].fit.undetermined = {"tau", "q"};
+  CHECK(undetermined_text(row.document) == "mpi: the data do not determine tau, q (2 of 3 taxels)\n");
+  row.document.taxels.erase(row.document.taxels.begin(), row.document.taxels.begin() + 3);
+  CHECK(undetermined_text(row.document) == "mpi: the data do not determine tau, q (1 of 1 taxel)\n");
 }

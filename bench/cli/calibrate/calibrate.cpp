@@ -1,0 +1,56 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "analysis/identify/stored/model_document.h"
+#include "bench/cli/calibrate/calibration.h"
+
+namespace tactbench::bench {
+
+void add_calibrate(CLI::App& app, Session& session) {
+  auto options = std::make_shared<CalibrateOptions>();
+  ProfileOptions& profile = session.profile;
+  CLI::App* verb = app.add_subcommand(
+      "calibrate",
+      "from a serial number to a verdict: registers the sensor if it is new, measures it, measures it once "
+      "more to judge by, fits, judges, writes the report, and says PASS, FAIL or INCONCLUSIVE");
+  verb->footer(
+      "Exit code: 0 pass or conditional pass, 1 fail, 6 inconclusive or conditional fail; otherwise as of the stage "
+      "that "
+      "failed, which names the commands that go on.");
+  verb->add_option("serial", options->serial, "the sensor's serial number")->required();
+  profile.add_bench(*verb, options->bench);
+  profile.add_operator(*verb, options->operator_name);
+  profile
+      .add(*verb, "--recipe", ProfileKey::kRecipe, options->recipes,
+           "recipes of the run that the models are made from: files or names of shipped ones")
+      ->take_all()
+      ->default_str("production");
+  verb->add_option("--held-out-recipe", options->held_out_recipes, "recipes of the run that the models are judged on")
+      ->take_all()
+      ->default_str("random-reversal");
+  profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges")
+      ->capture_default_str();
+  verb->add_option("--lab", options->lab, "laboratory file: facts for the report that no instrument knows");
+  verb->add_option("--model", options->model, "kind of model")
+      ->check(CLI::IsMember(std::vector<std::string>(analysis::model_names().begin(), analysis::model_names().end())))
+      ->capture_default_str();
+  verb->add_option("--type", options->type, "sensor type file, for a sensor that is new")->capture_default_str();
+  verb->add_option("--run", options->run, "make the models from this completed run of the sensor, measure none")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--held-out", options->held_out, "judge on this completed run of the sensor, measure none")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--set", options->set,
+                   "override table.key=value of the bench file, or recipe.key=value of the recipes of --recipe")
+      ->take_all();
+  verb->add_option("--seed", options->seeds.seed,
+                   "simulation: seed of noise and faults; the held-out run has the next");
+  verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: seed of the array");
+  verb->add_option("--on-event", options->on_event,
+                   "shell command for the events done, failed, waiting of both runs (see run --help)");
+  verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
+  verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
+  add_common(*verb, session);
+  verb->callback([options, &session] { calibrate(*options, session); });
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,42 @@
+// The result of `calibrate` as people and programs read it: a large verdict, its reason in one line, the bad taxels.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/cli/models/fit_models.h"
+#include "bench/reporting/judgement.h"
+
+namespace tactbench::bench {
+
+struct CalibrationResult {
+  std::string sensor, origin, limits;  // limits: name in their file
+  bool registered = false;             // the sensor was new
+  std::int64_t run = 0, held_out = 0;  // measured for the models; judged
+  JudgedFit fit;                       // its evaluations: the run's own, then the held-out run's
+  Judgement judgement;                 // as in the report
+  std::string report_number, report_path;
+};
+
+struct BadTaxel {
+  int row = 0, column = 0;
+  std::string why;  // "dead"; "mean error 3.40 psi, the largest"
+};
+// Taxels without a model, in the order of their numbers; then, where the criterion on the worst taxel does not pass,
+// that one.
+std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement);
+
+// Which criteria decided, with values and limits, without a line end: "all 8 criteria of 'x' pass on held-out run 2".
+std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out);
+
+// "PASS", "FAIL" or "INCONCLUSIVE", as the exit code says; empty where the limits state no conformity (report-only).
+std::string large_verdict(const Judgement& judgement);
+
+// One line on the fit, without its end, and the page that ends `calibrate`.
+std::string fit_line(const CalibrationResult& result);
+std::string verdict_page(const CalibrationResult& result);
+nlohmann::ordered_json calibration_json(const CalibrationResult& result);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,291 @@
+#include "bench/cli/calibrate/calibration.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "bench/cli/calibrate/calibrate_words.h"
+#include "bench/cli/judgement_words.h"
+#include "bench/cli/reports/written_report.h"
+#include "bench/cli/rig/run.h"
+#include "bench/cli/runs/register_sensor.h"
+#include "bench/common/overrides.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/run/recipe_check.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using sequences::Recipe;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& where, const std::string& remedy) {
+  throw Error(ExitCode::kUsage, "TB-USAGE", what, where, remedy);
+}
+
+// As a shell takes it for one word.
+std::string shell_word(const std::string& text) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+%@";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string quoted = "'";
+  for (const char letter : text) quoted += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return quoted + "'";
+}
+
+bool of_recipe(const std::string& setting) { return setting.starts_with("recipe."); }
+
+class Calibration {
+ public:
+  Calibration(const CalibrateOptions& options, Session& session) : options_(options), session_(session) {}
+
+  void carry_out() {
+    check();
+    say(1, "sensor", sensor());
+    with_way_on([this] { say(2, "measure", measured()); });
+    with_way_on([this] { say(3, "held out", held_out()); });
+    with_way_on([this] { say(4, "fit", fitted()); });
+    with_way_on([this] { say(5, "report", reported()); });
+    if (session_.json)
+      print_json("calibrate", calibration_json(result_));
+    else
+      tty::print("{}", verdict_page(result_));
+  }
+
+ private:
+  void say(int stage, const char* name, const std::string& text) const {
+    if (session_.json) return;
+    tty::print("{}/5 {:<9} {}\n", stage, name, text);
+    std::fflush(stdout);  // a log shows the stages as they come
+  }
+
+  // Everything that can be known before a device is touched.
+  void check() {
+    check_operator(options_.operator_name);
+    const SplitOverrides overrides = split_overrides(options_.set);
+    bench_ = read_bench(find_config(options_.bench), overrides.bench, options_.seeds);
+    const std::vector<Recipe> recipes = read_recipes(options_.recipes, overrides.recipe),
+                              judging = read_recipes(options_.held_out_recipes, {});
+    const analysis::Limits limits = read_limits(find_config(options_.limits));
+    if (!options_.lab.empty()) (void)read_laboratory(find_config(options_.lab));
+    result_.limits = limits.name;
+    report_only_ = limits.rule == analysis::DecisionRule::kReportOnly;
+    if (options_.held_out != 0 && options_.run == 0)
+      refuse("--held-out names a run that judges, and no run is named for the models", "--held-out", "add --run RUN");
+    const bool exists = std::filesystem::exists(session_.db);
+    if (options_.run != 0 || exists) {
+      const db::RunStore store = db::RunStore::open_read_only(session_.db);
+      sensor_ = store.sensor(options_.serial);
+      if (options_.run != 0) check_run(store.run(options_.run), "--run");
+      if (options_.held_out != 0) check_run(store.run(options_.held_out), "--held-out");
+    }
+    if (options_.held_out == 0) check_levels(judging, limits);
+    if (!sensor_ && bench_.origin == devices::Origin::kHardware && !std::filesystem::exists(options_.type))
+      throw Error(ExitCode::kUsage, "TB-SENSOR-UNKNOWN",
+                  fmt::format("sensor '{}' is new, and there is no file '{}' that describes its type", options_.serial,
+                              options_.type),
+                  "--type " + options_.type, "name its sensor type file: --type FILE; or correct the serial number");
+    if (bench_.origin == devices::Origin::kSimulated && !session_.json)
+      tty::print("SIMULATED DATA: bench '{}' measures no real sensor\n", one_line(bench_.id));
+  }
+
+  [[nodiscard]] std::vector<Recipe> read_recipes(const std::vector<std::string>& names,
+                                                 const std::vector<sequences::Override>& overrides) const {
+    std::vector<Recipe> recipes;
+    for (const std::string& name : names) recipes.push_back(sequences::read_recipe(find_recipe(name), overrides));
+    check_recipes(recipes, bench_);
+    if (needs_press(recipes))
+      refuse(fmt::format("no models are made from recipes that press objects: {}", fmt::join(names, ", ")), "calibrate",
+             "name recipes with loops of pressure, such as production or random-reversal");
+    return recipes;
+  }
+
+  // The verdict could only be inconclusive.
+  void check_levels(const std::vector<Recipe>& judging, const analysis::Limits& limits) const {
+    const std::vector<LackingLevel> lacking = lacking_levels(sequences::compile(judging), limits);
+    if (lacking.empty()) return;
+    std::vector<double> levels;
+    for (const LackingLevel& level : lacking) levels.push_back(level.pressure_psi);
+    throw Error(ExitCode::kUsage, "TB-CALIBRATE-LEVELS",
+                fmt::format("limits '{}' judge at {} psi, which {} does not measure: no sensor could pass", limits.name,
+                            fmt::join(levels, ", "), fmt::join(options_.held_out_recipes, ", ")),
+                "--held-out-recipe",
+                "name a recipe that measures it (tactbench plan RECIPE --limits FILE), or other limits");
+  }
+
+  void check_run(const db::RunRecord& run, const char* option) const {
+    if (run.sensor_serial != options_.serial)
+      refuse(fmt::format("run {} is of sensor '{}', not of '{}'", run.run, run.sensor_serial, options_.serial), option,
+             "name a run of this sensor: tactbench runs list --sensor " + options_.serial);
+    if (run.outcome != db::Outcome::kCompleted)
+      refuse(fmt::format("run {} did not complete: {}", run.run, db::to_string(run.outcome)), option,
+             fmt::format("tactbench resume {} completes it; or name another run", run.run));
+  }
+
+  std::string sensor() {
+    result_.sensor = options_.serial;
+    result_.registered = !sensor_;
+    if (!sensor_) sensor_ = register_sensor(session_.db, {options_.serial, options_.type, "", ""});
+    return fmt::format("{} ({}) {} {}", one_line(sensor_->serial), one_line(sensor_->type),
+                       result_.registered ? "is new, registered in" : "is registered in", session_.db);
+  }
+
+  std::string measured() {
+    if (options_.run != 0) {
+      result_.run = options_.run;
+      return fmt::format("run {} is taken as it is", options_.run);
+    }
+    RunOptions run = run_options("measure", "calibrate: measured for the models");
+    run.recipes = options_.recipes;
+    run.set = options_.set;
+    return carried_out(run, result_.run);
+  }
+
+  std::string held_out() {
+    if (options_.held_out != 0) {
+      result_.held_out = options_.held_out;
+      return fmt::format("run {} is taken as it is", options_.held_out);
+    }
+    RunOptions run =
+        run_options("held out", fmt::format("calibrate: held out, to judge the models of run {}", result_.run));
+    run.recipes = options_.held_out_recipes;
+    std::ranges::copy_if(options_.set, std::back_inserter(run.set), [](const std::string& s) { return !of_recipe(s); });
+    if (bench_.simulation) run.seeds.seed = bench_.simulation->plant.seed + 1;  // other noise
+    return carried_out(run, result_.held_out);
+  }
+
+  [[nodiscard]] RunOptions run_options(const char* label, std::string purpose) {
+    RunOptions run;
+    run.bench = options_.bench;
+    run.sensor = options_.serial;
+    run.operator_name = options_.operator_name;
+    run.purpose = std::move(purpose);
+    run.on_event = options_.on_event;
+    run.assume_yes = options_.assume_yes;
+    run.no_seating = options_.no_seating;
+    run.seeds = options_.seeds;
+    run.label = label;
+    run.on_begun = [this](std::int64_t number) { begun_ = number; };
+    return run;
+  }
+
+  std::string carried_out(const RunOptions& run, std::int64_t& number) {
+    const RunResult result = carry_out_run(run, session_);
+    number = std::exchange(begun_, 0);
+    return fmt::format("{}: {}", fmt::join(run.recipes, ", "), run_line(result));
+  }
+
+  std::string fitted() {
+    FitModelsOptions fit;
+    fit.source = std::to_string(result_.run);
+    fit.models = {options_.model};
+    fit.held_out = {result_.held_out};
+    fit.limits = options_.limits;
+    fit.lab = options_.lab;
+    result_.fit = fit_and_judge(fit, session_);
+    result_.origin = result_.fit.model.origin;
+    return fit_line(result_);
+  }
+
+  std::string reported() {
+    ReportOptions report;
+    report.runs = {result_.run};
+    report.lab = options_.lab;
+    if (report_only_) {  // which stores no verdict that the report could find
+      report.held_out = {result_.held_out};
+      report.limits = options_.limits;
+    }
+    WrittenReport written = write_reports(report, session_);
+    result_.judgement = std::move(written.judgements.front());
+    result_.report_number = written.report.number;
+    result_.report_path = written.path;
+    return fmt::format("{}: {}", written.report.number, written.path);
+  }
+
+  // Does a stage's work; what it throws tells how to go on.
+  template <class Work>
+  void with_way_on(const Work& work) {
+    try {
+      work();
+    } catch (...) {
+      const Error error = as_error(std::current_exception());
+      const std::string way = way_on(error);
+      if (way.empty()) throw;
+      std::string remedy = error.remedy();
+      if (remedy.ends_with('.')) remedy.pop_back();
+      remedy += (remedy.empty() ? "" : "; ") + way;
+      const Error more(error.code(), error.id(), error.what(), error.where(), remedy, rig_state(error));
+      throw error.asked_for() ? more.by_word() : more;
+    }
+  }
+
+  // A stage after the runs touches no device, but they did.
+  [[nodiscard]] std::string rig_state(const Error& error) const {
+    const bool measured = (options_.run == 0 && result_.run != 0) || (options_.held_out == 0 && result_.held_out != 0);
+    return error.rig_state().empty() && measured ? "each completed run ended in its proved safe state"
+                                                 : error.rig_state();
+  }
+
+  [[nodiscard]] std::string way_on(const Error& error) {
+    // Seated badly, or hopeless: that run is not worth completing.
+    const bool measure_anew = error.code() == ExitCode::kCriterionFailed;
+    const bool resumed = begun_ != 0 && !measure_anew;
+    std::int64_t run = result_.run, held_out = result_.held_out;
+    if (resumed) (run == 0 ? run : held_out) = begun_;
+    if (run == 0 && begun_ == 0) return {};
+    const std::string again = calibrate_again(options_, session_, run, held_out);
+    return resumed
+               ? fmt::format("to go on: tactbench resume {} --db {}, then {}", begun_, shell_word(session_.db), again)
+               : "to go on: " + again;
+  }
+
+  const CalibrateOptions& options_;
+  Session& session_;
+  BenchConfig bench_;
+  std::optional<db::SensorRecord> sensor_;
+  bool report_only_ = false;
+  std::int64_t begun_ = 0;  // a run that has a row and did not complete
+  CalibrationResult result_;
+};
+
+}  // namespace
+
+std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run,
+                            std::int64_t held_out) {
+  const CalibrateOptions standard;
+  const OperatorProfile& profile = session.profile.values();
+  std::string words = "tactbench calibrate " + shell_word(options.serial);
+  const auto add = [&](const char* option, const std::vector<std::string>& values,
+                       const std::vector<std::string>& otherwise) {
+    if (values == otherwise) return;
+    for (const std::string& value : values) words += fmt::format(" {} {}", option, shell_word(value));
+  };
+  const auto otherwise = [&](ProfileKey key, const std::vector<std::string>& built_in) {
+    const auto given = profile.find(key);
+    return given == profile.end() ? built_in : given->second.values;
+  };
+  add("--bench", {options.bench}, otherwise(ProfileKey::kBench, {}));
+  add("--db", {session.db}, otherwise(ProfileKey::kDb, {Session().db}));
+  add("--operator", {options.operator_name}, otherwise(ProfileKey::kOperator, {}));
+  add("--recipe", options.recipes, otherwise(ProfileKey::kRecipe, standard.recipes));
+  add("--held-out-recipe", options.held_out_recipes, standard.held_out_recipes);
+  add("--limits", {options.limits}, otherwise(ProfileKey::kLimits, {standard.limits}));
+  add("--lab", {options.lab}, {standard.lab});
+  add("--model", {options.model}, {standard.model});
+  add("--set", options.set, standard.set);
+  if (options.seeds.seed) words += fmt::format(" --seed {}", *options.seeds.seed);
+  if (options.seeds.sensor_seed) words += fmt::format(" --sensor-seed {}", *options.seeds.sensor_seed);
+  if (run != 0) words += fmt::format(" --run {}", run);
+  if (held_out != 0) words += fmt::format(" --held-out {}", held_out);
+  return words;
+}
+
+void calibrate(const CalibrateOptions& options, Session& session) { Calibration(options, session).carry_out(); }
+
+}  // namespace tactbench::bench

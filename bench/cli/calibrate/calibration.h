@@ -1,0 +1,34 @@
+// `calibrate`: from a serial number to a verdict. Registers the sensor, measures it, measures it once more, fits models
+// on the first run, judges them on the second, and writes the report: by what `sensors add`, `run`, `fit` and `report`
+// do.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/cli/session.h"
+#include "bench/config/config.h"
+
+namespace tactbench::bench {
+
+struct CalibrateOptions {
+  std::string serial, bench, operator_name, lab, on_event;
+  std::string limits = "limits.toml", type = "sensor.toml", model = "elam";
+  std::vector<std::string> recipes = {"production"}, held_out_recipes = {"random-reversal"};
+  std::vector<std::string> set;        // recipe.key=value: of `recipes` alone
+  std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to go on from; 0: measured now
+  SeedOptions seeds;                   // the held-out run gets the following seed of noise
+  bool assume_yes = false, no_seating = false;
+};
+
+// The words that carry on with these options from runs that exist: "tactbench calibrate MY-1 --run 1". Options that the
+// profile gives are left out. 0: no such run.
+std::string calibrate_again(const CalibrateOptions& options, Session& session, std::int64_t run, std::int64_t held_out);
+
+// Sets session.code by the verdict. Throws before anything is touched where files, recipes or limits do not go together
+// (sequences::FileError, Error TB-CALIBRATE-LEVELS, TB-USAGE, ...), later what `run`, `fit` and `report` throw, with
+// the words that carry on added to the remedy.
+void calibrate(const CalibrateOptions& options, Session& session);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,56 @@
+// Options that the environment or the operator's profile may give (bench/config/operator_profile.h), declared in one
+// way for all verbs.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/config/operator_profile.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace tactbench::bench {
+
+class ProfileOptions {
+ public:
+  ProfileOptions() = default;
+  explicit ProfileOptions(std::string file) : file_(std::move(file)) {}  // another than tactbench.toml
+  // Declares an option (or a positional argument) that takes the value of `key` where the command line gives none. It
+  // is then no longer required; its help names the other sources. `value` must outlive the parsing.
+  CLI::Option* add(CLI::App& verb, const std::string& names, ProfileKey key, std::string& value,
+                   const std::string& about);
+  CLI::Option* add(CLI::App& verb, const std::string& names, ProfileKey key, std::vector<std::string>& values,
+                   const std::string& about);
+  // --bench and --operator as most verbs have them: required.
+  CLI::Option* add_bench(CLI::App& verb, std::string& value);
+  CLI::Option* add_operator(CLI::App& verb, std::string& value);
+
+  // The values of the working folder and the environment, read once. Throws sequences::FileError.
+  const OperatorProfile& values();
+  // For --help: a profile that cannot be read counts as none.
+  void only_for_help() { for_help_ = true; }
+
+ private:
+  struct Declared {
+    const CLI::App* verb;
+    CLI::Option* option;
+    ProfileKey key;
+    std::function<void(const ProfileValue&)> take;
+  };
+  CLI::Option* declare(CLI::App& verb, CLI::Option* option, ProfileKey key,
+                       std::function<void(const ProfileValue&)> take);
+  void fill_in(const CLI::App& verb);
+
+  std::string file_ = kProfileFile;
+  std::vector<Declared> declared_;
+  std::optional<OperatorProfile> values_;
+  bool for_help_ = false;
+};
+
+}  // namespace tactbench::bench

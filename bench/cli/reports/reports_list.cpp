@@ -1,0 +1,67 @@
+// reports list: the reports that somebody signed.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/session.h"
+#include "bench/reporting/evaluation.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+// Where `report` writes a signed one by default; empty where no such file exists.
+std::string file_of(const db::RunStore& store, const db::ReportRecord& report) {
+  for (const char* ending : {"html", "pdf", "json"}) {
+    std::string path = report_path(store, fmt::format("run-{}.{}", report.number, ending));
+    if (std::filesystem::exists(path)) return path;
+  }
+  return {};
+}
+
+void list(std::int64_t only, const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  if (only != 0) (void)store.run(only);  // an unknown one is an error
+  auto json = nlohmann::ordered_json::array();
+  if (!session.json)
+    tty::print("{:<20}{:<14}{:<22}{:<20}{:<20}{}\n", "report", "sensor", "signed (UTC)", "by", "replaces", "file");
+  for (const db::RunRecord& run : store.runs()) {
+    if (only != 0 && run.run != only) continue;
+    for (const db::ReportRecord& report : store.reports(run.run)) {
+      const std::string file = file_of(store, report);
+      json.push_back({{"number", report.number},
+                      {"run", report.run},
+                      {"sensor", run.sensor_serial},
+                      {"origin", run.origin},
+                      {"signed", report.approved_utc},
+                      {"by", report.approved_by},
+                      {"replaces", report.replaces},
+                      {"sha256", report.content_sha256},
+                      {"file", file}});
+      if (session.json) continue;
+      tty::print("{}{}{}{}{}{}{}\n", cell(report.number, 20), cell(run.sensor_serial, 14),
+                 cell(report.approved_utc, 22), cell(report.approved_by, 20), cell(report.replaces, 20),
+                 file.empty() ? "elsewhere" : one_line(file), run.origin == "simulated" ? " (simulated)" : "");
+    }
+  }
+  if (session.json) return print_json("reports.list", {{"reports", json}});
+  if (json.empty()) tty::print("no report is signed: tactbench report RUN --approve-by NAME signs one\n");
+}
+
+}  // namespace
+
+void add_reports(CLI::App& app, Session& session) {
+  CLI::App* group = app.add_subcommand("reports", "the reports that were signed");
+  group->require_subcommand(1);
+  auto run = std::make_shared<std::int64_t>(0);
+  CLI::App* verb = group->add_subcommand("list", "signed reports by run: number, date, who signed, which it replaces");
+  verb->add_option("run", *run, "of this run alone")->check(CLI::PositiveNumber);
+  add_common(*verb, session);
+  verb->callback([run, &session] { list(*run, session); });
+}
+
+}  // namespace tactbench::bench

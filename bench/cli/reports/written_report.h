@@ -1,0 +1,24 @@
+// The reports that `report` writes, for verbs that write one among other things.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/report/report.h"
+#include "bench/cli/reports/report_options.h"
+#include "bench/reporting/judgement.h"
+
+namespace tactbench::bench {
+
+struct WrittenReport {
+  analysis::Report report;
+  std::vector<Judgement> judgements;  // of one run, or of each run on the page
+  std::string origin, started_utc, path;
+  bool written = true;  // false: the file held this report already, signed
+};
+
+// Writes the page of these options and sets session.code by its verdict; prints only notes and warnings. Throws Error,
+// sequences::FileError, db::StoreError, analysis::AnalysisError.
+WrittenReport write_reports(ReportOptions options, Session& session);
+
+}  // namespace tactbench::bench

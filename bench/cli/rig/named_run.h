@@ -1,0 +1,50 @@
+// The live run that a person means by RUN, --db and --bench: shared by the verbs that command or watch one.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/run/control/control_client.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tactbench::bench {
+
+struct Session;
+
+struct NamedRun {
+  std::int64_t run = 0;  // 0: not named
+  bool db_given = false;
+  std::string bench;  // an id, or a bench file; empty: any
+};
+
+// The live runs of this machine that could be meant.
+struct Candidates {
+  std::vector<LiveRun> runs, others;  // runs that answer: meant; not meant
+  std::vector<SilentBench> silent;    // benches that do not answer and could be meant
+};
+
+// Asks all of them; waits at most 2 s.
+Candidates candidates(const NamedRun& named, const Session& session);
+// The one that is meant, for `verb`. `urgent`: although others that could be meant do not answer. Throws Error
+// TB-RUN-AMBIGUOUS, TB-RUN-NOT-LIVE, TB-RUN-SILENT, TB-RUN-DENIED.
+LiveRun only_one(const Candidates& found, const NamedRun& named, const std::string& verb, bool urgent);
+// Throws Error TB-RUN-SILENT or TB-RUN-DENIED for the first of them.
+[[noreturn]] void refuse_silent(const std::vector<SilentBench>& silent);
+[[noreturn]] void refuse_word(const std::string& id, const std::string& what, const std::string& name,
+                              const std::string& remedy);
+
+bool same_store(const std::string& one, const std::string& other);
+std::string bench_id_of(const std::string& bench);  // of a bench file's name, or the id itself. Throws FileError
+std::string silent_text(const SilentBench& silent);
+std::string listed(const std::vector<LiveRun>& runs, const std::vector<SilentBench>& silent = {});
+
+// RUN and --db on a verb. `profile`: the store may come from the operator's profile; never for what ends a run, which
+// no file may keep from it.
+void add_named_run(CLI::App& verb, Session& session, const std::shared_ptr<NamedRun>& named, bool profile);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,18 @@
+// The shipped recipes, for `recipes` and for `plan` without a name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+struct ShippedRecipe {
+  sequences::Recipe recipe;
+  std::string path;
+};
+// In the order of their names; a shipped file that is no recipe, such as a suite, is left out.
+std::vector<ShippedRecipe> shipped_recipes();
+
+}  // namespace tactbench::bench

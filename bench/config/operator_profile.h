@@ -1,0 +1,31 @@
+// What need not be typed with every verb: tactbench.toml in the working folder, and environment variables, which take
+// precedence over it. The command line takes precedence over both.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+inline constexpr const char* kProfileFile = "tactbench.toml";
+
+enum class ProfileKey { kBench, kDb, kOperator, kRecipe, kLimits };
+inline constexpr std::array kProfileKeys = {ProfileKey::kBench, ProfileKey::kDb, ProfileKey::kOperator,
+                                            ProfileKey::kRecipe, ProfileKey::kLimits};
+const char* to_string(ProfileKey key);  // as in the file: "bench"
+// "TACTBENCH_BENCH", "TACTBENCH_DB"; empty where the environment does not give the value.
+std::string variable_of(ProfileKey key);
+
+struct ProfileValue {
+  std::vector<std::string> values;  // one; of kRecipe one or more, which stand in one text with commas between
+  std::string origin;               // "TACTBENCH_DB", or "tactbench.toml:2"
+};
+using OperatorProfile = std::map<ProfileKey, ProfileValue>;  // without the keys that nothing gives
+
+// The values of the environment and of the file at `path`, which may be absent; a blank variable counts as unset.
+// Throws sequences::FileError: TB-FILE-KEY for an unknown key, with its line and the nearest known key.
+OperatorProfile read_operator_profile(const std::string& path = kProfileFile);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,25 @@
+// The newest picture of the array that a run's store holds: its last frame, before the first one that of the seating
+// check.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+struct ArrayView {
+  std::string title;  // "frame 19 at 40.0 psi"
+  int rows = 0, columns = 0;
+  std::vector<double> volts;    // rows x columns, row-major; mean of the frame's scans
+  double full_scale_v = 0.0;    // of the converter
+  std::vector<int> dead;        // row * columns + column
+  bool dead_are_known = false;  // there is an unloaded frame to compare with, and the whole array is loaded
+};
+
+// None: the run has neither, or its scanner's scale is not known yet. Throws StoreError.
+std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,199 @@
+#include "bench/monitor/run_view.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "analysis/counted.h"
+#include "analysis/documents/run_json.h"
+#include "bench/common/for_people.h"
+#include "db/newest.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+constexpr std::size_t kEvents = 3;
+constexpr double kSilent = 5.0;  // s without a sign of work, from which on it is said
+
+// Commands to actuators, readings and accounts tell nothing of how it goes.
+bool tells(const db::EventRecord& event) {
+  constexpr std::array kQuiet{"command", "stage", "environment", "fail-safe", "relays", "time", "prompt"};
+  return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
+}
+
+double seconds_of(const db::EventRecord& event) { return static_cast<double>(event.time_ns) * 1e-9; }
+
+std::string recipes_of(const db::RunRecord& run) {
+  std::vector<std::string> names;
+  for (const db::SequenceRecord& sequence : run.sequences) names.push_back(sequence.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string event_line(const db::EventRecord& event) {
+  return fmt::format("{} {}{}{}: {}", clock_text(seconds_of(event)), event.kind, event.id.empty() ? "" : " ", event.id,
+                     event.detail);
+}
+
+std::string readings_text(const RunStatus& status) {
+  if (!status.readings) return "not read yet";
+  const RunReadings& now = *status.readings;
+  if (status.target_n) {
+    return fmt::format("level {:.2f} N, measured {}", *status.target_n,
+                       now.force_n ? fmt::format("{:.2f} N", *now.force_n) : "not read yet");
+  }
+  return fmt::format("set-point {:.1f}, feedback {:.2f}, reference {:.2f} psi, {}", now.setpoint_psi, now.feedback_psi,
+                     now.reference_psi, now.settled ? "settled" : "not settled");
+}
+
+std::string left_text(const RunStatus& status) {
+  if (status.left_high_s <= 0.0) return "time left not known";
+  const std::string prompts =
+      status.prompts_left == 0 ? "" : fmt::format(" + {}", analysis::counted(status.prompts_left, "prompt"));
+  return fmt::format("{} left{} ({} to {})", clock_text(status.left_s), prompts, clock_text(status.left_low_s),
+                     clock_text(status.left_high_s));
+}
+
+std::string time_text(const RunStatus& status) {
+  const std::string elapsed = status.readings ? clock_text(status.readings->time_s) + " elapsed, " : "";
+  const std::string pace = status.rate == 1.0  ? ""
+                           : status.rate > 0.0 ? fmt::format("; {:g} x real time", status.rate)
+                                               : "; simulated clock";
+  const std::string silent = status.age_s < kSilent ? "" : fmt::format("; nothing new for {:.0f} s", status.age_s);
+  return elapsed + left_text(status) + pace + silent;
+}
+
+std::string line(const char* name, const std::string& text) { return fmt::format("  {:<10}{}", name, text); }
+
+std::string who_text(const db::RunRecord& run) {
+  return fmt::format("{}; sensor {}, operator {}", recipes_of(run), run.sensor_serial, run.operator_name);
+}
+
+}  // namespace
+
+StoredRun stored_run(const db::RunStore& store, std::int64_t run) {
+  StoredRun stored{store.run(run), store.frame_count(run), {}};
+  db::newest_events(store, run, [&](const db::EventRecord& event) {
+    if (tells(event)) stored.events.push_back(event);
+    return stored.events.size() < kEvents;
+  });
+  std::ranges::reverse(stored.events);
+  return stored;
+}
+
+RunView view_of(const LiveRun& live) {
+  RunView view{live, {}, {}};
+  try {
+    view.stored = stored_run(db::RunStore::open_read_only(live.status.store), live.status.run);
+  } catch (const db::StoreError& error) {
+    view.unread = error.what();
+  }
+  return view;
+}
+
+std::vector<std::string> view_lines(const RunView& view) {
+  const RunStatus& status = view.live.status;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("run {} on bench '{}'{}: {}", status.run, view.live.bench,
+                              view.stored && view.stored->record.origin == "simulated" ? " (simulated)" : "",
+                              to_string(status.state)));
+  if (view.stored) lines.push_back(line("recipe", who_text(view.stored->record)));
+  if (!view.unread.empty()) lines.push_back(line("store", view.unread));
+  lines.push_back(line("phase", status.phase));
+  lines.push_back(line(status.target_n ? "force" : "pressure", readings_text(status)));
+  lines.push_back(line("time", time_text(status)));
+  lines.push_back(line("frames", fmt::format("{} stored, {} planned", status.frames, status.frames_planned)));
+  if (!view.stored) return lines;
+  const char* name = "events";
+  for (const db::EventRecord& event : view.stored->events)
+    lines.push_back(line(std::exchange(name, ""), one_line(event_line(event))));
+  return lines;
+}
+
+std::string view_line(const RunView& view) {
+  const RunStatus& status = view.live.status;
+  return fmt::format("run {} {}: {}; {}; {}; {} stored", status.run, to_string(status.state), status.phase,
+                     readings_text(status), time_text(status), analysis::counted(status.frames, "frame"));
+}
+
+namespace {
+
+void add_events(nlohmann::ordered_json& json, const StoredRun& run) {
+  nlohmann::ordered_json& events = json["events"] = nlohmann::ordered_json::array();
+  for (const db::EventRecord& event : run.events)
+    events.push_back({{"time_s", seconds_of(event)}, {"kind", event.kind}, {"id", event.id}, {"detail", event.detail}});
+}
+
+void add_record(nlohmann::ordered_json& json, const db::RunRecord& run) {
+  const nlohmann::ordered_json whole = analysis::run_json(run);
+  for (const char* key : {"recipes", "sensor", "operator", "origin", "started_utc"}) json[key] = whole.at(key);
+}
+
+}  // namespace
+
+nlohmann::ordered_json view_json(const RunView& view) {
+  nlohmann::json told;
+  tell_status(told, view.live.status);
+  nlohmann::ordered_json json = {
+      {"run", view.live.status.run}, {"bench", view.live.bench}, {"process", view.live.server.process}};
+  for (const char* key : {"store", "state", "phase", "question", "reason", "step", "steps", "frames", "frames_planned",
+                          "left_s", "left_low_s", "left_high_s", "prompts_left", "rate", "age_s"})
+    json[key] = told.at(key);
+  json["target_n"] = told.value("target_n", nlohmann::json());
+  json["readings"] = told.value("readings", nlohmann::json());
+  if (view.stored) {
+    add_record(json, view.stored->record);
+    add_events(json, *view.stored);
+  } else {
+    json["store_unread"] = view.unread;
+  }
+  return json;
+}
+
+std::vector<std::string> stored_lines(const StoredRun& run, std::optional<bool> carried_out) {
+  const db::RunRecord& record = run.record;
+  const bool open = record.outcome == db::Outcome::kIncomplete;
+  const char* process = !open                  ? ""
+                        : carried_out == true  ? " (a process carries it out)"
+                        : carried_out == false ? " (no process carries it out)"
+                                               : "";
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("run {} on bench '{}'{}: {}{}, {}", record.run, record.bench_id,
+                              record.origin == "simulated" ? " (simulated)" : "", db::to_string(record.outcome),
+                              process, analysis::counted(run.frames, "frame")));
+  lines.push_back(line("recipe", who_text(record)));
+  if (!record.reason.empty()) lines.push_back(line("reason", one_line(record.reason)));
+  if (!open) lines.push_back(line("safe", db::to_string(record.safe_state)));
+  lines.push_back(line(open ? "started" : "ended", open ? record.started_utc : record.ended_utc));
+  return lines;
+}
+
+nlohmann::ordered_json stored_json(const StoredRun& run, std::optional<bool> carried_out) {
+  nlohmann::ordered_json json = analysis::run_json(run.record);
+  json["frames"] = run.frames;
+  if (carried_out) json["lives"] = *carried_out;
+  add_events(json, run);
+  return json;
+}
+
+std::string next_command(const db::RunRecord& run, const std::string& db) {
+  const std::string store = db == "runs.db" ? "" : " --db " + db;
+  const bool done = run.outcome == db::Outcome::kCompleted;
+  return fmt::format("tactbench {} {}{}", done ? "fit" : "resume", run.run, store);
+}
+
+ExitCode exit_code_of(const db::RunRecord& run) {
+  const bool ended = run.outcome != db::Outcome::kIncomplete && run.outcome != db::Outcome::kInterrupted;
+  if (ended && run.safe_state != db::SafeState::kVerified) return ExitCode::kUnsafe;
+  if (run.outcome == db::Outcome::kCompleted) return ExitCode::kPass;
+  if (run.outcome == db::Outcome::kStopped || run.outcome == db::Outcome::kAborted) return ExitCode::kStopped;
+  const auto is = [&](const char* id) { return run.reason.starts_with(id); };
+  if (is("TB-SEATING:") || is("TB-RUN-HOPELESS:")) return ExitCode::kCriterionFailed;
+  return is("TB-STORE-") ? ExitCode::kStore : ExitCode::kDevice;
+}
+
+}  // namespace tactbench::bench

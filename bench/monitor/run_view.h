@@ -1,0 +1,51 @@
+// What `status` and `watch` show of a run: the answer of the live run, completed by what its store holds. Only reads.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/common/error.h"
+#include "bench/run/control/control_client.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+struct StoredRun {
+  db::RunRecord record;
+  std::int64_t frames = 0;
+  std::vector<db::EventRecord> events;  // the last that tell how it goes, oldest first
+};
+
+// Throws StoreError: TB-STORE-NOT-FOUND.
+StoredRun stored_run(const db::RunStore& store, std::int64_t run);
+
+struct RunView {
+  LiveRun live;
+  std::optional<StoredRun> stored;
+  std::string unread;  // why the store cannot be read
+};
+
+// With what the run's own store holds; a store that cannot be read leaves the run's answer.
+RunView view_of(const LiveRun& live);
+
+// In lines for people: run, recipe, phase, pressure or force, time, frames, events; the first `kNeeded` are the most
+// important.
+inline constexpr std::size_t kNeeded = 6;
+std::vector<std::string> view_lines(const RunView& view);
+// The same in one line, for output that is no terminal.
+std::string view_line(const RunView& view);
+nlohmann::ordered_json view_json(const RunView& view);
+
+// A run without a process. `carried_out`: is_carried_out() of bench/run/control/locks.h.
+std::vector<std::string> stored_lines(const StoredRun& run, std::optional<bool> carried_out);
+nlohmann::ordered_json stored_json(const StoredRun& run, std::optional<bool> carried_out);
+// The command to type after a run that has ended; `db`: the store, as it is to be typed.
+std::string next_command(const db::RunRecord& run, const std::string& db);
+// As the run itself should have ended, from what is stored: 0 completed, 1 a check refused it, 3 device, process or
+// another failure, 4 stopped or aborted, 5 store, 7 the safe state was not verified.
+ExitCode exit_code_of(const db::RunRecord& run);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,84 @@
+#include "bench/run/control/run_status.h"
+
+#include <nlohmann/json.hpp>
+
+#include "bench/common/for_people.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+RunState state_of(const std::string& text) {
+  for (int i = 0; i <= static_cast<int>(RunState::kEnded); ++i) {
+    if (text == to_string(static_cast<RunState>(i))) return static_cast<RunState>(i);
+  }
+  return RunState::kEnded;
+}
+
+}  // namespace
+
+std::string stage_of(const std::string& phase) { return phase.substr(0, phase.find(", step ")); }
+
+void tell_status(nlohmann::json& told, const RunStatus& status) {
+  told.update({{"run", status.run},
+               {"state", to_string(status.state)},
+               {"store", status.store},
+               {"label", status.label},
+               {"reason", one_line(status.reason, kLongestAnswer)},
+               {"question", one_line(status.question, kLongestAnswer)},
+               {"phase", one_line(status.phase, kLongestAnswer)},
+               {"step", status.step},
+               {"steps", status.steps},
+               {"frames", status.frames},
+               {"frames_planned", status.frames_planned},
+               {"left_s", status.left_s},
+               {"left_low_s", status.left_low_s},
+               {"left_high_s", status.left_high_s},
+               {"prompts_left", status.prompts_left},
+               {"rate", status.rate},
+               {"age_s", status.age_s}});
+  if (status.target_n) told["target_n"] = *status.target_n;
+  if (!status.readings) return;
+  const RunReadings& now = *status.readings;
+  nlohmann::json& readings = told["readings"];
+  readings = {{"time_s", now.time_s},
+              {"setpoint_psi", now.setpoint_psi},
+              {"feedback_psi", now.feedback_psi},
+              {"reference_psi", now.reference_psi},
+              {"settled", now.settled}};
+  if (now.force_n) readings["force_n"] = *now.force_n;
+}
+
+RunStatus told_status(const nlohmann::json& told) {
+  RunStatus status;
+  status.run = told.value("run", std::int64_t{0});
+  status.state = state_of(told.value("state", ""));
+  status.store = told.value("store", "");
+  status.label = told.value("label", "");
+  status.reason = told.value("reason", "");
+  status.question = told.value("question", "");
+  status.phase = told.value("phase", "");
+  status.step = told.value("step", 0);
+  status.steps = told.value("steps", 0);
+  status.frames = told.value("frames", std::int64_t{0});
+  status.frames_planned = told.value("frames_planned", std::int64_t{0});
+  status.left_s = told.value("left_s", 0.0);
+  status.left_low_s = told.value("left_low_s", 0.0);
+  status.left_high_s = told.value("left_high_s", 0.0);
+  status.prompts_left = told.value("prompts_left", 0);
+  status.rate = told.value("rate", 1.0);
+  status.age_s = told.value("age_s", 0.0);
+  if (told.contains("target_n")) status.target_n = told.at("target_n").get<double>();
+  if (!told.contains("readings")) return status;
+  const nlohmann::json& readings = told.at("readings");
+  RunReadings& now = status.readings.emplace();
+  now.time_s = readings.value("time_s", 0.0);
+  now.setpoint_psi = readings.value("setpoint_psi", 0.0);
+  now.feedback_psi = readings.value("feedback_psi", 0.0);
+  now.reference_psi = readings.value("reference_psi", 0.0);
+  now.settled = readings.value("settled", false);
+  if (readings.contains("force_n")) now.force_n = readings.at("force_n").get<double>();
+  return status;
+}
+
+}  // namespace tactbench::bench

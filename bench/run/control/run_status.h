@@ -1,0 +1,50 @@
+// What a live run tells of itself. The sequencer's thread fills it in (status_board.h), Control keeps the newest, the
+// control socket sends it as JSON, and a client reads it back.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "bench/run/control/run_state.h"
+
+namespace tactbench::bench {
+
+// The newest readings of a run.
+struct RunReadings {
+  double time_s = 0.0;  // process time since the run's start
+  double setpoint_psi = 0.0, feedback_psi = 0.0, reference_psi = 0.0;
+  bool settled = false;           // the set-point rests, and the feedback is within its band
+  std::optional<double> force_n;  // magnitude; none: no force was read
+};
+
+struct RunStatus {
+  std::int64_t run = 0;
+  RunState state = RunState::kPrepared;
+  std::string store, label, reason;  // reason of the last change of state
+  std::string question;              // to the operator, while it waits for the answer; empty: none
+  std::string phase;                 // what it does now, in words: "conditioning 2 of 6"
+  int step = 0, steps = 0;
+  std::int64_t frames = 0, frames_planned = 0;  // stored, of earlier processes and void branches too; by the recipes
+  // Process time: median and 10-90 % band, without waits; prompts are counted apart. All 0: there is no estimate.
+  double left_s = 0.0, left_low_s = 0.0, left_high_s = 0.0;
+  int prompts_left = 0;
+  double rate = 1.0;                    // process seconds in a real second; 0: the clock is turned by the program
+  std::optional<double> target_n;       // of a step that presses
+  std::optional<RunReadings> readings;  // none yet
+  double age_s = 0.0;                   // real time since the run's last sign of work
+};
+
+// A phase without the number of its step: plain output has a line for each of these.
+std::string stage_of(const std::string& phase);
+
+// Texts of a recipe may be long; in an answer they are cut to this many columns.
+inline constexpr std::size_t kLongestAnswer = 300;
+
+// Adds the members of `status` to the object `told`.
+void tell_status(nlohmann::json& told, const RunStatus& status);
+// The reverse; what is missing keeps its default. Throws nlohmann::json::exception for a member of another type.
+RunStatus told_status(const nlohmann::json& told);
+
+}  // namespace tactbench::bench

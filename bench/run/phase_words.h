@@ -1,0 +1,14 @@
+// What a step of a run does, in words: for the progress line, `status` and `watch`.
+#pragma once
+
+#include <string>
+
+#include "sequences/recipe.h"
+
+namespace tactbench::bench {
+
+// "conditioning 2 of 6"; "descending, step 19 of 217, repeat 1 of 5, unloading". `number`: of the step, from 1, of
+// `steps` of the run.
+std::string phase_of(const sequences::Step& step, const sequences::Recipe& recipe, int number, int steps);
+
+}  // namespace tactbench::bench

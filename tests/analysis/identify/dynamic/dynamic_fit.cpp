@@ -1,0 +1,251 @@
+// The dynamic model of an array from its three runs, against plants of known truth; how it is kept, and streamed.
+#include "analysis/identify/dynamic/dynamic_fit.h"
+
+#include <catch2/catch.hpp>
+
+#include "analysis/identify/dynamic_setup_of.h"
+#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/models/linearised.h"
+#include "analysis/models/preisach.h"
+#include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/sensor/drift.h"
+#include "tests/analysis/support/dynamic_plant.h"
+
+using namespace synthetic;
+
+namespace {
+
+constexpr std::size_t kTaxels = 4;
+
+struct Timed {
+  std::vector<double> levels;
+  double seconds = 2.6;  // at each
+  int frames = 1;
+};
+
+// Plants that begin at rest, without conditioning.
+Dataset run_of(const DynamicArray& array, const std::vector<std::pair<std::string, std::vector<Timed>>>& sequences,
+               std::int64_t number, double sign = 1.0) {
+  std::vector<DynamicPlant> plants;
+  for (std::size_t t = 0; t < kTaxels; ++t)
+    plants.emplace_back(array.films[t], array.setup.dynamics, array.setup.taxels[t], 40);
+  Dataset data;
+  data.run = number;
+  data.origin = "simulated";
+  data.sensor_serial = "S";
+  data.scanner_serial = "C";
+  data.rows = 1;
+  data.columns = kTaxels;
+  data.noise_v.assign(kTaxels, 0.0005);
+  data.at_limit.assign(kTaxels, false);
+  std::mt19937 random(static_cast<unsigned>(number) + 70);
+  std::normal_distribution<double> noise(0.0, 0.0005);
+  double now = 0.0;
+  for (const auto& [name, repeats] : sequences) {
+    SequenceData& sequence = data.sequences.emplace_back(SequenceData{name, {}});
+    for (const Timed& timed : repeats) {
+      Repeat& repeat = sequence.repeats.emplace_back();
+      for (const double psi : timed.levels)
+        for (int f = 1; f <= timed.frames; ++f) {
+          now += timed.seconds;
+          repeat.steps.push_back({psi, psi, now, f * timed.seconds});
+          for (DynamicPlant& plant : plants)
+            repeat.volts.push_back(sign * (plant.step(psi, timed.seconds) + noise(random)));
+        }
+    }
+  }
+  return data;
+}
+
+std::vector<double> way_along(const std::vector<double>& turns, double step) {
+  std::vector<double> way{turns.front()};
+  for (const double turn : turns)
+    while (way.back() != turn) way.push_back(way.back() + (turn > way.back() ? step : -step));
+  return way;
+}
+
+struct Runs {
+  Dataset fitted, rate, creep, other;
+};
+
+Runs runs_of(const DynamicArray& array, double sign = 1.0) {
+  const std::vector<double> down = way_along({0, 60, 0, 50, 0, 40, 0, 30, 0, 20, 0, 10, 0}, 2.0);
+  const std::vector<double> up =
+      way_along({0, 60, 10, 60, 0, 60, 20, 60, 0, 60, 30, 60, 0, 60, 40, 60, 0, 60, 50, 60, 0}, 2.0);
+  const std::vector<double> loop = way_along({0, 60, 0}, 4.0);
+  const std::vector<double> elsewhere = way_along({0, 60, 0, 46, 14, 38, 22, 56, 8, 52, 30, 44, 0}, 2.0);
+  return {run_of(array, {{"descending", {{down}}}, {"ascending", {{up}}}}, 1, sign),
+          run_of(array, {{"rate", {{loop, 0.8}, {loop, 2.6}, {loop, 20.0}}}}, 2, sign),
+          run_of(array, {{"creep-levels", {{{0, 20, 40, 60, 40, 20, 0}, 2.0, 151}}}}, 3, sign),
+          run_of(array, {{"elsewhere", {{elsewhere}}}}, 4, sign)};
+}
+
+std::string id_of(const auto& action) {
+  try {
+    action();
+  } catch (const AnalysisError& error) {
+    return error.id();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("the dynamic model of an array finds its plants, is kept whole, and reads what was not fitted", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
+  CHECK(model.model == kDynamicModel);
+  CHECK(label_of(model) == "dynamic");
+  REQUIRE(model.fitted().size() == kTaxels);
+  REQUIRE(model.dynamics);
+  CHECK(model.dynamics->rate.run == 2);
+  CHECK(model.dynamics->creep.run == 3);
+  const Dynamics &own = model.dynamics->shared, &truth = array.setup.dynamics;
+  double creep = 0.0, true_creep = 0.0;
+  for (std::size_t j = 0; j < kCreepElements; ++j) {
+    creep += own.creep_share[j];
+    true_creep += truth.creep_share[j];
+  }
+  CHECK(creep == Approx(0.9 * true_creep).epsilon(0.2));  // the four taxels' mean scale is 0.875
+  CHECK(own.lag_share == Approx(0.06).epsilon(0.4));
+  for (std::size_t t = 0; t < kTaxels; ++t) {
+    REQUIRE(linearised_of(model.taxels[t]) != nullptr);
+    CHECK(linearised_of(model.taxels[t])->divider().per_amplitude ==
+          Approx(array.setup.taxels[t].divider.per_amplitude).epsilon(0.1));
+    CHECK(model.taxels[t].residual_psi > 0.0);
+  }
+  // Holds of five minutes and the fast loop are within its validity.
+  CHECK(model.validity.hold_s->high > 250.0);
+  CHECK(model.validity.hold_s->low < 1.0);
+
+  DynamicFitOptions one_thread;
+  one_thread.threads = 1;
+  const std::string text = to_text(model);
+  CHECK(to_text(fit_dynamic(runs.fitted, runs.rate, runs.creep, one_thread)) == text);
+  const SensorModel again = document_from_text(text, "m.json");
+  CHECK(to_text(again) == text);
+
+  // Its stream against Preisach on the linearised output that knows no time, on a way that none of them has seen.
+  FitOptions still;
+  still.model = "preisach";
+  still.identify.linearise = true;
+  const double error = evaluate(runs.other, again).mean_error_psi;
+  const double still_error = evaluate(runs.other, fit_array(runs.fitted, still)).mean_error_psi;
+  INFO(error << " psi, without lag and creep " << still_error);
+  CHECK(error < 0.25);
+  CHECK(error < 0.5 * still_error);
+}
+
+TEST_CASE("a falling sensor and an adjusted model stream like the one that they come from", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array), falling = runs_of(array, -1.0);
+  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
+  const SensorModel negated = fit_dynamic(falling.fitted, falling.rate, falling.creep);
+  CHECK(negated.falling);
+  const double error = evaluate(runs.other, model).mean_error_psi;
+  CHECK(evaluate(falling.other, negated).mean_error_psi == Approx(error).epsilon(1e-3));
+
+  SensorModel moved = model;
+  for (ModelTaxel& taxel : moved.taxels) {
+    taxel.zero = 0.05;
+    taxel.gain = 1.3;
+  }
+  Dataset scaled = runs.other;
+  for (double& volts : scaled.sequences.front().repeats.front().volts) volts = 0.05 + 1.3 * volts;
+  for (ModelTaxel& taxel : moved.taxels) taxel.noise *= 1.3;
+  CHECK(evaluate(scaled, moved).mean_error_psi == Approx(error).epsilon(1e-6));
+}
+
+TEST_CASE("frames of a dynamic model stream through the frame compensator, which is told the time", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
+  const Repeat& repeat = runs.other.sequences.front().repeats.front();
+  const auto mean_error = [&](double pace) {
+    ArrayStream stream(model, 5.0 / 65536.0, 1.0, 10);
+    std::vector<float> volts(kTaxels), pressure(kTaxels), uncertainty(kTaxels);
+    std::vector<std::uint16_t> status(kTaxels);
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+      if (i > 0) stream.set_interval(pace * (repeat.steps[i].time_s - repeat.steps[i - 1].time_s));
+      for (std::size_t t = 0; t < kTaxels; ++t) volts[t] = static_cast<float>(repeat.volts[i * kTaxels + t]);
+      stream.frame(volts, {pressure, uncertainty, status});
+      for (std::size_t t = 0; t < kTaxels; ++t) {
+        if ((status[t] & kTaxelUnknown) != 0) continue;  // the start is
+        sum += std::abs(static_cast<double>(pressure[t]) - repeat.steps[i].reference_psi);
+        count += 1.0;
+      }
+    }
+    CHECK(count > 0.5 * static_cast<double>(kTaxels * repeat.steps.size()));
+    return sum / count;
+  };
+  const double told = mean_error(1.0), deaf = mean_error(0.0);
+  INFO(told << " psi, without the time " << deaf);
+  CHECK(told < 0.3);
+  CHECK(deaf > 1.5 * told);
+}
+
+TEST_CASE("any film's weights make a table that the frame compensator takes, whatever its sums round to", "[dynamic]") {
+  SensorModel model;
+  model.rows = 1;
+  model.columns = 200;
+  model.source = "films";
+  model.dynamics = SensorDynamics{};
+  model.pressure_psi = {0.0, 60.0};
+  for (int t = 0; t < model.columns; ++t) {
+    std::mt19937 random(static_cast<unsigned>(t) + 500);
+    std::uniform_real_distribution<double> uniform;
+    std::vector<double> weights;
+    for (std::size_t cell = 0; cell < 210; ++cell) weights.push_back(uniform(random) < 0.5 ? 0.0 : uniform(random));
+    ModelTaxel& taxel = model.taxels.emplace_back();
+    taxel.taxel = t;
+    taxel.status = TaxelStatus::kFitted;
+    taxel.noise = 0.001;
+    taxel.gain = 0.9 + 0.001 * t;
+    taxel.fit.model = std::make_shared<LinearisedModel>(
+        Divider{0.02, 0.0}, std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::move(weights)));
+  }
+  CHECK_NOTHROW(ArrayStream(model, 5.0 / 65536.0, 1.0, 10));
+}
+
+TEST_CASE("runs that tell nothing of lag or creep, or are of another array, make no dynamic model", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.rate, runs.rate); }) == "TB-ANALYSIS-DYNAMICS");
+  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.creep, runs.creep); }) == "TB-ANALYSIS-DYNAMICS");
+  Dataset both = runs.rate;  // one run of both recipes
+  both.sequences.push_back(runs.creep.sequences.front());
+  for (Sample& sample : both.sequences.back().repeats.front().steps)
+    sample.time_s += runs.rate.sequences.front().repeats.back().steps.back().time_s;
+  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, both, both); }) == "none");
+  Dataset other = runs.rate;
+  other.sensor_serial = "T";
+  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, other, runs.creep); }) == "TB-ANALYSIS-OTHER-SENSOR");
+  other = runs.creep;
+  other.origin = "hardware";
+  CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.rate, other); }) == "TB-ANALYSIS-ORIGIN");
+  // Samples without times are not held against it.
+  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
+  CHECK(id_of([&] { (void)drift_of(model, histories_of(runs.other)); }) == "TB-MODEL-DYNAMIC");
+  // A model without lag and creep has no dynamic setup.
+  CHECK(id_of([&] { (void)dynamic_setup_of(fit_array(runs.fitted), {}, 1.0); }) == "TB-MODEL-COMPENSATOR");
+}
+
+TEST_CASE("a dynamic model's document is refused where its lag or creep is out of range", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const std::string text = to_text(fit_dynamic(runs.fitted, runs.rate, runs.creep));
+  const auto changed = [&](const std::string& before, const std::string& after) {
+    std::string other = text;
+    const auto at = other.find(before);
+    REQUIRE(at != std::string::npos);
+    other.replace(at, before.size(), after);
+    return id_of([&] { (void)document_from_text(other, "m.json"); });
+  };
+  CHECK(changed("\"creep_half\"", "\"half\"") == "TB-MODEL-DOCUMENT");
+  CHECK(changed("\"creep_scale\": ", "\"creep_scale\": -1") == "TB-MODEL-DOCUMENT");
+  CHECK(changed("\"lag_s\": ", "\"lag_s\": -1") == "TB-MODEL-DOCUMENT");
+  CHECK(changed("\"residual_psi\"", "\"residual\"") == "TB-MODEL-DOCUMENT");
+}

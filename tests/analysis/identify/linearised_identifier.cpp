@@ -1,0 +1,137 @@
+// Which taxels get their readout divider undone, and how such models are kept.
+#include "analysis/identify/linearised_identifier.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "analysis/identify/congruency.h"
+#include "analysis/identify/folds.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/models/linearised.h"
+#include "tests/analysis/support/dynamic_plant.h"
+
+using namespace synthetic;
+
+namespace {
+
+const LinearisedModel& linearised_in(const ModelFit& fit) { return dynamic_cast<const LinearisedModel&>(*fit.model); }
+
+// Preisach, but one of half the output where the data are told to be linearised.
+class BadWhenLinearised final : public Identifier {
+ public:
+  BadWhenLinearised(const FitData& like, double above) : inner_(prepare("preisach", like)), above_(above) {}
+  [[nodiscard]] ModelFit fit(const FitData& data) const override {
+    FitData own = data;
+    if (data.ascending.y().back() > above_)
+      for (History& history : own.histories)
+        for (double& y : history.y) y *= 0.5;
+    return inner_->fit(own);
+  }
+
+ private:
+  std::unique_ptr<Identifier> inner_;
+  double above_;
+};
+
+const LinearisedModel& plant() {
+  static const LinearisedModel model({0.02, 1.0 / 3.3}, std::make_unique<PreisachModel>(film_of(29, 30)));
+  return model;
+}
+
+// A model of a table's one taxel, with what its document holds.
+SensorModel sensor_of(const std::string& name, const ModelFit& fit, const FitData& data) {
+  SensorModel sensor;
+  sensor.model = name;
+  sensor.options.linearise = true;
+  sensor.rows = sensor.columns = 1;
+  sensor.pressure_psi.assign(data.ascending.x().begin(), data.ascending.x().end());
+  ModelTaxel& taxel = sensor.taxels.emplace_back();
+  taxel.status = TaxelStatus::kFitted;
+  taxel.fit = fit;
+  taxel.loop_low = data.ascending.y().front();
+  set_loop(taxel, data.ascending.x(), data.ascending.y(), data.descending.y());
+  return sensor;
+}
+
+}  // namespace
+
+TEST_CASE("each inner branch is held out once, branches of the external loop never", "[linearise]") {
+  const FitData data = two_sequences(plant());
+  const std::vector<Fold> folds = folds_of(data);
+  REQUIRE(folds.size() == 5);
+  std::multiset<std::pair<std::size_t, int>> held;
+  for (const Fold& fold : folds)
+    for (std::size_t h = 0; h < data.histories.size(); ++h) {
+      CHECK(fold.kept[h].size() + fold.held[h].size() == data.histories[h].branches.size());
+      for (const Branch& branch : fold.held[h]) held.insert({h, branch.first});
+    }
+  std::size_t inner = 0;
+  for (std::size_t h = 0; h < data.histories.size(); ++h)
+    for (const Branch& branch : data.histories[h].branches) {
+      const double from = data.histories[h].x[static_cast<std::size_t>(branch.first)];
+      const bool outer = branch.ascending ? from == 0.0 : from == 60.0;
+      CHECK(held.count({h, branch.first}) == (outer ? 0U : 1U));
+      inner += outer ? 0 : 1;
+    }
+  CHECK(inner == 10);
+  CHECK(folds_of(data, 3).size() == 3);
+  FitData loop = data;
+  for (History& history : loop.histories) history.branches.resize(2);
+  CHECK(folds_of(loop).empty());
+}
+
+TEST_CASE("the divider of a plant is found, and without one the model is the plain one bit for bit", "[linearise]") {
+  IdentifyOptions options;
+  options.linearise = true;
+  for (const unsigned seed : {31U, 32U, 33U}) {
+    for (const double amplitude : {2.7, 3.9}) {
+      const LinearisedModel film({0.02, 1.0 / amplitude}, std::make_unique<PreisachModel>(film_of(seed, 30)));
+      const ModelFit fit = identify("preisach", two_sequences(film), options);
+      CHECK(1.0 / linearised_in(fit).divider().per_amplitude == Approx(amplitude).epsilon(0.01));
+    }
+    const FitData bare = two_sequences(film_of(seed, 30));
+    for (const char* const name : {"elam", "preisach", "poly"}) {
+      const ModelFit fit = identify(name, bare, options), plain = identify(name, bare);
+      const LinearisedModel& model = linearised_in(fit);
+      CHECK(model.divider().per_amplitude == 0.0);
+      CHECK(model.parameters().front().name == "c");
+      CHECK_FALSE(model.parameters().front().at_bound());
+      CHECK(model.inner().to_json() == plain.model->to_json());
+      CHECK(fit.j == plain.j);
+      const std::vector<double> way = random_way(300, 2.5, seed);
+      CHECK(predict(model, way) == predict(*plain.model, way));
+    }
+  }
+}
+
+TEST_CASE("a divider that makes a model worse on branches that were held out stays off", "[linearise]") {
+  const FitData data = two_sequences(plant());
+  REQUIRE(find_divider(data).divider.per_amplitude > 0.0);
+  const double above = 1.01 * data.ascending.y().back();
+  const PrepareInner bad = [&](const FitData& like) { return std::make_unique<BadWhenLinearised>(like, above); };
+  CHECK(linearised_in(prepare_linearised(data, false, true, bad)->fit(data)).divider().per_amplitude == 0.0);
+  CHECK(linearised_in(prepare_linearised(data, false, false, bad)->fit(data)).divider().per_amplitude > 0.0);
+}
+
+TEST_CASE("models on the linearised output are kept and read with their c, and others as before", "[linearise]") {
+  const FitData data = two_sequences(plant());
+  IdentifyOptions options;
+  options.linearise = true;
+  for (const char* const name : {"elam", "poly", "preisach"}) {
+    const SensorModel sensor = sensor_of(name, identify(name, data, options), data);
+    CHECK(label_of(sensor) == std::string(name) + ", linearised");
+    const std::string text = to_text(sensor);
+    CHECK_THAT(text, Catch::Contains("\"linearise\": true"));
+    const SensorModel again = document_from_text(text, "m.json");
+    CHECK(to_text(again) == text);
+    CHECK(again.options.linearise);
+    REQUIRE(linearised_of(again.taxels.front()) != nullptr);
+    CHECK(linearised_of(again.taxels.front())->divider().per_amplitude ==
+          linearised_of(sensor.taxels.front())->divider().per_amplitude);
+    SensorModel plain = sensor_of(name, identify(name, data), data);
+    plain.options.linearise = false;
+    CHECK_THAT(to_text(plain), !Catch::Contains("linearise"));
+    CHECK(linearised_of(plain.taxels.front()) == nullptr);
+  }
+}

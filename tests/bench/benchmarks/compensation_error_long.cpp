@@ -1,0 +1,38 @@
+// What docs/compensation-error.md says of the dynamic compensator, on a sensor of each specimen that nothing was chosen
+// on.
+#include <catch2/catch.hpp>
+#include <map>
+#include <sstream>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+
+TEST_CASE(
+    "the dynamic compensator errs less than ELAM's stream, and twice its uncertainty holds 90 to 98 % of samples") {
+  const TemporaryFolder folder;
+  const Finished finished =
+      run_program(program_path(), {"benchmark", "compensation-error", "--sensors", "71,72,73"}, folder.path());
+  INFO(finished.err);
+  REQUIRE(finished.code == 0);
+  std::map<std::string, double> figures;
+  std::istringstream stream(finished.out);
+  std::string word, name, unit;
+  double value = 0.0;
+  while (stream >> word >> name >> value >> unit) figures[name.substr(name.find('_') + 1)] = value;
+
+  const auto hold = [&](const std::string& condition, double share_of_elam) {
+    const double error = figures.at(condition), elam = figures.at(condition + "_elam_stream");
+    const double within = figures.at(condition + "_within_2_u");
+    INFO(condition << ": " << error << " psi, ELAM's stream " << elam << " psi, within 2 u " << within << " %");
+    CHECK(error < share_of_elam * elam);
+    CHECK(within > 90.0);
+    CHECK(within < 98.5);
+  };
+  for (const char* const condition : {"random_1", "random_2", "dwell_0.2_s", "dwell_10_s"}) hold(condition, 0.35);
+  for (const char* const condition : {"remounted", "remounted_random"}) hold(condition, 0.75);
+  for (const char* const condition : {"harsh_random_1", "harsh_random_2", "harsh_dwell_0.2_s"}) hold(condition, 0.5);
+  for (const char* const condition : {"harsh_dwell_10_s", "harsh_remounted", "harsh_remounted_random"})
+    hold(condition, 1.0);
+}

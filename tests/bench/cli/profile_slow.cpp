@@ -1,0 +1,107 @@
+// tactbench.toml, TACTBENCH_BENCH and TACTBENCH_DB as a person meets them.
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+struct SetVariable {
+  SetVariable(const char* variable, const char* value) : name(variable) { setenv(name, value, 1); }
+  ~SetVariable() { unsetenv(name); }
+  SetVariable(const SetVariable&) = delete;
+  SetVariable& operator=(const SetVariable&) = delete;
+  const char* name;
+};
+
+const char* const kSmallRecipe =
+    "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 30, 0]\nstep = 10\nrepeats = 2\n"
+    "dwell_s = 1.0\n";
+
+}  // namespace
+
+TEST_CASE("with init --operator nothing is typed twice: run takes bench, recipe, operator and store of the file") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init", "--operator", "A. \"Q\" Person"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
+  const Finished run = call(folder, {"run", "--sensor", "S-1", "-q", "--set", "recipe.repeats=1"});
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  const json shown = json::parse(call(folder, {"runs", "show", "1", "--json"}).out);
+  CHECK(shown.at("operator") == "A. \"Q\" Person");
+  CHECK(shown.at("recipes").at(0).at("name") == "production");
+  CHECK(call(folder, {"init", "--operator", " "}).code == 2);
+}
+
+TEST_CASE("the environment's store precedes the file's, and a typed one both, while demo and nightly take neither") {
+  const TemporaryFolder folder;
+  write_file(folder.path("tactbench.toml"), "db = \"file.db\"\n");
+  const auto made = [&](const char* name) { return std::filesystem::exists(folder.path(name)); };
+  REQUIRE(call(folder, {"init", "types"}).code == 0);
+  const std::vector<std::string> add = {"sensors", "add", "S-1", "--type", "types/sensor.toml"};
+  REQUIRE(call(folder, add).code == 0);
+  CHECK(made("file.db"));
+  const SetVariable db("TACTBENCH_DB", "environment.db");
+  REQUIRE(call(folder, add).code == 0);
+  CHECK(made("environment.db"));
+  std::vector<std::string> typed = add;
+  typed.insert(typed.end(), {"--db", "typed.db"});
+  REQUIRE(call(folder, typed).code == 0);
+  CHECK(made("typed.db"));
+  CHECK(!made("runs.db"));
+  CHECK_THAT(call(folder, {"demo", "--help"}).out, Catch::Contains("runs.db") && !Catch::Contains("environment.db"));
+  CHECK_THAT(call(folder, {"nightly", "--help"}).out, !Catch::Contains("environment.db"));
+}
+
+TEST_CASE("config show says where each value of the profile comes from") {
+  const TemporaryFolder folder;
+  write_file(folder.path("tactbench.toml"), "operator = \"me\"\nbench = \"no-such.toml\"\n");
+  const SetVariable bench("TACTBENCH_BENCH", "simulated.toml");
+  const Finished shown = call(folder, {"config", "show", "--origin"});
+  INFO(shown.err);
+  REQUIRE(shown.code == 0);
+  CHECK_THAT(shown.out, Catch::Contains("profile.bench = \"simulated.toml\"") && Catch::Contains("# TACTBENCH_BENCH") &&
+                            Catch::Contains("profile.operator = \"me\"") && Catch::Contains("# tactbench.toml:1"));
+  const json list = json::parse(call(folder, {"config", "show", "--json"}).out).at("profile");
+  REQUIRE(list.size() == 2);
+  CHECK(list.at(0) == json{{"key", "profile.bench"}, {"value", "\"simulated.toml\""}, {"origin", "TACTBENCH_BENCH"}});
+}
+
+TEST_CASE("a wrong profile is an error with its line, but keeps nobody from help, nor from stopping a run") {
+  const TemporaryFolder folder;
+  write_file(folder.path("tactbench.toml"), "bench = \"simulated.toml\"\noperater = \"me\"\n");
+  const Finished list = call(folder, {"runs", "list"});
+  CHECK(list.code == 2);
+  CHECK_THAT(list.err,
+             Catch::Contains("[TB-FILE-KEY]") && Catch::Contains("tactbench.toml:2") && Catch::Contains("'operator'"));
+  CHECK(call(folder, {"runs", "list", "--help"}).code == 0);
+  CHECK(call(folder, {"recipes", "list"}).code == 0);  // needs none of it
+  for (const char* command : {"pause", "stop", "abort", "panic"})
+    CHECK_THAT(call(folder, {command}).err, Catch::Contains("[TB-RUN-NOT-LIVE]"));
+}
+
+TEST_CASE("fit judges held-out runs by the profile's limits, and nothing else by them") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  write_file(folder.path("small.toml"), kSmallRecipe);
+  write_file(folder.path("hard.toml"),
+             "schema = 1\nname = \"hard\"\nrule = \"simple\"\nmean_compensation_error_psi = 0.001\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+  REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
+  for (const char* seed : {"1", "2"})
+    REQUIRE(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q",
+                          "--seed", seed})
+                .code == 0);
+  write_file(folder.path("tactbench.toml"), "limits = \"hard.toml\"\n");
+  CHECK(call(folder, {"fit", "1"}).code == 0);
+  const Finished judged = call(folder, {"fit", "1", "--held-out", "2"});
+  CHECK(judged.code == 1);
+  CHECK_THAT(judged.err, Catch::Contains("judged by hard.toml (tactbench.toml:1)"));
+  CHECK_THAT(judged.out, Catch::Contains("all criteria together: simulated fail"));
+  CHECK(call(folder, {"fit", "1", "--held-out", "2", "--model", "elam,poly"}).code == 0);
+}

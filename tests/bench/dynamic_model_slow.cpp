@@ -1,0 +1,182 @@
+// The dynamic model and the linearised output from the command line, on a sensor that nothing was chosen on.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kSensorSeed = "41";
+
+Finished measure(const TemporaryFolder& folder, const std::vector<std::string>& recipes, const char* seed,
+                 const std::vector<std::string>& set = {}) {
+  std::vector<std::string> words = {"run"};
+  words.insert(words.end(), recipes.begin(), recipes.end());
+  words.insert(words.end(), {"--bench", "bench.toml", "--sensor", "S-1", "--operator", "tester", "-q", "--no-seating",
+                             "--sensor-seed", kSensorSeed, "--seed", seed});
+  for (const std::string& one : set) words.insert(words.end(), {"--set", one});
+  return call(folder, words);
+}
+
+// Runs 1 to 4: the paper's sequences, rate, creep-levels, random reversals.
+void four_runs(const TemporaryFolder& folder) {
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  REQUIRE(measure(folder, {"descending", "ascending"}, "1", {"recipe.repeats=2"}).code == 0);
+  REQUIRE(measure(folder, {"rate"}, "2").code == 0);
+  REQUIRE(measure(folder, {"creep-levels"}, "3").code == 0);
+  REQUIRE(measure(folder, {"random-reversal"}, "4").code == 0);
+  write_file(folder.path("wide.toml"),
+             "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+}
+
+double held_out_error(const Finished& fit) {
+  INFO(fit.err);
+  REQUIRE(fit.code == 0);
+  return json::parse(fit.out)["evaluations"].at(1)["mean_error_psi"].get<double>();
+}
+
+}  // namespace
+
+TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown and streamed") {
+  const TemporaryFolder folder;
+  four_runs(folder);
+  const double elam = held_out_error(call(folder, {"fit", "1", "--held-out", "4", "--json"}));
+  const double plain = held_out_error(call(folder, {"fit", "1", "--model", "mpi", "--held-out", "4", "--json"}));
+  const double linearised =
+      held_out_error(call(folder, {"fit", "1", "--model", "mpi", "--linearise", "--held-out", "4", "--json"}));
+  const double dynamic = held_out_error(call(folder, {"fit", "1", "--rate", "2", "--creep", "3", "--held-out", "4",
+                                                      "--limits", "wide.toml", "--json", "-o", "d.json"}));
+  INFO("psi: ELAM " << elam << ", MPI " << plain << ", linearised " << linearised << ", dynamic " << dynamic);
+  CHECK(linearised < 0.7 * plain);
+  CHECK(dynamic < 0.35 * elam);
+  CHECK(dynamic < 0.25);
+
+  const Finished verified = call(folder, {"verify", "1"});
+  INFO(verified.out);
+  CHECK(verified.code == 0);
+  CHECK_THAT(verified.out, Catch::Contains("(dynamic)") && Catch::Contains("(mpi, linearised)") &&
+                               !Catch::Contains("not recomputed"));
+  CHECK(call(folder, {"verify", "4"}).code == 0);  // its verdicts
+
+  const Finished shown = call(folder, {"model", "show", "1:4"});
+  CHECK_THAT(shown.out, Catch::Contains("linearised output, u = v / (1 - c v): 2") &&
+                            Catch::Contains(" of 256 taxels, c 0.") && Catch::Contains("creep ") &&
+                            Catch::Contains("(run 3)") && Catch::Contains("lag ") && Catch::Contains("(run 2)"));
+  CHECK(json::parse(read_file(folder.path("d.json")))["dynamics"]["rate"]["run"] == 2);
+  CHECK(call(folder, {"model", "diff", "1:4", "d.json"}).code == 0);
+  const Finished live = call(folder, {"live", "--bench", "bench.toml", "--model", "1:4", "--frames", "3", "--json"});
+  INFO(live.err);
+  CHECK(live.code == 0);
+  CHECK(json::parse(live.out)["last_frame"]["dead"] == 0);
+  CHECK(call(folder, {"report", "1", "--held-out", "4", "--previous", "1:4", "-o", "r.html"}).code == 0);
+  const Finished report = call(folder, {"report", "1", "--model", "1:4", "--format", "json", "-o", "dynamic.json"});
+  INFO(report.err);
+  CHECK(report.code == 0);
+  CHECK_THAT(read_file(folder.path("dynamic.json")), Catch::Contains("\"dynamic\"") &&
+                                                         Catch::Contains("\"creep_share\"") &&
+                                                         Catch::Contains("\"creep_scale\""));
+  CHECK_THAT(call(folder, {"report", "1", "--model", "1:4", "--held-out", "3", "-o", "x.html"}).err,
+             Catch::Contains("TB-RUN-OWN"));
+  CHECK_THAT(call(folder, {"report", "1", "--model", "four", "-o", "x.html"}).err, Catch::Contains("TB-USAGE"));
+
+  // A table needs times.
+  write_file(folder.path("timed.csv"), "time_s,output\n0,0.02\n2,0.5\n4,1.2\n");
+  write_file(folder.path("back.csv"), "time_s,output\n0,0.02\n2,0.5\n1,1.2\n");
+  write_file(folder.path("timeless.csv"), "output\n0.02\n0.5\n");
+  const Finished timed = call(folder, {"compensate", "1:4", "timed.csv", "--taxel", "mean", "--conditioned", "60"});
+  INFO(timed.err);
+  CHECK(timed.code == 0);
+  CHECK_THAT(timed.out, Catch::StartsWith("time_s,output,compensated,uncertainty,flags\n0,0.02,"));
+  CHECK_THAT(call(folder, {"compensate", "1:4", "back.csv", "--taxel", "mean"}).err, Catch::Contains("TB-TABLE-ROW"));
+  CHECK_THAT(call(folder, {"compensate", "1:4", "timeless.csv", "--taxel", "mean"}).err,
+             Catch::Contains("TB-TABLE-COLUMN"));
+  CHECK(call(folder, {"compensate", "1", "timeless.csv", "--taxel", "mean"}).code == 0);
+  CHECK_THAT(call(folder, {"fit", "4", "--check", "d.json"}).err, Catch::Contains("TB-MODEL-DYNAMIC"));
+
+  // A copy of the run alone lacks the others.
+  REQUIRE(call(folder, {"runs", "copy", "1", "--to", "copy.db"}).code == 0);
+  CHECK_THAT(call(folder, {"verify", "1", "--db", "copy.db"}).out, Catch::Contains("does not have the run that its"));
+
+  // The mean taxel alone is no model of the array.
+  REQUIRE(call(folder, {"fit", "1", "--mean-taxel"}).code == 0);
+  CHECK_THAT(call(folder, {"report", "1", "--model", "1:5", "-o", "x.html"}).err, Catch::Contains("TB-USAGE"));
+
+  // The run that creep was taken from is no evidence.
+  const Finished own =
+      call(folder, {"report", "3", "--model", "1:4", "--limits", "wide.toml", "-o", "own.html", "--json"});
+  INFO(own.err << own.out);
+  CHECK(own.code == 6);
+  const json judged = json::parse(own.out);
+  CHECK(judged["judgement"]["overall"] == "inconclusive");
+  CHECK_FALSE(judged["verdicts"].empty());
+  for (const json& verdict : judged["verdicts"]) CHECK(verdict["verdict"] == "inconclusive");
+
+  // Void, it takes the verdicts on the models with it.
+  const auto standing = [&] {
+    return json::parse(call(folder, {"runs", "show", "1", "--json"}).out)["verdicts"].size();
+  };
+  CHECK(standing() > 0);
+  REQUIRE(call(folder, {"runs", "void", "3", "--reason", "spilled", "--by", "me"}).code == 0);
+  CHECK(standing() == 0);
+  const Finished gone = call(folder, {"report", "1", "--model", "1:4", "-o", "gone.html"});
+  CHECK(gone.code == 6);
+  CHECK_THAT(gone.out, Catch::Contains("run 3 was declared void"));
+}
+
+TEST_CASE("ELAM on the linearised output is a fit beside the paper's, which goes on standing for the run") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  REQUIRE(measure(folder, {"descending", "ascending"}, "1", {"recipe.repeats=1"}).code == 0);
+  REQUIRE(measure(folder, {"random-reversal"}, "2").code == 0);
+  const double plain = held_out_error(call(folder, {"fit", "1", "--held-out", "2", "--json"}));
+  const double linearised = held_out_error(call(folder, {"fit", "1", "--linearise", "--held-out", "2", "--json"}));
+  INFO("psi: " << plain << ", linearised " << linearised);
+  CHECK(linearised < 1.05 * plain);
+  const Finished verified = call(folder, {"verify", "1"});
+  INFO(verified.out);
+  CHECK(verified.code == 0);
+  CHECK_THAT(verified.out, Catch::Contains("(elam)") && Catch::Contains("(elam, linearised)"));
+  CHECK_THAT(call(folder, {"model", "show", "1"}).out, Catch::StartsWith("elam of run 1"));
+  CHECK_THAT(call(folder, {"model", "show", "1:2"}).out,
+             Catch::StartsWith("elam, linearised of run 1") && Catch::Contains("u = v / (1 - c v)"));
+  CHECK(call(folder, {"model", "adjust", "1:2", "2", "--zero", "-o", "child.json"}).code == 0);
+  CHECK(call(folder, {"model", "diff", "1:2", "child.json"}).code == 1);
+  CHECK(call(folder, {"fit", "2", "--check", "child.json"}).code <= 1);
+  const Finished live =
+      call(folder, {"live", "--bench", "bench.toml", "--model", "child.json", "--frames", "3", "--json"});
+  INFO(live.err);
+  CHECK(live.code == 0);
+  CHECK(call(folder, {"report", "1", "--held-out", "2", "-o", "r.html"}).code == 0);
+}
+
+TEST_CASE("what a dynamic model lacks is said before anything is stored") {
+  const TemporaryFolder folder;
+  four_runs(folder);
+  const auto fails = [&](std::vector<std::string> words, int code, const std::string& id) {
+    words.insert(words.begin(), {"fit", "1", "--model", "dynamic"});
+    const Finished fit = call(folder, words);
+    INFO(fit.err);
+    CHECK(fit.code == code);
+    CHECK_THAT(fit.err, Catch::Contains(id));
+  };
+  fails({}, 2, "TB-USAGE");
+  fails({"--rate", "2"}, 2, "TB-USAGE");
+  fails({"--rate", "2", "--creep", "3", "--fit", "ascending"}, 2, "TB-USAGE");
+  fails({"--rate", "2", "--creep", "3", "--starts", "3"}, 2, "TB-USAGE");
+  fails({"--rate", "2", "--creep", "3", "--check", "m.json"}, 2, "TB-USAGE");
+  fails({"--rate", "2", "--creep", "9"}, 2, "TB-STORE-NOT-FOUND");
+  fails({"--rate", "2", "--creep", "2"}, 6, "TB-ANALYSIS-DYNAMICS");
+  fails({"--rate", "4", "--creep", "3"}, 6, "TB-ANALYSIS-DYNAMICS");
+  fails({"--rate", "2", "--creep", "3", "--held-out", "3"}, 2, "TB-RUN-OWN");
+  CHECK(call(folder, {"fit", "1", "--rate", "2"}).code == 2);
+  REQUIRE(call(folder, {"runs", "void", "3", "--reason", "spilled", "--by", "me"}).code == 0);
+  fails({"--rate", "2", "--creep", "3"}, 2, "TB-RUN-VOID");
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, !Catch::Contains("dynamic"));
+}

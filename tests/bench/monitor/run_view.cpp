@@ -1,0 +1,158 @@
+// A run in words and as JSON: live, ended, dead, and with a store that cannot be read.
+#include "bench/monitor/run_view.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/bench/monitor/status_example.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+struct StoredExample {
+  StoredExample() : store(db::RunStore::open(folder.path("runs.db"))), begun(begin_example(store)) {
+    const auto tell = [&](std::int64_t time_s, const char* kind, const char* id, const char* detail) {
+      store.append_event(begun.run, {time_s * 1'000'000'000, kind, id, detail});
+    };
+    tell(1, "warning", "TB-OLD", "too long ago");
+    tell(2, "state", "", "prepared -> running: devices open, chamber unloaded");
+    tell(3, "attempt", "TB-SCANNER-TIMEOUT", "frame, 1 of 2: \x1b[2J silent");
+    tell(4, "command", "pressure", "quiet");
+    tell(3725, "branch-broken", "TB-BRANCH-BROKEN", "branch 1 of repeat 2");
+    tell(3726, "environment", "temperature_c", "21.5");
+  }
+  [[nodiscard]] LiveRun live() const {
+    LiveRun run = example_live();
+    run.status.run = begun.run;
+    run.status.store = store.path();
+    return run;
+  }
+  TemporaryFolder folder;
+  db::RunStore store;
+  Begun begun;
+};
+
+}  // namespace
+
+TEST_CASE("view: a live run in lines") {
+  const StoredExample example;
+  const RunView view = view_of(example.live());
+  CHECK(view_lines(view) ==
+        Lines{"run 1 on bench 'rig-1' (simulated): pausing", "  recipe    up, down; sensor S-1, operator N. Nobody",
+              "  phase     descending, step 19 of 217, repeat 2 of 5, unloading",
+              "  pressure  set-point 40.0, feedback 39.98, reference 40.01 psi, settled",
+              "  time      0:01:12 elapsed, 0:10:45 left + 1 prompt (0:10:30 to 0:11:20); 10 x real time",
+              "  frames    12 stored, 211 planned",
+              "  events    0:00:02 state: prepared -> running: devices open, chamber unloaded",
+              "            0:00:03 attempt TB-SCANNER-TIMEOUT: frame, 1 of 2: \\x1b[2J silent",
+              "            1:02:05 branch-broken TB-BRANCH-BROKEN: branch 1 of repeat 2"});
+  CHECK(view_line(view) ==
+        "run 1 pausing: descending, step 19 of 217, repeat 2 of 5, unloading; set-point 40.0, feedback 39.98, "
+        "reference 40.01 psi, settled; 0:01:12 elapsed, 0:10:45 left + 1 prompt (0:10:30 to 0:11:20); 10 x real time; "
+        "12 frames stored");
+}
+
+TEST_CASE("view: before the first reading, of a press, of a silent run, on a turned clock") {
+  const StoredExample example;
+  RunView view = view_of(example.live());
+  view.live.status.target_n = 10.0;
+  CHECK(view_lines(view)[3] == "  force     level 10.00 N, measured 9.60 N");
+  view.live.status.readings->force_n.reset();
+  CHECK(view_lines(view)[3] == "  force     level 10.00 N, measured not read yet");
+  view.live.status.target_n.reset();
+  view.live.status.readings->settled = false;
+  CHECK_THAT(view_lines(view)[3], Catch::EndsWith("reference 40.01 psi, not settled"));
+  view.live.status.readings.reset();
+  view.live.status.left_high_s = 0.0;
+  view.live.status.rate = 1.0;
+  view.live.status.age_s = 6.4;
+  CHECK(view_lines(view)[3] == "  pressure  not read yet");
+  CHECK(view_lines(view)[4] == "  time      time left not known; nothing new for 6 s");
+  view.live.status.rate = 0.0;
+  view.live.status.age_s = 4.9;
+  CHECK(view_lines(view)[4] == "  time      time left not known; simulated clock");
+}
+
+TEST_CASE("view: a store that cannot be read leaves what the run itself says") {
+  LiveRun live = example_live();
+  live.status.store = "/nowhere/runs.db";
+  const RunView view = view_of(live);
+  CHECK_FALSE(view.stored);
+  const Lines lines = view_lines(view);
+  CHECK(lines.size() == 6);
+  CHECK_THAT(lines[1], Catch::StartsWith("  store     ") && Catch::Contains("/nowhere/runs.db"));
+  const nlohmann::ordered_json json = view_json(view);
+  CHECK_THAT(json["store_unread"].get<std::string>(), Catch::Contains("/nowhere/runs.db"));
+  CHECK_FALSE(json.contains("events"));
+}
+
+TEST_CASE("view: as JSON, the same facts in the words of other verbs") {
+  const StoredExample example;
+  const nlohmann::ordered_json json = view_json(view_of(example.live()));
+  CHECK(json["run"] == 1);
+  CHECK(json["bench"] == "rig-1");
+  CHECK(json["process"] == 812);
+  CHECK(json["state"] == "pausing");
+  CHECK(json["phase"] == example_status().phase);
+  CHECK(json["question"] == "Point indenter mounted?");
+  CHECK(json["readings"]["reference_psi"] == 40.01);
+  CHECK(json["readings"]["settled"] == true);
+  CHECK(json["target_n"].is_null());
+  CHECK(json["left_low_s"] == 630.0);
+  CHECK(json["frames_planned"] == 211);
+  CHECK(json["sensor"] == "S-1");
+  CHECK(json["recipes"][1]["name"] == "down");
+  REQUIRE(json["events"].size() == 3);
+  CHECK(json["events"][1]["id"] == "TB-SCANNER-TIMEOUT");
+  CHECK(json["events"][2]["time_s"].get<double>() == Approx(3725.0));
+}
+
+TEST_CASE("view: a run without a process, how it ended, and what to type next") {
+  StoredExample example;
+  StoredRun run = stored_run(example.store, example.begun.run);
+  CHECK(stored_lines(run, false)[0] ==
+        "run 1 on bench 'bench-a' (simulated): incomplete (no process carries it out), 0 frames");
+  CHECK(stored_lines(run, true)[0] ==
+        "run 1 on bench 'bench-a' (simulated): incomplete (a process carries it out), 0 frames");
+  CHECK(stored_lines(run, false).back() == "  started   2024-05-01T09:00:00Z");
+  CHECK(next_command(run.record, "runs.db") == "tactbench resume 1");
+  example.store.end_run(run.record.run, db::Outcome::kCompleted, "all steps done", db::SafeState::kVerified, kUtc);
+  run = stored_run(example.store, example.begun.run);
+  CHECK(stored_lines(run, std::nullopt) == Lines{"run 1 on bench 'bench-a' (simulated): completed, 0 frames",
+                                                 "  recipe    up, down; sensor S-1, operator N. Nobody",
+                                                 "  reason    all steps done", "  safe      verified",
+                                                 "  ended     2026-01-01T00:00:00Z"});
+  CHECK(next_command(run.record, "other.db") == "tactbench fit 1 --db other.db");
+  CHECK_FALSE(stored_json(run, std::nullopt).contains("lives"));
+  CHECK(stored_json(run, false)["lives"] == false);
+  CHECK_THROWS_AS(stored_run(example.store, 9), db::StoreError);
+}
+
+TEST_CASE("view: the exit code that a stored run stands for") {
+  db::RunRecord run;
+  const auto code = [&](db::Outcome outcome, const char* reason, db::SafeState safe = db::SafeState::kVerified) {
+    run.outcome = outcome;
+    run.reason = reason;
+    run.safe_state = safe;
+    return exit_code_of(run);
+  };
+  using db::Outcome;
+  CHECK(code(Outcome::kCompleted, "all steps done") == ExitCode::kPass);
+  CHECK(code(Outcome::kStopped, "TB-RUN-STOPPED: by t") == ExitCode::kStopped);
+  CHECK(code(Outcome::kAborted, "TB-CHAMBER-TRIP: 67 psi") == ExitCode::kStopped);
+  CHECK(code(Outcome::kFailed, "TB-MODBUS-TIMEOUT: no reply") == ExitCode::kDevice);
+  CHECK(code(Outcome::kFailed, "TB-SEATING: row 3 is dead") == ExitCode::kCriterionFailed);
+  CHECK(code(Outcome::kFailed, "TB-RUN-HOPELESS: dead") == ExitCode::kCriterionFailed);
+  CHECK(code(Outcome::kFailed, "TB-STORE-FULL: no space") == ExitCode::kStore);
+  CHECK(code(Outcome::kCompleted, "", db::SafeState::kUnverified) == ExitCode::kUnsafe);
+  CHECK(code(Outcome::kStopped, "", db::SafeState::kFailed) == ExitCode::kUnsafe);
+  CHECK(code(Outcome::kInterrupted, "", db::SafeState::kUnknown) == ExitCode::kDevice);
+  CHECK(code(Outcome::kIncomplete, "", db::SafeState::kUnknown) == ExitCode::kDevice);
+}

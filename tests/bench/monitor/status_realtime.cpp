@@ -1,0 +1,245 @@
+// `status` and `watch` beside a run in another process: while it conditions, measures, asks its operator and has ended;
+// in a terminal and in a pipe; of a run that is stopped, and of one that was killed.
+#include <fcntl.h>
+#include <pty.h>
+#include <sys/ioctl.h>
+
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/endless_run.h"
+#include "tests/support/served_rig.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+constexpr double kRate = 10.0;
+
+const std::vector<std::string> kRun = {"--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "--no-seating"};
+
+// The program under test in a terminal of its own.
+class InTerminal {
+ public:
+  InTerminal(const std::string& folder, const std::vector<std::string>& arguments, unsigned short columns,
+             unsigned short rows, const char* no_color) {
+    winsize size{rows, columns, 0, 0};
+    std::vector<std::string> words = {program_path()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    child_ = forkpty(&terminal_, nullptr, nullptr, &size);
+    if (child_ == 0) {
+      setenv("TERM", "xterm-256color", 1);
+      setenv("NO_COLOR", no_color, 1);
+      if (chdir(folder.c_str()) == 0) execv(argv[0], argv.data());
+      _exit(127);
+    }
+    REQUIRE(child_ > 0);
+    fcntl(terminal_, F_SETFL, O_NONBLOCK);
+  }
+  ~InTerminal() {
+    if (child_ > 0) {
+      kill(child_, SIGKILL);
+      waitpid(child_, nullptr, 0);
+    }
+    close(terminal_);
+  }
+  InTerminal(const InTerminal&) = delete;
+  InTerminal& operator=(const InTerminal&) = delete;
+  // All that it has shown so far.
+  const std::string& shown() {
+    char bytes[4096];
+    for (ssize_t size = 0; (size = ::read(terminal_, bytes, sizeof(bytes))) > 0;)
+      shown_.append(bytes, static_cast<std::size_t>(size));
+    return shown_;
+  }
+  bool shows(const std::string& text) {
+    return comes_true([&] { return shown().find(text) != std::string::npos; });
+  }
+  void type(const std::string& keys) const { REQUIRE(::write(terminal_, keys.data(), keys.size()) > 0); }
+  // Its exit code; -1: it does not end.
+  int wait() {
+    int status = 0;
+    const bool ended = comes_true([&] {
+      (void)shown();
+      return waitpid(child_, &status, WNOHANG) == child_;
+    });
+    if (!ended) return -1;
+    child_ = -1;
+    (void)shown();
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  pid_t child_ = -1;
+  int terminal_ = -1;
+  std::string shown_;
+};
+
+struct StatusRig : ServedRig {
+  StatusRig() : ServedRig(kRate) {
+    const std::string begin = "schema = 1\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\ndwell_s = 4\n";
+    write_file(
+        folder.path("small.toml"),
+        begin + "name = \"small\"\nrepeats = 2\n[dwell]\ntolerance_s = 30\n[conditioning]\ncycles = 3\npeak = 8\n");
+    write_file(folder.path("asked.toml"), begin +
+                                              "name = \"asked\"\n[dwell]\ntolerance_s = 30\n[prompt]\nbefore = "
+                                              "\"Point indenter mounted?\"\n");
+    write_file(folder.path("long.toml"), begin + "name = \"long\"\nrepeats = 1000\n[dwell]\ntolerance_s = 30\n");
+  }
+  [[nodiscard]] std::unique_ptr<ChildProcess> start_run_of(const std::vector<std::string>& recipes) const {
+    std::vector<std::string> words = {"run"};
+    words.insert(words.end(), recipes.begin(), recipes.end());
+    words.insert(words.end(), kRun.begin(), kRun.end());
+    return start(words);
+  }
+  [[nodiscard]] json status() const {
+    const Finished told = run({"status", "--json"});
+    INFO(told.err);
+    REQUIRE(told.code == 0);
+    return json::parse(told.out);
+  }
+  // The first live run once `so`; null when that never comes.
+  [[nodiscard]] json live_when(const std::function<bool(const json&)>& so) const {
+    json found;
+    (void)comes_true([&] {
+      const json told = status();
+      if (told["live"] != true || !so(told["runs"][0])) return false;
+      found = told["runs"][0];
+      return true;
+    });
+    return found;
+  }
+};
+
+bool begins(const json& run, const char* phase) { return run["phase"].get<std::string>().starts_with(phase); }
+
+}  // namespace
+
+TEST_CASE("status: what a run does is told while it conditions, measures and asks, and how it ended") {
+  const StatusRig rig;
+  const Finished before = rig.run({"status"});
+  CHECK(before.code == 0);
+  CHECK(before.out == "no run is live\nno run in runs.db\n");
+  const auto run = rig.start_run_of({"small.toml", "asked.toml"});
+
+  const json conditioning = rig.live_when([](const json& one) { return begins(one, "conditioning"); });
+  INFO(rig.log());
+  REQUIRE(conditioning.is_object());
+  const auto watching = rig.start({"watch"});  // into the log
+  CHECK_THAT(conditioning["phase"].get<std::string>(), Catch::EndsWith(" of 3"));
+  CHECK(conditioning["state"] == "running");
+  CHECK(conditioning["run"] == 1);
+  CHECK(conditioning["bench"] == rig.bench_id);
+  CHECK(conditioning["frames"] == 0);
+  CHECK(conditioning["frames_planned"] == 15);
+  CHECK(conditioning["rate"] == kRate);
+  CHECK(conditioning["sensor"] == "S-1");
+  CHECK(conditioning["recipes"][1]["name"] == "asked");
+  CHECK(conditioning["left_low_s"] > 0.0);
+  CHECK(conditioning["left_high_s"] >= conditioning["left_low_s"]);
+  CHECK(conditioning["prompts_left"] == 1);
+  REQUIRE(conditioning["readings"].is_object());
+  CHECK(conditioning["readings"]["time_s"] > 0.0);
+
+  const json measuring =
+      rig.live_when([](const json& one) { return begins(one, "small, step ") && one["frames"] > 1; });
+  REQUIRE(measuring.is_object());
+  CHECK_THAT(measuring["phase"].get<std::string>(), Catch::Contains(" of 22, repeat ") && Catch::EndsWith("loading"));
+  CHECK(measuring["readings"]["time_s"] > conditioning["readings"]["time_s"]);
+  CHECK(measuring["left_s"] < conditioning["left_s"]);
+  const Finished text = rig.run({"status", "1"});
+  CHECK_THAT(text.out, Catch::StartsWith(fmt::format("run 1 on bench '{}' (simulated): running\n", rig.bench_id)) &&
+                           Catch::Contains("\n  recipe    small, asked; sensor S-1, operator t\n") &&
+                           Catch::Contains("\n  pressure  set-point ") && Catch::Contains(" left + 1 prompt (") &&
+                           Catch::Contains(" stored, 15 planned\n  events    "));
+
+  const json asking = rig.live_when([](const json& one) { return one["state"] == "paused"; });
+  REQUIRE(asking.is_object());
+  CHECK(asking["question"] == "Point indenter mounted?");
+  CHECK(asking["phase"] == "waiting for an answer: Point indenter mounted?");
+  CHECK(asking["frames"] == 10);
+  CHECK(asking["readings"]["reference_psi"] < 1.0);
+  REQUIRE(comes_true([&] {
+    return read_file(rig.folder.path("log")).find("paused: waiting for an answer: Point") != std::string::npos;
+  }));
+
+  CHECK(rig.run({"resume"}).code == 0);
+  CHECK(run->wait() == 0);
+  CHECK(watching->wait() == 0);
+  const std::string log = read_file(rig.folder.path("log"));
+  for (const char* line : {"run: opening the devices\n", " left  conditioning ", "\nrun 1 running: conditioning ",
+                           "\nrun 1 running: small, step ", ": completed, 15 frames\n", "\nnext: tactbench fit 1\n"}) {
+    INFO(line);
+    CHECK_THAT(log, Catch::Contains(line));
+  }
+  const json after = rig.status();
+  CHECK(after["live"] == false);
+  CHECK(after["runs"].empty());
+  CHECK(after["last_run"]["outcome"] == "completed");
+  CHECK(after["last_run"]["frames"] == 15);
+  const Finished ended = rig.run({"status"});
+  CHECK_THAT(ended.out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 1 on bench ") &&
+                            Catch::Contains("\n  reason    all steps done\n  safe      verified\n") &&
+                            Catch::EndsWith("\nnext: tactbench fit 1\n"));
+  CHECK(rig.run({"watch", "1"}).code == 0);
+  CHECK(rig.run({"watch"}).code == 2);
+  CHECK(rig.run({"status", "9"}).code == 2);
+}
+
+TEST_CASE("watch: in a terminal the array is painted in place, Ctrl-C ends the watching, a stop ends both") {
+  const StatusRig rig;
+  const auto run = rig.start_run_of({"long.toml"});
+  REQUIRE(rig.live_when([](const json& one) { return one["frames"] > 0; }).is_object());
+  {
+    InTerminal watch(rig.folder.path(), {"watch"}, 80, 24, "");
+    CHECK(watch.shows("  array     frame "));
+    CHECK(watch.shows("\x1b[23F"));  // 6 lines and 17 of the map, painted over
+    CHECK_THAT(watch.shown(), Catch::Contains("\x1b[48;5;") && Catch::Contains("hottest row "));
+    watch.type("\x03");
+    CHECK(watch.wait() == 0);
+    CHECK_THAT(watch.shown(), Catch::Contains("no longer watched; run 1 goes on: `tactbench stop 1` ends it"));
+  }
+  CHECK(rig.status()["runs"][0]["state"] == "running");
+  InTerminal plain(rig.folder.path(), {"watch", "1"}, 100, 40, "1");
+  CHECK(plain.shows("@@ from "));
+  CHECK(plain.shown().find("\x1b[48") == std::string::npos);
+  CHECK(rig.run({"stop"}).code == 0);
+  CHECK(plain.wait() == 4);
+  CHECK_THAT(plain.shown(), Catch::Contains(": stopped, ") && Catch::Contains("next: tactbench resume 1"));
+  CHECK(run->wait() == 4);
+  CHECK(rig.run({"watch", "1"}).code == 4);
+}
+
+TEST_CASE("status: a stopped process is named, a killed one has left its run, and watch ends with it") {
+  EndlessRun run("watched");
+  REQUIRE(run.lives());
+  const std::string folder = run.folder.path();
+  write_file(run.folder.path("seen"), "");
+  ChildProcess watching(
+      {"/bin/sh", "-c", fmt::format("cd '{}' && exec '{}' watch >seen 2>&1", folder, program_path())});
+  const auto seen = [&](const char* text) {
+    return comes_true([&] { return read_file(run.folder.path("seen")).find(text) != std::string::npos; });
+  };
+  REQUIRE(seen("simulated clock"));
+  run.process().signal(SIGSTOP);
+  const Finished silent = run_program(program_path(), {"status", "--bench", "watched"}, folder);
+  CHECK(silent.code == 0);
+  CHECK_THAT(silent.out, Catch::StartsWith("run 1 on bench 'watched' does not answer (") &&
+                             Catch::Contains("incomplete (a process carries it out)"));
+  const json told = json::parse(run_program(program_path(), {"status", "--json"}, folder).out);
+  CHECK(told["live"] == false);
+  CHECK(told["silent"][0]["run"] == 1);
+  CHECK(told["last_run"]["lives"] == true);
+  CHECK(seen("it does not answer"));
+  run.process().signal(SIGKILL);
+  CHECK(run.process().wait() == -SIGKILL);
+  CHECK(watching.wait() == 3);
+  CHECK(seen("incomplete (no process carries it out)"));
+  CHECK(seen("next: tactbench resume 1"));
+}

@@ -1,0 +1,160 @@
+// A run's status: through the socket's JSON and back, kept by Control, and as the progress line.
+#include "bench/run/control/run_status.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "bench/run/control/control.h"
+#include "bench/run/control/progress.h"
+#include "bench/run/control/status_board.h"
+#include "bench/run/phase_words.h"
+#include "tests/bench/monitor/status_example.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+TEST_CASE("status: what a run tells is what a client reads") {
+  const RunStatus sent = example_status();
+  nlohmann::json told{{"bench", "B"}};
+  tell_status(told, sent);
+  const RunStatus read = told_status(nlohmann::json::parse(told.dump()));
+  CHECK(told["bench"] == "B");
+  CHECK(read.run == sent.run);
+  CHECK(read.state == sent.state);
+  CHECK(read.store == sent.store);
+  CHECK(read.label == sent.label);
+  CHECK(read.reason == sent.reason);
+  CHECK(read.question == sent.question);
+  CHECK(read.phase == sent.phase);
+  CHECK((read.step == sent.step && read.steps == sent.steps));
+  CHECK((read.frames == sent.frames && read.frames_planned == sent.frames_planned));
+  CHECK((read.left_s == sent.left_s && read.left_low_s == sent.left_low_s && read.left_high_s == sent.left_high_s));
+  CHECK(read.prompts_left == sent.prompts_left);
+  CHECK((read.rate == sent.rate && read.age_s == sent.age_s));
+  CHECK(read.target_n == sent.target_n);
+  REQUIRE(read.readings);
+  CHECK(read.readings->time_s == sent.readings->time_s);
+  CHECK(read.readings->setpoint_psi == sent.readings->setpoint_psi);
+  CHECK(read.readings->feedback_psi == sent.readings->feedback_psi);
+  CHECK(read.readings->reference_psi == sent.readings->reference_psi);
+  CHECK(read.readings->settled);
+  CHECK(read.readings->force_n == sent.readings->force_n);
+  const RunStatus bare = told_status(nlohmann::json::object());
+  CHECK_FALSE(bare.readings);
+  CHECK_FALSE(bare.target_n);
+  CHECK(bare.rate == 1.0);
+  CHECK_THROWS_AS(told_status({{"readings", 3}}), nlohmann::json::exception);
+}
+
+TEST_CASE("status: an answer stays small and safe, however long a recipe's question is") {
+  RunStatus status = example_status();
+  status.question = "is\x1b[2J it \n" + std::string(100000, 'q');
+  status.phase = status.reason = status.question;
+  nlohmann::json told;
+  tell_status(told, status);
+  CHECK(told.dump().size() < 4000);
+  CHECK_THAT(told["question"].get<std::string>(), Catch::StartsWith("is\\x1b[2J it \\x0a"));
+}
+
+TEST_CASE("status: Control keeps the readings when the step changes, and tells how old they are") {
+  Control control;
+  CHECK_FALSE(control.status().readings);
+  control.see({1.0, 2.0, 3.0, 4.0, true, 5.0});
+  RunStatus next;
+  next.phase = "next";
+  next.age_s = 99.0;
+  control.publish(next);
+  const RunStatus status = control.status();
+  CHECK(status.phase == "next");
+  REQUIRE(status.readings);
+  CHECK((status.readings->reference_psi == 4.0 && status.readings->force_n == 5.0));
+  CHECK(status.age_s >= 0.0);
+  CHECK(status.age_s < 60.0);
+}
+
+TEST_CASE("status: a step in words") {
+  sequences::Recipe recipe;
+  recipe.name = "descending";
+  recipe.repeats = 5;
+  recipe.conditioning.cycles = 6;
+  sequences::Step step;
+  step.kind = sequences::StepKind::kConditioning;
+  step.branch = -1;
+  step.repeat = 1;
+  CHECK(phase_of(step, recipe, 3, 217) == "conditioning 2 of 6");
+  recipe.conditioning.change_percent = 0.1;
+  CHECK(phase_of(step, recipe, 3, 217) == "conditioning 2 of at most 6");
+  step.kind = sequences::StepKind::kApproach;  // of a conditioning press
+  CHECK(phase_of(step, recipe, 3, 217) == "conditioning 2 of at most 6");
+  step.branch = 0;
+  CHECK(phase_of(step, recipe, 3, 217) == "approaching the specimen");
+  step.kind = sequences::StepKind::kMeasure;
+  step.branch_from = devices::Psi(60.0);
+  CHECK(phase_of(step, recipe, 19, 217) == "descending, step 19 of 217, repeat 2 of 5, unloading");
+  step.branch_to = devices::Psi(61.0);
+  recipe.repeats = 1;
+  CHECK(phase_of(step, recipe, 19, 217) == "descending, step 19 of 217, loading");
+  step.kind = sequences::StepKind::kConditioning;  // on the way back
+  step.setpoint = devices::Psi(20.0);
+  CHECK(phase_of(step, recipe, 19, 217) == "travelling to 20 psi");
+  step.kind = sequences::StepKind::kPress;
+  step.force_n = 10.0;
+  step.force_from_n = 2.0;
+  step.force_to_n = 30.0;
+  CHECK(phase_of(step, recipe, 19, 217) == "descending, step 19 of 217, loading");
+  step.frame = false;
+  CHECK(phase_of(step, recipe, 19, 217) == "pressing to 10 N");
+  step.kind = sequences::StepKind::kMoveXy;
+  step.x_mm = 12.5;
+  CHECK(phase_of(step, recipe, 19, 217) == "moving to x 12.5 mm, y 0 mm");
+  recipe.conditioning.cycles = 0;  // conditioned once on the way back
+  step.branch = -1;
+  step.repeat = 0;
+  recipe.conditioning.change_percent = 0.0;
+  CHECK(phase_of(step, recipe, 19, 217) == "conditioning 1 of 1");
+}
+
+TEST_CASE("progress: the line has phase, set-point, reference, share and time left") {
+  RunStatus status = example_status();
+  status.target_n.reset();
+  status.phase = "conditioning 2 of 6";
+  CHECK(progress_line(status, 645.4) == "run:   9 %  10:45 left  conditioning 2 of 6  40.0 psi (reference 40.0)");
+  CHECK(progress_line(status, -1.0) == "run:   9 %  conditioning 2 of 6  40.0 psi (reference 40.0)");
+  status.target_n = 10.0;
+  CHECK(progress_line(status, 5.0) == "run:   9 %  0:05 left  conditioning 2 of 6  10.0 N (force 9.6)");
+  status.readings.reset();
+  status.steps = 0;
+  status.phase = "opening the devices";
+  CHECK(progress_line(status, -1.0) == "run: opening the devices");
+}
+
+TEST_CASE("progress: the first phase of a run in real time is due at once, of a simulation with its time only") {
+  RunStatus status;
+  status.phase = "opening the devices";
+  for (const Progress::Mode mode : {Progress::Mode::kPlain, Progress::Mode::kTerminal}) {
+    CHECK(Progress(mode).due(status));
+    RunStatus turned = status;
+    turned.rate = 0.0;
+    if (mode == Progress::Mode::kPlain) CHECK_FALSE(Progress(mode).due(turned));
+  }
+  CHECK_FALSE(Progress(Progress::Mode::kQuiet).due(status));
+}
+
+TEST_CASE("progress: in plain lines a step is no phase of its own, a cycle of conditioning is") {
+  CHECK(stage_of("small, step 7 of 22, repeat 1 of 2, loading") == "small");
+  CHECK(stage_of("conditioning 2 of 6") == "conditioning 2 of 6");
+  CHECK(stage_of("").empty());
+}
+
+TEST_CASE("status board: a phase reaches those who ask") {
+  Control control;
+  Progress progress(Progress::Mode::kQuiet);
+  StatusBoard board(control, progress);
+  board.now().run = 7;
+  board.now().store = "/s.db";
+  CHECK(control.status().run == 0);
+  board.phase("warming up");
+  CHECK(control.status().run == 7);
+  CHECK(control.status().phase == "warming up");
+}

@@ -1,0 +1,52 @@
+// The newest frame and events of a run, as a second process sees them.
+#include "db/newest.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+
+TEST_CASE("newest: the last frame of a run with its position, while the run is written") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  const RunStore reader = RunStore::open_read_only(folder.path("runs.db"));
+  CHECK_FALSE(db::newest_frame(reader, begun.run));
+  CHECK_FALSE(db::newest_frame(reader, 99));
+  store.append_frame(begun.run, example_frame(begun.branch, 0));
+  db::FrameRecord last = example_frame(begun.branch, 1);
+  store.append_frame(begun.run, last);
+  const Begun other = begin_example(store);
+  store.append_frame(other.run, example_frame(other.branch, 5));
+  const auto frame = db::newest_frame(reader, begun.run);
+  REQUIRE(frame);
+  CHECK(frame->position == 2);
+  CHECK(frame->setpoint_psi == last.setpoint_psi);
+  CHECK(frame->reference_psi == last.reference_psi);
+  CHECK((frame->rows == 3 && frame->columns == 2 && frame->scans == 2));
+  CHECK(frame->counts == last.counts);
+  CHECK(frame->force_n == 6.2);  // pressing is positive
+  last.wrench.reset();
+  store.append_frame(begun.run, last);
+  CHECK(db::newest_frame(reader, begun.run)->position == 3);
+  CHECK_FALSE(db::newest_frame(reader, begun.run)->force_n);
+}
+
+TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun begun = begin_example(store);
+  for (int i = 1; i <= 4; ++i) store.append_event(begun.run, {i, "kind", "TB-ID", std::to_string(i)});
+  store.append_event(begin_example(store).run, {9, "other", "", ""});
+  std::vector<std::string> seen;
+  db::newest_events(store, begun.run, [&](const db::EventRecord& event) {
+    CHECK((event.kind == "kind" && event.id == "TB-ID" && std::to_string(event.time_ns) == event.detail));
+    seen.push_back(event.detail);
+    return seen.size() < 3;
+  });
+  CHECK(seen == std::vector<std::string>{"4", "3", "2"});
+}
