@@ -92,7 +92,7 @@ void DynamicFrameCompensator<Real>::State::show(std::size_t taxel, const Reading
   DynamicBlock<Real>& b = block(taxel);
   const std::size_t i = taxel % kLanes;
   b.last_x[i] = reading.x;
-  b.last_slope[i] = reading.slope;
+  b.last_slope[i] = std::min(reading.slope, b.steepest[i]);
   b.last_mean[i] = b.mean[i];
   const Real noise = std::sqrt(b.weight[i]) * sensitivity;
   b.uncertainty[i] = std::min(std::sqrt(noise * noise + doubt * doubt), shared.span);

@@ -14,7 +14,7 @@ RUNTIME = tempfile.TemporaryDirectory()  # commands to other runs of this machin
 
 def run(*words, folder, **environment):
     clean = {"PATH": os.environ["PATH"], "HOME": folder, "TACTBENCH_RUNTIME_DIR": RUNTIME.name, **environment}
-    done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=200)
+    done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout
 

@@ -13,7 +13,7 @@ PROGRAM, *DOCUMENTS = sys.argv[1:]
 
 
 def said(*words, **more):
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60, **more)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=600, **more)
     assert done.returncode == 0 and not done.stderr, (words, done)
     return done.stdout
 
