@@ -194,7 +194,8 @@ class RunStore {
   std::int64_t add_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
   // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same
-  // seeds), or the same value of every figure of the subject. A repetition contributes nothing to a spread.
+  // seeds), or the same value of every figure of the subject, not all of them whole numbers. It adds nothing to a
+  // spread.
   [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
                                                                    std::vector<std::int64_t> runs) const;
   // Approved reports. TB-STORE-BLANK without name, TB-STORE-CONFLICT when that number is approved already, or when
