@@ -45,7 +45,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 6;
+inline constexpr int kSchemaVersion = 7;
 
 // Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
 // before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
