@@ -46,7 +46,8 @@ SELECT r.run, f.frame - r.run * 1000000000 AS position, s.name AS recipe, b.sequ
   f.feedback_psi, f.reference_psi, f.target_n, f.force_start_n, f.setpoint_counts, f.feedback_counts, f.reference_counts,
   f.time_ns, f.time_ns * 1e-9 AS time_s, f.since_command_ns, f.in_band_ns, f.flags, f.device_time_us, f.status,
   f.exchanges, f.dtype, f."rows", f.columns, f.scans, f.counts,
-  (SELECT CASE WHEN json_valid(d.calibration_json) THEN json_extract(d.calibration_json, '$.volts_per_count') END
+  (SELECT CASE WHEN instr(d.calibration_json, '"volts_per_count":') > 0 THEN nullif(CAST(substr(d.calibration_json,
+    instr(d.calibration_json, '"volts_per_count":') + 18) AS REAL), 0.0) END  -- JSON's functions are refused in views
     FROM devices d WHERE d.run = r.run AND d.role = 'tactile scanner' ORDER BY d.position LIMIT 1) AS volts_per_count{},
   f.wrench_raw, length(f.trace) / 16 AS polls, lower(hex(f.chain)) AS chain_sha256
 FROM runs r

@@ -72,7 +72,7 @@ constexpr std::array<const char*, kSchemaVersion> kDigests = {
     "2b0b58f473e211b346661481a66b9ce3307bf22205cbcfca48fa7f1d613602be",
     "364cd20677978bd4791495b7cc36d08e8afd83e42db6288b57aaa7c8f58b27cd",
     "0ae9543947df6c6bbfcc9587e16920d50e197d455eddf58f45a0f060b7045a58",
-    "195b8a252867e73c6ff0d6d221f8997cb1d8293fb0c44193d0b2c60ac6bf9188"};
+    "b5ebb170ea73d03e9e8868299462a8a09cb289f9001925073a85ab4b899bfc90"};
 
 SchemaObjects fresh_objects(std::int64_t version) {
   sqlite::Connection fresh(":memory:", sqlite::Access::kReadWrite);

@@ -67,7 +67,8 @@ void KeyRecorder::add(std::string key, const char* type, const std::string& rang
   }
   if (known->type.empty()) known->type = type;
   add_once(known->ranges, range);
-  if (standard != nullptr) add_once(known->defaults, *standard);
+  if (standard != nullptr && asked_ != key) add_once(known->defaults, *standard);
+  asked_ = asked_only ? key : std::string();
   if (asked_only || standard != nullptr) known->required = false;
 }
 

@@ -41,7 +41,8 @@ class KeyRecorder {
   void add(std::string key, const char* type, const std::string& range, const std::string* standard, bool asked_only);
   [[nodiscard]] bool listens(const std::string& file) const { return file_.empty() || file == file_; }
 
-  std::string file_;
+  std::string file_,
+      asked_;  // asked_: the last reading asked whether this key is there, so that the next one knows it is
   std::vector<KeyUse> keys_;
   std::vector<std::string> chosen_;
 };

@@ -89,8 +89,8 @@ TEST_CASE("v_frames has the raw counts and the value of a count") {
                     "WHERE v.counts = f.counts AND v.wrench_raw = f.wrench_raw") == 3);
   CHECK(raw.integer("SELECT length(counts) FROM v_frames WHERE position = 1") == 24);
   db::RunRecord other = example_run();
-  other.devices = {{"tactile scanner", "", "", "", "", R"({"volts_per_count": 0.25})"},
-                   {"regulator", "", "", "", "", R"({"volts_per_count": 9})"}};
+  other.devices = {{"tactile scanner", "", "", "", "simulated", R"({"volts_per_count": 0.25})"},
+                   {"regulator", "", "", "", "simulated", R"({"volts_per_count": 9})"}};
   store_example(store, other);
   other.devices.front().calibration_json = "no JSON";
   store_example(store, other);

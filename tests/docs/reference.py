@@ -155,7 +155,7 @@ def verbs_page(program):
 
     def add(path):
         nonlocal page
-        text = re.split(r"\n\s*\nExit codes: ", help_of(program, path))[0]
+        text = re.split(r"\n\s*\n?Exit codes: 0 pass, ", help_of(program, path))[0]
         lines = text.rstrip().split("\n")
         subverbs = []
         if "Subcommands:" in lines:
@@ -165,6 +165,7 @@ def verbs_page(program):
             usage = next(i for i, line in enumerate(lines) if line.startswith("Usage: "))
             about = " ".join(lines[:usage]).strip()
             kept = [line for line in lines[usage + 1:] if "--help" not in line]
+            kept = [line for i, line in enumerate(kept) if line != "Options:" or kept[i + 1:i + 2] not in ([""], [])]
             page += f"\n## {' '.join(path)}\n{about[:1].upper()}{about[1:]}.\n\n```text\n{lines[usage][7:]}\n" + "\n".join(kept).rstrip() + "\n```\n"
         for verb in subverbs:
             add([*path, verb])
