@@ -286,11 +286,14 @@ INSERT INTO seals SELECT r.run, 'approvals', (SELECT count(*) FROM reports p WHE
 INSERT INTO seals SELECT run, 'void', void_utc <> '', '' FROM runs;
 )sql";
 
-constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1, kVersion2, kVersion3,
-                                                                 kVersion4, kVersion5, kVersion6};
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6};
+static_assert(kMigrations.size() + 1 == kSchemaVersion);  // the last one: migration_frames_view.cpp
 
 }  // namespace
 
-const char* migration(std::int64_t version) { return kMigrations.at(static_cast<std::size_t>(version)); }
+const char* migration(std::int64_t version) {
+  const auto index = static_cast<std::size_t>(version);
+  return index == kMigrations.size() ? frames_view_migration() : kMigrations.at(index);
+}
 
 }  // namespace tactbench::db

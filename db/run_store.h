@@ -45,7 +45,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 6;
+inline constexpr int kSchemaVersion = 7;
 
 // Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
 // before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
@@ -194,7 +194,8 @@ class RunStore {
   std::int64_t add_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
   // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same
-  // seeds), or the same value of every figure of the subject. A repetition contributes nothing to a spread.
+  // seeds), or the same value of every figure of the subject, not all of them whole numbers. It adds nothing to a
+  // spread.
   [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
                                                                    std::vector<std::int64_t> runs) const;
   // Approved reports. TB-STORE-BLANK without name, TB-STORE-CONFLICT when that number is approved already, or when

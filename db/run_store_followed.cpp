@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "db/run_store_database.h"
@@ -37,7 +38,11 @@ std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
 std::map<std::int64_t, std::int64_t> RunStore::repeated_runs(const std::string& subject,
                                                              std::vector<std::int64_t> runs) const {
   std::map<std::int64_t, std::map<std::string, std::string>> values;  // as text: a value may be not-a-number
-  for (const FigureRecord& figure : figures(subject)) values[figure.run][figure.name] = fmt::format("{}", figure.value);
+  std::set<std::int64_t> measured;  // runs with a figure that is no whole number: counts may be equal by right
+  for (const FigureRecord& figure : figures(subject)) {
+    values[figure.run][figure.name] = fmt::format("{}", figure.value);
+    if (figure.value != std::round(figure.value)) measured.insert(figure.run);
+  }
   std::ranges::sort(runs);
   runs.erase(std::ranges::unique(runs).begin(), runs.end());
   std::map<std::int64_t, std::int64_t> repeated;
@@ -51,7 +56,7 @@ std::map<std::int64_t, std::int64_t> RunStore::repeated_runs(const std::string& 
     const auto alike = by_figures.find(values[run]);
     if (!content.empty() && same != by_content.end()) {
       repeated[run] = same->second;
-    } else if (!values[run].empty() && alike != by_figures.end()) {
+    } else if (measured.contains(run) && alike != by_figures.end()) {
       repeated[run] = alike->second;
     } else {
       by_content[content] = run;

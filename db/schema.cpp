@@ -71,7 +71,8 @@ constexpr std::array<const char*, kSchemaVersion> kDigests = {
     "f5e66b6349b14ff207393cb9ee1bbe0c34acfe085e02bdd67efae2baa003ebc2",
     "2b0b58f473e211b346661481a66b9ce3307bf22205cbcfca48fa7f1d613602be",
     "364cd20677978bd4791495b7cc36d08e8afd83e42db6288b57aaa7c8f58b27cd",
-    "0ae9543947df6c6bbfcc9587e16920d50e197d455eddf58f45a0f060b7045a58"};
+    "0ae9543947df6c6bbfcc9587e16920d50e197d455eddf58f45a0f060b7045a58",
+    "195b8a252867e73c6ff0d6d221f8997cb1d8293fb0c44193d0b2c60ac6bf9188"};
 
 SchemaObjects fresh_objects(std::int64_t version) {
   sqlite::Connection fresh(":memory:", sqlite::Access::kReadWrite);

@@ -260,7 +260,7 @@ foreach(folder ${folders})
   endforeach()
 endforeach()
 
-set(allowed CMakeLists.txt CMakePresets.json README.md quickstart LICENSE CHANGELOG.md
+set(allowed CMakeLists.txt CMakePresets.json README.md quickstart LICENSE CHANGELOG.md CITATION.cff
   bench devices sequences analysis db tests docs)
 execute_process(COMMAND git -C ${root} ls-files OUTPUT_VARIABLE tracked RESULT_VARIABLE failed ERROR_QUIET)
 if(NOT failed)

@@ -212,7 +212,7 @@ Compensated DynamicTaxelCompensator::step(double volts, double seconds) {
   Reading here;
   Compensated result = read(memory_, here);
   last_x_ = here.x;
-  last_slope_ = here.slope;
+  last_slope_ = std::min(here.slope, kSteepestGuess * most / top_);
   last_output_ = mean_;
   if (unknown_) settle_history(result);
   const double arrived_psi = per_interval_ * last_x_;

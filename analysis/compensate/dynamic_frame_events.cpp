@@ -42,9 +42,9 @@ void DynamicFrameCompensator<Real>::State::take_extreme(std::size_t taxel) {
   b.turn[i] = b.mean[i] - b.rising[i] * shared.lead * std::sqrt(b.weight[i]) * (Real(1) - b.weight[i]);
 }
 
-// The piece that holds the mean, in the lane's rows.
+// The piece that holds the mean, also put into the lane's rows.
 template <class Real>
-void DynamicFrameCompensator<Real>::State::locate(std::size_t taxel) {
+BranchPiece<Real> DynamicFrameCompensator<Real>::State::locate(std::size_t taxel) {
   DynamicBlock<Real>& b = block(taxel);
   const std::size_t i = taxel % kLanes;
   Taxel& t = taxels[taxel];
@@ -57,13 +57,21 @@ void DynamicFrameCompensator<Real>::State::locate(std::size_t taxel) {
   b.x[i] = per_interval * piece.x_a;
   b.slope[i] = per_interval * piece.slope;
   b.reverse[i] = std::numeric_limits<Real>::quiet_NaN();
-  if (residuals.empty()) return;
+  if (residuals.empty()) return piece;
   const Real x = piece.along(u);
   const std::size_t at = std::min(intervals - 1, static_cast<std::size_t>(std::max(x, Real(0))));
   const Real residual = t.residual_scale * residuals[b.rising[i] > Real(0) ? at : intervals + at];
   const Real changed = static_cast<Real>(observer.doubt) * std::abs(Real(1) - t.gain) *
                        (static_cast<Real>(at) + Real(0.5)) * per_interval;
   b.residual[i] = std::sqrt(residual * residual + changed * changed);
+  return piece;
+}
+
+template <class Real>
+BranchPiece<Real> DynamicFrameCompensator<Real>::State::located(std::size_t taxel) const {
+  const DynamicBlock<Real>& b = blocks[taxel / kLanes];
+  const std::size_t i = taxel % kLanes;
+  return {b.low[i], b.high[i], b.u[i], b.x[i] / per_interval, b.slope[i] / per_interval};
 }
 
 template <class Real>
@@ -84,7 +92,7 @@ void DynamicFrameCompensator<Real>::State::show(std::size_t taxel, const Reading
   DynamicBlock<Real>& b = block(taxel);
   const std::size_t i = taxel % kLanes;
   b.last_x[i] = reading.x;
-  b.last_slope[i] = reading.slope;
+  b.last_slope[i] = std::min(reading.slope, b.steepest[i]);
   b.last_mean[i] = b.mean[i];
   const Real noise = std::sqrt(b.weight[i]) * sensitivity;
   b.uncertainty[i] = std::min(std::sqrt(noise * noise + doubt * doubt), shared.span);
@@ -114,8 +122,15 @@ void DynamicFrameCompensator<Real>::State::attend_turned(std::size_t taxel) {
   Taxel& t = taxels[taxel];
   const bool rose = b.rising[i] > Real(0);
   if (rose) observe_top(taxel);
-  t.memory.turn(everett(taxel), linear(taxel, b.turn[i]));
-  if (t.unknown) t.other.turn(everett(taxel), linear(taxel, b.turn[i]));
+  const Real at = linear(taxel, b.turn[i]);
+  if (t.unknown) {
+    t.memory.turn(everett(taxel), at);
+    t.other.turn(everett(taxel), at);
+  } else if (const BranchPiece<Real> own = located(taxel); own.holds(at)) {
+    t.memory.turn_at(own.along(at), at);
+  } else {
+    t.memory.turn(everett(taxel), at);
+  }
   face(taxel, !rose);
   take_extreme(taxel);
   t.back_known = false;
@@ -172,7 +187,7 @@ void DynamicFrameCompensator<Real>::State::attend_unknown(std::size_t taxel, boo
     t.unknown = false;
     if (!t.decided) take_extreme(taxel);
     t.decided = true;
-    locate(taxel);
+    (void)locate(taxel);
     show(taxel, here, sensitivity, doubt);
     return;
   }
@@ -200,16 +215,14 @@ void DynamicFrameCompensator<Real>::State::attend(std::size_t at, DynamicBits bi
     }
     if (turned) {
       attend_turned(taxel);
-      locate(taxel);
-      const Reading here = read(taxel, t.memory, b.mean[i]);
+      const Reading here = reading(taxel, locate(taxel), b.mean[i]);
       show(taxel, here, here.slope, Real(0));
       continue;
     }
     const Real u = linear(taxel, b.mean[i]);
-    if (!(b.low[i] <= u && u <= b.high[i])) locate(taxel);
+    if (!(b.low[i] <= u && u <= b.high[i])) (void)locate(taxel);
     if (is_held && std::isnan(b.reverse[i])) b.reverse[i] = reverse_sensitivity(taxel, t.memory);
-    const BranchPiece<Real> own{b.low[i], b.high[i], b.u[i], b.x[i] / per_interval, b.slope[i] / per_interval};
-    Reading here = reading(taxel, own, b.mean[i]);
+    Reading here = reading(taxel, located(taxel), b.mean[i]);
     Real sensitivity = here.slope, doubt = Real(0);
     if (is_held) sensitivity = std::max(sensitivity, b.reverse[i]);
     if (back) {

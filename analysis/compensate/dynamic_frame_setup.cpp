@@ -94,6 +94,7 @@ DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
     b.zero[i] = static_cast<Real>(sign * taxel.divider.zero / setup.volts_per_count);
     b.divider[i] = static_cast<Real>(taxel.divider.per_amplitude * noise);
     b.highest[i] = own.top + shared.band;
+    b.steepest[i] = static_cast<Real>(kSteepestGuess) * shared.span / own.top;
     b.creep_scale[i] = static_cast<Real>(taxel.creep_scale);
     b.lag_share[i] = static_cast<Real>(taxel.lag_share);
     start(t, setup.start_unknown);

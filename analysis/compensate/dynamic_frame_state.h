@@ -40,7 +40,8 @@ struct DynamicFrameCompensator<Real>::State {
   void attend_turned(std::size_t taxel);
   void attend_unknown(std::size_t taxel, bool turned, bool back, bool is_held);
   void observe_top(std::size_t taxel);
-  void locate(std::size_t taxel);
+  BranchPiece<Real> locate(std::size_t taxel);
+  [[nodiscard]] BranchPiece<Real> located(std::size_t taxel) const;  // what locate() put into the lane's rows
   void take_extreme(std::size_t taxel);
   void face(std::size_t taxel, bool rises) { block(taxel).rising[taxel % kLanes] = rises ? Real(1) : Real(-1); }
   void fill_reverse(std::size_t taxel);

@@ -15,11 +15,13 @@ template <class Real>
 struct alignas(64) DynamicBlock {
   // Constant, or changed by events: above zero = gain * (count - zero); the divider's c; the taxel's creep and lag.
   Real gain[kLanes], zero[kLanes], divider[kLanes], highest[kLanes], creep_scale[kLanes], lag_share[kLanes];
-  Real rising[kLanes];  // 1, or -1 since a turn to falling
+  Real steepest[kLanes];  // slope by which the creep's target is guessed, at most
+  Real rising[kLanes];    // 1, or -1 since a turn to falling
   // As DynamicTaxelCompensator's.
   Real steps[kLanes], mean[kLanes], weight[kLanes], extreme[kLanes], extreme_weight[kLanes], turn[kLanes];
   Real psi[kCreepElements][kLanes], late[kLanes];
-  // The last reading: pressure that had arrived, its slope in psi an output, that output, 1 / its creep factor.
+  // The last reading: pressure that had arrived, its slope in psi an output (at most `steepest`), that output, 1 / its
+  // creep factor.
   Real last_x[kLanes], last_slope[kLanes], last_mean[kLanes], last_share[kLanes];
   // The piece of the current branch, in linearised outputs: holds for low <= u <= high. `reverse`: the sensitivity of
   // the branch back from the extreme, NaN until needed.

@@ -54,7 +54,7 @@ TACTBENCH_PASS_TARGET DynamicBits DynamicPasses<Real>::TACTBENCH_PASS_LEVEL(Dyna
     const Real sensitivity = holds ? std::max(slope, reverse) : slope;
     b.uncertainty[i] = std::min(root * sensitivity, f.span);
     b.last_x[i] = x;
-    b.last_slope[i] = slope;
+    b.last_slope[i] = std::min(slope, b.steepest[i]);
     b.last_mean[i] = mean;
     const bool fits = (b.low[i] <= u) & (u <= b.high[i]) & ((!holds) | (reverse == reverse));
     const bool back = (!taken) & (behind2 > hold);

@@ -28,6 +28,18 @@ struct BranchPiece {
   [[nodiscard]] Real along(Real u) const { return x_a + slope * (u - u_a); }
 };
 
+// The last k <= most <= n for which `holds`, which is true up to it and false beyond; 0 also when nothing else is.
+// Looks at every fourth and then at the three between: how often does not depend on the data, so no branch is
+// mispredicted.
+template <class Holds>
+std::size_t last_that(std::size_t most, std::size_t n, const Holds& holds) {
+  std::size_t k = 0;
+  for (std::size_t at = 4; at <= n; at += 4) k += holds(at) ? 4U : 0U;
+  std::size_t more = 0;
+  for (std::size_t off = 1; off < 4; ++off) more += holds(k + off) ? 1U : 0U;
+  return std::min(k + more, most);
+}
+
 // The piece in which the branch from (x0, u0) has output u; beyond the branch's end a constant one.
 template <class Real>
 BranchPiece<Real> piece_of(const Everett<Real>& e, bool rises, Real x0, Real u0, Real u) {
@@ -47,11 +59,9 @@ BranchPiece<Real> piece_of(const Everett<Real>& e, bool rises, Real x0, Real u0,
     const Real rise = u - u0;
     if (rise > line(n)) return {u0 + line(n), kFar, u0 + line(n), static_cast<Real>(n), Real(0)};
     if (rise < Real(0)) return {-kFar, u0, u0, x0, Real(0)};
-    std::size_t low = j, high = n;  // line(high) >= rise; line(low) < rise, but for low = j
-    while (high - low > 1) {
-      const std::size_t middle = (low + high) / 2;
-      (line(middle) >= rise ? high : low) = middle;
-    }
+    // The last i with line(i) < rise, or j. line(n) >= rise.
+    const std::size_t low =
+        j + last_that(n - 1 - j, n, [&](std::size_t off) { return line(std::min(j + off, n)) < rise; });
     if (low == j) return between(x0, Real(0), static_cast<Real>(j + 1), line(j + 1));
     const Real kink = e.at(low, j + 1) + (e.at(low + 1, j + 1) - e.at(low, j + 1)) * share +
                       (e.at(low, j) - e.at(low, j + 1)) * (Real(1) - share);
@@ -64,11 +74,8 @@ BranchPiece<Real> piece_of(const Everett<Real>& e, bool rises, Real x0, Real u0,
   const Real fall = u0 - u;
   if (fall > line(0)) return {-kFar, u0 - line(0), u0 - line(0), Real(0), Real(0)};
   if (fall < Real(0)) return {u0, kFar, u0, x0, Real(0)};
-  std::size_t low = 0, high = i + 1;  // line(low) >= fall > line(high), but for high = i + 1
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (line(middle) >= fall ? low : high) = middle;
-  }
+  // The last j with line(j) >= fall. line(0) >= fall.
+  const std::size_t low = last_that(i, n, [&](std::size_t j) { return (j <= i) & (line(std::min(j, i)) >= fall); });
   const Real here = static_cast<Real>(low);
   if (low == i) return between(x0, Real(0), here, line(i));
   const Real kink = e.at(i, low + 1) + (e.at(i + 1, low + 1) - e.at(i, low + 1)) * share +

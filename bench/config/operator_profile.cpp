@@ -52,27 +52,39 @@ std::string variable_of(ProfileKey key) {
   return key == ProfileKey::kDb ? "TACTBENCH_DB" : "";
 }
 
+namespace {
+
+OperatorProfile profile_of(const sequences::TomlDocument& document) {
+  OperatorProfile profile;
+  const sequences::TomlTable root = document.root();
+  (void)root.integer("schema", 1, 1, 1);
+  for (const ProfileKey key : kProfileKeys) {
+    const std::string name = to_string(key);
+    if (!root.has(name)) continue;
+    ProfileValue value;
+    if (key == ProfileKey::kRecipe)
+      value.values = names_between_commas(root, name);
+    else
+      value.values = {root.name(name)};
+    const std::vector<sequences::Setting>& read = document.settings();
+    value.origin = std::ranges::find(read, name, &sequences::Setting::key)->origin;
+    profile[key] = value;
+  }
+  root.finish();
+  return profile;
+}
+
+}  // namespace
+
+OperatorProfile parse_operator_profile(const std::string& text, const std::string& name) {
+  return profile_of(sequences::TomlDocument::from_text(text, name));
+}
+
 OperatorProfile read_operator_profile(const std::string& path) {
   OperatorProfile profile;
   std::error_code unreadable;  // then reading it says so
-  if (std::filesystem::exists(path, unreadable) || unreadable) {
-    const auto document = sequences::TomlDocument::from_file(path);
-    const sequences::TomlTable root = document.root();
-    (void)root.integer("schema", 1, 1, 1);
-    for (const ProfileKey key : kProfileKeys) {
-      const std::string name = to_string(key);
-      if (!root.has(name)) continue;
-      ProfileValue value;
-      if (key == ProfileKey::kRecipe)
-        value.values = names_between_commas(root, name);
-      else
-        value.values = {root.name(name)};
-      const std::vector<sequences::Setting>& read = document.settings();
-      value.origin = std::ranges::find(read, name, &sequences::Setting::key)->origin;
-      profile[key] = value;
-    }
-    root.finish();
-  }
+  if (std::filesystem::exists(path, unreadable) || unreadable)
+    profile = profile_of(sequences::TomlDocument::from_file(path));
   for (const ProfileKey key : kProfileKeys) {
     const std::string variable = variable_of(key);
     const char* const value = variable.empty() ? nullptr : std::getenv(variable.c_str());

@@ -27,5 +27,7 @@ using OperatorProfile = std::map<ProfileKey, ProfileValue>;  // without the keys
 // The values of the environment and of the file at `path`, which may be absent; a blank variable counts as unset.
 // Throws sequences::FileError: TB-FILE-KEY for an unknown key, with its line and the nearest known key.
 OperatorProfile read_operator_profile(const std::string& path = kProfileFile);
+// The file's values alone, from a text; `name` stands for the file in error messages.
+OperatorProfile parse_operator_profile(const std::string& text, const std::string& name);
 
 }  // namespace tactbench::bench

@@ -62,3 +62,5 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/tactbench-compensator.pc DESTINATI
   COMPONENT development)
 install(FILES analysis/compensate/python/tactbench_compensator.py DESTINATION lib/python3/dist-packages
   COMPONENT python)
+install(DIRECTORY analysis/python/tactbench DESTINATION lib/python3/dist-packages COMPONENT python
+  FILES_MATCHING PATTERN "*.py")

@@ -58,10 +58,11 @@ CMake and pkg-config.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tactbench-compensator)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${exactly}, python3")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-numpy)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, python3-pandas, python3-xarray")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "hysteresis compensation for tactile sensor arrays, Python module
 ${of_a_robot}
 
-This package holds the Python module tactbench_compensator, which needs no
-more than ctypes and uses numpy where it is installed.")
+This package holds the Python package tactbench, which also reads run stores,
+and the module tactbench_compensator; both need no more than ctypes, frames
+of a store numpy, and xarray or pandas for their objects.")
 include(CPack)

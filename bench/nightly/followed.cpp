@@ -5,35 +5,51 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <span>
+#include <utility>
+
+#include "analysis/statistics/control/false_discovery.h"
 
 namespace tactbench::bench {
 namespace {
 
-void judge_figure(FollowedFigure& figure, double false_alarm, std::int64_t newest,
-                  const std::map<std::int64_t, std::int64_t>& repeated) {
-  std::vector<double> accepted, later;
-  for (std::size_t i = 0; i < figure.values.size(); ++i) {
-    if (figure.accepted[i] && repeated.contains(figure.runs[i])) continue;
-    (figure.accepted[i] ? accepted : later).push_back(figure.values[i]);
+using Seeds = std::pair<std::int64_t, std::int64_t>;
+
+// Each simulated run that repeats the seeds of an earlier one, and the newest of those. Runs on instruments have none.
+std::map<std::int64_t, std::int64_t> runs_with_same_seeds(const db::RunStore& store, const std::set<std::int64_t>& runs,
+                                                          const std::string& origin) {
+  std::map<std::int64_t, std::int64_t> same;
+  if (origin != "simulated") return same;
+  std::map<Seeds, std::int64_t> newest;
+  for (const std::int64_t run : runs) {
+    const db::RunRecord record = store.run(run);
+    const auto [earlier, first] = newest.try_emplace({record.seed, record.sensor_seed}, run);
+    if (!first) same[run] = earlier->second;
+    earlier->second = run;
   }
-  figure.band = analysis::control_band(accepted, false_alarm);
-  figure.missing = figure.runs.back() != newest;
-  figure.outside =
-      figure.band && (figure.missing || (!figure.accepted.back() && !figure.band->holds(figure.values.back())));
-  if (later.size() < kDriftRuns) return;
-  const std::size_t count = std::min<std::size_t>(later.size(), 2 * kDriftRuns);
-  figure.trend = analysis::monotone_trend(std::span(later).last(count));
-  if (!figure.trend) return;
-  const double spread = figure.band ? figure.band->deviation : 0.0;
-  const double rounding = 1e-9 * std::abs(later.back());
-  figure.drifts =
-      figure.trend->probability < kDriftChance && std::abs(figure.trend->moved) > std::max(spread, rounding);
+  return same;
+}
+
+void chart(FollowedFigure& figure, const Followed& followed, const std::map<std::int64_t, std::int64_t>& repeated,
+           const std::map<std::int64_t, std::int64_t>& same_seeds) {
+  const std::int64_t last = followed.baseline ? followed.baseline->runs.back() : 0;
+  std::vector<double> start_up, later;
+  for (std::size_t i = 0; i < figure.values.size(); ++i) {
+    const std::int64_t run = figure.runs[i];
+    if (figure.accepted[i] && !repeated.contains(run)) start_up.push_back(figure.values[i]);
+    if (run > last && !same_seeds.contains(run)) later.push_back(figure.values[i]);
+  }
+  figure.chart = analysis::chart_figure(figure.name, start_up, later);
+  if (followed.same_seeds != 0) figure.chart.ewma.reset();
+  figure.missing = figure.runs.back() != followed.run;
+  const std::optional<analysis::ControlBand>& band = figure.chart.band;
+  figure.outside = band && (figure.missing || (!figure.accepted.back() && !band->holds(figure.values.back())));
 }
 
 }  // namespace
 
-Followed follow(const db::RunStore& store, const std::string& subject, std::size_t judged_together) {
+Followed follow(const db::RunStore& store, const std::string& subject) {
   Followed followed;
   followed.subject = subject;
   for (const db::BaselineRecord& baseline : store.baselines())
@@ -44,8 +60,10 @@ Followed follow(const db::RunStore& store, const std::string& subject, std::size
     followed.run = records.back().run;
     followed.origin = records.back().origin;
   }
+  std::set<std::int64_t> runs;
   for (const db::FigureRecord& record : records) {
     if (record.origin != followed.origin || !std::isfinite(record.value)) continue;
+    runs.insert(record.run);
     FollowedFigure& figure = figures[record.name];
     figure.name = record.name;
     figure.runs.push_back(record.run);
@@ -53,13 +71,37 @@ Followed follow(const db::RunStore& store, const std::string& subject, std::size
     figure.accepted.push_back(followed.baseline && std::ranges::binary_search(followed.baseline->runs, record.run));
   }
   std::map<std::int64_t, std::int64_t> repeated;
-  if (followed.baseline) repeated = store.repeated_runs(subject, followed.baseline->runs);
-  followed.repeated = repeated.size();
-  if (judged_together == 0) judged_together = std::max<std::size_t>(figures.size(), 1);
+  if (followed.baseline) {
+    repeated = store.repeated_runs(subject, followed.baseline->runs);
+    followed.repeated = repeated.size();
+    followed.counted = followed.baseline->runs.size() - repeated.size();
+  }
+  const std::map<std::int64_t, std::int64_t> same_seeds = runs_with_same_seeds(store, runs, followed.origin);
+  if (const auto own = same_seeds.find(followed.run); own != same_seeds.end()) followed.same_seeds = own->second;
   for (auto& [name, figure] : figures) {
-    judge_figure(figure, kNightAlarm / static_cast<double>(judged_together), followed.run, repeated);
+    chart(figure, followed, repeated, same_seeds);
     followed.figures.push_back(std::move(figure));
   }
+  return followed;
+}
+
+void judge_together(const std::vector<Followed*>& family) {
+  std::vector<FollowedFigure*> charted;
+  std::vector<double> probabilities;
+  for (Followed* const followed : family)
+    for (FollowedFigure& figure : followed->figures) {
+      figure.shifted = false;
+      if (!figure.chart.ewma || figure.missing) continue;
+      charted.push_back(&figure);
+      probabilities.push_back(figure.chart.probability);
+    }
+  const std::vector<bool> reported = analysis::discoveries(probabilities);
+  for (std::size_t i = 0; i < charted.size(); ++i) charted[i]->shifted = reported[i];
+}
+
+Followed follow_alone(const db::RunStore& store, const std::string& subject) {
+  Followed followed = follow(store, subject);
+  judge_together({&followed});
   return followed;
 }
 
@@ -67,30 +109,43 @@ std::vector<std::string> outside_lines(const Followed& followed) {
   std::vector<std::string> lines;
   for (const FollowedFigure& figure : followed.figures) {
     if (!figure.outside) continue;
-    if (figure.missing) {
-      lines.push_back(fmt::format("{} is missing from run {}; the baseline has it ({}, accepted by {})", figure.name,
-                                  followed.run, followed.baseline->reason, followed.baseline->accepted_by));
-      continue;
-    }
-    lines.push_back(fmt::format(
-        "{} is {:.6g}, outside {:.6g} to {:.6g} of the baseline (mean {:.6g}, spread {:.2g} of {} runs; {}, accepted "
-        "by {})",
-        figure.name, figure.values.back(), figure.band->low, figure.band->high, figure.band->mean,
-        figure.band->deviation, figure.band->values, followed.baseline->reason, followed.baseline->accepted_by));
+    const std::string accepted =
+        fmt::format("{}, accepted by {}", followed.baseline->reason, followed.baseline->accepted_by);
+    const analysis::ControlBand& band = *figure.chart.band;
+    if (figure.missing)
+      lines.push_back(
+          fmt::format("{} is missing from run {}; the baseline has it ({})", figure.name, followed.run, accepted));
+    else if (figure.chart.constant)
+      lines.push_back(fmt::format("{} is {:.6g}, and was {:.6g} in each of {} runs of the baseline ({})", figure.name,
+                                  figure.values.back(), band.mean, band.values, accepted));
+    else
+      lines.push_back(fmt::format(
+          "{} is {:.6g}, outside {:.6g} to {:.6g} of the baseline (mean {:.6g}, spread {:.2g} of {} runs; "
+          "{})",
+          figure.name, figure.values.back(), band.low, band.high, band.mean, band.deviation, band.values, accepted));
   }
   return lines;
 }
 
-std::vector<std::string> drift_lines(const Followed& followed) {
+std::vector<std::string> shift_lines(const Followed& followed) {
   std::vector<std::string> lines;
   for (const FollowedFigure& figure : followed.figures) {
-    if (!figure.drifts) continue;
+    if (!figure.shifted) continue;
+    const analysis::EwmaState& ewma = *figure.chart.ewma;
     lines.push_back(fmt::format(
-        "{} drifts: {:+.3g} per run, {:+.3g} in all, by chance with p = {:.1g}{}", figure.name, figure.trend->slope,
-        figure.trend->moved, figure.trend->probability,
-        figure.band ? fmt::format("; the baseline's spread is {:.2g}", figure.band->deviation) : std::string()));
+        "{} shifted: its moving average is {:.6g}, {:+.2g} of the baseline's deviations from its mean {:.6g} ({} "
+        "runs), by chance with p = {:.1g} in {} runs{}",
+        figure.name, figure.chart.level, ewma.ewma, figure.chart.band->mean, ewma.start_up, figure.chart.probability,
+        analysis::kChartRuns, figure.chart.slope ? fmt::format("; {:+.3g} per run", *figure.chart.slope) : ""));
   }
   return lines;
+}
+
+std::string short_baseline(const Followed& followed) {
+  if (!followed.baseline || followed.counted >= analysis::kLeastStartUp) return {};
+  if (followed.counted < 3) return "fewer than three measurements: it does not judge";
+  return fmt::format("fewer than {} measurements: it tells gross changes only, accept a longer one",
+                     analysis::kLeastStartUp);
 }
 
 std::string sparkline(const std::vector<double>& values, std::size_t width) {

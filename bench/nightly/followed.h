@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/figures/control_band.h"
+#include "analysis/statistics/control/figure_chart.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -17,35 +17,39 @@ struct FollowedFigure {
   std::vector<std::int64_t> runs;  // runs that are not void, in order
   std::vector<double> values;      // value of each run
   std::vector<bool> accepted;      // belongs to the baseline
-  // From the baseline's values, each measurement once; none without a baseline of at least three.
-  std::optional<analysis::ControlBand> band;
-  // Over the newest runs after the baseline: at least kDriftRuns, at most twice as many.
-  std::optional<analysis::MonotoneTrend> trend;
+  // Start-up: the baseline's values, each measurement once. Later: those of the runs after the baseline's last one,
+  // without simulated runs that repeat the seeds of an earlier one. No EWMA when the newest run is such a run.
+  analysis::FigureChart chart;
   bool missing = false;  // the newest run has none
-  bool outside = false;  // the newest run's value is outside the band, or missing
-  bool drifts = false;   // a significant monotone trend that exceeds the baseline's own spread
+  bool outside = false;  // the newest run's value is outside the wide band, or not the constant, or missing
+  bool shifted = false;  // the EWMA is reported among the figures judged together
 };
-
-inline constexpr int kDriftRuns = 7;
-inline constexpr double kDriftChance = 1e-3;  // significance of a trend
-inline constexpr double kNightAlarm = 0.01;  // probability that any of the figures judged together is outside by chance
 
 struct Followed {
   std::string subject;
   std::int64_t run = 0;                        // the newest; 0: none
   std::string origin;                          // of that run; runs of another origin are left out
   std::optional<db::BaselineRecord> baseline;  // the newest of the subject
-  std::size_t repeated = 0;                    // runs that repeat another one and do not count
+  std::size_t repeated = 0;                    // runs of the baseline that repeat another one and do not count
+  std::size_t counted = 0;                     // runs of the baseline that count
+  std::int64_t same_seeds = 0;                 // simulated: newest earlier run with the newest run's seeds; 0: none
   std::vector<FollowedFigure> figures;         // by name
 };
 
-// `judged_together`: number of figures that share kNightAlarm; 0: the subject's own. Values that are not numbers are
-// left out. Empty for an unknown subject.
-Followed follow(const db::RunStore& store, const std::string& subject, std::size_t judged_together = 0);
+// Not judged together with anything yet: no figure is `shifted`. Values that are not numbers are left out. Empty for an
+// unknown subject.
+Followed follow(const db::RunStore& store, const std::string& subject);
+// Sets `shifted` by the false discovery rate over all charts of these subjects (false_discovery.h). Constants and
+// figures without a chart do not count among them.
+void judge_together(const std::vector<Followed*>& family);
+// follow() and judge_together() with the subject's own figures.
+Followed follow_alone(const db::RunStore& store, const std::string& subject);
 
-// One line per figure outside its band, and one per drifting figure.
+// One line per figure outside its band, and one per shifted figure.
 std::vector<std::string> outside_lines(const Followed& followed);
-std::vector<std::string> drift_lines(const Followed& followed);
+std::vector<std::string> shift_lines(const Followed& followed);
+// What a baseline that is too short for charts does not judge; empty where it is not.
+std::string short_baseline(const Followed& followed);
 
 // The newest values, at most `width`, as a sparkline of blocks. "" where there are none.
 std::string sparkline(const std::vector<double>& values, std::size_t width);

@@ -36,9 +36,9 @@ Markup small_plot(const FollowedFigure& figure) {
   const std::size_t count = std::min(kPlotRuns, figure.values.size());
   const std::vector<double> shown(figure.values.end() - static_cast<std::ptrdiff_t>(count), figure.values.end());
   double low = *std::ranges::min_element(shown), high = *std::ranges::max_element(shown);
-  if (figure.band) {
-    low = std::min(low, figure.band->low);
-    high = std::max(high, figure.band->high);
+  if (figure.chart.band) {
+    low = std::min(low, figure.chart.band->low);
+    high = std::max(high, figure.chart.band->high);
   }
   const double margin = high > low ? 0.08 * (high - low) : std::max(1e-12, std::abs(high));
   const auto y = [&](double value) {
@@ -52,9 +52,9 @@ Markup small_plot(const FollowedFigure& figure) {
       markup("<svg width=\"{}\" height=\"{}\" role=\"img\"><title>{} over the last {}, {} to {}</title>",
              CssNumber(kPlotWidth), CssNumber(kPlotHeight), Text(figure.name), Text(analysis::counted(count, "run")),
              significant(*std::ranges::min_element(shown), 4), significant(*std::ranges::max_element(shown), 4));
-  if (figure.band)
-    plot += markup("<path class=\"band\" d=\"M0 {0}H{2}V{1}H0Z\"/>", y(figure.band->high), y(figure.band->low),
-                   CssNumber(kPlotWidth));
+  if (figure.chart.band)
+    plot += markup("<path class=\"band\" d=\"M0 {0}H{2}V{1}H0Z\"/>", y(figure.chart.band->high),
+                   y(figure.chart.band->low), CssNumber(kPlotWidth));
   plot += markup("<path class=\"line\" d=\"");
   for (std::size_t i = 0; i < count; ++i) plot += markup("{}{} {}", Text(i == 0 ? "M" : "L"), x(i), y(shown[i]));
   plot += markup("\"/><circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"2.5\"/></svg>",
@@ -65,27 +65,34 @@ Markup small_plot(const FollowedFigure& figure) {
 Markup figure_state(const FollowedFigure& figure) {
   if (figure.missing) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> missing</span>");
   if (figure.outside) return markup("<span class=\"fail\"><span class=\"sign\">✗</span> outside</span>");
-  if (figure.drifts) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> drifts</span>");
-  if (!figure.band) return markup("no baseline");
+  if (figure.shifted) return markup("<span class=\"doubt\"><span class=\"sign\">▲</span> shifted</span>");
+  if (!figure.chart.band) return markup("no baseline");
   return markup("<span class=\"pass\"><span class=\"sign\">✓</span> within</span>");
+}
+
+std::string baseline_text(const Followed& followed) {
+  if (!followed.baseline) return {};
+  const db::BaselineRecord& own = *followed.baseline;
+  std::string text =
+      fmt::format(": baseline of {}, {}, accepted by {} on {}", analysis::counted(own.runs.size(), "run"), own.reason,
+                  own.accepted_by, own.accepted_utc);
+  if (const std::string too_short = short_baseline(followed); !too_short.empty()) text += "; " + too_short;
+  if (followed.same_seeds != 0)
+    text += fmt::format("; run {} has the seeds of run {}: no moving average", followed.run, followed.same_seeds);
+  return text;
 }
 
 Markup figures_of_subject(const Followed& followed) {
   Markup out = markup(
       "<div class=\"wide\"><table class=\"figures\"><caption>{}{}</caption><thead><tr><th>figure</th><th "
       "class=\"n\">newest</th><th class=\"n\">baseline</th><th>runs</th><th></th></tr></thead><tbody>\n",
-      Text(followed.subject),
-      followed.baseline
-          ? Text(fmt::format(": baseline of {}, {}, accepted by {} on {}",
-                             analysis::counted(followed.baseline->runs.size(), "run"), followed.baseline->reason,
-                             followed.baseline->accepted_by, followed.baseline->accepted_utc))
-          : Text(""));
+      Text(followed.subject), Text(baseline_text(followed)));
   for (const FollowedFigure& figure : followed.figures) {
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">", Text(figure.name),
                   significant(figure.values.back(), 5));
-    if (figure.band)
-      out +=
-          markup("{} ± {}", significant(figure.band->mean, 5), significant(figure.band->high - figure.band->mean, 2));
+    if (figure.chart.band)
+      out += markup("{}; {} to {}", significant(figure.chart.band->mean, 5), significant(figure.chart.band->low, 4),
+                    significant(figure.chart.band->high, 4));
     else
       out += markup("–");
     out += markup("</td><td>{}</td><td class=\"state\">{}</td></tr>\n", small_plot(figure), figure_state(figure));
@@ -109,16 +116,18 @@ Markup page_start(const std::string& title, bool simulated) {
 }
 
 constexpr const char* kBandNote =
-    "Band: prediction interval for one further run of the baseline's kind, from the spread of the accepted runs; the "
-    "chance that any figure of a night falls outside is 1 %. Drifts: the runs since the baseline have a monotone trend "
-    "(Mann-Kendall, p below 0.001) that exceeds the baseline's own spread.";
+    "Band, for gross changes: prediction interval for one further run of the baseline's kind, from the spread of the "
+    "accepted runs; one value of a sound figure in 100 000 falls outside. Of a maximum it is taken on the logarithm, "
+    "of a constant it has no width. Shifted: the moving average (EWMA) of the runs since the baseline has left the "
+    "baseline's mean; of the figures reported so in the 60 runs after a baseline at most 5 % are false on average "
+    "(Benjamini-Hochberg).";
 
 Markup result_row(const ScenarioResult& result) {
   Markup row = markup("<tr><th scope=\"row\">{}</th><td class=\"state\">", Text(result.name));
   if (!result.wrong.empty())
     row += markup("<span class=\"fail\"><span class=\"sign\">✗</span> red</span>");
   else if (!result.remarks.empty())
-    row += markup("<span class=\"doubt\"><span class=\"sign\">▲</span> drifts</span>");
+    row += markup("<span class=\"doubt\"><span class=\"sign\">▲</span> moved</span>");
   else
     row += markup("<span class=\"pass\"><span class=\"sign\">✓</span> green</span>");
   row += markup("</td><td class=\"n\">{}</td><td>{}</td><td>{}", analysis::html::fixed(result.seconds, 1),

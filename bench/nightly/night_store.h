@@ -14,8 +14,9 @@ namespace tactbench::bench {
 std::string subject_of(const Scenario& scenario);  // "nightly/NAME"
 
 // Copies the runs of `results` from `stores`/NAME.db in the suite's order, with tag and figures; numbers in `results`
-// become those of `store`. Notes in each result whether the run's content equals that of the last night with its seed,
-// adds figures outside their baseline to `wrong`, and drifts to `remarks`. Skips scenarios without a result. Throws
+// become those of `store`. Compares each result with the last one of the same seeds, frame by frame: frames that
+// changed, and figures that changed though the frames did not, go to `remarks`. Adds figures outside their baseline to
+// `wrong`, and those that shifted, judged over the whole night, to `remarks`. Skips scenarios without a result. Throws
 // StoreError, e.g. TB-STORE-CONFLICT when a run's content is not what was stored. Returns the followed figures of each
 // scenario with a result, once for several seeds.
 std::vector<Followed> keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,

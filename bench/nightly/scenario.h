@@ -18,7 +18,7 @@ struct ScenarioRun {
 struct ScenarioResult {
   std::string name, about;           // name: the scenario's label
   std::vector<std::string> wrong;    // one line per unmet expectation; empty: green
-  std::vector<std::string> remarks;  // notes without a failure: drifts
+  std::vector<std::string> remarks;  // notes without a failure: changes and shifts
   std::string compared;              // comparison with the last night with the same seed; empty: none
   std::vector<ScenarioRun> runs;
   std::map<std::string, double> figures;           // of the judged run; unit in the name

@@ -80,6 +80,27 @@ TEST_CASE("a missing folder, a folder for a file and no name are refused with a 
   CHECK(store_error([&] { RunStore::open(folder.path("runs.db")); }).empty());  // an empty file may become a store
 }
 
+TEST_CASE("folders, devices and pipes are refused as such, unread, by both ways of opening") {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.path("pipe"), inner = folder.path("inner");
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  REQUIRE(std::filesystem::create_directory(inner));
+  for (const std::string& path : {inner, pipe, std::string("/dev/null"), std::string("/dev/zero")}) {
+    std::string message;
+    for (const bool reading : {true, false}) {
+      CHECK(store_error(
+                [&] {
+                  if (reading)
+                    RunStore::open_read_only(path);
+                  else
+                    RunStore::open(path);
+                },
+                &message) == "TB-STORE-OPEN");
+      CHECK_THAT(message, Catch::Contains(path + ": not a regular file") && Catch::Contains("--db"));
+    }
+  }
+}
+
 TEST_CASE("reading never writes, and does not recover a dead writer's log") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");

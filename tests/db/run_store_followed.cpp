@@ -1,6 +1,7 @@
 // Baselines and repetitions at their edges.
 #include <catch2/catch.hpp>
 
+#include "db/frames_hash.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
@@ -35,10 +36,10 @@ TEST_CASE("runs without figures or without an end are not repetitions of each ot
   const std::int64_t one = seeded(store, 1), two = seeded(store, 2);
   CHECK(store.repeated_runs("rig", {one, two}).empty());
   const std::int64_t open = store.begin_run(example_run()), other = store.begin_run(example_run());
-  store.replace_figures(open, "rig", {{"x_psi", 1.0}});
-  store.replace_figures(other, "rig", {{"x_psi", 2.0}});
+  store.replace_figures(open, "rig", {{"x_psi", 1.5}});
+  store.replace_figures(other, "rig", {{"x_psi", 2.5}});
   CHECK(store.repeated_runs("rig", {open, other}).empty());
-  store.replace_figures(other, "rig", {{"x_psi", 1.0}});
+  store.replace_figures(other, "rig", {{"x_psi", 1.5}});
   CHECK(store.repeated_runs("rig", {open, other}) == std::map<std::int64_t, std::int64_t>{{other, open}});
 }
 
@@ -113,4 +114,27 @@ TEST_CASE("a run is void with a reason, a name and a date") {
   store.void_run(run, std::string(db::kLongestText, 'w'), std::string(db::kLongestName, 'm'), kUtc);
   CHECK(store.run(run).is_void());
   CHECK(store.check_seals(run).empty());
+}
+
+TEST_CASE("equal counts are no repetition, the same content is") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::vector<std::int64_t> runs = {seeded(store, 1), seeded(store, 2), seeded(store, 2)};
+  for (const std::int64_t run : runs) store.replace_figures(run, "rig", {{"frames", 124.0}, {"branches_redone", 2.0}});
+  CHECK(store.repeated_runs("rig", runs) == std::map<std::int64_t, std::int64_t>{{runs[2], runs[1]}});
+}
+
+TEST_CASE("the hash over the frames is that of what was measured, whatever program did") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::RunRecord record = example_run();
+  const std::int64_t first = store_example(store, record);
+  record.program_version = "9.9";
+  record.git_commit = "fedcba";
+  const std::int64_t second = store_example(store, record);
+  CHECK(store.content_hash(first) != store.content_hash(second));
+  CHECK(db::frames_hash(store, first) == db::frames_hash(store, second));
+  const std::int64_t none = begin_example(store, record).run;
+  CHECK(db::frames_hash(store, none) != db::frames_hash(store, first));
+  CHECK_THROWS_AS(db::frames_hash(store, 99), db::StoreError);
 }

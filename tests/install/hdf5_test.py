@@ -12,7 +12,7 @@ PROGRAM, H5DUMP = sys.argv[1:]
 
 
 def said(*words):
-    done = subprocess.run(words, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100)
+    done = subprocess.run(words, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, (words, done.stdout, done.stderr)
     return done.stdout
 

@@ -14,7 +14,7 @@ RUNTIME = tempfile.TemporaryDirectory()  # commands to other runs of this machin
 
 def run(*words, folder, **environment):
     clean = {"PATH": os.environ["PATH"], "HOME": folder, "TACTBENCH_RUNTIME_DIR": RUNTIME.name, **environment}
-    done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=200)
+    done = subprocess.run(words, cwd=folder, env=clean, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout
 
@@ -24,7 +24,8 @@ def check_files(prefix):
                  "share/tactbench/devices/profiles/generic.toml", "lib/libtactbench_compensator.a",
                  "lib/libtactbench_compensator.so.1", "include/tactbench/analysis/compensate/compensator_c.h",
                  "lib/cmake/tactbench/tactbench-config.cmake", "share/pkgconfig/tactbench-compensator.pc",
-                 "lib/python3/dist-packages/tactbench_compensator.py", "lib/udev/rules.d/70-tactbench.rules",
+                 "lib/python3/dist-packages/tactbench_compensator.py", "lib/python3/dist-packages/tactbench/store.py",
+                 "lib/udev/rules.d/70-tactbench.rules",
                  "lib/systemd/system/tactbench-nightly.service", "lib/systemd/system/tactbench-nightly.timer",
                  "lib/sysusers.d/tactbench.conf", "lib/tmpfiles.d/tactbench.conf",
                  "share/man/man1/tactbench.1.gz", "share/bash-completion/completions/tactbench",
@@ -71,6 +72,9 @@ def check_library(prefix, folder):
               "print('%.2f' % c.counts([13107]).pressure[0])")
     assert run("/usr/bin/python3", "-c", python, folder=folder, LD_LIBRARY_PATH=lib, PYTHONDONTWRITEBYTECODE="1",
                PYTHONPATH=os.path.join(prefix, "lib/python3/dist-packages")) == "20.00\n"
+    python = "from tactbench import Compensator, Store; print(len(Store('runs.db').runs()), Compensator.load.__name__)"
+    assert run("/usr/bin/python3", "-c", python, folder=folder, LD_LIBRARY_PATH=lib, PYTHONDONTWRITEBYTECODE="1",
+               PYTHONPATH=os.path.join(prefix, "lib/python3/dist-packages")) == "1 load\n"
 
 
 with tempfile.TemporaryDirectory() as top:

@@ -13,12 +13,12 @@ PACKAGES = ("tactbench", "libtactbench-compensator1", "libtactbench-compensator-
 
 
 def output(*words):
-    return subprocess.run(words, check=True, capture_output=True, text=True, timeout=200).stdout
+    return subprocess.run(words, check=True, capture_output=True, text=True, timeout=900).stdout
 
 
 with tempfile.TemporaryDirectory() as folder:
     done = subprocess.run([CPACK, "-G", "DEB", "-B", folder, "--config", os.path.join(BUILD, "CPackConfig.cmake")],
-                          cwd=folder, capture_output=True, text=True, timeout=200)
+                          cwd=folder, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stdout + done.stderr
     files = {name: os.path.join(folder, file) for name in PACKAGES for file in os.listdir(folder)
              if file.startswith(f"{name}_{VERSION}-0upstream1_") and file.endswith(".deb")}
@@ -70,10 +70,10 @@ with tempfile.TemporaryDirectory() as folder:
     root = os.path.join(folder, "root")
     output("dpkg-deb", "--extract", files["tactbench"], root)
     plan = subprocess.run([os.path.join(root, "usr/bin/tactbench"), "plan", "descending"], cwd=root, capture_output=True,
-                          text=True, timeout=60)
+                          text=True, timeout=600)
     assert plan.returncode == 0, plan.stderr
     if LINTIAN:
         judged = subprocess.run([LINTIAN, "--allow-root", "--no-cfg", "--fail-on", "error,warning", *files.values()],
-                                capture_output=True, text=True, timeout=200)
+                                capture_output=True, text=True, timeout=900)
         assert judged.returncode == 0, judged.stdout + judged.stderr
 print("four packages", "and lintian is content" if LINTIAN else "; lintian is not installed")

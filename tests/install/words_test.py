@@ -13,7 +13,7 @@ PROGRAM, *DOCUMENTS = sys.argv[1:]
 
 
 def said(*words, **more):
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60, **more)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=600, **more)
     assert done.returncode == 0 and not done.stderr, (words, done)
     return done.stdout
 
@@ -76,6 +76,13 @@ def check_manual():
     for text in (".TH TACTBENCH 1", ".SS runs export", ".SH EXIT STATUS", ".SH FILES", "TACTBENCH_SHARE",
                  "\\fB\\-\\-stop\\-on\\-red\\fR", "one of csv, json"):
         assert text in page, text
+    # Nothing is said of each verb anew: neither exit codes nor options that many verbs have alike.
+    for text in ("Exit codes:", "First steps:", "one JSON document on standard output, also for errors", "no progress line"):
+        assert page.count(text) <= 1, (text, page.count(text))
+    assert ".SH COMMON OPTIONS" in page and page.count(".TP\n\\fB\\-\\-db\\fR") == 1, page.count("\\-\\-db\\fR")
+    sentences = [line for line in page.splitlines() if len(line) > 60 and not line.startswith(".")]
+    often = {line for line in sentences if sentences.count(line) > 5}
+    assert not often, often
     for verb in bash(""):
         assert verb.startswith("-") or f".SS {verb}".replace("-", "\\-") in page, verb
     if shutil.which("man"):

@@ -150,6 +150,14 @@ def check_equivalents(tree, folder):
             equivalents.reasons(path, tree.text)
 
 
+def check_self_checks():
+    """The function that a room's self-check breaks is in its source, once."""
+    top = pathlib.Path(__file__).resolve().parents[2]
+    assert set(trial.SELF_CHECKS) == set(build_tree.ROOMS)
+    for room, (source, function) in trial.SELF_CHECKS.items():
+        assert (top / source).read_text("utf-8").count(function) == 1, (room, source, function)
+
+
 def check_table():
     """What is judged equivalent is not killable, and what did not build counts for nothing."""
     def result(state, reason=""):
@@ -189,6 +197,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-mutants-") as name:
     built = build_folder(pathlib.Path(name))
     check_draw(built)
     check_equivalents(built, pathlib.Path(name))
+    check_self_checks()
     check_table()
     check_runs(pathlib.Path(name))
 sys.exit(0)

@@ -39,7 +39,7 @@ def check(program, wire, gauge, order):
         with open(bench, "w", encoding="utf-8") as file:
             file.write(BENCH.format(wire=wire, gauge=gauge, order=order))
         done = subprocess.run([program, "devices", "check", "--bench", bench, "--json"], capture_output=True, text=True,
-                              timeout=60)
+                              timeout=600)
     require(done.returncode == 3, f"exit code {done.returncode}: there is no scanner {done.stderr}")
     return {device["role"]: device for device in json.loads(done.stdout)["devices"]}
 

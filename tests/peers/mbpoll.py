@@ -16,7 +16,7 @@ def mbpoll(*words, write=None):
     command = ["mbpoll", "-0", "-1", "-q", "-o", "5", *words]
     if write is not None:
         command.append(str(write))
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     if done.returncode != 0:
         raise SystemExit(f"FAILED: {' '.join(command)}: {done.stdout}{done.stderr}")
     words = re.findall(r"^\[(\d+)\]:\s+(\d+)", done.stdout, re.M)

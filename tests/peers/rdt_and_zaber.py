@@ -48,7 +48,7 @@ class NetFt:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.settimeout(10)
         self.socket.connect((host, int(port)))
-        with urllib.request.urlopen(page, timeout=10) as answer:
+        with urllib.request.urlopen(page, timeout=60) as answer:
             fields = xml.etree.ElementTree.fromstring(answer.read())
         self.counts_per_force = float(fields.findtext("cfgcpf"))
         self.force_unit = fields.findtext("scfgfu")

@@ -38,7 +38,7 @@ class Rig:
     def __exit__(self, *_):
         self.process.terminate()
         try:
-            self.process.wait(timeout=20)
+            self.process.wait(timeout=120)
         except subprocess.TimeoutExpired:
             self.process.kill()
             raise SystemExit("tactbench simulate did not end at SIGTERM")

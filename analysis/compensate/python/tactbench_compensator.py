@@ -5,7 +5,8 @@
     frame = compensator.counts(counts)        # frame.pressure, frame.uncertainty, frame.status
 
 numpy is used where it is installed (arrays go in and come out without a copy of each element), lists otherwise. The
-library is libtactbench_compensator.so.1: next to this file, on the loader's path, or at the path in TACTBENCH_COMPENSATOR.
+library is libtactbench_compensator.so.1: at the path in TACTBENCH_COMPENSATOR, next to this file or in the folder tactbench
+beside it (where the wheel has it), or on the loader's path.
 """
 
 import ctypes
@@ -89,9 +90,9 @@ class _DynamicTaxel(ctypes.Structure):
 
 def load_library(path=None):
     """The shared library, its version checked. Raises CompensatorError or OSError."""
-    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "libtactbench_compensator.so.1")
-    path = path or os.environ.get("TACTBENCH_COMPENSATOR") or (
-        beside if os.path.exists(beside) else "libtactbench_compensator.so.1")
+    name, here = "libtactbench_compensator.so.1", os.path.dirname(os.path.abspath(__file__))
+    beside = [file for file in (os.path.join(here, name), os.path.join(here, "tactbench", name)) if os.path.exists(file)]
+    path = path or os.environ.get("TACTBENCH_COMPENSATOR") or (beside or [name])[0]
     library = ctypes.CDLL(path)
     library.tb_compensator_abi_version.restype = ctypes.c_uint32
     if library.tb_compensator_abi_version() != ABI_VERSION:

@@ -14,6 +14,7 @@
 #include "analysis/documents/run_json.h"
 #include "analysis/json_io.h"
 #include "bench/cli/export/run_export.h"
+#include "bench/cli/export/run_export_csv.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 
@@ -25,83 +26,6 @@ struct RunExportOptions {
   std::int64_t run = 0;
   std::string format = "csv", output;
 };
-
-// A number in round-trip notation; empty without a reading.
-std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
-
-// Typed text may hold commas and quotes (RFC 4180).
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string sequence_name(const db::RunRecord& run, int sequence) {
-  const auto found = std::ranges::find(run.sequences, sequence, &db::SequenceRecord::sequence);
-  return found == run.sequences.end() ? std::string() : found->name;
-}
-
-const db::BranchRecord& branch_in(const std::vector<db::BranchRecord>& branches, std::int64_t key) {
-  const auto found = std::ranges::lower_bound(branches, key, {}, &db::BranchRecord::branch);
-  if (found != branches.end() && found->branch == key) return *found;
-  throw Error(ExitCode::kStore, "TB-STORE-SQL", fmt::format("a frame names the branch {}, which the run lacks", key),
-              "runs export", "tactbench verify RUN shows what else differs");
-}
-
-std::string csv_names(int rows, int columns) {
-  std::string text =
-      "frame,sequence,recipe,repeat,branch,attempt,void,step,setpoint_psi,feedback_psi,reference_psi,target_n,"
-      "fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,time_s,since_command_s,in_band_s,device_time_us,status,flags,scan";
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) text += fmt::format(",counts_r{}_c{}", row, column);
-  }
-  return text + "\n";
-}
-
-// Frame by frame: a long run needs too much memory.
-void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream) {
-  const std::vector<db::BranchRecord> branches = store.branches(run.run);
-  std::int64_t position = 0;
-  std::string text;
-  const auto out = std::back_inserter(text);
-  store.each_frame(run.run, [&](const db::FrameRecord& f) {
-    if (++position == 1) stream << csv_names(f.rows, f.columns);
-    text.clear();
-    const db::BranchRecord& b = branch_in(branches, f.branch);
-    std::string head =
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},", position, b.sequence, csv_text(sequence_name(run, b.sequence)),
-                    b.repeat, b.ordinal, b.attempt, b.is_void ? 1 : 0, f.ordinal, csv_number(f.setpoint_psi),
-                    csv_number(f.feedback_psi), csv_number(f.reference_psi));
-    head += f.wrench ? csv_number(f.wrench->target_n) : std::string();
-    for (std::size_t i = 0; i < 6; ++i)
-      head += fmt::format(",{}", f.wrench ? csv_number(f.wrench->wrench.at(i)) : std::string());
-    const auto seconds = [](std::int64_t ns) { return csv_number(static_cast<double>(ns) * 1e-9); };
-    head += fmt::format(",{},{},{},{},{},{}", seconds(f.time_ns), seconds(f.since_command_ns), seconds(f.in_band_ns),
-                        f.device_time_us, f.status, csv_text(f.flags));
-    const auto taxels = static_cast<std::size_t>(f.rows) * static_cast<std::size_t>(f.columns);
-    for (std::size_t scan = 0; scan * taxels < f.counts.size(); ++scan) {
-      fmt::format_to(out, "{},{}", head, scan);
-      for (std::size_t i = 0; i < taxels; ++i) fmt::format_to(out, ",{}", f.counts.at(scan * taxels + i));
-      text += "\n";
-    }
-    stream << text;
-  });
-  if (position == 0) stream << csv_names(0, 0);
-}
-
-constexpr const char* kSeriesHead = "sequence,name,taxel,position,input,output\n";
-
-std::string series_csv(const db::RunStore& store, const db::RunRecord& run) {
-  std::string text = kSeriesHead;
-  for (const db::SeriesRecord& s : store.series(run.run)) {
-    for (std::size_t i = 0; i < s.input.size(); ++i) {
-      text += fmt::format("{},{},{},{},{},{}\n", s.sequence, csv_text(sequence_name(run, s.sequence)), s.taxel, i,
-                          csv_number(s.input[i]), csv_number(s.output.at(i)));
-    }
-  }
-  return text;
-}
 
 nlohmann::ordered_json frame_json(const db::FrameRecord& f, const db::BranchRecord& b) {
   nlohmann::ordered_json json = {{"sequence", b.sequence},
@@ -199,7 +123,7 @@ void export_run(const RunExportOptions& options, const Session& session) {
     const auto write = [&](std::ostream& stream) {
       if (options.format == "json") return run_document(store, run, stream);
       if (frames) return frames_csv(store, run, stream);
-      stream << series_csv(store, run);
+      series_csv(store, run, stream);
     };
     bytes = write_output(options.output, kind, write, session.replace);
   }
@@ -262,7 +186,8 @@ void add_run_export(CLI::App& runs, Session& session) {
   CLI::App* verb =
       runs.add_subcommand("export", "write a run's frames (or an imported run's series) as CSV, JSON or HDF5");
   verb->add_option("run", options->run, "run number")->required();
-  verb->add_option("--format", options->format, "csv: one line per scan, raw counts; json, hdf5: the whole run")
+  verb->add_option("--format", options->format,
+                   "csv: one line per scan, raw counts and volts; json, hdf5: the whole run")
       ->check(CLI::IsMember({"csv", "json", "hdf5"}))
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "file to write")->required();

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/benchmarks/array.h"
+#include "bench/benchmarks/charts.h"
 #include "bench/benchmarks/compensate.h"
 #include "bench/benchmarks/compensate_dynamic.h"
 #include "bench/benchmarks/compensation_error.h"
@@ -24,7 +25,7 @@ namespace {
 
 struct BenchmarkOptions {
   std::string name;
-  int exchanges = 500, rounds = 5;
+  int exchanges = 500, rounds = 5, draws = 10000;
   std::vector<unsigned> sensors = {11, 12, 13};
   bool all_models = false;
 };
@@ -40,6 +41,7 @@ const std::map<std::string, Measure> measures = {
      [](const BenchmarkOptions& o) {
        return benchmark_compensation_error(o.sensors, ScratchFolder(kScratch).path(), o.all_models);
      }},
+    {"charts", [](const BenchmarkOptions& o) { return benchmark_charts(o.draws); }},
     {"array", [](const BenchmarkOptions& o) { return benchmark_array(o.rounds); }},
     {"specimen", [](const BenchmarkOptions&) { return benchmark_specimen(); }},
     {"sequence",
@@ -76,7 +78,8 @@ void add_benchmark(CLI::App& app, Session& session) {
           "on simulated sensors, the dynamic compensator compared with ELAM's; "
           "identify: taxels against one plain J each, the other models, threads, growth; store: frames against a plain "
           "file and bare SQLite; report: rendering against writing the bytes; array: simulated frames against their "
-          "wire; specimen: what the simulated sensors are like, paper and harsh")
+          "wire; specimen: what the simulated sensors are like, paper and harsh; charts: false alarms and power of the "
+          "charts of trend and nightly")
       ->required()
       ->check(CLI::IsMember(measures));
   verb->add_option("--exchanges", options->exchanges, "number of exchanges; the median counts")
@@ -84,6 +87,9 @@ void add_benchmark(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_option("--rounds", options->rounds, "number of rounds; the best one counts")
       ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--draws", options->draws, "charts: histories a case")
+      ->check(CLI::Range(100, 10000000))
       ->capture_default_str();
   verb->add_option("--sensors", options->sensors, "compensation-error: sensor seeds")->delimiter(',');
   verb->add_flag("--all-models", options->all_models, "compensation-error: also GPI, MPI, POLY and the other models");

@@ -52,7 +52,7 @@ void list_scenarios(const Suite& suite, const Session& session) {
 }
 
 void show_result(const ScenarioResult& result) {
-  const char* state = !result.wrong.empty() ? "RED" : result.remarks.empty() ? "green" : "drift";
+  const char* state = !result.wrong.empty() ? "RED" : result.remarks.empty() ? "green" : "moved";
   tty::print("{:<6}{:<28}{:>7.1f} s  {}{}{}\n", state, one_line(result.name), result.seconds, one_line(result.about),
              result.compared.empty() ? "" : "; ", result.compared);
   for (const std::string& line : result.wrong) tty::print("        {}\n", line);
@@ -101,10 +101,10 @@ void nightly(const NightlyOptions& options, Session& session) {
   scratch.reset();
   const auto red = std::ranges::count_if(results, [](const ScenarioResult& r) { return !r.wrong.empty(); });
   const std::size_t missing = suite.scenarios.size() - results.size();
-  const bool drifts = std::ranges::any_of(results, [](const ScenarioResult& r) { return !r.remarks.empty(); });
+  const bool moved = std::ranges::any_of(results, [](const ScenarioResult& r) { return !r.remarks.empty(); });
   if (red > 0 || missing > 0)
     session.code = ExitCode::kCriterionFailed;
-  else if (drifts)
+  else if (moved)
     session.code = ExitCode::kInconclusive;
   if (session.json) {
     auto json = nlohmann::ordered_json::array();

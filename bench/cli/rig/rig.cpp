@@ -30,18 +30,21 @@ std::int64_t run_of_check(const RigCheckOptions& options, const std::vector<std:
 }
 
 std::string judged_word(const Followed& followed) {
-  if (std::ranges::none_of(followed.figures, [](const FollowedFigure& figure) { return figure.band.has_value(); }))
+  if (std::ranges::none_of(followed.figures,
+                           [](const FollowedFigure& figure) { return figure.chart.band.has_value(); }))
     return "no baseline";  // or one of fewer than three runs
   if (!outside_lines(followed).empty()) return "outside";
-  return drift_lines(followed).empty() ? "within" : "drifts";
+  return shift_lines(followed).empty() ? "within" : "shifted";
 }
 
 // The combined result of the two control charts: the check standard is a sensor used for nothing else.
 std::string conclusion(const std::string& rig, const std::string& standard) {
-  const bool rig_moved = rig == "outside" || rig == "drifts",
-             standard_moved = standard == "outside" || standard == "drifts";
+  const bool rig_moved = rig == "outside" || rig == "shifted",
+             standard_moved = standard == "outside" || standard == "shifted";
   if (rig == "no baseline" || standard == "no baseline")
-    return "not judged: accept a baseline of at least three checks (tactbench baseline accept RUNS --reason --by)";
+    return fmt::format(
+        "not judged: accept a baseline of at least {} checks (tactbench baseline accept RUNS --reason --by)",
+        analysis::kLeastStartUp);
   if (rig_moved && standard_moved)
     return "the rig changed, and the standard's figures with it: do not calibrate sensors on it";
   if (rig_moved)
@@ -61,19 +64,20 @@ struct CheckedSubject {
 CheckedSubject checked(db::RunStore& store, const std::string& title, const std::string& subject, std::int64_t run,
                        const std::map<std::string, double>& figures) {
   store.replace_figures(run, subject, figures);
-  return {title, run, follow(store, subject)};
+  return {title, run, follow_alone(store, subject)};
 }
 
 void show_checked(const CheckedSubject& subject) {
   tty::print("{}, run {} ({}): {}\n", subject.title, subject.run, subject.followed.subject,
              judged_word(subject.followed));
   for (const FollowedFigure& figure : subject.followed.figures) {
-    const std::string band =
-        figure.band ? fmt::format("  {:.4g} to {:.4g}", figure.band->low, figure.band->high) : std::string();
+    const std::string band = figure.chart.band
+                                 ? fmt::format("  {:.4g} to {:.4g}", figure.chart.band->low, figure.chart.band->high)
+                                 : std::string();
     tty::print("  {:<32}{:>11.4g}{}{}\n", one_line(figure.name), figure.values.back(), band,
                figure.missing   ? "  MISSING"
                : figure.outside ? "  OUTSIDE"
-               : figure.drifts  ? "  drifts"
+               : figure.shifted ? "  shifted"
                                 : "");
   }
 }
@@ -87,7 +91,7 @@ nlohmann::ordered_json checked_json(const CheckedSubject& subject) {
           {"state", judged_word(subject.followed)},
           {"figures", figures},
           {"outside", outside_lines(subject.followed)},
-          {"drifts", drift_lines(subject.followed)}};
+          {"shifted", shift_lines(subject.followed)}};
 }
 
 void check_rig(const RigCheckOptions& options, Session& session) {
@@ -109,14 +113,14 @@ void check_rig(const RigCheckOptions& options, Session& session) {
   const analysis::SensorModel fit = fit_run(store, runs.dataset(standard));
   const std::string standard_subject =
       follow_sensor(store, runs.record(standard), fit, evaluate_runs(runs, fit, {}).front().evaluation);
-  subjects.push_back({"check standard", standard, follow(store, standard_subject)});
+  subjects.push_back({"check standard", standard, follow_alone(store, standard_subject)});
   std::string rig_word = judged_word(subjects.front().followed);
   if (options.press && rig_word == "within") rig_word = judged_word(subjects[1].followed);
   const std::string standard_word = judged_word(subjects.back().followed);
   const std::string said = conclusion(rig_word, standard_word);
   for (const std::string& word : {rig_word, standard_word}) {
     if (word == "outside") session.code = ExitCode::kCriterionFailed;
-    if (word == "drifts" && session.code == ExitCode::kPass) session.code = ExitCode::kInconclusive;
+    if (word == "shifted" && session.code == ExitCode::kPass) session.code = ExitCode::kInconclusive;
   }
   if (session.json) {
     auto json = nlohmann::ordered_json::array();

@@ -52,25 +52,52 @@ std::map<std::string, std::vector<std::int64_t>> chosen_runs(const std::vector<s
   return chosen;
 }
 
+// Each subject's runs without those that repeat another one. Nothing is accepted when one has too few.
+std::size_t counted_runs(const db::RunStore& store, const std::string& subject, const std::vector<std::int64_t>& runs) {
+  return runs.size() - store.repeated_runs(subject, runs).size();
+}
+
+void refuse_short(const db::RunStore& store, const std::map<std::string, std::vector<std::int64_t>>& chosen) {
+  for (const auto& [subject, runs] : chosen) {
+    const std::size_t counted = counted_runs(store, subject, runs);
+    if (counted >= analysis::kLeastStartUp) continue;
+    throw Error(
+        ExitCode::kUsage, "TB-BASELINE-SHORT",
+        fmt::format("{} has {} among these runs{}; a chart needs {}, and {} are recommended", subject,
+                    analysis::counted(counted, "measurement"), counted < runs.size() ? ", each counted once" : "",
+                    analysis::kLeastStartUp, analysis::kRecommendedStartUp),
+        store.path(),
+        subject.starts_with("nightly/")
+            ? fmt::format("carry them out with seeds of their own: tactbench nightly SUITE --db FILE --seeds {}",
+                          analysis::kRecommendedStartUp)
+            : fmt::format("measure {} more, or name the runs of the other subjects alone",
+                          analysis::kLeastStartUp - counted));
+  }
+}
+
 void accept_baseline(const BaselineOptions& options, const Session& session) {
   db::RunStore store = db::RunStore::open(session.db);
   const auto chosen = chosen_runs(options.runs, store, session);
   if (chosen.empty())
     throw Error(ExitCode::kUsage, "TB-BASELINE-NO-FIGURES", "none of these runs has stored figures", session.db,
                 "nightly --db and fit store figures; tactbench trend lists them");
+  refuse_short(store, chosen);
   auto json = nlohmann::ordered_json::array();
+  bool few = false;
   for (const auto& [subject, runs] : chosen) {
     const std::int64_t number = store.add_baseline({0, subject, options.reason, options.by, utc_now(), runs});
     const auto repeated = store.repeated_runs(subject, runs);
     const std::size_t counted = runs.size() - repeated.size();
     json.push_back({{"baseline", number}, {"subject", subject}, {"runs", runs}, {"counted", counted}});
     if (session.json) continue;
-    tty::print("{:<40} {} {} accepted{}{}\n", one_line(subject), runs.size(), runs.size() == 1 ? "run" : "runs",
-               repeated.empty() ? "" : fmt::format(", {} of them counted once each", counted),
-               counted < 3 ? "; a spread needs three, so it does not judge yet" : "");
+    few = few || counted < analysis::kRecommendedStartUp;
+    tty::print("{:<40} {} runs accepted{}\n", one_line(subject), runs.size(),
+               repeated.empty() ? "" : fmt::format(", {} of them counted once each", counted));
     for (const auto& [run, earlier] : repeated)
       tty::print("  run {} repeats run {}: the same content, or the same figures\n", run, earlier);
   }
+  if (few)
+    tty::print("fewer than {} runs: charts find small shifts later (docs/nights.md)\n", analysis::kRecommendedStartUp);
   if (session.json) print_json("baseline.accept", {{"store", session.db}, {"baselines", json}});
 }
 
@@ -99,7 +126,9 @@ void add_baseline(CLI::App& app, Session& session) {
   group->require_subcommand(1);
   auto options = std::make_shared<BaselineOptions>();
   CLI::App* accept = group->add_subcommand(
-      "accept", "compare later figures of each subject with the spread of these runs; replaces the previous baseline");
+      "accept",
+      "compare later figures of each subject with the spread of these runs, at least 8, better 20; replaces the "
+      "previous baseline");
   accept
       ->add_option("runs", options->runs,
                    "numbers and ranges, e.g. 1-88 90; runs without figures are skipped, runs that repeat another "

@@ -38,44 +38,60 @@ std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::
 }
 
 nlohmann::ordered_json followed_json(const Followed& followed) {
-  nlohmann::ordered_json json = {{"subject", followed.subject}, {"figures", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json = {{"subject", followed.subject}};
+  if (followed.same_seeds != 0) json["same_seeds_as_run"] = followed.same_seeds;
+  json["figures"] = nlohmann::ordered_json::array();
   for (const FollowedFigure& figure : followed.figures) {
-    nlohmann::ordered_json own = {{"name", figure.name},       {"runs", figure.runs},       {"values", figure.values},
-                                  {"missing", figure.missing}, {"outside", figure.outside}, {"drifts", figure.drifts}};
-    if (figure.band)
-      own["baseline"] = {{"runs", figure.band->values},
-                         {"mean", figure.band->mean},
-                         {"deviation", figure.band->deviation},
-                         {"low", figure.band->low},
-                         {"high", figure.band->high}};
-    if (figure.trend)
-      own["trend"] = {{"probability", figure.trend->probability},
-                      {"slope_per_run", figure.trend->slope},
-                      {"moved", figure.trend->moved}};
+    const analysis::FigureChart& chart = figure.chart;
+    nlohmann::ordered_json own = {{"name", figure.name},       {"runs", figure.runs},
+                                  {"values", figure.values},   {"missing", figure.missing},
+                                  {"outside", figure.outside}, {"shifted", figure.shifted}};
+    if (chart.band)
+      own["baseline"] = {{"runs", chart.band->values},         {"mean", chart.band->mean},
+                         {"deviation", chart.band->deviation}, {"low", chart.band->low},
+                         {"high", chart.band->high},           {"constant", chart.constant},
+                         {"logarithmic", chart.logarithmic}};
+    if (chart.ewma)
+      own["ewma"] = {{"runs", chart.ewma->later},
+                     {"value", chart.level},
+                     {"deviations", chart.ewma->ewma},
+                     {"probability", chart.probability}};
+    if (chart.slope) own["slope_per_run"] = *chart.slope;
     json["figures"].push_back(own);
   }
   return json;
 }
 
+std::string baseline_text(const Followed& followed) {
+  if (!followed.baseline) return "no baseline";
+  std::string text = fmt::format("baseline of {}", analysis::counted(followed.baseline->runs.size(), "run"));
+  if (followed.repeated > 0)
+    text += fmt::format(", of which {} repeat another run and do not count", followed.repeated);
+  text += fmt::format(" ({})", one_line(followed.baseline->reason));
+  if (const std::string too_short = short_baseline(followed); !too_short.empty()) text += "; " + too_short;
+  if (followed.same_seeds != 0)
+    text += fmt::format("; run {} has the seeds of run {}: no moving average", followed.run, followed.same_seeds);
+  return text;
+}
+
+std::string judged_text(const FollowedFigure& figure) {
+  const analysis::FigureChart& chart = figure.chart;
+  std::string text;
+  if (chart.band) text = fmt::format("  {:.5g} to {:.5g}", chart.band->low, chart.band->high);
+  if (chart.ewma) text += fmt::format("  average {:.5g}, p {:.1g}", chart.level, chart.probability);
+  if (figure.missing) return text + "  MISSING";
+  if (figure.outside) return text + "  OUTSIDE";
+  if (!figure.shifted) return text;
+  return text + "  shifted" + (chart.slope ? fmt::format(", {:+.2g} a run", *chart.slope) : std::string());
+}
+
 void show_followed(const Followed& followed) {
-  tty::print("{}{}\n", one_line(followed.subject),
-             followed.baseline
-                 ? fmt::format(": baseline of {}{} ({})", analysis::counted(followed.baseline->runs.size(), "run"),
-                               followed.repeated == 0 ? ""
-                                                      : fmt::format(", of which {} repeat another run and do not count",
-                                                                    followed.repeated),
-                               one_line(followed.baseline->reason))
-                 : std::string(": no baseline"));
+  tty::print("{}: {}\n", one_line(followed.subject), baseline_text(followed));
   for (const FollowedFigure& figure : followed.figures) {
     const std::string line = sparkline(figure.values, kTrendWidth);
     const std::size_t shown = std::min(kTrendWidth, figure.values.size());
-    tty::print("  {:<28} {}{} {:>11.5g}{}{}\n", one_line(figure.name), line, std::string(kTrendWidth - shown, ' '),
-               figure.values.back(),
-               figure.band ? fmt::format("  {:.5g} to {:.5g}", figure.band->low, figure.band->high) : std::string(),
-               figure.missing   ? "  MISSING"
-               : figure.outside ? "  OUTSIDE"
-               : figure.drifts  ? fmt::format("  drifts, {:+.2g} a run", figure.trend->slope)
-                                : std::string());
+    tty::print("  {:<28} {}{} {:>11.5g}{}\n", one_line(figure.name), line, std::string(kTrendWidth - shown, ' '),
+               figure.values.back(), judged_text(figure));
   }
 }
 
@@ -84,8 +100,11 @@ void trend(const TrendOptions& options, Session& session) {
   std::vector<Followed> subjects;
   std::string origin;
   std::size_t figures = 0;
-  for (const std::string& subject : chosen_subjects(options, store)) {
-    Followed& followed = subjects.emplace_back(follow(store, subject));
+  for (const std::string& subject : chosen_subjects(options, store)) subjects.push_back(follow(store, subject));
+  std::vector<Followed*> family;
+  for (Followed& followed : subjects) family.push_back(&followed);
+  judge_together(family);
+  for (Followed& followed : subjects) {
     if (!options.figure.empty())
       std::erase_if(followed.figures, [&](const FollowedFigure& figure) { return figure.name != options.figure; });
     figures += followed.figures.size();
@@ -98,9 +117,9 @@ void trend(const TrendOptions& options, Session& session) {
     return std::ranges::any_of(subjects, [&](const Followed& f) { return std::ranges::any_of(f.figures, what); });
   };
   if (options.check)
-    session.code = any(&FollowedFigure::outside)  ? ExitCode::kCriterionFailed
-                   : any(&FollowedFigure::drifts) ? ExitCode::kInconclusive
-                                                  : ExitCode::kPass;
+    session.code = any(&FollowedFigure::outside)   ? ExitCode::kCriterionFailed
+                   : any(&FollowedFigure::shifted) ? ExitCode::kInconclusive
+                                                   : ExitCode::kPass;
   if (!options.html.empty())
     write_output(options.html, trend_page("Figures over time", origin, subjects), session.replace);
   if (session.json) {
@@ -118,15 +137,16 @@ void trend(const TrendOptions& options, Session& session) {
 
 void add_trend(CLI::App& app, Session& session) {
   auto options = std::make_shared<TrendOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "trend", "figures of a sensor, a rig or a scenario run by run, with the spread of its accepted baseline");
+  CLI::App* verb = app.add_subcommand("trend",
+                                      "figures of a sensor, a rig or a scenario run by run, with the band and the "
+                                      "moving average of its accepted baseline");
   verb->add_option("--sensor", options->sensor, "serial; its figures come from `fit`");
   verb->add_option("--subject", options->subject, "subject or its beginning: nightly/paper, rig/bench-1");
   verb->add_option("--figure", options->figure, "this figure alone");
   verb->add_option("--html", options->html, "write a page with a plot for each figure");
   add_replace(*verb, session);
   verb->add_flag("--check", options->check,
-                 "exit 1 when the newest value of a figure is outside its band, 6 when one drifts");
+                 "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted");
   add_common(*verb, session);
   verb->callback([options, &session] { trend(*options, session); });
 }

@@ -7,6 +7,7 @@
 
 #include "bench/cli/session.h"
 #include "bench/cli/words/command_tree.h"
+#include "bench/cli/words/key_reference.h"
 #include "bench/common/build_info.h"
 
 namespace tactbench::bench {
@@ -30,6 +31,8 @@ void add_completion(CLI::App& app) {
   CLI::App* manual = app.add_subcommand("manual-page", "tactbench(1), for the build")->group("");
   manual->callback(
       [&app] { tty::print("{}", manual_page(command_tree(app), build_info().version, build_info().date)); });
+  CLI::App* keys = app.add_subcommand("reference-keys", "docs/reference-keys.md, for the documents")->group("");
+  keys->callback([] { tty::print("{}", key_reference()); });
 }
 
 }  // namespace tactbench::bench

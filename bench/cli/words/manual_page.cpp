@@ -2,6 +2,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "bench/cli/words/command_tree.h"
 
@@ -86,14 +88,45 @@ std::string option_entry(const CommandArgument& argument) {
   return text + "\n";
 }
 
-std::string verb_section(const CommandNode& node) {
+constexpr int kCommon = 5;  // options that so many verbs take alike stand once, in a section of their own
+
+// Entries of options by how many verbs have them, in the same words.
+std::map<std::string, int> option_counts(const CommandNode& root) {
+  std::map<std::string, int> counts;
+  for (const CommandNode* node : all_nodes(root))
+    for (const CommandArgument& argument : node->arguments)
+      if (!argument.positional) ++counts[option_entry(argument)];
+  return counts;
+}
+
+// Without what other verbs have as well: the footer of the whole command line, and the common options, which are named.
+std::string verb_section(const CommandNode& node, const CommandNode& root, const std::map<std::string, int>& counts) {
   std::string text =
       fmt::format(".SS {}\n{}\n.PP\n{}.\n", roff(node.path), synopsis_of(node), roff_paragraph(node.about));
+  std::vector<std::string> common;
   for (const CommandArgument& argument : node.arguments) {
-    const bool help = argument.names.back() == "--help";
-    if (!help) text += option_entry(argument);
+    if (argument.names.back() == "--help") continue;
+    const std::string entry = option_entry(argument);
+    if (argument.positional || counts.at(entry) < kCommon)
+      text += entry;
+    else
+      common.push_back(fmt::format("\\fB{}\\fR", roff(argument.names.back())));
   }
-  if (!node.footer.empty()) text += fmt::format(".PP\n{}\n", roff_paragraph(node.footer));
+  if (!common.empty()) text += fmt::format(".PP\nCommon options: {}.\n", fmt::join(common, ", "));
+  if (!node.footer.empty() && node.footer != root.footer) text += fmt::format(".PP\n{}\n", roff_paragraph(node.footer));
+  return text;
+}
+
+std::string common_options(const CommandNode& root, const std::map<std::string, int>& counts) {
+  std::string text = ".SH COMMON OPTIONS\nOf the verbs that name them.\nEvery verb takes \\fB\\-\\-help\\fR.\n";
+  std::set<std::string> written;
+  for (const CommandNode* node : all_nodes(root)) {
+    for (const CommandArgument& argument : node->arguments) {
+      const std::string entry = option_entry(argument);
+      if (argument.positional || argument.names.back() == "--help" || counts.at(entry) < kCommon) continue;
+      if (written.insert(entry).second) text += entry;
+    }
+  }
   return text;
 }
 
@@ -183,9 +216,11 @@ std::string manual_page(const CommandNode& root, const std::string& version, con
       "go to standard output, messages to standard error. An error states what is wrong, where, and how to correct it, "
       "with an identifier TB-...");
   text += "\n.SH VERBS\n";
+  const std::map<std::string, int> counts = option_counts(root);
   for (const CommandNode* node : all_nodes(root)) {
-    if (!node->path.empty()) text += verb_section(*node);
+    if (!node->path.empty()) text += verb_section(*node, root, counts);
   }
+  text += common_options(root, counts);
   text += ".SH WHO MAY COMMAND\n";
   text += roff_paragraph(
       "One run at a time uses a bench, whichever user and login started it. Root, the user of the run and members of "

@@ -21,7 +21,7 @@ MOST_WHITE = 0.55  # share of a page that may be empty below its last line, the 
 
 
 def run(words, **more):
-    return subprocess.run(words, capture_output=True, text=True, timeout=180, check=False, **more)
+    return subprocess.run(words, capture_output=True, text=True, timeout=900, check=False, **more)
 
 
 def chromium(folder, *words):

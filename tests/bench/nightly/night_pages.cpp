@@ -26,7 +26,7 @@ FollowedFigure figure_of(std::vector<double> values) {
 
 FollowedFigure banded(std::vector<double> values) {
   FollowedFigure figure = figure_of(std::move(values));
-  figure.band = analysis::ControlBand{1.5, 0.125, 1.0, 2.0, 8};
+  figure.chart.band = analysis::ControlBand{1.5, 0.125, 1.0, 2.0, 8};
   return figure;
 }
 
@@ -34,6 +34,7 @@ std::string page_of(const FollowedFigure& figure, bool baseline = false) {
   Followed followed;
   followed.subject = "nightly/paper";
   if (baseline) followed.baseline = db::BaselineRecord{1, "nightly/paper", "as made", "K. Lee", "2026-01-01", {1, 2}};
+  followed.counted = 8;
   followed.figures = {figure};
   return trend_page("Title", "hardware", {followed});
 }
@@ -72,7 +73,7 @@ std::vector<ScenarioResult> two_results() {
 TEST_CASE("small plot: three values before their band, the last one a dot") {
   check_parts(page_of(banded({1.0, 3.0, 2.0}), true),
               {"<caption>nightly/paper: baseline of 2 runs, as made, accepted by K. Lee on 2026-01-01</caption>",
-               "<tr><th scope=\"row\">error_psi</th><td class=\"n\">2</td><td class=\"n\">1.5 ± 0.5</td>",
+               "<tr><th scope=\"row\">error_psi</th><td class=\"n\">2</td><td class=\"n\">1.5; 1 to 2</td>",
                "<svg width=\"170\" height=\"30\" role=\"img\"><title>error_psi over the last 3 runs, 1 to 3</title>"
                "<path class=\"band\" d=\"M0 15H170V27.93H0Z\"/><path class=\"line\" d=\"M4 27.93L85 2.07L166 15\"/>"
                "<circle class=\"dot\" cx=\"166\" cy=\"15\" r=\"2.5\"/></svg>",
@@ -85,6 +86,19 @@ TEST_CASE("small plot: three values before their band, the last one a dot") {
                "<span class=\"sign\">✗</span> outside</span>"});
 }
 
+TEST_CASE("a page says what a short baseline and repeated seeds do not judge") {
+  Followed followed;
+  followed.subject = "nightly/paper";
+  followed.baseline = db::BaselineRecord{1, "nightly/paper", "as made", "K. Lee", "2026-01-01", {1, 2, 3}};
+  followed.counted = 3;
+  followed.run = 9;
+  followed.same_seeds = 7;
+  check_parts(
+      trend_page("Title", "simulated", {followed}),
+      {"accepted by K. Lee on 2026-01-01; fewer than 8 measurements: it tells gross changes only, accept a longer "
+       "one; run 9 has the seeds of run 7: no moving average</caption>"});
+}
+
 TEST_CASE("small plot: a single value in the middle, and the newest sixty of more") {
   check_parts(page_of(figure_of({5.0})), {"<title>error_psi over the last 1 run, 5 to 5</title><path class=\"line\" "
                                           "d=\"M85 15\"/><circle class=\"dot\" cx=\"85\" cy=\"15\" r=\"2.5\"/>",
@@ -95,34 +109,39 @@ TEST_CASE("small plot: a single value in the middle, and the newest sixty of mor
   check_parts(page_of(figure_of(many)),
               {"<title>error_psi over the last 60 runs, 2 to 3</title>", "d=\"M4 27.93L6.75 "});
   FollowedFigure figure = banded({1.0, 2.0});
-  figure.drifts = true;
-  check_parts(page_of(figure), {"<span class=\"sign\">▲</span> drifts</span>"});
+  figure.shifted = true;
+  check_parts(page_of(figure), {"<span class=\"sign\">▲</span> shifted</span>"});
   figure.missing = figure.outside = true;
   check_parts(page_of(figure), {"<span class=\"sign\">✗</span> missing</span>"});
   CHECK(page_of(figure).find("SIMULATED") == std::string::npos);
   CHECK(trend_page("Title", "simulated", {}).find("SIMULATED") != std::string::npos);
 }
 
-TEST_CASE("lines about figures that lie outside, are missing or drift") {
+TEST_CASE("lines about figures that lie outside, are missing or shifted") {
   Followed followed;
   followed.run = 9;
   followed.baseline = db::BaselineRecord{1, "s", "as made", "K. Lee", "", {1, 2}};
   followed.figures = {banded({1.5, 2.25}), banded({1.5}), banded({1.5})};
   followed.figures[0].outside = true;
   followed.figures[1].outside = followed.figures[1].missing = true;
-  followed.figures[2].drifts = true;
-  followed.figures[2].trend = analysis::MonotoneTrend{0.0002, -0.125, -1.5};
+  FollowedFigure& moved = followed.figures[2];
+  moved.shifted = true;
+  moved.chart.ewma = analysis::EwmaState{8, 5, 1.5, 0.125, -2.0, -4.5};
+  moved.chart.level = 1.25;
+  moved.chart.probability = 0.0002;
+  moved.chart.slope = -0.125;
   CHECK(
       outside_lines(followed) ==
       std::vector<std::string>{"error_psi is 2.25, outside 1 to 2 of the baseline (mean 1.5, spread 0.12 of 8 runs; as "
                                "made, accepted by K. Lee)",
                                "error_psi is missing from run 9; the baseline has it (as made, accepted by K. Lee)"});
-  CHECK(drift_lines(followed) ==
-        std::vector<std::string>{"error_psi drifts: -0.125 per run, -1.5 in all, by chance with p = 0.0002; the "
-                                 "baseline's spread is 0.12"});
-  followed.figures[2].band.reset();
-  CHECK(drift_lines(followed) ==
-        std::vector<std::string>{"error_psi drifts: -0.125 per run, -1.5 in all, by chance with p = 0.0002"});
+  CHECK(shift_lines(followed) ==
+        std::vector<std::string>{
+            "error_psi shifted: its moving average is 1.25, -2 of the baseline's deviations from its "
+            "mean 1.5 (8 runs), by chance with p = 0.0002 in 60 runs; -0.125 per run"});
+  followed.figures[0].chart.constant = true;
+  CHECK(outside_lines(followed).front() ==
+        "error_psi is 2.25, and was 1.5 in each of 8 runs of the baseline (as made, accepted by K. Lee)");
 }
 
 TEST_CASE("a night as JUnit XML and metrics, by the letter") {
@@ -135,8 +154,8 @@ TEST_CASE("a night as JUnit XML and metrics, by the letter") {
         "  <testcase classname=\"s\" name=\"three\" time=\"0.000\"><error message=\"it did not run\"/></testcase>\n"
         "</testsuite>\n");
   std::vector<ScenarioResult> results = two_results();
-  results[0].remarks = {"drifts <a>"};
-  CHECK(junit_xml(three_scenarios(), results).find("time=\"1.250\"><system-out>drifts &lt;a&gt;</system-out>") !=
+  results[0].remarks = {"shifted <a>"};
+  CHECK(junit_xml(three_scenarios(), results).find("time=\"1.250\"><system-out>shifted &lt;a&gt;</system-out>") !=
         std::string::npos);
   CHECK(metrics_text(three_scenarios(), two_results()) ==
         "# HELP tactbench_nightly_green 1 when a scenario gave the expected result.\n"
@@ -165,11 +184,11 @@ TEST_CASE("the page of a night: red ones first, those that did not run last, fig
        "scope=\"row\">three</th><td class=\"state fail\">✗ not run</td>",
        "SIMULATED"});
   CHECK(page.find("Figures over the nights") == std::string::npos);
-  night.results[0].remarks = {"drifts"};
+  night.results[0].remarks = {"shifted"};
   night.followed.emplace_back();
   night.followed.back().subject = "nightly/one";
   night.followed.back().figures = {banded({1.0, 2.0})};
   check_parts(night_page(three_scenarios(), night),
-              {"Figures over the nights", "▲</span> drifts</span></td><td class=\"n\">1.2</td>",
-               "<br/><span class=\"doubt\">drifts</span>", "<caption>nightly/one</caption>"});
+              {"Figures over the nights", "▲</span> moved</span></td><td class=\"n\">1.2</td>",
+               "<br/><span class=\"doubt\">shifted</span>", "<caption>nightly/one</caption>"});
 }

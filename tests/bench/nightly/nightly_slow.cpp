@@ -1,11 +1,14 @@
 // The verb itself, in its own process, with the processes that it starts.
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "db/run_store.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
+using namespace tactbench;
 using namespace tactbench::tests;
 
 namespace {
@@ -89,29 +92,41 @@ TEST_CASE("nights are kept in one store, compared with a baseline, and changes a
   const auto call = [&](std::vector<std::string> words) {
     return run_program(program_path(), std::move(words), folder.path());
   };
-  const Finished seeds = call({"nightly", "./suite.toml", "--db", "nights.db", "--seeds", "4", "--json"});
+  const Finished seeds = call({"nightly", "./suite.toml", "--db", "nights.db", "--seeds", "8", "--json"});
   INFO(seeds.err << seeds.out);
   REQUIRE(seeds.code == 0);
   CHECK(json_of(seeds).at("scenarios").at(3).at("name") == "short-seed-4");
   CHECK(json_of(seeds).at("scenarios").at(3).at("runs").at(0).at("run") == 4);
   CHECK(json_of(seeds).at("scenarios").at(3).at("compared") == "first run with this seed");
-  CHECK(call({"baseline", "accept", "1-4", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
-  REQUIRE(call({"baseline", "accept", "1-4", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
+  CHECK(call({"baseline", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee"}).code == 2);
+  REQUIRE(call({"baseline", "accept", "1-8", "--db", "nights.db", "--by", "K. Lee", "--reason", "as made"}).code == 0);
   const Finished same = call({"nightly", "./suite.toml", "--db", "nights.db", "--json", "--html", "night.html"});
   INFO(same.err << same.out);
   CHECK(same.code == 0);
-  CHECK(json_of(same).at("scenarios").at(0).at("compared") == "same content as run 1");
+  CHECK(json_of(same).at("scenarios").at(0).at("compared") == "same frames as run 1");
   CHECK(run_program("/usr/bin/xmllint", {"--noout", "night.html"}, folder.path()).code == 0);
+  {  // another program's analysis of the same frames
+    db::RunStore store = db::RunStore::open(folder.path("nights.db"));
+    std::map<std::string, double> figures;
+    for (const db::FigureRecord& figure : store.figures("nightly/short"))
+      if (figure.run == 9) figures[figure.name] = figure.value;
+    figures.at("mean_error_psi") += 1e-6;
+    store.replace_figures(9, "nightly/short", figures);
+  }
+  const Finished moved = call({"nightly", "./suite.toml", "--db", "nights.db", "--json"});
+  CHECK(moved.code == 6);
+  CHECK_THAT(json_of(moved).at("scenarios").at(0).at("remarks").at(0).get<std::string>(),
+             Catch::StartsWith("mean_error_psi is ") && Catch::EndsWith("in run 9, of the same frames"));
   const Finished noisy = call({"nightly", "./noisy.toml", "--db", "nights.db", "--junit", "night.xml", "--json"});
   CHECK(noisy.code == 1);
   const nlohmann::json result = json_of(noisy).at("scenarios").at(0);
-  CHECK(result.at("compared").get<std::string>().starts_with("content changed since run 5"));
+  CHECK(result.at("compared").get<std::string>().starts_with("frames changed since run 10"));
   const std::string junit = read_file(folder.path("night.xml"));
   CHECK_THAT(junit, Catch::Contains("noisiest_taxel_mv is") && Catch::Contains("of the baseline (mean"));
   const Finished trend = call({"trend", "--subject", "nightly/short", "--figure", "noisiest_taxel_mv", "--db",
                                "nights.db", "--check", "--json"});
   CHECK(trend.code == 1);
-  CHECK(json_of(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 6);
+  CHECK(json_of(trend).at("subjects").at(0).at("figures").at(0).at("values").size() == 11);
   CHECK(call({"trend", "--subject", "nightly/none", "--db", "nights.db"}).code == 2);
   CHECK(call({"db", "check", "--db", "nights.db"}).code == 0);
 }

@@ -52,13 +52,20 @@ try:
             continue
         raise AssertionError(f"{view} takes a DELETE")
 
+    # The view has the counts as well, and the value of one.
+    assert all(frame["counts"] == blob[0] for frame, blob in zip(frames, store.execute("SELECT counts FROM frames ORDER BY frame")))
+    assert 0 < frames[0]["volts_per_count"] < 1e-3 and frames[0]["fz_n"] is None
+
     # A frame in one line.
     blobs = store.execute('SELECT counts, scans, "rows", columns FROM frames ORDER BY frame').fetchall()
     decoded = [list(array.array("H", counts)) for counts, *_ in blobs]
     assert all(len(counts) == s * r * c for counts, (_, s, r, c) in zip(decoded, blobs))
 
     with open(os.path.join(folder, "run.csv"), newline="") as file:
-        lines = list(csv.DictReader(file))
+        text = file.readlines()
+    about = dict(line[2:].strip().split(": ", 1) for line in text if line.startswith("# "))
+    assert about["tactbench"] == "frames of run 1" and about["origin"] == "simulated" and about["recipes"] == "small", about
+    lines = list(csv.DictReader(line for line in text if not line.startswith("#")))
     scans = blobs[0][1]
     assert len(lines) == 11 * scans, len(lines)
     for number, line in enumerate(lines):
@@ -68,7 +75,10 @@ try:
         assert line["recipe"] == "small"
         for r in range(16):
             for c in range(16):
-                assert int(line[f"counts_r{r}_c{c}"]) == decoded[frame][(scan * 16 + r) * 16 + c]
+                counts = int(line[f"counts_r{r}_c{c}"])
+                assert counts == decoded[frame][(scan * 16 + r) * 16 + c]
+                assert abs(float(line[f"volts_r{r}_c{c}"]) - counts * frames[frame]["volts_per_count"]) < 1e-6
+        assert line["time_s"] == f"{frames[frame]['time_ns'] / 1e9:.9f}".rstrip("0").rstrip(".")
 
     with open(os.path.join(folder, "run.json")) as file:
         document = json.load(file)

@@ -116,6 +116,23 @@ TEST_CASE("the plain dynamic compensator gives a plant's pressures back", "[dyna
   }
 }
 
+TEST_CASE("beyond a nearly level piece of a branch the creep's target is not guessed along its slope", "[dynamic]") {
+  const PreisachModel film(0.0, 60.0, 0.0, {2.0, 0.0, 0.01, 0.0, 0.0, 2.0});  // 10 mV from 20 to 40 psi
+  DynamicSetup setup = dynamic_array(1, 0.0).setup;
+  setup.intervals = 3;
+  setup.dynamics.creep_share = {0.3, 0.0, 0.0};
+  setup.taxels[0].everett = everett_table(film, 3);
+  DynamicPlant plant(film, setup.dynamics, setup.taxels[0]);
+  DynamicTaxelCompensator compensator(setup, 0);
+  double most = 0.0;
+  for (int i = 0; i <= 60; ++i) {
+    const double psi = i <= 30 ? 2.0 * i : 120.0 - 2.0 * i;
+    const double off = std::abs(compensator.step(plant.step(psi, 2.5), 2.5).pressure_psi - psi);
+    if (psi < 20.0 || psi > 40.0) most = std::max(most, off);
+  }
+  CHECK(most < 1.0);
+}
+
 TEST_CASE("after an unknown start the pressures converge to those of a known start", "[dynamic]") {
   const DynamicArray array = dynamic_array(1, 0.001);
   DynamicPlant plant(array.films[0], array.setup.dynamics, array.setup.taxels[0]);

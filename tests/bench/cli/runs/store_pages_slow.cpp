@@ -84,10 +84,10 @@ TEST_CASE("sensors and db check print a known store") {
 
 TEST_CASE("baseline and trend print runs, ranges, repetitions and a row of blocks") {
   const TemporaryFolder folder;
-  store_figures(folder.path("runs.db"), {0.25, 0.5, 0.75, 0.5});
+  store_figures(folder.path("runs.db"), {0.25, 0.5, 0.75, 0.5, 0.25, 0.375, 0.625, 0.4375, 0.5625, 0.40625, 0.59375});
   check_told(call(folder, {"trend"}), {"rig/b-1: no baseline"});
-  CHECK_THAT(call(folder, {"trend"}).out, Catch::Contains("\n  error_psi" + std::string(20, ' ') + "▁▅█▅ ") &&
-                                              Catch::Contains("         0.5\n") && !Catch::Contains("SIMULATED"));
+  CHECK_THAT(call(folder, {"trend"}).out, Catch::Contains("\n  error_psi" + std::string(20, ' ') + "▁▅█▅▁▃▇▄▆▃▆ ") &&
+                                              Catch::Contains("     0.59375\n") && !Catch::Contains("SIMULATED"));
   const std::string subject = "rig/b-1" + std::string(33, ' ');
   const std::vector<std::string> who = {"--by", "me", "--reason", "as made"};
   const auto accept = [&](std::vector<std::string> words) {
@@ -95,25 +95,37 @@ TEST_CASE("baseline and trend print runs, ranges, repetitions and a row of block
     words.insert(words.end(), who.begin(), who.end());
     return call(folder, words);
   };
-  CHECK(accept({"1"}).out == subject + " 1 run accepted; a spread needs three, so it does not judge yet\n");
-  CHECK(accept({"1-2", "4"}).out ==
-        subject +
-            " 3 runs accepted, 2 of them counted once each; a spread needs three, so it does not judge yet\n"
-            "  run 4 repeats run 2: the same content, or the same figures\n");
-  CHECK(accept({"1-3"}).out == subject + " 3 runs accepted\n");
+  const Finished refused = accept({"1-9"});
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Catch::Contains("[TB-BASELINE-SHORT]") &&
+                              Catch::Contains("rig/b-1 has 7 measurements among these runs, each counted once; a chart "
+                                              "needs 8, and 20 are recommended") &&
+                              Catch::Contains("measure 1 more"));
+  CHECK_THAT(call(folder, {"baseline", "list"}).out, !Catch::Contains("rig/b-1"));
+  const std::string few = "fewer than 20 runs: charts find small shifts later (docs/nights.md)\n";
+  CHECK(accept({"1-10"}).out == subject +
+                                    " 10 runs accepted, 8 of them counted once each\n"
+                                    "  run 4 repeats run 2: the same content, or the same figures\n"
+                                    "  run 5 repeats run 1: the same content, or the same figures\n" +
+                                    few);
+  CHECK(accept({"1-3", "6-10"}).out == subject + " 8 runs accepted\n" + few);
   for (const char* wrong : {"0", "x", "1-", "1-x", "-1"}) CHECK(accept({wrong}).code == 2);
-  CHECK(accept({"9"}).code != 0);
+  CHECK(accept({"99"}).code != 0);
   const Finished list = call(folder, {"baseline", "list"});
-  CHECK_THAT(list.out, Catch::StartsWith("   1  rig/b-1" + std::string(33, ' ') + "1 run  2") &&
-                           Catch::Contains("\n   3  rig/b-1" + std::string(32, ' ') + "3 runs  2") &&
+  CHECK_THAT(list.out, Catch::StartsWith("   1  rig/b-1" + std::string(31, ' ') + "10 runs  2") &&
+                           Catch::Contains("\n   2  rig/b-1" + std::string(32, ' ') + "8 runs  2") &&
                            Catch::Contains("Z  me: as made\n"));
-  check_told(call(folder, {"trend"}), {"rig/b-1: baseline of 3 runs (as made)"});
+  check_told(call(folder, {"trend"}), {"rig/b-1: baseline of 8 runs (as made)"});
   const json told = json::parse(call(folder, {"trend", "--json"}).out);
   const json& figure = told["subjects"][0]["figures"][0];
-  CHECK(figure["values"] == json({0.25, 0.5, 0.75, 0.5}));
-  CHECK(figure["baseline"]["runs"] == 3);
-  CHECK(figure["baseline"]["mean"] == 0.5);
-  CHECK(figure["baseline"]["deviation"] == 0.25);
+  CHECK(figure["values"].size() == 11);
+  CHECK(figure["baseline"]["runs"] == 8);
+  CHECK(figure["baseline"]["mean"] == Approx(0.48828125));
+  CHECK(figure["baseline"]["logarithmic"] == false);
+  CHECK(figure["ewma"]["runs"] == 1);
+  CHECK(figure["ewma"]["deviations"] ==
+        Approx(0.2 * (0.59375 - 0.48828125) / figure["baseline"]["deviation"].get<double>()));
   CHECK(figure["outside"] == false);
+  CHECK(figure["shifted"] == false);
   CHECK(call(folder, {"trend", "--check"}).code == 0);
 }

@@ -254,7 +254,7 @@ TEST_CASE("runs are compared, exported and copied into another store") {
   }
   CHECK(seed);
   CHECK(call(folder, {"runs", "export", "1", "-o", "out/run.csv"}).code == 0);
-  CHECK_THAT(read_file(folder.path("out/run.csv")), Catch::StartsWith("frame,sequence,recipe,"));
+  CHECK_THAT(read_file(folder.path("out/run.csv")), Catch::StartsWith("# tactbench: frames of run 1\n"));
   check_error(call(folder, {"runs", "export", "1", "--format", "xml", "-o", "x"}), 2, "TB-USAGE");
   check_error(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
 

@@ -1,5 +1,5 @@
-// Control bands and trends against published and exactly computed values, and the promised rate of false alarms.
-#include "analysis/statistics/figures/control_band.h"
+// Control bands and slopes against published and exactly computed values, and the promised rate of false alarms.
+#include "analysis/statistics/control/control_band.h"
 
 #include <array>
 #include <catch2/catch.hpp>
@@ -19,6 +19,10 @@ TEST_CASE("Student quantiles are those of the tables") {
   CHECK(student_quantile(0.975, std::numeric_limits<double>::infinity()) == Approx(1.959964).epsilon(1e-6));
   CHECK(std::isnan(student_quantile(1.0, 4.0)));
   CHECK(std::isnan(student_quantile(0.5, 0.0)));
+  CHECK(student_two_sided(-2.228139, 10.0) == Approx(0.05).epsilon(1e-6));
+  CHECK(student_two_sided(1.959964, std::numeric_limits<double>::infinity()) == Approx(0.05).epsilon(1e-6));
+  CHECK(student_two_sided(std::numeric_limits<double>::infinity(), 3.0) == 0.0);
+  CHECK(std::isnan(student_two_sided(1.0, 0.0)));
 }
 
 TEST_CASE("a control band is the prediction interval of a normal sample") {
@@ -48,17 +52,11 @@ TEST_CASE("values from the baseline's distribution fall outside at the stated ra
   CHECK(outside / double(kTrials) == Approx(0.02).margin(0.004));  // four standard errors
 }
 
-TEST_CASE("the Mann-Kendall test is exact without ties and corrected with them") {
-  const auto up = monotone_trend(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0});
-  REQUIRE(up);
-  CHECK(up->probability == Approx(2.0 / 5040.0));
-  CHECK(up->slope == 1.0);
-  CHECK(up->moved == 6.0);
-  CHECK(monotone_trend(std::array{4.0, 3.0, 2.0, 1.0})->probability == Approx(2.0 / 24.0));
-  CHECK(monotone_trend(std::array{4.0, 3.0, 2.0, 1.0})->slope == -1.0);
-  CHECK(monotone_trend(std::array{1.0, 4.0, 2.0, 3.0})->probability == Approx(18.0 / 24.0));  // |S| = 2 or more
-  CHECK(monotone_trend(std::array{1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0})->probability == Approx(0.0518).margin(5e-4));
-  CHECK(monotone_trend(std::vector<double>(9, 4.0))->probability == 1.0);
-  CHECK_FALSE(monotone_trend(std::array{1.0, 2.0, 3.0}));
-  CHECK_FALSE(monotone_trend(std::array{1.0, 2.0, 3.0, std::nan("")}));
+TEST_CASE("the Theil-Sen slope is the median of the slopes between any two values") {
+  CHECK(theil_sen_slope(std::array{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) == 1.0);
+  CHECK(theil_sen_slope(std::array{4.0, 3.0, 2.0, 1.0}) == -1.0);
+  CHECK(*theil_sen_slope(std::array{1.0, 4.0, 2.0, 3.0}) == Approx(7.0 / 12.0));  // -2, -0.5, 0.5, 2/3, 1, 3
+  CHECK(theil_sen_slope(std::vector<double>(9, 4.0)) == 0.0);
+  CHECK_FALSE(theil_sen_slope(std::array{1.0, 2.0, 3.0}));
+  CHECK_FALSE(theil_sen_slope(std::array{1.0, 2.0, 3.0, std::nan("")}));
 }

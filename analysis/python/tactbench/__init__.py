@@ -1,0 +1,19 @@
+"""Runs and models of tactbench in Python.
+
+    from tactbench import Compensator, Store
+    frames = Store("runs.db").frames(1)                # xarray.Dataset: volts, reference_psi ..., each with its units
+    stream = Compensator.load("runs.db", run=1)        # or .load("model.json"): counts in, pressures out
+    frame = stream.counts(counts)                      # frame.pressure, frame.uncertainty, frame.status
+
+Python 3.8 or newer. Reading frames needs numpy, and xarray or pandas for their objects; compensating needs nothing else.
+"""
+
+from tactbench_compensator import (DEAD, FLAT, LOST, OUT_OF_RANGE, OUTSIDE, UNKNOWN, VALID, CompensatorError,
+                                   DynamicTaxel, Frame, Taxel)
+
+from .errors import MissingPackage, TactbenchError
+from .models import Compensator
+from .store import Store
+
+__all__ = ["Compensator", "CompensatorError", "DEAD", "DynamicTaxel", "FLAT", "Frame", "LOST", "MissingPackage",
+           "OUTSIDE", "OUT_OF_RANGE", "Store", "TactbenchError", "Taxel", "UNKNOWN", "VALID"]

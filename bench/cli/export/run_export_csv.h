@@ -1,0 +1,21 @@
+// A run's frames, or an imported run's series, as a table that every program reads.
+#pragma once
+
+#include <iosfwd>
+
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+inline constexpr const char* kSeriesHead = "sequence,name,taxel,position,input,output\n";
+
+// First the run, in lines that begin with '#'; then the columns' names, which end in their unit; then a line a scan:
+// its frame's numbers, raw counts and, where the scanner's volts per count are stored, volts. Times have all their
+// digits, volts seven; what was not measured is empty. Goes frame by frame, for a long run needs too much memory.
+void frames_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream);
+void series_csv(const db::RunStore& store, const db::RunRecord& run, std::ostream& stream);
+
+// The branch of a frame; `branches` as the store gives them. Throws Error TB-STORE-SQL when there is none.
+const db::BranchRecord& branch_in(const std::vector<db::BranchRecord>& branches, std::int64_t key);
+
+}  // namespace tactbench::bench

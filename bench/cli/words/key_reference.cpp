@@ -1,0 +1,292 @@
+#include "bench/cli/words/key_reference.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/config/config_profile.h"
+#include "bench/config/operator_profile.h"
+#include "bench/nightly/suite.h"
+#include "sequences/recipe.h"
+#include "sequences/toml/key_recorder.h"
+#include "sequences/toml/strict_toml.h"
+
+namespace tactbench::bench {
+namespace {
+
+using sequences::KeyRecorder;
+using sequences::KeyUse;
+using sequences::Override;
+
+constexpr const char* kName = "the reference of keys";  // stands for a file
+
+// What a key's ending says of its value. Longer endings first.
+constexpr std::array<std::pair<const char*, const char*>, 41> kUnits = {
+    {{"_percent_per_min", "% a minute"},
+     {"_per_thousand_cycles", "1 a thousand cycles"},
+     {"_v_per_month", "V a month"},
+     {"_drift_per_month", "1 a month"},
+     {"_n_per_mm2", "N/mm²"},
+     {"_n_per_mm", "N/mm"},
+     {"_mm_per_s", "mm/s"},
+     {"_psi_per_s", "psi/s"},
+     {"_percent_fs", "% of full scale"},
+     {"_percent", "%"},
+     {"_per_second", "1/s"},
+     {"_months", "months"},
+     {"_counts", "counts"},
+     {"_share", "1"},
+     {"_crosstalk", "1"},
+     {"_nonuniformity", "1"},
+     {"temperature_coefficient", "1/K"},
+     {"_variation", "1"},
+     {"chamber_tilt", "1"},
+     {"damping", "1"},
+     {"coverage_factor", "1"},
+     {"volts_span", "V"},
+     {"raw_span", "counts"},
+     {"span_psi", "psi"},
+     {"span_bar", "bar"},
+     {"span_c", "°C"},
+     {"baud", "bit/s"},
+     {"_nmm", "N mm"},
+     {"_mm2", "mm²"},
+     {"_deg", "°"},
+     {"_psi", "psi"},
+     {"_bar", "bar"},
+     {"_mm", "mm"},
+     {"_ms", "ms"},
+     {"_hz", "Hz"},
+     {"_n", "N"},
+     {"_s", "s"},
+     {"_v", "V"},
+     {"_c", "°C"},
+     {"grid.x", "mm"},
+     {"grid.y", "mm"}}};
+// Of a recipe, in the unit that its key `unit` names.
+constexpr std::array kOfRecipe = {"turning_points", "step", "conditioning.peak", "random.low", "random.high"};
+
+std::string unit_of(const KeyUse& use, bool recipe) {
+  if (use.type == "text" || use.type == "one of" || use.type == "true or false" || use.type == "date") return "";
+  for (const char* key : kOfRecipe)
+    if (recipe && use.key == key) return "`unit`";
+  for (const auto& [ending, unit] : kUnits)
+    if (use.key.ends_with(ending)) return unit;
+  return "";
+}
+
+// `|` would end a cell.
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+  return text;
+}
+
+std::string row_of(const KeyUse& use, bool recipe) {
+  std::string usual = use.required           ? "required"
+                      : use.defaults.empty() ? ""
+                                             : fmt::format("`{}`", fmt::join(use.defaults, "` or `"));
+  return fmt::format("| `{}` | {} | {} | {} | {} |\n", use.key, use.type, unit_of(use, recipe),
+                     cell(fmt::format("{}", fmt::join(use.ranges, "; or "))), cell(usual));
+}
+
+struct FileKind {
+  const char *title, *about, *name;
+  std::function<void()> read;
+};
+
+// Everything that a bench may have; the alternatives exclude each other, so there are several.
+constexpr const char* kBench = R"(schema = 1
+[bench]
+id = "bench"
+origin = "simulated"
+[limits]
+force_n = [5, 5, 35]
+[module]
+profile = "beckhoff-ek9000"
+[regulator]
+serial = "1"
+[reference]
+model = "transducer"
+serial = "2"
+[stage]
+[force]
+[simulation]
+faults = [{kind = "valve_stuck", at_s = 1, at_psi = 1, at_n = 1, value = 1}]
+defect = [{kind = "swapped", row = 0, column = 0, other_row = 1, other_column = 1}]
+)";
+constexpr const char* kHardware = R"(schema = 1
+[bench]
+id = "bench"
+origin = "hardware"
+[module]
+profile = "waveshare-analog-output-8ch-b"
+transport = "rtu"
+serial_port = "/dev/ttyUSB0"
+[input_module]
+profile = "waveshare-analog-input-8ch-b"
+unit = 2
+[regulator]
+serial = "1"
+[reference]
+model = "gauge"
+serial = "2"
+[reference.gauge]
+unit = 3
+address = 0
+[reference.correction]
+reading_psi = [0]
+correction_psi = [0]
+expanded_uncertainty_psi = [0.1]
+[[environment.sensor]]
+quantity = "temperature_c"
+unit = 4
+address = 0
+[[environment.sensor]]
+quantity = "supply_bar"
+transport = "rtu"
+serial_port = "/dev/ttyUSB1"
+address = 0
+[scanner]
+kind = "daqmx"
+[stage]
+port = "/dev/ttyUSB2"
+[force]
+kind = "daq"
+calibration_file = "FT.cal"
+)";
+
+void read_benches() {
+  (void)parse_bench(kBench, kName, {});
+  (void)parse_bench(kBench, kName,
+                    {{"scanner.kind", "frame-source"}, {"force.kind", "digital"}, {"bench.simulator", "in-process"}});
+  (void)parse_bench(kHardware, kName, {});
+  (void)parse_bench(kHardware, kName,
+                    {{"input_module.transport", "rtu"}, {"input_module.serial_port", "/dev/ttyUSB3"}});
+}
+
+constexpr const char* kRecipe = R"(schema = 1
+name = "recipe"
+unit = "psi"
+step = 1
+[parameters.level]
+low = 1
+high = 60
+default = 40
+)";
+constexpr const char* kSuspend = R"([[suspend]]
+quantity = "supply_bar"
+trip_below = 6
+resume_above = 6.5
+[[suspend]]
+quantity = "temperature_c"
+trip_above = 30
+resume_below = 28
+)";
+constexpr const char* kPress = R"(schema = 1
+name = "press"
+kind = "press"
+[press]
+object = "ring"
+forces_n = [2]
+)";
+
+void read_recipes() {
+  const auto read = [](const std::string& text) {
+    (void)sequences::parse_recipe(sequences::TomlDocument::from_text(text, kName));
+  };
+  read(std::string("turning_points = [0, \"$level\", 0]\nrest_restart_s = 60\n") + kRecipe +
+       "[conditioning]\ncycles = 1\npeak = 60\n" + kSuspend);
+  read(std::string(kRecipe).replace(std::string(kRecipe).find("step = 1"), 8, "step = 1\nrepeats = 1") +
+       "[conditioning]\ncycles = 1\npeak = \"$level\"\n[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 60\n");
+  read(std::string(kPress) + "positions_mm = [[20, 20]]\n");
+  read(std::string(kPress) + "[press.grid]\nx = [10, 20, 5]\ny = [10, 20, 5]\n");
+}
+
+void read_suites() {
+  (void)parse_suite(R"(schema = 1
+name = "suite"
+[[scenario]]
+name = "one"
+about = "all keys"
+held_out = ["random-reversal"]
+held_out_2 = ["random-reversal"]
+[scenario.taxels]
+dead = [1]
+[scenario.verdicts]
+overall = "pass"
+[scenario.figures]
+frames = [1, 2]
+)",
+                    kName);
+}
+
+const std::vector<FileKind>& kinds() {
+  static const std::vector<FileKind> list = {
+      {"Bench file",
+       "bench.toml. What each key does stands beside it in the files that `tactbench init` and `init --rig` write. "
+       "`--set KEY=VALUE` changes one for a run.",
+       kName, read_benches},
+      {"Recipe",
+       "What a run does: [write a recipe](how-to-write-a-recipe.md). `--set recipe.KEY=VALUE` changes one for a run.",
+       kName, read_recipes},
+      {"Sensor type", "sensor.toml.", kName,
+       [] {
+         (void)parse_sensor_type(
+             "schema = 1\nname = \"type\"\nrows = 16\ncolumns = 16\nfull_scale = \"highest mean output of the run\"\n",
+             kName);
+       }},
+      {"Limits", "limits.toml: [judge by your limits](how-to-judge-by-your-limits.md).", kName,
+       [] {
+         (void)parse_limits(
+             "schema = 1\nname = \"limits\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = "
+             "1\ndistance_of_mean_percent_fs = 1\n"
+             "unfit_taxels = 0\n[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 1\n",
+             kName);
+       }},
+      {"Laboratory", "lab.toml: facts for reports that no instrument knows.", kName,
+       [] { (void)parse_laboratory("schema = 1\n[[instrument]]\nserial = \"1\"\n", kName); }},
+      {"Operator's profile", "tactbench.toml in the working folder: what need not be typed.", kName,
+       [] {
+         (void)parse_operator_profile("bench = \"b\"\ndb = \"d\"\noperator = \"o\"\nrecipe = \"r\"\nlimits = \"l\"\n",
+                                      kName);
+       }},
+      {"Nightly suite", "What `tactbench nightly FILE` carries out: [a night in CI](how-to-run-a-night-in-ci.md).",
+       kName, read_suites},
+      {"Module profile", "An analog module behind Modbus; `[module] profile` names a shipped one, or a file.", "",
+       [] {
+         for (const std::string& profile : shipped_profiles()) (void)read_module_profile(profile);
+       }},
+  };
+  return list;
+}
+
+}  // namespace
+
+std::string key_reference() {
+  std::string text =
+      "# Keys of the TOML files\n\n"
+      "The program writes this page (`tactbench reference-keys`), from what its own parsers ask for. An unknown key is "
+      "an error, which "
+      "names\nthe line and the nearest known key. A value is a number alone; its unit is in the key. `[]` stands for "
+      "each element of a "
+      "list of tables,\n`NAME` for a name of yours. Where two ranges or defaults are given, it depends on other keys "
+      "which counts. A "
+      "key without a default may\nbe left out, unless it is required; one that belongs to a table that is left out is "
+      "not required.\n";
+  for (const FileKind& kind : kinds()) {
+    const KeyRecorder recorder(kind.name);
+    kind.read();
+    text += fmt::format("\n## {}\n{}\n\n| key | type | unit | range | default |\n|---|---|---|---|---|\n", kind.title,
+                        kind.about);
+    for (const KeyUse& use : recorder.keys())
+      if (!use.type.empty()) text += row_of(use, std::string(kind.title) == "Recipe");
+  }
+  return text;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,16 @@
+// What a run measured, apart from who carried it out.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "db/run_store.h"
+
+namespace tactbench::db {
+
+// SHA-256 chained over the run's frames, each with the place of its branch, as in hash_chain.h but without header and
+// closing part: equal for two runs that measured the same, whatever program, commit or build carried them out. In hex
+// digits. StoreError as RunStore::frames().
+std::string frames_hash(const RunStore& store, std::int64_t run);
+
+}  // namespace tactbench::db

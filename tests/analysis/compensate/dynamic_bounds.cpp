@@ -1,0 +1,142 @@
+// The numbers that a dynamic compensator is made of: each bound is taken, the next number beyond it is refused by name.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "analysis/compensate/dynamic_setup.h"
+#include "tests/analysis/support/dynamic_plant.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity(), kNotANumber = std::numeric_limits<double>::quiet_NaN();
+
+double above(double x) { return std::nextafter(x, kInf); }
+double below(double x) { return std::nextafter(x, -kInf); }
+
+// What a good setup of one taxel is refused for after `change`; empty: it is taken.
+std::string refusal(const std::function<void(DynamicSetup&)>& change) {
+  DynamicSetup setup = synthetic::dynamic_array(1, 0.004, 4).setup;
+  change(setup);
+  try {
+    check_setup(setup);
+    check_taxel(setup, setup.taxels.front());
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+// `good` numbers are taken, `bad` ones refused by a message with `word` in it.
+void check_number(const std::string& word, const std::function<double&(DynamicSetup&)>& number,
+                  const std::vector<double>& good, const std::vector<double>& bad) {
+  for (const double value : good) {
+    INFO(word << " " << value);
+    CHECK(refusal([&](DynamicSetup& setup) { number(setup) = value; }).empty());
+  }
+  for (const double value : bad) {
+    INFO(word << " " << value);
+    CHECK_THAT(refusal([&](DynamicSetup& setup) { number(setup) = value; }), Catch::Contains(word));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("dynamic setup: what the array shares lies within its bounds", "[dynamic]") {
+  CHECK(refusal([](DynamicSetup&) {}).empty());
+  const double least = std::numeric_limits<double>::denorm_min();
+  for (std::size_t j = 0; j < kCreepElements; ++j) {
+    check_number("creep time", [j](DynamicSetup& s) -> double& { return s.dynamics.creep_s[j]; }, {least, 1e9},
+                 {0.0, -1.0, kInf, kNotANumber});
+    check_number("creep share", [j](DynamicSetup& s) -> double& { return s.dynamics.creep_share[j]; }, {0.0, 0.5},
+                 {-least, kNotANumber, kInf});
+  }
+  check_number("creep_half", [](DynamicSetup& s) -> double& { return s.dynamics.creep_half; }, {least, 1e9},
+               {0.0, -1.0, kInf, kNotANumber});
+  check_number("lag's time", [](DynamicSetup& s) -> double& { return s.dynamics.lag_s; }, {least, 1e9},
+               {0.0, -1.0, kInf, kNotANumber});
+  check_number("x_low", [](DynamicSetup& s) -> double& { return s.x_low; }, {-10.0, below(60.0)},
+               {60.0, 61.0, -kInf, kNotANumber});
+  check_number("x_low", [](DynamicSetup& s) -> double& { return s.x_high; }, {above(0.0)}, {0.0, kInf, kNotANumber});
+  check_number("share is not", [](DynamicSetup& s) -> double& { return s.observer.share; }, {0.0, below(0.2)},
+               {-least, 0.2, kNotANumber});
+  check_number("forgets", [](DynamicSetup& s) -> double& { return s.observer.forget; }, {0.0, 1.0},
+               {-least, above(1.0), kNotANumber});
+  check_number("doubt", [](DynamicSetup& s) -> double& { return s.observer.doubt; }, {0.0, 1e9},
+               {-least, kInf, kNotANumber});
+  check_number("worked_s", [](DynamicSetup& s) -> double& { return s.worked_s; }, {0.0, 1e9},
+               {-least, kInf, kNotANumber});
+  for (const std::size_t count : {1U, 7U, 9U})
+    CHECK_THAT(refusal([&](DynamicSetup& s) { s.residual_psi.assign(count, 0.1); }), Catch::Contains("two values"));
+  check_number("a residual",
+               [](DynamicSetup& s) -> double& {
+                 s.residual_psi.assign(8, 0.1);
+                 return s.residual_psi[7];
+               },
+               {0.0, 5.0}, {-least, kInf, kNotANumber});
+}
+
+TEST_CASE("dynamic setup: creep takes at most nine tenths of an output, the array's shares and a taxel's",
+          "[dynamic]") {
+  const auto shares = [](double sum, double scale) {
+    return refusal([&](DynamicSetup& s) {
+      s.dynamics.creep_share = {0.25, 0.5, sum - 0.75};
+      s.taxels.front().creep_scale = scale;
+    });
+  };
+  CHECK(shares(0.875, 1.0).empty());
+  CHECK_THAT(shares(0.9375, 0.5), Catch::Contains("exceed 0.9 together"));
+  CHECK(shares(0.75, 1.1875).empty());
+  CHECK_THAT(shares(0.75, 1.25), Catch::Contains("exceeds 0.9 of its output"));
+}
+
+TEST_CASE("dynamic setup: one to a hundred intervals", "[dynamic]") {
+  const auto intervals = [](std::size_t n) {
+    DynamicSetup setup = synthetic::dynamic_array(1, 0.004, 4).setup;
+    setup.intervals = n;
+    try {
+      check_setup(setup);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const std::size_t n : {1U, 100U}) CHECK(intervals(n).empty());
+  for (const std::size_t n : {0U, 101U}) CHECK_THAT(intervals(n), Catch::Contains("within 1 and 100"));
+}
+
+TEST_CASE("dynamic setup: a taxel's own numbers and its table", "[dynamic]") {
+  const double least = std::numeric_limits<double>::denorm_min();
+  const auto own = [](double DynamicTaxel::*member) {
+    return [member](DynamicSetup& s) -> double& { return s.taxels.front().*member; };
+  };
+  check_number("its noise", own(&DynamicTaxel::noise_v), {0.0, 1.0}, {-least, kInf, kNotANumber});
+  check_number("residual_scale", own(&DynamicTaxel::residual_scale), {0.0, 3.0}, {-least, kInf, kNotANumber});
+  check_number("its creep is", own(&DynamicTaxel::creep_scale), {0.0, 10.0}, {-least, above(10.0), kNotANumber});
+  check_number("its lag", own(&DynamicTaxel::lag_share), {0.0, 0.9}, {-least, above(0.9), kNotANumber});
+  check_number("its divider is", [](DynamicSetup& s) -> double& { return s.taxels.front().divider.zero; },
+               {-1.0, 0.0, 1.0}, {kInf, kNotANumber});
+  check_number("its divider is", [](DynamicSetup& s) -> double& { return s.taxels.front().divider.per_amplitude; },
+               {0.0, 0.1}, {-least, kInf, kNotANumber});
+  // A table of four intervals has fifteen values: (i, j) at i (i + 1) / 2 + j.
+  const auto table = [](std::size_t at, double value) {
+    return refusal([&](DynamicSetup& s) { s.taxels.front().everett.at(at) = value; });
+  };
+  const std::vector<double> good = synthetic::dynamic_array(1, 0.004, 4).setup.taxels.front().everett;
+  REQUIRE(good.size() == 15);
+  for (const std::size_t diagonal : {0U, 2U, 5U, 9U})
+    CHECK_THAT(table(diagonal, 1e-9), Catch::Contains("its table falls"));
+  CHECK_THAT(table(10, below(good[11])), Catch::Contains("its table falls"));  // (4, 0) under (4, 1)
+  CHECK(table(10, good[11] > good[6] ? good[11] : good[6]).empty());           // as high as both neighbours
+  CHECK_THAT(table(3, below(good[1])), Catch::Contains("its table falls"));    // (2, 0) under (1, 0)
+  CHECK_THAT(table(12, kNotANumber), Catch::Contains("finite number"));
+  CHECK_THAT(table(12, kInf), Catch::Contains("finite number"));
+  for (const std::size_t size : {14U, 16U})
+    CHECK_THAT(refusal([&](DynamicSetup& s) { s.taxels.front().everett.resize(size, 0.0); }), Catch::Contains("size"));
+  CHECK_THAT(refusal([&](DynamicSetup& s) { s.taxels.front().everett.assign(15, 0.0); }),
+             Catch::Contains("does not rise"));
+}
