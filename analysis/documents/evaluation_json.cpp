@@ -37,4 +37,10 @@ nlohmann::ordered_json verdict_json(const db::VerdictRecord& verdict) {
           {"verdict", verdict.verdict},     {"limits_sha256", verdict.limits_sha256}};
 }
 
+nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged) {
+  return {{"trajectory", to_string(judged.trajectory)}, {"reversals", judged.reversals},
+          {"inner_share", judged.inner_share},          {"dwell_s", judged.dwell_s},
+          {"fitted_dwell_s", judged.fitted_dwell_s},    {"other_dwell", judged.other_dwell}};
+}
+
 }  // namespace tactbench::analysis

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "analysis/statistics/conformity/trajectory.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "db/record.h"
 
@@ -18,5 +19,8 @@ nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
 
 // criterion scope value limit unit rule verdict limits_sha256
 nlohmann::ordered_json verdict_json(const db::VerdictRecord& verdict);
+
+// trajectory reversals inner_share dwell_s fitted_dwell_s other_dwell; without the run's number.
+nlohmann::ordered_json trajectory_json(const JudgedTrajectory& judged);
 
 }  // namespace tactbench::analysis

@@ -13,6 +13,7 @@
 #include "analysis/report/page/style.h"
 #include "analysis/report/results.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
+#include "analysis/statistics/conformity/trajectory.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "analysis/statistics/figures/behaviour.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -29,13 +30,29 @@ struct HeldOut {
   Evaluation evaluation;
 };
 
+struct UnassessedSource {
+  std::string source, why;  // "re-mounting"
+};
+
 // Remarks on the verdicts besides their rows, for page 1.
 struct JudgementNotes {
   std::string not_judged;            // why the rows are not a verdict; empty: they are one
   std::vector<std::string> remarks;  // void runs that were counted, held-out runs that were not
   // Stored verdicts on these models that are worse than the rows: by other limits, or on runs that the rows leave out.
   std::vector<db::VerdictRecord> stored_worse;
+  std::vector<JudgedTrajectory> trajectories;  // of each judged run
+  // What dominates in use and is neither shown by a judged run nor in the budgets; with any, a pass is one under
+  // repeatability conditions only (VIM 2.20).
+  std::vector<UnassessedSource> not_assessed;
+  std::string overdue;  // "reference overdue since 2020-01-31", when a judged run was made; empty: it was not
 };
+
+// The overall verdict as a statement: "pass, under repeatability conditions only", "inconclusive: reference overdue".
+std::string statement_in_words(Verdict overall, const JudgementNotes& notes);
+// What follows the verdict's own word in it; empty: nothing.
+std::string condition_in_words(Verdict overall, const JudgementNotes& notes);
+// "re-mounting; temperature"; empty: all are assessed.
+std::string not_assessed_in_words(const JudgementNotes& notes);
 
 // The overall verdict of rows and notes: inconclusive when the rows are not a verdict, fail when a stored verdict is
 // fail, else the worst row; none without rows.

@@ -94,7 +94,7 @@ ReportResults results_of(const Dataset& measured, const SensorModel& fit, const 
     const SensorModel in_use = of_taxels_in_use(*previous, fit);
     const Fitted fitted(in_use);
     out.previous =
-        AsFound{previous_name, evaluate(measured, in_use, threads), static_cast<int>(fitted.taxels().size())};
+        AsFound{previous_name, evaluate(measured, in_use, threads), static_cast<int>(fitted.taxels().size()), {}, {}};
   }
   return out;
 }

@@ -10,6 +10,7 @@
 #include "analysis/statistics/scoring/model_comparison.h"
 #include "analysis/statistics/studies/contact_results.h"
 #include "analysis/statistics/studies/studies.h"
+#include "db/record.h"
 
 namespace tactbench::analysis {
 
@@ -32,6 +33,9 @@ struct AsFound {
   std::string model;  // as named on the command line
   Evaluation evaluation;
   int fitted_taxels = 0;
+  std::vector<db::VerdictRecord> verdicts;  // by the limits of the report; empty: not judged
+  // When they fail: since when earlier measurements are in doubt, a sentence. Without numbers of runs.
+  std::string doubt;
 };
 
 struct ReportResults {

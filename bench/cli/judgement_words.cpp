@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "analysis/documents/evaluation_json.h"
 #include "analysis/report/report.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/session.h"
@@ -22,6 +23,15 @@ std::string numbers_text(const std::vector<std::int64_t>& runs) {
 
 }  // namespace
 
+std::string conditions_text(const analysis::JudgementNotes& notes) {
+  std::string text;
+  for (const analysis::JudgedTrajectory& judged : notes.trajectories)
+    text += fmt::format("errors of run {} hold for {}\n", judged.run, analysis::in_words(judged));
+  if (const std::string missing = analysis::not_assessed_in_words(notes); !missing.empty())
+    text += fmt::format("not assessed: {}\n", missing);
+  return text;
+}
+
 std::string judgement_text(const Judgement& judgement, const std::string& origin) {
   const analysis::JudgementNotes& notes = judgement.notes;
   const std::optional<Verdict> overall = analysis::overall_verdict(judgement.verdicts);
@@ -34,10 +44,12 @@ std::string judgement_text(const Judgement& judgement, const std::string& origin
     for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts)) judged.push_back(run.run);
     std::ranges::sort(judged);
     const std::vector<std::int64_t> deciding = analysis::deciding_runs(judgement.verdicts);
-    text = fmt::format("all criteria together: {}{}; judged on {}\n", shown_verdict(*overall, origin),
+    text = fmt::format("all criteria together: {}{}{}; judged on {}\n", shown_verdict(*overall, origin),
+                       analysis::condition_in_words(*overall, notes),
                        deciding.size() < judged.size() ? ", decided by " + numbers_text(deciding) : "",
                        numbers_text(judged));
   }
+  text += conditions_text(notes);
   if (!notes.stored_worse.empty()) {
     std::vector<std::int64_t> runs;
     for (const analysis::RunVerdict& run : analysis::verdicts_by_run(notes.stored_worse)) runs.push_back(run.run);
@@ -58,8 +70,19 @@ nlohmann::ordered_json judgement_json(const Judgement& judgement, const std::str
     runs.push_back({{"run", run.run}, {"verdict", to_string(run.verdict)}});
   for (const db::RunRecord& run : judgement.void_runs)
     voids.push_back({{"run", run.run}, {"reason", run.void_reason}, {"by", run.void_by}, {"utc", run.void_utc}});
+  auto trajectories = nlohmann::ordered_json::array(), missing = nlohmann::ordered_json::array();
+  for (const analysis::JudgedTrajectory& judged : notes.trajectories) {
+    trajectories.push_back(analysis::trajectory_json(judged));
+    trajectories.back()["run"] = judged.run;
+  }
+  for (const analysis::UnassessedSource& source : notes.not_assessed)
+    missing.push_back({{"source", source.source}, {"why", source.why}});
   return {{"overall", analysis::verdict_word(overall)},
           {"shown", overall ? shown_verdict(*overall, origin) : ""},
+          {"statement", overall ? analysis::statement_in_words(*overall, notes) : ""},
+          {"trajectories", trajectories},
+          {"not_assessed", missing},
+          {"overdue", notes.overdue},
           {"not_judged", notes.not_judged},
           {"runs", runs},
           {"decided_by", analysis::deciding_runs(judgement.verdicts)},

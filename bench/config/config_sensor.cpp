@@ -43,6 +43,24 @@ SensorType parse_sensor_type(const std::string& text, const std::string& name) {
 
 namespace {
 
+analysis::Limits::Mpe mpe_of(const TomlTable& row) {
+  analysis::Limits::Mpe mpe;
+  if (row.has("span_psi") == row.has("pressure_psi"))
+    row.fail(row.has("span_psi") ? "span_psi" : "pressure_psi",
+             "an [[mpe]] is of one level or of a span, and it names " +
+                 std::string(row.has("span_psi") ? "both" : "neither"),
+             "write pressure_psi = 20, or span_psi = [4, 60]");
+  if (row.has("span_psi"))
+    std::tie(mpe.low_psi, mpe.high_psi) = row.span("span_psi", {0.0, 0.0});
+  else
+    mpe.low_psi = mpe.high_psi = row.number("pressure_psi");
+  mpe.mpe_psi = row.number("mpe_psi");
+  if (!(mpe.mpe_psi > 0.0)) row.fail("mpe_psi", "a maximum permissible error is above 0", "write mpe_psi = 2.0");
+  mpe.share = row.number_in("taxels_percent", 95.0, 1.0, 100.0) / 100.0;
+  row.finish();
+  return mpe;
+}
+
 analysis::Limits limits_of(const TomlDocument& document) {
   const TomlTable root = document.root();
   analysis::Limits limits;
@@ -63,6 +81,7 @@ analysis::Limits limits_of(const TomlDocument& document) {
     row.finish();
     limits.mismatch.push_back(mismatch);
   }
+  for (const TomlTable& row : root.tables("mpe")) limits.mpe.push_back(mpe_of(row));
   root.finish();
   return limits;
 }

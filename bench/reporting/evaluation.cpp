@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 
 #include "analysis/compensate/dispatch.h"
@@ -17,6 +18,10 @@
 #include "bench/common/for_people.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
+#include "bench/config/config.h"
+#include "bench/reporting/as_found.h"
+#include "bench/reporting/conditions.h"
+#include "bench/reporting/judged_figures.h"
 #include "bench/reporting/report_budget.h"
 #include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
@@ -74,6 +79,19 @@ std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const a
   return subject;
 }
 
+namespace {
+
+// Of the rows' limits file what U depends on: its [[mpe]]. U is shown by any rule.
+analysis::Limits limits_of(const std::vector<db::VerdictRecord>& verdicts) {
+  analysis::Limits limits;
+  const bool some = std::ranges::any_of(verdicts, [](const db::VerdictRecord& row) { return row.criterion == "mpe"; });
+  if (some) limits = parse_limits(verdicts.front().limits_toml, "the limits kept with the verdicts");
+  limits.rule = analysis::DecisionRule::kDefault;
+  return limits;
+}
+
+}  // namespace
+
 void add_uncertainty(analysis::Runs& runs, const analysis::SensorModel& fit,
                      const std::vector<NamedEvaluation>& evaluations, analysis::ReportInput& input,
                      const analysis::UncertaintyInputs& inputs, std::vector<analysis::JudgedUncertainty> known) {
@@ -85,9 +103,8 @@ void add_uncertainty(analysis::Runs& runs, const analysis::SensorModel& fit,
         analysis::reference_uncertainty(runs.record(judged.run), input.laboratory.instruments);
     for (const NamedEvaluation& named : evaluations) {
       if (named.evaluation.run != judged.run) continue;
-      for (analysis::JudgedUncertainty& uncertainty : analysis::judged_uncertainties(
-               runs.dataset(judged.run), runs.dataset(fit.run), fit, named.evaluation, reference))
-        input.judged.push_back(std::move(uncertainty));
+      JudgedFigures figures = judged_figures(runs, fit, named.evaluation, limits_of(input.verdicts), reference);
+      std::ranges::move(figures.uncertainties, std::back_inserter(input.judged));
     }
   }
 }
@@ -126,11 +143,15 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   (void)withhold_overdue_runs(runs, input.verdicts, input.laboratory.instruments);
   input.program_version = build_info().version;
   analysis::gather_run(input, runs, run, further);
+  note_conditions(runs, fit, input.verdicts, nullptr, input.laboratory.instruments, input.judgement);
   if (extras == nullptr) return input;
   add_results(input, runs, *extras);
-  if (!evaluations.empty() && fit.run == run)
-    add_uncertainty(runs, fit, evaluations, input, budget_inputs(runs, input, further, extras->studies),
-                    judgement.uncertainties);
+  judge_as_found(runs, input, extras->previous);
+  if (!evaluations.empty() && fit.run == run) {
+    const analysis::UncertaintyInputs inputs = budget_inputs(runs, input, further, extras->studies);
+    add_uncertainty(runs, fit, evaluations, input, inputs, judgement.uncertainties);
+    note_conditions(runs, fit, input.verdicts, &inputs, input.laboratory.instruments, input.judgement);
+  }
   return input;
 }
 

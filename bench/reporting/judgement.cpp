@@ -14,7 +14,9 @@
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/limits.h"
 #include "bench/config/config.h"
+#include "bench/reporting/conditions.h"
 #include "bench/reporting/evaluation.h"
+#include "bench/reporting/judged_figures.h"
 #include "bench/reporting/named_runs.h"
 #include "bench/reporting/source_runs.h"
 
@@ -71,11 +73,11 @@ std::vector<db::VerdictRecord> worse_than(const std::vector<db::VerdictRecord>& 
 std::vector<db::VerdictRecord> judge_with(analysis::Runs& runs, const analysis::SensorModel& fit,
                                           const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                           const analysis::ReferenceUncertainty& reference,
-                                          std::vector<analysis::JudgedUncertainty>& known) {
-  if (analysis::needs_uncertainty(limits.rule))
-    known =
-        analysis::judged_uncertainties(runs.dataset(evaluation.run), runs.dataset(fit.run), fit, evaluation, reference);
-  std::vector<db::VerdictRecord> verdicts = analysis::judge(evaluation, fit, limits, known);
+                                          std::vector<analysis::JudgedUncertainty>& known, bool pooled = true) {
+  JudgedFigures figures = judged_figures(runs, fit, evaluation, limits, reference, pooled);
+  std::vector<db::VerdictRecord> verdicts =
+      analysis::judge(evaluation, fit, limits, figures.uncertainties, figures.mpe);
+  known = std::move(figures.uncertainties);
   for (db::VerdictRecord& verdict : verdicts) verdict.model_run = fit.run;
   analysis::withhold_overdue(verdicts, evaluation.run, reference);
   return verdicts;
@@ -129,10 +131,12 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorMod
 
 std::vector<db::VerdictRecord> judge_by_earlier_rules(analysis::Runs& runs, const analysis::SensorModel& fit,
                                                       const analysis::Evaluation& evaluation,
-                                                      const analysis::Limits& limits) {
+                                                      const analysis::Limits& limits, EarlierRules rules) {
   std::vector<analysis::JudgedUncertainty> known;
+  const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(runs.record(evaluation.run));
   return judge_with(runs, fit, evaluation, limits,
-                    analysis::by_earlier_rules(analysis::reference_uncertainty(runs.record(evaluation.run))), known);
+                    rules == EarlierRules::kNoOverdue ? analysis::by_earlier_rules(reference) : reference, known,
+                    false);
 }
 
 std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::SensorModel& fit,
@@ -187,6 +191,7 @@ Judgement judge_runs(analysis::Runs& runs, const analysis::SensorModel& fit,
   }
   judgement.notes.stored_worse =
       judgement.notes.not_judged.empty() ? worse_than(judgement.verdicts, stored) : std::vector<db::VerdictRecord>();
+  note_conditions(runs, fit, judgement.verdicts, nullptr, {}, judgement.notes);
   return judgement;
 }
 
@@ -198,6 +203,7 @@ Judgement judge_and_store(db::RunStore& store, analysis::Runs& runs, const analy
   if (limits.rule == analysis::DecisionRule::kReportOnly) return judgement;
   for (std::string& why : withhold_overdue_runs(runs, judgement.verdicts, notes))
     judgement.notes.remarks.push_back(std::move(why));
+  note_conditions(runs, fit, judgement.verdicts, nullptr, notes, judgement.notes);
   for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts)) {
     std::vector<db::VerdictRecord> rows;
     std::ranges::copy_if(judgement.verdicts, std::back_inserter(rows),

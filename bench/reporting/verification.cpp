@@ -64,7 +64,7 @@ class Verification {
         return result;
       }
     }
-    bool by_earlier = false, by_laboratory = false;
+    bool by_repeats = false, by_earlier = false, by_laboratory = false;
     VerifiedResult verified = compared(result, fit, [&](double tolerance) {
       const std::string& toml = verdicts.front().limits_toml;
       if (db::sha256_hex(toml) != verdicts.front().limits_sha256) return std::string("the limits file kept with them");
@@ -79,19 +79,25 @@ class Verification {
         if (withheld) analysis::withhold_verdicts(anew);
         return analysis::first_difference(verdicts, anew, tolerance);
       };
-      std::vector<db::VerdictRecord> anew = judge_anew(runs_, models, evaluation, limits);
-      std::string difference = differs_from(anew);
-      if (difference.empty()) return difference;
       // The laboratory file is not in the store. Its dates can only withhold a verdict.
-      analysis::ReferenceUncertainty overdue;
-      overdue.overdue = true;
-      analysis::withhold_overdue(anew, run_, overdue);
-      by_laboratory = differs_from(std::move(anew)).empty();
-      if (by_laboratory || states_calibration_dates(runs_.record(run_)))
-        return by_laboratory ? std::string() : difference;
-      by_earlier = differs_from(judge_by_earlier_rules(runs_, models, evaluation, limits)).empty();
-      return by_earlier ? std::string() : difference;
+      const auto agrees = [&](std::vector<db::VerdictRecord> anew) {
+        if (differs_from(anew).empty()) return true;
+        analysis::ReferenceUncertainty overdue;
+        overdue.overdue = true;
+        analysis::withhold_overdue(anew, run_, overdue);
+        return by_laboratory = differs_from(std::move(anew)).empty();
+      };
+      const std::vector<db::VerdictRecord> anew = judge_anew(runs_, models, evaluation, limits);
+      if (agrees(anew)) return std::string();
+      by_repeats = agrees(judge_by_earlier_rules(runs_, models, evaluation, limits, EarlierRules::kScatterOfRepeats));
+      if (by_repeats) return std::string();
+      by_earlier =
+          !states_calibration_dates(runs_.record(run_)) &&
+          differs_from(judge_by_earlier_rules(runs_, models, evaluation, limits, EarlierRules::kNoOverdue)).empty();
+      return by_earlier ? std::string() : differs_from(anew);
     });
+    if (by_repeats)
+      verified.compared += "; judged before scatter was pooled over taxels and sweeps: `tactbench fit` anew may differ";
     if (by_earlier)
       verified.compared +=
           "; judged before an overdue reference counted: a report says inconclusive, and so does `tactbench fit` anew";

@@ -127,11 +127,15 @@ std::vector<LackingLevel> lacking_levels(const std::vector<sequences::Step>& ste
   }
   std::set_intersection(up.begin(), up.end(), down.begin(), down.end(), std::inserter(both, both.end()));
   std::vector<LackingLevel> lacking;
-  for (const analysis::Limits::Mismatch& mismatch : limits.mismatch) {
-    const auto above = both.lower_bound(key(mismatch.pressure_psi));
-    if (above != both.end() && *above == key(mismatch.pressure_psi)) continue;
+  std::vector<double> judged;
+  for (const analysis::Limits::Mismatch& mismatch : limits.mismatch) judged.push_back(mismatch.pressure_psi);
+  for (const analysis::Limits::Mpe& mpe : limits.mpe)
+    if (mpe.low_psi == mpe.high_psi) judged.push_back(mpe.low_psi);
+  for (const double pressure_psi : judged) {
+    const auto above = both.lower_bound(key(pressure_psi));
+    if (above != both.end() && *above == key(pressure_psi)) continue;
     LackingLevel& level = lacking.emplace_back();
-    level.pressure_psi = mismatch.pressure_psi;
+    level.pressure_psi = pressure_psi;
     if (above != both.begin()) level.nearest_psi.push_back(1e-6 * static_cast<double>(*std::prev(above)));
     if (above != both.end()) level.nearest_psi.push_back(1e-6 * static_cast<double>(*above));
   }

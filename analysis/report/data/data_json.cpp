@@ -151,8 +151,19 @@ Json judgement_json(const ReportInput& input) {
     runs.push_back({{"on", run.title}, {"verdict", to_string(run.verdict)}});
   for (const db::VerdictRecord& verdict : notes.stored_worse) stored.push_back(judged_json(input, verdict));
   const auto overall = notes.not_judged.empty() ? overall_verdict(input.verdicts) : Verdict::kInconclusive;
+  Json trajectories = Json::array(), missing = Json::array();
+  for (const JudgedTrajectory& judged : notes.trajectories) {
+    trajectories.push_back(trajectory_json(judged));
+    trajectories.back()["on"] = title_of_judged(input, judged.run);
+  }
+  for (const UnassessedSource& source : notes.not_assessed)
+    missing.push_back({{"source", source.source}, {"why", source.why}});
   return {{"overall", verdict_word(overall)},
+          {"statement", overall ? statement_in_words(*overall, notes) : ""},
           {"not_judged", notes.not_judged},
+          {"trajectories", trajectories},
+          {"not_assessed", missing},
+          {"overdue", notes.overdue},
           {"runs", runs},
           {"remarks", notes.remarks},
           {"stored_worse", stored}};

@@ -40,20 +40,47 @@ std::string decided_by(const ReportInput& input) {
   return fmt::format(", decided by {}", fmt::join(titles, " and "));
 }
 
+const JudgedTrajectory* trajectory_of(const JudgementNotes& notes, std::int64_t run) {
+  const auto found = std::ranges::find(notes.trajectories, run, &JudgedTrajectory::run);
+  return found == notes.trajectories.end() ? nullptr : &*found;
+}
+
 Markup runs_table(const ReportInput& input, const std::vector<JudgedRun>& runs) {
   const bool simulated = is_simulated(input), stated_words = states_conformity(overall_verdict(input.verdicts));
   Markup out = markup(
       "<table><caption>Runs judged</caption><thead><tr><th scope=\"col\">run</th><th scope=\"col\" "
-      "class=\"n\">number</th><th scope=\"col\">started (UTC)</th><th scope=\"col\">its "
-      "verdict</th></tr></thead><tbody>\n");
+      "class=\"n\">number</th><th scope=\"col\">started (UTC)</th><th scope=\"col\">trajectory</th><th "
+      "scope=\"col\">its verdict</th></tr></thead><tbody>\n");
   for (const JudgedRun& judged : runs) {
     const bool there = judged.run != nullptr;
-    out += markup("<tr><th scope=\"row\">{}</th>{}<td>{}</td><td>{}</td></tr>\n", Text(judged.title),
+    const JudgedTrajectory* const trajectory = trajectory_of(input.judgement, judged.number);
+    out += markup("<tr><th scope=\"row\">{}</th>{}<td>{}</td><td>{}</td><td>{}</td></tr>\n", Text(judged.title),
                   number_cell(there ? Text(std::to_string(judged.run->run)) : Text("–")),
                   there ? moment(judged.run->started_utc) : Text("–"),
+                  Text(trajectory == nullptr ? std::string("–") : in_words(*trajectory)),
                   stated_words ? verdict_mark(judged.verdict, simulated) : markup("– no verdict"));
   }
   out += markup("</tbody></table>\n");
+  return out;
+}
+
+// For what the errors hold, and what was not assessed.
+Markup conditions_part(const JudgementNotes& notes) {
+  if (notes.trajectories.empty()) return {};
+  std::vector<std::string> held;
+  for (const JudgedTrajectory& judged : notes.trajectories)
+    if (const std::string word = to_string(judged.trajectory); std::ranges::find(held, word) == held.end())
+      held.push_back(word);
+  Markup out = markup("<p>The errors hold for the trajectories judged ({}), and for no other.</p>\n",
+                      Text(fmt::format("{}", fmt::join(held, ", "))));
+  if (notes.not_assessed.empty()) return out;
+  Markup rows;
+  for (const UnassessedSource& missing : notes.not_assessed)
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", Text(missing.source), Text(missing.why));
+  out += markup(
+      "<table class=\"pairs\"><caption>Not assessed: not covered by the statement of "
+      "conformity</caption><tbody>\n{}</tbody></table>\n",
+      rows);
   return out;
 }
 
@@ -127,6 +154,22 @@ std::optional<Verdict> final_verdict(std::span<const db::VerdictRecord> verdicts
   return overall_verdict(verdicts);
 }
 
+std::string condition_in_words(Verdict overall, const JudgementNotes& notes) {
+  if (overall == Verdict::kInconclusive && !notes.overdue.empty()) return ": reference overdue";
+  const bool passes = overall == Verdict::kPass || overall == Verdict::kConditionalPass;
+  return passes && !notes.not_assessed.empty() ? ", under repeatability conditions only" : "";
+}
+
+std::string statement_in_words(Verdict overall, const JudgementNotes& notes) {
+  return to_string(overall) + condition_in_words(overall, notes);
+}
+
+std::string not_assessed_in_words(const JudgementNotes& notes) {
+  std::vector<std::string> sources;
+  for (const UnassessedSource& missing : notes.not_assessed) sources.push_back(missing.source);
+  return fmt::format("{}", fmt::join(sources, "; "));
+}
+
 std::string title_of_judged(const ReportInput& input, std::int64_t run) {
   if (run == input.run.run) {
     const bool others = std::ranges::any_of(input.verdicts, [&](const db::VerdictRecord& v) {
@@ -162,11 +205,14 @@ Markup overall_part(const ReportInput& input) {
   } else {
     const std::string reason = reason_of_verdict(input);
     out += markup("<p>All criteria together: {}{}{}.</p>\n", verdict_mark(*overall, is_simulated(input)),
-                  Text(reason.empty() ? "" : ": " + reason), Text(decided_by(input)));
+                  Text(reason.empty() ? condition_in_words(*overall, notes) : ": " + reason), Text(decided_by(input)));
   }
+  if (input.more.previous && !input.more.previous->doubt.empty()) out += warning(input.more.previous->doubt);
   out += stored_part(input);
   for (const std::string& remark : notes.remarks) out += warning(remark);
-  if (notes.not_judged.empty()) out += runs_table(input, runs);
+  if (!notes.not_judged.empty()) return out;
+  out += runs_table(input, runs);
+  out += conditions_part(notes);
   return out;
 }
 

@@ -1,6 +1,7 @@
 // The data behind the sections on models, compensation, studies and objects.
 #include <nlohmann/json.hpp>
 
+#include "analysis/documents/evaluation_json.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
@@ -194,6 +195,11 @@ std::string compensation_json(const ReportInput& input) {
   if (more.previous) {
     found["fitted_taxels"] = more.previous->fitted_taxels;
     found.update(whole_evaluation_json(more.previous->evaluation, more.previous->fitted_taxels));
+    MoreJson verdicts = MoreJson::array();
+    for (const db::VerdictRecord& verdict : more.previous->verdicts) verdicts.push_back(verdict_json(verdict));
+    found["verdicts"] = std::move(verdicts);
+    found["overall"] = verdict_word(overall_verdict(more.previous->verdicts));
+    found["doubt"] = more.previous->doubt;
   }
   return json_text({{"straight_line",
                      {{"mean_error_psi", more.straight.mean_error_psi},

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "analysis/counted.h"
+#include "analysis/report/data/judged_runs.h"
 #include "analysis/report/page/figure.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
@@ -75,6 +76,32 @@ Markup summary_table(const ReportInput& input) {
                   number_cell(own.found), number_cell(own.left), number_cell(own.held_out));
   }
   out += markup("</tbody></table></div>\n");
+  return out;
+}
+
+// As found and as left, each with its verdict.
+Markup found_verdicts(const ReportInput& input) {
+  if (!input.more.previous || input.more.previous->verdicts.empty()) return {};
+  const AsFound& found = *input.more.previous;
+  const std::optional<Verdict> as_found = overall_verdict(found.verdicts),
+                               as_left = final_verdict(input.verdicts, input.judgement);
+  if (!states_conformity(as_found)) return {};
+  Markup rows;
+  for (const db::VerdictRecord& verdict : found.verdicts)
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n",
+                   html::stated(criterion_in_words(verdict.criterion)), html::stated(verdict.scope),
+                   number_cell(judged_value(nullptr, verdict)), number_cell(judged_limit(verdict)),
+                   verdict_mark(verdict_in(verdict), is_simulated(input)));
+  Markup out = markup("<p>As found: {}. As left: {}{}.</p>\n", verdict_mark(*as_found, is_simulated(input)),
+                      as_left ? verdict_mark(*as_left, is_simulated(input)) : markup("no verdict"),
+                      Text(as_left ? condition_in_words(*as_left, input.judgement) : ""));
+  if (!found.doubt.empty())
+    out += markup("<p class=\"fail\"><span class=\"sign\">✗</span> {}</p>\n", Text(found.doubt));
+  out += markup(
+      "<table><caption>As found against the limits</caption><thead><tr><th scope=\"col\">criterion</th>"
+      "<th scope=\"col\">scope</th><th scope=\"col\" class=\"n\">value</th><th scope=\"col\" "
+      "class=\"n\">limit</th><th scope=\"col\">verdict</th></tr></thead><tbody>\n{}</tbody></table>\n",
+      rows);
   return out;
 }
 
@@ -177,6 +204,7 @@ Markup as_found_section(const ReportInput& input) {
         "<p>As found: not assessed, no earlier models were named. Whether measurements made with them stand cannot be "
         "said from this report.</p>\n");
   }
+  out += found_verdicts(input);
   out += summary_table(input);
   out += found_charts(input);
   out += found_levels(input);

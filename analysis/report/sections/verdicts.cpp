@@ -112,6 +112,7 @@ Markup criteria_of_one_run(const ReportInput& input) {
 
 std::string criterion_in_words(const std::string& criterion) {
   if (criterion == "worst_taxel_error") return "mean error of the worst taxel";
+  if (criterion == "mpe") return "maximum permissible error of a reading";
   std::string words = criterion;
   std::replace(words.begin(), words.end(), '_', ' ');
   return words;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/statistics/conformity/mpe.h"
 #include "analysis/statistics/figures/levels.h"
 
 namespace tactbench::analysis {
@@ -68,7 +69,7 @@ const JudgedUncertainty* find_uncertainty(std::span<const JudgedUncertainty> unc
 }
 
 std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorModel& fit, const Limits& limits,
-                                     std::span<const JudgedUncertainty> uncertainties) {
+                                     std::span<const JudgedUncertainty> uncertainties, std::span<const MpeFigure> mpe) {
   std::vector<db::VerdictRecord> verdicts;
   const auto add = [&](const std::string& criterion, const std::string& scope, double value, double limit,
                        const std::string& unit) {
@@ -107,6 +108,8 @@ std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorM
     add("mismatch", fmt::format("{} up", scope), measured ? level->comp_std_up : kNan, mismatch.std_fs, "FS");
     add("mismatch", fmt::format("{} down", scope), measured ? level->comp_std_down : kNan, mismatch.std_fs, "FS");
   }
+  for (std::size_t i = 0; i < limits.mpe.size(); ++i)
+    add("mpe", scope_of(limits.mpe[i]), i < mpe.size() ? mpe[i].value_psi : kNan, limits.mpe[i].mpe_psi, "psi");
   return verdicts;
 }
 

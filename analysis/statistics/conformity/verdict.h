@@ -24,6 +24,8 @@ std::optional<DecisionRule> decision_rule_from(std::string_view word);
 // The rule and its risk in words, for reports. Unknown words are returned unchanged.
 std::string rule_in_words(const std::string& rule);
 
+struct MpeFigure;  // mpe.h
+
 // U of one judged figure: k = t_95.45 of the effective degrees of freedom.
 struct JudgedUncertainty {
   std::string criterion, scope, unit;  // as in the verdict
@@ -34,17 +36,25 @@ struct JudgedUncertainty {
   std::int64_t run = 0;  // judged
 };
 
-// Of all criteria, mismatch on every level. The figures' scatter from repeat to repeat is that of `judged`, or of
-// `models` (the run that they were made from) where `judged` has one repeat; what several repeats share comes from the
-// reference. `evaluation` is that of `judged`, `reference` is the one of its run:
+// Of all criteria, mismatch on every level. `evaluation` is that of `judged`, `reference` is the one of its run:
 //   mean_compensation_error, worst_taxel_error   a common error of the reference moves them by at most itself (triangle
-//                                                inequality): c = 1, not known without a certificate
-//   distance_of_mean, mismatch                   it cancels in differences at one level; what is left is the scatter
+//                                                inequality): c = 1, not known without a certificate. Scatter: of a
+//                                                taxel from repeat to repeat, pooled over the taxels, / sqrt(repeats)
+//   distance_of_mean                             the reference's error cancels in differences at one level. Scatter: of
+//                                                the array's mean from full sweep to full sweep, pooled over the levels
+//   mismatch                                     likewise; scatter of the figure from full sweep to full sweep
 //   unfit_taxels                                 a count by rule: U = 0
-// Scatter: s / sqrt(m) over the m judged repeats, n - 1 degrees of freedom. Throws as evaluate().
+// Pooling (pooled_scatter.h) states its own degrees of freedom (JCGM 100, H.3.6). The scatter is that of `judged`, or
+// of `models` (the run that they were made from) where `judged` has one repeat, or one full sweep. Throws as
+// evaluate().
 std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models,
                                                     const SensorModel& fit, const Evaluation& evaluation,
                                                     const ReferenceUncertainty& reference, int threads = 0);
+// As it was before scatter was pooled: of each figure from repeat to repeat, n - 1 degrees of freedom. For who verifies
+// verdicts of that age.
+std::vector<JudgedUncertainty> judged_uncertainties_by_repeats(const Dataset& judged, const Dataset& models,
+                                                               const SensorModel& fit, const Evaluation& evaluation,
+                                                               const ReferenceUncertainty& reference, int threads = 0);
 // nullptr where there is none. `run` 0: of any.
 const JudgedUncertainty* find_uncertainty(std::span<const JudgedUncertainty> uncertainties, std::string_view criterion,
                                           std::string_view scope, std::int64_t run = 0);
@@ -57,14 +67,16 @@ Verdict verdict_of(DecisionRule rule, double value, double limit, double expande
 bool needs_uncertainty(DecisionRule rule);
 
 // Criteria mean_compensation_error, worst_taxel_error, distance_of_mean, unfit_taxels (scope "array") and mismatch
-// (scopes "40 psi up", "40 psi down"). A value that is not a number, or a level that was not measured, is inconclusive.
-// The rule in each record is the one applied. `fit` in the records is 0: the caller knows the fit's number.
+// (scopes "40 psi up", "40 psi down"), and mpe, one figure of `mpe` for each [[mpe]] of the limits. A value that is not
+// a number, or a level that was not measured, is inconclusive. The rule in each record is the one applied. `fit` in the
+// records is 0: the caller knows the fit's number.
 std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorModel& fit, const Limits& limits,
-                                     std::span<const JudgedUncertainty> uncertainties = {});
+                                     std::span<const JudgedUncertainty> uncertainties = {},
+                                     std::span<const MpeFigure> mpe = {});
 
-// What rests on the pressure reference (mean_compensation_error, worst_taxel_error) is inconclusive where the reference
-// was overdue when `run` was made, whatever U and limit say; the other criteria hold differences and counts. Verdicts
-// of other runs and "report only" stay. `reference` is that of `run`.
+// What rests on the pressure reference (mean_compensation_error, worst_taxel_error, mpe) is inconclusive where the
+// reference was overdue when `run` was made, whatever U and limit say; the other criteria hold differences and counts.
+// Verdicts of other runs and "report only" stay. `reference` is that of `run`.
 void withhold_overdue(std::vector<db::VerdictRecord>& verdicts, std::int64_t run,
                       const ReferenceUncertainty& reference);
 

@@ -5,7 +5,8 @@ namespace tactbench::analysis {
 namespace {
 
 bool rests_on_reference(const db::VerdictRecord& verdict) {
-  return verdict.criterion == "mean_compensation_error" || verdict.criterion == "worst_taxel_error";
+  return verdict.criterion == "mean_compensation_error" || verdict.criterion == "worst_taxel_error" ||
+         verdict.criterion == "mpe";
 }
 
 }  // namespace

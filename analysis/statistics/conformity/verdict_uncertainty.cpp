@@ -7,7 +7,9 @@
 
 #include "analysis/statistics/conformity/verdict.h"
 #include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/sweep_errors.h"
 #include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/numbers/pooled_scatter.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -24,36 +26,148 @@ Dataset repeat_of(const Dataset& dataset, std::size_t repeat) {
   return one;
 }
 
-// The figures of each repeat by itself.
-struct RepeatFigures {
-  std::vector<Evaluation> repeats;  // empty: fewer than two repeats, no scatter
-  std::string run;                  // the run of these repeats
-};
-
-RepeatFigures figures_of_repeats(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads) {
-  const bool own = repeats_of(judged) >= 2;
-  const Dataset& dataset = own ? judged : models;
-  RepeatFigures figures;
-  if (repeats_of(dataset) < 2) return figures;
-  for (std::size_t repeat = 0; repeat < repeats_of(dataset); ++repeat)
-    figures.repeats.push_back(evaluate(repeat_of(dataset, repeat), fit, threads));
-  figures.run = own ? "the run judged" : "the run of the models, for the run judged has one repeat";
-  return figures;
-}
-
+// What one criterion's figure scatters by, as a standard uncertainty of the judged figure.
 struct FigureScatter {
-  double s = 0.0;
-  std::size_t count = 0;  // below 2: not known
+  double u = 0.0, dof = 0.0;
+  std::string words;  // empty: not known
+  [[nodiscard]] bool known() const { return !words.empty(); }
 };
 
-template <class Figure>
-FigureScatter scatter_of_repeats(const RepeatFigures& figures, Figure figure) {
-  std::vector<double> values;
-  for (const Evaluation& evaluation : figures.repeats)
-    if (const double value = figure(evaluation); std::isfinite(value)) values.push_back(value);
-  if (values.size() < 2) return {};
-  return {sample_deviation(values), values.size()};
+FigureScatter quotient(double s, double dof, std::size_t judged, std::string words) {
+  if (judged > 1) words += fmt::format(", divided by √{}", judged);
+  return {s / std::sqrt(static_cast<double>(std::max<std::size_t>(1, judged))), dof, std::move(words)};
 }
+
+double level_figure(const Evaluation& evaluation, double pressure_psi, double LevelFigures::*figure) {
+  const auto level = std::ranges::find_if(evaluation.levels, [&](const LevelFigures& figures) {
+    return std::abs(figures.pressure_psi - pressure_psi) < 1e-6;
+  });
+  return level == evaluation.levels.end() ? kNan : (*level).*figure;
+}
+
+// The figures of each repeat by itself: of the run judged, or of the models' run where that has one repeat.
+class RepeatScatter {
+ public:
+  RepeatScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads)
+      : judged_(std::max<std::size_t>(1, repeats_of(judged))) {
+    const bool own = repeats_of(judged) >= 2;
+    const Dataset& dataset = own ? judged : models;
+    if (repeats_of(dataset) < 2) return;
+    for (std::size_t repeat = 0; repeat < repeats_of(dataset); ++repeat)
+      repeats_.push_back(evaluate(repeat_of(dataset, repeat), fit, threads));
+    run_ = own ? "the run judged" : "the run of the models, for the run judged has one repeat";
+  }
+
+  // Of a mean of absolute errors: pooled over the taxels. Also of one taxel's.
+  [[nodiscard]] FigureScatter errors() const {
+    std::vector<std::vector<double>> rows;
+    for (const Evaluation& evaluation : repeats_) rows.push_back(evaluation.taxel_mean_error_psi);
+    const PooledScatter pooled = pooled_scatter(rows);
+    if (!pooled.known()) return {};
+    return quotient(pooled.s, pooled.dof, judged_,
+                    fmt::format("scatter of a taxel over {} repeats of {}, pooled over {} taxels ({:.1f} degrees of "
+                                "freedom)",
+                                pooled.rows, run_, pooled.parts, pooled.dof));
+  }
+
+  // Of any figure, by itself.
+  template <class Figure>
+  [[nodiscard]] FigureScatter single(Figure figure) const {
+    std::vector<double> values;
+    for (const Evaluation& evaluation : repeats_)
+      if (const double value = figure(evaluation); std::isfinite(value)) values.push_back(value);
+    if (values.size() < 2) return {};
+    return quotient(sample_deviation(values), static_cast<double>(values.size() - 1), judged_,
+                    fmt::format("scatter of the figure over {} repeats of {}", values.size(), run_));
+  }
+
+ private:
+  std::size_t judged_;
+  std::vector<Evaluation> repeats_;  // empty: fewer than two repeats, no scatter
+  std::string run_;
+};
+
+// Full sweeps as the sample: a repeat may hold several. Of the run judged, or of the models' run where that has fewer
+// than two a branch.
+class SweepScatter {
+ public:
+  SweepScatter(const Dataset& judged, const Dataset& models, const SensorModel& fit, int threads)
+      : fitted_(fit), range_psi_(fit.pressure_psi.back()) {
+    SensorModel rising = fit;
+    rising.falling = false;
+    judged_ = sweep_errors(as_modelled(judged, fit), rising, threads);
+    const bool own = most(judged_, true) >= 2 && most(judged_, false) >= 2;
+    sweeps_ = own ? judged_ : sweep_errors(as_modelled(models, fit), rising, threads);
+    run_ = own ? "the run judged" : "the run of the models";
+  }
+
+  // Of the distance of the array's mean, loading from unloading, pooled over the levels; share of full pressure.
+  [[nodiscard]] FigureScatter distance() const {
+    const auto mean = [this](const std::vector<double>& errors) { return mean_of(errors) / range_psi_; };
+    const PooledScatter up = pooled_scatter(by_sweep(true, mean)), down = pooled_scatter(by_sweep(false, mean));
+    const std::size_t judged_up = most(judged_, true), judged_down = most(judged_, false);
+    if (!up.known() || !down.known() || judged_up == 0 || judged_down == 0) return {};
+    const std::vector<VarianceShare> shares = {{up.s / std::sqrt(static_cast<double>(judged_up)), up.dof},
+                                               {down.s / std::sqrt(static_cast<double>(judged_down)), down.dof}};
+    const double dof = effective_dof(shares);
+    return {combined_uncertainty(shares), dof,
+            fmt::format("scatter of the mean of all taxels over {} loading and {} unloading full sweeps of {}, pooled "
+                        "over the levels ({:.1f} degrees of freedom); the run judged has {} and {}",
+                        up.rows, down.rows, run_, dof, judged_up, judged_down)};
+  }
+
+  // Of the standard deviation over the taxels at one level; share of full pressure. At a level that not every sweep
+  // passes, such as a turning point, that of the others, pooled.
+  [[nodiscard]] FigureScatter mismatch(double pressure_psi, bool up) const {
+    const LevelReadings* const level = level_of(sweeps_, pressure_psi, up);
+    const std::size_t sweeps = most(sweeps_, up), judged = most(judged_, up);
+    if (level == nullptr || sweeps < 2 || judged == 0) return {};
+    if (level->readings < sweeps) {
+      const PooledScatter pooled =
+          pooled_scatter(by_sweep(up, [&](const std::vector<double>& e) { return spread(e); }));
+      if (!pooled.known()) return {};
+      return quotient(pooled.s, pooled.dof, judged,
+                      fmt::format("scatter of the figure over {} full sweeps of {}, pooled over their common levels",
+                                  pooled.rows, run_));
+    }
+    std::vector<double> spreads;
+    for (std::size_t sweep = 0; sweep < sweeps; ++sweep)
+      spreads.push_back(spread(fitted_.row(level->error_psi, sweep)));
+    return quotient(sample_deviation(spreads), static_cast<double>(sweeps - 1), judged,
+                    fmt::format("scatter of the figure over {} full sweeps of {}", sweeps, run_));
+  }
+
+ private:
+  static std::size_t most(const SweepErrors& errors, bool up) {
+    std::size_t sweeps = 0;
+    for (const LevelReadings& level : errors.levels)
+      if (level.up == up) sweeps = std::max(sweeps, level.readings);
+    return sweeps;
+  }
+  static const LevelReadings* level_of(const SweepErrors& errors, double pressure_psi, bool up) {
+    const auto found = std::ranges::find_if(errors.levels, [&](const LevelReadings& level) {
+      return level.up == up && std::abs(level.pressure_psi - pressure_psi) < 1e-6;
+    });
+    return found == errors.levels.end() ? nullptr : &*found;
+  }
+  [[nodiscard]] double spread(const std::vector<double>& errors) const {
+    return errors.size() < 2 ? 0.0 : sample_deviation(errors) / range_psi_;
+  }
+  // Sweeps x levels: `figure` of the taxels' errors; only levels that every sweep passes.
+  template <class OfErrors>
+  [[nodiscard]] std::vector<std::vector<double>> by_sweep(bool up, const OfErrors& figure) const {
+    std::vector<std::vector<double>> rows(most(sweeps_, up));
+    for (const LevelReadings& level : sweeps_.levels)
+      for (std::size_t sweep = 0; sweep < rows.size() && level.up == up && level.readings == rows.size(); ++sweep)
+        rows[sweep].push_back(figure(fitted_.row(level.error_psi, sweep)));
+    return rows;
+  }
+
+  Fitted fitted_;
+  double range_psi_;
+  SweepErrors judged_, sweeps_;
+  std::string run_;
+};
 
 std::vector<VarianceShare> shares_of(const ReferenceUncertainty& reference, double drift_psi) {
   std::vector<VarianceShare> shares = {{reference.largest_certificate_u(), kInfiniteDof}};
@@ -80,63 +194,66 @@ JudgedUncertainty unknown(JudgedUncertainty uncertainty, std::string why) {
 }
 
 constexpr const char* kOneRepeat = "neither the run judged nor that of the models has two repeats";
+constexpr const char* kOneSweep = "neither the run judged nor that of the models has two full sweeps at its levels";
 
-class JudgedMaker {
- public:
-  JudgedMaker(const RepeatFigures& figures, std::size_t judged_repeats, const ReferenceUncertainty& reference)
-      : figures_(figures), judged_repeats_(judged_repeats), reference_(reference) {}
+JudgedUncertainty figure_of(const char* criterion, std::string scope, const char* unit) {
+  return {criterion, std::move(scope), unit, 0.0, 0.0, 0.0, 0.0, {}, {}};
+}
 
-  // A mean of absolute errors against the reference.
-  template <class Figure>
-  JudgedUncertainty error(const char* criterion, Figure figure) const {
-    JudgedUncertainty out{criterion, "array", "psi", 0.0, 0.0, 0.0, 0.0, {}, {}};
-    const FigureScatter scatter = scatter_of_repeats(figures_, figure);
-    if (!reference_.certificate_missing.empty()) return unknown(std::move(out), reference_.certificate_missing);
-    if (scatter.count < 2) return unknown(std::move(out), kOneRepeat);
-    out.basis = fmt::format(
-        "reference (certificate{}{}), which moves a mean of absolute errors by at most its own error (c = 1); and {}",
-        !reference_.drift_missing.empty()                    ? ""
-        : reference_.drift_psi > reference_.drift_stated_psi ? ", drift beyond its stated limit"
-                                                             : ", drift",
-        reference_.resolution_missing.empty() ? ", resolution" : "", scatter_in_words(scatter));
-    // A drift beyond its stated limit raises u but does not lower k: it adds doubt, not degrees of freedom.
-    std::vector<VarianceShare> shares = shares_of(reference_, reference_.drift_psi);
-    std::vector<VarianceShare> firm =
-        shares_of(reference_, std::min(reference_.drift_psi, reference_.drift_stated_psi));
-    shares.push_back(share_of(scatter));
-    firm.push_back(share_of(scatter));
-    return expanded(std::move(out), shares, firm);
-  }
+// A mean of absolute errors against the reference.
+JudgedUncertainty error_uncertainty(const char* criterion, const FigureScatter& scatter,
+                                    const ReferenceUncertainty& reference) {
+  JudgedUncertainty out = figure_of(criterion, "array", "psi");
+  if (!reference.certificate_missing.empty()) return unknown(std::move(out), reference.certificate_missing);
+  if (!scatter.known()) return unknown(std::move(out), kOneRepeat);
+  out.basis = fmt::format(
+      "reference (certificate{}{}), which moves a mean of absolute errors by at most its own error (c = 1); and {}",
+      !reference.drift_missing.empty()                   ? ""
+      : reference.drift_psi > reference.drift_stated_psi ? ", drift beyond its stated limit"
+                                                         : ", drift",
+      reference.resolution_missing.empty() ? ", resolution" : "", scatter.words);
+  // A drift beyond its stated limit raises u but does not lower k: it adds doubt, not degrees of freedom.
+  std::vector<VarianceShare> shares = shares_of(reference, reference.drift_psi);
+  std::vector<VarianceShare> firm = shares_of(reference, std::min(reference.drift_psi, reference.drift_stated_psi));
+  shares.push_back({scatter.u, scatter.dof});
+  firm.push_back({scatter.u, scatter.dof});
+  return expanded(std::move(out), shares, firm);
+}
 
-  // A difference between readings at one level, in which the reference's error cancels.
-  template <class Figure>
-  JudgedUncertainty difference(const char* criterion, const std::string& scope, Figure figure) const {
-    JudgedUncertainty out{criterion, scope, "FS", 0.0, 0.0, 0.0, 0.0, {}, {}};
-    const FigureScatter scatter = scatter_of_repeats(figures_, figure);
-    if (scatter.count < 2) return unknown(std::move(out), kOneRepeat);
-    out.basis = fmt::format("the reference's error cancels; {}", scatter_in_words(scatter));
-    return expanded(std::move(out), {share_of(scatter)}, {share_of(scatter)});
-  }
+// A difference between readings at one level, in which the reference's error cancels.
+JudgedUncertainty difference_uncertainty(const char* criterion, std::string scope, const FigureScatter& scatter,
+                                         const char* why_not) {
+  JudgedUncertainty out = figure_of(criterion, std::move(scope), "FS");
+  if (!scatter.known()) return unknown(std::move(out), why_not);
+  out.basis = fmt::format("the reference's error cancels; {}", scatter.words);
+  return expanded(std::move(out), {{scatter.u, scatter.dof}}, {{scatter.u, scatter.dof}});
+}
 
- private:
-  [[nodiscard]] VarianceShare share_of(const FigureScatter& scatter) const {
-    return {scatter.s / std::sqrt(static_cast<double>(judged_repeats_)), static_cast<double>(scatter.count - 1)};
-  }
-  [[nodiscard]] std::string scatter_in_words(const FigureScatter& scatter) const {
-    return fmt::format("scatter of the figure over {} repeats of {}{}", scatter.count, figures_.run,
-                       judged_repeats_ > 1 ? fmt::format(", divided by √{}", judged_repeats_) : "");
-  }
-
-  const RepeatFigures& figures_;
-  std::size_t judged_repeats_;
-  const ReferenceUncertainty& reference_;
-};
-
-double level_figure(const Evaluation& evaluation, double pressure_psi, double LevelFigures::*figure) {
-  const auto level = std::ranges::find_if(evaluation.levels, [&](const LevelFigures& figures) {
-    return std::abs(figures.pressure_psi - pressure_psi) < 1e-6;
-  });
-  return level == evaluation.levels.end() ? kNan : (*level).*figure;
+// `mismatch(level, up)`: its scatter.
+template <class Mismatch>
+std::vector<JudgedUncertainty> all_uncertainties(const Evaluation& evaluation, const ReferenceUncertainty& reference,
+                                                 const FigureScatter& mean, const FigureScatter& worst,
+                                                 const FigureScatter& distance, const char* why_not,
+                                                 const Mismatch& mismatch) {
+  std::vector<JudgedUncertainty> all = {error_uncertainty("mean_compensation_error", mean, reference),
+                                        error_uncertainty("worst_taxel_error", worst, reference),
+                                        difference_uncertainty("distance_of_mean", "array", distance, why_not),
+                                        {"unfit_taxels",
+                                         "array",
+                                         "taxels",
+                                         0.0,
+                                         0.0,
+                                         kInfiniteDof,
+                                         2.0,
+                                         "a count by the rules of identification has no uncertainty of its own",
+                                         {}}};
+  for (const LevelFigures& level : evaluation.levels)
+    for (const bool up : {true, false})
+      all.push_back(difference_uncertainty("mismatch",
+                                           fmt::format("{:g} psi {}", level.pressure_psi, up ? "up" : "down"),
+                                           mismatch(level.pressure_psi, up), why_not));
+  for (JudgedUncertainty& uncertainty : all) uncertainty.run = evaluation.run;
+  return all;
 }
 
 }  // namespace
@@ -144,34 +261,26 @@ double level_figure(const Evaluation& evaluation, double pressure_psi, double Le
 std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models,
                                                     const SensorModel& fit, const Evaluation& evaluation,
                                                     const ReferenceUncertainty& reference, int threads) {
-  const RepeatFigures figures = figures_of_repeats(judged, models, fit, threads);
-  const JudgedMaker maker(figures, std::max<std::size_t>(1, repeats_of(judged)), reference);
-  std::vector<JudgedUncertainty> all;
-  all.push_back(maker.error("mean_compensation_error", [](const Evaluation& e) { return e.mean_error_psi; }));
+  const FigureScatter errors = RepeatScatter(judged, models, fit, threads).errors();
+  const SweepScatter sweeps(judged, models, fit, threads);
+  return all_uncertainties(evaluation, reference, errors, errors, sweeps.distance(), kOneSweep,
+                           [&](double pressure_psi, bool up) { return sweeps.mismatch(pressure_psi, up); });
+}
+
+std::vector<JudgedUncertainty> judged_uncertainties_by_repeats(const Dataset& judged, const Dataset& models,
+                                                               const SensorModel& fit, const Evaluation& evaluation,
+                                                               const ReferenceUncertainty& reference, int threads) {
+  const RepeatScatter repeats(judged, models, fit, threads);
   const auto worst = static_cast<std::size_t>(std::max(0, evaluation.worst_taxel));
-  all.push_back(
-      maker.error("worst_taxel_error", [worst](const Evaluation& e) { return e.taxel_mean_error_psi[worst]; }));
-  all.push_back(
-      maker.difference("distance_of_mean", "array", [](const Evaluation& e) { return e.comp_distance_of_mean; }));
-  all.push_back({"unfit_taxels",
-                 "array",
-                 "taxels",
-                 0.0,
-                 0.0,
-                 kInfiniteDof,
-                 2.0,
-                 "a count by the rules of identification has no uncertainty of its own",
-                 {}});
-  for (const LevelFigures& level : evaluation.levels) {
-    const auto mismatch = [&](const char* way, double LevelFigures::*figure) {
-      all.push_back(maker.difference("mismatch", fmt::format("{:g} psi {}", level.pressure_psi, way),
-                                     [&](const Evaluation& e) { return level_figure(e, level.pressure_psi, figure); }));
-    };
-    mismatch("up", &LevelFigures::comp_std_up);
-    mismatch("down", &LevelFigures::comp_std_down);
-  }
-  for (JudgedUncertainty& uncertainty : all) uncertainty.run = evaluation.run;
-  return all;
+  return all_uncertainties(evaluation, reference, repeats.single([](const Evaluation& e) { return e.mean_error_psi; }),
+                           repeats.single([worst](const Evaluation& e) { return e.taxel_mean_error_psi[worst]; }),
+                           repeats.single([](const Evaluation& e) { return e.comp_distance_of_mean; }), kOneRepeat,
+                           [&](double pressure_psi, bool up) {
+                             return repeats.single([&](const Evaluation& e) {
+                               return level_figure(e, pressure_psi,
+                                                   up ? &LevelFigures::comp_std_up : &LevelFigures::comp_std_down);
+                             });
+                           });
 }
 
 }  // namespace tactbench::analysis

@@ -20,6 +20,13 @@ struct Limits {
     double std_fs = 0.0;  // compensated std/FS up and down
   };
   std::vector<Mismatch> mismatch;
+  // Maximum permissible error of a reading, over a span of pressures or at one level.
+  struct Mpe {
+    double low_psi = 0.0, high_psi = 0.0;
+    double mpe_psi = 0.0;
+    double share = 0.95;  // of the fitted taxels that |error| + U of each must lie within
+  };
+  std::vector<Mpe> mpe;
   std::string toml, sha256;  // the file, stored with the verdicts
 };
 

@@ -10,7 +10,7 @@ namespace tactbench::analysis {
 double coverage_factor(double dof, double probability) {
   if (!(dof >= 1.0) || !(probability > 0.0 && probability < 1.0))
     throw std::invalid_argument("a coverage factor needs one degree of freedom or more and a probability within 0..1");
-  return student_quantile(0.5 + 0.5 * probability, std::floor(dof));
+  return student_quantile(0.5 + 0.5 * probability, std::floor(dof + 1e-9));
 }
 
 double combined_uncertainty(std::span<const VarianceShare> shares) {

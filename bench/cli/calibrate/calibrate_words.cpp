@@ -52,7 +52,9 @@ std::string margin_of(const std::string& origin) { return origin == "simulated" 
 
 std::string shown_overall(const CalibrationResult& result) {
   const std::optional<Verdict> verdict = verdict_of(result.judgement);
-  return verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict");
+  return verdict
+             ? shown_verdict(*verdict, result.origin) + analysis::condition_in_words(*verdict, result.judgement.notes)
+             : std::string("no verdict");
 }
 
 }  // namespace
@@ -112,6 +114,7 @@ std::string verdict_page(const CalibrationResult& result) {
   std::string text = word.empty() ? std::string("\n") : "\n" + large_word(word, margin_of(result.origin)) + "\n";
   text += fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), shown_overall(result),
                       one_line(reason_text(result.judgement, result.limits, result.held_out), kLongestText));
+  text += conditions_text(result.judgement.notes);
   text += bad_taxels_text(bad_taxels(result.fit, result.judgement));
   for (const std::string& remark : result.judgement.notes.remarks) text += fmt::format("note: {}\n", remark);
   return text;
@@ -131,7 +134,8 @@ nlohmann::ordered_json calibration_json(const CalibrationResult& result) {
           {"model", analysis::label_of(result.fit.model)},
           {"limits", result.limits},
           {"verdict", analysis::verdict_word(verdict)},
-          {"shown", shown_overall(result)},
+          {"shown", verdict ? shown_verdict(*verdict, result.origin) : std::string("no verdict")},
+          {"statement", shown_overall(result)},
           {"reason", reason_text(result.judgement, result.limits, result.held_out)},
           {"bad_taxels", bad},
           {"evaluations", evaluations},

@@ -93,6 +93,7 @@ JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::i
   judged.input =
       report_input(runs, run, fit, evaluations, judged.judgement, further, several ? nullptr : &options.extras);
   judged.judgement.verdicts = judged.input.verdicts;  // some may have been withheld
+  judged.judgement.notes = judged.input.judgement;    // studies may cover more conditions
   if (several) judged.input.held_out.clear();         // each run's own report has their figures
   judged.input.issued = options.issued;
   judged.input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;

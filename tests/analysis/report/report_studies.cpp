@@ -80,7 +80,7 @@ ReportInput full_input() {
     }
     more.models.taxels.push_back(compared);
   }
-  more.previous = AsFound{kHostile, input.evaluation, 254};
+  more.previous = AsFound{kHostile, input.evaluation, 254, {}, kHostile};
   more.previous->evaluation.levels[10].comp_distance = 0.0;  // as left is worse there than as found
   more.contacts = {contact()};
   Studies& studies = more.studies;

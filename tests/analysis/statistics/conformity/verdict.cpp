@@ -105,7 +105,7 @@ TEST_CASE("simple, guarded, default and report-only at their edges") {
 
 TEST_CASE(
     "U of judged figures by hand: the reference where it counts, the repeats where it cancels, none for a count") {
-  // The repeats' figures lie one step apart, s is that step, and u is s / sqrt 3.
+  // Three repeats, each with one full sweep up and down.
   using namespace straight_array;
   const Dataset data = repeats_a_step_apart();
   const Evaluation evaluation = evaluate(data, straight_fit());
@@ -117,20 +117,22 @@ TEST_CASE(
     return *found;
   };
   const double root3 = std::sqrt(3.0);
-  // 1 psi more of 14 readings, or of the worst taxel's seven; beside 0.1 psi of the certificate. Effective degrees of
-  // freedom: 2 (combined / u)^4, with (combined / u)^2 = 1 + 588 / 100 and 1 + 147 / 100.
+  // The first taxel's mean error rises by 1/7 psi a repeat, the second's not: pooled, s^2 = 1/98 psi^2, in equal parts
+  // common (two degrees of freedom) and own (two): (1/98)^2 / (2 (1/196)^2 / 2) = 4 of them. Beside 0.1 psi of the
+  // certificate: 4 (combined / u)^4, with u^2 = 1/294.
   const JudgedUncertainty mean = known("mean_compensation_error", "array"), worst = known("worst_taxel_error", "array");
-  CHECK(mean.combined == Approx(std::hypot(0.1, 1.0 / 14.0 / root3)));
-  CHECK(mean.dof == Approx(2.0 * 6.88 * 6.88));
-  CHECK(worst.combined == Approx(std::hypot(0.1, 1.0 / 7.0 / root3)));
-  CHECK(worst.dof == Approx(2.0 * 2.47 * 2.47));
-  CHECK(worst.factor == Approx(2.23).margin(0.00501));  // Table G.2, twelve degrees of freedom
-  CHECK(worst.expanded == Approx(worst.factor * worst.combined));
-  // Half a psi more of the mean at one of four levels, of 60 psi.
+  for (const JudgedUncertainty& error : {mean, worst}) {
+    CHECK(error.combined == Approx(std::hypot(0.1, 1.0 / 7.0 / std::sqrt(2.0) / root3)));
+    CHECK(error.dof == Approx(4.0 * std::pow(1.0 + 0.01 * 294.0, 2)));
+    CHECK(error.factor == Approx(2.04).margin(0.0055));  // Table G.2, between 50 and 100 degrees of freedom
+    CHECK(error.expanded == Approx(error.factor * error.combined));
+  }
+  // Half a psi more of the mean at one of the three levels passed downward, of 60 psi; upward nothing moves. Pooled
+  // over the levels: 0.5^2 / 3, of which a third is common; dof 2 / (1/9 + (4/9) / 2) = 6.
   const JudgedUncertainty distance = known("distance_of_mean", "array");
-  CHECK(distance.combined == Approx(0.5 / 60.0 / 4.0 / root3));
-  CHECK(distance.dof == Approx(2.0));
-  CHECK(distance.factor == Approx(4.53).margin(0.00501));  // two degrees of freedom
+  CHECK(distance.combined == Approx(0.5 / 60.0 / root3 / root3));
+  CHECK(distance.dof == Approx(6.0));
+  CHECK(distance.factor == Approx(2.52).margin(0.00501));  // six degrees of freedom
   // Two taxels 4, 5 and 6 psi apart: their standard deviation is that over sqrt 2.
   CHECK(known("mismatch", "20 psi down").combined == Approx(1.0 / std::sqrt(2.0) / 60.0 / root3));
   CHECK(known("mismatch", "20 psi up").combined == Approx(0.0).margin(1e-12));
@@ -139,8 +141,8 @@ TEST_CASE(
 }
 
 TEST_CASE("a drift beyond its stated limit never lowers U, though few repeats make k large") {
-  // Three repeats a step of 1 psi apart in one of 14 readings, as above: u 0.041 psi with two degrees of freedom. With
-  // the drift's share taken as knowledge k would fall from 2.87 to 2.32 while u grows by a fifth.
+  // Three repeats as above: u^2 1/294 psi^2 with four degrees of freedom. With the drift's share taken as knowledge k
+  // would fall while u grows.
   using namespace straight_array;
   const Dataset data = repeats_a_step_apart();
   const Evaluation evaluation = evaluate(data, straight_fit());
@@ -153,9 +155,8 @@ TEST_CASE("a drift beyond its stated limit never lowers U, though few repeats ma
     reference.drift_psi = growth * reference.drift_stated_psi;
     const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, reference);
     const JudgedUncertainty* mean = find_uncertainty(all, "mean_compensation_error", "array");
-    CHECK(mean->combined ==
-          Approx(std::sqrt(0.01 * 0.01 + std::pow(growth * 0.05, 2) / 3.0 + 1.0 / 14.0 / 14.0 / 3.0)));
-    CHECK(mean->factor == Approx(2.87).margin(0.00501));  // four degrees of freedom, throughout
+    CHECK(mean->combined == Approx(std::sqrt(0.01 * 0.01 + std::pow(growth * 0.05, 2) / 3.0 + 1.0 / 294.0)));
+    CHECK(mean->factor == Approx(2.52).margin(0.00501));  // six degrees of freedom, throughout
     CHECK(mean->expanded > before);
     before = mean->expanded;
   }
@@ -190,13 +191,30 @@ TEST_CASE("without a certificate or repeats U is not known, and only the default
   Dataset one = judged.dataset;
   for (SequenceData& data : one.sequences) data.repeats.resize(1);
   const Evaluation e = evaluate(one, judged.fit);
-  const auto single = judged_uncertainties(one, judged.dataset, judged.fit, e, certified(0.2));
-  const auto whole = judged_uncertainties(judged.dataset, judged.dataset, judged.fit, e, certified(0.2));
-  CHECK(find_uncertainty(single, "distance_of_mean", "array")->combined ==
-        Approx(std::sqrt(3.0) * find_uncertainty(whole, "distance_of_mean", "array")->combined));
-  CHECK_THAT(find_uncertainty(single, "distance_of_mean", "array")->basis, Catch::Contains("run of the models"));
-  const auto unknown = judged_uncertainties(one, one, judged.fit, e, certified(0.2));
-  CHECK_THAT(find_uncertainty(unknown, "mismatch", "40 psi up")->missing, Catch::Contains("two repeats"));
+  const auto mean_of_figure = [](const std::vector<JudgedUncertainty>& uncertainties) {
+    return *find_uncertainty(uncertainties, "mean_compensation_error", "array");
+  };
+  const ReferenceUncertainty exact = certified(1e-9);
+  const auto single = mean_of_figure(judged_uncertainties(one, judged.dataset, judged.fit, e, exact));
+  const auto whole = mean_of_figure(judged_uncertainties(judged.dataset, judged.dataset, judged.fit, e, exact));
+  CHECK(single.combined == Approx(std::sqrt(3.0) * whole.combined));
+  CHECK_THAT(single.basis, Catch::Contains("run of the models"));
+  CHECK_THAT(mean_of_figure(judged_uncertainties(one, one, judged.fit, e, exact)).missing,
+             Catch::Contains("two repeats"));
+}
+
+TEST_CASE("U by repeats, as verdicts of an earlier program rest on: two degrees of freedom of three repeats") {
+  using namespace straight_array;
+  const Dataset data = repeats_a_step_apart();
+  const auto all =
+      judged_uncertainties_by_repeats(data, data, straight_fit(), evaluate(data, straight_fit()), certified(0.2));
+  // 1 psi more of 14 readings; half a psi more of the mean at one of four levels.
+  const JudgedUncertainty mean = *find_uncertainty(all, "mean_compensation_error", "array"),
+                          distance = *find_uncertainty(all, "distance_of_mean", "array");
+  CHECK(mean.combined == Approx(std::hypot(0.1, 1.0 / 14.0 / std::sqrt(3.0))));
+  CHECK(mean.dof == Approx(2.0 * 6.88 * 6.88));
+  CHECK(distance.combined == Approx(0.5 / 60.0 / 4.0 / std::sqrt(3.0)));
+  CHECK(distance.factor == Approx(4.53).margin(0.00501));
 }
 
 TEST_CASE("a verdict moves from pass to conditional to fail as the limit closes in on the value") {

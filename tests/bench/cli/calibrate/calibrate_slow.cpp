@@ -38,7 +38,9 @@ TEST_CASE("calibrate: a good sensor passes by the shipped limits, with a report 
                            Catch::Contains("4/5 fit       elam on run 1: 256 of 256 taxels fitted; on run 2 mean") &&
                            Catch::Contains("5/5 report    1-") &&
                            Catch::Contains("SIMULATED  ####   ###   ####  ####\n") &&
-                           Catch::Contains("sensor MY-1: simulated ") && Catch::Contains("bad taxels: none\n"));
+                           Catch::Contains("sensor MY-1: simulated pass, under repeatability conditions only: all ") &&
+                           Catch::Contains("errors of run 2 hold for random reversals: ") &&
+                           Catch::Contains("bad taxels: none\n"));
   CHECK_THAT(read_file(folder.path("reports/run-1.html")), Catch::Contains("SIMULATED"));
   // The same verdict and the same report as by hand.
   const Finished report = call(folder, {"report", "1", "--json"});
@@ -79,6 +81,35 @@ TEST_CASE(
                  Catch::Contains("SIMULATED  #####  ###  ### #\n") &&
                  Catch::Contains("bad taxels: row 2, column 5 (dead)\n"));
   CHECK(json::parse(call(folder, {"runs", "list", "--json"}).out).at("runs").size() == 2);
+}
+
+TEST_CASE(
+    "calibrate: the shipped recipe and limits pass good sensors, not only conditionally, and few repeats keep k "
+    "small") {
+  // Sensors that nothing was chosen on.
+  for (const char* seed : {"71", "72"}) {
+    const TemporaryFolder folder;
+    begin_with_profile(folder);
+    const Finished done = calibrated(folder, {"--sensor-seed", seed, "--seed", seed, "--json"});
+    INFO(seed << done.err);
+    const json result = json::parse(done.out);
+    for (const json& row : result.at("verdicts")) {
+      INFO(row);
+      if (row.at("criterion") != "worst_taxel_error") CHECK(row.at("verdict") == "pass");  // that is the sensor's
+    }
+  }
+  // Two repeats have four full sweeps a branch, and 256 taxels.
+  const TemporaryFolder folder;
+  begin_with_profile(folder);
+  (void)calibrated(folder, {"--sensor-seed", "71", "--set", "recipe.repeats=2"});
+  (void)call(folder, {"report", "1", "--format", "json", "-o", "r.json"});
+  const json data = json::parse(read_file(folder.path("r.json")));
+  const json& figures = data.at("sections").at("uncertainty").at("judged_figures");
+  REQUIRE(figures.size() > 4);
+  for (const json& figure : figures) {
+    INFO(figure);
+    if (figure.at("not_known") == "") CHECK(figure.at("factor").get<double>() < 4.6);
+  }
 }
 
 TEST_CASE("calibrate: limits that nothing could meet are refused before anything is touched") {

@@ -1,0 +1,36 @@
+// Which trajectory of pressures a run judges, beside the one that the models were fitted on: an error holds for the
+// trajectories that it was found on, and for no other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "analysis/dataset.h"
+
+namespace tactbench::analysis {
+
+enum class Trajectory { kAsFitted, kRandomReversals, kOther };
+const char* to_string(Trajectory trajectory);  // "set-points as fitted", "random reversals", "other set-points"
+
+struct JudgedTrajectory {
+  std::int64_t run = 0;
+  Trajectory trajectory = Trajectory::kAsFitted;
+  std::size_t reversals = 0;                   // turning points within the longest sequence
+  double inner_share = 0.0;                    // of the frames, on branches that do not span the range
+  double dwell_s = 0.0, fitted_dwell_s = 0.0;  // of each run, see below
+  bool other_dwell = false;                    // the two differ by more than a fifth
+};
+
+// As fitted: the set-points of each sequence, in their order, are those of a sequence of `fitted`, however often
+// repeated. Random reversals: at least eight turning points in a sequence, fewer than a third of them at the ends of
+// the range. Dwell: the median time from a set-point's command to its frame, until set_dwell() says what was asked for.
+JudgedTrajectory judged_trajectory(const Dataset& judged, const Dataset& fitted);
+
+// The dwell that the recipes ask for, from pressure in band to the frame.
+void set_dwell(JudgedTrajectory& judged, double dwell_s, double fitted_dwell_s);
+
+// "random reversals: 32 turning points, 87 % of the frames on inner branches; dwell 2.0 s (fitted: 1.0 s)".
+std::string in_words(const JudgedTrajectory& judged);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,62 @@
+#include "bench/reporting/as_found.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/statistics/conformity/overall_verdict.h"
+#include "bench/config/config.h"
+#include "bench/reporting/judged_figures.h"
+#include "bench/reporting/judgement.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+bool passed(const db::RunStore& store, std::int64_t run) {
+  const auto standing = standing_verdict(standing_verdicts(store, run));
+  return standing && (*standing == analysis::Verdict::kPass || *standing == analysis::Verdict::kConditionalPass);
+}
+
+// The newest run of the sensor before `run` on which, or on whose models, a passing verdict stands; empty: none.
+std::string last_pass_utc(const db::RunStore& store, const db::RunRecord& run) {
+  std::string last;
+  for (const db::RunRecord& other : store.runs())
+    if (other.run != run.run && other.sensor_serial == run.sensor_serial && other.origin == run.origin &&
+        other.started_utc < run.started_utc && other.started_utc > last && !other.is_void() && passed(store, other.run))
+      last = other.started_utc;
+  return last;
+}
+
+std::string day_of_utc(const std::string& utc) { return utc.substr(0, std::min<std::size_t>(10, utc.size())); }
+
+}  // namespace
+
+void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous) {
+  if (!input.more.previous || input.verdicts.empty()) return;
+  analysis::AsFound& found = *input.more.previous;
+  const analysis::Limits limits = parse_limits(input.verdicts.front().limits_toml, "the limits kept with the verdicts");
+  const analysis::SensorModel models = analysis::load_model(previous, &runs.store());
+  const analysis::ReferenceUncertainty reference =
+      analysis::reference_uncertainty(input.run, input.laboratory.instruments);
+  // The earlier models' own run may lie in another store: scatter and budgets are those of this run.
+  analysis::SensorModel here = models;
+  here.run = input.run.run;
+  const JudgedFigures figures = judged_figures(runs, here, found.evaluation, limits, reference);
+  found.verdicts = analysis::judge(found.evaluation, here, limits, figures.uncertainties, figures.mpe);
+  analysis::withhold_overdue(found.verdicts, found.evaluation.run, reference);
+  const auto overall = analysis::overall_verdict(found.verdicts);
+  if (overall != analysis::Verdict::kFail && overall != analysis::Verdict::kConditionalFail) return;
+  const std::string last = last_pass_utc(runs.store(), input.run);
+  found.doubt = last.empty()
+                    ? std::string(
+                          "As found, the sensor does not conform, and the store has no earlier calibration of it that "
+                          "passed: all measurements made with the earlier models are in doubt.")
+                    : fmt::format(
+                          "As found, the sensor does not conform: measurements made with the earlier models since {}, "
+                          "the last calibration of this sensor that passed, are in doubt.",
+                          day_of_utc(last));
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,15 @@
+// The verdict on a sensor as found: this run's data with the models that were in use before it, by the report's limits.
+#pragma once
+
+#include <string>
+
+#include "analysis/report/report.h"
+#include "analysis/report/runs.h"
+
+namespace tactbench::bench {
+
+// Fills in `verdicts` and `doubt` of input.more.previous, where there are earlier models (`previous`, as named) and
+// limits. When it fails, measurements made since the last calibration of this sensor that passed are in doubt.
+void judge_as_found(analysis::Runs& runs, analysis::ReportInput& input, const std::string& previous);
+
+}  // namespace tactbench::bench

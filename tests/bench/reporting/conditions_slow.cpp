@@ -1,0 +1,135 @@
+// Under which conditions a verdict holds, and what follows from a sensor that does not conform as found: on runs of the
+// simulated rig whose mount, age, temperature and certificate are known.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+void measure(const TemporaryFolder& folder, const std::string& recipe, const std::string& seed, const Words& set = {}) {
+  Words words = {"run",        recipe,   "--bench", "bench.toml", "--sensor", "S-1",
+                 "--operator", "tester", "-q",      "--seed",     seed,       "--no-seating"};
+  for (const std::string& one : set) words.insert(words.end(), {"--set", one});
+  const Finished run = call(folder, words);
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+}
+
+void prepare(const TemporaryFolder& folder) {
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  write_file(folder.path("loop.toml"),
+             "schema = 1\nname = \"loop\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\n"
+             "repeats = 3\ndwell_s = 1.0\n");
+  write_file(folder.path("limits.toml"),
+             "schema = 1\nname = \"limits\"\nrule = \"default\"\nmean_compensation_error_psi = 6\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n"
+             "[[mpe]]\nspan_psi = [10, 30]\nmpe_psi = 40\n");
+}
+
+json answer(const TemporaryFolder& folder, Words words, int code) {
+  words.emplace_back("--json");
+  const Finished done = call(folder, words);
+  INFO(done.out << done.err);
+  CHECK(done.code == code);
+  return json::parse(done.out);
+}
+
+std::vector<std::string> sources_of(const json& judgement) {
+  std::vector<std::string> sources;
+  for (const json& missing : judgement["not_assessed"]) sources.push_back(missing["source"]);
+  return sources;
+}
+
+}  // namespace
+
+TEST_CASE("a verdict names the trajectories judged and what was not assessed, and a pass says under which conditions") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  const Words dated = {"reference.calibrated=2026-01-31", "reference.due=2199-01-31"};
+  measure(folder, "loop.toml", "1", dated);
+  measure(folder, "loop.toml", "2", dated);
+  measure(folder, "random-reversal", "3", dated);
+  Words changed = dated;
+  changed.insert(changed.end(), {"simulation.mount_seed=4", "simulation.temperature_c=27", "simulation.age_months=1"});
+  measure(folder, "loop.toml", "4", changed);
+
+  const Finished same = call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"});
+  INFO(same.out << same.err);
+  CHECK(same.code == 0);
+  CHECK_THAT(same.out, Catch::Contains("simulated pass, under repeatability conditions only; judged on run 2\n") &&
+                           Catch::Contains("errors of run 2 hold for set-points as fitted: 3 turning points") &&
+                           Catch::Contains("not assessed: history; re-mounting; temperature; time; creep\n"));
+  const json random = answer(folder, {"fit", "1", "--held-out", "2", "3", "--limits", "limits.toml"}, 0)["judgement"];
+  CHECK(random["overall"] == "pass");
+  CHECK(random["statement"] == "pass, under repeatability conditions only");
+  REQUIRE(random["trajectories"].size() == 2);
+  CHECK(random["trajectories"][1]["run"] == 3);
+  CHECK(random["trajectories"][1]["trajectory"] == "random reversals");
+  CHECK(random["trajectories"][1]["inner_share"] > 0.5);
+  CHECK(random["trajectories"][1]["other_dwell"] == true);  // 2 s beside 1 s
+  CHECK(sources_of(random) == std::vector<std::string>{"re-mounting", "temperature", "time", "creep"});
+
+  // A run of the sensor mounted anew, warmer and older is evidence for just that.
+  const json wide = answer(folder, {"fit", "1", "--held-out", "3", "4", "--limits", "limits.toml"}, 0)["judgement"];
+  CHECK(sources_of(wide) == std::vector<std::string>{"creep"});
+  REQUIRE(call(folder, {"report", "1"}).code == 0);
+  const std::string page = read_file(folder.path("reports/run-1.html"));
+  CHECK_THAT(page, Catch::Contains("under repeatability conditions only") && Catch::Contains("random reversals: ") &&
+                       Catch::Contains("no study holds the load for longer than the runs do"));
+  for (const char* run : {"1", "2", "3", "4"}) CHECK(call(folder, {"verify", run}).code == 0);
+}
+
+TEST_CASE("an overdue reference makes the statement inconclusive by name, a limit on readings included") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  for (const char* seed : {"1", "2"}) measure(folder, "loop.toml", seed, {"reference.due=2020-01-31"});
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"});
+  INFO(fit.out);
+  CHECK(fit.code == 6);
+  CHECK_THAT(fit.out, Catch::Contains("simulated inconclusive: reference overdue; "));
+  const json report = answer(folder, {"report", "1"}, 6);
+  CHECK(report["judgement"]["statement"] == "inconclusive: reference overdue");
+  CHECK(report["judgement"]["overdue"] == "reference overdue since 2020-01-31");
+  for (const json& row : report["verdicts"])
+    if (row["criterion"] == "mpe") CHECK(row["verdict"] == "inconclusive");
+}
+
+TEST_CASE(
+    "as found and as left each have a verdict, and as found that fails says since when measurements are in doubt") {
+  const TemporaryFolder folder;
+  prepare(folder);
+  measure(folder, "loop.toml", "1");
+  measure(folder, "loop.toml", "2");
+  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"}).code == 0);
+  const std::string day = answer(folder, {"runs", "show", "1"}, 0)["started_utc"].get<std::string>().substr(0, 10);
+  // Gains that moved by a half.
+  const Words moved = {"simulation.age_months=1", "simulation.effects.gain_drift_per_month=0.5"};
+  measure(folder, "loop.toml", "3", moved);
+  measure(folder, "loop.toml", "4", moved);
+  REQUIRE(call(folder, {"fit", "3", "--held-out", "4", "--limits", "limits.toml"}).code == 0);
+  const Finished done = call(folder, {"report", "3", "--previous", "1", "--format", "json", "-o", "r.json"});
+  INFO(done.err);
+  REQUIRE(done.code == 0);
+  const json found = json::parse(read_file(folder.path("r.json")))["sections"]["compensation"]["as_found"];
+  CHECK(found["overall"] == "fail");
+  CHECK_THAT(found["doubt"].get<std::string>(), Catch::Contains("since " + day));
+  REQUIRE(call(folder, {"report", "3", "--previous", "1"}).code == 0);
+  const std::string page = read_file(folder.path("reports/run-3.html"));
+  CHECK_THAT(page, Catch::Contains("As found: <span class=\"fail\">") && Catch::Contains("are in doubt"));
+  // The same sensor without a change conforms as found.
+  measure(folder, "loop.toml", "5");
+  measure(folder, "loop.toml", "6");
+  REQUIRE(call(folder, {"fit", "5", "--held-out", "6", "--limits", "limits.toml"}).code == 0);
+  REQUIRE(call(folder, {"report", "5", "--previous", "1", "--format", "json", "-o", "r.json"}).code == 0);
+  const json still = json::parse(read_file(folder.path("r.json")))["sections"]["compensation"]["as_found"];
+  CHECK(still["overall"] == "pass");
+  CHECK(still["doubt"] == "");
+}
