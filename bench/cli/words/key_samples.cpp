@@ -172,7 +172,8 @@ const std::vector<FileKind>& file_kinds() {
          (void)parse_limits(
              "schema = 1\nname = \"limits\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = "
              "1\ndistance_of_mean_percent_fs = 1\n"
-             "unfit_taxels = 0\n[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 1\n",
+             "unfit_taxels = 0\n[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 1\n"
+             "[[mpe]]\npressure_psi = 10\nmpe_psi = 1\n[[mpe]]\nspan_psi = [4, 60]\nmpe_psi = 1\n",
              kName);
        }},
       {"Laboratory", "lab.toml: facts for reports that no instrument knows.", kName,
