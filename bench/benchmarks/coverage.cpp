@@ -25,31 +25,37 @@ const char* const kThermometer =
     "environment.sensor=[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, 1000], "
     "span_c = [-100, 100]}]";
 const std::string kRemounted = "simulation.effects.remount_variation=0.03";
-const std::vector<std::string> kMonth = {"simulation.temperature_c=28", "simulation.age_months=1",
-                                         "simulation.effects.gain_drift_per_month=0.01",
-                                         "simulation.effects.zero_drift_v_per_month=0.01"};
 const std::vector<const char*> kProduction = {"production"}, kTable1 = {"descending", "ascending"},
                                kRandom = {"random-reversal"};
 
+std::vector<std::string> month(const std::string& seed) {
+  return {seed, "simulation.temperature_c=28", "simulation.age_months=1",
+          "simulation.effects.gain_drift_per_month=0.01", "simulation.effects.zero_drift_v_per_month=0.01"};
+}
+
 enum class Steps { kFull, kInner, kAll };
 
-// How a sensor is used after its calibration.
+// How a sensor is used after its calibration, and the condition that the report states for it.
 struct Use {
   const char* name;
+  UseCondition condition;
   std::vector<const char*> recipes;  // empty: those of the calibration
   std::vector<std::string> set;
   Steps steps;
-  bool creep = false, mounts = false, warm = false;  // what the report is given beside the calibration
 };
 
 const std::vector<Use>& uses() {
   static const std::vector<Use> list = {
-      {"full_sweeps", {}, {}, Steps::kFull},
-      {"inner_branches", {}, {}, Steps::kInner},
-      {"random_reversals", kRandom, {"recipe.seed=7"}, Steps::kAll},
-      {"other_dwell", kRandom, {"recipe.seed=8", "recipe.dwell_s=10"}, Steps::kAll, true},
-      {"remounted", kRandom, {"recipe.seed=9", "simulation.mount_seed=9", kRemounted}, Steps::kAll, false, true},
-      {"month_later", kRandom, kMonth, Steps::kAll, false, false, true},
+      {"full_sweeps", UseCondition::kFullSweeps, {}, {}, Steps::kFull},
+      {"inner_branches", UseCondition::kFittedBranches, {}, {}, Steps::kInner},
+      {"random_reversals", UseCondition::kAnyHistory, kRandom, {"recipe.seed=7"}, Steps::kInner},
+      {"other_dwell", UseCondition::kOtherDwell, kRandom, {"recipe.seed=8", "recipe.dwell_s=10"}, Steps::kInner},
+      {"remounted",
+       UseCondition::kRemounted,
+       kRandom,
+       {"recipe.seed=9", "simulation.mount_seed=9", kRemounted},
+       Steps::kInner},
+      {"month_later", UseCondition::kLater, kRandom, month("recipe.seed=10"), Steps::kInner},
   };
   return list;
 }
@@ -59,16 +65,7 @@ struct Covered {
   std::vector<double> errors, expanded;  // of each pair
 };
 
-double expanded_at(const Uncertainty& uncertainty, std::size_t taxel, double pressure, bool up) {
-  const LevelUncertainty* nearest = nullptr;
-  for (const LevelUncertainty& level : uncertainty.levels)
-    if (level.up == up &&
-        (nearest == nullptr || std::abs(level.pressure_psi - pressure) < std::abs(nearest->pressure_psi - pressure)))
-      nearest = &level;
-  return nearest == nullptr ? 0.0 : nearest->expanded_psi[taxel];
-}
-
-void add_errors(const KnownRun& run, const SensorModel& fit, const Uncertainty& uncertainty, Steps steps,
+void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, Steps steps,
                 Covered& covered) {
   std::vector<std::vector<StepKind>> kinds;
   std::vector<std::vector<std::size_t>> first;  // frame of a repeat's first step
@@ -86,8 +83,8 @@ void add_errors(const KnownRun& run, const SensorModel& fit, const Uncertainty& 
     return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
       const StepKind& kind = kinds[s][i];
       if (steps != Steps::kAll && kind.full != (steps == Steps::kFull)) return;
-      const double error = std::abs(now.pressure_psi - run.chamber_psi[first[s][r] + i]);
-      const double expanded = expanded_at(uncertainty, taxel, now.pressure_psi, kind.up);
+      const auto [known, expanded] = reading_uncertainty(stated, taxel, now.pressure_psi, kind.up);
+      const double error = std::abs(now.pressure_psi - known - run.chamber_psi[first[s][r] + i]);
       taxels[taxel].inside += error <= expanded ? 1.0 : 0.0;
       taxels[taxel].errors.push_back(error);
       taxels[taxel].expanded.push_back(expanded);
@@ -113,16 +110,18 @@ class CoverageOfSensor {
         runs_(store_) {}
 
   void add_to(Coverages& coverages) {
-    rate_ = run(SimulatedRun{{"rate"}, {}}).data.run;
-    creep_ = run(SimulatedRun{{"creep-levels"}, {}}).data.run;
-    for (int mount = 1; mount <= 3; ++mount)
-      studies_.push_back(fmt::format("{}:mount", run(SimulatedRun{kProduction,
-                                                                  {"recipe.repeats=1", kRemounted,
-                                                                   fmt::format("simulation.mount_seed={}", mount)}})
-                                                     .data.run));
-    warm_ = run(SimulatedRun{kProduction, {kThermometer, "recipe.repeats=1", "simulation.temperature_c=28"}}).data.run;
+    rate_ = run({{"rate"}, {}}).data.run;
+    creep_ = run({{"creep-levels"}, {}}).data.run;
+    held_out_ = {run({kRandom, {"recipe.seed=3"}}).data.run, run({kRandom, {"recipe.seed=4"}}).data.run,
+                 run({kRandom, month("recipe.seed=5")}).data.run};
+    for (int mount = 1; mount <= 5; ++mount)
+      studies_.push_back(fmt::format(
+          "{}:mount",
+          run({kProduction, {"recipe.repeats=1", kRemounted, fmt::format("simulation.mount_seed={}", mount)}})
+              .data.run));
+    warm_ = run({kProduction, {kThermometer, "recipe.repeats=1", "simulation.temperature_c=28"}}).data.run;
     for (const Use& use : uses())
-      if (!use.recipes.empty()) used_[use.name] = run(SimulatedRun{use.recipes, use.set});
+      if (!use.recipes.empty()) used_[use.name] = run({use.recipes, use.set});
     if (options_.production) add_calibration(kProduction, "production", coverages);
     if (options_.table_1) add_calibration(kTable1, "table_1", coverages);
   }
@@ -131,8 +130,10 @@ class CoverageOfSensor {
   KnownRun run(SimulatedRun made) { return simulate_run(made, sensor_, noise_seed_++, store_); }
 
   void add_calibration(const std::vector<const char*>& recipes, const std::string& name, Coverages& coverages) {
-    const std::int64_t calibration = run(SimulatedRun{recipes, {kThermometer}}).data.run;
-    const KnownRun again = run(SimulatedRun{recipes, {}});
+    const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
+    const KnownRun again = run({recipes, {}});
+    std::vector<std::int64_t> held_out = held_out_;
+    held_out.push_back(run({recipes, {"recipe.repeats=1"}}).data.run);
     const Dataset& fitted = runs_.dataset(calibration);
     for (const bool dynamic : {true, false}) {
       if (!(dynamic ? options_.dynamic : options_.elam)) continue;
@@ -140,27 +141,28 @@ class CoverageOfSensor {
           dynamic ? fit_dynamic(fitted, runs_.dataset(rate_), runs_.dataset(creep_)) : fit_array(fitted);
       const std::string prefix =
           fmt::format("{}_{}_{}_", sensor_.harsh ? "harsh" : "paper", name, dynamic ? "dynamic" : "elam");
-      for (const Use& use : uses())
-        add_errors(use.recipes.empty() ? again : used_.at(use.name), fit, assessed(calibration, fit, use), use.steps,
+      const Uncertainty uncertainty = assessed(calibration, fit, held_out);
+      for (const Use& use : uses()) {
+        const ConditionUncertainty& stated = uncertainty.condition(use.condition);
+        if (!stated.valid()) throw std::runtime_error(prefix + use.name + ": not valid: " + stated.not_valid);
+        add_errors(use.recipes.empty() ? again : used_.at(use.name), fit, stated, use.steps,
                    coverages[prefix + use.name]);
+      }
     }
   }
 
   // As the report assesses it, from the runs that it is given.
-  Uncertainty assessed(std::int64_t calibration, const SensorModel& fit, const Use& use) {
+  Uncertainty assessed(std::int64_t calibration, const SensorModel& fit, const std::vector<std::int64_t>& held_out) {
     ReportInput input;
     input.run = runs_.record(calibration);
     input.fit = fit;
-    std::vector<std::int64_t> further;
-    if (use.creep) further.push_back(creep_);
-    if (use.warm) further.push_back(warm_);
-    const std::vector<std::string> studies = use.mounts ? studies_ : std::vector<std::string>();
+    for (const std::int64_t run : held_out) input.held_out.push_back({"", runs_.record(run), {}});
     std::vector<MountedRun> mounts = {{calibration, sweep_estimates(runs_.dataset(calibration), fit)}};
-    for (const StudyRun& study : study_runs_of(studies))
+    for (const StudyRun& study : study_runs_of(studies_))
       mounts.push_back({study.run, sweep_estimates(runs_.dataset(study.run), fit)});
     input.more.studies.remount = remount_of(mounts);
     return assess_uncertainty(runs_.dataset(calibration), fit, input.run,
-                              budget_inputs(runs_, input, further, studies));
+                              budget_inputs(runs_, input, {rate_, creep_, warm_}, studies_));
   }
 
   SimulatedSensor sensor_;
@@ -169,6 +171,7 @@ class CoverageOfSensor {
   Runs runs_;
   unsigned noise_seed_ = 1;
   std::int64_t rate_ = 0, creep_ = 0, warm_ = 0;
+  std::vector<std::int64_t> held_out_;
   std::vector<std::string> studies_;
   std::map<std::string, KnownRun> used_;
 };
