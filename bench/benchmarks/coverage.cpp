@@ -133,7 +133,7 @@ class CoverageOfSensor {
     const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
     const KnownRun again = run({recipes, {}});
     std::vector<std::int64_t> held_out = held_out_;
-    held_out.push_back(run({recipes, {"recipe.repeats=1"}}).data.run);
+    held_out.push_back(run({recipes, {}}).data.run);
     const Dataset& fitted = runs_.dataset(calibration);
     for (const bool dynamic : {true, false}) {
       if (!(dynamic ? options_.dynamic : options_.elam)) continue;

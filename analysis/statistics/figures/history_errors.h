@@ -22,7 +22,6 @@ struct WindowErrors {
   // Separate ways through the window: branches of a sequence (its repeats go the same way), summed over the runs. What
   // one way errs by is nearly one value, so that these and not the frames are the degrees of freedom.
   double branches = 0.0;
-  double passes = 0.0;                       // the same, each repeat by itself
   std::vector<double> mean_psi, square_psi;  // taxels: mean error and mean square of it; NaN where not fitted
   double common_square_psi = 0.0;            // mean square of the array's mean error
 };

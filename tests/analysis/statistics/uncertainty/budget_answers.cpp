@@ -197,7 +197,8 @@ TEST_CASE("a condition that was not assessed states why, and U is not valid for 
 
   // A held-out run of the array with reversals of its own, whose errors are those of the fitted branches.
   const synthetic::Array array({.rows = 1, .columns = 3, .sensor_seed = 4});
-  const Dataset other = synthetic::run(array, {.seed = 10, .noise_v = 0.0015, .repeats = 1});
+  Dataset other = synthetic::run(array, {.seed = 10, .noise_v = 0.0015, .repeats = 1});
+  for (SequenceData& data : other.sequences) data.name += "-other";  // else it repeats the calibration
   UncertaintyInputs inputs;
   inputs.history.same = {&other};
   const Uncertainty with =
