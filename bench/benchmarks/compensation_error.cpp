@@ -14,9 +14,7 @@
 #include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/scoring/score.h"
 #include "analysis/workers.h"
-#include "bench/common/overrides.h"
-#include "bench/common/utc.h"
-#include "bench/run/characterize.h"
+#include "bench/benchmarks/simulated_run.h"
 
 namespace tactbench::bench {
 
@@ -26,8 +24,7 @@ using namespace analysis;
 
 struct Condition {
   const char* name;
-  std::vector<const char*> recipes;
-  std::vector<std::string> set;
+  SimulatedRun made;
   double goal = 0.0;        // of the dynamic compensator's mean error, psi; paper's specimen
   double most_goal = 0.0;   // of its largest; 0: none
   double harsh_goal = 0.0;  // of its mean error on the harsh specimen, as a share of ELAM's stream's
@@ -43,44 +40,18 @@ const std::vector<Condition>& conditions() {
     return set;
   };
   static const std::vector<Condition> list = {
-      {"random_1", {"random-reversal"}, {"recipe.seed=1"}, 0.19, 5.0, 0.5},
-      {"random_2", {"random-reversal"}, {"recipe.seed=7"}, 0.19, 5.0, 0.5},
-      {"dwell_0.2_s", {"random-reversal"}, {"recipe.dwell_s=0.2"}, 0.22, 0.0, 0.5},
-      {"dwell_10_s", {"random-reversal"}, {"recipe.dwell_s=10"}, 0.22, 0.0, 0.5},
-      {"random_to_54_psi", {"random-reversal"}, {"recipe.random.high=54"}},
-      {"same", {"descending", "ascending"}, {"recipe.repeats=1"}},
-      {"remounted", {"descending", "ascending"}, once(remounted), 0.52, 0.0, 1.0},
-      {"month_and_5_degrees", {"descending", "ascending"}, once(month), 0.77, 0.0, 1.0},
-      {"remounted_random", {"random-reversal"}, remounted, 0.0, 0.0, 1.0},
-      {"month_and_5_degrees_random", {"random-reversal"}, month, 0.0, 0.0, 1.0},
+      {"random_1", {{"random-reversal"}, {"recipe.seed=1"}}, 0.19, 5.0, 0.5},
+      {"random_2", {{"random-reversal"}, {"recipe.seed=7"}}, 0.19, 5.0, 0.5},
+      {"dwell_0.2_s", {{"random-reversal"}, {"recipe.dwell_s=0.2"}}, 0.22, 0.0, 0.5},
+      {"dwell_10_s", {{"random-reversal"}, {"recipe.dwell_s=10"}}, 0.22, 0.0, 0.5},
+      {"random_to_54_psi", {{"random-reversal"}, {"recipe.random.high=54"}}},
+      {"same", {{"descending", "ascending"}, {"recipe.repeats=1"}}},
+      {"remounted", {{"descending", "ascending"}, once(remounted)}, 0.52, 0.0, 1.0},
+      {"month_and_5_degrees", {{"descending", "ascending"}, once(month)}, 0.77, 0.0, 1.0},
+      {"remounted_random", {{"random-reversal"}, remounted}, 0.0, 0.0, 1.0},
+      {"month_and_5_degrees_random", {{"random-reversal"}, month}, 0.0, 0.0, 1.0},
   };
   return list;
-}
-
-Dataset carry_out(const Condition& condition, bool harsh, unsigned sensor_seed, unsigned seed, db::RunStore& store) {
-  std::vector<std::string> set = condition.set;
-  if (harsh) set.emplace_back("simulation.specimen=harsh");
-  const SplitOverrides overrides = split_overrides(set);
-  RunRequest request;
-  request.bench = read_bench(find_config("simulated.toml"), overrides.bench, {seed, sensor_seed});
-  for (const char* name : condition.recipes)
-    request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
-  request.overrides = overrides.all;
-  request.sensor_type = read_sensor_type(find_config("sensor.toml"));
-  request.sensor = {fmt::format("SIM-{:04}", sensor_seed),
-                    request.sensor_type.name,
-                    request.sensor_type.text,
-                    db::sha256_hex(request.sensor_type.text),
-                    SimulationConfig().scanner_serial,
-                    "",
-                    utc_now()};
-  if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
-  request.operator_name = "benchmark";
-  request.check_seating = false;
-  Progress quiet(Progress::Mode::kQuiet);
-  const RunResult result = characterize(request, store, quiet);
-  if (result.error) throw *result.error;
-  return load_dataset(store, result.run);
 }
 
 struct CoveredErrors {
@@ -148,9 +119,11 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
   db::RunStore store = db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor_seed, harsh ? "harsh" : "paper"),
                                           db::Durability::kNormal);
   unsigned seed = 1;
-  const auto run = [&](const Condition& condition) { return carry_out(condition, harsh, sensor_seed, seed++, store); };
-  const Dataset fitted = run({"", {"descending", "ascending"}, {}});
-  const Dataset rate = run({"", {"rate"}, {}}), creep = run({"", {"creep-levels"}, {}});
+  const auto run = [&](const SimulatedRun& made) {
+    return simulate_run(made, {harsh, sensor_seed}, seed++, store).data;
+  };
+  const Dataset fitted = run({{"descending", "ascending"}, {}});
+  const Dataset rate = run({{"rate"}, {}}), creep = run({{"creep-levels"}, {}});
   const SensorModel elam_fit = fit_array(fitted);
   const SensorModel dynamic_fit = fit_dynamic(fitted, rate, creep);
   const Histories histories = all_models ? histories_of(fitted) : Histories();
@@ -161,7 +134,7 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
         other_fits[fmt::format("{}{}", model, linearise ? "_linearised" : "")] =
             every_eighth(histories, model, linearise);
   for (const Condition& condition : conditions()) {
-    const Dataset data = run(condition);
+    const Dataset data = run(condition.made);
     errors.elam[condition.name].add(of_stream(data, elam_fit));
     errors.dynamic[condition.name].add(of_stream(data, dynamic_fit));
     if (!all_models) continue;

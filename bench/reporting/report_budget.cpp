@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "analysis/counted.h"
@@ -66,6 +67,31 @@ analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis:
   return effect;
 }
 
+// A held-out run tells of the history of the calibration's own mount and day, of another day, or, mounted anew or at
+// dwell times that the compensator was not told of, of neither.
+constexpr double kLikeDwell = 3.0;
+
+analysis::HistoryRuns history_runs_of(analysis::Runs& runs, const analysis::ReportInput& input,
+                                      const std::vector<std::int64_t>& plain) {
+  analysis::HistoryRuns out;
+  const double usual = analysis::median_dwell_s(runs.dataset(input.run.run));
+  for (const analysis::HeldOut& held_out : input.held_out) {
+    const std::int64_t run = held_out.run.run;
+    if (run == input.run.run || !runs.press_runs(run).empty()) continue;
+    const double dwell = analysis::median_dwell_s(runs.dataset(run));
+    const bool like = !(dwell > 0.0 && usual > 0.0) || std::abs(std::log(dwell / usual)) <= std::log(kLikeDwell);
+    const StateChange change = state_change(input.run, held_out.run);
+    if (change.later && !change.mounted && !change.unknown && like)
+      out.later.push_back(&runs.dataset(run));
+    else if (!change.any() && like)
+      out.same.push_back(&runs.dataset(run));
+  }
+  for (const std::int64_t run : plain)
+    if (runs.press_runs(run).empty() && !state_change(input.run, runs.record(run)).any())
+      out.paced.push_back(&runs.dataset(run));
+  return out;
+}
+
 }  // namespace
 
 analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::ReportInput& input,
@@ -75,39 +101,60 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
   analysis::UncertaintyInputs inputs;
   inputs.notes = input.laboratory.instruments;
   if (found.uniformity.assessed())
-    inputs.uniformity = {found.uniformity.u_offset_psi, found.uniformity.u_share, analysis::kInfiniteDof,
+    inputs.uniformity = {found.uniformity.u_offset_psi, found.uniformity.u_share, found.uniformity.degrees,
                          "runs of the sensor turned in the chamber"};
-  if (found.remount.assessed())
-    inputs.mounting = {0.0, found.remount.s_share, double(found.remount.degrees), "runs of the sensor mounted anew"};
+  if (found.remount.assessed()) {
+    // Calibrated in one mount and used in another: the difference of two.
+    const auto between_two = [](double share, int degrees) {
+      return analysis::GivenUncertainty{0.0, std::numbers::sqrt2 * share, double(degrees),
+                                        "runs of the sensor mounted anew"};
+    };
+    inputs.mounting = between_two(found.remount.common_share, found.remount.degrees);
+    inputs.mounting_own = between_two(found.remount.own_share, found.remount.own_degrees);
+  }
   const analysis::Dataset& calibration = runs.dataset(input.run.run);
   std::vector<analysis::Dataset> datasets = datasets_of(runs, plain_runs(input, further, studies));
   inputs.temperature = temperature_of(runs, input, calibration, datasets);
+  inputs.history = history_runs_of(runs, input, plain_runs(input, further, studies));
   datasets.push_back(calibration);  // it may include holds
   inputs.creep = analysis::creep_effect_of(calibration, datasets, input.fit);
   return inputs;
 }
 
-std::string other_state(const db::RunRecord& run, const db::RunRecord& other) {
+StateChange state_change(const db::RunRecord& run, const db::RunRecord& other) {
+  StateChange change;
   const double apart =
       seconds_between(run.started_utc, other.started_utc) + seconds_between(other.started_utc, run.started_utc);
-  if (apart > kSameStateSeconds)
-    return fmt::format("it was made {} apart from this one", analysis::counted(std::lround(apart / 86400.0), "day"));
-  if (run.origin != "simulated") return {};
+  if (apart > kSameStateSeconds) {
+    change.later = true;
+    change.words =
+        fmt::format("it was made {} apart from this one", analysis::counted(std::lround(apart / 86400.0), "day"));
+  }
+  if (run.origin != "simulated") return change;
+  const auto add = [&](bool StateChange::*what, const std::string& words) {
+    change.*what = true;
+    if (change.words.empty()) change.words = words;
+  };
   // For a simulated sensor the configuration holds what a person would know.
   const std::optional<BenchConfig> ours = stored_bench(run), theirs = stored_bench(other);
-  if (!ours || !theirs || !ours->simulation || !theirs->simulation)
-    return "its bench file, which states mount and age, can no longer be read";
+  if (!ours || !theirs || !ours->simulation || !theirs->simulation) {
+    add(&StateChange::unknown, "its bench file, which states mount and age, can no longer be read");
+    return change;
+  }
   const SpecimenOptions &a = ours->simulation->plant.specimen, &b = theirs->simulation->plant.specimen;
-  if (a.kind != b.kind) return "its simulated sensor is another specimen";
+  if (a.kind != b.kind) add(&StateChange::unknown, "its simulated sensor is another specimen");
   if (a.age_months != b.age_months)
-    return std::abs(a.age_months - b.age_months) == 1.0
-               ? std::string("the sensor's age differs by a month")
-               : fmt::format("the sensor's age differs by {:g} months", std::abs(a.age_months - b.age_months));
+    add(&StateChange::later,
+        std::abs(a.age_months - b.age_months) == 1.0
+            ? std::string("the sensor's age differs by a month")
+            : fmt::format("the sensor's age differs by {:g} months", std::abs(a.age_months - b.age_months)));
   if (a.mount_seed != b.mount_seed || a.mount_turn != b.mount_turn || a.edge_outside_lines != b.edge_outside_lines ||
       a.edge_outside != b.edge_outside)
-    return "the sensor was mounted anew";
-  return {};
+    add(&StateChange::mounted, "the sensor was mounted anew");
+  return change;
 }
+
+std::string other_state(const db::RunRecord& run, const db::RunRecord& other) { return state_change(run, other).words; }
 
 double thermometer_step_c(const db::RunRecord& run) {
   const std::optional<BenchConfig> bench = stored_bench(run);

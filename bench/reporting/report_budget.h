@@ -17,6 +17,13 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
                                           const std::vector<std::int64_t>& further,
                                           const std::vector<std::string>& studies);
 
+struct StateChange {
+  bool later = false, mounted = false, unknown = false;  // another day or age; mounted anew; cannot be told
+  std::string words;                                     // the first of them; empty: none
+  [[nodiscard]] bool any() const { return !words.empty(); }
+};
+StateChange state_change(const db::RunRecord& run, const db::RunRecord& other);
+
 // Other differences between two runs besides temperature, as far as the store knows: more than a day between them, or,
 // for a simulated sensor, age and mount. Empty: none.
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other);

@@ -1,4 +1,5 @@
 // The figures of the section "Uncertainty", and of conformity, as JSON.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -6,6 +7,7 @@
 #include "analysis/report/data/judged_runs.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/parts.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -30,10 +32,13 @@ UncertaintyJson budget_json(const Budget& budget, bool whole) {
                       {"divisor", row.divisor},
                       {"sensitivity", row.sensitivity},
                       {"u_psi", row.u_psi},
+                      {"common_share", row.common},
                       {"dof", degrees(row.dof)}});
   }
   UncertaintyJson out = {{"taxel", budget.taxel},
                          {"error_psi", budget.error_psi},
+                         {"lower_psi", budget.lower_psi()},
+                         {"upper_psi", budget.upper_psi()},
                          {"u_psi", u},
                          {"combined_psi", budget.combined_psi},
                          {"dof", degrees(budget.dof)},
@@ -52,7 +57,35 @@ UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole
           {"worst", budget_json(level.worst, whole)},
           {"not_linear", level.not_linear},
           // One digit of U more than the page prints.
-          {"taxel_expanded_psi", number_list(level.expanded_psi, 3)}};
+          {"taxel_expanded_psi", number_list(level.expanded_psi, 3)},
+          {"taxel_error_psi", number_list(level.error_psi, 4)},
+          {"array",
+           {{"mean_expanded_psi", level.array.mean_expanded_psi},
+            {"centre_expanded_pitches", std::isfinite(level.array.centre_expanded)
+                                            ? UncertaintyJson(level.array.centre_expanded)
+                                            : UncertaintyJson()}}}};
+}
+
+UncertaintyJson condition_json(const ConditionUncertainty& condition) {
+  UncertaintyJson out = {{"condition", name_of(condition.condition)}, {"valid", condition.valid()}};
+  if (!condition.valid()) {
+    out["not_valid_because"] = condition.not_valid;
+    return out;
+  }
+  out["rests_on"] = condition.basis;
+  out["median_expanded_psi"] = condition.median_psi;
+  UncertaintyJson levels = UncertaintyJson::array();
+  const std::size_t width = condition.expanded_psi.size() / std::max<std::size_t>(1, condition.pressure_psi.size());
+  for (std::size_t i = 0; i < condition.pressure_psi.size(); ++i) {
+    const auto from = static_cast<std::ptrdiff_t>(i * width), end = static_cast<std::ptrdiff_t>((i + 1) * width);
+    const std::vector<double> expanded(condition.expanded_psi.begin() + from, condition.expanded_psi.begin() + end);
+    levels.push_back({{"pressure_psi", condition.pressure_psi[i]},
+                      {"branch", condition.up[i] ? "up" : "down"},
+                      {"median_expanded_psi", median_of(expanded)},
+                      {"worst_expanded_psi", spread_of(expanded).high}});
+  }
+  out["levels"] = std::move(levels);
+  return out;
 }
 
 UncertaintyJson reading_json(const Uncertainty& uncertainty) {
@@ -83,6 +116,9 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
                          {"chosen", uncertainty.chosen}};
   if (uncertainty.creep.assessed()) out["creep"] = creep_effect_json(uncertainty.creep);
   if (uncertainty.temperature.assessed()) out["temperature"] = temperature_effect_json(uncertainty.temperature);
+  out["conditions"] = UncertaintyJson::array();
+  for (const ConditionUncertainty& condition : uncertainty.conditions)
+    out["conditions"].push_back(condition_json(condition));
   out["levels"] = std::move(levels);
   return out;
 }

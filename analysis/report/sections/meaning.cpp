@@ -16,11 +16,10 @@ Markup meaning_section(const ReportInput& input) {
         Text("The devices and the sensor were simulated. The figures show what the program does, not what a sensor is "
              "like."));
   }
-  item(Text(
-      input.uncertainty
-          ? "Uncertainty of measurement: the budgets name what is not assessed; U does not contain it. It is that of "
-            "a reading of a full sweep of this run, not of any later use."
-          : "Uncertainty of measurement: not assessed. No figure here has a stated uncertainty."));
+  item(Text(input.uncertainty
+                ? "Uncertainty of measurement: U is valid for the conditions of use that the table beside the budgets "
+                  "names, and for no other."
+                : "Uncertainty of measurement: not assessed. No figure here has a stated uncertainty."));
   item(
       Text("The results relate only to the item identified, with the scanner electronics named, in the state and at "
            "the place of "

@@ -22,13 +22,13 @@ const char* branch_word(bool up) { return up ? "loading" : "unloading"; }
 Markup measurand(const Uncertainty& uncertainty) {
   const ReferenceUncertainty& reference = uncertainty.reference;
   Markup out = markup(
-      "<p>Measurand: the pressure on one taxel, as one compensated frame tells it where a full sweep passes a level. "
-      "The "
-      "stated U is the expanded uncertainty U = k u_c (JCGM 100 “GUM”, Eq. 18) with k from Student’s "
-      "distribution for 95.45 % at the effective degrees of freedom (Welch-Satterthwaite, Eq. G.2b); u_c is "
-      "the root of the sum of the squares of the shares |c| u(x) (Eq. 10, inputs taken as independent). Readings are "
-      "not corrected for the model’s residual, which is in the budget. Sources that are not assessed are listed below "
-      "and are not in U.</p>\n");
+      "<p>Measurand: the pressure on one taxel, as one compensated frame states it, corrected for the mean error of "
+      "the "
+      "full sweeps at its level and branch, at any point of the histories named below. The stated U is the expanded "
+      "uncertainty U = k u_c (JCGM 100 “GUM”, Eq. 18) with k from Student’s distribution for 95.45 % at the effective "
+      "degrees of freedom (Welch-Satterthwaite, Eq. G.2b); u_c is the root of the sum of the squares of the shares |c| "
+      "u(x) (Eq. 10, inputs taken as independent). Sources that are not assessed are listed below and are not in "
+      "U.</p>\n");
   out += markup(
       "<p class=\"note\">Reference: certificate {}, due {}{}. Not included because negligible: the height of the "
       "air line (below 0.01 psi a metre at 60 psi).</p>\n",
@@ -90,10 +90,14 @@ Markup budget_table(const Uncertainty& uncertainty, const Budget& budget, const 
       html::fixed(budget.factor, 2), gum_uncertainty(budget.expanded_psi),
       gum_uncertainty(kPsiToKpa * budget.expanded_psi));
   out += markup(
-      "<p class=\"note\">c: psi per unit of the width. Mean of {} less the reference: {} psi (k = "
-      "{}).{}</p>\n",
-      Text(counted(budget.readings, "reading")), gum_value(budget.error_psi, budget.expanded_psi),
-      html::fixed(budget.factor, 2),
+      "<p class=\"note\">c: psi per unit of the width. Error that is taken off (mean of {} less the reference, and "
+      "half of "
+      "creep): the corrected reading is off by 0 ± {} psi (k = {}); for who does not correct, a reading less the "
+      "pressure "
+      "lies in [{}, {}] psi.{}</p>\n",
+      Text(counted(budget.readings, "reading")), gum_uncertainty(budget.expanded_psi), html::fixed(budget.factor, 2),
+      html::fixed(budget.lower_psi(), gum_decimals(budget.expanded_psi)),
+      html::fixed(budget.upper_psi(), gum_decimals(budget.expanded_psi)),
       Text(budget.linear ? ""
                          : " ▲ The inverse is not linear within ±2 u of the voltage here: Eq. (10) is a rough "
                            "approximation."));
@@ -169,9 +173,10 @@ Markup levels_table(const Uncertainty& uncertainty) {
                   branch_cells(uncertainty.level(pressure, false)));
   }
   out += markup(
-      "</tbody></table></div>\n<p class=\"note\">Error: mean of the n readings of full sweeps less the reference, ± U "
-      "of "
-      "one reading. Median and worst taxel: by U, at each level and branch anew. The turn at the top is read while "
+      "</tbody></table></div>\n<p class=\"note\">Error: mean of the n readings of full sweeps less the reference, and "
+      "half "
+      "of creep, which is taken off; ± U of one corrected reading. Median and worst taxel: by U, at each level and "
+      "branch anew. The turn at the top is read while "
       "loading. Not linear: taxels whose inverse bends, or ends, within ±2 u of the voltage while the voltage has more "
       "than a tenth of the variance; their U is a rough approximation.</p>\n");
   return out;
@@ -214,6 +219,24 @@ Markup ranges(const Uncertainty& uncertainty) {
   return out;
 }
 
+Markup array_table(const Uncertainty& uncertainty) {
+  Markup out = markup(
+      "<div class=\"wide\"><table class=\"levels even\"><caption>U of figures of the whole array, evenly loaded: mean "
+      "pressure in psi (total force: times the area of the array), centre of pressure in pitches</caption><thead><tr>"
+      "<th scope=\"col\" class=\"n\">psi</th><th scope=\"col\">branch</th><th scope=\"col\" class=\"n\">U, mean "
+      "pressure"
+      "</th><th scope=\"col\" class=\"n\">U, centre of pressure</th></tr></thead><tbody>\n");
+  for (const LevelUncertainty& level : uncertainty.levels)
+    out += markup("<tr><th scope=\"row\" class=\"n\">{}</th><td>{}</td>{}{}</tr>\n", html::fixed(level.pressure_psi, 1),
+                  Text(branch_word(level.up)), number_cell(gum_uncertainty(level.array.mean_expanded_psi)),
+                  number_cell(html::significant(level.array.centre_expanded, 2)));
+  out += markup(
+      "</tbody></table></div>\n<p class=\"note\">What all taxels have in common adds up, what is a taxel’s own "
+      "averages "
+      "out; a common part moves no centre of pressure.</p>\n");
+  return out;
+}
+
 Markup map_of(const ReportInput& input, const LevelUncertainty& level) {
   const double high = spread_of(level.expanded_psi).high;
   const ColourScale scale{0.0, high > 0.0 ? high : 1.0};
@@ -242,12 +265,14 @@ Markup uncertainty_section(const ReportInput& input) {
   const Uncertainty& uncertainty = *input.uncertainty;
   const LevelUncertainty& chosen = uncertainty.levels[uncertainty.chosen];
   out += measurand(uncertainty);
+  out += conditions_part(input);
   out += budget_table(uncertainty, chosen.median, "median", input.fit.columns);
   out += budget_table(uncertainty, chosen.worst, "worst", input.fit.columns);
   out += basis_table(uncertainty);
   out += chart(uncertainty);
   out += ranges(uncertainty);
   out += levels_table(uncertainty);
+  out += array_table(uncertainty);
   out += map_of(input, chosen);
   return out;
 }

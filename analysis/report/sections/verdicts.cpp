@@ -140,9 +140,11 @@ Markup verdict_section(const ReportInput& input) {
     out += markup("<p>No limits were given: the figures are reported without a verdict.</p>\n");
     out += instruments_warning(input);
     out += not_well(input.health);
+    out += conditions_in_brief(input);
     return out;
   }
   out += overall_part(input);
+  out += conditions_in_brief(input);
   out += instruments_warning(input);
   out += not_well(input.health);
   if (input.verdicts.empty()) return out;

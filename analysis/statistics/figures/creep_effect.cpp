@@ -134,7 +134,8 @@ std::string CreepEffect::in_words() const {
       "change of the median taxel's output over its zero in holds of {} ({}). Assumed: a reading is taken at any time "
       "from {:.1f} s, after which this run reads its levels, to {:.0f} s after the level was commanded, on a way to "
       "the "
-      "level like that of the holds, and is not corrected for it; what is read earlier or later is not covered. Each "
+      "level like that of the holds, and half of the whole change is taken off; what is read earlier or later is not "
+      "covered. Each "
       "taxel counts with its own change; levels that were not held take the same share of the output over the zero{}{}",
       levels.front().sequence, held, read_after_s, to_s,
       both ? "" : ", and so does the other branch, which was not held (creep-levels holds both)",

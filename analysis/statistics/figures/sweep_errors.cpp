@@ -2,43 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
-#include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
+#include "analysis/statistics/figures/step_kinds.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kFullSweepShare = 0.01;  // as external_loop
+constexpr double kZeroShare = 0.01;  // of the range: a repeat this near to the lowest level begins or ends there
 constexpr double kSameLevelPsi = 1e-6;
 
-// For each step of a sequence: the index of its LevelReadings, or -1.
-using LevelOfStep = std::vector<int>;
+// For each step of a sequence: the index of its LevelReadings, or -1; and the number of its branch.
+struct LevelOfStep {
+  int level = -1, branch = 0;
+};
 
-LevelOfStep levels_of_steps(const SequenceData& data, const std::vector<double>& grid) {
-  const std::vector<Sample>& steps = data.repeats.front().steps;
-  std::vector<double> commanded;
-  for (const Sample& step : steps) commanded.push_back(step.setpoint_psi);
-  LevelOfStep level(steps.size(), -1);
-  const double low = grid.front(), high = grid.back(), near = kFullSweepShare * (high - low);
-  for (const Branch& branch : branches_along(commanded)) {
-    const auto first = static_cast<std::size_t>(branch.first), last = static_cast<std::size_t>(branch.last);
-    const double bottom = std::min(commanded[first], commanded[last]),
-                 top = std::max(commanded[first], commanded[last]);
-    if (bottom - low > near || high - top > near) continue;
-    // The turning point closes the branch before it: there the reading is that branch's.
-    for (std::size_t i = first == 0 ? first : first + 1; i <= last; ++i) {
-      const auto at = std::ranges::lower_bound(grid, commanded[i] - kSameLevelPsi);
-      if (at == grid.end() || std::abs(*at - commanded[i]) > kSameLevelPsi) continue;
-      level[i] = static_cast<int>(at - grid.begin()) + (branch.ascending ? 0 : static_cast<int>(grid.size()));
-    }
+std::vector<LevelOfStep> levels_of_steps(const SequenceData& data, const std::vector<double>& grid) {
+  const std::vector<StepKind> kinds = step_kinds(data, grid.front(), grid.back());
+  std::vector<LevelOfStep> levels(kinds.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const double commanded = data.repeats.front().steps[i].setpoint_psi;
+    const auto at = std::ranges::lower_bound(grid, commanded - kSameLevelPsi);
+    if (!kinds[i].full || at == grid.end() || std::abs(*at - commanded) > kSameLevelPsi) continue;
+    levels[i] = {static_cast<int>(at - grid.begin()) + (kinds[i].up ? 0 : static_cast<int>(grid.size())),
+                 kinds[i].branch};
   }
-  return level;
+  return levels;
 }
 
 void measure_zero_return(const Dataset& dataset, double low, double near, SweepErrors& errors) {
   const auto width = static_cast<std::size_t>(dataset.taxels());
-  errors.zero_return_v.assign(width, kNan);
+  std::vector<std::vector<double>> returns(width);
   for (const SequenceData& data : dataset.sequences) {
     for (const Repeat& repeat : data.repeats) {
       if (repeat.steps.size() < 3 || repeat.steps.front().setpoint_psi - low > near ||
@@ -46,12 +42,13 @@ void measure_zero_return(const Dataset& dataset, double low, double near, SweepE
         continue;
       ++errors.repeats_with_zero;
       const std::size_t last = (repeat.steps.size() - 1) * width;
-      for (std::size_t taxel = 0; taxel < width; ++taxel) {
-        const double off = std::abs(repeat.volts[last + taxel] - repeat.volts[taxel]);
-        double& largest = errors.zero_return_v[taxel];
-        largest = std::isnan(largest) ? off : std::max(largest, off);
-      }
+      for (std::size_t taxel = 0; taxel < width; ++taxel)
+        returns[taxel].push_back(repeat.volts[last + taxel] - repeat.volts[taxel]);
     }
+  }
+  for (const std::vector<double>& own : returns) {
+    errors.zero_return_v.push_back(mean_of(own));
+    errors.zero_return_s_v.push_back(own.size() == 1 ? 0.0 : sample_deviation(own));
   }
 }
 
@@ -62,21 +59,31 @@ SweepErrors sweep_errors(const Dataset& dataset, const SensorModel& fit, int thr
   const std::vector<double>& grid = fit.pressure_psi;
   SweepErrors errors;
   for (const bool up : {true, false})
-    for (const double pressure : grid) errors.levels.push_back({pressure, up, 0, {}});
-  std::vector<LevelOfStep> level_of_step;
-  for (const SequenceData& data : dataset.sequences) {
-    level_of_step.push_back(levels_of_steps(data, grid));
-    for (const int level : level_of_step.back())
-      if (level >= 0) errors.levels[static_cast<std::size_t>(level)].readings += data.repeats.size();
+    for (const double pressure : grid) errors.levels.push_back({pressure, up, 0, {}, {}});
+  std::vector<std::vector<LevelOfStep>> level_of_step;
+  std::map<std::pair<std::size_t, int>, int> groups;  // by sequence and branch
+  for (std::size_t s = 0; s < dataset.sequences.size(); ++s) {
+    level_of_step.push_back(levels_of_steps(dataset.sequences[s], grid));
+    for (const LevelOfStep& step : level_of_step.back())
+      if (step.level >= 0) groups.try_emplace({s, step.branch}, static_cast<int>(groups.size()));
   }
+  errors.groups = static_cast<int>(groups.size());
+  for (std::size_t s = 0; s < dataset.sequences.size(); ++s)
+    for (std::size_t r = 0; r < dataset.sequences[s].repeats.size(); ++r)
+      for (const LevelOfStep& step : level_of_step[s]) {
+        if (step.level < 0) continue;
+        LevelReadings& level = errors.levels[static_cast<std::size_t>(step.level)];
+        ++level.readings;
+        level.group.push_back(groups.at({s, step.branch}));
+      }
   for (LevelReadings& level : errors.levels) level.error_psi.assign(level.readings * width, kNan);
-  measure_zero_return(dataset, grid.front(), kFullSweepShare * (grid.back() - grid.front()), errors);
+  measure_zero_return(dataset, grid.front(), kZeroShare * (grid.back() - grid.front()), errors);
 
   compensate_in_order(dataset, fit, threads, [&](std::size_t taxel) {
     return [&, taxel, filled = std::vector<std::size_t>(errors.levels.size(), 0)](
                std::size_t s, std::size_t r, std::size_t i, const Compensated& now) mutable {
-      if (level_of_step[s][i] < 0) return;
-      const auto level = static_cast<std::size_t>(level_of_step[s][i]);
+      if (level_of_step[s][i].level < 0) return;
+      const auto level = static_cast<std::size_t>(level_of_step[s][i].level);
       errors.levels[level].error_psi[filled[level]++ * width + taxel] =
           now.pressure_psi - dataset.sequences[s].repeats[r].steps[i].reference_psi;
     };

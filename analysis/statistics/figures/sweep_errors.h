@@ -16,12 +16,18 @@ struct LevelReadings {
   bool up = true;
   std::size_t readings = 0;       // of each taxel: one a full sweep
   std::vector<double> error_psi;  // readings x taxels: estimate - measured reference; NaN where not fitted
+  // Of each reading: the group that its sweep belongs to, from 0 (SweepErrors::groups). Sweeps of one group have the
+  // same way behind them: same sequence, same place in it.
+  std::vector<int> group;
 };
 
 struct SweepErrors {
   std::vector<LevelReadings> levels;  // up by rising pressure, then down by rising pressure
-  std::vector<double> zero_return_v;  // taxels: largest |output at the end - at the start| of a repeat, at the lowest
-                                      // level; NaN where no repeat begins and ends there
+  int groups = 0;
+  // Taxels: output at the end of a repeat less that at its start, both at the lowest level: mean over the repeats, and
+  // their experimental standard deviation (JCGM 100, 4.2.2; 0 of one repeat). NaN where no repeat begins and ends
+  // there.
+  std::vector<double> zero_return_v, zero_return_s_v;
   std::size_t repeats_with_zero = 0;
 };
 

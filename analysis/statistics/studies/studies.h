@@ -33,6 +33,7 @@ struct Uniformity {
   double residual_rms_psi = 0.0;      // over all levels
   // The residual with the angles taken clockwise. Clearly smaller: the angles were typed with the opposite sign.
   double residual_other_sense_psi = 0.0;
+  double degrees = 0.0;  // of freedom of u_share and u_offset_psi: cells with a part of their own less free constants
   int undetermined = 0;  // free constants: sets of cells whose common part could be either's
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
 };
@@ -48,7 +49,10 @@ struct Remount {
   std::vector<double> mean_between_psi;      // the same of the array's mean alone: what all taxels have in common
   std::vector<double> taxel_between_psi;     // taxels: root mean square over the levels; NaN where not fitted
   double within_share = 0.0, s_share = 0.0;  // of within / p and between / p, see above
-  int degrees = 0;                           // of freedom: mounts - 1
+  // between / p in two: what all taxels have in common (mounts - 1 degrees of freedom), and a taxel's own.
+  double common_share = 0.0, own_share = 0.0;
+  int degrees = 0;      // of freedom: mounts - 1
+  int own_degrees = 0;  // (mounts - 1)(taxels - 1)
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
 };
 

@@ -275,6 +275,7 @@ Uniformity uniformity_of(std::span<const TurnedRun> runs, int rows, int columns)
     u.sensor_share.push_back(line_over(u.pressure_psi, sensor[i]).slope);
   }
   u.u_share = array_deviation(u.chamber_share);
+  u.degrees = std::max(1.0, static_cast<double>(finite_of(u.chamber_share).size()) - u.undetermined);
   u.u_offset_psi = array_deviation(u.chamber_psi);
   u.residual_rms_psi = std::sqrt(squares / static_cast<double>(u.pressure_psi.size()));
   u.residual_other_sense_psi = residual_over_levels(runs, u.pressure_psi, other_sense);

@@ -168,6 +168,13 @@ bool at_another_temperature(std::span<const double> calibration_c, std::span<con
   return std::abs(mean_of(other_c) - mean_of(calibration_c)) >= kOtherTemperatureK;
 }
 
+double TemperatureEffect::half_width_of_runs_c() const {
+  double furthest = half_width_c();
+  for (const double temperature : temperature_c)
+    furthest = std::max(furthest, std::abs(temperature - temperature_c.front()) + 0.5 * resolution_c);
+  return furthest;
+}
+
 double TemperatureEffect::width_v(double over_zero_v) const {
   const double coefficient = per_kelvin.zero_v + per_kelvin.share * over_zero_v;
   const double squares = coefficient * coefficient + u.zero_v * u.zero_v + deviation.zero_v * deviation.zero_v +

@@ -32,6 +32,8 @@ struct TemperatureEffect {
   double low_c = 0.0, high_c = 0.0, resolution_c = 0.0;  // of the calibration's readings
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
   [[nodiscard]] double half_width_c() const { return 0.5 * (high_c - low_c + resolution_c); }
+  // From the calibration's temperature to the furthest of the runs'.
+  [[nodiscard]] double half_width_of_runs_c() const;
   // Half-width in volt at an output so far over its zero: half_width_c times the root of the squares of coefficient,
   // its u and the taxels' deviation.
   [[nodiscard]] double width_v(double over_zero_v) const;

@@ -1,7 +1,8 @@
-#include "analysis/statistics/uncertainty/uncertainty.h"
+#include "analysis/statistics/uncertainty/budget_maker.h"
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
@@ -19,23 +20,35 @@ const SourceText& text_of(UncertaintySource source) {
       {"chamber uniformity", 'A', "normal", "psi", "s",
        "spread of the chamber's pressure over the array, from the sensor turned in it (4.2.2)"},
       {"repeatability", 'A', "Student", "psi", "s",
-       "scatter over the full sweeps beyond the noise of a frame (4.2.2, n - 1 degrees of freedom)"},
+       "scatter of full sweeps with the same way behind them, beyond the noise of a frame (4.2.2, H.5.2)"},
       {"noise", 'A', "normal", "V", "s",
        "scatter of the scans of a frame, of their mean (4.2.2), times the inverse's slope"},
       {"converter resolution", 'B', "rectangular", "V", "half-width",
        "half a count (F.2.2.1), times the inverse's slope"},
-      {"model residual", 'B', "normal", "psi", "rms",
-       "mean errors at the level and two neighbours to each side, not corrected (F.2.4.5)"},
-      {"zero return", 'B', "rectangular", "V", "half-width",
-       "largest change of the unloaded output over a repeat (4.3.7), times the inverse's slope"},
+      {"lack of fit, corrected", 'A', "Student", "psi", "u of the mean",
+       "the mean error of the full sweeps at the level is taken off; how well it is known (4.2.3, 6.3.1)"},
+      {"zero return", 'A', "Student", "V", "u",
+       "mean change of the unloaded output over a repeat, and s / sqrt(m), less the noise of the frames (4.2.3, 4.3.7, "
+       "4.3.10), times the inverse's slope"},
       {"creep under load", 'B', "rectangular", "V", "half-width",
-       "what the output goes on moving after the dwell of the calibration, up to the end of a hold; on one side, not "
-       "corrected: half-width is the whole of it (4.3.7, F.2.4.5), times the inverse's slope"},
+       "what the output goes on moving after the dwell of the calibration, up to the end of a hold; on one side: half "
+       "of it is taken off, half of it is the half-width (4.3.7, F.2.4.5), times the inverse's slope"},
       {"temperature", 'B', "rectangular", "V", "half-width",
        "change of the output a kelvin, with its own uncertainty, times half the range of the run's temperatures "
        "(4.3.7), times what the compensator makes of a whole loop that is moved by it: unloading, the turn at the top "
        "moves too"},
-      {"re-mounting", 'A', "Student", "psi", "s", "between mounts of this sensor (4.2.2)"},
+      {"re-mounting, common", 'A', "Student", "psi", "s",
+       "between mounts of this sensor, what all taxels have in common, times sqrt(2): calibrated in one mount, used in "
+       "another (4.2.2, m - 1 degrees of freedom)"},
+      {"re-mounting, a taxel's own", 'A', "Student", "psi", "s",
+       "the rest, times sqrt(2), pooled over the taxels (4.2.2, (m - 1)(taxels - 1) degrees of freedom)"},
+      {"conditioning, rest, first sweep", 'A', "Student", "psi", "s",
+       "between groups of full sweeps that differ in what lies before them (H.5.2)"},
+      {"dwell and rate", 'B', "rectangular", "psi", "half-width",
+       "largest change of the readings of one loop between dwell times (4.3.7)"},
+      {"history (inner branches)", 'A', "Student", "psi", "s",
+       "errors on inner branches within 4 psi of the level, by direction, beyond the rows above (4.2.2, ways through "
+       "the window as degrees of freedom)"},
   }};
   return kTexts[static_cast<std::size_t>(source)];
 }
@@ -68,12 +81,88 @@ std::size_t chosen_level(const std::vector<LevelUncertainty>& levels) {
   return best;
 }
 
+// A centre of pressure moves by the taxels' own errors alone; the array is evenly loaded.
+ArrayUncertainty array_uncertainty(const std::vector<Budget>& budgets, int columns) {
+  ArrayUncertainty out;
+  const auto n = static_cast<double>(budgets.size());
+  double row = 0.0, column = 0.0;
+  for (const Budget& budget : budgets) {
+    row += budget.taxel / columns / n;
+    column += budget.taxel % columns / n;
+  }
+  std::array<double, kUncertaintySources> common{}, own{}, dof{};
+  double along_rows = 0.0, along_columns = 0.0;
+  for (const Budget& budget : budgets) {
+    double own_square = 0.0;
+    for (const Contribution& part : budget.contributions) {
+      const auto source = static_cast<std::size_t>(part.source);
+      common[source] += std::sqrt(part.common) * part.u_psi / n;
+      own[source] += (1.0 - part.common) * part.u_psi * part.u_psi / (n * n);
+      dof[source] = part.dof;
+      own_square += (1.0 - part.common) * part.u_psi * part.u_psi;
+    }
+    along_rows += std::pow(budget.taxel / columns - row, 2) * own_square;
+    along_columns += std::pow(budget.taxel % columns - column, 2) * own_square;
+  }
+  std::vector<VarianceShare> shares;
+  for (std::size_t source = 0; source < kUncertaintySources; ++source) {
+    if (!(common[source] + own[source] > 0.0)) continue;
+    shares.push_back({common[source], dof[source]});
+    shares.push_back({std::sqrt(own[source]), kInfiniteDof});  // of many taxels
+  }
+  out.mean_u_psi = combined_uncertainty(shares);
+  out.mean_expanded_psi = coverage_factor(std::max(1.0, effective_dof(shares))) * out.mean_u_psi;
+  const double total = n * budgets.front().pressure_psi;
+  out.centre_expanded =
+      total > 0.0 ? coverage_factor(kInfiniteDof) * std::sqrt(std::max(along_rows, along_columns)) / total : kNan;
+  return out;
+}
+
+ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& maker, const SweepErrors& errors,
+                                     const SensorModel& fit, const std::vector<std::size_t>& fitted, int threads) {
+  ConditionUncertainty out;
+  out.condition = condition;
+  out.not_valid = maker.not_valid(condition);
+  if (!out.valid()) return out;
+  out.basis = maker.basis(condition);
+  const std::size_t width = fit.array().size();
+  for (std::size_t i = 0; i < errors.levels.size(); ++i) {
+    if (errors.levels[i].readings == 0) continue;
+    out.pressure_psi.push_back(errors.levels[i].pressure_psi);
+    out.up.push_back(errors.levels[i].up);
+    const std::size_t row = out.expanded_psi.size();
+    out.expanded_psi.resize(row + width, kNan);
+    out.error_psi.resize(row + width, kNan);
+    for_each_index(fitted.size(), threads, [&](std::size_t at) {
+      const Budget budget = maker.budget(fitted[at], i, condition);
+      out.expanded_psi[row + fitted[at]] = budget.expanded_psi;
+      out.error_psi[row + fitted[at]] = budget.error_psi;
+    });
+  }
+  out.median_psi = median_of(out.expanded_psi);
+  return out;
+}
+
+// The further runs of a falling sensor with outputs that rise.
+struct RisingRuns {
+  UncertaintyInputs inputs;
+  std::deque<Dataset> turned;
+  RisingRuns(const UncertaintyInputs& given, const SensorModel& fit) : inputs(given) {
+    for (std::vector<const Dataset*>* runs : {&inputs.history.same, &inputs.history.later, &inputs.history.paced})
+      for (const Dataset*& run : *runs) {
+        check_same_sensor(*run, fit);
+        if (fit.falling) run = &turned.emplace_back(as_modelled(*run, fit));
+      }
+  }
+};
+
 void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
   const auto keep = [&](UncertaintySource source, const std::optional<GivenUncertainty>& given) {
     if (given) out.from[static_cast<std::size_t>(source)] = given->from;
   };
   keep(UncertaintySource::kUniformity, inputs.uniformity);
   keep(UncertaintySource::kMounting, inputs.mounting);
+  keep(UncertaintySource::kMountingOwn, inputs.mounting_own);
   if (out.reference.drift_missing.empty())
     out.from[static_cast<std::size_t>(UncertaintySource::kDrift)] = out.reference.drift_basis;
   out.creep = inputs.creep;
@@ -92,15 +181,17 @@ const LevelUncertainty* Uncertainty::level(double pressure_psi, bool up) const {
 }
 
 Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measured_fit, const db::RunRecord& run,
-                               const UncertaintyInputs& inputs, int threads) {
+                               const UncertaintyInputs& given, int threads) {
   check_same_sensor(measured, measured_fit);
   SensorModel fit = measured_fit;
   const Dataset dataset = as_modelled(measured, fit);
+  const RisingRuns rising(given, measured_fit);
+  const UncertaintyInputs& inputs = rising.inputs;
   fit.falling = false;
   Uncertainty out;
   out.reference = reference_uncertainty(run, inputs.notes);
   const SweepErrors errors = sweep_errors(dataset, fit, threads);
-  const BudgetMaker maker(dataset, fit, errors, out.reference, scanner_step_v(run), inputs);
+  const BudgetMaker maker(dataset, fit, errors, out.reference, scanner_step_v(run), inputs, threads);
   out.missing = maker.missing();
   keep_given(inputs, out);
   const std::vector<std::size_t> fitted = Fitted(fit).taxels();
@@ -111,17 +202,22 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
     level.pressure_psi = errors.levels[i].pressure_psi;
     level.up = errors.levels[i].up;
     level.expanded_psi.assign(fit.array().size(), kNan);
-    std::vector<char> linear(fit.array().size(), 1);
-    for_each_index(fitted.size(), threads, [&](std::size_t at) {
-      const Budget budget = maker.budget(fitted[at], i);
-      level.expanded_psi[fitted[at]] = budget.expanded_psi;
-      linear[fitted[at]] = budget.linear ? 1 : 0;
-    });
-    level.not_linear = static_cast<int>(std::ranges::count(linear, 0));
+    level.error_psi.assign(fit.array().size(), kNan);
+    std::vector<Budget> budgets(fitted.size());
+    for_each_index(fitted.size(), threads, [&](std::size_t at) { budgets[at] = maker.budget(fitted[at], i); });
+    for (const Budget& budget : budgets) {
+      level.expanded_psi[static_cast<std::size_t>(budget.taxel)] = budget.expanded_psi;
+      level.error_psi[static_cast<std::size_t>(budget.taxel)] = budget.error_psi;
+    }
+    level.array = array_uncertainty(budgets, fit.columns);
+    level.not_linear = static_cast<int>(std::ranges::count(budgets, false, &Budget::linear));
     keep_median_and_worst(level, maker, i, fitted);
     out.levels.push_back(std::move(level));
   }
   out.chosen = chosen_level(out.levels);
+  out.dwell = maker.histories().dwell;
+  for (std::size_t which = 1; which < kUseConditions; ++which)
+    out.conditions.push_back(under_condition(static_cast<UseCondition>(which), maker, errors, fit, fitted, threads));
   return out;
 }
 

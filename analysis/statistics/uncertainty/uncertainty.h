@@ -1,9 +1,11 @@
 // Uncertainty budgets of compensated pressures, by JCGM 100 (GUM). Dataset + models + the reference's calibration in;
 // u_c, effective degrees of freedom, k and U for every taxel, level and branch out. Measurand: the pressure on a taxel
-// from one compensated frame, where a full sweep passes a level. Model (4.1.1): p = f(v + d_noise + d_step + d_zero +
-// d_creep + d_temperature) + d_repeat + d_model + d_mount
-//              + d_certificate + d_drift + d_digit + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
+// from one compensated frame, corrected for what is known of its error, at any point of the histories that the
+// condition of use names. Model (4.1.1): p = f(v + d_noise + d_step + d_creep + d_temperature + d_zero) - e
+//   + d_repeat + d_conditioning + d_fit + d_history + d_dwell + d_mount + d_own
+//   + d_certificate + d_drift + d_digit + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
 // Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
+// e, the mean error of the full sweeps at the level and half of creep's effect, is known and taken off (3.2.3, 6.3.1).
 #pragma once
 
 #include <array>
@@ -12,7 +14,7 @@
 #include <vector>
 
 #include "analysis/statistics/figures/creep_effect.h"
-#include "analysis/statistics/figures/sweep_errors.h"
+#include "analysis/statistics/figures/dwell_effect.h"
 #include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/uncertainty/reference_uncertainty.h"
 #include "analysis/statistics/uncertainty/temperature_effect.h"
@@ -32,8 +34,27 @@ enum class UncertaintySource {
   kCreep,
   kTemperature,
   kMounting,
+  kMountingOwn,
+  kConditioning,
+  kDwell,
+  kHistory,
 };
-inline constexpr std::size_t kUncertaintySources = 12;
+inline constexpr std::size_t kUncertaintySources = 16;
+
+// Conditions under which a sensor is used. Each has a U of its own, or the reason why U does not cover it.
+enum class UseCondition {
+  kStated,            // all that was assessed, together: the budgets that are printed
+  kFullSweeps,        // as calibrated: same mount, same dwell, over the whole range
+  kFittedBranches,    // the inner branches of the calibration's own sequences
+  kAnyHistory,        // any reversals, same mount, same dwell
+  kOtherDwell,        // any reversals, dwell times between those of the run of recipe rate
+  kHeld,              // any reversals, read up to the end of the holds that tell of creep
+  kOtherTemperature,  // any reversals, at the temperatures of the runs that tell of temperature
+  kRemounted,         // any reversals, mounted anew
+  kLater,             // any reversals, on another day
+};
+inline constexpr std::size_t kUseConditions = 9;
+const char* name_of(UseCondition condition);  // "any history, re-mounted"
 
 struct SourceText {
   const char* name;
@@ -51,9 +72,17 @@ struct GivenUncertainty {
   double dof = kInfiniteDof;
   std::string from;  // "runs 4 to 7, the sensor turned by 90 degrees"
 };
+// Further runs of the sensor, not those that models were made from. The datasets outlive the inputs.
+struct HistoryRuns {
+  std::vector<const Dataset*> same;   // held out: same mount, same day, dwell like that of the calibration
+  std::vector<const Dataset*> later;  // held out: another day, or for a simulated sensor another age
+  std::vector<const Dataset*> paced;  // candidates for the effect of dwell
+};
 struct UncertaintyInputs {
-  std::optional<GivenUncertainty> uniformity;  // the chamber's pressure over the array
-  std::optional<GivenUncertainty> mounting;    // between mounts
+  std::optional<GivenUncertainty> uniformity;    // the chamber's pressure over the array
+  std::optional<GivenUncertainty> mounting;      // between two mounts, what all taxels have in common
+  std::optional<GivenUncertainty> mounting_own;  // between two mounts, a taxel's own
+  HistoryRuns history = {};
   // What moves the output, times the inverse's slope: one share of p would hide where the curve is flat.
   CreepEffect creep = {};                  // of a reading later than the calibration's
   TemperatureEffect temperature = {};      // over the temperatures of the run
@@ -65,14 +94,15 @@ struct Contribution {
   UncertaintySource source = UncertaintySource::kCertificate;
   double width = 0.0, divisor = 1.0, sensitivity = 1.0, u_psi = 0.0;
   double dof = kInfiniteDof;
+  double common = 0.0;  // share of u_psi² that all taxels have in common
 };
 
 struct Budget {
   int taxel = -1;
   double pressure_psi = 0.0;
   bool up = true;
-  double error_psi = 0.0;                   // mean of the readings - reference: in the model's residual, not corrected
-  std::size_t readings = 0;                 // that repeatability rests on
+  double error_psi = 0.0;    // e: mean of the readings - reference, and half of creep's effect; taken off
+  std::size_t readings = 0;  // that repeatability rests on
   std::vector<Contribution> contributions;  // the assessed ones, in the order of the sources
   double combined_psi = 0.0;                // u_c, Eq. (10)
   double dof = kInfiniteDof;                // Eq. (G.2b)
@@ -81,15 +111,47 @@ struct Budget {
   // False: within +-2 u of the voltage the inverse's slope changes by more than a quarter and the voltage's part of the
   // variance is above a tenth, or the curve ends there: Eq. (10) is then no good approximation (5.1.2, note).
   bool linear = true;
+  // Of who does not take e off: a reading less the pressure lies between these (6.3.1, note).
+  [[nodiscard]] double lower_psi() const { return error_psi - expanded_psi; }
+  [[nodiscard]] double upper_psi() const { return error_psi + expanded_psi; }
+};
+
+// U of figures of the whole array at a level, from common and own parts; k = t_95.45 of its own degrees of freedom.
+struct ArrayUncertainty {
+  double mean_u_psi = 0.0, mean_expanded_psi = 0.0;  // mean pressure; total force: times the array's area
+  double centre_expanded = 0.0;  // centre of pressure of an evenly loaded array, along rows and columns, in pitches
 };
 
 struct LevelUncertainty {
   double pressure_psi = 0.0;
   bool up = true;
   std::vector<double> expanded_psi;  // taxels; NaN where not fitted
-  Budget median, worst;              // of the taxel with the median U (the lower of two) and the largest
-  int not_linear = 0;                // taxels
+  std::vector<double> error_psi;     // taxels: e
+  ArrayUncertainty array;
+  Budget median, worst;  // of the taxel with the median U (the lower of two) and the largest
+  int not_linear = 0;    // taxels
 };
+
+// U under one condition of use. Valid: `not_valid` is empty.
+struct ConditionUncertainty {
+  UseCondition condition = UseCondition::kFullSweeps;
+  std::string not_valid;    // why U does not cover it
+  std::string basis;        // runs and ranges that it rests on
+  double median_psi = 0.0;  // of U over all levels and taxels
+  // Levels up, then down (those with readings), x taxels; NaN where not fitted. Empty where not valid.
+  std::vector<double> pressure_psi;
+  std::vector<bool> up;
+  std::vector<double> expanded_psi, error_psi;
+  [[nodiscard]] bool valid() const { return not_valid.empty(); }
+};
+
+// What is taken off a compensated reading, and U of what is left; linear between levels, constant beyond them.
+struct ReadingUncertainty {
+  double error_psi = 0.0, expanded_psi = 0.0;
+};
+// Of a valid condition. NaN where the taxel is not fitted.
+ReadingUncertainty reading_uncertainty(const ConditionUncertainty& condition, std::size_t taxel, double reading_psi,
+                                       bool up);
 
 struct Uncertainty {
   ReferenceUncertainty reference;
@@ -98,38 +160,11 @@ struct Uncertainty {
   std::array<std::string, kUncertaintySources> from;     // where a given figure comes from
   CreepEffect creep;
   TemperatureEffect temperature;
+  DwellEffect dwell;
+  std::vector<ConditionUncertainty> conditions;  // each of UseCondition but kStated
+  [[nodiscard]] const ConditionUncertainty& condition(UseCondition which) const;
   std::size_t chosen = 0;  // the level whose budgets are printed: mid range, down
   [[nodiscard]] const LevelUncertainty* level(double pressure_psi, bool up) const;
-};
-
-// One budget, as in assess_uncertainty: for tests and for further levels. `reading` is one of `errors.levels`; the
-// level's index within its branch counts for the model's residual.
-class BudgetMaker {
- public:
-  BudgetMaker(const Dataset& dataset, const SensorModel& fit, const SweepErrors& errors,
-              const ReferenceUncertainty& reference, double step_v, const UncertaintyInputs& inputs);
-  [[nodiscard]] Budget budget(std::size_t taxel, std::size_t level) const;
-  [[nodiscard]] const std::array<std::string, kUncertaintySources>& missing() const { return missing_; }
-
- private:
-  void find_missing(const Dataset& dataset);
-  void add(Budget& budget, UncertaintySource source, double width, double divisor, double sensitivity = 1.0,
-           double dof = kInfiniteDof) const;
-  void add_reference(Budget& budget) const;
-  void add_voltages(Budget& budget, std::size_t taxel) const;
-  void add_readings(Budget& budget, std::size_t taxel, std::size_t level) const;
-  void add_given(Budget& budget) const;
-  void finish(Budget& budget) const;
-  [[nodiscard]] double mean_error(std::size_t level, std::size_t taxel) const;
-  [[nodiscard]] bool assessed(UncertaintySource source) const;
-
-  const SensorModel& fit_;
-  const SweepErrors& errors_;
-  const ReferenceUncertainty& reference_;
-  const UncertaintyInputs& inputs_;
-  std::vector<double> noise_v_;
-  double noise_dof_ = 0.0, step_v_ = 0.0;
-  std::array<std::string, kUncertaintySources> missing_;
 };
 
 // Throws as evaluate(). `dataset` is the run that the models were made from, or another of the same sensor.

@@ -5,13 +5,12 @@
 
 #include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/figures/levels.h"
-#include "analysis/statistics/uncertainty/uncertainty.h"
+#include "analysis/statistics/uncertainty/budget_maker.h"
 
 namespace tactbench::analysis {
 namespace {
 
 const double rectangular = std::numbers::sqrt3;  // 4.3.7: a / sqrt(3)
-constexpr std::size_t kResidualReach = 2;        // levels to each side that the model's residual is taken from
 constexpr double kSlopeChange = 0.25;            // of the inverse within +-2 u: more is not linear ...
 constexpr double kVoltageVariance = 0.10;        // ... where the voltage has more of the variance than this
 
@@ -50,12 +49,6 @@ double sensitivity_along(const ModelTaxel& model, bool up, double pressure_psi, 
   return (read(1.0) - read(-1.0)) / (2.0 * width);
 }
 
-std::vector<double> errors_of(const LevelReadings& level, std::size_t taxel, std::size_t width) {
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < level.readings; ++i) errors.push_back(level.error_psi[i * width + taxel]);
-  return errors;
-}
-
 bool of_voltage(UncertaintySource source) {
   return source == UncertaintySource::kNoise || source == UncertaintySource::kConverterStep ||
          source == UncertaintySource::kZeroReturn || source == UncertaintySource::kCreep;
@@ -66,12 +59,16 @@ std::size_t index_of(UncertaintySource source) { return static_cast<std::size_t>
 }  // namespace
 
 BudgetMaker::BudgetMaker(const Dataset& dataset, const SensorModel& fit, const SweepErrors& errors,
-                         const ReferenceUncertainty& reference, double step_v, const UncertaintyInputs& inputs)
+                         const ReferenceUncertainty& reference, double step_v, const UncertaintyInputs& inputs,
+                         int threads)
     : fit_(fit), errors_(errors), reference_(reference), inputs_(inputs), noise_v_(dataset.noise_v), step_v_(step_v) {
   for (const SequenceData& data : dataset.sequences)
     for (const Repeat& repeat : data.repeats)
       noise_dof_ += static_cast<double>(repeat.steps.size()) * (dataset.scans - 1);
+  find_common();
+  find_histories(dataset, threads);
   find_missing(dataset);
+  find_excess();
 }
 
 void BudgetMaker::find_missing(const Dataset& dataset) {
@@ -95,87 +92,72 @@ void BudgetMaker::find_missing(const Dataset& dataset) {
   if (!inputs_.temperature.assessed() && dataset.temperatures_c.empty())
     missing(UncertaintySource::kTemperature) = "the run has no temperature readings";
   if (!inputs_.mounting) missing(UncertaintySource::kMounting) = "no runs of this sensor mounted anew";
+  if (!inputs_.mounting_own) missing(UncertaintySource::kMountingOwn) = "no runs of this sensor mounted anew";
+  if (errors_.groups < 2)
+    missing(UncertaintySource::kConditioning) = "all full sweeps have the same way behind them: one group";
+  missing(UncertaintySource::kDwell) = histories_.dwell.not_assessed;
+  if (history_of(UseCondition::kStated) == nullptr)
+    missing(UncertaintySource::kHistory) = "neither this run nor a held-out one has inner branches";
 }
 
 bool BudgetMaker::assessed(UncertaintySource source) const { return missing_[index_of(source)].empty(); }
 
 void BudgetMaker::add(Budget& budget, UncertaintySource source, double width, double divisor, double sensitivity,
-                      double dof) const {
+                      double dof, double common) const {
   if (!assessed(source)) return;
-  budget.contributions.push_back({source, width, divisor, sensitivity, std::abs(sensitivity) * width / divisor, dof});
+  budget.contributions.push_back(
+      {source, width, divisor, sensitivity, std::abs(sensitivity) * width / divisor, dof, common});
 }
 
 void BudgetMaker::add_reference(Budget& budget) const {
   const double k = reference_.coverage_factor;
-  add(budget, UncertaintySource::kCertificate, k * reference_.certificate_u(budget.pressure_psi), k);
-  add(budget, UncertaintySource::kDrift, reference_.drift_psi, rectangular);
-  add(budget, UncertaintySource::kReferenceDigit, 0.5 * reference_.resolution_psi, rectangular);
+  const auto add_common = [&](UncertaintySource source, double width, double divisor) {
+    add(budget, source, width, divisor, 1.0, kInfiniteDof, 1.0);
+  };
+  add_common(UncertaintySource::kCertificate, k * reference_.certificate_u(budget.pressure_psi), k);
+  add_common(UncertaintySource::kDrift, reference_.drift_psi, rectangular);
+  add_common(UncertaintySource::kReferenceDigit, 0.5 * reference_.resolution_psi, rectangular);
 }
 
-void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel) const {
+// What m returns show beyond the noise of their two frames: half of a mean return in the middle of a repeat, even
+// between none and the whole of it (4.3.7), and what the mean is known to, s / sqrt(m) (4.2.3). No noise counts twice
+// (4.3.10).
+double BudgetMaker::zero_return_u(std::size_t taxel) const {
+  if (!assessed(UncertaintySource::kZeroReturn)) return 0.0;
+  const double noise = 2.0 * noise_v_[taxel] * noise_v_[taxel], m = static_cast<double>(errors_.repeats_with_zero);
+  const double mean = errors_.zero_return_v[taxel], s = errors_.zero_return_s_v[taxel];
+  return std::sqrt(std::max(0.0, mean * mean - noise / m) / 3.0 + std::max(0.0, s * s - noise) / m);
+}
+
+void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel, UseCondition condition) const {
+  const bool crept = condition == UseCondition::kStated || condition == UseCondition::kHeld;
   const double noise = assessed(UncertaintySource::kNoise) ? noise_v_[taxel] : 0.0;
   const double step = assessed(UncertaintySource::kConverterStep) ? 0.5 * step_v_ : 0.0;
-  const double zero = assessed(UncertaintySource::kZeroReturn) ? errors_.zero_return_v[taxel] : 0.0;
+  const double zero = zero_return_u(taxel);
   const ModelTaxel& model = fit_.taxels[taxel];
   const double over_zero = ExternalBranch(model, budget.up).output(budget.pressure_psi) - model.y0();
-  const double creep = assessed(UncertaintySource::kCreep)
-                           ? inputs_.creep.share(taxel, budget.pressure_psi, budget.up) * over_zero
+  // The output goes on rising after a rise and falling after a fall: an error between 0 and the whole of it.
+  const double creep = crept && assessed(UncertaintySource::kCreep)
+                           ? 0.5 * inputs_.creep.share(taxel, budget.pressure_psi, budget.up) * over_zero
                            : 0.0;
-  const double u_v = std::hypot(std::hypot(noise, step / rectangular, zero / rectangular), creep / rectangular);
+  const double u_v = std::hypot(std::hypot(noise, step / rectangular, zero), creep / rectangular);
   const LocalInverse inverse = inverse_about(model, budget.up, budget.pressure_psi, u_v);
   budget.linear = inverse.linear;
   add(budget, UncertaintySource::kNoise, noise, 1.0, inverse.sensitivity, noise_dof_);
   add(budget, UncertaintySource::kConverterStep, step, rectangular, inverse.sensitivity);
-  add(budget, UncertaintySource::kZeroReturn, zero, rectangular, inverse.sensitivity);
-  add(budget, UncertaintySource::kCreep, creep, rectangular, inverse.sensitivity);
-  if (!assessed(UncertaintySource::kTemperature)) return;
-  const double warmth = inputs_.temperature.width_v(over_zero);
-  const double top = inputs_.temperature.width_v(model.yu() - model.y0());
+  add(budget, UncertaintySource::kZeroReturn, zero, 1.0, inverse.sensitivity,
+      std::max(1.0, static_cast<double>(errors_.repeats_with_zero) - 1.0));
+  if (crept) {
+    add(budget, UncertaintySource::kCreep, creep, rectangular, inverse.sensitivity, kInfiniteDof, 1.0);
+    budget.error_psi += (budget.up ? 1.0 : -1.0) * creep * inverse.sensitivity;
+  }
+  const bool warm = condition == UseCondition::kOtherTemperature;
+  if (!assessed(UncertaintySource::kTemperature) || (!warm && condition != UseCondition::kStated)) return;
+  const double wider = warm ? inputs_.temperature.half_width_of_runs_c() / inputs_.temperature.half_width_c() : 1.0;
+  const double warmth = wider * inputs_.temperature.width_v(over_zero);
+  const double top = wider * inputs_.temperature.width_v(model.yu() - model.y0());
   add(budget, UncertaintySource::kTemperature, warmth, rectangular,
-      sensitivity_along(model, budget.up, budget.pressure_psi, warmth, top));
-}
-
-double BudgetMaker::mean_error(std::size_t level, std::size_t taxel) const {
-  return mean_by_shares(errors_of(errors_.levels[level], taxel, fit_.array().size()));
-}
-
-// Repeatability is what the scatter of the readings has beyond the noise of one frame, which has a row of its own
-// (4.3.10: nothing counts twice). The residual is the root mean square of the mean errors at the level and its
-// neighbours: a known correction that is not made, averaged over the pressures near the level (F.2.4.5).
-void BudgetMaker::add_readings(Budget& budget, std::size_t taxel, std::size_t level) const {
-  const LevelReadings& readings = errors_.levels[level];
-  const std::size_t width = fit_.array().size(), half = errors_.levels.size() / 2;
-  if (readings.readings >= 2) {
-    double noise = 0.0;
-    for (const Contribution& other : budget.contributions)
-      if (other.source == UncertaintySource::kNoise) noise = other.u_psi;
-    const double scatter = sample_deviation(errors_of(readings, taxel, width));
-    add(budget, UncertaintySource::kRepeatability, std::sqrt(std::max(0.0, scatter * scatter - noise * noise)), 1.0,
-        1.0, static_cast<double>(readings.readings - 1));
-  }
-  const std::size_t first = level < half ? 0 : half, last = first + half - 1;
-  double squares = 0.0;
-  int levels = 0;
-  for (std::size_t at = std::max(level, first + kResidualReach) - kResidualReach;
-       at <= std::min(level + kResidualReach, last); ++at) {
-    const double error = mean_error(at, taxel);
-    if (std::isnan(error)) continue;
-    squares += error * error;
-    ++levels;
-  }
-  add(budget, UncertaintySource::kModel, std::sqrt(squares / levels), 1.0, 1.0, levels);
-}
-
-void BudgetMaker::add_given(Budget& budget) const {
-  const auto at_level = [&](const std::optional<GivenUncertainty>& given) {
-    return given ? std::hypot(given->psi, given->share * budget.pressure_psi) : 0.0;
-  };
-  const auto dof = [](const std::optional<GivenUncertainty>& given) { return given ? given->dof : kInfiniteDof; };
-  const auto add_it = [&](UncertaintySource source, const std::optional<GivenUncertainty>& given) {
-    add(budget, source, at_level(given), 1.0, 1.0, dof(given));
-  };
-  add_it(UncertaintySource::kUniformity, inputs_.uniformity);
-  add_it(UncertaintySource::kMounting, inputs_.mounting);
+      sensitivity_along(model, budget.up, budget.pressure_psi, warmth, top), kInfiniteDof, 1.0);
 }
 
 void BudgetMaker::finish(Budget& budget) const {
@@ -198,7 +180,7 @@ void BudgetMaker::finish(Budget& budget) const {
   if (voltage <= kVoltageVariance * budget.combined_psi * budget.combined_psi) budget.linear = true;
 }
 
-Budget BudgetMaker::budget(std::size_t taxel, std::size_t level) const {
+Budget BudgetMaker::budget(std::size_t taxel, std::size_t level, UseCondition condition) const {
   Budget budget;
   budget.taxel = static_cast<int>(taxel);
   budget.pressure_psi = errors_.levels[level].pressure_psi;
@@ -207,9 +189,11 @@ Budget BudgetMaker::budget(std::size_t taxel, std::size_t level) const {
   budget.error_psi = mean_error(level, taxel);
   budget.contributions.reserve(kUncertaintySources);
   add_reference(budget);
-  add_voltages(budget, taxel);
+  add_voltages(budget, taxel, condition);
   add_readings(budget, taxel, level);
-  add_given(budget);
+  add_history(budget, taxel, level, condition);
+  if (condition == UseCondition::kStated || condition == UseCondition::kOtherDwell) add_dwell(budget, taxel, level);
+  add_given(budget, level, condition);
   finish(budget);
   return budget;
 }

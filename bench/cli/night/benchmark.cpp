@@ -10,6 +10,7 @@
 #include "bench/benchmarks/compensate.h"
 #include "bench/benchmarks/compensate_dynamic.h"
 #include "bench/benchmarks/compensation_error.h"
+#include "bench/benchmarks/coverage.h"
 #include "bench/benchmarks/identify.h"
 #include "bench/benchmarks/report.h"
 #include "bench/benchmarks/sequence.h"
@@ -42,6 +43,10 @@ const std::map<std::string, Measure> measures = {
        return benchmark_compensation_error(o.sensors, ScratchFolder(kScratch).path(), o.all_models);
      }},
     {"charts", [](const BenchmarkOptions& o) { return benchmark_charts(o.draws); }},
+    {"coverage",
+     [](const BenchmarkOptions& o) {
+       return benchmark_coverage({.sensor_seeds = o.sensors}, ScratchFolder(kScratch).path());
+     }},
     {"array", [](const BenchmarkOptions& o) { return benchmark_array(o.rounds); }},
     {"specimen", [](const BenchmarkOptions&) { return benchmark_specimen(); }},
     {"sequence",
@@ -75,7 +80,9 @@ void add_benchmark(CLI::App& app, Session& session) {
           "exchanges and the bare store; compensate: frames of 256 taxels against plain scalar code and mere scaling; "
           "compensate-dynamic: the dynamic compensator's against ELAM's; compensation-error: pressures against the "
           "truth "
-          "on simulated sensors, the dynamic compensator compared with ELAM's; "
+          "on simulated sensors, the dynamic compensator compared with ELAM's; coverage: readings within the report's "
+          "U of "
+          "the truth, by condition of use; "
           "identify: taxels against one plain J each, the other models, threads, growth; store: frames against a plain "
           "file and bare SQLite; report: rendering against writing the bytes; array: simulated frames against their "
           "wire; specimen: what the simulated sensors are like, paper and harsh; charts: false alarms and power of the "
@@ -91,7 +98,7 @@ void add_benchmark(CLI::App& app, Session& session) {
   verb->add_option("--draws", options->draws, "charts: histories a case")
       ->check(CLI::Range(100, 10000000))
       ->capture_default_str();
-  verb->add_option("--sensors", options->sensors, "compensation-error: sensor seeds")->delimiter(',');
+  verb->add_option("--sensors", options->sensors, "compensation-error, coverage: sensor seeds")->delimiter(',');
   verb->add_flag("--all-models", options->all_models, "compensation-error: also GPI, MPI, POLY and the other models");
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { benchmark(*options, session); });

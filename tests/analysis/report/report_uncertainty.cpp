@@ -133,7 +133,16 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::psi(0.6, 2).value)));
   CHECK_THAT(section, Catch::Contains(fmt::format("loading: {:.1f} to {:.1f} psi", low, high)));
   CHECK(data["not_assessed"].contains("chamber uniformity"));
-  CHECK_FALSE(data["not_assessed"].contains("re-mounting"));
+  CHECK_FALSE(data["not_assessed"].contains("re-mounting, common"));
+  CHECK(data["not_assessed"].contains("re-mounting, a taxel's own"));
+  const std::string first = text_between(page, "id=\"verdicts\"", "id=\"identification\"");
+  for (const ConditionUncertainty& condition : uncertainty.conditions) {
+    CHECK_THAT(first, Catch::Contains(name_of(condition.condition)));
+    CHECK_THAT(section, Catch::Contains(name_of(condition.condition)));
+    if (!condition.valid()) CHECK_THAT(section, Catch::Contains("not valid for this: " + condition.not_valid));
+  }
+  CHECK(data["conditions"].size() == uncertainty.conditions.size());
+  CHECK(data["conditions"][2]["valid"] == false);
 }
 
 TEST_CASE("the verdicts name rule, U and how it is formed, with a sign and a word for each") {

@@ -122,10 +122,13 @@ TEST_CASE("creep enters the budget as volts of a rectangle, times the inverse's 
     const ElamCurve curve =
         up ? ElamCurve(model, true, model.x0(), model.y0()) : ElamCurve(model, false, model.xu(), model.yu());
     const double width = inputs.creep.share(taxel, 30.0, up) * (curve.output(30.0) - model.y0());
-    CHECK(row->width == Approx(width));
+    // Half of it is taken off, half of it is the half-width.
+    CHECK(row->width == Approx(0.5 * width));
+    const double known = (up ? 0.5 : -0.5) * width * row->sensitivity;
+    CHECK(budget.error_psi - without.level(30.0, up)->error_psi[taxel] == Approx(known));
     CHECK(row->divisor == Approx(std::sqrt(3.0)));
     CHECK(row->sensitivity == row_of(budget, UncertaintySource::kNoise)->sensitivity);
-    CHECK(row->u_psi == Approx(width / std::sqrt(3.0) * row->sensitivity));
+    CHECK(row->u_psi == Approx(0.5 * width / std::sqrt(3.0) * row->sensitivity));
     CHECK(std::isinf(row->dof));
     CHECK(budget.combined_psi > without.level(30.0, up)->median.combined_psi);
   }

@@ -154,7 +154,9 @@ TEST_CASE("errors of the sweeps and the zero's return by hand") {
   data.sequences[0].repeats[1].volts[6 * 3] = -0.007;
   const SweepErrors errors = sweep_errors(data, straight_fit());
   CHECK(errors.repeats_with_zero == 2);
-  check_values({errors.zero_return_v[0], errors.zero_return_v[1]}, {0.007, 0.0});
+  check_values({errors.zero_return_v[0], errors.zero_return_v[1]}, {-0.0015, 0.0});
+  check_values({errors.zero_return_s_v[0], errors.zero_return_s_v[1]}, {0.011 / std::sqrt(2.0), 0.0});
+  CHECK(errors.groups == 2);
   REQUIRE(errors.levels.size() == 8);
   const LevelReadings& down = errors.levels[5];
   CHECK_FALSE(down.up);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "analysis/compensate/compensator.h"
 #include "analysis/identify/taxel_stream.h"
@@ -107,9 +108,10 @@ TEST_CASE("a budget is what its readings, voltages and certificate give by hand"
   std::ranges::sort(sorted);
   CHECK(level->median.expanded_psi == sorted[1]);
 
-  // Every frame through the compensator; readings at 24..36 psi of the sweeps from 60 to 0 psi.
-  std::vector<std::vector<double>> errors(31);
-  double zero_v = 0.0;
+  // Every frame through the compensator; readings at 30 psi of the sweeps from 60 to 0 psi, by the place of the sweep
+  // in its sequence: these have the same way behind them.
+  std::map<std::pair<std::string, std::size_t>, std::vector<double>> groups;
+  std::vector<double> readings, returns;
   TaxelStream compensator(example.fit.taxels[taxel]);
   for (const SequenceData& data : example.dataset.sequences) {
     for (const Repeat& repeat : data.repeats) {
@@ -117,11 +119,11 @@ TEST_CASE("a budget is what its readings, voltages and certificate give by hand"
       std::vector<double> estimates;
       for (std::size_t i = 0; i < steps; ++i)
         estimates.push_back(compensator.step(repeat.volts[i * 3 + taxel]).pressure_psi);
-      zero_v = std::max(zero_v, std::abs(repeat.volts[(steps - 1) * 3 + taxel] - repeat.volts[taxel]));
+      returns.push_back(repeat.volts[(steps - 1) * 3 + taxel] - repeat.volts[taxel]);
       for (std::size_t top = 0; top + 30 < steps; ++top) {
         if (repeat.steps[top].setpoint_psi != 60.0 || repeat.steps[top + 30].setpoint_psi != 0.0) continue;
-        for (std::size_t i = 1; i <= 30; ++i)
-          errors[30 - i].push_back(estimates[top + i] - repeat.steps[top + i].reference_psi);
+        readings.push_back(estimates[top + 15] - repeat.steps[top + 15].reference_psi);
+        groups[{data.name, top}].push_back(readings.back());
       }
     }
   }
@@ -130,18 +132,28 @@ TEST_CASE("a budget is what its readings, voltages and certificate give by hand"
     for (const double value : values) sum += value;
     return sum / static_cast<double>(values.size());
   };
-  const std::vector<double>& readings = errors[15];
   REQUIRE(readings.size() == 3 * (1 + 5));
+  REQUIRE(groups.size() == 6);
   CHECK(budget.readings == readings.size());
   CHECK(budget.error_psi == Approx(mean(readings)));
-  double squares = 0.0, residual = 0.0;
-  for (const double error : readings) squares += std::pow(error - mean(readings), 2);
-  for (std::size_t at = 13; at <= 17; ++at) residual += std::pow(mean(errors[at]), 2) / 5.0;
+  // H.5.2: mean squares within and between groups of three.
+  double within = 0.0, between = 0.0;
+  for (const auto& [place, own] : groups) {
+    for (const double error : own) within += std::pow(error - mean(own), 2) / (18.0 - 6.0);
+    between += 3.0 * std::pow(mean(own) - mean(readings), 2) / 5.0;
+  }
+  const double s_between = std::sqrt(std::max(0.0, (between - within) / 3.0));
 
   const ElamModel& model = *elam_of(example.fit.taxels[taxel]);
   const ElamCurve falling(model, false, model.xu(), model.yu());
   const double noise_v = example.dataset.noise_v[taxel], half_count = 0.5 * 7.62951094834821e-05;
-  const double u_v = std::sqrt(noise_v * noise_v + half_count * half_count / 3.0 + zero_v * zero_v / 3.0);
+  // Six returns, each with the noise of two frames.
+  double scatter_v = 0.0;
+  for (const double off : returns) scatter_v += std::pow(off - mean(returns), 2) / 5.0;
+  REQUIRE(returns.size() == 6);
+  const double zero_v = std::sqrt(std::max(0.0, std::pow(mean(returns), 2) - noise_v * noise_v / 3.0) / 3.0 +
+                                  std::max(0.0, scatter_v - 2.0 * noise_v * noise_v) / 6.0);
+  const double u_v = std::sqrt(noise_v * noise_v + half_count * half_count / 3.0 + zero_v * zero_v);
   const double v = falling.output(30.0), slope = (falling.input(v + u_v) - falling.input(v - u_v)) / (2.0 * u_v);
 
   const auto u_of = [&](UncertaintySource source) { return row_of(budget, source)->u_psi; };
@@ -150,14 +162,19 @@ TEST_CASE("a budget is what its readings, voltages and certificate give by hand"
   CHECK(u_of(UncertaintySource::kReferenceDigit) == Approx(0.5 * 100.0 / 32000.0 / std::sqrt(3.0)));
   CHECK(u_of(UncertaintySource::kNoise) == Approx(noise_v * slope));
   CHECK(u_of(UncertaintySource::kConverterStep) == Approx(half_count / std::sqrt(3.0) * slope));
-  CHECK(u_of(UncertaintySource::kZeroReturn) == Approx(zero_v / std::sqrt(3.0) * slope));
-  CHECK(u_of(UncertaintySource::kModel) == Approx(std::sqrt(residual)));
-  CHECK(row_of(budget, UncertaintySource::kModel)->dof == 5);
-  const double scatter = squares / 17.0 - std::pow(noise_v * slope, 2);
-  CHECK(u_of(UncertaintySource::kRepeatability) == Approx(std::sqrt(std::max(0.0, scatter))));
-  CHECK(row_of(budget, UncertaintySource::kRepeatability)->dof == 17);
+  CHECK(u_of(UncertaintySource::kZeroReturn) == Approx(zero_v * slope).margin(1e-12));
+  CHECK(row_of(budget, UncertaintySource::kZeroReturn)->dof == 5);
+  const double noise2 = std::pow(noise_v * slope, 2);
+  CHECK(u_of(UncertaintySource::kRepeatability) == Approx(std::sqrt(std::max(0.0, within - noise2))).margin(1e-12));
+  CHECK(row_of(budget, UncertaintySource::kRepeatability)->dof == 12);
+  CHECK(u_of(UncertaintySource::kConditioning) == Approx(s_between).margin(1e-12));
+  CHECK(row_of(budget, UncertaintySource::kConditioning)->dof == 5);
+  CHECK(u_of(UncertaintySource::kModel) ==
+        Approx(std::sqrt(std::max(within, noise2) / 18.0 + s_between * s_between / 6.0)));
   CHECK(row_of(budget, UncertaintySource::kNoise)->dof == 3 * (211 + 451));  // frames x (scans - 1)
   CHECK(row_of(budget, UncertaintySource::kUniformity) == nullptr);
+  CHECK(budget.lower_psi() == Approx(budget.error_psi - budget.expanded_psi));
+  CHECK(budget.upper_psi() == Approx(budget.error_psi + budget.expanded_psi));
 
   double variance = 0.0, fourth = 0.0;
   for (const Contribution& row : budget.contributions) {

@@ -1,0 +1,195 @@
+#include "bench/benchmarks/coverage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/report/runs.h"
+#include "analysis/statistics/figures/step_kinds.h"
+#include "analysis/statistics/figures/streams.h"
+#include "bench/benchmarks/simulated_run.h"
+#include "bench/reporting/report_budget.h"
+#include "bench/reporting/report_results.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+using namespace analysis;
+
+// The bench's thermometer, which the recipes do not need and the budget does.
+const char* const kThermometer =
+    "environment.sensor=[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, 1000], "
+    "span_c = [-100, 100]}]";
+const std::string kRemounted = "simulation.effects.remount_variation=0.03";
+const std::vector<const char*> kProduction = {"production"}, kTable1 = {"descending", "ascending"},
+                               kRandom = {"random-reversal"};
+
+std::vector<std::string> month(const std::string& seed) {
+  return {seed, "simulation.temperature_c=28", "simulation.age_months=1",
+          "simulation.effects.gain_drift_per_month=0.01", "simulation.effects.zero_drift_v_per_month=0.01"};
+}
+
+enum class Steps { kFull, kInner, kAll };
+
+// How a sensor is used after its calibration, and the condition that the report states for it.
+struct Use {
+  const char* name;
+  UseCondition condition;
+  std::vector<const char*> recipes;  // empty: those of the calibration
+  std::vector<std::string> set;
+  Steps steps;
+};
+
+const std::vector<Use>& uses() {
+  static const std::vector<Use> list = {
+      {"full_sweeps", UseCondition::kFullSweeps, {}, {}, Steps::kFull},
+      {"inner_branches", UseCondition::kFittedBranches, {}, {}, Steps::kInner},
+      {"random_reversals", UseCondition::kAnyHistory, kRandom, {"recipe.seed=7"}, Steps::kInner},
+      {"other_dwell", UseCondition::kOtherDwell, kRandom, {"recipe.seed=8", "recipe.dwell_s=10"}, Steps::kInner},
+      {"remounted",
+       UseCondition::kRemounted,
+       kRandom,
+       {"recipe.seed=9", "simulation.mount_seed=9", kRemounted},
+       Steps::kInner},
+      {"month_later", UseCondition::kLater, kRandom, month("recipe.seed=10"), Steps::kInner},
+  };
+  return list;
+}
+
+struct Covered {
+  double inside = 0.0;
+  std::vector<double> errors, expanded;  // of each pair
+};
+
+void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, Steps steps,
+                Covered& covered) {
+  std::vector<std::vector<StepKind>> kinds;
+  std::vector<std::vector<std::size_t>> first;  // frame of a repeat's first step
+  std::size_t frames = 0;
+  for (const SequenceData& sequence : run.data.sequences) {
+    kinds.push_back(step_kinds(sequence, fit.pressure_psi.front(), fit.pressure_psi.back()));
+    first.emplace_back();
+    for (const Repeat& repeat : sequence.repeats) {
+      first.back().push_back(frames);
+      frames += repeat.steps.size();
+    }
+  }
+  std::vector<Covered> taxels(fit.taxels.size());
+  compensate_in_order(run.data, fit, 0, [&](std::size_t taxel) {
+    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+      const StepKind& kind = kinds[s][i];
+      if (steps != Steps::kAll && kind.full != (steps == Steps::kFull)) return;
+      const auto [known, expanded] = reading_uncertainty(stated, taxel, now.pressure_psi, kind.up);
+      const double error = std::abs(now.pressure_psi - known - run.chamber_psi[first[s][r] + i]);
+      taxels[taxel].inside += error <= expanded ? 1.0 : 0.0;
+      taxels[taxel].errors.push_back(error);
+      taxels[taxel].expanded.push_back(expanded);
+    };
+  });
+  for (const Covered& own : taxels) {
+    covered.inside += own.inside;
+    covered.errors.insert(covered.errors.end(), own.errors.begin(), own.errors.end());
+    covered.expanded.insert(covered.expanded.end(), own.expanded.begin(), own.expanded.end());
+  }
+}
+
+using Coverages = std::map<std::string, Covered>;  // by specimen, calibration, model and use
+
+// One sensor: its calibrations, what a careful user gives beside them, and its uses.
+class CoverageOfSensor {
+ public:
+  CoverageOfSensor(const SimulatedSensor& sensor, const CoverageOptions& options, const std::string& folder)
+      : sensor_(sensor),
+        options_(options),
+        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, sensor.harsh ? "harsh" : "paper"),
+                                  db::Durability::kNormal)),
+        runs_(store_) {}
+
+  void add_to(Coverages& coverages) {
+    rate_ = run({{"rate"}, {}}).data.run;
+    creep_ = run({{"creep-levels"}, {}}).data.run;
+    held_out_ = {run({kRandom, {"recipe.seed=3"}}).data.run, run({kRandom, {"recipe.seed=4"}}).data.run,
+                 run({kRandom, month("recipe.seed=5")}).data.run};
+    for (int mount = 1; mount <= 5; ++mount)
+      studies_.push_back(fmt::format(
+          "{}:mount",
+          run({kProduction, {"recipe.repeats=1", kRemounted, fmt::format("simulation.mount_seed={}", mount)}})
+              .data.run));
+    warm_ = run({kProduction, {kThermometer, "recipe.repeats=1", "simulation.temperature_c=28"}}).data.run;
+    for (const Use& use : uses())
+      if (!use.recipes.empty()) used_[use.name] = run({use.recipes, use.set});
+    if (options_.production) add_calibration(kProduction, "production", coverages);
+    if (options_.table_1) add_calibration(kTable1, "table_1", coverages);
+  }
+
+ private:
+  KnownRun run(SimulatedRun made) { return simulate_run(made, sensor_, noise_seed_++, store_); }
+
+  void add_calibration(const std::vector<const char*>& recipes, const std::string& name, Coverages& coverages) {
+    const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
+    const KnownRun again = run({recipes, {}});
+    std::vector<std::int64_t> held_out = held_out_;
+    held_out.push_back(run({recipes, {}}).data.run);
+    const Dataset& fitted = runs_.dataset(calibration);
+    for (const bool dynamic : {true, false}) {
+      if (!(dynamic ? options_.dynamic : options_.elam)) continue;
+      const SensorModel fit =
+          dynamic ? fit_dynamic(fitted, runs_.dataset(rate_), runs_.dataset(creep_)) : fit_array(fitted);
+      const std::string prefix =
+          fmt::format("{}_{}_{}_", sensor_.harsh ? "harsh" : "paper", name, dynamic ? "dynamic" : "elam");
+      const Uncertainty uncertainty = assessed(calibration, fit, held_out);
+      for (const Use& use : uses()) {
+        const ConditionUncertainty& stated = uncertainty.condition(use.condition);
+        if (!stated.valid()) throw std::runtime_error(prefix + use.name + ": not valid: " + stated.not_valid);
+        add_errors(use.recipes.empty() ? again : used_.at(use.name), fit, stated, use.steps,
+                   coverages[prefix + use.name]);
+      }
+    }
+  }
+
+  // As the report assesses it, from the runs that it is given.
+  Uncertainty assessed(std::int64_t calibration, const SensorModel& fit, const std::vector<std::int64_t>& held_out) {
+    ReportInput input;
+    input.run = runs_.record(calibration);
+    input.fit = fit;
+    for (const std::int64_t run : held_out) input.held_out.push_back({"", runs_.record(run), {}});
+    std::vector<MountedRun> mounts = {{calibration, sweep_estimates(runs_.dataset(calibration), fit)}};
+    for (const StudyRun& study : study_runs_of(studies_))
+      mounts.push_back({study.run, sweep_estimates(runs_.dataset(study.run), fit)});
+    input.more.studies.remount = remount_of(mounts);
+    return assess_uncertainty(runs_.dataset(calibration), fit, input.run,
+                              budget_inputs(runs_, input, {rate_, creep_, warm_}, studies_));
+  }
+
+  SimulatedSensor sensor_;
+  const CoverageOptions& options_;
+  db::RunStore store_;
+  Runs runs_;
+  unsigned noise_seed_ = 1;
+  std::int64_t rate_ = 0, creep_ = 0, warm_ = 0;
+  std::vector<std::int64_t> held_out_;
+  std::vector<std::string> studies_;
+  std::map<std::string, KnownRun> used_;
+};
+
+}  // namespace
+
+std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder) {
+  Coverages coverages;
+  for (const bool harsh : {false, true})
+    for (const unsigned seed : options.sensor_seeds)
+      if (harsh ? options.harsh : options.paper) CoverageOfSensor({harsh, seed}, options, folder).add_to(coverages);
+  FigureList figures("coverage");
+  for (auto& [name, covered] : coverages) {
+    figures.add(name, 100.0 * covered.inside / static_cast<double>(covered.errors.size()), "%");
+    figures.add(name + "_median_u", quantile_of(covered.expanded, 0.5), "psi");
+    figures.add(name + "_half_width_95", quantile_of(covered.errors, 0.95), "psi");
+  }
+  return figures.take();
+}
+
+}  // namespace tactbench::bench
