@@ -22,7 +22,7 @@ void measure(const TemporaryFolder& folder, const std::string& recipe, const std
   REQUIRE(run.code == 0);
 }
 
-void prepare(const TemporaryFolder& folder) {
+void prepare_runs(const TemporaryFolder& folder) {
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   write_file(folder.path("loop.toml"),
@@ -52,7 +52,7 @@ std::vector<std::string> sources_of(const json& judgement) {
 
 TEST_CASE("a verdict names the trajectories judged and what was not assessed, and a pass says under which conditions") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_runs(folder);
   const Words dated = {"reference.calibrated=2026-01-31", "reference.due=2199-01-31"};
   measure(folder, "loop.toml", "1", dated);
   measure(folder, "loop.toml", "2", dated);
@@ -89,7 +89,7 @@ TEST_CASE("a verdict names the trajectories judged and what was not assessed, an
 
 TEST_CASE("an overdue reference makes the statement inconclusive by name, a limit on readings included") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_runs(folder);
   for (const char* seed : {"1", "2"}) measure(folder, "loop.toml", seed, {"reference.due=2020-01-31"});
   const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"});
   INFO(fit.out);
@@ -105,7 +105,7 @@ TEST_CASE("an overdue reference makes the statement inconclusive by name, a limi
 TEST_CASE(
     "as found and as left each have a verdict, and as found that fails says since when measurements are in doubt") {
   const TemporaryFolder folder;
-  prepare(folder);
+  prepare_runs(folder);
   measure(folder, "loop.toml", "1");
   measure(folder, "loop.toml", "2");
   REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"}).code == 0);
