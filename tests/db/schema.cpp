@@ -97,7 +97,8 @@ TEST_CASE("the views show runs, frames and verdicts with their units") {
     plan.read(id, parent, unused, detail);
     steps += detail + "\n";
   }
-  CHECK_THAT(steps, Catch::Contains("SEARCH f USING INTEGER PRIMARY KEY") && !Catch::Contains("SCAN f") && !Catch::Contains("SCAN b"));
+  CHECK_THAT(steps, Catch::Contains("SEARCH f USING INTEGER PRIMARY KEY") && !Catch::Contains("SCAN f") &&
+                        !Catch::Contains("SCAN b"));
 }
 
 TEST_CASE("a store of schema 1 is brought up to date, its rows and its hash unchanged") {

@@ -22,7 +22,8 @@ struct Streams {
   }
 };
 
-// Half of the frames, `lost` lost ones, a third of the rest, a tare to the lowest outputs and 3000 counts more, the rest.
+// Half of the frames, `lost` lost ones, a third of the rest, a tare to the lowest outputs and 3000 counts more, the
+// rest.
 template <class Frame, class Lost, class Tare>
 Streams streamed(const Frames& frames, int lost, const Frame& frame, const Lost& lose, const Tare& tare) {
   Streams streams;

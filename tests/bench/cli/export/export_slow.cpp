@@ -149,14 +149,16 @@ TEST_CASE("an export of two frames and of a series, by the letter") {
   CHECK_THAT(table, Catch::StartsWith("# tactbench: frames of run 1\n") &&
                         Catch::Contains("\n# recipes: up, \"down\"\n") &&
                         Catch::Contains("\n# volts_per_count: 0.25\n# units: "));
-  CHECK(table.substr(table.find("\nframe,") + 1) ==
-        "frame,sequence,recipe,repeat,branch,attempt,void,step,setpoint_psi,feedback_psi,reference_psi,target_n,fx_n,"
-        "fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,x_mm,y_mm,z_mm,time_s,since_command_s,in_band_s,device_time_us,status,flags,scan,counts_r0_c0,"
-        "counts_r0_c1,volts_r0_c0,volts_r0_c1\n"
-        "1,0,\"up, \"\"down\"\"\",0,1,2,0,0,1.5,1.25,1.125,,,,,,,,,,,1.5,0.5,0.25,7,3,dwell left-band,0,1,2,0.25,0.5\n"
-        "1,0,\"up, \"\"down\"\"\",0,1,2,0,0,1.5,1.25,1.125,,,,,,,,,,,1.5,0.5,0.25,7,3,dwell left-band,1,3,4,0.75,1\n"
-        "2,0,\"up, \"\"down\"\"\",1,0,0,1,1,1.5,1.25,1.125,2.5,1,2,3,4,5,6.5,10,20,30,1.5,0.5,0.25,7,3,,0,1,2,0.25,0.5\n"
-        "2,0,\"up, \"\"down\"\"\",1,0,0,1,1,1.5,1.25,1.125,2.5,1,2,3,4,5,6.5,10,20,30,1.5,0.5,0.25,7,3,,1,3,4,0.75,1\n");
+  CHECK(
+      table.substr(table.find("\nframe,") + 1) ==
+      "frame,sequence,recipe,repeat,branch,attempt,void,step,setpoint_psi,feedback_psi,reference_psi,target_n,fx_n,"
+      "fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,x_mm,y_mm,z_mm,time_s,since_command_s,in_band_s,device_time_us,status,flags,scan,"
+      "counts_r0_c0,"
+      "counts_r0_c1,volts_r0_c0,volts_r0_c1\n"
+      "1,0,\"up, \"\"down\"\"\",0,1,2,0,0,1.5,1.25,1.125,,,,,,,,,,,1.5,0.5,0.25,7,3,dwell left-band,0,1,2,0.25,0.5\n"
+      "1,0,\"up, \"\"down\"\"\",0,1,2,0,0,1.5,1.25,1.125,,,,,,,,,,,1.5,0.5,0.25,7,3,dwell left-band,1,3,4,0.75,1\n"
+      "2,0,\"up, \"\"down\"\"\",1,0,0,1,1,1.5,1.25,1.125,2.5,1,2,3,4,5,6.5,10,20,30,1.5,0.5,0.25,7,3,,0,1,2,0.25,0.5\n"
+      "2,0,\"up, \"\"down\"\"\",1,0,0,1,1,1.5,1.25,1.125,2.5,1,2,3,4,5,6.5,10,20,30,1.5,0.5,0.25,7,3,,1,3,4,0.75,1\n");
   REQUIRE(call(folder, {"runs", "export", "1", "--format", "json", "-o", "run.json"}).code == 0);
   const auto document = nlohmann::json::parse(read_file(folder.path("run.json")));
   REQUIRE(document["frames"].size() == 2);
