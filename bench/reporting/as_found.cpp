@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
@@ -23,8 +24,9 @@ bool passed(const db::RunStore& store, std::int64_t run) {
 std::string last_pass_utc(const db::RunStore& store, const db::RunRecord& run) {
   std::string last;
   for (const db::RunRecord& other : store.runs())
-    if (other.run != run.run && other.sensor_serial == run.sensor_serial && other.origin == run.origin &&
-        other.started_utc < run.started_utc && other.started_utc > last && !other.is_void() && passed(store, other.run))
+    if (other.sensor_serial == run.sensor_serial && other.origin == run.origin &&
+        std::pair(other.started_utc, other.run) < std::pair(run.started_utc, run.run) && other.started_utc > last &&
+        !other.is_void() && passed(store, other.run))
       last = other.started_utc;
   return last;
 }

@@ -11,7 +11,7 @@ using namespace synthetic;
 
 namespace {
 
-constexpr std::size_t kTaxels = 8;
+constexpr std::size_t kArrayTaxels = 8;
 
 struct Streams {
   std::vector<float> pressure;
@@ -45,7 +45,7 @@ Streams of_c(const Frames& frames, int lost, const tb_compensator_setup& options
   tb_compensator_setup setup = options;
   setup.struct_size = sizeof setup;
   setup.flags = flags;
-  setup.taxels = kTaxels;
+  setup.taxels = kArrayTaxels;
   setup.knots = frames.setup.pressure_psi.size();
   setup.pressure = frames.setup.pressure_psi.data();
   setup.volts_per_count = frames.setup.volts_per_count;
@@ -67,16 +67,16 @@ Streams of_c(const Frames& frames, int lost, const tb_compensator_setup& options
   REQUIRE(tb_compensator_create(&setup, taxels.data(), &handle, message, sizeof message) == TB_COMPENSATOR_OK);
   const auto frame = [&](std::span<const std::uint16_t> counts, Streams& streams) {
     const std::size_t at = streams.pressure.size();
-    streams.pressure.resize(at + kTaxels);
-    streams.status.resize(at + kTaxels);
-    CHECK(tb_compensator_counts(handle, counts.data(), kTaxels, &streams.pressure[at], nullptr, &streams.status[at]) ==
-          0);
+    streams.pressure.resize(at + kArrayTaxels);
+    streams.status.resize(at + kArrayTaxels);
+    CHECK(tb_compensator_counts(handle, counts.data(), kArrayTaxels, &streams.pressure[at], nullptr,
+                                &streams.status[at]) == 0);
   };
   const Streams streams = streamed(
       frames, lost, frame, [&] { CHECK(tb_compensator_lost_frame(handle) == 0); },
       [&](const std::vector<std::uint16_t>& counts) {
         std::size_t refused = 0;
-        CHECK(tb_compensator_tare(handle, counts.data(), kTaxels, &refused) == 0);
+        CHECK(tb_compensator_tare(handle, counts.data(), kArrayTaxels, &refused) == 0);
         return refused;
       });
   tb_compensator_destroy(handle);
@@ -85,7 +85,7 @@ Streams of_c(const Frames& frames, int lost, const tb_compensator_setup& options
 
 Streams of_cpp(const Frames& frames, int lost, const FrameSetup& setup) {
   FrameCompensator<float> compensator(setup);
-  Results<float> results(kTaxels);
+  Results<float> results(kArrayTaxels);
   return streamed(
       frames, lost,
       [&](std::span<const std::uint16_t> counts, Streams& streams) {
@@ -100,7 +100,7 @@ Streams of_cpp(const Frames& frames, int lost, const FrameSetup& setup) {
 }  // namespace
 
 TEST_CASE("C API: each number of the setup is the compensator's own, and 0 its default") {
-  const Frames frames = random_reversals(static_cast<int>(kTaxels), 600, 0.03, 0.9, 30.0);
+  const Frames frames = random_reversals(static_cast<int>(kArrayTaxels), 600, 0.03, 0.9, 30.0);
   FrameSetup by_default = frames.setup;
   by_default.start_unknown = true;
   constexpr int kLost = 3;
@@ -136,12 +136,12 @@ TEST_CASE("C API: each number of the setup is the compensator's own, and 0 its d
 }
 
 TEST_CASE("C API: the longest gap is what it says, up to the largest number") {
-  const Frames frames = random_reversals(static_cast<int>(kTaxels), 60, 0.002, 0.9);
+  const Frames frames = random_reversals(static_cast<int>(kArrayTaxels), 60, 0.002, 0.9);
   const auto unknown = [&](std::uint32_t longest, int lost) {
     tb_compensator_setup given{};
     given.longest_gap = longest;
     const Streams streams = of_c(frames, lost, given, TB_COMPENSATOR_START_AT_REST);
-    return (streams.status[30 * kTaxels] & TB_TAXEL_UNKNOWN) != 0;
+    return (streams.status[30 * kArrayTaxels] & TB_TAXEL_UNKNOWN) != 0;
   };
   CHECK_FALSE(unknown(2, 2));
   CHECK(unknown(2, 3));

@@ -31,7 +31,7 @@ void prepare_runs(const TemporaryFolder& folder) {
   write_file(folder.path("limits.toml"),
              "schema = 1\nname = \"limits\"\nrule = \"default\"\nmean_compensation_error_psi = 6\n"
              "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n"
-             "[[mpe]]\nspan_psi = [10, 30]\nmpe_psi = 40\n");
+             "[[mpe]]\nspan_psi = [10, 30]\nmpe_psi = 200\n");
 }
 
 json answer(const TemporaryFolder& folder, Words words, int code) {

@@ -124,7 +124,7 @@ TEST_CASE("a known error is taken off and is no part of U, and who does not corr
 
 TEST_CASE("mounts: a common part and the taxels' own, with the degrees of freedom of each") {
   // Estimates of 200 taxels at two levels in mounts whose sensitivity differs: 1 % in common, 2 % a taxel's own.
-  constexpr std::size_t kTaxels = 200;
+  constexpr std::size_t kMountedTaxels = 200;
   const auto mounts_of = [](int count, unsigned seed) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
@@ -134,10 +134,10 @@ TEST_CASE("mounts: a common part and the taxels' own, with the degrees of freedo
       run.run = mount + 1;
       run.estimates.pressure_psi = {20.0, 40.0};
       run.estimates.sweeps = 1;
-      run.estimates.taxels = static_cast<int>(kTaxels);
+      run.estimates.taxels = static_cast<int>(kMountedTaxels);
       const double common = 0.01 * normal(random);
       std::vector<double> own;
-      for (std::size_t taxel = 0; taxel < kTaxels; ++taxel) own.push_back(0.02 * normal(random));
+      for (std::size_t taxel = 0; taxel < kMountedTaxels; ++taxel) own.push_back(0.02 * normal(random));
       for (const double level : run.estimates.pressure_psi)
         for (const double share : own) run.estimates.psi.push_back(level * (1.0 + common + share));
       mounts.push_back(run);
