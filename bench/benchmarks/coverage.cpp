@@ -21,12 +21,11 @@ namespace {
 using namespace analysis;
 
 // The bench's thermometer, which the recipes do not need and the budget does.
-const char* const kThermometer =
+constexpr const char* kThermometer =
     "environment.sensor=[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, 1000], "
     "span_c = [-100, 100]}]";
-const std::string kRemounted = "simulation.effects.remount_variation=0.03";
-const std::vector<const char*> kProduction = {"production"}, kTable1 = {"descending", "ascending"},
-                               kRandom = {"random-reversal"};
+constexpr const char* kRemounted = "simulation.effects.remount_variation=0.03";
+constexpr const char *kProduction = "production", *kRandom = "random-reversal";
 
 std::vector<std::string> month(const std::string& seed) {
   return {seed, "simulation.temperature_c=28", "simulation.age_months=1",
@@ -48,14 +47,14 @@ const std::vector<Use>& uses() {
   static const std::vector<Use> list = {
       {"full_sweeps", UseCondition::kFullSweeps, {}, {}, Steps::kFull},
       {"inner_branches", UseCondition::kFittedBranches, {}, {}, Steps::kInner},
-      {"random_reversals", UseCondition::kAnyHistory, kRandom, {"recipe.seed=7"}, Steps::kInner},
-      {"other_dwell", UseCondition::kOtherDwell, kRandom, {"recipe.seed=8", "recipe.dwell_s=10"}, Steps::kInner},
+      {"random_reversals", UseCondition::kAnyHistory, {kRandom}, {"recipe.seed=7"}, Steps::kInner},
+      {"other_dwell", UseCondition::kOtherDwell, {kRandom}, {"recipe.seed=8", "recipe.dwell_s=10"}, Steps::kInner},
       {"remounted",
        UseCondition::kRemounted,
-       kRandom,
+       {kRandom},
        {"recipe.seed=9", "simulation.mount_seed=9", kRemounted},
        Steps::kInner},
-      {"month_later", UseCondition::kLater, kRandom, month("recipe.seed=10"), Steps::kInner},
+      {"month_later", UseCondition::kLater, {kRandom}, month("recipe.seed=10"), Steps::kInner},
   };
   return list;
 }
@@ -112,18 +111,18 @@ class CoverageOfSensor {
   void add_to(Coverages& coverages) {
     rate_ = run({{"rate"}, {}}).data.run;
     creep_ = run({{"creep-levels"}, {}}).data.run;
-    held_out_ = {run({kRandom, {"recipe.seed=3"}}).data.run, run({kRandom, {"recipe.seed=4"}}).data.run,
-                 run({kRandom, month("recipe.seed=5")}).data.run};
+    held_out_ = {run({{kRandom}, {"recipe.seed=3"}}).data.run, run({{kRandom}, {"recipe.seed=4"}}).data.run,
+                 run({{kRandom}, month("recipe.seed=5")}).data.run};
     for (int mount = 1; mount <= 5; ++mount)
       studies_.push_back(fmt::format(
           "{}:mount",
-          run({kProduction, {"recipe.repeats=1", kRemounted, fmt::format("simulation.mount_seed={}", mount)}})
+          run({{kProduction}, {"recipe.repeats=1", kRemounted, fmt::format("simulation.mount_seed={}", mount)}})
               .data.run));
-    warm_ = run({kProduction, {kThermometer, "recipe.repeats=1", "simulation.temperature_c=28"}}).data.run;
+    warm_ = run({{kProduction}, {kThermometer, "recipe.repeats=1", "simulation.temperature_c=28"}}).data.run;
     for (const Use& use : uses())
       if (!use.recipes.empty()) used_[use.name] = run({use.recipes, use.set});
-    if (options_.production) add_calibration(kProduction, "production", coverages);
-    if (options_.table_1) add_calibration(kTable1, "table_1", coverages);
+    if (options_.production) add_calibration({kProduction}, "production", coverages);
+    if (options_.table_1) add_calibration({"descending", "ascending"}, "table_1", coverages);
   }
 
  private:

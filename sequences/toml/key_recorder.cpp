@@ -58,7 +58,7 @@ void KeyRecorder::add(std::string key, const char* type, const std::string& rang
   for (const std::string& path : chosen_) {
     if (!key.starts_with(path + ".") || key.starts_with(path + ".NAME")) continue;
     const std::size_t end = key.find('.', path.size() + 1);
-    key = path + ".NAME" + (end == std::string::npos ? "" : key.substr(end));
+    key.replace(0, std::min(end, key.size()), path + ".NAME");
   }
   auto known = std::ranges::find(keys_, key, &KeyUse::key);
   if (known == keys_.end()) {

@@ -11,7 +11,8 @@
 namespace tactbench::analysis {
 namespace {
 
-const char* const kNoHeldOut = "no held-out run with reversals other than the fitted ones: name one of random-reversal";
+constexpr const char* kNoHeldOut =
+    "no held-out run with reversals other than the fitted ones: name one of random-reversal";
 
 std::string history_words(const HistoryErrors& history) {
   return fmt::format("{}, frames {:.1f} to {:.1f} s after the command", counted(history.runs.size(), "run"),

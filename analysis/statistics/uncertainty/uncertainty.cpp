@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <deque>
 
 #include "analysis/statistics/figures/levels.h"
@@ -87,8 +88,9 @@ ArrayUncertainty array_uncertainty(const std::vector<Budget>& budgets, int colum
   const auto n = static_cast<double>(budgets.size());
   double row = 0.0, column = 0.0;
   for (const Budget& budget : budgets) {
-    row += budget.taxel / columns / n;
-    column += budget.taxel % columns / n;
+    const std::div_t place = std::div(budget.taxel, columns);
+    row += place.quot / n;
+    column += place.rem / n;
   }
   std::array<double, kUncertaintySources> common{}, own{}, dof{};
   double along_rows = 0.0, along_columns = 0.0;
@@ -101,8 +103,9 @@ ArrayUncertainty array_uncertainty(const std::vector<Budget>& budgets, int colum
       dof[source] = part.dof;
       own_square += (1.0 - part.common) * part.u_psi * part.u_psi;
     }
-    along_rows += std::pow(budget.taxel / columns - row, 2) * own_square;
-    along_columns += std::pow(budget.taxel % columns - column, 2) * own_square;
+    const std::div_t place = std::div(budget.taxel, columns);
+    along_rows += std::pow(place.quot - row, 2) * own_square;
+    along_columns += std::pow(place.rem - column, 2) * own_square;
   }
   std::vector<VarianceShare> shares;
   for (std::size_t source = 0; source < kUncertaintySources; ++source) {
