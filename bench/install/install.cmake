@@ -3,6 +3,9 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS tactbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+if(TARGET tactbench_genetic)
+  install(TARGETS tactbench_genetic LIBRARY DESTINATION lib/tactbench COMPONENT program)
+endif()
 # The folders below share/tactbench are those of the source tree: bench/config/config.cpp looks into either alike.
 foreach(folder sequences bench/config devices/profiles)
   install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tactbench/${folder} COMPONENT program

@@ -1,9 +1,12 @@
 // The paper's genetic algorithm compared with the exact method on the rebuilt paper taxel.
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <filesystem>
 
 #include "analysis/identify/elam/genetic.h"
+#include "analysis/identify/elam/genetic_module.h"
 #include "tests/analysis/support/fit_samples.h"
+#include "tests/support/paths.h"
 
 using namespace synthetic;
 
@@ -55,6 +58,11 @@ TEST_CASE("genetic algorithm: its J on the paper taxel with noise is never below
   }
   WARN("genetic over exact: J " << mean << " in the mean, " << worst << " at most, time " << genetic_s << " s over "
                                 << exact_s << " s = " << genetic_s / exact_s);
+}
+
+TEST_CASE("genetic algorithm: it is found where it was built") {
+  const auto built = std::filesystem::path(tactbench::tests::program_path()).replace_filename(kGeneticModule);
+  CHECK(has_genetic() == std::filesystem::exists(built));
 }
 
 TEST_CASE("genetic algorithm: the same seed gives the same fit, and the fit option selects it") {

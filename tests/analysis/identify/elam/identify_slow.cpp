@@ -1,84 +1,7 @@
-// The fast search against an exhaustive one that shares only the samples and the model with it. Parameters that the
-// data leave open are not settled here: that trades J within chance (determined.cpp).
-#include <catch2/catch.hpp>
+// On the kinds of arrays that the search was made on; identify_long.cpp has others.
+#include "tests/analysis/identify/elam/exhaustive_comparison.h"
 
-#include "analysis/identify/elam/identify.h"
-#include "tests/analysis/identify/elam/exhaustive_reference.h"
-#include "tests/analysis/support/synthetic.h"
-
-using namespace synthetic;
-
-namespace {
-
-struct Kind {
-  const char* name;
-  unsigned sensor_seed;
-  double noise_v, play_share, spread, clip;  // clip: share of the highest output at which it is cut off; 0: not
-  int scans, repeats;
-};
-
-std::vector<double> taxel_of(const std::vector<double>& values, std::size_t width, std::size_t taxel) {
-  std::vector<double> own;
-  for (std::size_t i = taxel; i < values.size(); i += width) own.push_back(values[i]);
-  return own;
-}
-
-struct Tally {
-  int fits = 0;
-  double worst = 0.0;
-};
-
-// Fits every taxel of such an array both ways.
-void compare(const Kind& kind, int rows, Tally& tally) {
-  ArrayOptions options;
-  options.rows = rows;
-  options.columns = 4;
-  options.sensor_seed = kind.sensor_seed;
-  options.play_share = kind.play_share;
-  options.inner_spread = kind.spread;
-  const Array array(options);
-  RunOptions how;
-  how.noise_v = kind.noise_v;
-  how.scans = kind.scans;
-  how.repeats = kind.repeats;
-  Dataset data = run(array, how);
-  const auto width = array.taxels.size();
-  for (SequenceData& sequence : data.sequences)
-    for (Repeat& repeat : sequence.repeats)
-      for (std::size_t i = 0; i < repeat.volts.size(); ++i)
-        if (kind.clip > 0.0)
-          repeat.volts[i] = std::min(
-              repeat.volts[i], (kind.clip + 0.02 * static_cast<double>(i % width % 5)) * array.taxels[i % width].yu());
-  std::vector<TaxelTable> sequences;
-  for (const SequenceData& sequence : data.sequences) sequences.push_back(bring_to_common(sequence, data.taxels()));
-  const ExternalLoop loop = external_loop(sequences, data.taxels());
-  for (std::size_t taxel = 0; taxel < width; ++taxel) {
-    const std::vector<double> up = taxel_of(loop.ascending, width, taxel);
-    const std::vector<double> down = taxel_of(loop.descending, width, taxel);
-    const double y0 = 0.5 * (up.front() + down.front()), yu = 0.5 * (up.back() + down.back());
-    std::vector<TaxelBranch> branches;
-    for (const TaxelTable& sequence : sequences) {
-      const std::vector<double> volts = taxel_of(sequence.values, width, taxel);
-      for (const Branch& branch : sequence.branches)
-        branches.push_back(
-            {branch.ascending,
-             {sequence.pressure_psi.begin() + branch.first, sequence.pressure_psi.begin() + branch.last + 1},
-             {volts.begin() + branch.first, volts.begin() + branch.last + 1}});
-    }
-    const ElamFit fit = identify_elam(PatternCurve(loop.pressure_psi, up, y0, yu),
-                                      PatternCurve(loop.pressure_psi, down, y0, yu), branches, {}, false);
-    const ElamSamples samples = collect_samples(fit.model, branches);
-    const double reference = exhaustive_descending(fit.model, samples.descending) +
-                             exhaustive_ascending(fit.model, samples.ascending) + samples.ascending_constant +
-                             samples.descending_constant;
-    INFO(kind.name << ", taxel " << taxel << ": J " << fit.j_v2 << ", exhaustive " << reference);
-    CHECK(fit.j_v2 <= reference * (1.0 + 1e-6));
-    tally.worst = std::max(tally.worst, fit.j_v2 / reference - 1.0);
-    ++tally.fits;
-  }
-}
-
-}  // namespace
+using namespace exhaustive_comparison;
 
 TEST_CASE("identification finds the best of an exhaustive search of the whole box, clipped taxels included") {
   Tally tally;
@@ -88,21 +11,5 @@ TEST_CASE("identification finds the best of an exhaustive search of the whole bo
         Kind{"clipped", 10, 0.0015, 0.015, 1, 0.9, 2, 5}, Kind{"clipped, 12 mV", 11, 0.012, 0.015, 2, 0.85, 2, 2},
         Kind{"clipped, spread", 112, 0.004, 0.03, 2, 0.7, 2, 5}})
     compare(kind, 4, tally);
-  WARN(tally.fits << " fits, the worst above the exhaustive search by " << tally.worst << " of J");
-}
-
-// Grid sizes were chosen on the seeds above and others; never on these.
-TEST_CASE("identification finds the best on seeds that nothing was chosen on") {
-  Tally tally;
-  for (unsigned seed = 30001; seed <= 30005; ++seed)
-    for (const double noise : {0.0015, 0.004, 0.012, 0.030, 0.060})
-      for (const double clip : {0.0, 0.5 + 0.09 * (seed % 5)})
-        compare({clip > 0.0 ? "fresh, clipped" : "fresh",
-                 seed * 131 + static_cast<unsigned>(10000 * noise) + (clip > 0.0 ? 7U : 0U), noise,
-                 seed % 2 == 0 ? 0.03 : 0.015, 1.0 + seed % 3, clip, 1 + static_cast<int>(seed % 2),
-                 seed % 3 == 0   ? 1
-                 : seed % 3 == 1 ? 5
-                                 : 2},
-                1, tally);
   WARN(tally.fits << " fits, the worst above the exhaustive search by " << tally.worst << " of J");
 }
