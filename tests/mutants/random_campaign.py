@@ -3,8 +3,9 @@
 
     random_campaign.py BUILD_DIR [--seed N] [--mutants N] [--room R...] [--jobs N] [--table FILE.md] [--only ID...]
 
-Draws mutants at random, as many in each room, and tries each against the unit tests of its room, then the wire tests, then
-the slow and realtime ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the same mutants.
+Draws mutants at random, as many in each room, and tries each against those tests of its room that reach it: unit tests, then
+wire tests, then slow and realtime ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the
+same mutants.
 Exit code 0: of the killable mutants of each room at least the goal's share was killed; 1: fewer; 2: usage, or the build
 cannot be used. README.md tells the rest.
 """
@@ -49,17 +50,17 @@ def drawn(tree, judge, room, seed):
 
 
 def draw(tree, judge, names, options):
-    """As many of each room, or one fewer in the last ones."""
+    """Of each room as many changes, or one fewer in the last ones, as {room: {change: its Weave or none}}."""
+    found = {}
     for i, name in enumerate(names):
         share = options.mutants // len(names) + (i < options.mutants % len(names))
-        yield from itertools.islice(drawn(tree, judge, name, options.seed), share)
+        found[name] = {change: weave_of(tree, judge, change)
+                       for change in itertools.islice(drawn(tree, judge, name, options.seed), share)}
+    return found
 
 
-def noted(chosen, order):
-    """The same, each put into the list `order`, too."""
-    for change in chosen:
-        order.append(change)
-        yield change
+def weave_of(tree, judge, change):
+    return judge.weave(change, str(tree.source / change.file), syntax.options_for_clang(tree.recipes[change.file].words))
 
 
 def by_id(tree, identity):
@@ -75,7 +76,8 @@ def by_id(tree, identity):
 
 def line_of_result(result, seconds):
     verdict = result.verdict
-    became = {"killed": f"killed by {verdict.by}", "survived": "SURVIVED", "unbuilt": "did not build"}[verdict.state]
+    became = {"killed": f"killed by {verdict.by}", "unbuilt": "did not build",
+              "survived": f"SURVIVED {verdict.reached} tests that reach it"}[verdict.state]
     if result.reason:
         became = f"judged equivalent: {result.reason}" if verdict.state == "survived" else \
             f"judged equivalent, and {became}: take it out of random_equivalents.json"
@@ -149,13 +151,14 @@ def campaign(options, scratch):
     for i in range(options.jobs):
         (scratch / f"slot{i}").mkdir(parents=True)
         slots.put(scratch / f"slot{i}")
-    for room in rooms.values():
-        room.self_check(scratch / "slot0")
-    begun, judge, order = time.monotonic(), syntax.Syntax(), []
-    results = list(try_all(noted(wanted or draw(tree, judge, names, options), order), rooms, reasons, slots))
+    begun, judge, results = time.monotonic(), syntax.Syntax(), []
+    chosen = draw(tree, judge, names, options) if not wanted else \
+        {name: {c: weave_of(tree, judge, c) for c in wanted if c.file.startswith(name + "/")} for name in names}
     for path, why in judge.unreadable.items():
         say(f"{path}: clang cannot read it, nothing was drawn there: {why}")
-    results.sort(key=lambda result: order.index(result.change))
+    for name, own in chosen.items():
+        rooms[name].build(list(own), {change.id: weave for change, weave in own.items()}, scratch / "slot0")
+        results += sorted(try_all(own, rooms, reasons, slots), key=lambda result: list(own).index(result.change))
     enough = report(results, names, tree, options)
     say(f"{time.monotonic() - begun:.0f} s")
     return enough

@@ -3,11 +3,12 @@
 import contextlib
 import json
 import pathlib
+import subprocess
 import sys
 import tempfile
 
 import random_campaign
-from random_parts import build_tree, changes, equivalents, syntax, test_runs, trial
+from random_parts import build_tree, changes, equivalents, syntax, test_runs, trial, weave, woven_room
 
 OPTIONS = ["-xc++", "-w", "-std=c++20"]
 SOURCE = '''// a < b && c + 1 in a comment; note(4);
@@ -95,6 +96,52 @@ def check_positions(folder):
     assert len(set(ids)) == len(ids), ids
 
 
+WOVEN = """extern "C" int puts(const char*);
+int half(int x) { return x / 2; }
+int calls = 0;
+void count() { ++calls; }
+const int kThree = 3;
+int main() {
+  constexpr double kHalf = 0.5;
+  int sum = 0;
+  for (int i = 0; i < kThree; ++i) {
+    count();
+    if (i > 0 && !(half(i + 4) == 2)) sum += i;
+  }
+  return 10 * calls + sum + (kHalf < 0.55 ? 0 : 100);
+}
+"""
+
+
+def check_woven(folder):
+    """Woven into one program, each choice makes of it what the changed text is, and none leaves it as it was."""
+    path = folder / "woven.cpp"
+    path.write_text(WOVEN)
+    found = [c for c in changes.changes_of("woven.cpp", WOVEN) if JUDGE.accepts(c, str(path), OPTIONS)]
+    weaves = {i: JUDGE.weave(c, str(path), OPTIONS) for i, c in enumerate(found, 1)}
+    assert all(weaves.values()), weaves
+    kept = {c.old for c, w in zip(found, weaves.values()) if w.once}
+    assert kept == {"0", "3", "0.5"}, kept  # of calls, kThree and kHalf: worked out once a process
+    copy, control = folder / "copy.cpp", folder / "control"
+    copy.write_text(weave.woven(WOVEN, weaves, path))
+    parts = pathlib.Path(weave.__file__).parent
+    subprocess.run(["c++", "-std=c++20", f'-DTACTBENCH_MUTANT_CONTROL="{control}"', copy, parts / "woven_control.cpp", "-o",
+                    folder / "woven"], check=True)
+    woven_room.choose(folder, 0)
+
+    def result_of(number):
+        woven_room.choose(folder, number)
+        return subprocess.run([folder / "woven"], check=False).returncode
+    assert result_of(0) == 32, result_of(0)
+    for number, change in enumerate(found, 1):
+        plain = folder / f"plain{number}.cpp"
+        plain.write_text(changes.changed(WOVEN, change))
+        subprocess.run(["c++", "-std=c++20", plain, "-o", folder / "plain"], check=True)
+        assert result_of(number) == subprocess.run([folder / "plain"], check=False).returncode, changes.shown(change)
+    reached = (folder / "control").read_bytes()[4:]
+    assert all(reached[number] for number in weaves), reached[:40]
+
+
 def build_folder(folder):
     """A build folder that knows one group of two sources of the room db."""
     (folder / "db").mkdir()
@@ -114,8 +161,8 @@ def check_draw(tree):
     """One seed draws the same each time, another seed another thing; a longer draw begins with the shorter one."""
     assert tree.sources("db") == ["db/one.cpp", "db/two.cpp"]
     recipe = tree.recipes["db/one.cpp"]
-    assert recipe.group == ("db/two.cpp",)
-    assert "-O1" in recipe.words and not {"-O3", "-g", "-Werror", "-o", "group.o"} & set(recipe.words), recipe.words
+    assert recipe.unit == ("db/one.cpp", "db/two.cpp")
+    assert not {"-O3", "-g", "-Werror", "-o", "group.o"} & set(recipe.words), recipe.words
     def ids(seed):
         return [c.id for c in random_campaign.drawn(tree, JUDGE, "db", seed)]
     assert ids(1) == ids(1)
@@ -194,6 +241,7 @@ def read(path):
 
 with tempfile.TemporaryDirectory(prefix="tactbench-mutants-") as name:
     check_positions(pathlib.Path(name))
+    check_woven(pathlib.Path(name))
     built = build_folder(pathlib.Path(name))
     check_draw(built)
     check_equivalents(built, pathlib.Path(name))

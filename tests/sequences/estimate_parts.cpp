@@ -82,7 +82,7 @@ TEST_CASE("cycles that a criterion may leave out are not in the shortest time") 
   REQUIRE(always.size() == 16);
   for (std::size_t i = 0; i < perhaps.size(); ++i) {
     INFO("step " << i);
-    CHECK((perhaps[i].low_s == 0.0) == (i >= 4 && i < 8));
+    CHECK(perhaps[i].low_s == (i >= 4 && i < 8 ? 0.0 : always[i].low_s));
     CHECK(always[i].low_s > 0.0);
     CHECK(perhaps[i].likely_s == always[i].likely_s);
     CHECK(perhaps[i].high_s == always[i].high_s);

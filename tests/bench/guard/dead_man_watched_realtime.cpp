@@ -158,7 +158,7 @@ TEST_CASE("dead-man watched: one that was stopped for less than its timeout cont
   const pid_t dead_man = rig.dead_man();
   for (int i = 0; i < 3; ++i) {
     kill(dead_man, SIGSTOP);
-    usleep(static_cast<useconds_t>(0.3 * kTimeout * 1e6));
+    usleep(static_cast<useconds_t>(0.2 * kTimeout * 1e6));
     kill(dead_man, SIGCONT);
     usleep(static_cast<useconds_t>(0.5 * kTimeout * 1e6));
   }

@@ -91,6 +91,70 @@ TEST_CASE("simulated module: illegal requests get their exception at once") {
   CHECK(client.receive(11) == kLockIsOne);
 }
 
+TEST_CASE("simulated module: counts up to the protocol's limits pass, one more is refused as a value") {
+  Module module;
+  const RawClient client(module.server.port());
+  std::uint16_t number = 0;
+  // The exception of a PDU; registers from 0x2000 on are none, so that what passes as a value is refused as an address.
+  const auto exception = [&](Bytes pdu) {
+    Bytes frame{0,
+                static_cast<std::uint8_t>(++number),
+                0,
+                0,
+                static_cast<std::uint8_t>((pdu.size() + 1) >> 8U),
+                static_cast<std::uint8_t>((pdu.size() + 1) & 0xFFU),
+                1};
+    frame.insert(frame.end(), pdu.begin(), pdu.end());
+    client.send(frame);
+    const Bytes reply = client.receive(9);
+    return reply.size() == 9 && reply[7] == (pdu[0] | 0x80U) ? int{reply[8]} : -1;
+  };
+  const auto reading = [](int function, std::size_t count) {
+    return Bytes{static_cast<std::uint8_t>(function), 0x20, 0, static_cast<std::uint8_t>(count >> 8U),
+                 static_cast<std::uint8_t>(count & 0xFFU)};
+  };
+  for (const auto& [function, most] : {std::pair{2, 2000U}, std::pair{3, 125U}, std::pair{4, 125U}}) {
+    INFO("function " << function);
+    CHECK(exception(reading(function, 1)) == 2);
+    CHECK(exception(reading(function, most)) == 2);
+    CHECK(exception(reading(function, most + 1)) == 3);
+    CHECK(exception(reading(function, 0)) == 3);
+  }
+  CHECK(exception({5, 0x20, 0, 0xFF, 0}) == 2);
+  CHECK(exception({5, 0x20, 0, 0, 0}) == 2);
+  CHECK(exception({5, 0x20, 0, 0, 1}) == 3);
+  const auto writing = [](std::size_t count, std::size_t sent, std::size_t said) {
+    Bytes pdu{16, 0x20, 0, 0, static_cast<std::uint8_t>(count), static_cast<std::uint8_t>(said)};
+    pdu.resize(pdu.size() + 2 * sent);
+    return pdu;
+  };
+  CHECK(exception(writing(1, 1, 2)) == 2);
+  CHECK(exception(writing(123, 123, 246)) == 2);
+  CHECK(exception(writing(0, 0, 0)) == 3);
+  CHECK(exception(writing(2, 1, 4)) == 3);
+  CHECK(exception(writing(1, 1, 4)) == 3);
+  const auto both = [](std::size_t read, std::size_t written, std::size_t said) {
+    Bytes pdu{23,
+              0x20,
+              0,
+              0,
+              static_cast<std::uint8_t>(read),
+              0x20,
+              0,
+              0,
+              static_cast<std::uint8_t>(written),
+              static_cast<std::uint8_t>(said)};
+    pdu.resize(pdu.size() + 2 * written);
+    return pdu;
+  };
+  CHECK(exception(both(1, 1, 2)) == 2);
+  CHECK(exception(both(125, 121, 242)) == 2);
+  CHECK(exception(both(126, 1, 2)) == 3);
+  CHECK(exception(both(0, 1, 2)) == 3);
+  CHECK(exception(both(1, 0, 0)) == 3);
+  CHECK(exception(both(1, 1, 4)) == 3);
+}
+
 TEST_CASE("simulated module: half a request delays no other client, pieces are joined, several are answered in turn") {
   Module module;
   const RawClient slow(module.server.port());

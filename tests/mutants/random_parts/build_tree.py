@@ -1,10 +1,10 @@
 """A build folder as the campaign uses it: how each source is compiled, which sources are compiled together with it, and how
 the tests of its room are linked.
 
-A source of a mutant is compiled alone and put first on the link line. Where the build compiles it in a group, one object of
-the archive holds all sources of the group, and the compiler may have inlined the unchanged function into its neighbours.
-So the neighbours are compiled alone, too, and stand beside the mutant: nothing asks for the archive's object any more, and
-if anything did, its symbols would clash and the link would fail. No `-z muldefs`, which would hide just that.
+A source with mutants is compiled in place of its own and put first on the link line. Where the build compiles it in a group,
+the whole group is compiled again with it, for one object of the archive holds them all, and the compiler may have inlined the
+unchanged function into its neighbours. So nothing asks for the archive's object any more, and if anything did, its symbols
+would clash and the link would fail. No `-z muldefs`, which would hide just that.
 """
 import dataclasses
 import json
@@ -23,6 +23,7 @@ ROOMS = ("analysis", "bench", "db", "devices", "sequences")
 STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"))
 COMPILER = re.compile(r"(.*/)?(g\+\+|c\+\+|clang\+\+)(-\d+)?")
 DROPPED = re.compile(r"-O.*|-g.*|-flto.*|-Werror.*|-MD|-MMD")
+COMPUTING = ("analysis/", "bench/benchmarks/", "bench/simulation/")  # whose tests would take long without optimization
 MEMORY_BYTES = 4 << 30  # of the compiler
 
 
@@ -35,7 +36,7 @@ class Recipe:
     """How a source is compiled."""
     words: list  # compiler and options, without source and output
     folder: str
-    group: tuple  # the other sources of its object, relative to the source tree
+    unit: tuple  # the sources of its object in their order, relative to the source tree
 
 
 def taken_apart(command, folder):
@@ -49,7 +50,7 @@ def taken_apart(command, folder):
             skip = True
         elif not DROPPED.fullmatch(word):
             options.append(word)
-    return [*options, "-O1", "-g0", "-w"], folder
+    return [*options, "-g0", "-w"], folder
 
 
 class BuildTree:
@@ -71,7 +72,7 @@ class BuildTree:
         self.launcher = cache_words if shutil.which("ccache") else []
         self.linker = ["-fuse-ld=lld", "-Wl,--threads=1"] if shutil.which("ld.lld") else []
         self.lock = threading.Lock()
-        self.made = {}  # source -> lock of its unchanged object
+        self.made = {}  # unit -> lock of its unchanged object
         self.links = {}
 
     def read(self, entry):
@@ -90,8 +91,7 @@ class BuildTree:
             self.paths = Recipe(*parts, ())
         for source in sources:
             if source.split("/")[0] in ROOMS and source != "bench/main.cpp":
-                others = tuple(s for s in sources if s != source)
-                self.recipes.setdefault(source, Recipe(*parts, others))
+                self.recipes.setdefault(source, Recipe(*parts, tuple(sources)))
 
     def sources(self, room):
         return sorted(s for s in self.recipes if s.startswith(room + "/"))
@@ -143,24 +143,36 @@ class BuildTree:
         return room == "bench" or any("program_path()" in text for text in texts)
 
     def compile(self, recipe, source, output, words=(), cached=False):
-        """Whether the compiler made `output` of the file `source`."""
+        """What the compiler said of the file `source` when it made no `output`; none when it did."""
         if test_runs.stopping.is_set():
             raise test_runs.Stopped
         line = [*(self.launcher if cached else []), *recipe.words, *words, "-c", str(source), "-o", str(output)]
         output.parent.mkdir(parents=True, exist_ok=True)
-        done = subprocess.run(["prlimit", f"--as={MEMORY_BYTES}", "--cpu=300", *line], cwd=recipe.folder,
-                              stdin=subprocess.DEVNULL, capture_output=True, check=False)
-        return done.returncode == 0 and output.exists()
+        output.unlink(missing_ok=True)
+        done = subprocess.run(["prlimit", f"--as={MEMORY_BYTES}", "--cpu=600", *line], cwd=recipe.folder,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", check=False)
+        return None if done.returncode == 0 and output.exists() else done.stderr or "the compiler was ended"
 
-    def unchanged(self, source, scratch):
-        """The object of a source as it is, compiled alone, once a campaign."""
-        output = scratch / "objects" / (source + ".o")
+    def compile_unit(self, unit, copies, output):
+        """Compiles the sources of an object, with copies {source: file} in the place of some; says what compile() does. The
+        standard library's assertions show a step beyond an array, as the sanitizers of CI do."""
+        output.parent.mkdir(parents=True, exist_ok=True)
+        file = output.with_suffix(".cpp")
+        file.write_text("".join(f'#include "{copies.get(s, self.source / s)}"\n' for s in unit), "utf-8")
+        folders = dict.fromkeys(str((self.source / s).parent) for s in unit)
+        words = [w for folder in folders for w in ("-iquote", folder)]
+        level = "-O1" if unit[0].startswith(COMPUTING) else "-O0"
+        return self.compile(self.recipes[unit[0]], file, output, [*words, level, "-D_GLIBCXX_ASSERTIONS"], cached=not copies)
+
+    def unchanged(self, unit, scratch):
+        """The object of an unchanged unit, compiled as one with a mutant is, once a campaign."""
+        output = scratch / "objects" / (unit[0] + ".o")
         with self.lock:
-            own = self.made.setdefault(source, threading.Lock())
+            own = self.made.setdefault(unit, threading.Lock())
         with own:
-            recipe = self.recipes[source]
-            if not output.exists() and not self.compile(recipe, self.source / source, output, cached=True):
-                raise Unusable(f"{source} cannot be compiled alone with the options of {self.folder}")
+            said = None if output.exists() else self.compile_unit(unit, {}, output)
+            if said:
+                raise Unusable(f"{unit[0]} cannot be compiled with the options of {self.folder}:\n{said[-2000:]}")
         return output
 
     def link(self, target, objects, output):

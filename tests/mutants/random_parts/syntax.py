@@ -6,7 +6,9 @@ import os
 
 from clang import cindex
 from clang.cindex import CursorKind as K
-from clang.cindex import TypeKind
+from clang.cindex import StorageClass, TypeKind
+
+from .weave import Weave
 
 NEVER_BELOW = {K.STATIC_ASSERT, K.ENUM_CONSTANT_DECL, K.PARM_DECL, K.TEMPLATE_TYPE_PARAMETER, K.TEMPLATE_NON_TYPE_PARAMETER,
                K.TEMPLATE_TEMPLATE_PARAMETER}
@@ -82,6 +84,22 @@ class Syntax:
             if covers(cursor, begin, end):
                 yield cursor
                 yield from self.chain(cursor.get_children(), begin, end)
+
+    def weave(self, change, path, options):
+        """Where an accepted change becomes a choice; none when the tree does not tell."""
+        nodes = list(self.chain(self.tops(path, options), change.begin, change.end))
+        span = SPANS.get(change.kind, own_span)(change, nodes)
+        variables = [n for n in nodes if n.kind == K.VAR_DECL]
+        within = K.COMPOUND_STMT in {n.kind for n in nodes}
+        once = bool(variables) and (not within or any(n.storage_class == StorageClass.STATIC for n in variables))
+        constant = -1
+        for node in variables:
+            for token in node.get_tokens():
+                if token.spelling == "constexpr":
+                    constant, once = token.extent.start.offset, True
+                if token.extent.start.offset >= node.location.offset:
+                    break
+        return Weave(change, *span, once, constant) if span else None
 
     def accepts(self, change, path, options):
         """Whether the change is a mutant; `options` are those for clang."""
@@ -171,3 +189,35 @@ def call(change, nodes):
                 return inner.kind == K.CALL_EXPR and (inner.spelling == "operator()" or
                                                       not inner.spelling.startswith("operator"))
     return False
+
+
+def own_span(change, nodes):
+    return change.begin, change.end
+
+
+def span_of_operator(change, nodes):
+    """The expression whose operator it is: the innermost with operands on both sides."""
+    for node in reversed(nodes):
+        begin, end = node.extent.start.offset, node.extent.end.offset
+        if node.kind in (*BUILT_IN, K.CALL_EXPR) and begin < change.begin and change.end < end:
+            return begin, end
+    return None
+
+
+def span_of_negation(change, nodes):
+    for node in reversed(nodes):
+        if node.kind in (K.UNARY_OPERATOR, K.CALL_EXPR) and node.extent.start.offset == change.begin:
+            return change.begin, node.extent.end.offset
+    return None
+
+
+def span_of_extreme(change, nodes):
+    """The call of std::min, std::max and their like."""
+    for node in reversed(nodes):
+        if node.kind == K.CALL_EXPR and node.extent.end.offset > change.end:
+            return node.extent.start.offset, node.extent.end.offset
+    return None
+
+
+SPANS = {"comparison": span_of_operator, "arithmetic": span_of_operator, "logic": span_of_operator, "not": span_of_negation,
+         "extreme": span_of_extreme}

@@ -40,12 +40,9 @@ class Outcome:
     passed: bool
     timed_out: bool
     failed: list  # names of the tests that failed; the one that it died in is the last
+    ran: int  # tests that were begun
     wall_s: float
     cpu_s: float
-
-    def limit(self):
-        """What a mutant of the same tests may take. Waits stretch on a busy machine, computation does not."""
-        return Limit(6 * self.wall_s + 30, 3 * self.cpu_s + 10)
 
 
 def spec(name):
@@ -86,8 +83,8 @@ def begin_campaign():
     signal.signal(signal.SIGTERM, stop)
 
 
-def run(executable, words, limit):
-    """The outcome of the executable with more words, e.g. names of tests."""
+def run(executable, words, limit, more=None):
+    """The outcome of the executable with more words, e.g. names of tests; `more`: what else its environment holds."""
     if stopping.is_set():
         raise Stopped
     mark = uuid.uuid4().hex
@@ -100,7 +97,7 @@ def run(executable, words, limit):
     try:
         with open(os.path.join(folder, "said"), "wb") as said:
             process = subprocess.Popen(["prlimit", *bounds, str(executable), *words, "-r", "xml", "-o", report], cwd=folder,
-                                       env={**os.environ, **places, MARK: mark}, stdin=subprocess.DEVNULL, stdout=said,
+                                       env={**os.environ, **(more or {}), **places, MARK: mark}, stdin=subprocess.DEVNULL, stdout=said,
                                        stderr=said, start_new_session=True)
         status, usage = waited(process, begun + limit.wall_s)
         timed_out = status is None
@@ -115,7 +112,7 @@ def run(executable, words, limit):
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     timed_out |= os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL)
-    return Outcome(status == 0, timed_out, failed_tests(text, status != 0), time.monotonic() - begun,
+    return Outcome(status == 0, timed_out, failed_tests(text, status != 0), text.count("<TestCase "), time.monotonic() - begun,
                    usage.ru_utime + usage.ru_stime)
 
 

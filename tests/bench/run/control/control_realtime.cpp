@@ -73,7 +73,8 @@ struct WordRig : ServedRig {
   }
   void time_answers() {
     const auto live = live_runs();
-    for (int i = 0; i < 5 && live.size() == 1; ++i) {
+    // One quick answer of many will do: a busy machine holds most of them up, a run that answers late all of them.
+    for (int i = 0; (i < 5 || (i < 20 && quickest_answer_s >= kQuickAnswer)) && live.size() == 1; ++i) {
       const auto start = std::chrono::steady_clock::now();
       if (!bench::send_command(live.front().name, bench::Command::kStatus)) continue;
       const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -63,7 +63,7 @@ TEST_CASE("commands: a stopped run with a full queue is named, and commands to a
   CHECK(heard.finished.code == 0);
   CHECK_THAT(heard.finished.out, Catch::Contains("run 1 ends"));
   WARN(fmt::format("FIGURE answer_beside_a_stopped_run {:.3f} s", heard.seconds));
-  for (const Timed* each : {&unnamed, &silent, &heard}) CHECK(each->seconds < 5.0);
+  for (const Timed* each : {&unnamed, &silent, &heard}) CHECK(each->seconds < 20.0);  // 2 s are meant
   CHECK(healthy.process().wait() == 4);
   for (const int one : waiting) close(one);
   frozen.process().signal(SIGCONT);  // it may still find the panic
