@@ -125,7 +125,7 @@ def check_woven(folder):
     copy, control = folder / "copy.cpp", folder / "control"
     copy.write_text(weave.woven(WOVEN, weaves, path))
     parts = pathlib.Path(weave.__file__).parent
-    subprocess.run(["c++", "-std=c++20", f'-DTACTBENCH_MUTANT_CONTROL="{control}"', copy, parts / "woven_control.cpp", "-o",
+    subprocess.run(["c++", "-std=c++20", f"-I{parts.parents[2]}", f'-DTACTBENCH_MUTANT_CONTROL="{control}"', copy, parts / "woven_control.cpp", "-o",
                     folder / "woven"], check=True)
     woven_room.choose(folder, 0)
 

@@ -3,7 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "woven.h"
+#include "tests/mutants/random_parts/woven.h"
 
 namespace tactbench::mutants {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "woven.h"
+#include "tests/mutants/random_parts/woven.h"
 
 namespace tactbench::mutants {
 namespace {
