@@ -4,7 +4,8 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS tactbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 if(TARGET tactbench_genetic)
-  install(TARGETS tactbench_genetic LIBRARY DESTINATION lib/tactbench COMPONENT program)
+  # One folder deeper than where cpack takes libraries for such that need ldconfig.
+  install(TARGETS tactbench_genetic LIBRARY DESTINATION lib/tactbench/modules COMPONENT program)
 endif()
 # The folders below share/tactbench are those of the source tree: bench/config/config.cpp looks into either alike.
 foreach(folder sequences bench/config devices/profiles)

@@ -23,7 +23,7 @@ GeneticSearch* loaded() {
   static GeneticSearch* const search = []() -> GeneticSearch* {
     std::error_code none;
     const auto own = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
-    for (const char* folder : {".", "..", "../lib/tactbench"}) {
+    for (const char* folder : {".", "..", "../lib/tactbench/modules"}) {
       if (void* module = dlopen((own / folder / kGeneticModule).c_str(), RTLD_NOW | RTLD_LOCAL))
         return reinterpret_cast<GeneticSearch*>(dlsym(module, kGeneticSearch));
     }
