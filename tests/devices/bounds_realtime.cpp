@@ -124,6 +124,17 @@ TEST_CASE("bounds: a module that trickles its answer cannot stretch the response
   const auto took =
       time_of([&] { CHECK(fault_id_of([&] { link.read_input_registers(0, values); }) == "TB-MODBUS-TIMEOUT"); });
   CHECK(took < kBound);
+  // A byte at a time, each soon after the one before, the last when more than the timeout has passed: too late, too.
+  ScriptedServer slow(
+      [](int, int socket, const Bytes& request) {
+        for (const std::uint8_t byte : ScriptedServer::answer(request, {1, 2, 3, 4})) {
+          ScriptedServer::send(socket, {byte});
+          std::this_thread::sleep_for(kTimeout / 8);
+        }
+      },
+      false);
+  ModbusLink patient({"127.0.0.1", slow.port(), 1, kTimeout}, "module", clock);
+  CHECK(fault_id_of([&] { patient.read_input_registers(0, values); }) == "TB-MODBUS-TIMEOUT");
 }
 
 TEST_CASE("bounds: connecting to a host that does not answer ends with the response timeout") {
