@@ -185,6 +185,10 @@ bool Statement::step() {
 void Statement::run() {
   while (step()) {
   }
+  reset();
+}
+
+void Statement::reset() {
   sqlite3_reset(handle_);
   sqlite3_clear_bindings(handle_);
 }
@@ -204,6 +208,8 @@ void Statement::put_blob(int index, std::span<const std::byte> value) {
                                  : sqlite3_bind_blob64(handle_, index, value.data(), value.size(), SQLITE_STATIC);
   if (code != SQLITE_OK) connection_.fail(code, "bind blob");
 }
+
+bool Statement::is_null(int column) const { return sqlite3_column_type(handle_, column) == SQLITE_NULL; }
 
 std::int64_t Statement::get_integer(int column) const { return sqlite3_column_int64(handle_, column); }
 

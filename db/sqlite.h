@@ -76,12 +76,19 @@ class Statement {
     (put(++index, values), ...);
     return *this;
   }
+  // One parameter, from 1, where their number is not known before. The same holds for blobs.
+  template <class Value>
+  void bind_at(int index, const Value& value) {
+    put(index, value);
+  }
   [[nodiscard]] bool step();  // true: a row is available
   void run();                 // to the end; then ready to be bound again
+  void reset();               // ready to be bound again
   template <class... Values>
   void read(Values&... values) const {
     read_from(0, values...);
   }
+  [[nodiscard]] bool is_null(int column) const;
   template <class... Values>
   void read_from(int column, Values&... values) const {
     (get(column++, values), ...);

@@ -1,5 +1,5 @@
 # Rules of docs/rules.md, checked on the sources: who may include whom, how long a file may be, what may lie at the top,
-# that the command line is above all else, no circle of folders, one place for sqlite3.h, one place that prints, no heavy
+# that the command line is above all else, no circle of folders, one place for sqlite3.h and for libpq-fe.h, one place that prints, no heavy
 # library in headers, no driver in bench/config/config.h, that every library included is in quickstart's list, that every
 # actuator is held to the laws of actuators, and that comments and documents name only files that exist. Run:
 # cmake -P tests/room_rules.cmake
@@ -31,6 +31,7 @@ set(package_sqlite3.h libsqlite3-dev)
 set(package_openssl libssl-dev)
 set(package_fmt libfmt-dev)
 set(package_hdf5.h libhdf5-dev)
+set(package_libpq-fe.h libpq-dev)
 set(package_CLI libcli11-dev)
 set(package_toml++ libtomlplusplus-dev)
 set(package_nlohmann nlohmann-json3-dev)
@@ -105,6 +106,9 @@ foreach(room devices db sequences analysis bench tests)
         if(library STREQUAL "sqlite3.h" AND NOT file MATCHES "^(db/sqlite\\.|tests/(db|bench|faults)/)")
           complain("${file}: sqlite3.h belongs in db/sqlite.* alone")
         endif()
+        if(library STREQUAL "libpq-fe.h" AND NOT file STREQUAL "db/fleet/postgres_state.h")
+          complain("${file}: libpq-fe.h belongs in db/fleet/postgres_state.h alone")
+        endif()
         if(line MATCHES "<[^>]+/" OR DEFINED package_${library})
           if(DEFINED package_${library})
             string(FIND "${quickstart}" "${package_${library}}" listed)
@@ -178,7 +182,7 @@ endwhile()
 
 # Documents and headers that comments, texts and documents name: by the path from the top, by the path from the file's
 # own folder, or by the bare name of any file. Documents have to name sources by such a path, too.
-set(not_ours "^(build/|\\./|CLONE/|sqlite3\\.h$|linux/)")  # made by a build or a user, or a library's
+set(not_ours "^(build/|\\./|CLONE/|(sqlite3|libpq-fe)\\.h$|linux/)")  # made by a build or a user, or a library's
 file(GLOB_RECURSE named_files RELATIVE ${root} ${root}/bench/* ${root}/devices/* ${root}/sequences/* ${root}/analysis/*
   ${root}/db/* ${root}/tests/* ${root}/docs/*)
 file(GLOB top_files RELATIVE ${root} ${root}/*.md)

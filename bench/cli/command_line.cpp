@@ -24,8 +24,9 @@ Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touc
   70 internal error, 128 + N ended by signal N after the safe state (129 hang-up, 130 Ctrl-C twice, 131 quit,
   143 terminated). Ctrl-C once: pause at the end of the branch; twice: stop now.
   However a run ends, it vents, retracts, proves the safe state and keeps all frames.
-Not to be typed each time: --db and --bench by TACTBENCH_DB, TACTBENCH_BENCH; bench, db, operator, recipe and limits
-  by the file tactbench.toml in the working folder. The command line precedes the environment, and that the file.
+Not to be typed each time: --db and --bench by TACTBENCH_DB, TACTBENCH_BENCH, a fleet by TACTBENCH_FLEET; bench, db,
+  operator, recipe, limits and fleet by the file tactbench.toml in the working folder. The command line precedes the
+  environment, and that the file.
 First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
 
 // For a misspelled verb CLI11 reports only "a subcommand is required".
@@ -120,6 +121,7 @@ int run_command_line(int argc, char** argv) {
   add_runs(app, session);
   add_verify(app, session);
   add_db(app, session);
+  add_fleet(app, session);
   add_sensors(app, session);
   add_devices(app, session);
   add_live(app, session);

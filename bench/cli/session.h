@@ -30,6 +30,7 @@ struct Session {
   bool replace = false;   // --replace: bench/common/output_file.h
   bool void_too = false;  // include void runs, where the verb offers it
   std::string db = "runs.db";
+  std::string fleet;  // the fleet that `db` is a copy of, in words; empty: a bench's own store
   ProfileOptions profile;
   ExitCode code = ExitCode::kPass;
 };
@@ -88,6 +89,9 @@ void add_rig(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_benchmark(CLI::App& app, Session& session);
 void add_dead_man(CLI::App& app, Session& session);
+
+// A part of the command line of its own.
+void add_fleet(CLI::App& app, Session& session);
 
 // Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);

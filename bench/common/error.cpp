@@ -7,6 +7,7 @@
 #include "analysis/error.h"
 #include "analysis/json_io.h"
 #include "bench/common/for_people.h"
+#include "db/fleet/fleet_error.h"
 #include "db/run_store.h"
 #include "devices/fault.h"
 #include "sequences/toml/strict_toml.h"
@@ -20,6 +21,18 @@ ExitCode code_of(devices::Cause cause) {
 }
 
 ExitCode code_of(db::Cause cause) { return cause == db::Cause::kUsage ? ExitCode::kUsage : ExitCode::kStore; }
+
+ExitCode code_of(db::fleet::FleetCause cause) {
+  switch (cause) {
+    case db::fleet::FleetCause::kUsage:
+      return ExitCode::kUsage;
+    case db::fleet::FleetCause::kLink:
+      return ExitCode::kDevice;
+    case db::fleet::FleetCause::kStore:
+      break;
+  }
+  return ExitCode::kStore;
+}
 
 ExitCode code_of(analysis::Cause cause) {
   switch (cause) {
@@ -59,6 +72,8 @@ Error as_error(const std::exception_ptr& exception, const std::string& where) {
   } catch (const sequences::FileError& error) {
     return {ExitCode::kUsage, error.id(), error.what(), error.where(), error.remedy()};
   } catch (const db::StoreError& error) {
+    return {code_of(error.cause()), error.id(), error.what(), where, error.remedy()};
+  } catch (const db::fleet::FleetError& error) {
     return {code_of(error.cause()), error.id(), error.what(), where, error.remedy()};
   } catch (const analysis::AnalysisError& error) {
     return {code_of(error.cause()), error.id(), error.what(), where, error.remedy()};

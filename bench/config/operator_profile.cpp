@@ -42,13 +42,16 @@ const char* to_string(ProfileKey key) {
     case ProfileKey::kRecipe:
       return "recipe";
     case ProfileKey::kLimits:
+      return "limits";
+    case ProfileKey::kFleet:
       break;
   }
-  return "limits";
+  return "fleet";
 }
 
 std::string variable_of(ProfileKey key) {
   if (key == ProfileKey::kBench) return "TACTBENCH_BENCH";
+  if (key == ProfileKey::kFleet) return "TACTBENCH_FLEET";
   return key == ProfileKey::kDb ? "TACTBENCH_DB" : "";
 }
 

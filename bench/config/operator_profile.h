@@ -11,11 +11,11 @@ namespace tactbench::bench {
 
 inline constexpr const char* kProfileFile = "tactbench.toml";
 
-enum class ProfileKey { kBench, kDb, kOperator, kRecipe, kLimits };
-inline constexpr std::array kProfileKeys = {ProfileKey::kBench, ProfileKey::kDb, ProfileKey::kOperator,
-                                            ProfileKey::kRecipe, ProfileKey::kLimits};
+enum class ProfileKey { kBench, kDb, kOperator, kRecipe, kLimits, kFleet };
+inline constexpr std::array kProfileKeys = {ProfileKey::kBench,  ProfileKey::kDb,     ProfileKey::kOperator,
+                                            ProfileKey::kRecipe, ProfileKey::kLimits, ProfileKey::kFleet};
 const char* to_string(ProfileKey key);  // as in the file: "bench"
-// "TACTBENCH_BENCH", "TACTBENCH_DB"; empty where the environment does not give the value.
+// "TACTBENCH_BENCH", "TACTBENCH_DB", "TACTBENCH_FLEET"; empty where the environment does not give the value.
 std::string variable_of(ProfileKey key);
 
 struct ProfileValue {

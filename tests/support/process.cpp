@@ -78,6 +78,7 @@ struct PrivateState {
     setenv("XDG_STATE_HOME", folder.path().c_str(), 1);
     unsetenv("TACTBENCH_BENCH");  // the developer's
     unsetenv("TACTBENCH_DB");
+    unsetenv("TACTBENCH_FLEET");
     setenv("TACTBENCH_RUNTIME_DIR", folder.path().c_str(), 1);  // tests that run beside each other share bench ids
   }
   TemporaryFolder folder;

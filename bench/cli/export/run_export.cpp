@@ -15,6 +15,7 @@
 #include "analysis/json_io.h"
 #include "bench/cli/export/run_export.h"
 #include "bench/cli/export/run_export_csv.h"
+#include "bench/cli/runs/from_fleet.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 
@@ -162,23 +163,38 @@ void copy_runs(std::vector<std::int64_t> runs, const std::string& file, const Se
     }
   }
   if (session.json)
-    print_json("runs.copy", {{"store", session.db}, {"to", file}, {"runs", list}, {"verdicts_left_behind", left}});
+    print_json("runs.copy", {{"store", session.fleet.empty() ? session.db : session.fleet},
+                             {"to", file},
+                             {"runs", list},
+                             {"verdicts_left_behind", left}});
 }
 
 }  // namespace
 
 void add_run_copy(CLI::App& runs, Session& session) {
-  auto numbers = std::make_shared<std::vector<std::int64_t>>();
+  auto names = std::make_shared<std::vector<std::string>>();
   auto file = std::make_shared<std::string>();
+  auto from = std::make_shared<std::string>();
   CLI::App* verb =
       runs.add_subcommand("copy", "copy ended runs with their models, verdicts and remarks into another store");
   verb->footer(
       "A verdict is copied with the judged run; when only the models' run is copied, a note names the verdicts left "
       "behind.");
-  verb->add_option("runs", *numbers, "run numbers")->required()->take_all();
+  verb->add_option("runs", *names, "run numbers; with --from also UUIDs")->required()->take_all();
+  add_from(*verb, *from);
   verb->add_option("--to", *file, "the other store; made if it does not exist")->required();
   add_common(*verb, session);
-  verb->callback([numbers, file, &session] { copy_runs(*numbers, *file, session); });
+  verb->callback([names, file, from, &session] {
+    std::vector<std::int64_t> numbers;
+    if (from->empty()) {
+      for (const std::string& name : *names) numbers.push_back(run_number(name));
+      return copy_runs(numbers, *file, session);
+    }
+    FromFleet fleet(session, *from);
+    for (const std::string& name : *names) numbers.push_back(fleet.run_named(name));
+    fleet.take(numbers, db::fleet::Frames::kWith);
+    copy_runs(numbers, *file, session);
+  });
 }
 
 void add_run_export(CLI::App& runs, Session& session) {

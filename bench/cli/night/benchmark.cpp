@@ -11,6 +11,7 @@
 #include "bench/benchmarks/compensate_dynamic.h"
 #include "bench/benchmarks/compensation_error.h"
 #include "bench/benchmarks/coverage.h"
+#include "bench/benchmarks/fleet.h"
 #include "bench/benchmarks/identify.h"
 #include "bench/benchmarks/report.h"
 #include "bench/benchmarks/sequence.h"
@@ -29,6 +30,7 @@ struct BenchmarkOptions {
   int exchanges = 500, rounds = 5, draws = 10000;
   std::vector<unsigned> sensors = {11, 12, 13};
   bool all_models = false;
+  std::string to;
 };
 
 constexpr const char* kScratch = "tactbench-benchmark";  // folder of the benchmarks that write files
@@ -51,6 +53,8 @@ const std::map<std::string, Measure> measures = {
     {"specimen", [](const BenchmarkOptions&) { return benchmark_specimen(); }},
     {"sequence",
      [](const BenchmarkOptions& o) { return benchmark_sequence(o.rounds, ScratchFolder(kScratch).path()); }},
+    {"fleet",
+     [](const BenchmarkOptions& o) { return benchmark_fleet(o.rounds, o.to, ScratchFolder(kScratch).path()); }},
     {"identify",
      [](const BenchmarkOptions& o) { return benchmark_identify(o.rounds, ScratchFolder(kScratch).path()); }},
     {"store", [](const BenchmarkOptions& o) { return benchmark_store(o.rounds, ScratchFolder(kScratch).path()); }},
@@ -83,7 +87,8 @@ void add_benchmark(CLI::App& app, Session& session) {
           "on simulated sensors, the dynamic compensator compared with ELAM's; coverage: readings within the report's "
           "U of "
           "the truth, by condition of use; "
-          "identify: taxels against one plain J each, the other models, threads, growth; store: frames against a plain "
+          "fleet: frames pushed to --to against psql's \\copy of the same rows; identify: taxels against one plain J "
+          "each, the other models, threads, growth; store: frames against a plain "
           "file and bare SQLite; report: rendering against writing the bytes; array: simulated frames against their "
           "wire; specimen: what the simulated sensors are like, paper and harsh; charts: false alarms and power of the "
           "charts of trend and nightly")
@@ -99,6 +104,7 @@ void add_benchmark(CLI::App& app, Session& session) {
       ->check(CLI::Range(100, 10000000))
       ->capture_default_str();
   verb->add_option("--sensors", options->sensors, "compensation-error, coverage: sensor seeds")->delimiter(',');
+  verb->add_option("--to", options->to, "fleet: how to connect to a fleet without runs, made for this alone");
   verb->add_flag("--all-models", options->all_models, "compensation-error: also GPI, MPI, POLY and the other models");
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { benchmark(*options, session); });

@@ -25,7 +25,8 @@ std::string profile_text(const std::string& operator_name) {
   return fmt::format(
       "# What need not be typed with every verb, for the folder in which tactbench is started. The command line "
       "precedes\n"
-      "# the environment (TACTBENCH_BENCH, TACTBENCH_DB), and that precedes this file: tactbench config show "
+      "# the environment (TACTBENCH_BENCH, TACTBENCH_DB, TACTBENCH_FLEET), and that precedes this file: tactbench "
+      "config show "
       "--origin.\n"
       "bench = \"bench.toml\"        # --bench\n"
       "db = \"runs.db\"              # --db\n"

@@ -14,6 +14,7 @@
 #include "analysis/error.h"
 #include "analysis/json_io.h"
 #include "analysis/report/parts.h"
+#include "bench/cli/runs/runs_list.h"
 #include "bench/cli/session.h"
 #include "bench/config/calibration_words.h"
 #include "bench/reporting/judgement.h"
@@ -23,11 +24,6 @@
 namespace tactbench::bench {
 
 namespace {
-
-struct RunsListOptions {
-  std::string sensor, since, tag, verdict;  // empty: any
-  bool all = false;                         // include void runs
-};
 
 void check_since(const std::string& since) {
   const std::string pattern = "dddd-dd-dd";
@@ -105,7 +101,10 @@ std::string check_line(const db::CheckRecord& check) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void list_runs(const RunsListOptions& options, const Session& session) {
+}  // namespace
+
+void list_runs(const RunsListOptions& options, const Session& session,
+               const std::map<std::int64_t, std::int64_t>* frame_counts) {
   if (!options.since.empty()) check_since(options.since);
   const WantedVerdict wanted(options.verdict);
   const db::RunStore store = db::RunStore::open_read_only(session.db);
@@ -125,7 +124,7 @@ void list_runs(const RunsListOptions& options, const Session& session) {
       ++left_out;
       continue;
     }
-    const std::int64_t frames = store.frame_count(run.run);
+    const std::int64_t frames = frame_counts != nullptr ? frame_counts->at(run.run) : store.frame_count(run.run);
     const std::string verdict = verdict_cell(worst, run.origin);
     const bool unended = run.outcome == db::Outcome::kIncomplete;
     std::optional<bool> lives;
@@ -153,6 +152,8 @@ void list_runs(const RunsListOptions& options, const Session& session) {
   }
 }
 
+namespace {
+
 // One table for each pair of models and limits.
 void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
   std::vector<std::vector<db::VerdictRecord>> tables;
@@ -175,6 +176,8 @@ std::string specimen_of(const db::RunRecord& run) {
   if (!bench || !bench->simulation) return {};
   return specimen_words().at(static_cast<std::size_t>(bench->simulation->plant.specimen.kind));
 }
+
+}  // namespace
 
 void show_run(std::int64_t number, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
@@ -254,21 +257,21 @@ void show_run(std::int64_t number, const Session& session) {
   print_judgements(verdicts, run.origin);
 }
 
-}  // namespace
+void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
+  verb.add_option("--sensor", options.sensor, "only this sensor");
+  verb.add_option("--since", options.since, "started on this day (UTC, 2026-01-31) or later");
+  verb.add_option("--tag", options.tag, "only with this tag");
+  verb.add_option("--verdict", options.verdict, "only with this verdict, on the run or on its models; none: not judged")
+      ->type_name(WantedVerdict::type_name());
+  verb.add_flag("--all", options.all, "include void runs");
+}
 
 void add_runs(CLI::App& app, Session& session) {
   CLI::App* runs = app.add_subcommand("runs", "list, show, compare, export, copy, tag, note or void stored runs");
   runs->require_subcommand(1);
   auto options = std::make_shared<RunsListOptions>();
   CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
-  list_verb->add_option("--sensor", options->sensor, "only this sensor");
-  list_verb->add_option("--since", options->since, "started on this day (UTC, 2026-01-31) or later");
-  list_verb->add_option("--tag", options->tag, "only with this tag");
-  list_verb
-      ->add_option("--verdict", options->verdict,
-                   "only with this verdict, on the run or on its models; none: not judged")
-      ->type_name(WantedVerdict::type_name());
-  list_verb->add_flag("--all", options->all, "include void runs");
+  add_runs_list_options(*list_verb, *options);
   add_common(*list_verb, session);
   list_verb->callback([options, &session] { list_runs(*options, session); });
   auto number = std::make_shared<std::int64_t>(0);

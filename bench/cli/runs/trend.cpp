@@ -8,17 +8,13 @@
 #include <set>
 
 #include "analysis/counted.h"
+#include "bench/cli/runs/trend.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/nightly/followed_page.h"
 
 namespace tactbench::bench {
 namespace {
-
-struct TrendOptions {
-  std::string sensor, subject, figure, html;
-  bool check = false;
-};
 
 constexpr std::size_t kTrendWidth = 30;
 
@@ -95,6 +91,8 @@ void show_followed(const Followed& followed) {
   }
 }
 
+}  // namespace
+
 void trend(const TrendOptions& options, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   std::vector<Followed> subjects;
@@ -125,7 +123,8 @@ void trend(const TrendOptions& options, Session& session) {
   if (session.json) {
     auto json = nlohmann::ordered_json::array();
     for (const Followed& followed : subjects) json.push_back(followed_json(followed));
-    print_json("trend", {{"store", session.db}, {"origin", origin}, {"subjects", json}});
+    print_json("trend",
+               {{"store", session.fleet.empty() ? session.db : session.fleet}, {"origin", origin}, {"subjects", json}});
     return;
   }
   if (origin == "simulated") tty::print("SIMULATED DATA\n");
@@ -133,20 +132,22 @@ void trend(const TrendOptions& options, Session& session) {
   if (!options.html.empty()) tty::print("{}\n", options.html);
 }
 
-}  // namespace
+void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) {
+  verb.add_option("--sensor", options.sensor, "serial; its figures come from `fit`");
+  verb.add_option("--subject", options.subject, "subject or its beginning: nightly/paper, rig/bench-1");
+  verb.add_option("--figure", options.figure, "this figure alone");
+  verb.add_option("--html", options.html, "write a page with a plot for each figure");
+  add_replace(verb, session);
+  verb.add_flag("--check", options.check,
+                "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted");
+}
 
 void add_trend(CLI::App& app, Session& session) {
   auto options = std::make_shared<TrendOptions>();
   CLI::App* verb = app.add_subcommand("trend",
                                       "figures of a sensor, a rig or a scenario run by run, with the band and the "
                                       "moving average of its accepted baseline");
-  verb->add_option("--sensor", options->sensor, "serial; its figures come from `fit`");
-  verb->add_option("--subject", options->subject, "subject or its beginning: nightly/paper, rig/bench-1");
-  verb->add_option("--figure", options->figure, "this figure alone");
-  verb->add_option("--html", options->html, "write a page with a plot for each figure");
-  add_replace(*verb, session);
-  verb->add_flag("--check", options->check,
-                 "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted");
+  add_trend_options(*verb, *options, session);
   add_common(*verb, session);
   verb->callback([options, &session] { trend(*options, session); });
 }

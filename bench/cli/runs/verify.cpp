@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "bench/cli/runs/from_fleet.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/verification.h"
 
@@ -78,15 +79,23 @@ void verify(std::int64_t number, Session& session) {
 }  // namespace
 
 void add_verify(CLI::App& app, Session& session) {
-  auto number = std::make_shared<std::int64_t>(0);
+  auto run = std::make_shared<std::string>();
+  auto from = std::make_shared<std::string>();
   CLI::App* verb = app.add_subcommand(
       "verify", "recompute a run's content hash and its analysis from the raw frames; name the first difference");
-  verb->add_option("run", *number, "run number")->required();
+  verb->add_option("run", *run, "run number; with --from also a UUID")->required();
+  add_from(*verb, *from);
   verb->footer(
       "Exit codes: 0 all as stored, 1 a recomputed fit or verdict differs, 5 content, fits, verdicts, approvals or "
       "voids were changed, 6 not ended.");
   add_common(*verb, session);
-  verb->callback([number, &session] { verify(*number, session); });
+  verb->callback([run, from, &session] {
+    if (from->empty()) return verify(run_number(*run), session);
+    FromFleet fleet(session, *from);
+    const std::int64_t number = fleet.run_named(*run);
+    fleet.take(fleet.with_what_they_rest_on({number}), db::fleet::Frames::kWith);
+    verify(number, session);
+  });
 }
 
 }  // namespace tactbench::bench

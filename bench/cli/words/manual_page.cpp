@@ -161,6 +161,9 @@ const std::vector<ManualEntry> manual_environment = {
     {"TACTBENCH_BENCH, TACTBENCH_DB",
      "Bench file and store where a verb is given no --bench and no --db. They precede tactbench.toml. demo and nightly "
      "do not take the store from them; pause, stop, abort and panic take neither."},
+    {"TACTBENCH_FLEET",
+     "How to connect to the fleet's PostgreSQL where a verb of the fleet is given no --to or --from. It precedes "
+     "tactbench.toml. libpq's own variables and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT ...) hold as for psql."},
     {"TACTBENCH_SHARE",
      "Folder of the shipped recipes, configurations and module profiles. Without it the folder share/tactbench beside "
      "the program's bin folder is taken, and without that the source tree that the program was built from."},

@@ -14,6 +14,7 @@
 #include "analysis/whole_file.h"
 #include "bench/common/error.h"
 #include "bench/guard/interlock.h"
+#include "db/fleet/fleet_error.h"
 #include "db/run_store.h"
 #include "sequences/toml/strict_toml.h"
 #include "tests/bench/common/id_sites.h"
@@ -32,7 +33,8 @@ const std::vector<std::pair<ExitCode, std::string>> kIdsOfCode = {
     {ExitCode::kCriterionFailed, "RUN-HOPELESS SEATING"},
     {ExitCode::kUsage,
      "BASELINE-NO-FIGURES BASELINE-SHORT BENCH-FILL-IN BENCH-LOCKED BENCH-NAME BENCH-NO-STAGE CALIBRATE-LEVELS "
-     "EXPORT-HDF5 FILE-EXISTS FILE-KEY FILE-MISSING FILE-STORE FILE-SYNTAX FILE-VALUE FILE-WRITE FOLDER-UNSAFE "
+     "EXPORT-HDF5 FILE-EXISTS FILE-KEY FILE-MISSING FILE-STORE FILE-SYNTAX FILE-VALUE FILE-WRITE FLEET-BUILD "
+     "FLEET-CONFLICT FLEET-CONNINFO FLEET-NOT-FOUND FLEET-WHERE FOLDER-UNSAFE "
      "LIVE-SHAPE "
      "MODEL-COMPENSATOR MODEL-DIFF MODEL-DOCUMENT MODEL-DYNAMIC MODEL-OPEN MODEL-SEQUENCE MODEL-TAXEL MODEL-UNITS "
      "MODULE-PROFILE NIGHTLY-BENCH NIGHTLY-SCENARIO RECIPE-DEVICES RECIPE-LIMIT REPORT-NO-VERDICT "
@@ -44,6 +46,7 @@ const std::vector<std::pair<ExitCode, std::string>> kIdsOfCode = {
     {ExitCode::kDevice,
      "BRANCH-BROKEN CHAMBER-NOT-ARMED CHAMBER-NOT-VENTED CHAMBER-TIMEOUT CHANNEL DAQMX-CHANNELS "
      "DAQMX-DEVICE DAQMX-ERROR DAQMX-LIBRARY DAQMX-SERIAL DAQMX-SHORT DEADMAN-START DEVICE-NAME "
+     "FLEET-CONNECT FLEET-LOGIN FLEET-LOST FLEET-SILENT FLEET-TLS "
      "FORCE-CALIBRATION FORCE-GAUGES FORCE-OVERLOAD FORCE-PROTOCOL FORCE-RECORDS FORCE-SATURATED FORCE-SERIAL "
      "FORCE-STALL FORCE-STATUS FORCE-TIMEOUT HID-LOST HID-OPEN HID-WRITE HTTP-ANSWER HTTP-OPEN HTTP-TIMEOUT "
      "MODBUS-CONNECT MODBUS-EXCEPTION MODBUS-PROTOCOL MODBUS-TIMEOUT MODBUS-VALUE MODULE-CHANNEL "
@@ -60,6 +63,7 @@ const std::vector<std::pair<ExitCode, std::string>> kIdsOfCode = {
      "GUARD-NOT-ARMED GUARD-TRIPPED PRESS-LIMIT RUN-ABORTED RUN-PANIC RUN-STOPPED STAGE-ENVELOPE "
      "STAGE-LIMIT"},
     {ExitCode::kStore,
+     "FLEET-CHANGED FLEET-DENIED FLEET-DIFFERS FLEET-EMPTY FLEET-FULL FLEET-NEWER FLEET-OLDER FLEET-SQL FLEET-TEXT "
      "MODEL-STORED RESUME-SETTINGS STORE-CONFLICT STORE-FOREIGN STORE-FULL STORE-LOCK STORE-LOCKED "
      "STORE-NETWORK STORE-NEWER STORE-OPEN STORE-SQL STORE-TOO-LARGE"},
     {ExitCode::kInconclusive,
@@ -108,6 +112,14 @@ ExitCode code_of_fault(const std::string& before) {
 ExitCode code_of_store_error(const std::string& before) {
   return code_when(
       db::StoreError(names(before, "Cause::kUsage") ? db::Cause::kUsage : db::Cause::kStore, "TB-X", "m", "r"));
+}
+
+ExitCode code_of_fleet_error(const std::string& before) {
+  using db::fleet::FleetCause;
+  const FleetCause cause = names(before, "FleetCause::kUsage")  ? FleetCause::kUsage
+                           : names(before, "FleetCause::kLink") ? FleetCause::kLink
+                                                                : FleetCause::kStore;
+  return code_when(db::fleet::FleetError(cause, "TB-X", "m", "r"));
 }
 
 ExitCode code_of_analysis_error(const std::string& before) {
@@ -161,6 +173,7 @@ std::set<ExitCode> codes_at(const IdSite& site) {
   if (is({"StoreError"}) || (site.call == "return" && site.file.rfind("db/", 0) == 0)) {
     return {code_of_store_error(site.before)};
   }
+  if (is({"FleetError"})) return {code_of_fleet_error(site.before)};
   if (is({"AnalysisError"}) || (site.call == "return" && site.file.rfind("analysis/", 0) == 0)) {
     return {code_of_analysis_error(site.before)};
   }

@@ -1,0 +1,17 @@
+// Pushing to a fleet against the same rows by psql's \copy, and pushing again what is there.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/benchmarks/figure.h"
+
+namespace tactbench::bench {
+
+// Each round pushes a new store of 5 runs with 662 frames of 16 x 16 taxels, sends the same rows by psql \copy (binary)
+// into a table of the same shape, and pushes the store again; the best of `rounds` counts. Runs cannot be taken away,
+// so that the fleet at `conninfo` has to be one without runs, made for this: else Error TB-USAGE. psql has to be in
+// PATH.
+std::vector<Figure> benchmark_fleet(int rounds, const std::string& conninfo, const std::string& folder);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,49 @@
+// Inside Link: the connection and how it waits. Included by the sources of Link alone.
+#pragma once
+
+#include <libpq-fe.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "db/fleet/postgres.h"
+
+namespace tactbench::db::fleet {
+
+using Time = std::chrono::steady_clock;
+inline constexpr std::chrono::seconds kSilence(60);  // without a byte the server counts as lost
+
+struct FreeResult {
+  void operator()(PGresult* result) const { PQclear(result); }
+};
+using Result = std::unique_ptr<PGresult, FreeResult>;
+
+// libpq's messages have several lines.
+inline std::string trimmed(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  std::string line;
+  for (const char c : text)
+    if (c == '\n' || c == '\t')
+      line += line.ends_with(' ') ? "" : " ";
+    else
+      line += c;
+  return line;
+}
+
+struct Link::State {
+  PGconn* handle = nullptr;
+  std::string where, user;
+
+  ~State() { PQfinish(handle); }
+
+  void wait(bool also_write, Time::time_point deadline) const;  // until the socket can be read, or also written
+  void flush() const;
+  [[nodiscard]] Result next() const;             // of the statement under way; none: it is over
+  Result finish(ExecStatusType expected) const;  // its last result; an error of any is thrown after all were read
+  [[noreturn]] void fail_link() const;
+  [[noreturn]] void fail_text(const std::string& why) const;
+  [[noreturn]] void fail(const PGresult* result) const;
+};
+
+}  // namespace tactbench::db::fleet

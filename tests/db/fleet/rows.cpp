@@ -1,0 +1,126 @@
+// Rows on their way: PostgreSQL's binary format, byte for byte, and the hash of rows.
+#include "db/fleet/rows.h"
+
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "db/fleet/fleet_error.h"
+#include "db/fleet/local_runs.h"
+
+using namespace tactbench;
+using namespace tactbench::db::fleet;
+
+namespace {
+
+const std::vector<Column> kColumns = {
+    {"a", Kind::kInteger}, {"b", Kind::kReal}, {"c", Kind::kText}, {"d", Kind::kBytes}};
+
+Row row_of(std::int64_t integer, double real, const std::string& text, const std::string& bytes) {
+  Row row(4);
+  row[0].integer = integer;
+  row[1].real = real;
+  row[2].bytes = text;
+  row[3].bytes = bytes;
+  return row;
+}
+
+std::string copied(const std::vector<Row>& rows) {
+  std::string buffer;
+  add_copy_header(buffer);
+  for (const Row& row : rows) add_copy_row(buffer, kColumns, row);
+  add_copy_trailer(buffer);
+  return buffer;
+}
+
+std::string digest(const Row& row) {
+  std::string bytes;
+  add_to_digest(bytes, kColumns, row);
+  return bytes;
+}
+
+std::string error_of(const std::string& bytes) {
+  try {
+    CopyReader(kColumns, [](const Row&) {}).piece(bytes);
+  } catch (const FleetError& error) {
+    return error.id();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("fleet: a row in binary COPY is as PostgreSQL's manual says") {
+  Row row = row_of(-2, 1.5, "é", {});
+  row[3].null = true;
+  const std::string expected = std::string("PGCOPY\n\377\r\n\0", 11) + std::string(8, '\0') + std::string("\0\4", 2) +
+                               std::string("\0\0\0\10", 4) + "\377\377\377\377\377\377\377\376" +
+                               std::string("\0\0\0\10\77\370\0\0\0\0\0\0", 12) + std::string("\0\0\0\2", 4) + "é" +
+                               "\377\377\377\377" + "\377\377";
+  CHECK(copied({row}) == expected);
+}
+
+TEST_CASE("fleet: rows come back as they went, whatever is in them") {
+  std::vector<Row> rows = {row_of(std::numeric_limits<std::int64_t>::min(), -0.0, "", std::string("\0\377", 2)),
+                           row_of(7, 1.0 / 3.0, "a\nb", {}), row_of(0, HUGE_VAL, "x", "y")};
+  rows[1][1].null = rows[2][2].null = true;
+  std::vector<Row> back;
+  CopyReader reader(kColumns, [&](const Row& row) { back.push_back(row); });
+  const std::string all = copied(rows);
+  const std::string first = copied({rows[0]});
+  reader.piece(all.substr(0, first.size() - 2));  // as a server sends: whole rows, the header with the first
+  reader.piece(all.substr(first.size() - 2));
+  REQUIRE(back.size() == rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      INFO(i << ", " << j);
+      REQUIRE(back[i][j].null == rows[i][j].null);
+      if (rows[i][j].null) continue;
+      if (j == 0) CHECK(back[i][j].integer == rows[i][j].integer);
+      if (j == 1) CHECK(std::bit_cast<std::uint64_t>(back[i][j].real) == std::bit_cast<std::uint64_t>(rows[i][j].real));
+      if (j > 1) CHECK(back[i][j].bytes == rows[i][j].bytes);
+    }
+  }
+}
+
+TEST_CASE("fleet: bytes that are no rows of these columns are refused") {
+  const std::string good = copied({row_of(1, 2.0, "text", "bytes")});
+  CHECK(error_of(good).empty());
+  CHECK(error_of("PGCOPY") == "TB-FLEET-SQL");
+  CHECK(error_of("X" + good.substr(1)) == "TB-FLEET-SQL");
+  std::string fields = good;
+  fields[20] = 5;  // of the row's number of fields
+  CHECK(error_of(fields) == "TB-FLEET-SQL");
+  std::string size = good;
+  size[24] = 7;  // of the first value
+  CHECK(error_of(size) == "TB-FLEET-SQL");
+  for (std::size_t cut = 20; cut + 3 < good.size(); ++cut) {
+    INFO(cut);
+    CHECK(error_of(good.substr(0, cut)) == "TB-FLEET-SQL");
+  }
+}
+
+TEST_CASE("fleet: different rows never have the same digest, and equal ones do as in a store") {
+  const std::string one = digest(row_of(1, 2.0, "ab", "c"));
+  CHECK(digest(row_of(2, 2.0, "ab", "c")) != one);
+  CHECK(digest(row_of(1, 2.5, "ab", "c")) != one);
+  CHECK(digest(row_of(1, 2.0, "a", "bc")) != one);
+  CHECK(digest(row_of(1, 2.0, "ab", "d")) != one);
+  CHECK(digest(row_of(1, 0.0, "", "")) == digest(row_of(1, -0.0, "", "")));
+  Row none = row_of(1, 0.0, "", "");
+  none[1].null = true;
+  CHECK(digest(none) == digest(row_of(1, std::nan(""), "", "")));
+  CHECK(digest(none) != digest(row_of(1, 0.0, "", "")));
+}
+
+TEST_CASE("fleet: the month of a start") {
+  CHECK(month_of("2026-01-31T12:00:00Z") == 202601);
+  CHECK(month_of("2026-12-01") == 202612);
+  for (const char* text : {"", "2026", "2026-13-01", "2026-00-01", "20260131", "1969-01-01", "yesterday"}) {
+    INFO(text);
+    CHECK(month_of(text) == 0);
+  }
+}

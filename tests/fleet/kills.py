@@ -1,0 +1,82 @@
+"""SIGKILL of the push, and of the server, at random moments; then a push again: nothing is lost, nothing doubled, and the
+content hashes of both sides are equal.
+
+    kills.py PROGRAM KILLS_OF_THE_PUSH KILLS_OF_THE_SERVER SEED
+"""
+
+import os
+import random
+import sys
+import tempfile
+import time
+
+from server import Program, Server, content_of, expect, make_store, skip_unless_possible
+
+skip_unless_possible()
+path, pushes, servers, seed = sys.argv[1], *map(int, sys.argv[2:])
+moments = random.Random(seed)
+RUNS = 4
+
+
+def check(server, database, own, frames):
+    """Whole runs only, each once."""
+    theirs = content_of(server, database)
+    expect(all(own.get(uuid) == content for uuid, content in theirs.items()), "a run that is there is the bench's")
+    rows = server.sql("SELECT count(*), count(DISTINCT uuid) FROM fleet.runs", database)[0]
+    expect(rows[0] == rows[1] == str(len(theirs)), ("each run once", rows))
+    counted = dict(server.sql("SELECT r.uuid, (SELECT count(*) FROM fleet.frames f WHERE f.run = r.run) FROM fleet.runs r", database))
+    expect(all(int(count) == frames[uuid] for uuid, count in counted.items()), ("frames", counted, frames))
+    orphans = server.sql("SELECT count(*) FROM fleet.frames f WHERE NOT EXISTS (SELECT 1 FROM fleet.runs r WHERE r.run = f.run)", database)
+    expect(orphans == [["0"]], ("frames of no run", orphans))
+    doubled = server.sql("SELECT count(*) FROM (SELECT run FROM fleet.fits GROUP BY run, sha256 HAVING count(*) > 1) d", database)
+    expect(doubled == [["0"]], "a fit is there twice")
+    return len(theirs)
+
+
+with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() as server:
+    lab = Program(path, folder)
+    make_store(lab, RUNS)
+    listed = lab.json("runs", "list")["runs"]
+    own = {run["uuid"]: run["content_sha256"] for run in listed}
+    frames = {run["uuid"]: run["frames"] for run in listed}
+    server.new_database("empty")
+    lab.run("fleet", "migrate", "--to", server.conninfo("empty"))
+    server.new_database("timed", "empty")
+    begun = time.monotonic()
+    lab.run("fleet", "push", "--to", server.conninfo("timed"))
+    whole_s = time.monotonic() - begun
+    partly = hit = 0
+    for i in range(pushes + servers):
+        kill_server = i >= pushes
+        database = f"fleet_{i}"
+        server.new_database(database, "empty")
+        to = server.conninfo(database)
+        if os.path.exists(os.path.join(folder, "runs.db-fleet")):
+            os.unlink(os.path.join(folder, "runs.db-fleet"))
+        pushing = lab.start("fleet", "push", "--to", to)
+        time.sleep(moments.uniform(0.0, 1.1 * whole_s))
+        if kill_server:
+            server.kill()
+            code = pushing.wait(timeout=120)
+            expect(code in (0, 3), (code, pushing.stdout.read()))
+            hit += code == 3
+            status = lab.json("fleet", "status", "--to", to, code=3)
+            expect(status["ended_runs"] == RUNS, status)
+            server.start()
+        else:
+            hit += pushing.poll() is None
+            pushing.kill()
+            pushing.wait()
+        there = check(server, database, own, frames)
+        partly += 0 < there < RUNS
+        lab.run("fleet", "push", "--to", to)
+        expect(check(server, database, own, frames) == RUNS, "all are there after the next push")
+        expect(lab.json("fleet", "push", "--to", to)["pushed"] == [], "and nothing is sent once more")
+        expect(lab.json("fleet", "status", "--to", to)["waiting_runs"] == 0, "nothing waits")
+    # What the fleet holds after all that verifies from its frames.
+    for uuid in own:
+        expect(lab.json("verify", uuid, "--from", server.conninfo(f"fleet_{pushes + servers - 1}"))["holds"], uuid)
+    expect(hit >= (pushes + servers) // 3, f"only {hit} kills came while a push was under way")
+    expect("sound" in lab.run("db", "check"), "the store is sound")
+print(f"{pushes} kills of the push and {servers} of the server ({hit} of them in mid-push, {partly} between two runs): "
+      "nothing lost, nothing doubled, hashes equal")
