@@ -13,7 +13,7 @@ namespace tactbench::db::fleet {
 
 // Waits until the socket can be read, or also written.
 void Link::State::wait(bool also_write, Time::time_point deadline) const {
-  pollfd socket{PQsocket(handle), static_cast<short>(POLLIN | (also_write ? POLLOUT : 0)), 0};
+  pollfd socket{libpq().PQsocket(handle), static_cast<short>(POLLIN | (also_write ? POLLOUT : 0)), 0};
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Time::now()).count();
     const int ready = left > 0 ? ::poll(&socket, 1, static_cast<int>(left)) : 0;
@@ -26,25 +26,25 @@ void Link::State::wait(bool also_write, Time::time_point deadline) const {
 }
 
 void Link::State::flush() const {
-  for (int left = 0; (left = PQflush(handle)) != 0;) {
+  for (int left = 0; (left = libpq().PQflush(handle)) != 0;) {
     if (left < 0) fail_link();
     wait(true, Time::now() + kSilence);
-    if (PQconsumeInput(handle) == 0) fail_link();
+    if (libpq().PQconsumeInput(handle) == 0) fail_link();
   }
 }
 
 Result Link::State::next() const {
   flush();
-  while (PQisBusy(handle) != 0) {
+  while (libpq().PQisBusy(handle) != 0) {
     wait(false, Time::now() + kSilence);
-    if (PQconsumeInput(handle) == 0) fail_link();
+    if (libpq().PQconsumeInput(handle) == 0) fail_link();
   }
-  return Result(PQgetResult(handle));
+  return Result(libpq().PQgetResult(handle));
 }
 
 void Link::State::fail_link() const {
   throw FleetError(FleetCause::kLink, "TB-FLEET-LOST",
-                   fmt::format("fleet {}: the server was lost: {}", where, trimmed(PQerrorMessage(handle))),
+                   fmt::format("fleet {}: the server was lost: {}", where, trimmed(libpq().PQerrorMessage(handle))),
                    "push again when it is back: a run is there whole or not at all");
 }
 
@@ -58,13 +58,13 @@ void Link::State::fail_text(const std::string& why) const {
 Result Link::State::finish(ExecStatusType expected) const {
   Result last, failed;
   while (Result result = next()) {
-    const ExecStatusType status = PQresultStatus(result.get());
+    const ExecStatusType status = libpq().PQresultStatus(result.get());
     if (status == PGRES_FATAL_ERROR && !failed) failed = std::move(result);
     if (status == PGRES_COPY_IN || status == PGRES_COPY_OUT) return result;
     if (status != PGRES_FATAL_ERROR) last = std::move(result);
   }
   if (failed) fail(failed.get());
-  if (!last || (expected != PGRES_COMMAND_OK && PQresultStatus(last.get()) != expected)) fail(last.get());
+  if (!last || (expected != PGRES_COMMAND_OK && libpq().PQresultStatus(last.get()) != expected)) fail(last.get());
   return last;
 }
 
@@ -74,27 +74,27 @@ std::vector<TextRow> Link::query(const std::string& sql, const std::vector<std::
     if (parameter.find('\0') != std::string::npos) state_->fail_text("it has a zero byte");
     values.push_back(parameter.c_str());
   }
-  if (PQsendQueryParams(state_->handle, sql.c_str(), static_cast<int>(values.size()), nullptr, values.data(), nullptr,
-                        nullptr, 0) != 1)
+  if (libpq().PQsendQueryParams(state_->handle, sql.c_str(), static_cast<int>(values.size()), nullptr, values.data(),
+                                nullptr, nullptr, 0) != 1)
     state_->fail_link();
   const Result result = state_->finish(PGRES_COMMAND_OK);
-  std::vector<TextRow> rows(static_cast<std::size_t>(PQntuples(result.get())));
-  for (int i = 0; i < PQntuples(result.get()); ++i) {
-    for (int j = 0; j < PQnfields(result.get()); ++j)
-      rows[static_cast<std::size_t>(i)].emplace_back(PQgetvalue(result.get(), i, j),
-                                                     static_cast<std::size_t>(PQgetlength(result.get(), i, j)));
+  std::vector<TextRow> rows(static_cast<std::size_t>(libpq().PQntuples(result.get())));
+  for (int i = 0; i < libpq().PQntuples(result.get()); ++i) {
+    for (int j = 0; j < libpq().PQnfields(result.get()); ++j)
+      rows[static_cast<std::size_t>(i)].emplace_back(libpq().PQgetvalue(result.get(), i, j),
+                                                     static_cast<std::size_t>(libpq().PQgetlength(result.get(), i, j)));
   }
   return rows;
 }
 
 void Link::execute(const std::string& script) {
-  if (PQsendQuery(state_->handle, script.c_str()) != 1) state_->fail_link();
+  if (libpq().PQsendQuery(state_->handle, script.c_str()) != 1) state_->fail_link();
   (void)state_->finish(PGRES_COMMAND_OK);
 }
 
 void Link::copy_in(const std::string& sql, const std::function<bool(std::string&)>& more) {
-  if (PQsendQuery(state_->handle, sql.c_str()) != 1) state_->fail_link();
-  if (PQresultStatus(state_->finish(PGRES_COPY_IN).get()) != PGRES_COPY_IN) state_->fail(nullptr);
+  if (libpq().PQsendQuery(state_->handle, sql.c_str()) != 1) state_->fail_link();
+  if (libpq().PQresultStatus(state_->finish(PGRES_COPY_IN).get()) != PGRES_COPY_IN) state_->fail(nullptr);
   std::string buffer;
   try {
     for (bool going = true; going;) {
@@ -102,39 +102,39 @@ void Link::copy_in(const std::string& sql, const std::function<bool(std::string&
       going = more(buffer);
       if (buffer.empty()) continue;
       int put = 0;
-      while ((put = PQputCopyData(state_->handle, buffer.data(), static_cast<int>(buffer.size()))) == 0)
+      while ((put = libpq().PQputCopyData(state_->handle, buffer.data(), static_cast<int>(buffer.size()))) == 0)
         state_->flush();
       if (put < 0) state_->fail_link();
     }
   } catch (const FleetError&) {
     throw;
   } catch (...) {  // the store could not be read: the server must not take what came so far for all
-    while (PQputCopyEnd(state_->handle, "the store could not be read") == 0) state_->flush();
+    while (libpq().PQputCopyEnd(state_->handle, "the store could not be read") == 0) state_->flush();
     while (state_->next()) {
     }
     throw;
   }
   int ended = 0;
-  while ((ended = PQputCopyEnd(state_->handle, nullptr)) == 0) state_->flush();
+  while ((ended = libpq().PQputCopyEnd(state_->handle, nullptr)) == 0) state_->flush();
   if (ended < 0) state_->fail_link();
   (void)state_->finish(PGRES_COMMAND_OK);
 }
 
 void Link::copy_out(const std::string& sql, const std::function<void(std::string_view)>& take) {
-  if (PQsendQuery(state_->handle, sql.c_str()) != 1) state_->fail_link();
-  if (PQresultStatus(state_->finish(PGRES_COPY_OUT).get()) != PGRES_COPY_OUT) state_->fail(nullptr);
+  if (libpq().PQsendQuery(state_->handle, sql.c_str()) != 1) state_->fail_link();
+  if (libpq().PQresultStatus(state_->finish(PGRES_COPY_OUT).get()) != PGRES_COPY_OUT) state_->fail(nullptr);
   struct Piece {
     char* bytes = nullptr;
-    ~Piece() { PQfreemem(bytes); }
+    ~Piece() { libpq().PQfreemem(bytes); }
   };
   for (;;) {
     Piece piece;
-    const int size = PQgetCopyData(state_->handle, &piece.bytes, 1);
+    const int size = libpq().PQgetCopyData(state_->handle, &piece.bytes, 1);
     if (size > 0) {
       take({piece.bytes, static_cast<std::size_t>(size)});
     } else if (size == 0) {
       state_->wait(false, Time::now() + kSilence);
-      if (PQconsumeInput(state_->handle) == 0) state_->fail_link();
+      if (libpq().PQconsumeInput(state_->handle) == 0) state_->fail_link();
     } else {
       break;  // its end, or an error, which the result holds
     }

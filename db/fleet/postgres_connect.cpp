@@ -1,6 +1,7 @@
 // Connecting, and what the server's refusals mean.
 #ifdef TACTBENCH_HAVE_LIBPQ
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <poll.h>
 
@@ -14,12 +15,31 @@
 
 namespace tactbench::db::fleet {
 
+Libpq::Libpq() {
+  void* const library = dlopen("libpq.so.5", RTLD_NOW | RTLD_LOCAL);
+  const auto find = [&](const char* name) -> void* {
+    void* const found = library != nullptr ? dlsym(library, name) : nullptr;
+    if (found != nullptr) return found;
+    throw FleetError(FleetCause::kUsage, "TB-FLEET-BUILD", fmt::format("libpq cannot be loaded: {}", dlerror()),
+                     "install libpq5; all but the fleet works without it");
+  };
+#define TACTBENCH_FIND(name) name = reinterpret_cast<decltype(name)>(find(#name));
+  TACTBENCH_LIBPQ(TACTBENCH_FIND)
+#undef TACTBENCH_FIND
+}
+
+const Libpq& libpq() {
+  static const Libpq loaded;
+  return loaded;
+}
+
 void Link::State::fail(const PGresult* result) const {
-  const char* code = result != nullptr ? PQresultErrorField(result, PG_DIAG_SQLSTATE) : nullptr;
+  const char* code = result != nullptr ? libpq().PQresultErrorField(result, PG_DIAG_SQLSTATE) : nullptr;
   const std::string state = code != nullptr ? code : "";
-  const char* primary = result != nullptr ? PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
-  const std::string said = primary != nullptr ? primary : trimmed(PQerrorMessage(handle));
-  if (state.empty() || state.starts_with("08") || state.starts_with("57P") || PQstatus(handle) == CONNECTION_BAD) {
+  const char* primary = result != nullptr ? libpq().PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
+  const std::string said = primary != nullptr ? primary : trimmed(libpq().PQerrorMessage(handle));
+  if (state.empty() || state.starts_with("08") || state.starts_with("57P") ||
+      libpq().PQstatus(handle) == CONNECTION_BAD) {
     throw FleetError(FleetCause::kLink, "TB-FLEET-LOST", fmt::format("fleet {}: the server was lost: {}", where, said),
                      "push again when it is back: a run is there whole or not at all");
   }
@@ -41,12 +61,12 @@ void Link::State::fail(const PGresult* result) const {
 
 namespace {
 
-[[noreturn]] void fail_connect(const std::string& where, const std::string& all) {
+[[noreturn]] void fail_connect(const std::string& where, const std::string& all, bool needs_password = false) {
   const std::string said = all.substr(0, all.find(" LOCATION: "));  // the first attempt, without the server's source
   std::smatch found;
   const bool coded = std::regex_search(said, found, std::regex(": +([0-9][0-9A-Z]{4}): "));
   const std::string state = coded ? found[1].str() : "";
-  if (state.starts_with("28"))
+  if (state.starts_with("28") || needs_password)
     throw FleetError(FleetCause::kLink, "TB-FLEET-LOGIN",
                      fmt::format("fleet {}: the login was refused: {}", where, said),
                      "check user and password (~/.pgpass, mode 0600, or PGPASSWORD) and the server's pg_hba.conf");
@@ -80,21 +100,21 @@ std::string where_of_options(PQconninfoOption* options) {
 }
 
 struct FreeOptions {
-  void operator()(PQconninfoOption* options) const { PQconninfoFree(options); }
+  void operator()(PQconninfoOption* options) const { libpq().PQconninfoFree(options); }
 };
 
 }  // namespace
 
 std::string where_of(const std::string& conninfo) {
   char* error = nullptr;
-  const std::unique_ptr<PQconninfoOption, FreeOptions> given(PQconninfoParse(conninfo.c_str(), &error));
+  const std::unique_ptr<PQconninfoOption, FreeOptions> given(libpq().PQconninfoParse(conninfo.c_str(), &error));
   const std::string said = error != nullptr ? trimmed(error) : "";
-  PQfreemem(error);
+  libpq().PQfreemem(error);
   if (!given) {
     throw FleetError(FleetCause::kUsage, "TB-FLEET-CONNINFO", fmt::format("this names no fleet: {}", said),
                      "write it as psql takes it: \"host=db.lab dbname=tactile user=bench_a\", or \"service=NAME\"");
   }
-  const std::unique_ptr<PQconninfoOption, FreeOptions> defaults(PQconndefaults());
+  const std::unique_ptr<PQconninfoOption, FreeOptions> defaults(libpq().PQconndefaults());
   for (PQconninfoOption *own = given.get(), *other = defaults.get(); other != nullptr && own->keyword != nullptr;
        ++own, ++other) {
     if (own->val == nullptr && other->val != nullptr) own->val = strdup(other->val);  // freed with the options
@@ -103,7 +123,9 @@ std::string where_of(const std::string& conninfo) {
 }
 
 bool built_with_libpq() { return true; }
-std::string libpq_version() { return fmt::format("{}.{}", PQlibVersion() / 10000, PQlibVersion() % 10000); }
+std::string libpq_version() {
+  return fmt::format("{}.{}", libpq().PQlibVersion() / 10000, libpq().PQlibVersion() % 10000);
+}
 
 Link::Link(const std::string& conninfo, std::chrono::seconds patience) : state_(std::make_unique<State>()) {
   state_->where = where_of(conninfo);
@@ -116,26 +138,28 @@ Link::Link(const std::string& conninfo, std::chrono::seconds patience) : state_(
                                               "dbname",
                                               nullptr};
   const std::array<const char*, 7> values{"tactbench", "60000", "20", "10", "UTF8", conninfo.c_str(), nullptr};
-  state_->handle = PQconnectStartParams(kNames.data(), values.data(), 1);
+  state_->handle = libpq().PQconnectStartParams(kNames.data(), values.data(), 1);
   if (state_->handle == nullptr) throw std::bad_alloc();
   PGconn* const handle = state_->handle;
-  PQsetErrorVerbosity(handle, PQERRORS_VERBOSE);  // brings the SQLSTATE, which is the same in every language
-  PQsetNoticeProcessor(
+  libpq().PQsetErrorVerbosity(handle, PQERRORS_VERBOSE);  // brings the SQLSTATE, which is the same in every language
+  libpq().PQsetNoticeProcessor(
       handle, [](void*, const char*) {}, nullptr);
   const auto deadline = Time::now() + patience;
-  for (PostgresPollingStatusType polled = PGRES_POLLING_WRITING; PQstatus(handle) != CONNECTION_BAD;) {
-    pollfd socket{PQsocket(handle), static_cast<short>(polled == PGRES_POLLING_READING ? POLLIN : POLLOUT), 0};
+  for (PostgresPollingStatusType polled = PGRES_POLLING_WRITING; libpq().PQstatus(handle) != CONNECTION_BAD;) {
+    pollfd socket{libpq().PQsocket(handle), static_cast<short>(polled == PGRES_POLLING_READING ? POLLIN : POLLOUT), 0};
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Time::now()).count();
     const int ready = left > 0 ? ::poll(&socket, 1, static_cast<int>(left)) : 0;
     if (ready < 0 && errno == EINTR) continue;
     if (ready == 0) fail_connect(state_->where, fmt::format("no answer within {} s", patience.count()));
-    polled = PQconnectPoll(handle);
+    polled = libpq().PQconnectPoll(handle);
     if (polled == PGRES_POLLING_OK || polled == PGRES_POLLING_FAILED) break;
   }
-  if (PQstatus(handle) != CONNECTION_OK) fail_connect(state_->where, trimmed(PQerrorMessage(handle)));
-  PQsetErrorVerbosity(handle, PQERRORS_DEFAULT);
-  PQsetnonblocking(handle, 1);
-  state_->user = PQuser(handle);
+  if (libpq().PQstatus(handle) != CONNECTION_OK)
+    fail_connect(state_->where, trimmed(libpq().PQerrorMessage(handle)),
+                 libpq().PQconnectionNeedsPassword(handle) == 1);
+  libpq().PQsetErrorVerbosity(handle, PQERRORS_DEFAULT);
+  libpq().PQsetnonblocking(handle, 1);
+  state_->user = libpq().PQuser(handle);
 }
 
 Link::~Link() = default;

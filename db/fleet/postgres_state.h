@@ -11,11 +11,30 @@
 
 namespace tactbench::db::fleet {
 
+// libpq is loaded when it is first asked for: with what it needs (Kerberos, LDAP) it would take longer to load than
+// most of the program's other libraries, at each start.
+#define TACTBENCH_LIBPQ(X)                                                                                            \
+  X(PQclear)                                                                                                          \
+  X(PQconndefaults) X(PQconnectPoll) X(PQconnectStartParams) X(PQconnectionNeedsPassword) X(PQconninfoFree)           \
+      X(PQconninfoParse) X(PQconsumeInput) X(PQerrorMessage) X(PQfinish) X(PQflush) X(PQfreemem) X(PQgetCopyData)     \
+          X(PQgetResult) X(PQgetlength) X(PQgetvalue) X(PQisBusy) X(PQlibVersion) X(PQnfields) X(PQntuples)           \
+              X(PQputCopyData) X(PQputCopyEnd) X(PQresultErrorField) X(PQresultStatus) X(PQsendQuery)                 \
+                  X(PQsendQueryParams) X(PQsetErrorVerbosity) X(PQsetNoticeProcessor) X(PQsetnonblocking) X(PQsocket) \
+                      X(PQstatus) X(PQuser)
+
+struct Libpq {
+  Libpq();  // TB-FLEET-BUILD when it is not installed
+#define TACTBENCH_MEMBER(name) decltype(&::name) name = nullptr;
+  TACTBENCH_LIBPQ(TACTBENCH_MEMBER)
+#undef TACTBENCH_MEMBER
+};
+const Libpq& libpq();
+
 using Time = std::chrono::steady_clock;
 inline constexpr std::chrono::seconds kSilence(60);  // without a byte the server counts as lost
 
 struct FreeResult {
-  void operator()(PGresult* result) const { PQclear(result); }
+  void operator()(PGresult* result) const { libpq().PQclear(result); }
 };
 using Result = std::unique_ptr<PGresult, FreeResult>;
 
@@ -35,7 +54,7 @@ struct Link::State {
   PGconn* handle = nullptr;
   std::string where, user;
 
-  ~State() { PQfinish(handle); }
+  ~State() { libpq().PQfinish(handle); }
 
   void wait(bool also_write, Time::time_point deadline) const;  // until the socket can be read, or also written
   void flush() const;

@@ -47,7 +47,8 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
      tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as keys:
     os.chmod(keys, 0o755)
     expired_certificate(keys)
-    mark = os.path.join(keys, "disk is full")
+    mark = os.path.join(keys, "full")
+    full_disk = shutil.copy(full_disk, keys)  # where user postgres can read it
     lab = Program(path, folder)
     make_store(lab, 2)
     before = lab.json("runs", "list")
