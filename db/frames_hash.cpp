@@ -7,11 +7,12 @@
 namespace tactbench::db {
 
 std::string frames_hash(const RunStore& store, std::int64_t run) {
+  if (const std::optional<PrunedRecord> pruned = store.pruned(run)) return pruned->frames_sha256;
   std::map<std::int64_t, BranchRecord> branches;
   for (const BranchRecord& branch : store.branches(run)) branches[branch.branch] = branch;
   HashChain hasher;
   Digest chain{};
-  for (const FrameRecord& frame : store.frames(run)) chain = hasher.frame(chain, branches[frame.branch], frame);
+  store.each_frame(run, [&](const FrameRecord& frame) { chain = hasher.frame(chain, branches[frame.branch], frame); });
   return hex(chain);
 }
 

@@ -287,13 +287,14 @@ INSERT INTO seals SELECT run, 'void', void_utc <> '', '' FROM runs;
 )sql";
 
 constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6};
-static_assert(kMigrations.size() + 1 == kSchemaVersion);  // the last one: migration_frames_view.cpp
+static_assert(kMigrations.size() + 2 == kSchemaVersion);  // then migration_frames_view.cpp, migration_nights.cpp
 
 }  // namespace
 
 const char* migration(std::int64_t version) {
   const auto index = static_cast<std::size_t>(version);
-  return index == kMigrations.size() ? frames_view_migration() : kMigrations.at(index);
+  if (index == kMigrations.size()) return frames_view_migration();
+  return index == kMigrations.size() + 1 ? nights_migration() : kMigrations.at(index);
 }
 
 }  // namespace tactbench::db

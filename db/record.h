@@ -208,7 +208,9 @@ struct FigureRecord {
   std::string subject;  // what the figure is of: "nightly/paper", "sensor", "rig"
   std::string name;     // with the unit in it
   double value = 0.0;
-  std::string origin;  // of the run; not written
+  // Of the run; not written.
+  std::string origin;
+  std::int64_t seed = 0, sensor_seed = 0;
 };
 
 // Runs that someone accepted as normal: later ones are compared with their spread.
@@ -223,6 +225,32 @@ struct ReportRecord {
   std::int64_t run = 0;
   std::string number, content_sha256, approved_by, approved_utc;
   std::string replaces;  // number of the previously approved one; empty: none
+};
+
+// A night, or one part of several of it (shard K of N), with what each of its scenarios gave.
+struct NightResultRecord {
+  int position = 0;   // in the whole suite with its seeds, from 0
+  std::string label;  // of the scenario
+  std::string json;   // the scenario's result as measured, before it was compared with anything; numbers of runs are
+                     // those of this store
+  std::int64_t first_run = 0;  // 0: it made none
+};
+struct NightRecord {
+  std::int64_t night = 0;  // assigned by the store
+  std::string suite, suite_file, suite_toml;
+  std::string selection_json;  // which scenarios and seeds of the suite
+  int shard = 1, shards = 1;   // 1 of 1: all of it
+  std::string begun_utc, ended_utc, program;
+  std::vector<NightResultRecord> results;  // by position
+};
+
+// What is left of a run's frames after they were removed by a rule.
+struct PrunedRecord {
+  std::int64_t run = 0, frames = 0;
+  std::int64_t bytes = 0;                          // of counts and traces
+  std::array<std::uint8_t, 32> header{}, chain{};  // first link of the hash chain, and the one of the last frame
+  std::string frames_sha256;                       // frames_hash.h
+  std::string rule, pruned_utc;
 };
 
 }  // namespace tactbench::db

@@ -23,7 +23,7 @@ enum class Cause {
 
 // The error type of db/. id: TB-STORE-OPEN, TB-STORE-NEWER, TB-STORE-NETWORK, TB-STORE-LOCKED, TB-STORE-FULL,
 // TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
-// TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT, TB-STORE-BLANK.
+// TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT, TB-STORE-BLANK, TB-STORE-PRUNED.
 class StoreError : public std::runtime_error {
  public:
   StoreError(Cause cause, std::string id, const std::string& message, std::string remedy)
@@ -45,7 +45,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 7;
+inline constexpr int kSchemaVersion = 8;
 
 // Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
 // before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
@@ -66,6 +66,8 @@ struct ContentCheck {
   // The first difference from what was stored, as text for people, as far as the links kept with the frames show it;
   // empty: none.
   std::string difference;
+  // The frames were removed by a rule: what is left of the run was checked, the frames were not.
+  std::optional<PrunedRecord> pruned;
   [[nodiscard]] bool holds() const { return difference.empty(); }
 };
 
@@ -73,6 +75,10 @@ struct ContentCheck {
 int schema_version_of(const std::string& path);
 // Name of the backup made when an older store is opened: beside it, first free name ("runs.db.schema-2.backup").
 std::string backup_path(const std::string& path, int version);
+
+struct RunFilter {
+  std::string sensor_serial = {}, since_utc = {}, content_sha256 = {};  // empty: any
+};
 
 class RunStore {
  public:
@@ -124,8 +130,11 @@ class RunStore {
   // was stored, because its next end would put a new hash over the changed content.
   void reopen_run(std::int64_t run, const EventRecord& event);
 
-  // Reading. TB-STORE-NOT-FOUND names the existing runs.
-  [[nodiscard]] std::vector<RunRecord> runs() const;  // newest last; without sequences and devices
+  // Reading. TB-STORE-NOT-FOUND names the existing runs. frames() and each_frame(): TB-STORE-PRUNED for a run whose
+  // frames were removed.
+  // Newest last; without sequences and devices. Found by index: what a filter leaves out costs nothing.
+  [[nodiscard]] std::vector<RunRecord> runs() const;
+  [[nodiscard]] std::vector<RunRecord> runs(const RunFilter& filter) const;
   [[nodiscard]] RunRecord run(std::int64_t number) const;
   [[nodiscard]] std::vector<BranchRecord> branches(std::int64_t run) const;
   [[nodiscard]] std::vector<FrameRecord> frames(std::int64_t run) const;  // in the order written
@@ -164,9 +173,12 @@ class RunStore {
   // or its sensor is registered differently here. Models, verdicts and approvals must be as stored, too. Verdicts are
   // copied with the judged run; without it they are left out, even if the models' run is copied.
   std::vector<std::int64_t> copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs);
+  // The run with this UUID, which is the same run in every store; 0: none.
+  [[nodiscard]] std::int64_t run_of_uuid(const std::string& uuid) const;
 
   // SHA-256 chained over the run's canonical content: everything except UUID, wall-clock times and time zone, host,
-  // tags, notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows.
+  // tags, notes and the run's number, which belongs to the file (hash_chain.h). Recomputed from the stored rows, frames
+  // among them: TB-STORE-PRUNED without.
   [[nodiscard]] std::string content_hash(std::int64_t run) const;
 
   // Models and verdicts.
@@ -188,20 +200,44 @@ class RunStore {
   void replace_figures(std::int64_t run, const std::string& subject, const std::map<std::string, double>& figures);
   // Figures of runs that are not void, by run, then name. Empty subject: figures of all subjects.
   [[nodiscard]] std::vector<FigureRecord> figures(const std::string& subject) const;
+  [[nodiscard]] std::vector<std::string> subjects() const;  // of all figures, by name
+  [[nodiscard]] std::vector<std::string> subjects_of(std::int64_t run) const;
+  [[nodiscard]] std::map<std::string, double> figures_of(std::int64_t run, const std::string& subject) const;
   // TB-STORE-BLANK without reason or name. TB-STORE-CONFLICT without date or runs, for a void run, for a run without
   // figures of the subject, for runs of several origins, and for several runs that all repeat one, so that no figure
   // has a spread.
   std::int64_t add_baseline(const BaselineRecord& baseline);
+  // One that was accepted in another store, with the numbers of its runs here; judged there, and not again.
+  // TB-STORE-CONFLICT when a run does not exist.
+  std::int64_t take_baseline(const BaselineRecord& baseline);
   [[nodiscard]] std::vector<BaselineRecord> baselines() const;  // oldest first; of a subject the last one counts
+  [[nodiscard]] std::optional<BaselineRecord> last_baseline(const std::string& subject) const;
   // Those of `runs` that repeat an earlier one of them, each with that earlier run: the same content (and so the same
   // seeds), or the same value of every figure of the subject, not all of them whole numbers. It adds nothing to a
   // spread.
   [[nodiscard]] std::map<std::int64_t, std::int64_t> repeated_runs(const std::string& subject,
                                                                    std::vector<std::int64_t> runs) const;
+  // The newest run before `before` with these seeds and figures of this subject; 0: none.
+  [[nodiscard]] std::int64_t last_run_of(const std::string& subject, std::int64_t seed, std::int64_t sensor_seed,
+                                         std::int64_t before) const;
   // Approved reports. TB-STORE-BLANK without name, TB-STORE-CONFLICT when that number is approved already, or when
   // `replaces` is not the last approved report.
   void add_report(const ReportRecord& report);
   [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first
+  [[nodiscard]] std::vector<ReportRecord> reports() const;                  // of all runs
+
+  // Nights. add_night: TB-STORE-CONFLICT when a result names a run that is not there.
+  std::int64_t add_night(const NightRecord& night);
+  [[nodiscard]] std::vector<NightRecord> nights() const;  // oldest first
+
+  // Removal of frames that a rule gives up (run_store_prune.cpp); all else of the run stays. Empty: the frames may go;
+  // else why they stay: not simulated, not of a night, not ended, void, pinned (tag), in an approved report, what the
+  // models of such a run rest on, no frames.
+  [[nodiscard]] std::string why_not_pruned(std::int64_t run) const;
+  // One transaction. TB-STORE-CONFLICT when they may not go, or when the run is not as it was stored.
+  PrunedRecord prune_frames(std::int64_t run, const std::string& rule, const std::string& utc);
+  [[nodiscard]] std::optional<PrunedRecord> pruned(std::int64_t run) const;
+  void shrink();  // gives the file's free pages back; needs as much space again, and nobody else in the store
 
   [[nodiscard]] const std::string& path() const;
 

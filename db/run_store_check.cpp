@@ -33,6 +33,24 @@ std::string place_of(std::int64_t position, const RunRecord& run, const BranchRe
                      branch->ordinal, branch->attempt, f.ordinal);
 }
 
+// Where the frames were removed, the links kept in their place are checked against what is there.
+void check_without_frames(ContentCheck& check, const RunRecord& run, const RunEnd& end, std::int64_t there,
+                          HashChain& hasher) {
+  const PrunedRecord& pruned = *check.pruned;
+  check.frames = pruned.frames;
+  check.computed_sha256 = hex(hasher.close(pruned.chain, pruned.frames, end));
+  if (there > 0) {
+    check.difference = fmt::format("{} frames are there, and all were removed on {}", there, pruned.pruned_utc);
+  } else if (hasher.header(run) != pruned.header) {
+    const std::string text = text_that_changed(run);
+    check.difference = text.empty() ? "the run's row, a sequence, a device, or the link kept of them" : text;
+  } else if (check.computed_sha256 != check.stored_sha256) {
+    check.difference =
+        "an event, a branch, a check, a series, the outcome, its reason, the safe state, the link and number of frames "
+        "kept of those that were removed, or the stored hash itself";
+  }
+}
+
 }  // namespace
 
 ContentCheck RunStore::check_content(std::int64_t number) const {
@@ -42,6 +60,11 @@ ContentCheck RunStore::check_content(std::int64_t number) const {
 
   ContentCheck check;
   check.stored_sha256 = run.content_sha256;
+  check.pruned = pruned(number);
+  if (check.pruned) {
+    check_without_frames(check, run, end, frame_count(number), database.hasher);
+    return check;
+  }
   Digest chain = database.hasher.header(run);
   std::int64_t broken = 0;  // position of the first frame whose link differs from the stored one
   std::int64_t mended =
@@ -112,7 +135,7 @@ std::vector<std::string> RunStore::check_structure() const {
   for (ForeignObjects found = foreign_objects(database_->connection);
        const auto* lines : {&found.changed, &found.added})
     wrong.insert(wrong.end(), lines->begin(), lines->end());
-  for (const char* table : {"runs", "baselines"}) {
+  for (const char* table : {"runs", "baselines", "nights"}) {
     const std::int64_t there = database_->connection.integer(fmt::format("SELECT count(*) FROM {}", table));
     const std::int64_t made = database_->connection.integer(
         fmt::format("SELECT coalesce((SELECT max(seq) FROM sqlite_sequence WHERE name = '{}'), 0)", table));

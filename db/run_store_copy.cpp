@@ -98,7 +98,8 @@ std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
   take_rows(connection, "runs", {{"run", ""}}, of_run);
   const std::int64_t number = connection.last_row();
   const std::string own = std::to_string(number);
-  for (const char* table : {"sequences", "devices", "series"}) take_rows(connection, table, {{"run", own}}, of_run);
+  for (const char* table : {"sequences", "devices", "series", "pruned"})
+    take_rows(connection, table, {{"run", own}}, of_run);
   const std::string branch = fmt::format("t.branch + {}", branches);
   take_rows(connection, "branches", {{"run", own}, {"branch", branch}}, of_run);
   take_rows(connection, "frames",

@@ -40,7 +40,8 @@ class RunStore::Database {
   // Call within a transaction: another process may have ended the run since. TB-STORE-CONFLICT.
   void require_open(std::int64_t run);
   const BranchRecord& branch_of(std::int64_t run, std::int64_t branch);
-  void require_run(std::int64_t run);  // TB-STORE-NOT-FOUND, naming the existing ones
+  void require_run(std::int64_t run);     // TB-STORE-NOT-FOUND, naming the existing ones
+  void require_frames(std::int64_t run);  // the same, and TB-STORE-PRUNED
   Digest header_digest(std::int64_t run);
   // A log that grows costs a commit of the file system's journal at each commit of the store; a log that is overwritten
   // does not. So with durable commits it is extended once to the length at which SQLite restarts it (1000 pages).

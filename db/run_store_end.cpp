@@ -90,6 +90,7 @@ void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
            "control it with tactbench pause, resume, stop; or wait for its end");
   }
   const ContentCheck content = check_content(run);
+  if (content.pruned) refuse("has no frames any more: they were removed by a rule", "start a new run");
   if (!content.holds()) {
     refuse(fmt::format("is not what was stored, and to continue it would hide that: {}", content.difference),
            fmt::format("tactbench verify {} shows what differs; take your last snapshot, or start a new run", run));
@@ -106,6 +107,7 @@ void RunStore::reopen_run(std::int64_t run, const EventRecord& event) {
 
 std::string RunStore::content_hash(std::int64_t number) const {
   Database& database = *database_;
+  database.require_frames(number);
   const RunRecord run = database.run(number);
   const RunEnd end = database.end_of(run);
   const std::vector<BranchRecord>& branches = end.branches;

@@ -22,15 +22,15 @@ void RunStore::replace_figures(std::int64_t run, const std::string& subject,
 }
 
 std::vector<FigureRecord> RunStore::figures(const std::string& subject) const {
-  sqlite::Statement rows(
-      database_->connection,
-      "SELECT f.run, f.subject, f.name, f.value, r.origin FROM figures f JOIN runs r ON r.run = f.run "
-      "WHERE r.void_utc = '' AND (?1 = '' OR f.subject = ?1) ORDER BY f.run, f.subject, f.name");
+  sqlite::Statement rows(database_->connection,
+                         "SELECT f.run, f.subject, f.name, f.value, r.origin, r.seed, r.sensor_seed FROM figures f "
+                         "JOIN runs r ON r.run = f.run "
+                         "WHERE r.void_utc = '' AND (?1 = '' OR f.subject = ?1) ORDER BY f.run, f.subject, f.name");
   rows.bind(subject);
   std::vector<FigureRecord> figures;
   while (rows.step()) {
     FigureRecord& figure = figures.emplace_back();
-    rows.read(figure.run, figure.subject, figure.name, figure.value, figure.origin);
+    rows.read(figure.run, figure.subject, figure.name, figure.value, figure.origin, figure.seed, figure.sensor_seed);
   }
   return figures;
 }
@@ -110,7 +110,8 @@ std::int64_t RunStore::add_baseline(const BaselineRecord& baseline) {
 std::vector<BaselineRecord> RunStore::baselines() const {
   sqlite::Statement rows(database_->connection,
                          "SELECT b.baseline, subject, reason, accepted_by, accepted_utc, r.run FROM baselines b "
-                         "JOIN baseline_runs r ON r.baseline = b.baseline ORDER BY b.baseline, r.run");
+                         "JOIN baseline_runs r ON r.baseline = b.baseline "
+                         "ORDER BY accepted_utc, b.baseline, r.run");
   std::vector<BaselineRecord> baselines;
   while (rows.step()) {
     BaselineRecord row;
@@ -150,18 +151,32 @@ void RunStore::add_report(const ReportRecord& report) {
   transaction.commit();
 }
 
-std::vector<ReportRecord> RunStore::reports(std::int64_t run) const {
-  database_->require_run(run);
-  sqlite::Statement rows(database_->connection,
-                         "SELECT run, number, content_sha256, approved_by, approved_utc, replaces FROM reports "
-                         "WHERE run = ? ORDER BY report_row");
-  rows.bind(run);
+namespace {
+
+constexpr const char* kReportColumns =
+    "SELECT run, number, content_sha256, approved_by, approved_utc, replaces FROM reports";
+
+std::vector<ReportRecord> report_rows(sqlite::Statement& rows) {
   std::vector<ReportRecord> reports;
   while (rows.step()) {
     ReportRecord& r = reports.emplace_back();
     rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces);
   }
   return reports;
+}
+
+}  // namespace
+
+std::vector<ReportRecord> RunStore::reports(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement rows(database_->connection, std::string(kReportColumns) + " WHERE run = ? ORDER BY report_row");
+  rows.bind(run);
+  return report_rows(rows);
+}
+
+std::vector<ReportRecord> RunStore::reports() const {
+  sqlite::Statement rows(database_->connection, std::string(kReportColumns) + " ORDER BY report_row");
+  return report_rows(rows);
 }
 
 }  // namespace tactbench::db

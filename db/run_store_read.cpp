@@ -181,8 +181,22 @@ std::int64_t RunStore::last_time_ns(std::int64_t run) const {
   return time_ns;
 }
 
-std::vector<RunRecord> RunStore::runs() const {
-  sqlite::Statement rows(database_->connection, std::string(kRunColumns) + " ORDER BY run");
+std::vector<RunRecord> RunStore::runs() const { return runs(RunFilter()); }
+
+std::vector<RunRecord> RunStore::runs(const RunFilter& filter) const {
+  std::string where;
+  std::vector<std::string> values;
+  for (const auto& [condition, value] :
+       {std::pair("sensor_serial = ?", &filter.sensor_serial), std::pair("started_utc >= ?", &filter.since_utc),
+        std::pair("content_sha256 = ?", &filter.content_sha256)}) {
+    if (value->empty()) continue;
+    where += fmt::format("{}{}", where.empty() ? " WHERE " : " AND ", condition);
+    values.push_back(*value);
+  }
+  values.resize(3);
+  sqlite::Statement rows(database_->connection, std::string(kRunColumns) + where + " ORDER BY run");
+  const auto bound = [&](std::size_t i) { return values[i].empty() ? std::optional<std::string>() : values[i]; };
+  rows.bind(bound(0), bound(1), bound(2));
   std::vector<RunRecord> runs;
   while (rows.step()) runs.push_back(run_of(rows));
   return runs;
@@ -192,8 +206,21 @@ RunRecord RunStore::run(std::int64_t number) const { return database_->run(numbe
 std::vector<BranchRecord> RunStore::branches(std::int64_t run) const { return database_->branches(run); }
 std::vector<EventRecord> RunStore::events(std::int64_t run) const { return database_->events(run); }
 
+void RunStore::Database::require_frames(std::int64_t run) {
+  require_run(run);
+  sqlite::Statement row(connection, "SELECT rule, pruned_utc FROM pruned WHERE run = ?");
+  if (!row.bind(run).step()) return;
+  std::string rule, utc;
+  row.read(rule, utc);
+  throw StoreError(
+      Cause::kUsage, "TB-STORE-PRUNED",
+      fmt::format("store {}: the frames of run {} were removed on {}, by the rule {}", path, run, utc, rule),
+      "figures, models and verdicts are there (tactbench runs show); a simulated run can be carried out "
+      "again with its seeds, or take a snapshot from before");
+}
+
 std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
-  database_->require_run(run);
+  database_->require_frames(run);
   std::vector<FrameRecord> frames;
   frames.reserve(static_cast<std::size_t>(frame_count(run)));
   database_->each_frame(run, [&](const FrameRecord& frame) {
@@ -210,7 +237,7 @@ std::vector<FrameRecord> RunStore::frames(std::int64_t run) const {
 }
 
 void RunStore::each_frame(std::int64_t run, const std::function<void(const FrameRecord&)>& see) const {
-  database_->require_run(run);
+  database_->require_frames(run);
   database_->each_frame(run, see);
 }
 

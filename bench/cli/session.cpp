@@ -116,14 +116,10 @@ void check_operator(const std::string& name) {
   throw Error(ExitCode::kUsage, "TB-USAGE", "--operator is empty", "--operator", "give a name: it is recorded");
 }
 
-namespace {
-
 void add_manner(CLI::App& verb, Session& session) {
   verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
   verb.add_flag("-q,--quiet", session.quiet, "no progress line");
 }
-
-}  // namespace
 
 void add_common(CLI::App& verb, Session& session) {
   session.profile.add(verb, "--db", ProfileKey::kDb, session.db, "run store, one SQLite file per bench")

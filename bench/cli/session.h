@@ -78,6 +78,8 @@ void add_model_list(CLI::App& model, Session& session);
 void add_run_remarks(CLI::App& runs, Session& session);
 void add_run_export(CLI::App& runs, Session& session);
 void add_run_copy(CLI::App& runs, Session& session);
+void add_run_merge(CLI::App& runs, Session& session);
+void add_db_prune(CLI::App& db, Session& session);
 void add_run_diff(CLI::App& runs, Session& session);
 void add_calibrate_reference(CLI::App& devices, Session& session);
 void add_simulate(CLI::App& app, Session& session);
@@ -89,9 +91,9 @@ void add_rig(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_benchmark(CLI::App& app, Session& session);
 void add_dead_man(CLI::App& app, Session& session);
+void add_fleet(CLI::App& app, Session& session);
 
 // A part of the command line of its own.
-void add_fleet(CLI::App& app, Session& session);
 
 // Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);
@@ -101,6 +103,7 @@ void add_common(CLI::App& verb, Session& session);
 // The same where --db is valid only as typed: what a demonstration or a night keeps does not belong into the store of
 // one's own runs.
 void add_common_typed(CLI::App& verb, Session& session);
+void add_manner(CLI::App& verb, Session& session);  // --json and -q alone
 // --replace on a verb that writes files (bench/common/output_file.h).
 void add_replace(CLI::App& verb, Session& session);
 // --void-too on a verb that uses runs as evidence (bench/reporting/named_runs.h).

@@ -8,7 +8,11 @@
 
 namespace tactbench::bench {
 
-std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+std::string utc_now() { return utc_days_ago(0); }
+
+std::string utc_days_ago(int days) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr) - std::time_t{86400} * days));
+}
 
 double seconds_between(const std::string& earlier_utc, const std::string& later_utc) {
   const auto parse = [](const std::string& text) -> std::time_t {

@@ -6,6 +6,7 @@
 namespace tactbench::bench {
 
 std::string utc_now();
+std::string utc_days_ago(int days);
 // Seconds from one stored time to another; 0 when either cannot be read or time went backwards.
 double seconds_between(const std::string& earlier_utc, const std::string& later_utc);
 

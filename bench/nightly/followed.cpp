@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -14,19 +13,16 @@
 namespace tactbench::bench {
 namespace {
 
-using Seeds = std::pair<std::int64_t, std::int64_t>;
-
 // Each simulated run that repeats the seeds of an earlier one, and the newest of those. Runs on instruments have none.
-std::map<std::int64_t, std::int64_t> runs_with_same_seeds(const db::RunStore& store, const std::set<std::int64_t>& runs,
-                                                          const std::string& origin) {
+std::map<std::int64_t, std::int64_t> runs_with_same_seeds(const std::vector<db::FigureRecord>& records) {
   std::map<std::int64_t, std::int64_t> same;
-  if (origin != "simulated") return same;
-  std::map<Seeds, std::int64_t> newest;
-  for (const std::int64_t run : runs) {
-    const db::RunRecord record = store.run(run);
-    const auto [earlier, first] = newest.try_emplace({record.seed, record.sensor_seed}, run);
-    if (!first) same[run] = earlier->second;
-    earlier->second = run;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> newest;
+  for (const db::FigureRecord& record : records) {
+    if (record.origin != "simulated" || !std::isfinite(record.value)) continue;
+    const auto [earlier, first] = newest.try_emplace({record.seed, record.sensor_seed}, record.run);
+    if (first || earlier->second == record.run) continue;
+    same[record.run] = earlier->second;
+    earlier->second = record.run;
   }
   return same;
 }
@@ -49,40 +45,54 @@ void chart(FollowedFigure& figure, const Followed& followed, const std::map<std:
 
 }  // namespace
 
-Followed follow(const db::RunStore& store, const std::string& subject) {
+SubjectHistory::SubjectHistory(const db::RunStore& store, const std::string& subject)
+    : subject_(subject),
+      baseline_(store.last_baseline(subject)),
+      records_(store.figures(subject)),
+      same_seeds_(runs_with_same_seeds(records_)) {
+  if (baseline_) repeated_ = store.repeated_runs(subject, baseline_->runs);
+}
+
+std::map<std::string, double> SubjectHistory::figures_of(std::int64_t run) const {
+  std::map<std::string, double> figures;
+  for (const db::FigureRecord& record : std::ranges::equal_range(records_, run, {}, &db::FigureRecord::run))
+    figures[record.name] = record.value;
+  return figures;
+}
+
+Followed SubjectHistory::up_to(std::int64_t run) const {
   Followed followed;
-  followed.subject = subject;
-  for (const db::BaselineRecord& baseline : store.baselines())
-    if (baseline.subject == subject) followed.baseline = baseline;
+  followed.subject = subject_;
+  followed.baseline = baseline_;
+  const std::span known(records_.begin(), std::ranges::upper_bound(records_, run, {}, &db::FigureRecord::run));
   std::map<std::string, FollowedFigure> figures;
-  const std::vector<db::FigureRecord> records = store.figures(subject);
-  if (!records.empty()) {
-    followed.run = records.back().run;
-    followed.origin = records.back().origin;
+  if (!known.empty()) {
+    followed.run = known.back().run;
+    followed.origin = known.back().origin;
   }
-  std::set<std::int64_t> runs;
-  for (const db::FigureRecord& record : records) {
+  for (const db::FigureRecord& record : known) {
     if (record.origin != followed.origin || !std::isfinite(record.value)) continue;
-    runs.insert(record.run);
     FollowedFigure& figure = figures[record.name];
     figure.name = record.name;
     figure.runs.push_back(record.run);
     figure.values.push_back(record.value);
-    figure.accepted.push_back(followed.baseline && std::ranges::binary_search(followed.baseline->runs, record.run));
+    figure.accepted.push_back(baseline_ && std::ranges::binary_search(baseline_->runs, record.run));
   }
-  std::map<std::int64_t, std::int64_t> repeated;
-  if (followed.baseline) {
-    repeated = store.repeated_runs(subject, followed.baseline->runs);
-    followed.repeated = repeated.size();
-    followed.counted = followed.baseline->runs.size() - repeated.size();
+  if (baseline_) {
+    followed.repeated = repeated_.size();
+    followed.counted = baseline_->runs.size() - repeated_.size();
   }
-  const std::map<std::int64_t, std::int64_t> same_seeds = runs_with_same_seeds(store, runs, followed.origin);
-  if (const auto own = same_seeds.find(followed.run); own != same_seeds.end()) followed.same_seeds = own->second;
+  const auto own = same_seeds_.find(followed.run);
+  if (followed.origin == "simulated" && own != same_seeds_.end()) followed.same_seeds = own->second;
   for (auto& [name, figure] : figures) {
-    chart(figure, followed, repeated, same_seeds);
+    chart(figure, followed, repeated_, same_seeds_);
     followed.figures.push_back(std::move(figure));
   }
   return followed;
+}
+
+Followed follow(const db::RunStore& store, const std::string& subject) {
+  return SubjectHistory(store, subject).up_to(std::numeric_limits<std::int64_t>::max());
 }
 
 void judge_together(const std::vector<Followed*>& family) {

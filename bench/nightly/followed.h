@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,8 +37,22 @@ struct Followed {
   std::vector<FollowedFigure> figures;         // by name
 };
 
-// Not judged together with anything yet: no figure is `shifted`. Values that are not numbers are left out. Empty for an
-// unknown subject.
+// What a store has of a subject, read once.
+class SubjectHistory {
+ public:
+  SubjectHistory(const db::RunStore& store, const std::string& subject);
+  // As the subject stood when `run` was the newest one. Not judged together with anything yet: no figure is `shifted`.
+  // Values that are not numbers are left out. Empty for an unknown subject.
+  [[nodiscard]] Followed up_to(std::int64_t run) const;
+  [[nodiscard]] std::map<std::string, double> figures_of(std::int64_t run) const;
+
+ private:
+  std::string subject_;
+  std::optional<db::BaselineRecord> baseline_;
+  std::vector<db::FigureRecord> records_;
+  std::map<std::int64_t, std::int64_t> repeated_, same_seeds_;  // run -> the earlier one
+};
+// Up to the newest run.
 Followed follow(const db::RunStore& store, const std::string& subject);
 // Sets `shifted` by the false discovery rate over all charts of these subjects (false_discovery.h). Constants and
 // figures without a chart do not count among them.

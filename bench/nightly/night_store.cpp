@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <iterator>
-#include <set>
+#include <map>
 #include <utility>
 
 #include "analysis/counted.h"
@@ -15,18 +14,6 @@
 
 namespace tactbench::bench {
 namespace {
-
-// The run whose scenario was carried out last with the same seeds; 0: none.
-std::int64_t last_with_these_seeds(const db::RunStore& store, const std::string& subject, const db::RunRecord& own) {
-  std::set<std::int64_t, std::greater<>> earlier;
-  for (const db::FigureRecord& figure : store.figures(subject))
-    if (figure.run < own.run) earlier.insert(figure.run);
-  for (const std::int64_t run : earlier) {
-    const db::RunRecord record = store.run(run);
-    if (record.seed == own.seed && record.sensor_seed == own.sensor_seed) return run;
-  }
-  return 0;
-}
 
 // Whether the scenario's runs measured what those beginning with `earlier` did. A scenario's runs have successive
 // numbers and one purpose.
@@ -43,19 +30,18 @@ bool same_frames(const db::RunStore& store, const std::vector<ScenarioRun>& runs
 bool equal(double a, double b) { return a == b || std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)); }
 
 // Equal frames must give equal figures.
-std::vector<std::string> changed_figures(const db::RunStore& store, const std::string& subject, std::int64_t earlier,
+std::vector<std::string> changed_figures(const SubjectHistory& history, std::int64_t earlier,
                                          const std::map<std::string, double>& figures) {
   std::vector<std::string> lines;
   std::size_t present = 0;
-  for (const db::FigureRecord& before : store.figures(subject)) {
-    if (before.run != earlier) continue;
-    const auto own = figures.find(before.name);
+  for (const auto& [name, before] : history.figures_of(earlier)) {
+    const auto own = figures.find(name);
     present += own == figures.end() ? 0 : 1;
     if (own == figures.end())
-      lines.push_back(fmt::format("{} is missing; run {} has it, of the same frames", before.name, earlier));
-    else if (!equal(own->second, before.value))
-      lines.push_back(fmt::format("{} is {:.9g}, was {:.9g} in run {}, of the same frames", before.name, own->second,
-                                  before.value, earlier));
+      lines.push_back(fmt::format("{} is missing; run {} has it, of the same frames", name, earlier));
+    else if (!equal(own->second, before))
+      lines.push_back(
+          fmt::format("{} is {:.9g}, was {:.9g} in run {}, of the same frames", name, own->second, before, earlier));
   }
   if (present < figures.size())
     lines.push_back(fmt::format("{} that run {} does not have, of the same frames",
@@ -64,16 +50,17 @@ std::vector<std::string> changed_figures(const db::RunStore& store, const std::s
 }
 
 // Fixed seeds are held by what they measured: compares the scenario with the last one of the same seeds, if any.
-void compare_with_before(const db::RunStore& store, const std::string& subject, ScenarioResult& result) {
+void compare_with_before(const db::RunStore& store, const std::string& subject, const SubjectHistory& history,
+                         ScenarioResult& result) {
   const db::RunRecord own = store.run(result.runs.front().run);
-  const std::int64_t earlier = last_with_these_seeds(store, subject, own);
+  const std::int64_t earlier = store.last_run_of(subject, own.seed, own.sensor_seed, own.run);
   if (earlier == 0) {
     result.compared = "first run with this seed";
     return;
   }
   if (same_frames(store, result.runs, earlier)) {
     result.compared = fmt::format("same frames as run {}", earlier);
-    std::ranges::move(changed_figures(store, subject, earlier, result.figures), std::back_inserter(result.remarks));
+    std::ranges::move(changed_figures(history, earlier, result.figures), std::back_inserter(result.remarks));
     return;
   }
   const db::RunRecord before = store.run(earlier);
@@ -86,25 +73,91 @@ void compare_with_before(const db::RunStore& store, const std::string& subject, 
 
 std::string subject_of(const Scenario& scenario) { return fmt::format("nightly/{}", scenario.name); }
 
-std::vector<Followed> keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
-                                 db::RunStore& store) {
-  std::vector<std::pair<ScenarioResult*, Followed>> night;
+StoreOfResult in_stores_of(const std::string& folder) {
+  return [folder](const ScenarioResult& result) {
+    return db::RunStore::open_read_only((std::filesystem::path(folder) / fmt::format("{}.db", result.name)).string());
+  };
+}
+
+namespace {
+
+// Of all seeds of a scenario but the last, nothing is shown of earlier runs.
+void keep_newest_alone(Followed& followed) {
+  for (FollowedFigure& figure : followed.figures) {
+    figure.runs = {figure.runs.back()};
+    figure.values = {figure.values.back()};
+    figure.accepted = {figure.accepted.back()};
+  }
+}
+
+std::size_t place_of(const Suite& suite, const ScenarioResult& result) {
+  return static_cast<std::size_t>(std::ranges::find(suite.scenarios, result.name, &Scenario::label) -
+                                  suite.scenarios.begin());
+}
+
+}  // namespace
+
+namespace {
+
+// The numbers in `store` of a result's runs; empty: it does not have them.
+std::vector<std::int64_t> numbers_here(const db::RunStore& source, const ScenarioResult& result,
+                                       const db::RunStore& store) {
+  std::vector<std::int64_t> numbers;
+  for (const ScenarioRun& run : result.runs) {
+    const std::int64_t here = store.run_of_uuid(source.run(run.run).uuid);
+    if (here != 0) numbers.push_back(here);
+  }
+  return numbers.size() == result.runs.size() ? numbers : std::vector<std::int64_t>();
+}
+
+std::vector<std::int64_t> take_runs(const db::RunStore& source, const ScenarioResult& result, db::RunStore& store) {
+  if (std::vector<std::int64_t> there = numbers_here(source, result, store); !there.empty()) return there;
+  std::vector<std::int64_t> numbers;
+  for (const ScenarioRun& run : result.runs) numbers.push_back(run.run);
+  return store.copy_runs_from(source, numbers);
+}
+
+bool same_night(const db::NightRecord& a, const db::NightRecord& b) {
+  return a.suite_toml == b.suite_toml && a.selection_json == b.selection_json && a.begun_utc == b.begun_utc &&
+         a.shard == b.shard && a.shards == b.shards && a.results.size() == b.results.size() &&
+         std::ranges::equal(a.results, b.results, {}, &db::NightResultRecord::first_run,
+                            &db::NightResultRecord::first_run);
+}
+
+}  // namespace
+
+bool take_night(db::NightRecord night, const Suite& suite, std::vector<ScenarioResult>& results,
+                const StoreOfResult& store_of, db::RunStore& store) {
   for (ScenarioResult& result : results) {
-    const Scenario& scenario = *std::ranges::find(suite.scenarios, result.name, &Scenario::label);
-    if (result.runs.empty()) continue;
-    const db::RunStore own =
-        db::RunStore::open_read_only((std::filesystem::path(stores) / fmt::format("{}.db", result.name)).string());
-    std::vector<std::int64_t> numbers;
-    for (const ScenarioRun& run : result.runs) numbers.push_back(run.run);
-    numbers = store.copy_runs_from(own, numbers);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      result.runs[i].run = numbers[i];
-      store.set_tags(numbers[i], {"nightly"}, {});
+    const std::size_t place = place_of(suite, result);
+    if (!result.runs.empty()) {
+      const std::vector<std::int64_t> numbers = take_runs(store_of(result), result, store);
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        result.runs[i].run = numbers[i];
+        store.set_tags(numbers[i], {"nightly"}, {});
+      }
+      store.replace_figures(numbers.front(), subject_of(suite.scenarios.at(place)), result.figures);
     }
-    const std::string subject = subject_of(scenario);
-    store.replace_figures(numbers.front(), subject, result.figures);
-    compare_with_before(store, subject, result);
-    night.emplace_back(&result, follow(store, subject));
+    night.results.push_back(
+        {static_cast<int>(place), result.name, to_json(result), result.runs.empty() ? 0 : result.runs.front().run});
+  }
+  if (std::ranges::any_of(store.nights(), [&](const db::NightRecord& own) { return same_night(own, night); }))
+    return false;
+  store.add_night(night);
+  return true;
+}
+
+std::vector<Followed> compare_night(const Suite& suite, std::vector<ScenarioResult>& results,
+                                    const db::RunStore& store) {
+  std::vector<std::pair<ScenarioResult*, Followed>> night;
+  std::map<std::string, SubjectHistory> histories;
+  for (ScenarioResult& result : results) {
+    if (result.runs.empty()) continue;
+    const std::string subject = subject_of(suite.scenarios.at(place_of(suite, result)));
+    const SubjectHistory& history = histories.try_emplace(subject, store, subject).first->second;
+    compare_with_before(store, subject, history, result);
+    if (!night.empty() && night.back().second.subject == subject) keep_newest_alone(night.back().second);
+    night.emplace_back(&result, history.up_to(result.runs.front().run));
   }
   std::vector<Followed*> family;
   for (auto& [result, followed] : night) family.push_back(&followed);

@@ -1,6 +1,7 @@
-// The store that keeps nights: imports each scenario's runs and compares the results with baselines and earlier nights.
+// The store that keeps nights: takes each scenario's runs and compares the results with baselines and earlier nights.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,23 @@ namespace tactbench::bench {
 // The subject under which a scenario's figures are followed.
 std::string subject_of(const Scenario& scenario);  // "nightly/NAME"
 
-// Copies the runs of `results` from `stores`/NAME.db in the suite's order, with tag and figures; numbers in `results`
-// become those of `store`. Compares each result with the last one of the same seeds, frame by frame: frames that
-// changed, and figures that changed though the frames did not, go to `remarks`. Adds figures outside their baseline to
-// `wrong`, and those that shifted, judged over the whole night, to `remarks`. Skips scenarios without a result. Throws
-// StoreError, e.g. TB-STORE-CONFLICT when a run's content is not what was stored. Returns the followed figures of each
-// scenario with a result, once for several seeds.
-std::vector<Followed> keep_night(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& stores,
-                                 db::RunStore& store);
+// The store in which a result's runs lie, under the numbers that the result has.
+using StoreOfResult = std::function<db::RunStore(const ScenarioResult&)>;
+// A night's own: each scenario has made a store `folder`/NAME.db.
+StoreOfResult in_stores_of(const std::string& folder);
+
+// Copies the runs of `results` into `store`, in the suite's order, with tag and figures, and adds `night` with the
+// results; numbers in `results` become those of `store`. What is there already is not taken again; false: all of it
+// was. `suite`: the whole one, of which `results` may be a part. Throws StoreError, e.g. TB-STORE-CONFLICT when a run's
+// content is not what was stored.
+bool take_night(db::NightRecord night, const Suite& suite, std::vector<ScenarioResult>& results,
+                const StoreOfResult& store_of, db::RunStore& store);
+
+// Compares each result in `store` with the last one of the same seeds, frame by frame: frames that changed, and figures
+// that changed though the frames did not, go to `remarks`. Adds figures outside their baseline to `wrong`, and those
+// that shifted, judged over the whole night, to `remarks`. Skips scenarios without a run. Returns the followed figures
+// of each scenario with a run, once for several seeds.
+std::vector<Followed> compare_night(const Suite& suite, std::vector<ScenarioResult>& results,
+                                    const db::RunStore& store);
 
 }  // namespace tactbench::bench

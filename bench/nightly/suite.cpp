@@ -82,6 +82,7 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
 Suite suite_from(const TomlDocument& document) {
   Suite suite;
   suite.file = document.name();
+  suite.text = document.text();
   const TomlTable root = document.root();
   (void)root.integer("schema", 1, 1);
   suite.name = root.name("name");

@@ -4,9 +4,12 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "bench/common/shard.h"
 
 namespace tactbench::bench {
 
@@ -35,6 +38,7 @@ struct Scenario {
 
 struct Suite {
   std::string name, file;
+  std::string text;                 // of the file
   std::vector<Scenario> scenarios;  // at least one
 };
 
@@ -44,5 +48,19 @@ Suite parse_suite(const std::string& text, const std::string& file);
 
 // Each scenario that many times, with its seed and the following ones; labels "NAME-seed-S".
 Suite with_seeds(const Suite& suite, int seeds);
+
+// Which scenarios of a suite a night carries out, and with which seeds.
+struct Selection {
+  std::string only;                   // this scenario alone; empty: all
+  std::optional<std::uint64_t> seed;  // instead of the scenarios' own
+  int seeds = 1;
+};
+// Throws Error TB-NIGHTLY-SCENARIO when there is no scenario of that name.
+Suite selected(Suite suite, const Selection& selection);
+// As JSON text in one line, and back. Throws std::invalid_argument.
+std::string to_json(const Selection& selection);
+Selection selection_from_json(const std::string& text);
+// The part of a night's scenarios that one of several machines carries out, in the order of the whole.
+Suite part_of(const Suite& whole, const Shard& shard);
 
 }  // namespace tactbench::bench

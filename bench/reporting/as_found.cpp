@@ -23,7 +23,7 @@ bool passed(const db::RunStore& store, std::int64_t run) {
 // The newest run of the sensor before `run` on which, or on whose models, a passing verdict stands; empty: none.
 std::string last_pass_utc(const db::RunStore& store, const db::RunRecord& run) {
   std::string last;
-  for (const db::RunRecord& other : store.runs())
+  for (const db::RunRecord& other : store.runs({.sensor_serial = run.sensor_serial}))
     if (other.sensor_serial == run.sensor_serial && other.origin == run.origin &&
         std::pair(other.started_utc, other.run) < std::pair(run.started_utc, run.run) && other.started_utc > last &&
         !other.is_void() && passed(store, other.run))

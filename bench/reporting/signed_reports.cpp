@@ -22,9 +22,8 @@ std::string signed_report_in(const std::string& path, const db::RunStore& store)
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string beginning = text.substr(0, 64);
   if (beginning.starts_with('{') || beginning.starts_with("<!DOCTYPE html>")) return signed_number_in(text);
-  for (const db::RunRecord& run : store.runs())
-    for (const db::ReportRecord& report : store.reports(run.run))
-      if (text.find(analysis::signed_title_mark(report.number)) != std::string::npos) return report.number;
+  for (const db::ReportRecord& report : store.reports())
+    if (text.find(analysis::signed_title_mark(report.number)) != std::string::npos) return report.number;
   return {};
 }
 

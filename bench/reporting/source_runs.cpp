@@ -5,14 +5,14 @@
 namespace tactbench::bench {
 
 std::optional<std::int64_t> run_of_source(const db::RunStore& store, const analysis::SensorDynamics::Source& source) {
-  const std::vector<db::RunRecord> runs = store.runs();
-  const auto numbered = std::ranges::find(runs, source.run, &db::RunRecord::run);
-  if (numbered != runs.end() && (source.content_sha256.empty() || numbered->content_sha256 == source.content_sha256))
-    return source.run;
-  if (source.content_sha256.empty()) return std::nullopt;
-  const auto same = std::ranges::find(runs, source.content_sha256, &db::RunRecord::content_sha256);
-  if (same == runs.end()) return std::nullopt;
-  return same->run;
+  if (source.content_sha256.empty()) {
+    const std::vector<db::RunRecord> runs = store.runs();
+    const bool there = std::ranges::find(runs, source.run, &db::RunRecord::run) != runs.end();
+    return there ? std::optional(source.run) : std::nullopt;
+  }
+  const std::vector<db::RunRecord> same = store.runs({.content_sha256 = source.content_sha256});
+  if (same.empty()) return std::nullopt;
+  return std::ranges::find(same, source.run, &db::RunRecord::run) != same.end() ? source.run : same.front().run;
 }
 
 std::vector<std::int64_t> source_runs(const db::RunStore& store, const analysis::SensorModel& fit) {

@@ -55,6 +55,10 @@ class Verification {
     const db::FitRecord fit = store_.fit(result.fit);
     result.fit_run = fit.run;
     const bool in_rows = lies_in_rows(fit, store_.fit_taxels(fit.fit));
+    if (store_.pruned(run_)) {
+      result.compared = "not recomputed: the frames of this run were removed";
+      return result;
+    }
     if (result.compared = why_not(fit, in_rows); !result.compared.empty()) return result;
     if (fit.run != run_) {
       const db::ContentCheck& content = content_of(fit.run);
@@ -141,6 +145,9 @@ class Verification {
 
   // Empty: it can be recomputed from its run.
   std::string why_not(const db::FitRecord& fit, bool in_rows) const {
+    if (const auto pruned = store_.pruned(fit.run))
+      return fmt::format("not recomputed: the frames of run {}, which it rests on, were removed on {}", fit.run,
+                         pruned->pruned_utc);
     if (in_rows) return {};
     if (analysis::made_by(fit).empty())
       return "not recomputed: it is kept as a document of an older program, which rounds otherwise";
@@ -159,7 +166,10 @@ class Verification {
     }
     if (!dynamics) return "not recomputed: it does not say which runs its lag and creep are from";
     for (const auto& [source, what] : {std::pair(dynamics->rate, "lag"), std::pair(dynamics->creep, "creep")}) {
-      if (run_of_source(store_, source)) continue;
+      const std::optional<std::int64_t> run = run_of_source(store_, source);
+      if (run && store_.pruned(*run))
+        return fmt::format("not recomputed: the frames of run {}, which its {} is from, were removed", *run, what);
+      if (run) continue;
       return fmt::format(
           "not recomputed: this store does not have the run that its {} is from, run {} where it was "
           "made, content {}",

@@ -22,7 +22,7 @@ struct RunVerification {
   db::ContentCheck content;
   std::vector<std::string> beside;      // changed parts among fits, verdicts, approvals and voids
   std::vector<VerifiedResult> results;  // none when the content has changed
-  std::string first_difference;         // empty: all as stored
+  std::string first_difference;         // empty: all as stored, as far as it is there (content.pruned)
 };
 
 // Recomputes an ended run from its raw frames; writes nothing. Throws StoreError TB-STORE-NOT-FOUND.

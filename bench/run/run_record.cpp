@@ -145,7 +145,7 @@ void keep_devices(db::RunStore& store, std::int64_t run, const std::vector<db::D
 
 std::optional<double> rest_of_sensor(const db::RunStore& store, const std::string& sensor_serial, std::int64_t run) {
   std::optional<double> rest;
-  for (const db::RunRecord& before : store.runs()) {
+  for (const db::RunRecord& before : store.runs({.sensor_serial = sensor_serial})) {
     if (before.run >= run || before.sensor_serial != sensor_serial) continue;
     rest = seconds_between(std::max({before.started_utc, before.seen_utc, before.ended_utc}), utc_now());
   }

@@ -34,7 +34,7 @@ TEST_CASE("every table is STRICT, and a text in a column of numbers is refused")
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND NOT strict "
                     "AND name NOT LIKE 'sqlite_%'") == 0);
-  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 17);
+  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 20);
   CHECK(store_error([&] { raw.execute("UPDATE frames SET setpoint_psi = 'two'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'done'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'incomplete'"); }) == "TB-STORE-CONFLICT");
@@ -156,6 +156,20 @@ TEST_CASE("a store of schema 6 is opened, its rows, fits and verdicts as they we
   CHECK((store.fits(1)[0].model == "elam" && store.fit_taxels(1).size() == 257));
   CHECK((store.fits(1)[1].model == "gpi" && store.fit_taxels(2).empty()));
   CHECK(store.verdicts(2).size() == 4);
+  CHECK(store.check_structure().empty());
+}
+
+TEST_CASE("a store of schema 7 is opened, its rows as they were stored, its frames all there") {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(source_path("tests/db/stores/version_7.db"), folder.path("runs.db"));
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  for (const std::int64_t run : {1, 2}) {
+    CHECK(store.check_content(run).holds());
+    CHECK_FALSE(store.pruned(run));
+  }
+  CHECK(store.run(1).content_sha256 == "886a1faf099e7a2baf6ded84c2b46dabf5132e6a754623e72480c52111683ce5");
+  CHECK(store.frames(1).size() == 11);
+  CHECK(store.nights().empty());
   CHECK(store.check_structure().empty());
 }
 

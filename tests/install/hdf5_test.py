@@ -85,7 +85,7 @@ with tempfile.TemporaryDirectory() as folder:
     assert attribute("/tags") == "" == " ".join(run["tags"])
     name = attribute("/operator")  # h5dump writes what is not ASCII as octal numbers of its own
     assert name.startswith("Zo\\") and name.endswith(', "Q"'), name
-    assert attribute("/frames/counts/unit") == "count" and attribute("/frames/feedback_psi/unit") == "psi"
+    assert attribute("/frames/counts/units") == "count" and attribute("/frames/feedback_psi/units") == "psi"
     assert abs(float(attribute("/frames/counts/volts_per_count")) - 5 / 65535) < 1e-9
     scanners = [device for device in run["devices"] if "scanner" in device["role"]]
     assert scanners and scanners[0]["serial"] in said(H5DUMP, "-A", "-g", "/devices", "run.h5")

@@ -8,7 +8,7 @@ import sqlite3
 from .errors import TactbenchError, package
 
 _APPLICATION_ID = 0x54424348  # "TBCH" in the file's header
-_OLDEST, _NEWEST = 2, 7  # schema versions that are read; older ones: tactbench db migrate
+_OLDEST, _NEWEST = 2, 8  # schema versions that are read; older ones: tactbench db migrate
 _RUN_FRAMES = "f.frame BETWEEN :run * 1000000000 + 1 AND :run * 1000000000 + 999999999"
 
 # A frame's numbers: name, unit, meaning, SQL. NULL is NaN.
@@ -113,6 +113,14 @@ class Store:
         raise TactbenchError(f"run {run} of {self.path} states no volts_per_count of its scanner, so that its counts cannot be "
                              "scaled")
 
+    def _refuse_pruned(self, run):
+        if self._connection.execute("PRAGMA user_version").fetchone()[0] < 8:
+            return
+        gone = self._connection.execute("SELECT pruned_utc, rule FROM pruned WHERE run = ?", (run,)).fetchone()
+        if gone:
+            raise TactbenchError(f"the frames of run {run} of {self.path} were removed on {gone[0]}, by the rule {gone[1]}: its "
+                                 "figures and models are there")
+
     def frames(self, run, kind="xarray", scans=False, void_too=False):
         """A run's frames, in the order of time: volts of each taxel, pressures, force and place.
 
@@ -129,6 +137,7 @@ class Store:
         module = package(kind, f"frames(kind={kind!r})")
         numpy = package("numpy", "frames()")
         facts = self.usable_run(run, void_too)
+        self._refuse_pruned(run)
         data, units, meaning = self._arrays(numpy, run, scans, void_too)
         if kind == "numpy":
             return {**data, "units": units}

@@ -6,8 +6,10 @@
 
 #ifdef TACTBENCH_HAVE_HDF5
 #include <hdf5.h>
+#include <hdf5_hl.h>
 
 #include <algorithm>
+#include <numeric>
 #endif
 
 namespace tactbench::bench {
@@ -79,16 +81,56 @@ struct Hdf5File::Open {
     }
   }
 
-  void write_attribute(const std::string& object, const std::string& name, hid_t type, const void* value) const {
-    const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose, "describe " + name, path);
+  // Without a length: one value, else a list.
+  void write_attribute(const std::string& object, const std::string& name, hid_t type, const void* value,
+                       std::size_t length = 0) const {
+    const hsize_t extent = length;
+    const Hdf5Id space(length == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, nullptr), H5Sclose,
+                       "describe " + name, path);
     const Hdf5Id made(
         H5Acreate_by_name(file, object.c_str(), name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose, fmt::format("make the attribute {} of {}", name, object), path);
     if (H5Awrite(made.get(), type, value) < 0) hdf5_failed("write the attribute " + name, path);
   }
+
+  void make_scale(const std::string& object) const {
+    const Hdf5Id set(H5Dopen2(file, object.c_str(), H5P_DEFAULT), H5Dclose, "open " + object, path);
+    if (H5DSset_scale(set.get(), object.substr(object.rfind('/') + 1).c_str()) < 0)
+      hdf5_failed("make a scale of " + object, path);
+  }
 };
 
 bool Hdf5File::available() { return true; }
+
+void Hdf5File::axis(const std::string& path, std::size_t length) {
+  std::vector<std::int64_t> numbers(length);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  array(path, numbers);
+  open_->make_scale(path);
+}
+
+void Hdf5File::axis(const std::string& path, const std::vector<std::string>& names) {
+  array(path, names);
+  open_->make_scale(path);
+}
+
+void Hdf5File::axes_of(const std::string& path, const std::vector<std::string>& axes) {
+  const std::string group = path.substr(0, path.rfind('/') + 1);
+  const Hdf5Id set(H5Dopen2(open_->file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path, open_->path);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const std::string name = group + axes[i];
+    const Hdf5Id scale(H5Dopen2(open_->file, name.c_str(), H5P_DEFAULT), H5Dclose, "open " + name, open_->path);
+    if (H5DSattach_scale(set.get(), scale.get(), static_cast<unsigned>(i)) < 0)
+      hdf5_failed("give the dimensions of " + path, open_->path);
+  }
+}
+
+bool Hdf5File::has(const std::string& path) const { return H5Lexists(open_->file, path.c_str(), H5P_DEFAULT) > 0; }
+
+void Hdf5File::link(const std::string& there, const std::string& path) {
+  if (H5Lcreate_hard(open_->file, there.c_str(), open_->file, path.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
+    hdf5_failed("make the link " + path, open_->path);
+}
 
 Hdf5File::Hdf5File(const std::string& path) : open_(std::make_unique<Open>()) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // the errors below report it
@@ -114,18 +156,18 @@ void Hdf5File::array(const std::string& path, const std::vector<double>& values,
                      const std::vector<std::size_t>& shape) {
   open_->write(path, H5T_NATIVE_DOUBLE, values.data(), shape.empty() ? std::vector{values.size()} : shape,
                sizeof(double));
-  if (!unit.empty()) attribute(path, "unit", unit);
+  if (!unit.empty()) attribute(path, "units", unit);
 }
 
 void Hdf5File::array(const std::string& path, const std::vector<std::int64_t>& values, const std::string& unit) {
   open_->write(path, H5T_NATIVE_INT64, values.data(), {values.size()}, sizeof(std::int64_t));
-  if (!unit.empty()) attribute(path, "unit", unit);
+  if (!unit.empty()) attribute(path, "units", unit);
 }
 
 void Hdf5File::array(const std::string& path, const std::vector<std::uint16_t>& values, const std::string& unit,
                      const std::vector<std::size_t>& shape) {
   open_->write(path, H5T_NATIVE_UINT16, values.data(), shape, sizeof(std::uint16_t));
-  if (!unit.empty()) attribute(path, "unit", unit);
+  if (!unit.empty()) attribute(path, "units", unit);
 }
 
 void Hdf5File::array(const std::string& path, const std::vector<std::string>& values) {
@@ -146,6 +188,13 @@ void Hdf5File::attribute(const std::string& object, const std::string& name, con
   const Hdf5Id type = hdf5_text_type(open_->path);
   const char* pointer = value.c_str();
   open_->write_attribute(object, name, type.get(), &pointer);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, const std::vector<std::string>& values) {
+  const Hdf5Id type = hdf5_text_type(open_->path);
+  std::vector<const char*> pointers;
+  for (const std::string& value : values) pointers.push_back(value.c_str());
+  open_->write_attribute(object, name, type.get(), pointers.data(), pointers.size());
 }
 
 void Hdf5File::attribute(const std::string& object, const std::string& name, double value) {
@@ -179,6 +228,12 @@ void Hdf5File::array(const std::string&, const std::vector<std::int64_t>&, const
 void Hdf5File::array(const std::string&, const std::vector<std::uint16_t>&, const std::string&,
                      const std::vector<std::size_t>&) {}
 void Hdf5File::array(const std::string&, const std::vector<std::string>&) {}
+void Hdf5File::axis(const std::string&, std::size_t) {}
+void Hdf5File::axis(const std::string&, const std::vector<std::string>&) {}
+void Hdf5File::axes_of(const std::string&, const std::vector<std::string>&) {}
+void Hdf5File::link(const std::string&, const std::string&) {}
+bool Hdf5File::has(const std::string&) const { return false; }
+void Hdf5File::attribute(const std::string&, const std::string&, const std::vector<std::string>&) {}
 void Hdf5File::text(const std::string&, const std::string&) {}
 void Hdf5File::attribute(const std::string&, const std::string&, const std::string&) {}
 void Hdf5File::attribute(const std::string&, const std::string&, double) {}

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "analysis/documents/run_json.h"
 #include "analysis/json_io.h"
 #include "bench/cli/export/hdf5_file.h"
+#include "bench/cli/export/hdf5_nexus.h"
 #include "bench/cli/export/run_export.h"
 #include "bench/common/error.h"
 #include "bench/common/output_file.h"
@@ -17,7 +20,6 @@ namespace tactbench::bench {
 
 namespace {
 
-// A column of rows: `get` of each.
 template <class Value, class Row, class Get>
 std::vector<Value> hdf5_column(const std::vector<Row>& rows, Get get) {
   std::vector<Value> values;
@@ -40,6 +42,19 @@ Integers integers(const std::vector<Row>& rows, Get get) {
 template <class Row, class Get>
 Texts texts(const std::vector<Row>& rows, Get get) {
   return hdf5_column<std::string>(rows, get);
+}
+
+// A column of the group that `path` lies in, along the group's axis.
+template <class Value>
+void column(Hdf5File& file, const std::string& path, const std::vector<Value>& values, const std::string& unit = {}) {
+  static const std::map<std::string, std::string> kAxes = {{"/frames", "frame"},    {"/trace", "poll"},
+                                                           {"/branches", "branch"}, {"/events", "event"},
+                                                           {"/checks", "check"},    {"/verdicts", "judgement"}};
+  if constexpr (std::is_same_v<Value, std::string>)
+    file.array(path, values);
+  else
+    file.array(path, values, unit);
+  file.axes_of(path, {kAxes.at(path.substr(0, path.rfind('/')))});
 }
 
 constexpr double kHdf5Absent = std::numeric_limits<double>::quiet_NaN();
@@ -123,9 +138,12 @@ void hdf5_counts(Hdf5File& file, const db::RunRecord& run, const std::vector<db:
                   fmt::format("run {}", run.run), "take --format json, which holds frames of any shape");
     counts.insert(counts.end(), f.counts.begin(), f.counts.end());
   }
+  file.axis("/frames/scan", shape[1]);
+  file.axis("/frames/row", shape[2]);
+  file.axis("/frames/column", shape[3]);
   file.array("/frames/counts", counts, "count", shape);
+  file.axes_of("/frames/counts", {"frame", "scan", "row", "column"});
   file.attribute("/frames/counts", "volts_per_count", counts_scale(run));
-  file.attribute("/frames/counts", "axes", std::string("frame scan row column"));
 }
 
 void hdf5_wrenches(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
@@ -144,11 +162,18 @@ void hdf5_wrenches(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
     raw.insert(raw.end(), w.raw.begin(), w.raw.end());
     place.insert(place.end(), w.place_mm.begin(), w.place_mm.end());
   }
-  file.array("/frames/target_n", target, "N");
-  file.array("/frames/force_start_n", start, "N");
-  file.array("/frames/wrench", wrench, "N N N N*mm N*mm N*mm", {frames.size(), 6});
+  column(file, "/frames/target_n", target, "N");
+  column(file, "/frames/force_start_n", start, "N");
+  // An array has one unit, a wrench two: its components say theirs.
+  file.axis("/frames/component", {"fx_n", "fy_n", "fz_n", "tx_nmm", "ty_nmm", "tz_nmm"});
+  file.axis("/frames/direction", {"x", "y", "z"});
+  file.array("/frames/wrench", wrench, "", {frames.size(), 6});
+  file.axes_of("/frames/wrench", {"frame", "component"});
   file.array("/frames/wrench_raw", raw, "", {frames.size(), 6});
+  file.axis("/frames/channel", 6);
+  file.axes_of("/frames/wrench_raw", {"frame", "channel"});
   file.array("/frames/place_mm", place, "mm", {frames.size(), 3});
+  file.axes_of("/frames/place_mm", {"frame", "direction"});
 }
 
 void hdf5_trace(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
@@ -159,11 +184,13 @@ void hdf5_trace(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
     points.insert(points.end(), frames[i].trace.begin(), frames[i].trace.end());
   }
   file.group("/trace");
-  file.array("/trace/frame", of_frame, "row of /frames");
-  file.array("/trace/before_frame_s", reals(points, [](const auto& p) { return p.before_frame_s; }), "s");
-  file.array("/trace/setpoint_psi", reals(points, [](const auto& p) { return p.setpoint_psi; }), "psi");
-  file.array("/trace/feedback_psi", reals(points, [](const auto& p) { return p.feedback_psi; }), "psi");
-  file.array("/trace/reference_psi", reals(points, [](const auto& p) { return p.reference_psi; }), "psi");
+  file.axis("/trace/poll", points.size());
+  column(file, "/trace/frame", of_frame);
+  file.attribute("/trace/frame", "long_name", std::string("row of /frames"));
+  column(file, "/trace/before_frame_s", reals(points, [](const auto& p) { return p.before_frame_s; }), "s");
+  column(file, "/trace/setpoint_psi", reals(points, [](const auto& p) { return p.setpoint_psi; }), "psi");
+  column(file, "/trace/feedback_psi", reals(points, [](const auto& p) { return p.feedback_psi; }), "psi");
+  column(file, "/trace/reference_psi", reals(points, [](const auto& p) { return p.reference_psi; }), "psi");
 }
 
 void hdf5_frames(Hdf5File& file, const db::RunRecord& run, const std::vector<db::FrameRecord>& frames,
@@ -174,60 +201,66 @@ void hdf5_frames(Hdf5File& file, const db::RunRecord& run, const std::vector<db:
     const auto found = std::ranges::lower_bound(branches, f.branch, {}, &db::BranchRecord::branch);
     branch_rows.push_back(found - branches.begin());
   }
-  file.array("/frames/branch", branch_rows, "row of /branches");
-  file.array("/frames/step", integers(frames, [](const auto& f) { return f.ordinal; }));
-  file.array("/frames/setpoint_psi", reals(frames, [](const auto& f) { return f.setpoint_psi; }), "psi");
-  file.array("/frames/feedback_psi", reals(frames, [](const auto& f) { return f.feedback_psi; }), "psi");
-  file.array("/frames/reference_psi", reals(frames, [](const auto& f) { return f.reference_psi; }), "psi");
-  file.array("/frames/setpoint_counts", integers(frames, [](const auto& f) { return f.setpoint_counts; }), "count");
-  file.array("/frames/feedback_counts", integers(frames, [](const auto& f) { return f.feedback_counts; }), "count");
-  file.array("/frames/reference_counts", integers(frames, [](const auto& f) { return f.reference_counts; }), "count");
-  file.array("/frames/time_ns", integers(frames, [](const auto& f) { return f.time_ns; }), "ns");
-  file.array("/frames/since_command_ns", integers(frames, [](const auto& f) { return f.since_command_ns; }), "ns");
-  file.array("/frames/in_band_ns", integers(frames, [](const auto& f) { return f.in_band_ns; }), "ns");
-  file.array("/frames/device_time_us", integers(frames, [](const auto& f) { return f.device_time_us; }), "us");
-  file.array("/frames/status", integers(frames, [](const auto& f) { return f.status; }));
-  file.array("/frames/exchanges", integers(frames, [](const auto& f) { return f.exchanges; }));
-  file.array("/frames/flags", texts(frames, [](const auto& f) { return f.flags; }));
+  file.axis("/frames/frame", frames.size());
+  column(file, "/frames/branch", branch_rows);
+  file.attribute("/frames/branch", "long_name", std::string("row of /branches"));
+  column(file, "/frames/step", integers(frames, [](const auto& f) { return f.ordinal; }));
+  column(file, "/frames/setpoint_psi", reals(frames, [](const auto& f) { return f.setpoint_psi; }), "psi");
+  column(file, "/frames/feedback_psi", reals(frames, [](const auto& f) { return f.feedback_psi; }), "psi");
+  column(file, "/frames/reference_psi", reals(frames, [](const auto& f) { return f.reference_psi; }), "psi");
+  column(file, "/frames/setpoint_counts", integers(frames, [](const auto& f) { return f.setpoint_counts; }), "count");
+  column(file, "/frames/feedback_counts", integers(frames, [](const auto& f) { return f.feedback_counts; }), "count");
+  column(file, "/frames/reference_counts", integers(frames, [](const auto& f) { return f.reference_counts; }), "count");
+  column(file, "/frames/time_ns", integers(frames, [](const auto& f) { return f.time_ns; }), "ns");
+  column(file, "/frames/since_command_ns", integers(frames, [](const auto& f) { return f.since_command_ns; }), "ns");
+  column(file, "/frames/in_band_ns", integers(frames, [](const auto& f) { return f.in_band_ns; }), "ns");
+  column(file, "/frames/device_time_us", integers(frames, [](const auto& f) { return f.device_time_us; }), "us");
+  column(file, "/frames/status", integers(frames, [](const auto& f) { return f.status; }));
+  column(file, "/frames/exchanges", integers(frames, [](const auto& f) { return f.exchanges; }));
+  column(file, "/frames/flags", texts(frames, [](const auto& f) { return f.flags; }));
   hdf5_counts(file, run, frames);
   hdf5_wrenches(file, frames);
   hdf5_trace(file, frames);
   file.group("/branches");
-  file.array("/branches/sequence", integers(branches, [](const auto& b) { return b.sequence; }));
-  file.array("/branches/repeat", integers(branches, [](const auto& b) { return b.repeat; }));
-  file.array("/branches/ordinal", integers(branches, [](const auto& b) { return b.ordinal; }));
-  file.array("/branches/attempt", integers(branches, [](const auto& b) { return b.attempt; }));
-  file.array("/branches/void", integers(branches, [](const auto& b) { return b.is_void ? 1 : 0; }));
-  file.array("/branches/void_reason", texts(branches, [](const auto& b) { return b.void_reason; }));
-  file.array("/branches/from_psi", reals(branches, [](const auto& b) { return b.from_psi; }), "psi");
-  file.array("/branches/to_psi", reals(branches, [](const auto& b) { return b.to_psi; }), "psi");
-  file.array("/branches/from_n", reals(branches, [](const auto& b) { return b.from_n.value_or(kHdf5Absent); }), "N");
-  file.array("/branches/to_n", reals(branches, [](const auto& b) { return b.to_n.value_or(kHdf5Absent); }), "N");
+  file.axis("/branches/branch", branches.size());
+  column(file, "/branches/sequence", integers(branches, [](const auto& b) { return b.sequence; }));
+  column(file, "/branches/repeat", integers(branches, [](const auto& b) { return b.repeat; }));
+  column(file, "/branches/ordinal", integers(branches, [](const auto& b) { return b.ordinal; }));
+  column(file, "/branches/attempt", integers(branches, [](const auto& b) { return b.attempt; }));
+  column(file, "/branches/void", integers(branches, [](const auto& b) { return b.is_void ? 1 : 0; }));
+  column(file, "/branches/void_reason", texts(branches, [](const auto& b) { return b.void_reason; }));
+  column(file, "/branches/from_psi", reals(branches, [](const auto& b) { return b.from_psi; }), "psi");
+  column(file, "/branches/to_psi", reals(branches, [](const auto& b) { return b.to_psi; }), "psi");
+  column(file, "/branches/from_n", reals(branches, [](const auto& b) { return b.from_n.value_or(kHdf5Absent); }), "N");
+  column(file, "/branches/to_n", reals(branches, [](const auto& b) { return b.to_n.value_or(kHdf5Absent); }), "N");
 }
 
 void hdf5_remarks(Hdf5File& file, const db::RunStore& store, std::int64_t run) {
   const std::vector<db::EventRecord> events = store.events(run);
   file.group("/events");
-  file.array("/events/time_ns", integers(events, [](const auto& e) { return e.time_ns; }), "ns");
-  file.array("/events/kind", texts(events, [](const auto& e) { return e.kind; }));
-  file.array("/events/id", texts(events, [](const auto& e) { return e.id; }));
-  file.array("/events/detail", texts(events, [](const auto& e) { return e.detail; }));
+  file.axis("/events/event", events.size());
+  column(file, "/events/time_ns", integers(events, [](const auto& e) { return e.time_ns; }), "ns");
+  column(file, "/events/kind", texts(events, [](const auto& e) { return e.kind; }));
+  column(file, "/events/id", texts(events, [](const auto& e) { return e.id; }));
+  column(file, "/events/detail", texts(events, [](const auto& e) { return e.detail; }));
   const std::vector<db::CheckRecord> checks = store.checks(run);
   file.group("/checks");
-  file.array("/checks/time_ns", integers(checks, [](const auto& c) { return c.time_ns; }), "ns");
-  file.array("/checks/kind", texts(checks, [](const auto& c) { return c.kind; }));
-  file.array("/checks/verdict", texts(checks, [](const auto& c) { return c.verdict; }));
-  file.array("/checks/detail_json", texts(checks, [](const auto& c) { return c.detail_json; }));
+  file.axis("/checks/check", checks.size());
+  column(file, "/checks/time_ns", integers(checks, [](const auto& c) { return c.time_ns; }), "ns");
+  column(file, "/checks/kind", texts(checks, [](const auto& c) { return c.kind; }));
+  column(file, "/checks/verdict", texts(checks, [](const auto& c) { return c.verdict; }));
+  column(file, "/checks/detail_json", texts(checks, [](const auto& c) { return c.detail_json; }));
   const std::vector<db::VerdictRecord> verdicts = store.verdicts(run);
   file.group("/verdicts");
-  file.array("/verdicts/criterion", texts(verdicts, [](const auto& v) { return v.criterion; }));
-  file.array("/verdicts/scope", texts(verdicts, [](const auto& v) { return v.scope; }));
-  file.array("/verdicts/value", reals(verdicts, [](const auto& v) { return v.value; }));
-  file.array("/verdicts/limit", reals(verdicts, [](const auto& v) { return v.limit; }));
-  file.array("/verdicts/unit", texts(verdicts, [](const auto& v) { return v.unit; }));
-  file.array("/verdicts/rule", texts(verdicts, [](const auto& v) { return v.rule; }));
-  file.array("/verdicts/verdict", texts(verdicts, [](const auto& v) { return v.verdict; }));
-  file.array("/verdicts/limits_sha256", texts(verdicts, [](const auto& v) { return v.limits_sha256; }));
+  file.axis("/verdicts/judgement", verdicts.size());
+  column(file, "/verdicts/criterion", texts(verdicts, [](const auto& v) { return v.criterion; }));
+  column(file, "/verdicts/scope", texts(verdicts, [](const auto& v) { return v.scope; }));
+  column(file, "/verdicts/value", reals(verdicts, [](const auto& v) { return v.value; }));
+  column(file, "/verdicts/limit", reals(verdicts, [](const auto& v) { return v.limit; }));
+  column(file, "/verdicts/unit", texts(verdicts, [](const auto& v) { return v.unit; }));
+  column(file, "/verdicts/rule", texts(verdicts, [](const auto& v) { return v.rule; }));
+  column(file, "/verdicts/verdict", texts(verdicts, [](const auto& v) { return v.verdict; }));
+  column(file, "/verdicts/limits_sha256", texts(verdicts, [](const auto& v) { return v.limits_sha256; }));
   file.group("/series");
   std::size_t number = 0;
   for (const db::SeriesRecord& series : store.series(run)) {  // units: the device of role "table"
@@ -235,8 +268,10 @@ void hdf5_remarks(Hdf5File& file, const db::RunStore& store, std::int64_t run) {
     file.group(path);
     file.attribute(path, "sequence", std::int64_t{series.sequence});
     file.attribute(path, "taxel", std::int64_t{series.taxel});
+    file.axis(path + "/sample", series.input.size());
     file.array(path + "/input", series.input);
     file.array(path + "/output", series.output);
+    for (const char* name : {"/input", "/output"}) file.axes_of(path + name, {"sample"});
   }
 }
 
@@ -252,6 +287,7 @@ std::size_t write_run_hdf5(const db::RunStore& store, const db::RunRecord& run, 
     hdf5_recipes_and_devices(file, document, run);
     hdf5_frames(file, run, store.frames(run.run), store.branches(run.run));
     hdf5_remarks(file, store, run.run);
+    add_nexus(file, run);
     file.close();
     std::filesystem::rename(half.name, half.target);
   } catch (...) {

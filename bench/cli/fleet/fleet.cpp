@@ -60,7 +60,8 @@ std::string source_name(const std::string& store) {
 }
 
 void add_fleet(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("fleet", "runs of several benches in one PostgreSQL: push, read, fit");
+  CLI::App* group = app.add_subcommand(
+      "fleet", "runs of several benches in one PostgreSQL: push, read, fit; nights in parts under Slurm");
   group->require_subcommand(1);
   auto to = std::make_shared<std::string>();
   CLI::App* migrate = group->add_subcommand(
@@ -72,6 +73,7 @@ void add_fleet(CLI::App& app, Session& session) {
   add_fleet_status(*group, session);
   add_fleet_readers(*group, session);
   add_fleet_fit(*group, session);
+  add_fleet_slurm(*group, session);
 }
 
 }  // namespace tactbench::bench

@@ -22,4 +22,6 @@ void add_origin(CLI::App& verb, std::string& origin);
 // "host:/path/runs.db": the store, as the fleet knows it.
 std::string source_name(const std::string& store);
 
+void add_fleet_slurm(CLI::App& fleet, Session& session);
+
 }  // namespace tactbench::bench

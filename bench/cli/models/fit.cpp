@@ -7,7 +7,7 @@
 
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/models/elam_pieces.h"
-#include "bench/cli/models/fit_models.h"
+#include "bench/cli/models/fit_many.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -16,7 +16,7 @@ namespace {
 
 struct FitOptions {
   FitModelsOptions models;
-  std::string model_list, fit_list, score_list, mode = "paper", way = "exact", check;
+  std::string model_list, fit_list, score_list, mode = "paper", way = "exact", check, shard, into;
 };
 
 std::vector<std::string> models_of(const std::string& list) {
@@ -82,6 +82,12 @@ void fit(FitOptions options, Session& session) {
   options.models.identify.free_run = options.mode == "free-run";
   options.models.identify.genetic = options.way == "ga";
   check_dynamic(options);
+  const bool several = options.check.empty() && names_runs(options.models.source);
+  if (several)
+    return fit_many(options.models, options.shard.empty() ? Shard{} : shard_from(options.shard), options.into, session);
+  if (!options.shard.empty() || !options.into.empty())
+    throw Error(ExitCode::kUsage, "TB-USAGE", "--shard and --into are for several runs, and one is named", "fit",
+                "name several: tactbench fit 1-400 --shard 3/8 --into part-3.db");
   take_limits_of_profile(options.models, session);
   if (!options.models.lab.empty() && options.models.limits.empty())
     throw Error(ExitCode::kUsage, "TB-USAGE", "--lab is for judging, and there are no limits", "--lab",
@@ -98,7 +104,8 @@ void add_fit(CLI::App& app, Session& session) {
   auto options = std::make_shared<FitOptions>();
   CLI::App* verb = app.add_subcommand(
       "fit", "identify models for every taxel of a run or table, score them on what was not fitted, store");
-  verb->add_option("source", options->models.source, "run number, or a table (see import)")->required();
+  verb->add_option("source", options->models.source, "run number, several (1-400,412), or a table (see import)")
+      ->required();
   verb->add_option("--model", options->model_list,
                    "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all; or dynamic: Preisach "
                    "on the linearised output with lag and creep undone (ours) [dynamic with --rate and --creep, elam "
@@ -149,6 +156,11 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option(
       "--lab", options->models.lab,
       "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive, as in a report");
+  verb->add_option("--shard", options->shard, "K/N: part K of N of several runs, for several machines")
+      ->type_name("K/N");
+  verb->add_option(
+      "--into", options->into,
+      "several runs: copy them and keep their fits in this store instead; runs merge brings the fits back");
   add_void_too(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { fit(*options, session); });

@@ -1,4 +1,4 @@
-// db check, snapshot, migrate: integrity of the store's file, a copy of it, its schema.
+// db check, snapshot, migrate: integrity of the store's file, a copy of it, its schema. db prune: prune.cpp.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -19,7 +19,7 @@ void check_db(const std::string& file, Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(path);
   const std::vector<std::string> structure = store.check_structure();
   auto list = nlohmann::ordered_json::array();
-  int sound = 0, differ = 0, open = 0;
+  int sound = 0, differ = 0, open = 0, pruned = 0;
   if (!session.json) {
     for (const std::string& line : structure) tty::print("  file    {}\n", line);
   }
@@ -28,9 +28,11 @@ void check_db(const std::string& file, Session& session) {
     const std::vector<std::string> beside = store.check_seals(run.run);
     const bool ended = run.outcome != db::Outcome::kIncomplete, holds = content.holds() && beside.empty();
     ++(!holds ? differ : ended ? sound : open);
+    pruned += content.pruned ? 1 : 0;
     list.push_back({{"run", run.run},
                     {"ended", ended},
                     {"holds", holds},
+                    {"pruned", content.pruned.has_value()},
                     {"frames", content.frames},
                     {"difference", content.difference},
                     {"beside", beside}});
@@ -47,6 +49,9 @@ void check_db(const std::string& file, Session& session) {
   tty::print("{}: structure {}; {}, {} not, {} not ended (no hash yet)\n", path,
              structure.empty() ? "sound" : "DAMAGED",
              analysis::counted(sound, "run as it was stored", "runs as they were stored"), differ, open);
+  if (pruned > 0)
+    tty::print("of {} the frames were removed by a rule (db prune): they were not checked\n",
+               analysis::counted(pruned, "run"));
   if (!well)
     tty::print("keep a copy of the file and use the last snapshot; tactbench verify RUN shows more about a run\n");
 }
@@ -81,7 +86,7 @@ void migrate_db(const Session& session) {
 }  // namespace
 
 void add_db(CLI::App& app, Session& session) {
-  CLI::App* group = app.add_subcommand("db", "check, copy or migrate the store's file");
+  CLI::App* group = app.add_subcommand("db", "check, copy, migrate or prune the store's file");
   group->require_subcommand(1);
   auto file = std::make_shared<std::string>();
   CLI::App* check = group->add_subcommand("check",
@@ -97,6 +102,7 @@ void add_db(CLI::App& app, Session& session) {
   CLI::App* migrate = group->add_subcommand("migrate", "bring an older store to this program's schema; keeps a backup");
   add_common(*migrate, session);
   migrate->callback([&session] { migrate_db(session); });
+  add_db_prune(*group, session);
 }
 
 }  // namespace tactbench::bench

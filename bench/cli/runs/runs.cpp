@@ -114,9 +114,7 @@ void list_runs(const RunsListOptions& options, const Session& session,
                cell("verdict", verdict_columns()), "origin", "purpose");
   }
   int left_out = 0;
-  for (const db::RunRecord& run : store.runs()) {
-    if (!options.sensor.empty() && run.sensor_serial != options.sensor) continue;
-    if (run.started_utc < options.since) continue;
+  for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
     if (!options.tag.empty() && std::ranges::find(run.tags, options.tag) == run.tags.end()) continue;
     const std::optional<analysis::Verdict> worst = standing_verdict(standing_verdicts(store, run.run));
     if (!wanted.fits(worst, run.origin)) continue;
@@ -124,7 +122,9 @@ void list_runs(const RunsListOptions& options, const Session& session,
       ++left_out;
       continue;
     }
-    const std::int64_t frames = frame_counts != nullptr ? frame_counts->at(run.run) : store.frame_count(run.run);
+    const std::optional<db::PrunedRecord> pruned = store.pruned(run.run);
+    // Frames are numbered from 1.
+    const std::int64_t frames = frame_counts != nullptr ? frame_counts->at(run.run) : store.last_position(run.run);
     const std::string verdict = verdict_cell(worst, run.origin);
     const bool unended = run.outcome == db::Outcome::kIncomplete;
     std::optional<bool> lives;
@@ -132,6 +132,7 @@ void list_runs(const RunsListOptions& options, const Session& session,
     if (session.json) {
       nlohmann::ordered_json row = analysis::run_json(store.run(run.run));
       row["frames"] = frames;
+      if (pruned) row["frames_pruned"] = pruned->frames;
       row["verdict"] = verdict;
       if (lives) row["lives"] = *lives;
       json.push_back(row);
@@ -139,10 +140,11 @@ void list_runs(const RunsListOptions& options, const Session& session,
       const std::string remarks =
           fmt::format("{}{}{}", run.purpose, run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
                       run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
+      const std::string gone = pruned ? fmt::format(" ({} removed)", analysis::counted(pruned->frames, "frame")) : "";
       const std::string state = !lives ? "" : *lives ? " (under way)" : " (no process carries it out)";
       tty::print("{:>5}  {}{}{:<13}{:>7}  {}{}{}\n", run.run, cell(run.started_utc, 21), cell(run.sensor_serial, 12),
                  db::to_string(run.outcome), frames, cell(verdict, verdict_columns()), cell(run.origin, 11),
-                 one_line(remarks + state));
+                 one_line(remarks + gone + state));
     }
   }
   if (session.json) {
@@ -186,9 +188,12 @@ void show_run(std::int64_t number, const Session& session) {
   const std::string word = verdict_cell(standing_verdict(verdicts), run.origin);
   const std::vector<db::EventRecord> events = store.events(number);
   const std::vector<db::CheckRecord> checks = store.checks(number);
+  const std::optional<db::PrunedRecord> pruned = store.pruned(number);
   if (session.json) {
     nlohmann::ordered_json json = analysis::run_json(run);
     json["frames"] = store.frame_count(number);
+    if (pruned)
+      json["pruned"] = {{"frames", pruned->frames}, {"rule", pruned->rule}, {"pruned_utc", pruned->pruned_utc}};
     if (const std::string specimen = specimen_of(run); !specimen.empty()) json["specimen"] = specimen;
     json["events"] = nlohmann::ordered_json::array();
     for (const db::EventRecord& event : events) {
@@ -243,7 +248,9 @@ void show_run(std::int64_t number, const Session& session) {
     if (device.calibration_json.find("\"certificate\"") != std::string::npos)
       line("", calibration_words(analysis::calibration_of(device), run.started_utc));
   }
-  line("frames", std::to_string(store.frame_count(number)));
+  line("frames", pruned ? fmt::format("none: {} were removed on {}, by the rule: {}", pruned->frames,
+                                      pruned->pruned_utc, pruned->rule)
+                        : std::to_string(store.frame_count(number)));
   for (const db::CheckRecord& check : checks) {
     line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
                               check.verdict, check_line(check)));
@@ -267,7 +274,8 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
 }
 
 void add_runs(CLI::App& app, Session& session) {
-  CLI::App* runs = app.add_subcommand("runs", "list, show, compare, export, copy, tag, note or void stored runs");
+  CLI::App* runs =
+      app.add_subcommand("runs", "list, show, compare, export, copy, merge, tag, note or void stored runs");
   runs->require_subcommand(1);
   auto options = std::make_shared<RunsListOptions>();
   CLI::App* list_verb = runs->add_subcommand("list", "one line a run");
@@ -282,6 +290,7 @@ void add_runs(CLI::App& app, Session& session) {
   add_run_remarks(*runs, session);
   add_run_export(*runs, session);
   add_run_copy(*runs, session);
+  add_run_merge(*runs, session);
   add_run_diff(*runs, session);
 }
 

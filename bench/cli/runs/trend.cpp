@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "analysis/counted.h"
 #include "bench/cli/runs/trend.h"
@@ -19,8 +18,7 @@ namespace {
 constexpr std::size_t kTrendWidth = 30;
 
 std::vector<std::string> chosen_subjects(const TrendOptions& options, const db::RunStore& store) {
-  std::set<std::string> subjects;
-  for (const db::FigureRecord& figure : store.figures("")) subjects.insert(figure.subject);
+  const std::vector<std::string> subjects = store.subjects();
   std::vector<std::string> chosen;
   for (const std::string& subject : subjects) {
     if (!options.sensor.empty() && !subject.starts_with(fmt::format("sensor/{}/", options.sensor))) continue;
@@ -98,7 +96,11 @@ void trend(const TrendOptions& options, Session& session) {
   std::vector<Followed> subjects;
   std::string origin;
   std::size_t figures = 0;
-  for (const std::string& subject : chosen_subjects(options, store)) subjects.push_back(follow(store, subject));
+  for (const std::string& subject : chosen_subjects(options, store))
+    if (Followed followed = follow(store, subject); followed.run != 0) subjects.push_back(std::move(followed));
+  if (subjects.empty())
+    throw Error(ExitCode::kUsage, "TB-TREND-NONE", "all runs with such figures are void", store.path(),
+                "tactbench runs list --all shows why");
   std::vector<Followed*> family;
   for (Followed& followed : subjects) family.push_back(&followed);
   judge_together(family);

@@ -23,6 +23,11 @@ nlohmann::ordered_json result_json(const VerifiedResult& result) {
           {"difference", result.difference}};
 }
 
+nlohmann::ordered_json pruned_json(const std::optional<db::PrunedRecord>& pruned) {
+  if (!pruned) return nullptr;
+  return {{"frames", pruned->frames}, {"rule", pruned->rule}, {"pruned_utc", pruned->pruned_utc}};
+}
+
 void print_result(const VerifiedResult& result) {
   const std::string name = result.what == "verdicts" ? analysis::counted(result.rows, "verdict")
                                                      : fmt::format("fit {} ({})", result.fit, result.what);
@@ -46,6 +51,8 @@ void verify(std::int64_t number, Session& session) {
     session.code = ExitCode::kStore;
   } else if (!first.empty()) {
     session.code = ExitCode::kCriterionFailed;
+  } else if (content.pruned) {
+    session.code = ExitCode::kInconclusive;
   }
   if (session.json) {
     auto list = nlohmann::ordered_json::array();
@@ -53,6 +60,7 @@ void verify(std::int64_t number, Session& session) {
     print_json("verify", {{"run", number},
                           {"origin", run.origin},
                           {"holds", first.empty()},
+                          {"pruned", pruned_json(content.pruned)},
                           {"first_difference", first},
                           {"content",
                            {{"holds", content.holds()},
@@ -64,7 +72,12 @@ void verify(std::int64_t number, Session& session) {
     return;
   }
   tty::print("run {} ({}), {}\n", number, run.origin, analysis::counted(content.frames, "frame"));
-  if (content.holds()) {
+  if (content.pruned && content.holds()) {
+    tty::print("  {:<14}removed on {}, by the rule: {}. They were not checked, and nothing was recomputed from them\n",
+               "frames", content.pruned->pruned_utc, one_line(content.pruned->rule));
+    tty::print("  {:<14}as it was stored: row, sequences, devices, branches, events, checks; sha256 {}\n", "all else",
+               content.computed_sha256);
+  } else if (content.holds()) {
     tty::print("  {:<14}as it was stored, sha256 {}\n", "content", content.computed_sha256);
   } else {
     tty::print("  {:<14}DIFFERS: {}\n  {:<14}stored sha256 {}, recomputed {}; the analysis was not checked\n",
@@ -73,7 +86,8 @@ void verify(std::int64_t number, Session& session) {
   for (const std::string& line : beside) tty::print("  {:<14}{}\n", "CHANGED", line);
   for (const VerifiedResult& result : results) print_result(result);
   if (content.holds() && results.empty()) tty::print("  {:<14}no stored fit, no verdict\n", "analysis");
-  tty::print("{}\n", first.empty() ? "verified" : fmt::format("NOT verified; first difference: {}", first));
+  const char* well = content.pruned ? "what is left is verified; the frames are not there" : "verified";
+  tty::print("{}\n", first.empty() ? well : fmt::format("NOT verified; first difference: {}", first));
 }
 
 }  // namespace
@@ -87,7 +101,7 @@ void add_verify(CLI::App& app, Session& session) {
   add_from(*verb, *from);
   verb->footer(
       "Exit codes: 0 all as stored, 1 a recomputed fit or verdict differs, 5 content, fits, verdicts, approvals or "
-      "voids were changed, 6 not ended.");
+      "voids were changed, 6 not ended, or the frames were removed by a rule (db prune).");
   add_common(*verb, session);
   verb->callback([run, from, &session] {
     if (from->empty()) return verify(run_number(*run), session);

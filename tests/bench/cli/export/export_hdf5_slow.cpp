@@ -186,7 +186,7 @@ TEST_CASE("a run as HDF5 holds every field of its frames, branches and remarks, 
                                    {"/branches/from_n", "N"}}) {
     const std::size_t place = dump.find(std::string("DATASET \"") + name + "\" {");
     REQUIRE(place != std::string::npos);
-    CHECK(data_behind(dump.substr(place), "ATTRIBUTE \"unit\"") == std::string("\"") + unit + "\"");
+    CHECK(data_behind(dump.substr(place), "ATTRIBUTE \"units\"") == std::string("\"") + unit + "\"");
   }
   const std::string attributes = dumped(folder, {"-y",
                                                  "-w",
@@ -210,7 +210,7 @@ TEST_CASE("a run as HDF5 holds every field of its frames, branches and remarks, 
                                                  "-a",
                                                  "/frames/counts/volts_per_count",
                                                  "-a",
-                                                 "/frames/counts/axes",
+                                                 "/frames/axes",
                                                  "run.h5"});
   for (const auto& [name, value] : {std::pair{"schema", "\"tactbench.run\""},
                                     {"version", "2"},
@@ -221,7 +221,7 @@ TEST_CASE("a run as HDF5 holds every field of its frames, branches and remarks, 
                                     {"repeats", "2"},
                                     {"role", "\"tactile scanner\""},
                                     {"volts_per_count", "0.25"},
-                                    {"axes", "\"frame scan row column\""}}) {
+                                    {"axes", "\"frame\", \"scan\", \"row\", \"column\""}}) {
     INFO(name);
     CHECK(data_behind(attributes, std::string("ATTRIBUTE \"") + name + "\"") == value);
   }

@@ -1,0 +1,112 @@
+#include "bench/cli/models/fit_many.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "analysis/counted.h"
+#include "bench/cli/session.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+namespace {
+
+using Range = std::pair<std::int64_t, std::int64_t>;
+
+// Empty: not a list of runs.
+std::vector<Range> ranges_in(const std::string& source) {
+  std::vector<Range> ranges;
+  std::istringstream parts(source);
+  for (std::string part; std::getline(parts, part, ',');) {
+    Range range{0, 0};
+    const char *const begin = part.data(), *const end = begin + part.size();
+    const auto first = std::from_chars(begin, end, range.first);
+    range.second = range.first;
+    const char* last = first.ptr;
+    if (first.ec == std::errc() && last != end && *last == '-') {
+      const auto second = std::from_chars(last + 1, end, range.second);
+      if (second.ec != std::errc()) return {};
+      last = second.ptr;
+    }
+    if (first.ec != std::errc() || last != end || range.first < 1 || range.second < range.first) return {};
+    ranges.push_back(range);
+  }
+  return ranges;
+}
+
+std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunStore& store, bool void_too) {
+  const std::vector<Range> ranges = ranges_in(source);
+  std::vector<std::int64_t> chosen;
+  for (const db::RunRecord& run : store.runs()) {
+    const auto inside = [&](const Range& range) { return run.run >= range.first && run.run <= range.second; };
+    if (std::ranges::none_of(ranges, inside) || run.outcome == db::Outcome::kIncomplete) continue;
+    if ((run.is_void() && !void_too) || store.pruned(run.run) || store.frame_count(run.run) == 0) continue;
+    chosen.push_back(run.run);
+  }
+  if (!chosen.empty()) return chosen;
+  throw Error(ExitCode::kUsage, "TB-FIT-NONE", fmt::format("of the runs {} none can be fitted", source), store.path(),
+              "tactbench runs list shows what there is; void runs are taken with --void-too");
+}
+
+// The number of the run in the store that it is fitted in.
+std::int64_t brought(const std::string& from, std::int64_t run, const std::string& into) {
+  const db::RunStore source = db::RunStore::open_read_only(from);
+  db::RunStore part = db::RunStore::open(into, db::Durability::kNormal);
+  const std::int64_t there = part.run_of_uuid(source.run(run).uuid);
+  return there != 0 ? there : part.copy_runs_from(source, {run}).front();
+}
+
+}  // namespace
+
+bool names_runs(const std::string& source) {
+  return source.find_first_of("-,") != std::string::npos && !ranges_in(source).empty();
+}
+
+void fit_many(const FitModelsOptions& options, const Shard& shard, const std::string& into, Session& session) {
+  if (options.models.size() != 1 || !options.output.empty() || !options.score.empty() || !options.held_out.empty() ||
+      options.rate_run != 0)
+    throw Error(ExitCode::kUsage, "TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
+                "leave out --score, --held-out, --rate, --creep, --output, and name one --model; or name one run");
+  const std::string from = session.db;
+  const std::vector<std::int64_t> runs =
+      chosen_runs(options.source, db::RunStore::open_read_only(from), session.void_too);
+  auto list = nlohmann::ordered_json::array();
+  std::size_t failed = 0;
+  for (std::size_t place = 0; place < runs.size(); ++place) {
+    if (!shard.holds(place)) continue;
+    const std::int64_t run = runs[place];
+    FitModelsOptions own = options;
+    nlohmann::ordered_json row = {{"run", run}};
+    try {
+      session.db = into.empty() ? from : into;
+      own.source = std::to_string(into.empty() ? run : brought(from, run, into));
+      const JudgedFit fit = fit_and_judge(own, session);
+      const analysis::Evaluation& e = fit.evaluations.front().evaluation;
+      row.update({{"fit", fit.model.fit}, {"taxels", fit.model.fitted().size()}, {"mean_error_psi", e.mean_error_psi}});
+      if (!session.json)
+        tty::print("run {:>5}: fit {}, {}, {}; mean error on the run itself {:.3f} psi\n", run, fit.model.fit,
+                   options.models.front(), analysis::counted(fit.model.fitted().size(), "taxel"), e.mean_error_psi);
+    } catch (...) {
+      const Error error = as_error(std::current_exception());
+      if (error.code() == ExitCode::kStore || error.code() == ExitCode::kInternal) throw;
+      ++failed;
+      row["error"] = error.id();
+      if (!session.json) tty::print("run {:>5}: not fitted: {} [{}]\n", run, one_line(error.what()), error.id());
+    }
+    list.push_back(row);
+  }
+  session.db = from;
+  if (failed > 0) session.code = ExitCode::kInconclusive;
+  if (session.json)
+    print_json("fit.runs", {{"store", into.empty() ? from : into}, {"shard", shard.text()}, {"runs", list}});
+  else
+    tty::print(
+        "{} fitted, {} not{}\n", analysis::counted(list.size() - failed, "run"), failed,
+        shard.is_whole() ? "" : fmt::format("; part {} of {}", shard.text(), analysis::counted(runs.size(), "run")));
+}
+
+}  // namespace tactbench::bench

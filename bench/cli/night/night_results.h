@@ -1,0 +1,28 @@
+// What verbs do with a night's results, carried out by one machine or merged of several: files, printing, exit code.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/cli/session.h"
+#include "bench/nightly/followed_page.h"
+#include "bench/nightly/night.h"
+
+namespace tactbench::bench {
+
+struct NightFiles {
+  std::string junit, metrics, html;  // empty: not written
+};
+void add_night_files(CLI::App& verb, NightFiles& files);
+
+void write_night_lists(const NightFiles& files, const Suite& suite, const std::vector<ScenarioResult>& results,
+                       const Session& session);  // JUnit and metrics
+void write_night_page(const NightFiles& files, const Suite& suite, const NightPage& night, const Session& session);
+
+// 1: a scenario is red or was not carried out, 6: one has moved.
+ExitCode code_of_night(const Suite& suite, const std::vector<ScenarioResult>& results);
+nlohmann::ordered_json night_json(const Suite& suite, const std::vector<ScenarioResult>& results);
+void print_night(const Suite& suite, const std::vector<ScenarioResult>& results);
+
+}  // namespace tactbench::bench

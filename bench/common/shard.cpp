@@ -1,0 +1,39 @@
+#include "bench/common/shard.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "bench/common/error.h"
+#include "db/run_store.h"
+
+namespace tactbench::bench {
+
+bool Shard::holds(std::size_t place) const {
+  return place % static_cast<std::size_t>(of) + 1 == static_cast<std::size_t>(number);
+}
+
+bool Shard::holds(std::string_view name) const {
+  const std::string digits = db::sha256_hex(std::string(name)).substr(0, 15);  // 60 bits
+  std::size_t value = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  return holds(value);
+}
+
+std::string Shard::text() const { return fmt::format("{}/{}", number, of); }
+
+Shard shard_from(const std::string& typed) {
+  Shard shard{0, 0};
+  const char *const begin = typed.data(), *const end = begin + typed.size();
+  const auto number = std::from_chars(begin, end, shard.number);
+  if (number.ec == std::errc() && number.ptr != end && *number.ptr == '/') {
+    const auto of = std::from_chars(number.ptr + 1, end, shard.of);
+    if (of.ec == std::errc() && of.ptr == end && shard.number >= 1 && shard.number <= shard.of &&
+        shard.of <= kMostShards)
+      return shard;
+  }
+  throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a part of the work", typed), "--shard",
+              fmt::format("K/N, part K of N, K from 1 to N and N at most {}: --shard 3/8", kMostShards));
+}
+
+}  // namespace tactbench::bench

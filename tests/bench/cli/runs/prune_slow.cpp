@@ -1,0 +1,91 @@
+// db prune on a night: what goes, what stays, and what verbs say of it afterwards.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "db/run_store.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+const char* const kNight = R"(schema = 1
+name = "small"
+[[scenario]]
+name = "short"
+about = "a fit"
+recipes = ["production"]
+held_out = ["recipe.repeats=1"]
+)";
+
+nlohmann::json json_of(const Finished& finished) {
+  INFO(finished.out << finished.err);
+  return nlohmann::json::parse(finished.out);
+}
+
+}  // namespace
+
+TEST_CASE("the frames of old nights are removed by a rule, and verify, report and the next night say so") {
+  const TemporaryFolder folder;
+  write_file(folder.path("small.toml"), kNight);
+  const auto night = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"nightly", "./small.toml", "--db", "night.db", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(folder, words);
+  };
+  REQUIRE(night({"--seeds", "3"}).code == 0);
+  REQUIRE(call(folder, {"runs", "tag", "3", "pinned", "--db", "night.db"}).code == 0);
+  const std::string trend = call(folder, {"trend", "--db", "night.db"}).out;
+  const auto prune = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"db", "prune", "--db", "night.db"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(folder, words);
+  };
+  // Nothing is old yet, and nothing is done without --yes.
+  CHECK(json_of(prune({"--keep", "1d", "--yes", "--json"})).at("runs").empty());
+  const Finished asked = prune({"--keep", "2999-01-01"});
+  CHECK(asked.code == 0);
+  CHECK_THAT(asked.out, Catch::Contains("4 runs would go") && Catch::Contains("nothing was changed: add --yes") &&
+                            Catch::Contains("run 3 stays whole: pinned") &&
+                            Catch::Contains("run 4 stays whole: run 3 is pinned"));
+  for (const char* rule : {"", "30", "d", "0d", "x", "2026-13", "-3d"})
+    CHECK(prune({"--keep", rule, "--yes"}).code == 2);
+  CHECK(call(folder, {"verify", "1", "--db", "night.db"}).code == 0);
+  const nlohmann::json done = json_of(prune({"--keep", "2999-01-01", "--yes", "--shrink", "--json"}));
+  CHECK(done.at("runs") == std::vector<int>{1, 2, 5, 6});
+  CHECK(done.at("file_bytes").get<double>() < 0.6 * done.at("file_bytes_before").get<double>());
+
+  CHECK(call(folder, {"trend", "--db", "night.db"}).out == trend);
+  const Finished verified = call(folder, {"verify", "1", "--db", "night.db"});
+  CHECK(verified.code == 6);
+  CHECK_THAT(verified.out, Catch::Contains("frames        removed on 2") && Catch::Contains("--keep 2999-01-01") &&
+                               Catch::Contains("not recomputed") &&
+                               Catch::Contains("what is left is verified; the frames are not there") &&
+                               !Catch::Contains("\nverified"));
+  CHECK(json_of(call(folder, {"verify", "2", "--db", "night.db", "--json"})).at("pruned").at("frames") > 0);
+  CHECK(call(folder, {"verify", "3", "--db", "night.db"}).code == 0);
+  CHECK_THAT(call(folder, {"runs", "list", "--db", "night.db"}).out, Catch::Contains("frames removed)"));
+  CHECK_THAT(call(folder, {"runs", "show", "1", "--db", "night.db"}).out, Catch::Contains("were removed on"));
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"report", "1", "-o", "r.html"},
+                                             {"fit", "1"},
+                                             {"runs", "export", "1", "-o", "r.csv"},
+                                             {"runs", "export", "1", "--format", "json", "-o", "r.json"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {"--db", "night.db"});
+    const Finished refused = call(folder, all);
+    CAPTURE(words.front(), refused.err);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("TB-STORE-PRUNED"));
+  }
+  const Finished checked = call(folder, {"db", "check", "--db", "night.db"});
+  CHECK(checked.code == 0);
+  CHECK_THAT(checked.out, Catch::Contains("of 4 runs the frames were removed by a rule"));
+  // The next night is still compared, frame by frame, with one whose frames are gone.
+  const nlohmann::json next = json_of(night({"--seed", "1"}));
+  CHECK(next.at("scenarios").at(0).at("compared") == "same frames as run 1");
+  CHECK(next.at("scenarios").at(0).at("remarks").empty());
+  CHECK(call(folder, {"runs", "copy", "1", "2", "--db", "night.db", "--to", "copy.db"}).code == 0);
+  CHECK(call(folder, {"verify", "1", "--db", "copy.db"}).code == 6);
+}

@@ -1,0 +1,54 @@
+// Parts of a work: together all of it, no item twice.
+#include "bench/common/shard.h"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "bench/common/error.h"
+
+using tactbench::bench::Error;
+using tactbench::bench::Shard;
+using tactbench::bench::shard_from;
+
+TEST_CASE("the parts of a work hold each item once, and are of nearly one size") {
+  for (const int of : {1, 2, 3, 7, 8}) {
+    int held = 0, by_name = 0, least = 1000, most = 0;
+    for (int number = 1; number <= of; ++number) {
+      const Shard shard{number, of};
+      int own = 0;
+      for (std::size_t place = 0; place < 1080; ++place) {
+        own += shard.holds(place) ? 1 : 0;
+        by_name += shard.holds("run-" + std::to_string(place)) ? 1 : 0;
+      }
+      held += own;
+      least = std::min(least, own);
+      most = std::max(most, own);
+    }
+    CHECK(held == 1080);
+    CHECK(by_name == 1080);
+    CHECK(most - least <= 1);
+  }
+}
+
+TEST_CASE("a name lies in the same part whatever else there is, and parts by name are about equal") {
+  CHECK(Shard{1, 1}.holds("6e6f1b2a-0000-4000-8000-000000000001"));
+  int own = 0;
+  for (int i = 0; i < 8000; ++i) own += Shard{3, 8}.holds("uuid-" + std::to_string(i)) ? 1 : 0;
+  CHECK((own > 850 && own < 1150));  // 1000, and five standard deviations
+}
+
+TEST_CASE("a part is typed as K/N, and anything else is an error that says so") {
+  const Shard shard = shard_from("3/8");
+  CHECK((shard.number == 3 && shard.of == 8 && shard.text() == "3/8" && !shard.is_whole()));
+  CHECK(shard_from("1/1").is_whole());
+  for (const char* typed :
+       {"", "3", "0/8", "9/8", "-1/8", "3/", "/8", "3/8/2", "a/b", "3 / 8", "1/1001", "1/99999999999"}) {
+    CAPTURE(typed);
+    try {
+      (void)shard_from(typed);
+      FAIL("it was taken");
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-USAGE");
+    }
+  }
+}

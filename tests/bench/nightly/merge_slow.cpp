@@ -1,0 +1,217 @@
+// A night in parts, put together, beside the same night in one; what merging takes and refuses.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "db/run_store.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// Two scenarios with models, one of two runs, and a red one.
+const char* const kParts = R"(schema = 1
+name = "parts"
+[[scenario]]
+name = "short"
+about = "a fit judged on another run"
+recipes = ["production"]
+held_out = ["recipe.repeats=1"]
+[[scenario]]
+name = "rest"
+about = "no fit"
+recipes = ["equilibration"]
+fits = false
+[scenario.figures]
+frames = [1, 2]
+)";
+
+nlohmann::json json_of(const Finished& finished) {
+  INFO(finished.out << finished.err);
+  return nlohmann::json::parse(finished.out);
+}
+
+// What two nights of the same seeds may differ in.
+std::string without_times(std::string page) {
+  page = std::regex_replace(page, std::regex("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:]{8}Z"), "TIME");
+  return std::regex_replace(page, std::regex("<td class=\"n\">[0-9.]+</td><td>"), "<td>SECONDS</td><td>");
+}
+
+// The facts of a store that must not depend on the number of machines.
+nlohmann::json facts_of(const std::string& path) {
+  const db::RunStore store = db::RunStore::open_read_only(path);
+  nlohmann::json facts;
+  for (const db::RunRecord& run : store.runs()) {
+    nlohmann::json own = {{"content", run.content_sha256}, {"seed", run.seed}, {"tags", run.tags}};
+    for (const db::FitRecord& fit : store.fits(run.run)) {
+      own["fits"].push_back({fit.fit, fit.model, fit.summary_json, fit.patterns_json});
+      for (const db::FitTaxelRecord& taxel : store.fit_taxels(fit.fit)) own["taxels"].push_back(taxel.parameters);
+    }
+    for (const db::VerdictRecord& v : store.verdicts(run.run))
+      own["verdicts"].push_back({v.fit, v.criterion, v.scope, v.value, v.verdict});
+    facts["runs"].push_back(own);
+  }
+  for (const db::FigureRecord& figure : store.figures(""))
+    facts["figures"].push_back({figure.run, figure.subject, figure.name, figure.value});
+  for (const db::BaselineRecord& baseline : store.baselines())
+    facts["baselines"].push_back({baseline.subject, baseline.runs, baseline.reason, baseline.accepted_utc});
+  for (const db::NightRecord& night : store.nights()) {
+    nlohmann::json own = {{"suite", night.suite}, {"shards", night.shards}, {"selection", night.selection_json}};
+    for (const db::NightResultRecord& result : night.results)
+      own["results"].push_back({result.position, result.label, result.first_run});
+    facts["nights"].push_back(own);
+  }
+  return facts;
+}
+
+}  // namespace
+
+TEST_CASE("a night in three parts, merged, is the night in one: runs, figures, models, baseline, page") {
+  const TemporaryFolder folder;
+  write_file(folder.path("parts.toml"), kParts);
+  const auto night = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"nightly", "./parts.toml", "--seeds", "8", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(folder, words);
+  };
+  REQUIRE(night({"--db", "one.db", "--html", "one.html"}).code == 1);  // "rest" has more than 2 frames
+  // In an order that is not theirs.
+  for (const char* part : {"3", "1", "2"}) {
+    const Finished done =
+        night({"--db", std::string("part-") + part + ".db", "--shard", std::string(part) + "/3", "--json"});
+    CHECK(done.code == 1);
+    CHECK(json_of(done).at("scenarios").size() == (std::string(part) == "3" ? 5 : part[0] == '1' ? 6 : 5));
+  }
+  const Finished merged = call(folder, {"runs", "merge", "part-2.db", "part-3.db", "part-1.db", "--db", "three.db",
+                                        "--html", "three.html", "--junit", "three.xml", "--json"});
+  CHECK(merged.code == 1);
+  const nlohmann::json result = json_of(merged);
+  CHECK((result.at("runs") == 24 && result.at("there") == 0 && result.at("nights").size() == 1));
+  CHECK((result.at("nights").at(0).at("red") == 8 && result.at("nights").at(0).at("not_run") == 0));
+  CHECK(facts_of(folder.path("three.db")) == facts_of(folder.path("one.db")));
+  CHECK(without_times(read_file(folder.path("three.html"))) == without_times(read_file(folder.path("one.html"))));
+  CHECK_THAT(read_file(folder.path("three.xml")), Catch::Contains("tests=\"16\" failures=\"8\" errors=\"0\""));
+  // The next night is compared with the merged one as with the other, on the same baseline.
+  for (const char* db : {"one.db", "three.db"}) {
+    REQUIRE(call(folder, {"baseline", "accept", "1-24", "--db", db, "--by", "K. Lee", "--reason", "as made"}).code ==
+            0);
+    CHECK(call(folder, {"db", "check", "--db", db}).code == 0);
+  }
+  CHECK(call(folder, {"trend", "--db", "one.db"}).out == call(folder, {"trend", "--db", "three.db"}).out);
+  const auto next = [&](const std::string& db) {
+    nlohmann::json own = json_of(call(folder, {"nightly", "./parts.toml", "--seed", "3", "--db", db, "--json"}));
+    for (nlohmann::json& scenario : own.at("scenarios")) scenario.erase("seconds");
+    return own;
+  };
+  const nlohmann::json after = next("one.db");
+  CHECK(next("three.db") == after);
+  CHECK(after.at("scenarios").at(0).at("compared") == "same frames as run 5");
+  // Merging again takes nothing, and gives the same page.
+  const Finished again =
+      call(folder, {"runs", "merge", "part-1.db", "part-2.db", "part-3.db", "--db", "three.db", "--json"});
+  CHECK((json_of(again).at("runs") == 0 && json_of(again).at("there") == 24));
+  CHECK(db::RunStore::open_read_only(folder.path("three.db")).nights().size() == 2);
+}
+
+TEST_CASE("a night with a part missing or there twice is not merged, and nothing is taken") {
+  const TemporaryFolder folder;
+  write_file(folder.path("parts.toml"), kParts);
+  const auto part = [&](const std::string& shard, const std::string& db) {
+    return call(folder,
+                {"nightly", "./parts.toml", "--only", "rest", "--seeds", "3", "-q", "--shard", shard, "--db", db});
+  };
+  CHECK(part("1/3", "a.db").code == 1);
+  CHECK(part("3/3", "c.db").code == 1);
+  const Finished missing = call(folder, {"runs", "merge", "a.db", "c.db", "--db", "all.db"});
+  CHECK(missing.code == 2);
+  CHECK_THAT(missing.err, Catch::Contains("TB-MERGE-SHARD") && Catch::Contains("missing: 2"));
+  CHECK(part("3/3", "again.db").code == 1);
+  const Finished twice = call(folder, {"runs", "merge", "a.db", "c.db", "again.db", "--db", "all.db"});
+  CHECK(twice.code == 2);
+  CHECK_THAT(twice.err, Catch::Contains("part 3 of 3") && Catch::Contains("there twice"));
+  CHECK(db::RunStore::open_read_only(folder.path("all.db")).runs().empty());
+  for (const auto& words : std::vector<std::vector<std::string>>{{"--shard", "2/3"},
+                                                                 {"--shard", "4/3", "--db", "x.db"},
+                                                                 {"--shard", "2/3", "--db", "x.db", "--html", "x.html"},
+                                                                 {"--shard", "2/3", "--db", "a.db"}}) {
+    std::vector<std::string> all = {"nightly", "./parts.toml"};
+    all.insert(all.end(), words.begin(), words.end());
+    CHECK(call(folder, all).code == 2);
+  }
+  CHECK(call(folder, {"runs", "merge", "a.db", "a.db", "--db", "all.db"}).code == 2);
+  CHECK(call(folder, {"runs", "merge", "a.db", "--db", "a.db"}).code == 2);
+}
+
+TEST_CASE("stores of several benches are merged: runs once each, later fits, baselines that count by their date") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  for (const char* db : {"a.db", "b.db"}) {
+    REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db}).code == 0);
+    REQUIRE(call(folder, {"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "me", "--yes",
+                          "-q", "--seed", db[0] == 'a' ? "5" : "6", "--db", db})
+                .code == 0);
+  }
+  REQUIRE(call(folder, {"runs", "copy", "1", "--to", "b.db", "--db", "a.db"}).code == 0);  // run 2 of b
+  REQUIRE(call(folder, {"fit", "1", "--db", "a.db"}).code == 0);
+  {
+    db::RunStore a = db::RunStore::open(folder.path("a.db")), b = db::RunStore::open(folder.path("b.db"));
+    for (const std::int64_t run : {1, 2})
+      b.replace_figures(run, "rig/x", {{"drift_psi", 0.5 * static_cast<double>(run)}});
+    b.take_baseline({0, "rig/x", "old", "K. Lee", "2026-01-01T00:00:00Z", {1, 2}});
+    a.replace_figures(1, "rig/x", {{"drift_psi", 1.0}});
+    a.take_baseline({0, "rig/x", "new", "K. Lee", "2026-02-01T00:00:00Z", {1}});
+    b.void_run(1, "by hand", "K. Lee", "2026-01-02T00:00:00Z");
+  }
+  const Finished merged = call(folder, {"runs", "merge", "a.db", "b.db", "--db", "all.db", "--json"});
+  CHECK(merged.code == 0);
+  CHECK((json_of(merged).at("runs") == 2 && json_of(merged).at("there") == 1 && json_of(merged).at("baselines") == 2));
+  db::RunStore all = db::RunStore::open(folder.path("all.db"));
+  CHECK((all.runs().size() == 2 && all.fits(1).size() == 1 && all.run(2).is_void()));
+  REQUIRE(all.last_baseline("rig/x"));
+  CHECK((all.last_baseline("rig/x")->reason == "new" &&
+         all.last_baseline("rig/x")->runs == std::vector<std::int64_t>{1}));
+  CHECK(all.baselines().back().reason == "new");
+  // A fit that was made since comes along; what has it already takes nothing.
+  REQUIRE(call(folder, {"fit", "2", "--db", "b.db", "--exact-outer"}).code == 0);
+  const nlohmann::json later = json_of(call(folder, {"runs", "merge", "a.db", "b.db", "--db", "all.db", "--json"}));
+  CHECK((later.at("runs") == 0 && later.at("fits") == 1 && later.at("baselines") == 0));
+  CHECK(all.fits(1).size() == 2);
+  CHECK(call(folder, {"verify", "1", "--db", "all.db"}).code == 0);
+  CHECK(call(folder, {"db", "check", "--db", "all.db"}).code == 0);
+  CHECK(call(folder, {"runs", "merge", "a.db", "--db", "new.db", "--html", "x.html"}).code == 2);  // no night
+}
+
+TEST_CASE("several runs are fitted in parts, and merging brings the fits of one program back") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  for (const char* seed : {"1", "2", "3"})
+    REQUIRE(call(folder, {"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "me", "--yes",
+                          "-q", "--seed", seed})
+                .code == 0);
+  std::filesystem::copy_file(folder.path("runs.db"), folder.path("whole.db"));
+  REQUIRE(call(folder, {"fit", "1-3", "--db", "whole.db"}).code == 0);
+  CHECK(json_of(call(folder, {"fit", "1-3", "--shard", "1/2", "--into", "p1.db", "--json"})).at("runs").size() == 2);
+  CHECK(json_of(call(folder, {"fit", "1-2,3", "--shard", "2/2", "--into", "p2.db", "--json"})).at("runs").size() == 1);
+  CHECK(db::RunStore::open_read_only(folder.path("runs.db")).fits(1).empty());
+  CHECK(json_of(call(folder, {"runs", "merge", "p1.db", "p2.db", "--db", "runs.db", "--json"})).at("fits") == 3);
+  const db::RunStore whole = db::RunStore::open_read_only(folder.path("whole.db"));
+  const db::RunStore merged = db::RunStore::open_read_only(folder.path("runs.db"));
+  for (const std::int64_t run : {1, 2, 3}) {
+    REQUIRE((whole.fits(run).size() == 1 && merged.fits(run).size() == 1));
+    CHECK(merged.fits(run).front().summary_json == whole.fits(run).front().summary_json);
+    const auto a = merged.fit_taxels(merged.fits(run).front().fit), b = whole.fit_taxels(whole.fits(run).front().fit);
+    REQUIRE(a.size() == b.size());
+    CHECK(std::ranges::equal(a, b, {}, &db::FitTaxelRecord::parameters, &db::FitTaxelRecord::parameters));
+    for (const std::string& subject : whole.subjects_of(run))
+      CHECK(merged.figures_of(run, subject) == whole.figures_of(run, subject));
+  }
+  CHECK(call(folder, {"fit", "1", "--shard", "1/2"}).code == 2);
+  CHECK(call(folder, {"fit", "7-9"}).code == 2);
+  CHECK(call(folder, {"fit", "1-3", "--held-out", "2"}).code == 2);
+}

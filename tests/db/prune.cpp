@@ -1,0 +1,185 @@
+// Runs whose frames were removed by a rule: what stays, what is checked, and what is never removed.
+#include <catch2/catch.hpp>
+
+#include "db/frames_hash.h"
+#include "db/sqlite.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+
+namespace {
+
+constexpr const char* kRule = "nights before 2026-01-01";
+
+std::int64_t night_run(RunStore& store, const db::RunRecord& run = example_run()) {
+  const std::int64_t number = store_example(store, run);
+  store.set_tags(number, {"nightly"}, {});
+  return number;
+}
+
+// Run `judged` is judged by a fit of run `fitted`.
+void judge(RunStore& store, std::int64_t fitted, std::int64_t judged) {
+  db::FitRecord fit;
+  fit.run = fitted;
+  fit.model = "elam";
+  db::VerdictRecord verdict;
+  verdict.verdict = "pass";
+  verdict.limits_sha256 = "l";
+  store.replace_verdicts(judged, store.add_fit(fit, {}), {verdict});
+}
+
+}  // namespace
+
+TEST_CASE("the frames of a night's run go, and all else stays and is still checked") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = night_run(store), other = night_run(store);
+  store.replace_figures(run, "nightly/a", {{"mean_error_psi", 0.25}});
+  const std::string content = store.run(run).content_sha256, frames = db::frames_hash(store, run);
+  CHECK(store.why_not_pruned(run).empty());
+  const db::PrunedRecord pruned = store.prune_frames(run, kRule, kUtc);
+  CHECK((pruned.frames == 3 && pruned.bytes == 3 * (24 + 32)));
+  CHECK(store.frame_count(run) == 0);
+  CHECK(store.frame_count(other) == 3);
+  CHECK(store.run(run).content_sha256 == content);
+  CHECK(db::frames_hash(store, run) == frames);
+  CHECK(store.events(run).size() == 2);
+  CHECK(store.figures("nightly/a").size() == 1);
+  CHECK(store.check_structure().empty());
+  const db::ContentCheck check = store.check_content(run);
+  REQUIRE(check.pruned);
+  CHECK((check.holds() && check.frames == 3 && check.computed_sha256 == content && check.pruned->rule == kRule));
+  CHECK_FALSE(store.check_content(other).pruned);
+  std::string message;
+  CHECK(store_error([&] { (void)store.frames(run); }, &message) == "TB-STORE-PRUNED");
+  CHECK_THAT(message, Catch::Contains(kRule));
+  CHECK(store_error([&] { store.each_frame(run, [](const auto&) {}); }) == "TB-STORE-PRUNED");
+  CHECK(store_error([&] { store.prune_frames(run, kRule, kUtc); }) == "TB-STORE-CONFLICT");
+  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  CHECK(raw.integer("SELECT frames_pruned FROM v_runs WHERE run = 1") == 3);
+}
+
+TEST_CASE("a change of what is left of a pruned run is detected") {
+  const auto difference_after = [](const char* sql) {
+    const TemporaryFolder folder;
+    RunStore store = RunStore::open(folder.path("runs.db"));
+    night_run(store);
+    store.prune_frames(1, kRule, kUtc);
+    Connection(folder.path("runs.db"), Access::kReadWrite).execute(sql);
+    return store.check_content(1).difference;
+  };
+  CHECK(difference_after("SELECT 1").empty());
+  CHECK_THAT(difference_after("UPDATE runs SET seed = 8"), Catch::Contains("the run's row"));
+  CHECK_THAT(difference_after("UPDATE runs SET bench_toml = 'x'"), Catch::Contains("the bench file"));
+  CHECK_THAT(difference_after("UPDATE devices SET serial = 'x'"), Catch::Contains("a device"));
+  CHECK_THAT(difference_after("UPDATE events SET detail = 'x'"), Catch::Contains("an event"));
+  CHECK_THAT(difference_after("UPDATE runs SET outcome = 'failed'"), Catch::Contains("the outcome"));
+  CHECK_THAT(difference_after("UPDATE pruned SET frames = 4"), Catch::Contains("number of frames"));
+  CHECK_THAT(difference_after("UPDATE pruned SET chain = randomblob(32)"), Catch::Contains("the link"));
+  CHECK_FALSE(difference_after("DELETE FROM pruned").empty());
+}
+
+TEST_CASE("frames of hardware, of other runs than nights', void, pinned, reported or open ones stay") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::RunRecord hardware = example_run();
+  hardware.origin = "hardware";
+  const std::int64_t real = night_run(store, hardware), own = store_example(store), voided = night_run(store),
+                     pinned = night_run(store), reported = night_run(store), free = night_run(store);
+  store.void_run(voided, "by hand", "K. Lee", kUtc);
+  store.set_tags(pinned, {"pinned"}, {});
+  store.add_report({reported, "5-0123abcd", "hash", "K. Lee", kUtc, ""});
+  const std::int64_t open = begin_example(store).run;
+  store.set_tags(open, {"nightly"}, {});
+  CHECK(store.why_not_pruned(real) == "hardware, not simulated");
+  CHECK(store.why_not_pruned(own) == "not of a night");
+  CHECK(store.why_not_pruned(voided) == "void");
+  CHECK(store.why_not_pruned(pinned) == "pinned");
+  CHECK_THAT(store.why_not_pruned(reported), Catch::Contains("5-0123abcd"));
+  CHECK(store.why_not_pruned(open) == "not ended");
+  CHECK(store.why_not_pruned(free).empty());
+  for (const std::int64_t run : {real, own, voided, pinned, reported, open})
+    CHECK(store_error([&] { store.prune_frames(run, kRule, kUtc); }) == "TB-STORE-CONFLICT");
+  CHECK(store.frame_count(real) == 3);
+  // What a verdict of a kept run rests on stays, on either side of the verdict.
+  const std::int64_t models = night_run(store), judged = night_run(store);
+  judge(store, models, pinned);
+  judge(store, reported, judged);
+  CHECK_THAT(store.why_not_pruned(models), Catch::Contains("run 4 is pinned"));
+  CHECK_THAT(store.why_not_pruned(judged), Catch::Contains("run 5 is in the approved report"));
+  judge(store, free, night_run(store));
+  CHECK(store.why_not_pruned(free).empty());
+}
+
+TEST_CASE("a damaged run is not pruned, and a pruned one is not continued") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  night_run(store);
+  const Begun begun = begin_example(store);
+  store.append_frame(begun.run, example_frame(begun.branch, 0));
+  store.end_run(begun.run, db::Outcome::kStopped, "by hand", db::SafeState::kVerified, kUtc);
+  store.set_tags(begun.run, {"nightly"}, {});
+  store.prune_frames(begun.run, kRule, kUtc);
+  std::string message;
+  CHECK(store_error([&] { store.reopen_run(begun.run, {}); }, &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("removed by a rule"));
+  Connection(folder.path("runs.db"), Access::kReadWrite)
+      .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
+  CHECK(store_error([&] { store.prune_frames(1, kRule, kUtc); }, &message) == "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Catch::Contains("not what was stored"));
+  CHECK(store.frame_count(1) == 3);
+}
+
+TEST_CASE("a pruned run is copied as such, and the space that frames leave is given back on request") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("a.db"));
+  for (int i = 0; i < 30; ++i) {
+    const Begun begun = begin_example(store);
+    db::FrameRecord frame = example_frame(begun.branch, 0);
+    frame.trace.resize(2000);
+    for (int k = 0; k < 5; ++k) store.append_frame(begun.run, frame);
+    store.end_run(begun.run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
+    store.set_tags(begun.run, {"nightly"}, {});
+    store.prune_frames(begun.run, kRule, kUtc);
+  }
+  const auto bytes = [&] { return read_file(folder.path("a.db")).size(); };
+  Connection(folder.path("a.db"), Access::kReadWrite).execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  const std::size_t before = bytes();
+  store.shrink();
+  CHECK(bytes() + 100'000 < before);  // frames of one run at a time lay there
+  CHECK(store.check_structure().empty());
+  RunStore copy = RunStore::open(folder.path("b.db"));
+  CHECK(copy.copy_runs_from(store, {3}) == std::vector<std::int64_t>{1});
+  REQUIRE(copy.check_content(1).pruned);
+  CHECK(copy.check_content(1).holds());
+  CHECK(copy.run(1).content_sha256 == store.run(3).content_sha256);
+  RunStore::open(folder.path("a.db"));  // the header of a shrunk file is one of a store
+}
+
+TEST_CASE("nights are kept with their results") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  night_run(store);
+  db::NightRecord night{0, "small", "small.toml", "schema = 1\n", "{}", 2, 3, kUtc, kUtc, "this program", {}};
+  night.results = {{4, "b", R"({"x":1})", 0}, {1, "a", "{}", 1}};
+  CHECK(store.add_night(night) == 1);
+  REQUIRE(store.nights().size() == 1);
+  const db::NightRecord back = store.nights().front();
+  CHECK((back.suite == "small" && back.shard == 2 && back.shards == 3 && back.program == "this program"));
+  REQUIRE(back.results.size() == 2);
+  CHECK((back.results[0].label == "a" && back.results[0].first_run == 1 && back.results[1].position == 4));
+  night.results = {{0, "a", "{}", 99}};
+  CHECK(store_error([&] { store.add_night(night); }) == "TB-STORE-CONFLICT");
+  CHECK(store.nights().size() == 1);
+  CHECK(store.last_run_of("nightly/a", 7, -8, 99) == 0);
+  store.replace_figures(1, "nightly/a", {{"x", 1.0}});
+  CHECK(store.last_run_of("nightly/a", 7, -8, 99) == 1);
+  CHECK(store.last_run_of("nightly/a", 7, -8, 1) == 0);
+  CHECK(store.last_run_of("nightly/a", 8, -8, 99) == 0);
+  CHECK(store.subjects() == std::vector<std::string>{"nightly/a"});
+}
