@@ -37,9 +37,10 @@ LocalRuns::LocalRuns(const std::string& path) : path_(path) {
 
 std::vector<LocalRun> LocalRuns::ended_runs() {
   std::vector<LocalRun> runs;
+  // A run whose frames were removed cannot be sent: the fleet recomputes its hash from them.
   sqlite::Statement rows(*connection_,
                          "SELECT run, uuid, content_sha256, started_utc, tags, notes, void_utc FROM runs "
-                         "WHERE outcome <> 'incomplete' ORDER BY run");
+                         "WHERE outcome <> 'incomplete' AND run NOT IN (SELECT run FROM pruned) ORDER BY run");
   sqlite::Statement seals(*connection_, "SELECT kind, count, sha256 FROM seals WHERE run = ? ORDER BY kind", true);
   sqlite::Statement figures(*connection_,
                             "SELECT subject, name, value FROM figures WHERE run = ? ORDER BY subject, name", true);
