@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "bench/common/build_info.h"
 #include "db/fleet/migrations.h"
@@ -40,8 +41,10 @@ void migrate_fleet(const std::string& to, const Session& session) {
 void add_fleet_option(CLI::App& verb, const char* name, std::string& value, Session& session) {
   session.profile
       .add(verb, name, ProfileKey::kFleet, value,
-           "how to connect to the fleet's PostgreSQL, as psql takes it: \"host=db.lab dbname=tactile user=bench_a\", "
-           "\"service=NAME\"; keep the password in ~/.pgpass")
+           std::string_view(name) == "--to" ? "how to connect to the fleet's PostgreSQL, as psql takes it: "
+                                              "\"host=db.lab dbname=tactile user=bench_a\", "
+                                              "\"service=NAME\"; keep the password in ~/.pgpass"
+                                            : "how to connect to the fleet, as --to of fleet push")
       ->required();
 }
 
