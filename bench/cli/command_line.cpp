@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "bench/cli/night/selfcheck.h"
+#include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
 #include "bench/cli/words/command_tree.h"
 #include "bench/common/build_info.h"
@@ -112,6 +113,7 @@ int run_command_line(int argc, char** argv) {
   add_calibrate(app, session);
   add_control(app, session);
   add_status(app, session);
+  add_page(app, session);
   add_fit(app, session);
   add_import(app, session);
   add_predict(app, session);

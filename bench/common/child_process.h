@@ -42,6 +42,8 @@ class ChildProgram {
 
   void terminate() const;   // SIGTERM to the program, if it still runs
   void kill_group() const;  // SIGKILL to it and to all processes of its group
+  [[nodiscard]] pid_t process() const { return process_; }
+  void let_go() { process_ = -1; }  // it goes on without this object
 
  private:
   pid_t process_ = -1;  // and its group; -1: moved from

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
@@ -53,14 +54,44 @@ std::vector<double> mean_volts(const db::NewestFrame& frame, double scale) {
   return volts;
 }
 
-void find_dead(ArrayView& view, const std::optional<Seating>& seating, double pressure_psi) {
-  if (!seating || seating->unloaded_v.size() != view.volts.size() || pressure_psi < kJudgedPsi) return;
+void find_dead(ArrayView& view, const std::vector<double>& unloaded_v, double pressure_psi) {
+  if (unloaded_v.empty() || unloaded_v.size() != view.volts.size() || pressure_psi < kJudgedPsi) return;
   view.dead_are_known = true;
   for (std::size_t i = 0; i < view.volts.size(); ++i)
-    if (view.volts[i] - seating->unloaded_v[i] < analysis::kDeadV) view.dead.push_back(static_cast<int>(i));
+    if (view.volts[i] - unloaded_v[i] < analysis::kDeadV) view.dead.push_back(static_cast<int>(i));
+}
+
+std::vector<double> unloaded_of(const std::optional<Seating>& seating) {
+  return seating ? seating->unloaded_v : std::vector<double>();
 }
 
 }  // namespace
+
+std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRecord& run) try {
+  return ArrayBasis{analysis::volts_per_count(run), unloaded_of(seating_of(store.checks(run.run)))};
+} catch (const analysis::AnalysisError&) {
+  return std::nullopt;
+}
+
+ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame) {
+  ArrayView view;
+  view.full_scale_v = basis.volts_per_count * kConverterRange;
+  view.rows = frame.rows;
+  view.columns = frame.columns;
+  view.volts = db::mean_counts(frame);
+  for (double& volts : view.volts) volts *= basis.volts_per_count;
+  for (std::size_t i = 0; i < frame.counts.size(); ++i)
+    if (frame.counts[i] == kConverterRange) view.saturated.push_back(static_cast<int>(i % view.volts.size()));
+  std::ranges::sort(view.saturated);
+  view.saturated.erase(std::unique(view.saturated.begin(), view.saturated.end()), view.saturated.end());
+  if (frame.wrench) {  // an object presses on a part of the array
+    view.title = fmt::format("frame {} at {:.2f} N", frame.position, -frame.wrench->wrench[2]);
+  } else {
+    view.title = fmt::format("frame {} at {:.1f} psi", frame.position, frame.reference_psi);
+    find_dead(view, basis.unloaded_v, frame.reference_psi);
+  }
+  return view;
+}
 
 std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run) {
   const std::optional<db::NewestFrame> frame = db::newest_frame(store, run.run);
@@ -79,7 +110,7 @@ std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRe
     view.rows = seating->rows;
     view.columns = seating->columns;
     view.volts = seating->loaded_v;
-    find_dead(view, seating, seating->pressure_psi);
+    find_dead(view, unloaded_of(seating), seating->pressure_psi);
     return view;
   }
   view.rows = frame->rows;
@@ -89,7 +120,7 @@ std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRe
     view.title = fmt::format("frame {} at {:.2f} N", frame->position, *frame->force_n);
   } else {
     view.title = fmt::format("frame {} at {:.1f} psi", frame->position, frame->reference_psi);
-    find_dead(view, seating, frame->reference_psi);
+    find_dead(view, unloaded_of(seating), frame->reference_psi);
   }
   return view;
 }

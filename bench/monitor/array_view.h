@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "db/run_look.h"
 #include "db/run_store.h"
 
 namespace tactbench::bench {
@@ -16,8 +17,18 @@ struct ArrayView {
   std::vector<double> volts;    // rows x columns, row-major; mean of the frame's scans
   double full_scale_v = 0.0;    // of the converter
   std::vector<int> dead;        // row * columns + column
+  std::vector<int> saturated;   // of a frame: a scan stands at the converter's limit
   bool dead_are_known = false;  // there is an unloaded frame to compare with, and the whole array is loaded
 };
+
+// What does not change during a run.
+struct ArrayBasis {
+  double volts_per_count = 0.0;
+  std::vector<double> unloaded_v;  // by the newest seating check; empty: there is none
+};
+// None: the scanner's scale is not known yet. Throws StoreError.
+std::optional<ArrayBasis> array_basis(const db::RunStore& store, const db::RunRecord& run);
+ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame);
 
 // None: the run has neither, or its scanner's scale is not known yet. Throws StoreError.
 std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run);

@@ -99,7 +99,7 @@ class RunLifecycle {
     status.store = std::filesystem::absolute(store_.path()).string();  // the client may have another working directory
     status.label = request_.label;
     status.frames = frames_before_;
-    status.rate = request_.bench.in_process ? 0.0 : request_.bench.rate;
+    status.rate = request_.bench.in_process ? request_.pace : request_.bench.rate;
     board_.phase("opening the devices");
     control_.on_panic([this] {
       if (DeadManProcess* const dead_man = dead_man_) dead_man->fire();
@@ -113,6 +113,7 @@ class RunLifecycle {
           if (!let_through || actuator != "pressure") log_command(let_through ? "command" : "refused", actuator, text);
         });
     sequencer_ = std::make_unique<Sequencer>(*rig_, *recorder_, control_, signals_);
+    sequencer_->pace(request_.bench.in_process ? request_.pace : 0.0);
     sequencer_->follow(work_.recipes.front());
     load_specimen(*rig_, request_.specimen_state_file);
     moment(RigMoment::kMade);

@@ -1,6 +1,7 @@
 // The conductor's waits, for a person or a condition. Meanwhile the rig is vented and proved safe.
 #include <fmt/format.h>
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +16,27 @@ namespace tactbench::bench {
 
 using devices::Fault;
 using devices::Nanoseconds;
+
+namespace {
+
+constexpr const char* kByTerminal = "the operator";
+
+bool line_typed() {
+  bool ended = false;
+  char byte = 0;
+  for (pollfd input{STDIN_FILENO, POLLIN, 0};
+       !ended && ::poll(&input, 1, 0) == 1 && ::read(STDIN_FILENO, &byte, 1) == 1;)
+    ended = byte == '\n';
+  return ended;
+}
+
+std::string answered_words(const GivenAnswer& answer, const std::string& question) {
+  if (answer.who == kByTerminal) return "the operator has answered: " + question;
+  if (answer.text.empty()) return fmt::format("answered by {}: {}", answer.who, question);
+  return fmt::format("answered by {}, \"{}\": {}", answer.who, answer.text, question);
+}
+
+}  // namespace
 
 void Conductor::pause(const std::string& why) {
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, why);
@@ -89,26 +111,32 @@ void Conductor::prompt(const sequences::Step& step) {
   }
   vent("for the operator");
   status_.question = step.text;
+  const int question = ++status_.question_id;
   status_.phase = "waiting for an answer: " + step.text;
+  const bool terminal = isatty(STDIN_FILENO) == 1;
+  // What was typed before the question is no answer to it.
+  if (terminal) (void)::tcflush(STDIN_FILENO, TCIFLUSH);
   if (recorder_.state() == RunState::kRunning) set_state(RunState::kPausing, "for the operator");
   set_state(RunState::kPaused, "operator: " + step.text);
-  const bool terminal = isatty(STDIN_FILENO) == 1;
   board_.note(fmt::format("{}\n  when done: {}`tactbench resume {}`", step.text, terminal ? "press Enter, or " : "",
                           status_.run));
   notify_.tell("waiting", status_.run, step.text);
   (void)sequencer_.times().start(Spent::kWaiting);
-  for (bool answered = false; !answered;) {
+  std::optional<GivenAnswer> answer;
+  while (!answer) {
     sequencer_.idle();
-    answered = control_.take_resume();
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    if (!answered && terminal && ::poll(&input, 1, 0) == 1) {
-      char byte = 0;
-      while (!answered && ::read(STDIN_FILENO, &byte, 1) == 1) answered = byte == '\n';
+    (void)control_.take_resume();  // an answer, too
+    if (terminal && line_typed()) {
+      const Control::Answer told = control_.answer(question, {}, kByTerminal);
+      if (!told.taken) board_.note(told.text);
     }
+    answer = control_.answer_to(question);
   }
+  if (answer->who != kByTerminal)
+    board_.note(fmt::format("answered by {}{}{}", answer->who, answer->text.empty() ? "" : ": ", answer->text));
   status_.question.clear();
   recover();
-  set_state(RunState::kRunning, "the operator has answered: " + step.text);
+  set_state(RunState::kRunning, answered_words(*answer, step.text));
 }
 
 bool Conductor::vented(const std::string& why) {

@@ -35,6 +35,7 @@ struct RunRequest {
   std::string on_event;                        // command for the events done, failed, waiting; empty: none
   bool assume_yes = false;                     // operator prompts are answered with yes
   bool check_seating = true;
+  double pace = 0.0;  // of a bench simulated in this process: at most so many process seconds a real one; 0: no limit
   bool attended = true;                     // a person can resume it after a pause; else the first Ctrl-C ends it
   const MachineName* bench_name = nullptr;  // that the caller holds (BenchLock); null: the run takes one itself
   const TimeEstimate* estimate = nullptr;   // of time left; null: by the pace

@@ -244,9 +244,11 @@ void Sequencer::poll_commands() {
 
 void Sequencer::wait_until(Nanoseconds time) {
   devices::Clock& clock = rig_.clock();
-  const Nanoseconds slice = seconds(rig_.config().in_process ? 0.5 : 0.1 * rig_.config().rate);
+  const double slice_s = pace_ > 0.0 ? 0.1 * pace_ : rig_.config().in_process ? 0.5 : 0.1 * rig_.config().rate;
+  const Nanoseconds slice = seconds(slice_s);
   do {
     clock.wait_until(std::min(time, clock.now() + slice));
+    if (pace_ > 0.0) keep_pace();
     poll_commands();
   } while (clock.now() < time);
   if (clock.now() > step_deadline_) {
@@ -254,6 +256,17 @@ void Sequencer::wait_until(Nanoseconds time) {
                 "see the trace of the last frames; the limit is the recipe's [timeout] step_s");
   }
   check_conditions();
+}
+
+// Work that took longer than its time is not caught up.
+void Sequencer::keep_pace() {
+  const auto real = std::chrono::steady_clock::now();
+  const Nanoseconds process = rig_.clock().now();
+  const std::chrono::duration<double, std::nano> due(static_cast<double>((process - paced_at_).count()) / pace_);
+  const auto until = paced_ + std::chrono::duration_cast<Nanoseconds>(due);
+  if (until > real) std::this_thread::sleep_until(until);
+  paced_ = std::max(until, real);
+  paced_at_ = process;
 }
 
 void Sequencer::hold_vented(double duration_s) {

@@ -2,6 +2,7 @@
 // faults.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -54,6 +55,8 @@ class Sequencer {
   [[nodiscard]] bool leaving() const { return control_.asked(signals_).has_value(); }
   // Called after each poll of commands and signals.
   void set_listener(std::function<void()> listener) { listener_ = std::move(listener); }
+  // Of a turned clock: process time goes on no faster than `rate` times real time, for people who watch.
+  void pace(double rate) { pace_ = rate; }
   [[nodiscard]] TimeSpent& times() { return times_; }
   [[nodiscard]] Rig& rig() { return rig_; }
   // Starts a new path: pressure is 0, no dwell is under way.
@@ -74,6 +77,7 @@ class Sequencer {
   void add_flag(const std::string& flag);
   void check_conditions();
   void poll_commands();
+  void keep_pace();
   Rig& rig_;
   Recorder& recorder_;
   Control& control_;
@@ -90,6 +94,9 @@ class Sequencer {
   devices::Nanoseconds polled_{0}, conditions_due_{0};
   devices::Nanoseconds last_frame_{0}, step_deadline_ = devices::Nanoseconds::max();
   bool left_band_ = false, tolerant_ = false, broken_ = false;
+  double pace_ = 0.0;  // 0: no limit
+  std::chrono::steady_clock::time_point paced_{};
+  devices::Nanoseconds paced_at_{0};
   bool moving_ = false;  // the set-point moves, or the pressure has not settled since
 };
 

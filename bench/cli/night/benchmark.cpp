@@ -13,6 +13,7 @@
 #include "bench/benchmarks/coverage.h"
 #include "bench/benchmarks/fleet.h"
 #include "bench/benchmarks/identify.h"
+#include "bench/benchmarks/page.h"
 #include "bench/benchmarks/report.h"
 #include "bench/benchmarks/sequence.h"
 #include "bench/benchmarks/specimen.h"
@@ -58,6 +59,7 @@ const std::map<std::string, Measure> measures = {
     {"identify",
      [](const BenchmarkOptions& o) { return benchmark_identify(o.rounds, ScratchFolder(kScratch).path()); }},
     {"store", [](const BenchmarkOptions& o) { return benchmark_store(o.rounds, ScratchFolder(kScratch).path()); }},
+    {"page", [](const BenchmarkOptions& o) { return benchmark_page(o.rounds, ScratchFolder(kScratch).path()); }},
     {"report", [](const BenchmarkOptions& o) { return benchmark_report(o.rounds, ScratchFolder(kScratch).path()); }}};
 
 void benchmark(const BenchmarkOptions& options, const Session& session) {
@@ -90,7 +92,8 @@ void add_benchmark(CLI::App& app, Session& session) {
           "fleet: frames pushed to --to against psql's \\copy of the same rows; identify: taxels against one plain J "
           "each, the other models, threads, growth; store: frames against a plain "
           "file and bare SQLite; report: rendering against writing the bytes; array: simulated frames against their "
-          "wire; specimen: what the simulated sensors are like, paper and harsh; charts: false alarms and power of the "
+          "wire; page: the page's process with 8 viewers, and a run beside it; specimen: what the simulated sensors "
+          "are like, paper and harsh; charts: false alarms and power of the "
           "charts of trend and nightly")
       ->required()
       ->check(CLI::IsMember(measures));

@@ -9,6 +9,7 @@
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/model_table.h"
+#include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/common/overrides.h"
@@ -28,7 +29,8 @@ namespace {
 struct DemoOptions {
   std::uint64_t seed = 1, sensor_seed = 1;
   std::string specimen = "paper", output;
-  bool timing = false;
+  bool timing = false, page = false;
+  double rate = 0.0;  // process seconds in a real one; 0: as fast as it goes
 };
 
 class Stopwatch {
@@ -97,6 +99,7 @@ std::int64_t carry_out(const DemoRun& demo, const DemoOptions& options, const db
   request.purpose = "demo: " + demo.title;
   request.label = demo.title;
   request.attended = false;
+  request.pace = options.rate;
   Progress progress(Progress::mode_for(session.quiet));
   const RunResult result = characterize(request, store, progress);
   if (result.error) throw *result.error;
@@ -138,6 +141,7 @@ void demo(const DemoOptions& options, Session& session) {
   const StopRequest signals;  // also between the runs
   const BenchConfig bench = read_bench(find_config("simulated.toml"), split_overrides(settings(options)).bench);
   db::RunStore store = open_for_running(session.db, bench);
+  if (options.page) start_page_beside(session.db, bench.id, "demo");
   const SensorType type = read_sensor_type(find_config("sensor.toml"));
   const bool harsh = bench.simulation->plant.specimen.kind == SpecimenKind::kHarsh;
   const std::string serial = fmt::format("SIM-{}{:04}", harsh ? "HARSH-" : "", options.sensor_seed);
@@ -239,6 +243,11 @@ void add_demo(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "report file (default: reports/run-N.html beside the store)");
   add_replace(*verb, session);
+  verb->add_flag(
+      "--page", options->page,
+      "start `tactbench page` beside it, to watch: the address is printed; with --rate 150 it takes a minute");
+  verb->add_option("--rate", options->rate, "process seconds in a real second, at most (default: as many as it can)")
+      ->check(CLI::Range(1.0, 1e6));
   verb->add_flag("--timing", options->timing, "print the time of each stage");
   add_common_typed(*verb, session);
   verb->callback([options, &session] { demo(*options, session); });

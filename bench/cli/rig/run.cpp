@@ -8,6 +8,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
+#include "bench/cli/rig/page_beside.h"
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
@@ -114,13 +115,19 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   request.check_seating = !options.no_seating;
   request.label = options.label;
   request.on_begun = options.on_begun;
+  request.pace = options.rate;
   if (!options.specimen_state.empty() && !request.bench.simulation) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
                 "leave it out: real film keeps its own state");
   }
+  if (options.rate > 0.0 && !request.bench.simulation) {
+    throw Error(ExitCode::kUsage, "TB-USAGE", "--rate is for a bench simulated in this process", "--rate",
+                "leave it out: instruments have the pace that they have");
+  }
   const BenchLock bench_lock(request.bench);
   request.bench_name = bench_lock.name();
   db::RunStore store = open_for_running(session.db, request.bench);
+  if (options.page) start_page_beside(session.db, request.bench.id, options.operator_name);
   return carry_out(request, store, options.sensor, session);
 }
 
@@ -199,6 +206,14 @@ void add_run(CLI::App& app, Session& session) {
                    "TACTBENCH_RUN and TACTBENCH_REASON are in its environment");
   verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
   verb->add_flag("--no-seating", options->no_seating, "skip the seating check");
+  verb->add_option(
+          "--rate", options->rate,
+          "simulation: process seconds in a real second, at most, for people who watch (default: as many as it "
+          "can)")
+      ->check(CLI::Range(0.1, 1e6));
+  verb->add_flag("--page", options->page,
+                 "start `tactbench page` beside the run: its address is printed; it ends when the run has ended and "
+                 "nobody looks");
   add_common(*verb, session);
   verb->callback([options, &session] { show_run_result(begin_and_carry_out(*options, session), session); });
 }

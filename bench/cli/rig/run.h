@@ -16,7 +16,8 @@ struct Session;
 struct RunOptions {
   std::vector<std::string> recipes, set;
   std::string bench, sensor, operator_name, purpose, specimen_state, on_event;
-  bool assume_yes = false, no_seating = false;
+  bool assume_yes = false, no_seating = false, page = false;
+  double rate = 0.0;  // of a bench simulated in this process: process seconds in a real one, at most; 0: no limit
   SeedOptions seeds;
   std::string label = "run";                   // of the progress line
   std::function<void(std::int64_t)> on_begun;  // called with the run's number once it has a row; may be empty

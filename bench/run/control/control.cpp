@@ -34,6 +34,9 @@ Control::Answer Control::ask(Command command, const std::string& who) {
       answer.text = fmt::format("run {} pauses at the end of this branch; 'stop' ends it at once", status_.run);
     } else if (command == Command::kResume) {
       if (!waits) return {false, fmt::format("run {} is {}, not paused", status_.run, to_string(state))};
+      if (!status_.question.empty()) {
+        if (Answer told = take_answer(status_.question_id, {}, who); !told.taken) return told;
+      }
       pause_ = false;
       resume_ = true;
       answer.text = fmt::format("run {} continues: {}", status_.run,
@@ -53,9 +56,33 @@ Control::Answer Control::ask(Command command, const std::string& who) {
   return answer;
 }
 
+Control::Answer Control::answer(int question, const std::string& text, const std::string& who) {
+  const std::lock_guard lock(mutex_);
+  if (closed_ || status_.state == RunState::kStopping || status_.state == RunState::kEnded)
+    return {false, fmt::format("run {} is ending: it waits for no answer", status_.run)};
+  return take_answer(question, text, who);
+}
+
+Control::Answer Control::take_answer(int question, const std::string& text, const std::string& who) {
+  if (answer_ && answer_->question == question)
+    return {false, fmt::format("question {} has its answer already, by {}", question, answer_->who)};
+  if (status_.question.empty() || status_.question_id != question)
+    return {false, fmt::format("run {} does not wait for an answer to question {}", status_.run, question)};
+  answer_ = GivenAnswer{question, text, who};
+  who_ = who;
+  news_.fetch_add(1, std::memory_order_relaxed);
+  return {true, fmt::format("run {} continues: question {} is answered", status_.run, question)};
+}
+
+std::optional<GivenAnswer> Control::answer_to(int question) const {
+  const std::lock_guard lock(mutex_);
+  return answer_ && answer_->question == question ? answer_ : std::nullopt;
+}
+
 RunStatus Control::status() const {
   const std::lock_guard lock(mutex_);
   RunStatus status = status_;
+  status.answer = answer_;
   status.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - told_).count();
   return status;
 }
@@ -118,6 +145,7 @@ void Control::publish(const RunStatus& status) {
   status_ = status;
   status_.readings = readings;
   told_ = std::chrono::steady_clock::now();
+  news_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void Control::see(const RunReadings& readings) {
@@ -125,6 +153,7 @@ void Control::see(const RunReadings& readings) {
   if (!lock) return;
   status_.readings = readings;
   told_ = std::chrono::steady_clock::now();
+  news_.fetch_add(1, std::memory_order_relaxed);
 }
 
 std::string Control::who() const {

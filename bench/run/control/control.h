@@ -2,7 +2,9 @@
 // wait.
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -39,6 +41,10 @@ class Control {
   };
   // Answers from the present status; never waits for the sequencer.
   Answer ask(Command command, const std::string& who);
+  // To the question of that number, from any place. One answer wins: a later one is refused and told whose it was.
+  Answer answer(int question, const std::string& text, const std::string& who);
+  // Grows with each publish() and see().
+  [[nodiscard]] std::uint64_t news() const { return news_.load(std::memory_order_relaxed); }
   [[nodiscard]] RunStatus status() const;
   // Called at once, on the asking thread, at a panic. Set before the socket opens.
   void on_panic(std::function<void()> action) { panic_ = std::move(action); }
@@ -58,6 +64,8 @@ class Control {
   [[nodiscard]] bool pause_wanted() const;
   // True once after a resume.
   [[nodiscard]] bool take_resume();
+  // To the question published with that number; none yet. A resume is an answer without text.
+  [[nodiscard]] std::optional<GivenAnswer> answer_to(int question) const;
   // Readings are kept as see() gave them.
   void publish(const RunStatus& status);
   // Never waits: while another thread looks at the status, these readings are left out and the next ones come.
@@ -65,7 +73,8 @@ class Control {
   [[nodiscard]] std::string who() const;  // asked last
 
  private:
-  [[nodiscard]] std::optional<Leave> leave(const StopRequest& signals) const;  // under the lock
+  [[nodiscard]] std::optional<Leave> leave(const StopRequest& signals) const;         // under the lock
+  Answer take_answer(int question, const std::string& text, const std::string& who);  // likewise
   mutable std::mutex mutex_;
   RunStatus status_;
   std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();  // by publish() or see()
@@ -74,7 +83,9 @@ class Control {
   bool pause_ = false, resume_ = false;
   int interrupts_seen_ = 0, interrupts_answered_ = 0;  // answered: the pause was taken back or ended
   int interrupts_that_end_ = 2;
-  std::string who_, leaver_;  // asked last; asked for the end
+  std::string who_, leaver_;           // asked last; asked for the end
+  std::optional<GivenAnswer> answer_;  // the last one
+  std::atomic<std::uint64_t> news_{0};
   std::function<void()> panic_;
 };
 

@@ -16,6 +16,7 @@
 #include "bench/common/error.h"
 #include "bench/common/for_people.h"
 #include "bench/common/private_files.h"
+#include "bench/run/control/client_words.h"
 #include "bench/run/control/peer.h"
 
 namespace tactbench::bench {
@@ -25,6 +26,11 @@ namespace {
 constexpr std::size_t kMostClients = 64;
 constexpr int kAcceptedAtOnce = 16;
 constexpr int kShortOfDescriptorsMs = 20;
+constexpr std::ptrdiff_t kMostFollowers = 16;
+constexpr int kFollowMs = 50;                          // between two statuses to a follower
+constexpr std::chrono::milliseconds kSignOfLife{500};  // one without news
+constexpr std::chrono::seconds kFollowerSilent{30};    // one that reads nothing for so long is dropped
+constexpr int kUnreadBytes = 16 * 1024;                // that wait for a follower; the kernel takes twice as much
 
 MachineName own_name(const BenchConfig& bench, const MachineName* given) {
   if (given != nullptr) return {};
@@ -33,13 +39,6 @@ MachineName own_name(const BenchConfig& bench, const MachineName* given) {
   if (taken.held()) return taken;
   throw Error(ExitCode::kUsage, "TB-BENCH-LOCKED", fmt::format("bench '{}' is in use by {}", bench.id, taken.owner()),
               shown_name(taken.text()), "wait for it to end, or end it: tactbench stop");
-}
-
-Command command_of(const std::string& text) {
-  for (const Command command : {Command::kPause, Command::kResume, Command::kStop, Command::kAbort, Command::kPanic}) {
-    if (text == to_string(command)) return command;
-  }
-  return Command::kStatus;
 }
 
 bool hung_up(int descriptor) {
@@ -73,7 +72,8 @@ void ControlSocket::serve() {
   for (;;) {
     std::vector<pollfd> ready{{stop_, POLLIN, 0}, {listener_.descriptor(), POLLIN, 0}};
     for (const Client& client : clients_) ready.push_back({client.descriptor, POLLIN, 0});
-    if (::poll(ready.data(), ready.size(), -1) < 0) continue;
+    const bool followed = std::ranges::any_of(clients_, &Client::follows);
+    if (::poll(ready.data(), ready.size(), followed ? kFollowMs : -1) < 0) continue;
     if (ready[0].revents != 0) return;
     std::vector<Client> waiting;
     for (std::size_t i = 0; i < clients_.size(); ++i) {
@@ -85,7 +85,33 @@ void ControlSocket::serve() {
     }
     clients_ = std::move(waiting);
     if (ready[1].revents != 0) accept_some();
+    tell_followers();
   }
+}
+
+void ControlSocket::tell_followers() {
+  const auto now = std::chrono::steady_clock::now();
+  const std::uint64_t news = control_.news();
+  std::string text;
+  std::erase_if(clients_, [&](Client& client) {
+    if (!client.follows || now - client.sent < std::chrono::milliseconds(kFollowMs)) return false;
+    if (client.news == news && now - client.sent < kSignOfLife) return false;
+    if (text.empty()) text = reply(client, {});
+    if (::send(client.descriptor, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT) >= 0) {
+      client.sent = now;
+      client.news = news;
+      return false;
+    }
+    const bool full = errno == EAGAIN || errno == ENOBUFS;
+    if (full && now - client.sent < kFollowerSilent) return false;
+    ::close(client.descriptor);
+    return true;
+  });
+}
+
+void ControlSocket::begin_following(Client& client) {
+  (void)::setsockopt(client.descriptor, SOL_SOCKET, SO_SNDBUF, &kUnreadBytes, sizeof kUnreadBytes);
+  client.follows = true;
 }
 
 // A few per round: a client that keeps connecting does not block the others.
@@ -111,27 +137,48 @@ void ControlSocket::make_room() {
   clients_.erase(oldest);
 }
 
-bool ControlSocket::answer(const Client& client) {
-  std::array<char, 64> bytes{};
-  const ssize_t size = ::recv(client.descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT);
-  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
-  if (size <= 0) return true;
-  const std::string who =
-      client.peer ? peer_text(*client.peer) : "unknown";  // a look into a file: not for each that comes
+std::string ControlSocket::reply(const Client& client, const Control::Answer& answer) const {
   nlohmann::json told{{"bench", bench_}, {"denied", !client.trusted}};
   if (client.trusted) {
-    const Command command = command_of(std::string(bytes.data(), static_cast<std::size_t>(size)));
-    // This process may have been stopped since the command came; a client that gave up does not expect the run to
-    // continue later.
-    if (command == Command::kResume && hung_up(client.descriptor)) return true;
-    const Control::Answer answer = control_.ask(command, who);
     told.update({{"taken", answer.taken}, {"text", one_line(answer.text, kLongestAnswer)}});
     tell_status(told, control_.status());
   } else {
-    told["text"] = fmt::format("{} may not command it: root, user {} and members of the group '{}' may", who,
-                               ::geteuid(), kGroupName);
+    told["text"] = answer.text;
   }
-  const std::string text = analysis::printable_json(told);
+  return analysis::printable_json(told);
+}
+
+bool ControlSocket::answer(Client& client) {
+  std::array<char, kLongestWords> bytes{};
+  const ssize_t size = ::recv(client.descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT);
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
+  if (size <= 0 || client.follows) return true;  // who follows has nothing more to say
+  // A look into a file: not for each that comes.
+  std::string who = client.peer ? peer_text(*client.peer) : "unknown";
+  Control::Answer answer;
+  if (client.trusted) {
+    const ClientWords words = read_words({bytes.data(), static_cast<std::size_t>(size)});
+    if (!words.behalf.empty()) who = fmt::format("{}, through {}", words.behalf, who);
+    if (words.word == ClientWord::kFollow) {
+      if (std::ranges::count_if(clients_, &Client::follows) < kMostFollowers) {
+        begin_following(client);
+        return false;
+      }
+      answer.text = fmt::format("{} follow this run already", kMostFollowers);
+    } else if (words.word == ClientWord::kAnswer) {
+      if (hung_up(client.descriptor)) return true;
+      answer = control_.answer(words.question, words.text, who);
+    } else {
+      // This process may have been stopped since the command came; a client that gave up does not expect the run to
+      // continue later.
+      if (words.command == Command::kResume && hung_up(client.descriptor)) return true;
+      answer = control_.ask(words.command, who);
+    }
+  } else {
+    answer.text = fmt::format("{} may not command it: root, user {} and members of the group '{}' may", who,
+                              ::geteuid(), kGroupName);
+  }
+  const std::string text = reply(client, answer);
   (void)::send(client.descriptor, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   return true;
 }

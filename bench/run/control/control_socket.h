@@ -1,10 +1,12 @@
 // The run's side of the commands: it listens on the name of its bench (bench/run/control/machine_name.h), which is also
 // the bench's lock, so that the run that answers there holds the bench. A thread of its own serves it: an answer never
-// waits for an instrument or for another client. Clients without the right (bench/run/control/peer.h) are refused.
+// waits for an instrument or for another client. Clients without the right (bench/run/control/peer.h) are refused. A
+// client that follows gets the status at up to 20 Hz, the newest each time: what it does not read is left out.
 #pragma once
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -34,11 +36,17 @@ class ControlSocket {
     int descriptor = -1;
     bool trusted = false;
     std::optional<Peer> peer;
+    bool follows = false;
+    std::uint64_t news = 0;  // of a follower: as sent last
+    std::chrono::steady_clock::time_point sent{};
   };
   void serve();
   void accept_some();
   void make_room();
-  [[nodiscard]] bool answer(const Client& client);  // false: nothing was asked yet
+  [[nodiscard]] bool answer(Client& client);  // false: nothing was asked yet, or it follows
+  [[nodiscard]] std::string reply(const Client& client, const Control::Answer& answer) const;
+  void begin_following(Client& client);
+  void tell_followers();
   Control& control_;
   std::string bench_;
   MachineName own_;  // where none was given

@@ -26,6 +26,7 @@ void tell_status(nlohmann::json& told, const RunStatus& status) {
                {"label", status.label},
                {"reason", one_line(status.reason, kLongestAnswer)},
                {"question", one_line(status.question, kLongestAnswer)},
+               {"question_id", status.question_id},
                {"phase", one_line(status.phase, kLongestAnswer)},
                {"step", status.step},
                {"steps", status.steps},
@@ -37,6 +38,10 @@ void tell_status(nlohmann::json& told, const RunStatus& status) {
                {"prompts_left", status.prompts_left},
                {"rate", status.rate},
                {"age_s", status.age_s}});
+  if (status.answer)
+    told["answer"] = {{"question", status.answer->question},
+                      {"text", one_line(status.answer->text, kLongestAnswer)},
+                      {"who", one_line(status.answer->who, kLongestAnswer)}};
   if (status.target_n) told["target_n"] = *status.target_n;
   if (!status.readings) return;
   const RunReadings& now = *status.readings;
@@ -57,6 +62,11 @@ RunStatus told_status(const nlohmann::json& told) {
   status.label = told.value("label", "");
   status.reason = told.value("reason", "");
   status.question = told.value("question", "");
+  status.question_id = told.value("question_id", 0);
+  if (told.contains("answer")) {
+    const nlohmann::json& answer = told.at("answer");
+    status.answer = GivenAnswer{answer.value("question", 0), answer.value("text", ""), answer.value("who", "")};
+  }
   status.phase = told.value("phase", "");
   status.step = told.value("step", 0);
   status.steps = told.value("steps", 0);

@@ -19,12 +19,20 @@ struct RunReadings {
   std::optional<double> force_n;  // magnitude; none: no force was read
 };
 
+// Of an operator, or of whoever answered for one.
+struct GivenAnswer {
+  int question = 0;
+  std::string text, who;  // text: empty when nothing but "done" was said
+};
+
 struct RunStatus {
   std::int64_t run = 0;
   RunState state = RunState::kPrepared;
-  std::string store, label, reason;  // reason of the last change of state
-  std::string question;              // to the operator, while it waits for the answer; empty: none
-  std::string phase;                 // what it does now, in words: "conditioning 2 of 6"
+  std::string store, label, reason;   // reason of the last change of state
+  std::string question;               // to the operator, while it waits for the answer; empty: none
+  int question_id = 0;                // of the last question of this process, counted from 1
+  std::optional<GivenAnswer> answer;  // the last one; filled in by Control
+  std::string phase;                  // what it does now, in words: "conditioning 2 of 6"
   int step = 0, steps = 0;
   std::int64_t frames = 0, frames_planned = 0;  // stored, of earlier processes and void branches too; by the recipes
   // Process time: median and 10-90 % band, without waits; prompts are counted apart. All 0: there is no estimate.

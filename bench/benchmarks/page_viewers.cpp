@@ -1,0 +1,138 @@
+#include "bench/benchmarks/page_viewers.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "analysis/json_io.h"
+
+namespace tactbench::bench {
+
+namespace {
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+int open_for_writing(const std::string& path) {
+  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+}
+
+ChildStart page_start(const std::string& db, const std::string& log) {
+  return {.words = {"/proc/self/exe", "page", "--db", db, "--port", "0", "--json"},
+          .environment = environment_with({}),
+          .output = open_for_writing(log),
+          .ends_with_us = true};
+}
+
+int connected_to(std::uint16_t port) {
+  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(port);
+  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0)
+    throw std::runtime_error("the page takes no connection");
+  return descriptor;
+}
+
+}  // namespace
+
+PageProcess::PageProcess(const std::string& db, const std::string& folder)
+    : child_(page_start(db, folder + "/page.log")) {
+  for (int i = 0; i < 1000 && port_ == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const nlohmann::json told = analysis::try_json(text_of(folder + "/page.log"));
+    if (!told.is_object()) continue;
+    port_ = told.value("port", std::uint16_t{0});
+    const std::string link = told.value("readers_link", "");
+    token_ = link.substr(link.find('#') + 1);
+  }
+  if (port_ == 0) throw std::runtime_error("the page does not start: " + text_of(folder + "/page.log"));
+  process_ = child_.process();
+}
+
+double PageProcess::processor_s() const {
+  const std::string text = text_of(fmt::format("/proc/{}/stat", process_));
+  std::istringstream words(text.substr(text.rfind(')') + 2));  // after the name, from the state on
+  std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+  return (std::atof(fields.at(11).c_str()) + std::atof(fields.at(12).c_str())) /
+         static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+double PageProcess::resident_mb() const {
+  const std::string text = text_of(fmt::format("/proc/{}/status", process_));
+  const std::size_t at = text.find("VmHWM:");
+  return at == std::string::npos ? 0.0 : std::atof(text.c_str() + at + 6) / 1024.0;
+}
+
+PageViewers::PageViewers(const PageProcess& page, int viewers, int frozen)
+    : reading_(static_cast<std::size_t>(viewers - frozen)) {
+  const std::string get = fmt::format("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\r\n",
+                                      page.port(), page.token());
+  for (int i = 0; i < viewers; ++i) {
+    descriptors_.push_back(connected_to(page.port()));
+    if (::send(descriptors_.back(), get.data(), get.size(), MSG_NOSIGNAL) < 0)
+      throw std::runtime_error("the page hangs up");
+  }
+  thread_ = std::thread([this] { read(); });
+}
+
+PageViewers::~PageViewers() {
+  ended_ = true;
+  if (thread_.joinable()) thread_.join();
+  for (const int descriptor : descriptors_) ::close(descriptor);
+}
+
+void PageViewers::take(const std::string& bytes) {
+  text_ += bytes;
+  constexpr std::string_view kPicture = "event: picture\n", kPosition = "\"position\":";
+  for (std::size_t at = text_.find(kPicture, looked_); at != std::string::npos; at = text_.find(kPicture, looked_)) {
+    const std::size_t end = text_.find("\n\n", at);
+    if (end == std::string::npos) return;
+    const std::size_t position = text_.find(kPosition, at);
+    if (position < end)
+      pictures_.try_emplace(std::atoll(text_.c_str() + position + kPosition.size()), RealClock::now());
+    looked_ = end;
+  }
+}
+
+void PageViewers::read() {
+  std::vector<pollfd> ready;
+  for (std::size_t i = 0; i < reading_; ++i) ready.push_back({descriptors_[i], POLLIN, 0});
+  std::array<char, 65536> bytes{};
+  while (!ended_) {
+    (void)::poll(ready.data(), ready.size(), 20);
+    for (std::size_t i = 0; i < ready.size(); ++i) {
+      if ((ready[i].revents & POLLIN) == 0) continue;
+      const ssize_t size = ::recv(ready[i].fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
+      if (size > 0 && i == 0) take({bytes.data(), static_cast<std::size_t>(size)});
+    }
+  }
+}
+
+const std::map<std::int64_t, PageViewers::RealClock::time_point>& PageViewers::pictures() {
+  ended_ = true;
+  if (thread_.joinable()) thread_.join();
+  return pictures_;
+}
+
+const std::string& PageViewers::text() {
+  (void)pictures();
+  return text_;
+}
+
+}  // namespace tactbench::bench

@@ -1,0 +1,83 @@
+#include "bench/page/access.h"
+
+#include <openssl/crypto.h>
+#include <openssl/rand.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <stdexcept>
+
+namespace tactbench::bench {
+
+namespace {
+
+constexpr std::string_view kBearer = "Bearer ";
+
+// Takes as long for any two texts of this length.
+bool equal(const std::string& one, const std::string& other) {
+  return one.size() == other.size() && CRYPTO_memcmp(one.data(), other.data(), one.size()) == 0;
+}
+
+std::string token_of(const HttpRequest& request) {
+  const std::string field = request.field("authorization");
+  return field.starts_with(kBearer) ? field.substr(kBearer.size()) : std::string();
+}
+
+bool is_own_origin(const std::string& origin, const PageAccess& access) {
+  return std::ranges::any_of(access.hosts,
+                             [&](const std::string& host) { return origin == access.scheme + "://" + host; });
+}
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+bool may_command(const HttpRequest& request, const PageAccess& access) {
+  return !access.command_token.empty() && equal(token_of(request), access.command_token);
+}
+
+std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access) {
+  if (std::ranges::find(access.hosts, lower(request.field("host"))) == access.hosts.end())
+    return text_response(421, "this server has no such name: open the address that tactbench printed\n");
+  if (request.has("origin") && !is_own_origin(request.field("origin"), access))
+    return text_response(403, "another site's page asks\n");
+  const std::string site = request.field("sec-fetch-site");
+  const bool own_site = site.empty() || site == "same-origin" || site == "none";
+  // A link to the page may stand anywhere: it shows nothing without its token, and nobody can frame it.
+  if (needs != PageNeeds::kNothing && !own_site) return text_response(403, "another site's page asks\n");
+  if (needs == PageNeeds::kCommand) {
+    if (request.method != "POST") return text_response(405, "a command is a POST\n");
+    if (request.field("content-type") != "application/json") return text_response(415, "a command is JSON\n");
+    if (request.field("x-tactbench") != "1") return text_response(403, "not from the page\n");
+  } else if (request.method != "GET") {
+    return text_response(405, "only GET here\n");
+  }
+  if (needs == PageNeeds::kNothing) return std::nullopt;
+  const bool commands = may_command(request, access);
+  const bool reads = equal(token_of(request), access.read_token);
+  if (commands || (reads && needs == PageNeeds::kRead)) return std::nullopt;
+  HttpResponse refused = text_response(401, needs == PageNeeds::kCommand
+                                                ? "commands need the operator's link\n"
+                                                : "open the whole link that tactbench printed: its end is the key\n");
+  refused.fields.emplace_back("WWW-Authenticate", "Bearer");
+  return refused;
+}
+
+std::string new_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1)
+    throw std::runtime_error("the system gives no random numbers");
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string text;
+  for (const unsigned byte : bytes) {
+    text += kDigits[byte >> 4U];
+    text += kDigits[byte & 15U];
+  }
+  return text;
+}
+
+}  // namespace tactbench::bench

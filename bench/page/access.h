@@ -1,0 +1,37 @@
+// Who may read and who may command: two secrets, and the marks by which a browser tells whose page asks. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/page/http/message.h"
+
+namespace tactbench::bench {
+
+struct PageAccess {
+  std::string read_token;          // of the link; also opens nothing but reading
+  std::string command_token;       // empty: nobody may command
+  std::string operator_name;       // to whom the command token belongs
+  std::vector<std::string> hosts;  // "127.0.0.1:8765": all names of this server that a browser may use
+  std::string scheme = "http";
+};
+
+enum class PageNeeds {
+  kNothing,  // the page's own files, which hold no data
+  kRead,
+  kCommand,
+};
+
+// None: it may. Refuses, in this order: a foreign Host 421 (an attacker's name that leads to this address), a foreign
+// Origin or site 403, what changes something by another way than the page's own POST 405, 415, 403, and a missing or
+// wrong token 401. Never says which token would have been right.
+std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access);
+
+// Whether the request carries the operator's token.
+bool may_command(const HttpRequest& request, const PageAccess& access);
+
+// 128 random bits as 32 hex digits.
+std::string new_token();
+
+}  // namespace tactbench::bench

@@ -1,0 +1,37 @@
+// Commands and answers from the page to the live run: sent on a connection of their own, answered when the run has
+// acknowledged, or refused when it does not in time.
+#pragma once
+
+#include <chrono>
+#include <list>
+#include <memory>
+#include <string>
+
+#include "bench/page/http/http_server.h"
+#include "bench/run/control/run_connection.h"
+
+namespace tactbench::bench {
+
+class Commands {
+ public:
+  explicit Commands(HttpServer& server) : server_(server) {}
+  // `body`: {"word": "pause"} or {"word": "answer", "question": 3, "text": "done"}, with "run", the number that the
+  // person saw. `behalf`: who asks, for the run's events. The reply is JSON: taken, text.
+  void send(const std::string& body, const LiveRun* live, const std::string& behalf, Reply reply);
+  void look();  // to be called a few times a second: gives up what is not acknowledged
+
+ private:
+  struct Sent {
+    std::unique_ptr<RunConnection> connection;
+    std::shared_ptr<void> watching;
+    Reply reply;
+    std::chrono::steady_clock::time_point begun{};
+    bool done = false;
+  };
+  void receive(Sent& sent);
+
+  HttpServer& server_;
+  std::list<Sent> sent_;
+};
+
+}  // namespace tactbench::bench

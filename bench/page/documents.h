@@ -1,0 +1,59 @@
+// Pages that other verbs write, for the page's frame: reports, comparisons, trends. Each is made by this same program
+// in a process of its own, so that figures and words have one source and the server stays small and answers meanwhile.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/common/child_process.h"
+#include "bench/common/private_files.h"
+
+namespace tactbench::bench {
+
+struct Document {
+  std::string id;     // unguessable: who knows it may read it
+  std::string error;  // why it could not be made; then no id
+};
+
+class Documents {
+ public:
+  // `program`: this one; tests name another.
+  Documents(std::string db, std::string program = "/proc/self/exe");
+
+  using Ready = std::function<void(const Document&)>;
+  // The words before the store and the output file: {"report", "5"}, `output` "-o"; `ready` is called once, from here
+  // or from look(). At most two are made at a time, and some wait.
+  void make(const std::vector<std::string>& words, const std::string& output, Ready ready);
+  // A file that is there, kept as it is now.
+  Document keep(const std::string& path);
+  void look();  // to be called many times a second
+  [[nodiscard]] bool busy() const { return !working_.empty(); }
+  // The document's text; none: there is none of that id, or no longer.
+  [[nodiscard]] std::optional<std::string> text(const std::string& id) const;
+
+ private:
+  struct Work {
+    std::vector<std::string> words;
+    std::string output, id;
+    Ready ready;
+    std::optional<ChildProgram> child;
+    std::chrono::steady_clock::time_point begun{};
+  };
+  void start(Work& work);
+  void finish(Work& work);
+  [[nodiscard]] std::string path_of(const std::string& id) const;
+  void forget_old();
+
+  std::string db_, program_;
+  ScratchFolder folder_;
+  std::deque<Work> working_;
+  std::deque<std::string> kept_;  // ids, oldest first
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,68 @@
+// The frames of the run on show: its newest picture, also as pressures where the sensor has models.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/identify/stored/array_stream.h"
+#include "bench/monitor/array_view.h"
+#include "db/run_look.h"
+
+namespace tactbench::bench {
+
+// Models of the same sensor, from the newest earlier run that has some, and the frames of this run through them.
+class CompensatedRun {
+ public:
+  // None: no earlier run of the sensor has models that stream. Throws StoreError.
+  static std::unique_ptr<CompensatedRun> of(const db::RunStore& store, const db::RunRecord& run,
+                                            double volts_per_count);
+  void see(const db::SeenFrame& frame, const std::vector<double>& volts);
+  [[nodiscard]] const std::vector<float>& pressure_psi() const { return pressure_; }
+  [[nodiscard]] const std::vector<std::uint16_t>& status() const { return status_; }  // TaxelBits
+  [[nodiscard]] const std::string& words() const { return words_; }                   // "elam of run 3"
+
+ private:
+  CompensatedRun(analysis::SensorModel model, double volts_per_count, std::string words);
+  std::unique_ptr<analysis::SensorModel> model_;  // the stream keeps a pointer to it
+  std::optional<analysis::ArrayStream> stream_;
+  std::string words_;
+  std::vector<float> volts_, pressure_, uncertainty_;
+  std::vector<std::uint16_t> status_;
+  std::optional<std::int64_t> last_ns_;
+};
+
+class RunFrames {
+ public:
+  // Throws StoreError.
+  RunFrames(const db::RunStore& store, const db::RunRecord& run);
+  // True: there is a newer picture than at the last call. Reads a bounded number of frames a call.
+  bool advance();
+  [[nodiscard]] std::int64_t position() const { return position_; }
+  // The picture for the page: texts of base64 hold little-endian 16-bit numbers, row-major: `counts`, and `psi` in
+  // hundredths, where models are there. Null before the first frame and the seating check.
+  [[nodiscard]] nlohmann::json picture() const;
+
+ private:
+  const db::RunStore& store_;
+  db::RunRecord run_;
+  db::RunLook look_;
+  std::optional<ArrayBasis> basis_;
+  std::unique_ptr<CompensatedRun> compensated_;
+  bool models_sought_ = false;
+  std::int64_t position_ = 0;
+  std::optional<db::SeenFrame> newest_;
+  std::optional<ArrayView> view_;
+};
+
+// Samples for a loop: of one taxel, or the array's mean for taxel -1, behind frame `after`, without void branches; x in
+// psi, or in N for frames taken under an object; y in volts. At most the newest few thousand. `taxel` outside the
+// array: no points.
+nlohmann::json loop_points(const db::RunStore& store, std::int64_t run, int taxel, std::int64_t after);
+
+std::string base64(const std::vector<std::uint16_t>& numbers);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,65 @@
+// One client's connection: requests one after the other, each with a deadline, or a stream of events.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "bench/page/http/http_server.h"
+#include "bench/page/http/wire.h"
+
+namespace tactbench::bench {
+
+// What connections share.
+struct ConnectionHost {
+  HttpOptions options;
+  HttpServer::Handler handler;
+  std::size_t viewers = 0;
+  std::uint64_t skipped = 0;
+};
+
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(ConnectionHost& host, std::unique_ptr<Wire> wire, boost::asio::io_context& context);
+  ~Connection();
+  void start();
+  void close();
+  [[nodiscard]] bool is_viewer() const { return viewer_; }
+  void offer(int kind, const SharedText& event);  // to a viewer
+
+ private:
+  class Parser;
+  void expect_request();
+  void read_more();
+  void take_bytes();
+  void handle();
+  void refuse(int status, const std::string& text);
+  void answer(HttpResponse response, bool goes_on);
+  void become_viewer();
+  void part();
+  void drop_the_rest();
+  void watch_for_end();
+  void write_event();
+  void arm(std::chrono::milliseconds longest);
+
+  ConnectionHost& host_;
+  std::unique_ptr<Wire> wire_;
+  boost::asio::steady_timer deadline_;
+  std::array<char, 4096> bytes_{};
+  std::string unread_;  // of the request that comes
+  std::unique_ptr<Parser> parser_;
+  std::string head_;
+  SharedText body_;  // under way
+  bool closed_ = false, viewer_ = false, writing_ = false;
+  std::size_t dropped_ = 0;
+  std::deque<std::pair<int, SharedText>> waiting_;  // one of a kind at most
+};
+
+}  // namespace tactbench::bench

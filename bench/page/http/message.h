@@ -1,0 +1,49 @@
+// A request as the page's server hands it on, and what is answered: plain texts, free of the HTTP library.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactbench::bench {
+
+struct HttpRequest {
+  std::string method, path;                   // path: without the query, as sent
+  std::map<std::string, std::string> query;   // decoded
+  std::map<std::string, std::string> fields;  // names in lower case; of a name sent twice the texts with ", " between
+  std::string body;
+  std::string from;  // the client's address
+
+  [[nodiscard]] std::string field(const std::string& name) const {
+    const auto found = fields.find(name);
+    return found == fields.end() ? std::string() : found->second;
+  }
+  [[nodiscard]] bool has(const std::string& name) const { return fields.contains(name); }
+};
+
+using SharedText = std::shared_ptr<const std::string>;
+
+struct HttpResponse {
+  int status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  SharedText body = {};  // null: empty
+  std::vector<std::pair<std::string, std::string>> fields = {};
+  bool stream = false;  // the body, then the events of HttpServer::publish() until the client goes
+};
+
+inline HttpResponse text_response(int status, std::string text) {
+  return {.status = status, .body = std::make_shared<const std::string>(std::move(text))};
+}
+
+// Called once, at once or later, on the server's thread.
+using Reply = std::function<void(HttpResponse)>;
+
+// "a%20b" -> "a b"; a broken escape stays as it is.
+std::string url_decoded(const std::string& text);
+// Path and query of a request's target.
+void read_target(const std::string& target, HttpRequest& request);
+
+}  // namespace tactbench::bench

@@ -1,0 +1,31 @@
+// The page's answers as HTTP: which path needs which right, the page's own files, and the fields that every answer
+// carries.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "bench/page/access.h"
+#include "bench/page/http/message.h"
+
+namespace tactbench::bench {
+
+inline constexpr const char* kDocumentPath = "/document/";
+
+// None: there is no such place.
+std::optional<PageNeeds> needs_of(const std::string& path);
+// One of the page's own files; none: the path is none.
+std::optional<HttpResponse> own_file(const std::string& path);
+HttpResponse json_response(int status, const nlohmann::ordered_json& json);
+// A page that another verb wrote, for the frame: it brings its own style and no script.
+HttpResponse document_response(const std::string& text);
+// With the fields by which a browser keeps this page to itself.
+HttpResponse guarded(HttpResponse response);
+// A server-sent event.
+SharedText event_text(const std::string& name, const nlohmann::json& json);
+// Of the query; `fallback` where it is missing or no number.
+std::int64_t number_in(const HttpRequest& request, const std::string& name, std::int64_t fallback = 0);
+
+}  // namespace tactbench::bench

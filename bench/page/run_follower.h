@@ -1,0 +1,43 @@
+// Finds the live run that belongs to a store and follows it through its control socket; when it ends, looks for the
+// next one.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bench/page/http/http_server.h"
+#include "bench/run/control/run_connection.h"
+
+namespace tactbench::bench {
+
+class RunFollower {
+ public:
+  // `bench`: its id; empty: any bench whose run writes to the store `db`. `heard`: called with each status that comes,
+  // and with none once the run has hung up. `server` must outlive this.
+  RunFollower(HttpServer& server, std::string db, std::string bench, std::function<void()> heard);
+  void look();  // for a run, when none is followed; to be called a few times a second
+  // The newest status; none: no run is followed.
+  [[nodiscard]] const std::optional<LiveRun>& live() const { return live_; }
+  [[nodiscard]] double silent_s() const;  // since the last status; a run tells one twice a second
+
+ private:
+  using RealClock = std::chrono::steady_clock;
+  void receive();
+  void let_go(bool ours);
+
+  HttpServer& server_;
+  std::string db_, bench_;
+  std::function<void()> heard_;
+  std::unique_ptr<RunConnection> connection_;
+  std::shared_ptr<void> watching_;
+  std::string name_;  // of the bench connected to
+  std::optional<LiveRun> live_;
+  RealClock::time_point last_{};
+  std::map<std::string, RealClock::time_point> foreign_;  // benches of other stores, and when they were asked
+};
+
+}  // namespace tactbench::bench

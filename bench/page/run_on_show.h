@@ -1,0 +1,65 @@
+// What the page's first view tells: the live run of a store, or its last one, in the words of `tactbench status`, its
+// safe state with the witnesses, its newest events with what to do about them, and the array's picture.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/monitor/run_view.h"
+#include "bench/page/frames.h"
+
+namespace tactbench::bench {
+
+struct SafeWords {
+  std::string state;  // proved | loaded | unknown
+  std::string words;
+};
+// `newest_safe`: the run's newest event of that kind. `live`: null when no process carries the run out.
+SafeWords safe_words(const LiveRun* live, const StoredRun* stored, const std::optional<db::EventRecord>& newest_safe);
+
+// What changes many times a second.
+nlohmann::json readings_json(const LiveRun& live);
+
+class RunOnShow {
+ public:
+  // `bench`: its id, of which the last run is shown when none is live; empty: of any.
+  RunOnShow(std::string db, std::string bench) : db_(std::move(db)), bench_(std::move(bench)) {}
+
+  // Reads the store where `live` tells of something new, else every few seconds; null: no run is live.
+  void look(const LiveRun* live);
+  // True once for each newer picture.
+  bool take_new_picture();
+  [[nodiscard]] nlohmann::json picture() const;
+  // `silent_s`: since the run's last word.
+  [[nodiscard]] nlohmann::json state(const LiveRun* live, double silent_s) const;
+  // The store, opened when it is first there. Null: it cannot be read; `why` says it in words.
+  const db::RunStore* store(std::string* why = nullptr);
+  [[nodiscard]] std::int64_t run() const { return stored_ ? stored_->record.run : 0; }
+
+ private:
+  using RealClock = std::chrono::steady_clock;
+  void read_store(const LiveRun* live);
+  void read_run(std::int64_t run);
+  void look_at_frames();
+  [[nodiscard]] std::int64_t last_run();
+  void close();
+
+  std::string db_, bench_, unread_;
+  std::optional<db::RunStore> store_;
+  std::uint64_t file_ = 0;  // its inode: a store that was replaced is opened anew
+  std::optional<StoredRun> stored_;
+  std::vector<db::EventRecord> events_;  // newest first
+  std::optional<db::EventRecord> newest_safe_;
+  std::optional<bool> carried_out_;
+  std::int64_t before_ = 0;  // the sensor's last completed run before this one
+  std::optional<RunFrames> frames_;
+  bool new_picture_ = false;
+  RealClock::time_point read_{};
+  std::string seen_;  // of the live run, when the store was read
+};
+
+}  // namespace tactbench::bench

@@ -1,0 +1,51 @@
+// One run that another process may be writing, looked at again and again: its frames behind a place, over a read-only
+// connection that stays open. For who follows a run for hours; single looks: newest.h.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "db/run_store.h"
+
+namespace tactbench::db {
+
+struct SeenFrame {
+  std::int64_t position = 0;  // in the run, from 1
+  std::int64_t time_ns = 0;
+  double setpoint_psi = 0.0, feedback_psi = 0.0, reference_psi = 0.0;
+  int rows = 0, columns = 0, scans = 0;
+  std::vector<std::uint16_t> counts;  // scans x rows x columns, row-major, scan slowest
+  std::string flags;
+  bool is_void = false;  // its branch was done again, or is to be
+  std::optional<WrenchRecord> wrench;
+};
+
+// Mean of the frame's scans for each taxel, in counts.
+std::vector<double> mean_counts(const SeenFrame& frame);
+
+class RunLook {
+ public:
+  // Throws StoreError when the store's file cannot be opened. A run that does not exist has no frames.
+  RunLook(const RunStore& store, std::int64_t run);
+  RunLook(RunLook&&) noexcept;
+  RunLook& operator=(RunLook&&) noexcept;
+  ~RunLook();
+  [[nodiscard]] std::int64_t run() const { return run_; }
+  // Oldest first, those behind `position` (0: from the first), at most `most`. One is in memory at a time. They wait
+  // for nobody and throw StoreError, also for a frame whose counts do not fit its shape.
+  void frames_after(std::int64_t position, int most, const std::function<void(const SeenFrame&)>& see);
+  std::optional<SeenFrame> newest();
+  // Position of the frame before the newest `most`; 0: there are no more than these.
+  std::int64_t before_newest(int most);
+
+ private:
+  struct Queries;
+  std::int64_t run_;
+  std::unique_ptr<Queries> queries_;
+};
+
+}  // namespace tactbench::db

@@ -1,0 +1,132 @@
+// The page in a process of its own beside a run: frozen and killed in mid-run the run ends as without it, to the last
+// bit; and the page that a run starts ends by itself.
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "bench/run/control/run_connection.h"
+#include "tests/bench/page/raw_http.h"
+#include "tests/support/endless_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// Some 60 s of process time.
+constexpr const char* kRecipe =
+    "schema = 1\nname = \"short\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 5\nrepeats = 3\n"
+    "[conditioning]\ncycles = 1\npeak = 20\n";
+
+struct Folder {
+  Folder() {
+    (void)call(folder, {"init"});
+    (void)call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"});
+    write_file(folder.path("short.toml"), kRecipe);
+  }
+  [[nodiscard]] std::vector<std::string> run_words(const std::string& db, const std::string& rate) const {
+    return {"run",
+            "short.toml",
+            "--bench",
+            "bench.toml",
+            "--sensor",
+            "S-1",
+            "--operator",
+            "t",
+            "--db",
+            db,
+            "--rate",
+            rate,
+            "--seed",
+            "5",
+            "-q",
+            "--set",
+            fmt::format("bench.id=\"page-{}\"", getpid())};
+  }
+  [[nodiscard]] std::string hash(const std::string& db) const {
+    const Finished shown = call(folder, {"runs", "show", "1", "--json", "--db", db});
+    INFO(shown.err);
+    REQUIRE(shown.code == 0);
+    const json run = json::parse(shown.out);
+    CHECK(run["outcome"] == "completed");
+    return run["content_sha256"];
+  }
+  // With a shell for its folder; what it says goes to `log`.
+  [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::vector<std::string>& words,
+                                                    const std::string& log) const {
+    std::string line = fmt::format("cd '{}' && exec '{}'", folder.path(), program_path());
+    for (const std::string& word : words) line += fmt::format(" '{}'", word);
+    return std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/sh", "-c", line + " >" + log + " 2>&1"});
+  }
+  TemporaryFolder folder;
+};
+
+struct Link {
+  std::uint16_t port = 0;
+  std::string token;
+};
+
+Link link_in(const std::string& text) {
+  const std::size_t at = text.find("http://127.0.0.1:");
+  if (at == std::string::npos || text.find('\n', at) == std::string::npos) return {};
+  const std::size_t hash = text.find('#', at);
+  return {static_cast<std::uint16_t>(std::stoi(text.substr(at + 17))), text.substr(hash + 1, 32)};
+}
+
+std::string get_events(const Link& link) {
+  return fmt::format("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\r\n", link.port,
+                     link.token);
+}
+
+}  // namespace
+
+TEST_CASE("page beside a run: stopped and killed in mid-run, the run's content is as without it") {
+  Folder here;
+  (void)call(here.folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "alone.db"});
+  REQUIRE(here.start(here.run_words("alone.db", "1000"), "alone")->wait() == 0);
+  const std::string alone = here.hash("alone.db");
+  for (const int number : {SIGSTOP, SIGKILL}) {
+    INFO("signal " << number);
+    const std::string db = fmt::format("seen-{}.db", number);
+    (void)call(here.folder, {"sensors", "add", "S-1", "--type", "sensor.toml", "--db", db});
+    const auto page = here.start({"page", "--db", db, "--port", "0", "--operator", "bob"}, "page");
+    Link link;
+    REQUIRE(comes_true([&] { return (link = link_in(read_file(here.folder.path("page")))).port != 0; }));
+    RawClient viewer(link.port);
+    REQUIRE(viewer.send(get_events(link)));
+    const auto run = here.start(here.run_words(db, "20"), "run");
+    REQUIRE(viewer.read(60'000, "event: picture").find("\"live\":true") != std::string::npos);
+    page->signal(number);
+    CHECK(run->wait() == 0);
+    CHECK(here.hash(db) == alone);
+  }
+}
+
+TEST_CASE("page beside a run: started by the run it shows it, and ends when the run has ended and nobody looked") {
+  Folder here;
+  std::vector<std::string> words = here.run_words("runs.db", "20");
+  words.emplace_back("--page");
+  const auto run = here.start(words, "run");
+  Link link;
+  REQUIRE(comes_true([&] { return (link = link_in(read_file(here.folder.path("run")))).port != 0; }));
+  RawClient asks(link.port);
+  REQUIRE(asks.send(fmt::format("GET /runs HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\r\n",
+                                link.port, link.token)));
+  CHECK(asks.read(60'000, "\"lives\":true").find("\"lives\":true") != std::string::npos);
+  CHECK(run->wait() == 0);
+  CHECK(comes_true([&] { return !RawClient(link.port).send("x"); }));
+}
+
+TEST_CASE("page: beyond loopback only with TLS, and an address that is taken is refused by name") {
+  const TemporaryFolder folder;
+  const Finished open = call(folder, {"page", "--listen", "0.0.0.0", "--port", "0"});
+  CHECK(open.code == 2);
+  CHECK_THAT(open.err, Catch::Contains("TB-PAGE-OPEN") && Catch::Contains("--tls") && Catch::Contains("ssh -L"));
+  const Finished foreign = call(folder, {"page", "--listen", "127.0.0.1", "--port", "1", "--tls", "no.pem", "no.key"});
+  CHECK(foreign.code == 2);
+  CHECK_THAT(foreign.err, Catch::Contains("TB-PAGE-CERTIFICATE"));
+  CHECK(call(folder, {"page", "--operator", " "}).code == 2);
+  CHECK(call(folder, {"page", "--night", "none.html"}).code == 2);
+}

@@ -1,0 +1,181 @@
+// Clients that follow a run: the newest status at a bounded rate, whoever reads or does not; and answers to a question,
+// of which one wins.
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "bench/run/control/client_words.h"
+#include "bench/run/control/control_socket.h"
+#include "bench/run/control/machine_name.h"
+#include "bench/run/control/run_connection.h"
+#include "tests/support/endless_run.h"
+
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+using std::chrono::milliseconds;
+
+namespace {
+
+// A run as far as words go.
+struct Answering {
+  explicit Answering(const std::string& id) {
+    config.id = id;
+    status.run = 3;
+    status.store = id + ".db";
+    status.state = RunState::kRunning;
+    control.publish(status);
+    socket = std::make_unique<ControlSocket>(config, control, 3);
+  }
+  void ask(const std::string& question) {
+    status.question = question;
+    ++status.question_id;
+    status.state = RunState::kPaused;
+    control.publish(status);
+  }
+  void count(std::int64_t frames) {
+    status.frames = frames;
+    control.publish(status);
+  }
+  BenchConfig config;
+  Control control;
+  RunStatus status;
+  std::unique_ptr<ControlSocket> socket;
+};
+
+std::optional<LiveRun> next_of(RunConnection& connection) {
+  std::optional<LiveRun> got;
+  (void)comes_true([&] { return (got = connection.newest()).has_value() || !connection.open(); });
+  return got;
+}
+
+LiveRun say(const std::string& bench, const std::string& words) {
+  RunConnection connection(bench, words);
+  REQUIRE(connection.open());
+  const std::optional<LiveRun> answer = next_of(connection);
+  REQUIRE(answer);
+  return *answer;
+}
+
+}  // namespace
+
+TEST_CASE("follow: each piece of news comes, and signs of life without any") {
+  Answering run("followed");
+  RunConnection follower("followed", "follow");
+  REQUIRE(follower.open());
+  CHECK(comes_true([&] { return next_of(follower)->status.frames == 0; }));
+  run.count(17);
+  CHECK(comes_true([&] { return next_of(follower)->status.frames == 17; }));
+  CHECK(next_of(follower));  // nothing new is told again
+  run.socket.reset();
+  CHECK(comes_true([&] {
+    (void)follower.newest();
+    return !follower.open();
+  }));
+}
+
+TEST_CASE("follow: at most 20 statuses a second, the newest each time, to all who follow") {
+  Answering run("followed");
+  std::vector<std::unique_ptr<RunConnection>> followers;
+  for (int i = 0; i < 3; ++i) followers.push_back(std::make_unique<RunConnection>("followed", "follow"));
+  const auto begun = std::chrono::steady_clock::now();
+  std::int64_t told = 0;
+  std::array<int, 3> came{};
+  std::array<std::int64_t, 3> last{-1, -1, -1};
+  while (std::chrono::steady_clock::now() - begun < milliseconds(1000)) {
+    run.count(++told);
+    for (std::size_t i = 0; i < followers.size(); ++i) {
+      if (const auto got = followers[i]->newest()) {
+        ++came.at(i);
+        CHECK(got->status.frames > last.at(i));
+        last.at(i) = got->status.frames;
+      }
+    }
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  for (const int count : came) {
+    CHECK(count >= 2);
+    CHECK(count <= static_cast<int>(20.0 * seconds) + 2);
+  }
+}
+
+TEST_CASE("follow: a follower that reads nothing delays nobody, and finds little old news when it reads again") {
+  Answering run("followed");
+  RunConnection frozen("followed", "follow");
+  RunConnection reader("followed", "follow");
+  REQUIRE(next_of(reader));
+  std::int64_t told = 0;
+  const auto begun = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - begun < milliseconds(3000)) {
+    run.count(++told);
+    std::this_thread::sleep_for(milliseconds(20));
+  }
+  CHECK(comes_true([&] { return next_of(reader)->status.frames == told; }));
+  CHECK(say("followed", to_string(Command::kStatus)).status.frames == told);
+  int unread = 0;
+  std::array<char, 32768> bytes{};
+  while (::recv(frozen.descriptor(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) ++unread;
+  CHECK(unread > 0);
+  CHECK(unread < 40);  // of about 60 that were told, and of any number in an hour
+}
+
+TEST_CASE("follow: a sequencer that publishes is not held up by 16 followers that read nothing") {
+  Answering run("followed");
+  std::vector<std::unique_ptr<RunConnection>> followers;
+  for (int i = 0; i < 20; ++i) followers.push_back(std::make_unique<RunConnection>("followed", "follow"));
+  CHECK(comes_true([&] { return next_of(*followers.back()).has_value(); }));  // one too many: told, and let go
+  double longest = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto before = std::chrono::steady_clock::now();
+    run.count(i);
+    longest = std::max(longest, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  CHECK(longest < 2.0);  // it would be for ever
+  CHECK(say("followed", to_string(Command::kPause)).taken);
+}
+
+TEST_CASE("follow: packets of chance neither end the server nor command the run") {
+  Answering run("followed");
+  std::mt19937 chance(7);
+  for (int i = 0; i < 300; ++i) {
+    std::string packet(chance() % 80, ' ');
+    for (char& c : packet) c = static_cast<char>(chance());
+    if (i % 5 == 0) packet = "answer " + packet;
+    if (i % 7 == 0) packet = "follow" + packet;
+    const RunConnection one("followed", packet);
+  }
+  const LiveRun after = say("followed", to_string(Command::kStatus));
+  CHECK(after.status.state == RunState::kRunning);
+  CHECK_FALSE(run.control.pause_wanted());
+}
+
+TEST_CASE("answer: to an open question of that number, once, and the second is told whose answer counts") {
+  Answering run("asked");
+  CHECK(say("asked", answer_words(1, "yes", "bob")).text == "run 3 does not wait for an answer to question 1");
+  run.ask("Point indenter mounted?");
+  CHECK_FALSE(say("asked", answer_words(2, "yes", "bob")).taken);
+  CHECK_FALSE(say("asked", "answer").taken);
+  const LiveRun first = say("asked", answer_words(1, "with 2 Nm", "bob on the page, from 127.0.0.1"));
+  CHECK(first.taken);
+  CHECK(first.text == "run 3 continues: question 1 is answered");
+  REQUIRE(first.status.answer);
+  CHECK(first.status.answer->text == "with 2 Nm");
+  const LiveRun second = say("asked", answer_words(1, "no", "eve"));
+  CHECK_FALSE(second.taken);
+  CHECK(second.text.starts_with("question 1 has its answer already, by bob on the page, from 127.0.0.1, through "));
+  CHECK_FALSE(say("asked", to_string(Command::kResume)).taken);
+  CHECK(run.control.answer_to(1)->who.starts_with("bob on the page"));
+  CHECK_FALSE(run.control.answer_to(2));
+  run.ask("And the cable?");
+  CHECK(say("asked", to_string(Command::kResume)).taken);
+  CHECK(run.control.answer_to(2)->text.empty());
+  CHECK(run.control.take_resume());
+}
