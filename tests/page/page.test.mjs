@@ -9,7 +9,7 @@ import { Bench, launch, until, viewer } from './bench.mjs';
 const [program, browserPath, pictures] = process.argv.slice(2);
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const kSensor = '<img src=x onerror=alert(1)>';
-const recipe = (name, more) => `schema = 1\nname = "${name}"\nunit = "psi"\nturning_points = [0, 40, 0]\nstep = 5\ndwell_s = 1\n${more}`;
+const recipe = (name, more) => `schema = 1\nname = "${name}"\nunit = "psi"\nturning_points = [0, 40, 0, 40, 0]\nstep = 5\ndwell_s = 1\n${more}`;
 
 const steps = [];
 async function step(name, act) {
@@ -39,7 +39,7 @@ const bench = new Bench(program);
 let browser;
 try {
   bench.write('asked.toml', recipe('asked', 'repeats = 1\n[dwell]\ntolerance_s = 600\n[conditioning]\ncycles = 0\n[prompt]\nbefore = "Is the cable <b>plugged in</b>?"\n'));
-  bench.write('long.toml', recipe('long', 'repeats = 3000\n[dwell]\ntolerance_s = 600\n[conditioning]\ncycles = 1\npeak = 40\n'));
+  bench.write('long.toml', recipe('long', 'repeats = 1000\n[dwell]\ntolerance_s = 600\n[conditioning]\ncycles = 1\npeak = 40\n'));
   bench.call('sensors', 'add', kSensor, '--type', 'sensor.toml');
   const run = (...words) => bench.start('run', ...words, '--bench', 'bench.toml', '--sensor', kSensor, '--operator', 'tess', '--no-seating', '-q');
   const server = await bench.page('--operator', 'bob');

@@ -56,6 +56,7 @@ struct Folder {
   // With a shell for its folder; what it says goes to `log`.
   [[nodiscard]] std::unique_ptr<ChildProcess> start(const std::vector<std::string>& words,
                                                     const std::string& log) const {
+    write_file(folder.path(log), "");
     std::string line = fmt::format("cd '{}' && exec '{}'", folder.path(), program_path());
     for (const std::string& word : words) line += fmt::format(" '{}'", word);
     return std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/sh", "-c", line + " >" + log + " 2>&1"});
