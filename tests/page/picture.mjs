@@ -11,7 +11,7 @@ try {
   const server = await bench.page('--operator', 'me');
   browser = await launch(browserPath);
   const one = await viewer(browser, server.link, { width: 1280, height: 1120 });
-  bench.start('run', ...words, '--seed', '2', '--rate', '60');
+  bench.start('run', ...words, '--seed', '2', '--rate', '100');
   await one.says('state', 'running');
   await until(async () => /frame 3\d\d /.test(await one.text('picture-title')), 'three hundred frames');
   await one.page.screenshot({ path: file });

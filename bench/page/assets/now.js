@@ -10,7 +10,7 @@ const now = {
   hello: { operator: '', commands: false }, state: null, readings: null, picture: null, counts: [], psi: null,
   trace: [], taxel: -1, compensated: false, top: 0, topRun: 0,
   loop: null, before: null, // {run, taxel, last, x, y}
-  loopAsked: 0, asking: false, answered: 0, sent: 0, dirty: true, came: 0,
+  loopAsked: 0, asking: false, answered: 0, sent: 0, dirty: { trace: true, picture: true, loop: true }, came: 0,
 };
 
 const put = (node, text) => { if (node.textContent !== text) node.textContent = text; };
@@ -254,7 +254,7 @@ async function askLoop() {
       const earlier = state.before;
       if (earlier && (!now.before || now.before.run !== earlier || now.before.taxel !== taxel)) now.before = await ask(`/loop?run=${earlier}&taxel=${taxel}`);
       if (!earlier) now.before = null;
-      now.dirty = true;
+      now.dirty.loop = true;
     }
   } catch { /* the next picture asks again */ } finally {
     now.asking = false;
@@ -269,7 +269,8 @@ export function choose(taxel) {
   $('column').value = taxel < 0 ? '' : taxel % columns;
   showPicture();
   askLoop();
-  now.dirty = true;
+  now.dirty.picture = true;
+  now.dirty.loop = true;
 }
 
 export function take(name, data) {
@@ -292,31 +293,33 @@ export function take(name, data) {
     put($('phase'), data.phase);
     if (now.state && now.state.live) showProgress({ ...now.state.view, ...data }, true);
     showReadings();
+    now.dirty.trace = true;
   }
   if (name === 'picture') {
     now.picture = data;
     now.came = performance.now();
     now.counts = numbers(data.counts);
     now.psi = data.psi ? numbers(data.psi) : null;
+    now.dirty.picture = true;
     showPicture();
   }
   askLoop();
-  now.dirty = true;
 }
 
 // Returns when the picture came that is drawn now for the first time; 0: none.
 export function draw() {
-  if (!now.dirty || $('view-now').hidden || document.hidden) return 0;
-  now.dirty = false;
-  drawTrace();
-  drawPicture();
-  drawLoop();
+  const { dirty } = now;
+  if (!(dirty.trace || dirty.picture || dirty.loop) || $('view-now').hidden || document.hidden) return 0;
+  now.dirty = {};
+  if (dirty.trace) drawTrace();
+  if (dirty.picture) drawPicture();
+  if (dirty.loop) drawLoop();
   const { came } = now;
   now.came = 0;
   return came;
 }
 
-export const redraw = () => { now.dirty = true; };
+export const redraw = () => { now.dirty = { trace: true, picture: true, loop: true }; };
 export const silence = () => (now.state && now.state.live ? now.state.silent_s : 0);
 export const runOnShow = () => (now.state && now.state.view ? now.state.view.run : 0);
 
@@ -385,6 +388,6 @@ export function begin() {
   $('taxel').addEventListener('submit', (event) => event.preventDefault());
   $('mean').addEventListener('click', () => choose(-1));
   for (const [id, on] of [['show-raw', false], ['show-psi', true]]) {
-    $(id).addEventListener('click', () => { now.compensated = on; showPicture(); now.dirty = true; });
+    $(id).addEventListener('click', () => { now.compensated = on; showPicture(); now.dirty.picture = true; });
   }
 }
