@@ -37,7 +37,7 @@ function runRow(run, chosen, changed) {
     h('td', { class: 'wrap' }, [run.purpose, ...run.tags.map((tag) => `[${tag}]`)].filter(Boolean).join(' ')));
 }
 
-const columns = ['', 'run', 'started (UTC)', 'sensor', 'recipes', 'outcome', 'frames', 'verdict', 'origin', 'purpose'];
+const columns = ['compare', 'run', 'started (UTC)', 'sensor', 'recipes', 'outcome', 'frames', 'verdict', 'origin', 'purpose'];
 const fits = (run, words) => words.every((word) => `run ${run.run} ${run.started_utc} ${run.sensor} ${names(run)} ${run.outcome} ${run.verdict} ${run.origin} ${run.operator} ${run.purpose} ${run.tags.join(' ')}`.toLowerCase().includes(word));
 
 async function runs(filter) {
