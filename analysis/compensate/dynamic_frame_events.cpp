@@ -13,18 +13,23 @@ constexpr double kUniform = 0.28867513459481288;  // 1 / sqrt(12): standard unce
 
 }  // namespace
 
+// The linearised output over the output.
+template <class Real>
+Real DynamicFrameCompensator<Real>::State::per_left(std::size_t taxel, Real output) const {
+  const Real c = blocks[taxel / kLanes].divider[taxel % kLanes];
+  return Real(1) / (Real(1) - std::min(output * c, Real(Divider::kMost)));
+}
+
 template <class Real>
 Real DynamicFrameCompensator<Real>::State::linear(std::size_t taxel, Real output) const {
-  const Real c = blocks[taxel / kLanes].divider[taxel % kLanes];
-  return output / (Real(1) - std::min(output * c, Real(Divider::kMost)));
+  return output * per_left(taxel, output);
 }
 
 template <class Real>
 typename DynamicFrameCompensator<Real>::State::Reading DynamicFrameCompensator<Real>::State::reading(
     std::size_t taxel, const BranchPiece<Real>& piece, Real output) const {
-  const Real c = blocks[taxel / kLanes].divider[taxel % kLanes];
-  const Real left = Real(1) - std::min(output * c, Real(Divider::kMost));
-  return {per_interval * piece.along(output / left), per_interval * piece.slope / (left * left)};
+  const Real per = per_left(taxel, output);
+  return {per_interval * piece.along(output * per), per_interval * piece.slope * per * per};
 }
 
 template <class Real>
@@ -39,16 +44,18 @@ void DynamicFrameCompensator<Real>::State::take_extreme(std::size_t taxel) {
   const std::size_t i = taxel % kLanes;
   b.extreme[i] = b.mean[i];
   b.extreme_weight[i] = b.weight[i];
-  b.turn[i] = b.mean[i] - b.rising[i] * shared.lead * std::sqrt(b.weight[i]) * (Real(1) - b.weight[i]);
+  const Real weight = b.weight[i];
+  b.turn[i] = b.mean[i];
+  if (weight < Real(1)) b.turn[i] -= b.rising[i] * shared.lead * std::sqrt(weight) * (Real(1) - weight);
 }
 
-// The piece that holds the mean, also put into the lane's rows.
+// Puts the piece that holds the mean into the lane's rows, and reads it.
 template <class Real>
-BranchPiece<Real> DynamicFrameCompensator<Real>::State::locate(std::size_t taxel) {
+typename DynamicFrameCompensator<Real>::State::Reading DynamicFrameCompensator<Real>::State::locate(std::size_t taxel) {
   DynamicBlock<Real>& b = block(taxel);
   const std::size_t i = taxel % kLanes;
   Taxel& t = taxels[taxel];
-  const Real u = linear(taxel, b.mean[i]);
+  const Real per = per_left(taxel, b.mean[i]), u = b.mean[i] * per;
   if (b.mean[i] == b.extreme[i]) t.memory.go(u);
   const BranchPiece<Real> piece = t.memory.piece(everett(taxel), u);
   b.low[i] = piece.u_low;
@@ -57,21 +64,24 @@ BranchPiece<Real> DynamicFrameCompensator<Real>::State::locate(std::size_t taxel
   b.x[i] = per_interval * piece.x_a;
   b.slope[i] = per_interval * piece.slope;
   b.reverse[i] = std::numeric_limits<Real>::quiet_NaN();
-  if (residuals.empty()) return piece;
   const Real x = piece.along(u);
+  const Reading here{per_interval * x, b.slope[i] * per * per};
+  if (residuals.empty()) return here;
   const std::size_t at = std::min(intervals - 1, static_cast<std::size_t>(std::max(x, Real(0))));
   const Real residual = t.residual_scale * residuals[b.rising[i] > Real(0) ? at : intervals + at];
   const Real changed = static_cast<Real>(observer.doubt) * std::abs(Real(1) - t.gain) *
                        (static_cast<Real>(at) + Real(0.5)) * per_interval;
-  b.residual[i] = std::sqrt(residual * residual + changed * changed);
-  return piece;
+  b.residual[i] = changed > Real(0) ? std::sqrt(residual * residual + changed * changed) : residual;
+  return here;
 }
 
 template <class Real>
-BranchPiece<Real> DynamicFrameCompensator<Real>::State::located(std::size_t taxel) const {
+typename DynamicFrameCompensator<Real>::State::Reading DynamicFrameCompensator<Real>::State::located(
+    std::size_t taxel) const {
   const DynamicBlock<Real>& b = blocks[taxel / kLanes];
   const std::size_t i = taxel % kLanes;
-  return {b.low[i], b.high[i], b.u[i], b.x[i] / per_interval, b.slope[i] / per_interval};
+  const Real per = per_left(taxel, b.mean[i]);
+  return {b.x[i] + b.slope[i] * (b.mean[i] * per - b.u[i]), b.slope[i] * per * per};
 }
 
 template <class Real>
@@ -94,8 +104,9 @@ void DynamicFrameCompensator<Real>::State::show(std::size_t taxel, const Reading
   b.last_x[i] = reading.x;
   b.last_slope[i] = std::min(reading.slope, b.steepest[i]);
   b.last_mean[i] = b.mean[i];
-  const Real noise = std::sqrt(b.weight[i]) * sensitivity;
-  b.uncertainty[i] = std::min(std::sqrt(noise * noise + doubt * doubt), shared.span);
+  Real uncertainty = b.weight[i] < Real(1) ? std::sqrt(b.weight[i]) * sensitivity : sensitivity;
+  if (doubt > Real(0)) uncertainty = std::sqrt(uncertainty * uncertainty + doubt * doubt);
+  b.uncertainty[i] = std::min(uncertainty, shared.span);
 }
 
 // As DynamicTaxelCompensator::observe_top: at a turn from rising to falling.
@@ -105,8 +116,8 @@ void DynamicFrameCompensator<Real>::State::observe_top(std::size_t taxel) {
   const std::size_t i = taxel % kLanes;
   Taxel& t = taxels[taxel];
   const auto share = static_cast<Real>(observer.share);
+  if (share <= Real(0) || b.turn[i] < (Real(1) - share) * t.top * t.gain) return;
   const Real measured = b.turn[i] / t.gain;
-  if (share <= Real(0) || measured < (Real(1) - share) * t.top) return;
   t.highest = std::max(measured, t.highest - static_cast<Real>(observer.forget) * (t.highest - measured));
   const Real gain = std::clamp(t.top / t.highest, Real(1) / (Real(1) + Real(5) * share), Real(1) / (Real(1) - share));
   const Real change = gain / t.gain;
@@ -126,8 +137,8 @@ void DynamicFrameCompensator<Real>::State::attend_turned(std::size_t taxel) {
   if (t.unknown) {
     t.memory.turn(everett(taxel), at);
     t.other.turn(everett(taxel), at);
-  } else if (const BranchPiece<Real> own = located(taxel); own.holds(at)) {
-    t.memory.turn_at(own.along(at), at);
+  } else if (b.low[i] <= at && at <= b.high[i]) {
+    t.memory.turn_at((b.x[i] + b.slope[i] * (at - b.u[i])) * intervals_per, at);
   } else {
     t.memory.turn(everett(taxel), at);
   }
@@ -215,14 +226,14 @@ void DynamicFrameCompensator<Real>::State::attend(std::size_t at, DynamicBits bi
     }
     if (turned) {
       attend_turned(taxel);
-      const Reading here = reading(taxel, locate(taxel), b.mean[i]);
+      const Reading here = locate(taxel);
       show(taxel, here, here.slope, Real(0));
       continue;
     }
     const Real u = linear(taxel, b.mean[i]);
     if (!(b.low[i] <= u && u <= b.high[i])) (void)locate(taxel);
     if (is_held && std::isnan(b.reverse[i])) b.reverse[i] = reverse_sensitivity(taxel, t.memory);
-    Reading here = reading(taxel, located(taxel), b.mean[i]);
+    Reading here = located(taxel);
     Real sensitivity = here.slope, doubt = Real(0);
     if (is_held) sensitivity = std::max(sensitivity, b.reverse[i]);
     if (back) {

@@ -36,6 +36,7 @@ DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
   dispatch = best_dispatch();
   counts_per_volt = static_cast<Real>(1.0 / setup.volts_per_count);
   per_interval = static_cast<Real>((setup.x_high - setup.x_low) / static_cast<double>(intervals));
+  intervals_per = Real(1) / per_interval;
   const auto square = [](double value) { return static_cast<Real>(value * value); };
   shared.moving = static_cast<Real>(options.moving);
   shared.jump2 = square(options.jump_in_noises);

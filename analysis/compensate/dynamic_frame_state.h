@@ -40,8 +40,9 @@ struct DynamicFrameCompensator<Real>::State {
   void attend_turned(std::size_t taxel);
   void attend_unknown(std::size_t taxel, bool turned, bool back, bool is_held);
   void observe_top(std::size_t taxel);
-  BranchPiece<Real> locate(std::size_t taxel);
-  [[nodiscard]] BranchPiece<Real> located(std::size_t taxel) const;  // what locate() put into the lane's rows
+  Reading locate(std::size_t taxel);
+  [[nodiscard]] Reading located(std::size_t taxel) const;  // by what locate() put into the lane's rows
+  [[nodiscard]] Real per_left(std::size_t taxel, Real output) const;
   void take_extreme(std::size_t taxel);
   void face(std::size_t taxel, bool rises) { block(taxel).rising[taxel % kLanes] = rises ? Real(1) : Real(-1); }
   void fill_reverse(std::size_t taxel);
@@ -69,7 +70,7 @@ struct DynamicFrameCompensator<Real>::State {
   std::vector<Real> residuals;  // by interval, rising and falling
   std::vector<std::size_t> dead;
   std::size_t count = 0, intervals = 0, table_size = 0;
-  Real per_interval = 1, counts_per_volt = 1;
+  Real per_interval = 1, intervals_per = 1, counts_per_volt = 1;  // psi, and its reciprocal
   double interval_s = 0.0, tare_share = 0.0;
   int gap = 0, longest_gap = 0;
   bool outside = false, interval_known = false;

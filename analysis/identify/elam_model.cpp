@@ -15,10 +15,34 @@ namespace {
 
 constexpr int kFreeRunPasses = 4;  // at most; two to four suffice
 
+// A recording that begins inside the range: the turn of its first branch was not measured.
+bool turn_not_measured(const FitData& data, const History& history, const Branch& branch) {
+  const auto inputs = data.ascending.x();
+  const double first = history.x[static_cast<std::size_t>(branch.first)];
+  const double inside = branch.ascending ? first - inputs.front() : inputs.back() - first;
+  return branch.first == 0 && inside > kOuterShare * (inputs.back() - inputs.front());
+}
+
+// Of FitData's, those that tell of ELAM: all whose turn was measured, or all where one direction would be missing.
+std::vector<const Branch*> telling(const FitData& data, const History& history) {
+  std::vector<const Branch*> told;
+  bool up = false, down = false;
+  for (const Branch& branch : history.branches) {
+    if (turn_not_measured(data, history, branch)) continue;
+    told.push_back(&branch);
+    (branch.ascending ? up : down) = true;
+  }
+  if (up && down) return told;
+  told.clear();
+  for (const Branch& branch : history.branches) told.push_back(&branch);
+  return told;
+}
+
 std::vector<TaxelBranch> branches_in(const FitData& data) {
   std::vector<TaxelBranch> branches;
   for (const History& history : data.histories) {
-    for (const Branch& branch : history.branches) {
+    for (const Branch* const told : telling(data, history)) {
+      const Branch& branch = *told;
       TaxelBranch own{branch.ascending, {}, {}};
       own.pressure_psi.assign(history.x.begin() + branch.first, history.x.begin() + branch.last + 1);
       own.volts.assign(history.y.begin() + branch.first, history.y.begin() + branch.last + 1);
@@ -39,10 +63,15 @@ Walk walk(const ElamHysteresis& model, const FitData& data, bool free_run) {
   for (const History& history : data.histories) {
     const auto state = model.state();
     if (begins_falling(history)) state->go(model.x_high());
+    const std::vector<const Branch*> told = telling(data, history);
     for (const Branch& branch : history.branches) {
       const auto first = static_cast<std::size_t>(branch.first), last = static_cast<std::size_t>(branch.last);
       state->go(history.x[first]);
       if (!free_run) state->measured(history.y[first]);
+      if (std::ranges::find(told, &branch) == told.end()) {
+        state->go(history.x[last]);
+        continue;
+      }
       result.starts.push_back(state->output_at(history.x[first]));
       // Without a turn inside the branch: measured inputs may waver.
       for (std::size_t i = first + 1; i <= last; ++i) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/identify/identifier.h"
+#include "analysis/identify/residuals.h"
 #include "analysis/identify/sensor_model.h"
 #include "analysis/workers.h"
 
@@ -146,7 +147,10 @@ SensorModel fit_models(const std::string& model, const Histories& histories, con
   fit.taxels.resize(histories.taxels.size() - (with_mean ? 1 : 0));
   for_each_index(fit.taxels.size(), threads, [&](std::size_t i) { fit.taxels[i] = fitter.fit(histories.taxels[i]); });
   if (with_mean) fitter.add_mean(fit);
-  if (std::ranges::any_of(fit.taxels, [](const ModelTaxel& t) { return t.fit.model != nullptr; })) return fit;
+  if (std::ranges::any_of(fit.taxels, [](const ModelTaxel& t) { return t.fit.model != nullptr; })) {
+    if (!options.by_input) find_residuals(histories, sequences, threads, fit);  // of the dynamic model it finds its own
+    return fit;
+  }
   const auto first = std::ranges::find_if(histories.taxels, [](const auto& t) { return t.usable(); });
   throw cannot_be_fitted(histories, model,
                          fit.taxels[static_cast<std::size_t>(first - histories.taxels.begin())].why());
@@ -157,7 +161,7 @@ SensorModel fit_array(const Dataset& dataset, const FitOptions& options) {
   gathered.common = options.common;
   gathered.dead_v = options.dead_v;
   gathered.threads = options.threads;
-  gathered.all_scores = options.mean_alone;
+  gathered.all_scores = options.mean_alone || !options.identify.by_input;
   Histories histories = histories_of(dataset, gathered);
   if (options.mean_alone) histories = mean_taxel_of(std::move(histories));
   SensorModel fit = fit_models(options.model, histories, options.sequences, options.identify, options.threads);

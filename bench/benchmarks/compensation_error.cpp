@@ -7,11 +7,12 @@
 #include <map>
 
 #include "analysis/compensate/inverse_stream.h"
-#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/identifier.h"
 #include "analysis/identify/stored/model_document.h"
-#include "analysis/statistics/figures/streams.h"
+#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/scoring/score.h"
 #include "analysis/workers.h"
 #include "bench/benchmarks/simulated_run.h"
@@ -72,12 +73,17 @@ Errors total_of(const std::vector<Errors>& taxels) {
 
 CoveredErrors of_stream(const Dataset& data, const SensorModel& fit) {
   std::vector<CoveredErrors> errors(fit.taxels.size());
-  compensate_in_order(data, fit, 0, [&](std::size_t taxel) {
-    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
-      const double error = std::abs(now.pressure_psi - data.sequences[s].repeats[r].steps[i].reference_psi);
-      errors[taxel].error.add(error);
-      errors[taxel].covered += error <= 2.0 * now.uncertainty_psi ? 1.0 : 0.0;
-    };
+  const auto width = static_cast<std::size_t>(data.taxels());
+  for_each_index(width, 0, [&](std::size_t taxel) {
+    if (!fit.taxels[taxel].fitted()) return;
+    RecordingStream stream(fit, fit.taxels[taxel]);
+    stream_samples(
+        data, stream, [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + taxel]; },
+        [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+          const double error = std::abs(now.pressure_psi - data.sequences[s].repeats[r].steps[i].reference_psi);
+          errors[taxel].error.add(error);
+          errors[taxel].covered += error <= 2.0 * now.uncertainty_psi ? 1.0 : 0.0;
+        });
   });
   return total_of(errors);
 }
@@ -110,7 +116,7 @@ ErrorSum of_model(const std::vector<ModelFit>& fits, const Histories& histories,
 
 // Means of all sensors, by condition; `others` by condition and model.
 struct ErrorsOfSpecimen {
-  std::map<std::string, CoveredErrors> dynamic, elam;
+  std::map<std::string, CoveredErrors> dynamic, alone, elam;  // alone: the dynamic model without lag and creep
   std::map<std::string, ErrorSum> others;
 };
 
@@ -125,7 +131,7 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
   const Dataset fitted = run({{"descending", "ascending"}, {}});
   const Dataset rate = run({{"rate"}, {}}), creep = run({{"creep-levels"}, {}});
   const SensorModel elam_fit = fit_array(fitted);
-  const SensorModel dynamic_fit = fit_dynamic(fitted, rate, creep);
+  const SensorModel dynamic_fit = fit_dynamic(fitted, rate, creep), alone_fit = fit_dynamic_alone(fitted);
   const Histories histories = all_models ? histories_of(fitted) : Histories();
   std::map<std::string, std::vector<ModelFit>> other_fits;
   if (all_models)
@@ -137,6 +143,7 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
     const Dataset data = run(condition.made);
     errors.elam[condition.name].add(of_stream(data, elam_fit));
     errors.dynamic[condition.name].add(of_stream(data, dynamic_fit));
+    errors.alone[condition.name].add(of_stream(data, alone_fit));
     if (!all_models) continue;
     const Histories scored = histories_of(data);
     for (const auto& [model, fits] : other_fits)
@@ -160,6 +167,10 @@ void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh
     add(name, own.mean(), harsh ? 0.0 : condition.goal, "psi");
     add(name + "_most", own.max, harsh ? 0.0 : condition.most_goal, "psi");
     figures.add(name + "_within_2_u", 100.0 * ours.covered / own.samples, "%");
+    const CoveredErrors& alone = errors.alone.at(condition.name);
+    figures.add(name + "_one_run", alone.error.mean(), "psi");
+    figures.add(name + "_one_run_most", alone.error.max, "psi");
+    figures.add(name + "_one_run_within_2_u", 100.0 * alone.covered / alone.error.samples, "%");
     figures.add(name + "_elam_stream", elam.mean(), "psi");
     figures.add(name + "_elam_stream_most", elam.max, "psi");
     figures.add(name + "_elam_stream_within_2_u", 100.0 * theirs.covered / elam.samples, "%");

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/identifier.h"
+#include "bench/benchmarks/simulated_run.h"
 #include "bench/benchmarks/synthetic_array.h"
 
 namespace tactbench::bench {
@@ -132,6 +134,18 @@ void time_threads_and_growth(FigureList& figures, const Dataset& dataset, int ro
   }
 }
 
+// 256 taxels from the paper's run, one of `rate` and one of `creep-levels`, on two threads.
+void time_dynamic(FigureList& figures, const std::string& folder, int rounds) {
+  db::RunStore store = db::RunStore::open(folder + "/dynamic.db", db::Durability::kNormal);
+  const auto run = [&](const SimulatedRun& made, unsigned seed) { return simulate_run(made, {}, seed, store).data; };
+  const Dataset fitted = run({{"descending", "ascending"}, {}}, 1), rate = run({{"rate"}, {}}, 2),
+                creep = run({{"creep-levels"}, {}}, 3);
+  DynamicFitOptions options;
+  options.threads = 2;
+  const auto fit = [&] { keep(fit_dynamic(fitted, rate, creep, options).full_scale_v()); };
+  figures.add_at_most("dynamic_array", best_seconds(rounds, fit), 1.0, "s");
+}
+
 // Each against its own plain J: one evaluation of the fitted model along all samples.
 void time_models(FigureList& figures, const std::vector<Taxel>& taxels, int rounds) {
   for (const char* name : {"gpi", "mpi", "poly", "preisach"}) {
@@ -178,6 +192,7 @@ std::vector<Figure> benchmark_identify(int rounds, const std::string& folder) {
   time_store(figures, dataset, folder, rounds);
   time_threads_and_growth(figures, dataset, rounds);
   time_models(figures, taxels, rounds);
+  time_dynamic(figures, folder, rounds);
   return figures.take();
 }
 

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
@@ -166,6 +166,7 @@ class Verification {
     }
     if (!dynamics) return "not recomputed: it does not say which runs its lag and creep are from";
     for (const auto& [source, what] : {std::pair(dynamics->rate, "lag"), std::pair(dynamics->creep, "creep")}) {
+      if (source.run == 0) continue;
       const std::optional<std::int64_t> run = run_of_source(store_, source);
       if (run && store_.pruned(*run))
         return fmt::format("not recomputed: the frames of run {}, which its {} is from, were removed", *run, what);
@@ -180,16 +181,22 @@ class Verification {
 
   // Throws AnalysisError TB-ANALYSIS-FRAME where a run's content has changed.
   analysis::SensorModel recomputed_dynamic(const analysis::SensorModel& stored) {
-    // why_not_dynamic() has found both in this store.
-    const std::int64_t rate = run_of_source(store_, stored.dynamics->rate).value();
-    const std::int64_t creep = run_of_source(store_, stored.dynamics->creep).value();
+    // why_not_dynamic() has found those that are named in this store.
+    const auto run_of = [&](const analysis::SensorDynamics::Source& source) {
+      return source.run != 0 ? run_of_source(store_, source).value() : std::int64_t{0};
+    };
+    const std::int64_t rate = run_of(stored.dynamics->rate), creep = run_of(stored.dynamics->creep);
     for (const std::int64_t run : {rate, creep})
-      if (const db::ContentCheck& content = content_of(run); !content.holds())
+      if (run == 0)
+        continue;
+      else if (const db::ContentCheck& content = content_of(run); !content.holds())
         throw analysis::AnalysisError("TB-ANALYSIS-FRAME",
                                       fmt::format("run {}, which it rests on: {}", run, content.difference),
                                       "restore the store from a copy");
-    analysis::SensorModel fit =
-        analysis::fit_dynamic(runs_.dataset(stored.run), runs_.dataset(rate), runs_.dataset(creep));
+    const analysis::Dataset& fitted = runs_.dataset(stored.run);
+    analysis::SensorModel fit = rate != 0 && creep != 0
+                                    ? analysis::fit_dynamic(fitted, runs_.dataset(rate), runs_.dataset(creep))
+                                    : analysis::fit_dynamic_alone(fitted);
     fit.dynamics->rate = stored.dynamics->rate;
     fit.dynamics->creep = stored.dynamics->creep;
     return fit;

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "analysis/compensate/dynamic_compensator.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/dynamic/track.h"
 #include "analysis/identify/dynamic_setup_of.h"
 #include "analysis/identify/taxel_stream.h"
@@ -134,15 +135,15 @@ void check_same_array(const Dataset& fitted, const Dataset& other) {
                         "origins never mix: name runs of the same origin");
 }
 
-void check_found(const ArrayDynamics& found, const Dataset& rate, const Dataset& creep) {
-  if (found.holds == 0)
+void check_found(const ArrayDynamics& found, const Dataset* rate, const Dataset* creep) {
+  if (creep != nullptr && found.holds == 0)
     throw AnalysisError("TB-ANALYSIS-DYNAMICS",
-                        fmt::format("run {} tells nothing of creep: it holds no level for ten frames", creep.run),
+                        fmt::format("run {} tells nothing of creep: it holds no level for ten frames", creep->run),
                         "measure one that does: tactbench run creep-levels");
-  if (found.rate_samples == 0)
+  if (rate != nullptr && found.rate_samples == 0)
     throw AnalysisError(
         "TB-ANALYSIS-DYNAMICS",
-        fmt::format("run {} tells nothing of the lag: no repeat of it takes twice as long as another", rate.run),
+        fmt::format("run {} tells nothing of the lag: no repeat of it takes twice as long as another", rate->run),
         "measure one at several dwell times: tactbench run rate");
 }
 
@@ -157,44 +158,47 @@ void check_lowest(const Dataset& fitted) {
                         "the dynamic model counts from the unloaded film: fit a run whose levels begin at 0 psi");
 }
 
-// Of all three runs, since lag and creep are undone there; inputs are those of the first.
-Validity validity_of_runs(const Histories& fitted, const Histories& rate, const Histories& creep) {
+// Of all runs, since lag and creep are undone there; inputs are those of the first.
+Validity validity_of_runs(const Histories& fitted, const std::vector<Histories>& others) {
   const auto scored = [](const Histories& histories) {
     return std::ranges::find_if(histories.taxels, [](const auto& t) { return !t.score.empty(); })->score;
   };
   std::vector<History> all = scored(fitted);
   Validity validity = validity_of(all, fitted.temperatures_c);
-  for (const Histories* const other : {&rate, &creep})
-    for (const History& history : scored(*other)) all.push_back(history);
+  for (const Histories& other : others)
+    for (const History& history : scored(other)) all.push_back(history);
   const Validity times = validity_of(all, {});
   validity.hold_s = times.hold_s;
   validity.rate = times.rate;
   return validity;
 }
 
-}  // namespace
-
-SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Dataset& creep,
-                        const DynamicFitOptions& options) {
-  check_same_array(fitted, rate);
-  check_same_array(fitted, creep);
+// Null: that part is left in.
+SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* creep,
+                     const DynamicFitOptions& options) {
+  std::vector<const Dataset*> others;
+  for (const Dataset* const other : {rate, creep})
+    if (other != nullptr) others.push_back(other);
+  for (const Dataset* const other : others) check_same_array(fitted, *other);
   HistoriesOptions gathered;
   gathered.threads = options.threads;
   gathered.all_scores = false;
   const Histories before = histories_of(fitted, gathered);
-  const Histories of_rate = histories_of(rate, gathered), of_creep = histories_of(creep, gathered);
+  std::vector<Histories> of_others;
+  for (const Dataset* const other : others) of_others.push_back(histories_of(*other, gathered));
   check_lowest(fitted);
   const auto width = static_cast<std::size_t>(fitted.taxels());
   std::vector<bool> usable(width);
   // A taxel that was lost in a later run has the array's lag and creep.
   for (std::size_t t = 0; t < width; ++t)
-    usable[t] = before.taxels[t].usable() && of_rate.taxels[t].usable() && of_creep.taxels[t].usable();
+    usable[t] = before.taxels[t].usable() &&
+                std::ranges::all_of(of_others, [t](const Histories& other) { return other.taxels[t].usable(); });
   if (std::ranges::find(usable, true) == usable.end())
     throw AnalysisError("TB-ANALYSIS-NO-TAXEL",
-                        fmt::format("no taxel is usable in all of runs {}, {} and {}", fitted.run, rate.run, creep.run),
+                        fmt::format("no taxel of run {} is usable in it and in all runs of lag and creep", fitted.run),
                         "check the frames: dead, stuck and saturated taxels are left out");
   const std::vector<double> zeros = zeros_of(fitted);
-  const ArrayDynamics found = find_dynamics(&rate, &creep, zeros, usable);
+  const ArrayDynamics found = find_dynamics(rate, creep, zeros, usable);
   check_found(found, rate, creep);
   constexpr double lowest = 0.0;
   double highest = 0.0;
@@ -209,9 +213,10 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
   fit.threads = options.threads;
   SensorModel model = fit_array(undone(fitted, found, zeros, lowest, highest), fit);
   model.model = kDynamicModel;
-  model.validity = validity_of_runs(before, of_rate, of_creep);
+  model.validity = validity_of_runs(before, of_others);
   model.repeats = repeat_drifts(fitted, model.fitted(), fit.common);
-  model.dynamics = SensorDynamics{found.shared, {}, {rate.run, {}}, {creep.run, {}}};
+  model.dynamics =
+      SensorDynamics{found.shared, {}, {rate != nullptr ? rate->run : 0, {}}, {creep != nullptr ? creep->run : 0, {}}};
   for (std::size_t t = 0; t < width; ++t) {
     model.taxels[t].creep_scale = found.creep_scale[t];
     model.taxels[t].lag_share = found.lag_share[t];
@@ -220,5 +225,24 @@ SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Datase
   find_residuals(fitted, options.threads, model);
   return model;
 }
+
+}  // namespace
+
+SensorModel fit_dynamic(const Dataset& fitted, const Dataset& rate, const Dataset& creep,
+                        const DynamicFitOptions& options) {
+  return fit_from(fitted, &rate, &creep, options);
+}
+
+SensorModel fit_dynamic_alone(const Dataset& fitted, const DynamicFitOptions& options) {
+  return fit_from(fitted, nullptr, nullptr, options);
+}
+
+bool undoes_creep(const SensorDynamics& dynamics) {
+  return std::ranges::any_of(dynamics.shared.creep_share, [](double share) { return share != 0.0; });
+}
+
+bool undoes_lag(const SensorDynamics& dynamics) { return dynamics.shared.lag_share != 0.0; }
+
+bool in_time(const SensorDynamics& dynamics) { return undoes_creep(dynamics) || undoes_lag(dynamics); }
 
 }  // namespace tactbench::analysis

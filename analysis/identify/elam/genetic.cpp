@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "analysis/identify/elam/elam_determined.h"
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/identify/elam/genetic_module.h"
 
@@ -75,7 +76,11 @@ ElamFit identify_elam_ga(const PatternCurve& ascending, const PatternCurve& desc
                 best))
     throw std::runtime_error("pagmo's genetic algorithm failed");
   model.parameters = parameters_of(best, model.xu() - model.x0());
-  return scored(model, branches);
+  ElamFit fit = scored(model, branches);
+  // What it found stays, whatever the data leave open.
+  fit.undetermined = settle_undetermined(model, samples.descending, samples.descending_constant, false) |
+                     settle_undetermined(model, samples.ascending, samples.ascending_constant, true);
+  return fit;
 }
 
 }  // namespace tactbench::analysis

@@ -39,8 +39,11 @@ ArrayStream::ArrayStream(const SensorModel& model, double volts_per_count, doubl
     dynamic_.emplace(setup);
     return;
   }
-  for (const ModelTaxel& taxel : model.array())
-    streams_.push_back(taxel.fitted() ? std::optional<TaxelStream>(std::in_place, taxel, noisier) : std::nullopt);
+  longest_gap_ = longest_gap;
+  for (const ModelTaxel& taxel : model.array()) {
+    streams_.emplace_back();
+    if (taxel.fitted()) streams_.back().emplace(model, taxel, noisier).reset_unknown();
+  }
   last_psi_.assign(taxels(), static_cast<float>(model.pressure_psi.front()));
   last_uncertainty_psi_.assign(taxels(), static_cast<float>(model.pressure_psi.back() - model.pressure_psi.front()));
 }
@@ -54,12 +57,18 @@ std::uint16_t ArrayStream::step(std::size_t taxel, float volts, float& pressure,
   uncertainty = static_cast<float>(now.uncertainty_psi);
   int bits = now.out_of_range ? kTaxelOutOfRange : kTaxelValid;
   if (now.flat) bits |= kTaxelFlat;
+  if (now.unknown) bits |= kTaxelUnknown;
   return static_cast<std::uint16_t>(bits);
 }
 
 void ArrayStream::frame(std::span<const float> volts, const Output& output) {
   if (elam_) return elam_->frame(volts, output);
   if (dynamic_) return dynamic_->frame(volts, output);
+  gap_ = 0;
+  frame_of_streams(volts, output);
+}
+
+void ArrayStream::frame_of_streams(std::span<const float> volts, const Output& output) {
   for (std::size_t i = 0; i < taxels(); ++i) {
     output.status[i] = step(i, volts[i], last_psi_[i], last_uncertainty_psi_[i]);
     if (outside_ && output.status[i] != kTaxelDead)
@@ -72,8 +81,11 @@ void ArrayStream::frame(std::span<const float> volts, const Output& output) {
 void ArrayStream::lost_frame(const Output& output) {
   if (elam_) return elam_->lost_frame(output);
   if (dynamic_) return dynamic_->lost_frame(output);
+  if (++gap_ > longest_gap_)
+    for (std::optional<RecordingStream>& stream : streams_)
+      if (stream) stream->reset_unknown();
   const std::vector<float> none(taxels(), std::nanf(""));
-  frame(none, output);
+  frame_of_streams(none, output);
 }
 
 void ArrayStream::set_outside_validity(bool outside) {

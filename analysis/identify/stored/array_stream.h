@@ -9,7 +9,7 @@
 
 #include "analysis/compensate/dynamic_frame_compensator.h"
 #include "analysis/compensate/frame_compensator.h"
-#include "analysis/identify/taxel_stream.h"
+#include "analysis/identify/streams/recording_stream.h"
 
 namespace tactbench::analysis {
 
@@ -17,10 +17,8 @@ class ArrayStream {
  public:
   using Output = FrameCompensator<float>::Output;
   // Keeps a pointer to `model`. `noisier`: by how much more noise a sample has than those that were fitted. Starts
-  // from any state with ELAM and the dynamic model, at rest at the lowest input with others, which do not know an
-  // unknown history.
-  // Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array, std::invalid_argument when its
-  // numbers make no compensator.
+  // from any state. Throws AnalysisError TB-MODEL-COMPENSATOR when the model is not of a whole array,
+  // std::invalid_argument when its numbers make no compensator.
   ArrayStream(const SensorModel& model, double volts_per_count, double noisier, int longest_gap);
 
   [[nodiscard]] std::size_t taxels() const { return model_->array().size(); }
@@ -33,14 +31,16 @@ class ArrayStream {
   void set_outside_validity(bool outside);
 
  private:
+  void frame_of_streams(std::span<const float> volts, const Output& output);
   std::uint16_t step(std::size_t taxel, float volts, float& pressure, float& uncertainty);
 
   const SensorModel* model_;
   std::optional<FrameCompensator<float>> elam_;
   std::optional<DynamicFrameCompensator<float>> dynamic_;
-  std::vector<std::optional<TaxelStream>> streams_;  // none: the taxel was not fitted
+  std::vector<std::optional<RecordingStream>> streams_;  // none: the taxel was not fitted
   std::vector<float> last_psi_, last_uncertainty_psi_;
   bool outside_ = false;
+  int gap_ = 0, longest_gap_ = 0;  // of streams_: frames lost in a row
 };
 
 }  // namespace tactbench::analysis

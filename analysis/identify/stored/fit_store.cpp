@@ -87,6 +87,37 @@ ModelTaxel from_record(const db::FitTaxelRecord& record, const SensorModel& fit)
   return taxel;
 }
 
+// Names by taxel, where there are any.
+nlohmann::json undetermined_json(const SensorModel& fit) {
+  auto json = nlohmann::json::object();
+  for (const ModelTaxel& taxel : fit.taxels)
+    if (!taxel.fit.undetermined.empty()) json[std::to_string(taxel.taxel)] = taxel.fit.undetermined;
+  return json;
+}
+
+void read_undetermined(const nlohmann::json& patterns, SensorModel& fit) {
+  if (!patterns.contains("undetermined")) return;
+  for (ModelTaxel& taxel : fit.taxels)
+    taxel.fit.undetermined = patterns.at("undetermined").value(std::to_string(taxel.taxel), std::vector<std::string>());
+}
+
+// The mean taxel's at the end.
+std::vector<double> residuals_of(const SensorModel& fit) {
+  std::vector<double> residuals;
+  for (const ModelTaxel& taxel : fit.taxels) residuals.push_back(taxel.residual_psi);
+  return residuals;
+}
+
+// Fits of older programs have none.
+void read_residuals(const nlohmann::json& patterns, SensorModel& fit) {
+  if (!patterns.contains("residual_psi")) return;
+  const std::vector<double> psi = patterns.at("residual_psi");
+  const auto valid = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  if (psi.size() != fit.taxels.size() || !std::ranges::all_of(psi, valid))
+    malformed(fit.run, "its residuals are not those of its taxels");
+  for (std::size_t i = 0; i < psi.size(); ++i) fit.taxels[i].residual_psi = psi[i];
+}
+
 // What the fit's taxels come to. The names of figures in rows have their units.
 nlohmann::json summary_of(const SensorModel& fit, bool in_rows) {
   std::map<std::string, int> taxels;
@@ -142,7 +173,7 @@ FitRows rows_of(const SensorModel& fit) {
     if (record.model == kElamFit) record.model += ", in part";  // not what stands for the run
     nlohmann::json options = nlohmann::json::object();
     if (fit.options.linearise) options["linearise"] = true;
-    if (fit.dynamics) {
+    if (fit.dynamics && fit.dynamics->rate.run != 0) {
       options["rate_run"] = fit.dynamics->rate.run;
       options["creep_run"] = fit.dynamics->creep.run;
     }
@@ -155,14 +186,18 @@ FitRows rows_of(const SensorModel& fit) {
   if (!fit.validity.mount.empty()) options["mount"] = fit.validity.mount;
   if (!fit.validity.interface_material.empty()) options["interface_material"] = fit.validity.interface_material;
   record.options_json = json_line(options);
-  record.patterns_json = json_line(nlohmann::json{{"rows", fit.rows},
-                                                  {"columns", fit.columns},
-                                                  {"pressure_psi", fit.pressure_psi},
-                                                  {"full_scale_v", fit.full_scale_v()},
-                                                  {"falling", fit.falling},
-                                                  {"origin", fit.origin},
-                                                  {"sensor_serial", fit.sensor_serial},
-                                                  {"scanner_serial", fit.scanner_serial}});
+  nlohmann::json patterns = nlohmann::json{{"rows", fit.rows},
+                                           {"columns", fit.columns},
+                                           {"pressure_psi", fit.pressure_psi},
+                                           {"full_scale_v", fit.full_scale_v()},
+                                           {"falling", fit.falling},
+                                           {"origin", fit.origin},
+                                           {"sensor_serial", fit.sensor_serial},
+                                           {"scanner_serial", fit.scanner_serial}};
+  const std::vector<double> residuals = residuals_of(fit);
+  if (std::ranges::any_of(residuals, [](double psi) { return psi > 0.0; })) patterns["residual_psi"] = residuals;
+  if (const nlohmann::json open = undetermined_json(fit); !open.empty()) patterns["undetermined"] = open;
+  record.patterns_json = json_line(patterns);
   rows.taxels.push_back(to_record(fit.mean_taxel(), kMeanTaxel));
   for (const ModelTaxel& taxel : fit.array()) rows.taxels.push_back(to_record(taxel, taxel.taxel));
   return rows;
@@ -201,6 +236,13 @@ SensorModel model_from_rows(const FitRows& rows) {
   for (const db::FitTaxelRecord& taxel : rows.taxels)
     fit.taxels[taxel.taxel == kMeanTaxel ? fit.taxels.size() - 1 : static_cast<std::size_t>(taxel.taxel)] =
         from_record(taxel, fit);
+  try {
+    const nlohmann::json patterns = parse_json(record.patterns_json);
+    read_residuals(patterns, fit);
+    read_undetermined(patterns, fit);
+  } catch (const nlohmann::json::exception& error) {
+    malformed(record.run, error.what());
+  }
   return fit;
 }
 

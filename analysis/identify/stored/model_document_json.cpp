@@ -116,7 +116,10 @@ Json taxel_json(const ModelTaxel& taxel, bool dynamic) {
   json["at_bound"] = at_bound;
   if (elam_of(taxel) == nullptr && !taxel.ascending.x().empty()) json["loop"] = loop_json(taxel);
   if (!taxel.fit.undetermined.empty()) json["undetermined"] = taxel.fit.undetermined;
-  if (dynamic) add_taxel_dynamics(taxel, json);
+  if (dynamic)
+    add_taxel_dynamics(taxel, json);
+  else if (taxel.residual_psi > 0.0)
+    json["residual_psi"] = taxel.residual_psi;
   json["model"] = taxel.fit.model->to_json();
   return json;
 }
@@ -152,7 +155,11 @@ ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs, bool 
   taxel.fit.starts = integer_from(figures, "starts");
   for (const Json& name : json.value("undetermined", Json::array()))
     taxel.fit.undetermined.push_back(name.get<std::string>());
-  if (dynamic) read_taxel_dynamics(json, taxel);
+  if (dynamic)
+    read_taxel_dynamics(json, taxel);
+  else if (json.contains("residual_psi"))
+    taxel.residual_psi = json_number(json, "residual_psi");
+  if (taxel.residual_psi < 0.0) throw std::invalid_argument("\"residual_psi\" is negative");
   taxel.fit.model = model_from_json(json.at("model"));
   read_loop(json, inputs, taxel);
   return taxel;

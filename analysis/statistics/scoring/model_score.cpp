@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
+#include "analysis/identify/dynamic/undone.h"
 #include "analysis/identify/folds.h"
+#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/workers.h"
 
 namespace tactbench::analysis {
@@ -21,13 +24,6 @@ std::string units_of(const std::string& input, const std::string& output) {
 }  // namespace
 
 void check_same_source(const SensorModel& document, const Histories& histories) {
-  if (document.dynamics)
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-DYNAMIC",
-                        fmt::format("the dynamic model of {} is not compared with samples that tell no times, nor "
-                                    "adjusted by them: its lag and creep would count as errors",
-                                    document.source),
-                        "judge it on runs, which tell the times: tactbench fit RUN --model dynamic --rate RUN --creep "
-                        "RUN --held-out RUN; where the sensor has changed, fit it again");
   if (document.origin != histories.origin)
     throw AnalysisError(
         "TB-ANALYSIS-ORIGIN",
@@ -54,6 +50,49 @@ void check_same_source(const SensorModel& document, const Histories& histories) 
 
 namespace {
 
+// The errors of a history's estimates, one a sample, in its branches, as score() counts them.
+void add_compensated(const History& history, const std::vector<double>& estimates, Score& score) {
+  const bool timed = !history.time_s.empty();
+  for (const Branch& branch : history.branches)
+    for (auto i = static_cast<std::size_t>(branch.first) + 1; i <= static_cast<std::size_t>(branch.last); ++i) {
+      const double passed = timed ? history.time_s[i] - history.time_s[i - 1] : 0.0;
+      score.add_sample(std::abs(estimates[i] - history.x[i]), timed ? history.held_s[i] : 0.0,
+                       passed > 0.0 ? std::abs(history.x[i] - history.x[i - 1]) / passed : 0.0);
+    }
+}
+
+// What the dynamic stream leaves of the samples as measured, in place of the static model's inverse.
+void compensate_dynamic(const SensorModel& document, const ModelTaxel& model, const Histories& source,
+                        const TaxelHistories& taxel, const std::vector<std::string>& sequences, Score& score) {
+  score.compensated = {};
+  score.by_hold.clear();
+  score.by_rate.clear();
+  RecordingStream stream(document, model);
+  double before = -1.0;
+  for (const History& history : named(taxel.score, sequences)) {
+    if (source.run == 0) {
+      stream.reset();
+      if (!history.y.empty() && !stream.at_rest(history.y.front())) stream.reset_unknown();
+      before = -1.0;
+    }
+    std::vector<double> estimates;
+    for (std::size_t i = 0; i < history.x.size(); ++i) {
+      TimePassed passed;
+      if (!history.time_s.empty()) {
+        const double time = history.time_s[i];
+        if (source.run != 0)
+          passed = time_passed({0.0, 0.0, time, history.held_s[i]}, before);
+        else if (before >= 0.0)
+          passed.step_s = std::max(time - before, 0.0);
+        before = time;
+      }
+      if (passed.worked_s > 0.0) stream.work(passed.worked_s);
+      estimates.push_back(stream.step(history.y[i], passed.step_s).pressure_psi);
+    }
+    add_compensated(history, estimates, score);
+  }
+}
+
 Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const std::vector<std::string>& sequences) {
   std::vector<History> histories = named(taxel.score, sequences);
   for (History& history : histories)
@@ -73,12 +112,19 @@ Score score_taxel(const ModelTaxel& model, const TaxelHistories& taxel, const st
 ModelScore score_model(const SensorModel& document, const Histories& histories,
                        const std::vector<std::string>& sequences, int threads) {
   check_same_source(document, histories);
+  // The direct models of a dynamic one are the static film's.
+  std::optional<Histories> undone;
+  if (document.dynamics) undone = creep_and_lag_undone(document, histories);
+  const Histories& direct = undone ? *undone : histories;
   std::vector<Score> scores(document.taxels.size());
   for_each_index(scores.size(), threads, [&](std::size_t i) {
     const ModelTaxel& model = document.taxels[i];
-    const auto own = std::ranges::find(histories.taxels, model.taxel, &TaxelHistories::taxel);
-    if (model.fit.model == nullptr || own == histories.taxels.end() || !own->usable()) return;
+    const auto own = std::ranges::find(direct.taxels, model.taxel, &TaxelHistories::taxel);
+    if (model.fit.model == nullptr || own == direct.taxels.end() || !own->usable()) return;
     scores[i] = score_taxel(model, *own, sequences);
+    const auto measured = histories.taxels.begin() + (own - direct.taxels.begin());
+    if (document.dynamics && model.fitted())
+      compensate_dynamic(document, model, histories, *measured, sequences, scores[i]);
   });
   ModelScore result;
   for (std::size_t i = 0; i < scores.size(); ++i) {

@@ -14,11 +14,12 @@ struct ModelScore {
 };
 
 // Checks that a model applies to the data. Throws AnalysisError TB-ANALYSIS-OTHER-SENSOR when sensor or scanner differ,
-// TB-ANALYSIS-ORIGIN when the origins do, TB-MODEL-UNITS when the units do, TB-ANALYSIS-FALLING when the signs do,
-// TB-MODEL-DYNAMIC when the model has lag and creep.
+// TB-ANALYSIS-ORIGIN when the origins do, TB-MODEL-UNITS when the units do, TB-ANALYSIS-FALLING when the signs do.
 void check_same_source(const SensorModel& document, const Histories& histories);
 
-// On the named sequences (empty: all). Throws as check_same_source, and TB-ANALYSIS-NO-TAXEL.
+// On the named sequences (empty: all). Of a model with lag and creep the direct model's errors are those of its static
+// film, creep and lag undone at the inputs measured; compensated is its own stream. Throws as check_same_source and
+// creep_and_lag_undone, and TB-ANALYSIS-NO-TAXEL.
 ModelScore score_model(const SensorModel& document, const Histories& histories,
                        const std::vector<std::string>& sequences, int threads = 0);
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "analysis/identify/dynamic/undone.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/scoring/model_score.h"
 
@@ -93,8 +95,11 @@ const char* to_string(DriftVerdict verdict) {
   return "recalibrate";
 }
 
-Drift drift_of(const SensorModel& document, const Histories& histories, double tolerance) {
-  check_same_source(document, histories);
+Drift drift_of(const SensorModel& document, const Histories& measured_histories, double tolerance) {
+  check_same_source(document, measured_histories);
+  std::optional<Histories> undone;
+  if (document.dynamics) undone = creep_and_lag_undone(document, measured_histories);
+  const Histories& histories = undone ? *undone : measured_histories;
   Drift drift;
   double own_error = 0.0;
   for (const ModelTaxel& taxel : document.taxels) {

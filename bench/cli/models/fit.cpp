@@ -17,6 +17,7 @@ namespace {
 struct FitOptions {
   FitModelsOptions models;
   std::string model_list, fit_list, score_list, mode = "paper", way = "exact", check, shard, into;
+  bool for_others = false;  // an option of a model that is not the dynamic one is given, if only its default
 };
 
 std::vector<std::string> models_of(const std::string& list) {
@@ -48,18 +49,15 @@ void check_dynamic(const FitOptions& options) {
            "leave out --model, --rate and --creep to check a model, or --check to fit");
   if (models.models.size() != 1)
     refuse("the dynamic model is fitted alone, and several models are named", "--model dynamic --rate RUN --creep RUN");
-  if (models.rate_run == 0 || models.creep_run == 0)
+  if ((models.rate_run == 0) != (models.creep_run == 0))
     refuse(
-        "the dynamic model needs two further runs of the sensor: its lag comes from one of recipe rate, its creep "
-        "from one of creep-levels",
-        "measure them (tactbench run rate creep-levels) and name them: --rate RUN --creep RUN");
-  const analysis::IdentifyOptions& identify = models.identify;
-  const bool of_others = identify.free_run || identify.genetic || identify.memory || identify.exact_outer ||
-                         identify.splits != 1 || identify.linearise ||
-                         identify.starts != analysis::IdentifyOptions().starts;
-  if (of_others || !models.fit.empty() || !models.score.empty() || models.mean_taxel || !names_run(models.source))
+        "lag and creep come from two further runs of the sensor, one of recipe rate and one of creep-levels, and one "
+        "alone is named",
+        "measure the other (tactbench run rate creep-levels) and name both, --rate RUN --creep RUN; or name none, and "
+        "both are left in");
+  if (options.for_others || !models.fit.empty() || models.mean_taxel || !names_run(models.source))
     refuse("the dynamic model is of all sequences of a run and of its whole array, always on the linearised output",
-           "leave out --fit, --score, --mean-taxel and the options of other models; judge it by --held-out RUN");
+           "leave out --fit, --mean-taxel and the options of other models");
 }
 
 // The profile's limits count where there is something to judge: held-out runs, and one model of the whole array.
@@ -108,7 +106,8 @@ void add_fit(CLI::App& app, Session& session) {
       ->required();
   verb->add_option("--model", options->model_list,
                    "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all; or dynamic: Preisach "
-                   "on the linearised output with lag and creep undone (ours) [dynamic with --rate and --creep, elam "
+                   "on the linearised output, with lag and creep undone where --rate and --creep name runs (ours) "
+                   "[dynamic with --rate and --creep, elam "
                    "without]");
   verb->add_option("--fit", options->fit_list, "fit these sequences alone (names with commas between)");
   verb->add_option("--score", options->score_list,
@@ -163,7 +162,12 @@ void add_fit(CLI::App& app, Session& session) {
       "several runs: copy them and keep their fits in this store instead; runs merge brings the fits back");
   add_void_too(*verb, session);
   add_common(*verb, session);
-  verb->callback([options, &session] { fit(*options, session); });
+  verb->callback([options, verb, &session] {
+    for (const char* const name :
+         {"--mode", "--identify", "--linearise", "--memory", "--exact-outer", "--splits", "--starts"})
+      options->for_others = options->for_others || verb->count(name) > 0;
+    fit(*options, session);
+  });
 }
 
 }  // namespace tactbench::bench

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "analysis/counted.h"
-#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_words.h"
@@ -118,7 +118,9 @@ class Fit {
         row.document.repeats = analysis::repeat_drifts(runs_->dataset(histories_.run), row.document.fitted(), {});
     }
     in_table_ = !on_bench_ || options_.models.size() > 1 || !targets_.empty();
-    if (in_table_) cross_validate(rows_, histories_, options_.fit);
+    // Parts of the dynamic model's branches are no run, which its time needs.
+    if (in_table_ && options_.models.front() != analysis::kDynamicModel)
+      cross_validate(rows_, histories_, options_.fit);
     evaluate();
     keep();
   }
@@ -156,6 +158,7 @@ class Fit {
     analysis::SensorDynamics::Source rate, creep;
     for (const auto& [number, option, source] :
          {std::tuple(options_.rate_run, "--rate", &rate), std::tuple(options_.creep_run, "--creep", &creep)}) {
+      if (number == 0) continue;
       const db::RunRecord run = named_runs(*runs_, {number}, {option}, session_.void_too).front();
       if (std::ranges::find(options_.held_out, number) != options_.held_out.end())
         throw Error(ExitCode::kUsage, "TB-RUN-OWN",
@@ -164,13 +167,16 @@ class Fit {
       *source = {number, run.content_sha256};
     }
     ModelRow& row = rows_.emplace_back();
-    row.document =
-        analysis::fit_dynamic(runs_->dataset(histories_.run), runs_->dataset(rate.run), runs_->dataset(creep.run));
+    const analysis::Dataset& fitted = runs_->dataset(histories_.run);
+    row.document = rate.run != 0 ? analysis::fit_dynamic(fitted, runs_->dataset(rate.run), runs_->dataset(creep.run))
+                                 : analysis::fit_dynamic_alone(fitted);
     row.document.content_sha256 = histories_.content_sha256;
     row.document.program_version = build_info().version;
     row.document.dynamics->rate = rate;
     row.document.dynamics->creep = creep;
     row.label = analysis::label_of(row.document);
+    for (const ScoreTarget& target : targets_)
+      row.scores.push_back(analysis::score_model(row.document, *target.histories, target.sequences));
   }
 
   // Figures of a model alone, or where they are asked for.

@@ -114,6 +114,8 @@ std::string linearised_text(const analysis::SensorModel& fit) {
 
 std::string dynamics_text(const analysis::SensorModel& fit) {
   if (!fit.dynamics) return {};
+  if (fit.dynamics->rate.run == 0 && fit.dynamics->creep.run == 0)
+    return "lag and creep are left in: no runs of them were named";
   const analysis::Dynamics& d = fit.dynamics->shared;
   std::vector<std::string> elements;
   for (std::size_t j = 0; j < analysis::kCreepElements; ++j)

@@ -14,6 +14,7 @@
 #include "analysis/statistics/sensor/drift.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/models/fit_words.h"
+#include "bench/cli/models/model_table.h"
 #include "bench/common/build_info.h"
 #include "bench/common/output_file.h"
 
@@ -27,6 +28,18 @@ using analysis::SensorModel;
 
 std::string range_text(const std::optional<analysis::Range>& range, const std::string& unit) {
   return range ? fmt::format("{:.4g} .. {:.4g} {}", range->low, range->high, unit) : "not known";
+}
+
+// What the streams leave, for the uncertainty; empty where it is not known.
+std::string residual_text(const SensorModel& model) {
+  std::vector<double> residuals;
+  for (const ModelTaxel& taxel : model.taxels)
+    if (taxel.fitted() && taxel.residual_psi > 0.0 && (taxel.taxel != analysis::kMeanTaxel || model.taxels.size() == 1))
+      residuals.push_back(taxel.residual_psi);
+  if (residuals.empty()) return {};
+  std::ranges::sort(residuals);
+  return fmt::format("{:.3g} {} (median taxel; worst {:.3g}), by level and direction in the uncertainty",
+                     residuals[residuals.size() / 2], model.input_unit, residuals.back());
 }
 
 void show(const std::string& name, const Session& session) {
@@ -67,6 +80,9 @@ void show(const std::string& name, const Session& session) {
   std::vector<std::string> counts;
   for (const auto& [status, count] : statuses) counts.push_back(fmt::format("{} {}", count, status));
   line("taxels", fmt::format("{}{}", fmt::join(counts, ", "), with_mean && !alone ? "; and the mean taxel" : ""));
+  if (const std::string open = undetermined_text(model); !open.empty())
+    line("left open", open.substr(0, open.size() - 1));
+  if (const std::string left = residual_text(model); !left.empty()) line("stream leaves", left);
   const ModelTaxel& shown = model.taxels.back();
   if (shown.fit.model == nullptr) return;
   tty::print("\n{}: J {:.6g}, mean error {:.3f} % FS, max {:.3f} % FS, full scale {:.4g} {}, noise {:.3g} {}\n",

@@ -24,11 +24,15 @@ const analysis::ModelTaxel& shown(const analysis::SensorModel& document) {
 
 std::string percent(double error, double full_scale) { return fmt::format("{:.3f}", 100.0 * error / full_scale); }
 
-// Errors beside each other, as many decimals as show the size of `typical` in four digits, three at least.
+// As many as show the size of `typical` in four digits, three at least.
+int decimals_for(double typical) {
+  return typical > 0.0 ? std::max(3, 3 - static_cast<int>(std::floor(std::log10(typical)))) : 3;
+}
+
+// Errors beside each other.
 class ErrorCells {
  public:
-  explicit ErrorCells(double typical)
-      : decimals_(typical > 0.0 ? std::max(3, 3 - static_cast<int>(std::floor(std::log10(typical)))) : 3) {}
+  explicit ErrorCells(double typical) : decimals_(decimals_for(typical)) {}
   [[nodiscard]] std::string operator()(const analysis::ErrorSum& error, int width) const {
     constexpr int kMost = 7;  // decimals
     return decimals_ > kMost
@@ -48,13 +52,14 @@ std::string bins_table(const std::string& title, const std::string& unit, const 
     text += fmt::format("{:>{}}", row.label, std::max<std::size_t>(12, row.label.size() + 2));
   text += "\n";
   const auto& first = rows.front().scores[target].taxels.*bins;
+  const int decimals = std::min(decimals_for(rows.front().scores[target].taxels.raw.mean()), 7);
   for (std::size_t b = 0; b < first.size(); ++b) {
     text +=
         fmt::format("  {:>18}{:>10}", fmt::format("{:g} .. {:g}", first[b].low, first[b].high), first[b].error.samples);
     for (const ModelRow& row : rows) {
       const auto& own = row.scores[target].taxels.*bins;
-      text += fmt::format("{:>{}.3f}", b < own.size() ? own[b].error.mean() : 0.0,
-                          std::max<std::size_t>(12, row.label.size() + 2));
+      text += fmt::format("{:>{}.{}f}", b < own.size() ? own[b].error.mean() : 0.0,
+                          std::max<std::size_t>(12, row.label.size() + 2), decimals);
     }
     text += "\n";
   }
@@ -142,7 +147,11 @@ std::string fits_table(const std::vector<ModelRow>& rows) {
                         row.crossed.samples > 0 ? percent(row.crossed.mean(), fit.full_scale) : "-",
                         fit.model->operations_per_sample(), taxels);
   }
-  for (const ModelRow& row : rows) text += undetermined_text(row.document);
+  for (const ModelRow& row : rows) {
+    text += undetermined_text(row.document);
+    if (row.document.model == "gpi")
+      text += "gpi: found by a search, which may miss the least J; the others are exact\n";
+  }
   return text;
 }
 

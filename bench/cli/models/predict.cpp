@@ -14,10 +14,13 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
-#include "analysis/identify/taxel_stream.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/streams/recording_stream.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
+#include "bench/cli/models/model_table.h"
 #include "bench/cli/runs/source.h"
 #include "bench/common/output_file.h"
 
@@ -79,9 +82,10 @@ class Compensator {
     return {model.input_unit, model.input_unit, {}};
   }
   Compensator(const analysis::SensorModel& model, const analysis::ModelTaxel& taxel, const PredictOptions& options)
-      : sign_(model.falling ? -1.0 : 1.0), timed_(model.dynamics), stream_(model, taxel) {
-    stream_.work(options.conditioned_s);
-  }
+      : sign_(model.falling ? -1.0 : 1.0),
+        timed_(model.dynamics && analysis::in_time(*model.dynamics)),
+        conditioned_s_(options.conditioned_s),
+        stream_(model, taxel) {}
   std::string step(const analysis::TableReader::Row& row, char separator) {
     double seconds = 0.0;
     if (timed_) {
@@ -91,19 +95,31 @@ class Compensator {
       seconds = *row.time_s - before_.value_or(*row.time_s);
       before_ = row.time_s;
     }
+    if (!begun_) begin(sign_ * row.output);
     const analysis::Compensated now = stream_.step(sign_ * row.output, seconds);
     // Not known: beyond the loop, where the input is its end, and where the model does not know the noise (0).
     const bool known = !now.out_of_range && now.uncertainty_psi > 0.0;
     const double uncertainty = known ? now.uncertainty_psi : std::numeric_limits<double>::quiet_NaN();
-    return fmt::format("{}{}{:.4g}{}{}{}", now.pressure_psi, separator, uncertainty, separator,
-                       now.out_of_range ? "range" : "", now.flat ? (now.out_of_range ? " flat" : "flat") : "");
+    std::vector<const char*> flags;
+    if (now.out_of_range) flags.push_back("range");
+    if (now.flat) flags.push_back("flat");
+    if (now.unknown) flags.push_back("unknown");
+    return fmt::format("{}{}{:.4g}{}{}", now.pressure_psi, separator, uncertainty, separator, fmt::join(flags, " "));
   }
 
  private:
+  // A recording that does not begin at the unloaded output begins in mid-branch.
+  void begin(double output) {
+    begun_ = true;
+    if (!stream_.at_rest(output)) stream_.reset_unknown();
+    stream_.work(conditioned_s_);
+  }
+
   double sign_;
-  bool timed_;
+  bool timed_, begun_ = false;
+  double conditioned_s_;
   std::optional<double> before_;
-  analysis::TaxelStream stream_;
+  analysis::RecordingStream stream_;
 };
 
 // What is added to a row, in the table's own way of writing decimals.
@@ -116,6 +132,7 @@ std::string written(std::string added, const analysis::TableReader& reader) {
 template <class Applied>
 void apply(const PredictOptions& options, const Session& session, analysis::TableNeeds needs) {
   const analysis::SensorModel model = load_model(options.model, session);
+  if (const std::string open = undetermined_text(model); !open.empty()) tty::print(stderr, "{}", open);
   std::ifstream file;
   if (options.file != "-") {
     const char* remedy = "check its name and rights; - is standard input";
@@ -126,11 +143,12 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   std::istream& in = options.file == "-" ? std::cin : file;
   analysis::TableReader reader(in, options.file == "-" ? "standard input" : options.file,
                                analysis::column_map_from(options.map), needs);
-  if (model.dynamics && needs == analysis::TableNeeds::kOutput && !reader.has_time())
+  const bool in_time = model.dynamics && analysis::in_time(*model.dynamics);
+  if (in_time && needs == analysis::TableNeeds::kOutput && !reader.has_time())
     throw Error(ExitCode::kUsage, "TB-TABLE-COLUMN",
                 "the model undoes lag and creep, and the table has no column of times", options.file,
                 "add a column time_s in seconds, or use a model without them");
-  if (model.dynamics && needs == analysis::TableNeeds::kInput)
+  if (in_time && needs == analysis::TableNeeds::kInput)
     tty::print(stderr,
                "the outputs predicted are the model's static ones, without lag and creep: those of creep at its very "
                "end, somewhat above what a held pressure reaches\n");
@@ -204,7 +222,8 @@ void add_predict(CLI::App& app, Session& session) {
       "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
       "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
       "the flag range says; the input is then the loop's "
-      "end) and flags (flat, range). A dynamic model needs a column time_s, in seconds");
+      "end) and flags (flat, range, unknown: the recording begins in mid-branch, and the input is midway between all "
+      "that its history may be). A model that undoes lag and creep needs a column time_s, in seconds");
   verb->add_option("--conditioned", compensate->conditioned_s,
                    "dynamic: seconds for which the pressure went over its range just before the first row")
       ->check(CLI::Range(0.0, 1e9))

@@ -10,7 +10,7 @@
 using namespace tactbench::tests;
 
 TEST_CASE(
-    "the dynamic compensator errs less than ELAM's stream, and twice its uncertainty holds 90 to 98 % of samples") {
+    "the dynamic compensator errs less than ELAM's stream, and twice the uncertainty of each holds most samples") {
   const TemporaryFolder folder;
   const Finished finished =
       run_program(program_path(), {"benchmark", "compensation-error", "--sensors", "71,72,73"}, folder.path());
@@ -29,6 +29,16 @@ TEST_CASE(
     CHECK(error < share_of_elam * elam);
     CHECK(within > 90.0);
     CHECK(within < 98.5);
+    const double of_elam = figures.at(condition + "_elam_stream_within_2_u");
+    const double of_one_run = figures.at(condition + "_one_run_within_2_u");
+    INFO("ELAM's stream " << of_elam << " %, the dynamic model of one run " << of_one_run << " %, which errs by "
+                          << figures.at(condition + "_one_run") << " psi");
+    // On the harsh specimen a fast run's creep is not in the fitted data.
+    const bool harsh = condition.starts_with("harsh"), fast = condition.ends_with("0.2_s");
+    CHECK(of_elam > (harsh ? (fast ? 50.0 : 80.0) : 90.0));
+    CHECK(of_elam < 99.7);
+    CHECK(of_one_run > (harsh && fast ? 70.0 : 85.0));
+    CHECK(figures.at(condition + "_one_run") < elam);
   };
   for (const char* const condition : {"random_1", "random_2", "dwell_0.2_s", "dwell_10_s"}) hold(condition, 0.35);
   for (const char* const condition : {"remounted", "remounted_random"}) hold(condition, 0.75);

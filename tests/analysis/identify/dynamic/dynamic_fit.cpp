@@ -1,5 +1,5 @@
 // The dynamic model of an array from its three runs, against plants of known truth; how it is kept, and streamed.
-#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 
 #include <catch2/catch.hpp>
 
@@ -9,77 +9,13 @@
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
 #include "analysis/statistics/figures/evaluation.h"
+#include "analysis/statistics/scoring/model_score.h"
 #include "analysis/statistics/sensor/drift.h"
-#include "tests/analysis/support/dynamic_plant.h"
+#include "tests/analysis/support/dynamic_runs.h"
 
 using namespace synthetic;
 
 namespace {
-
-constexpr std::size_t kTaxels = 4;
-
-struct Timed {
-  std::vector<double> levels;
-  double seconds = 2.6;  // at each
-  int frames = 1;
-};
-
-// Plants that begin at rest, without conditioning.
-Dataset run_of(const DynamicArray& array, const std::vector<std::pair<std::string, std::vector<Timed>>>& sequences,
-               std::int64_t number, double sign = 1.0) {
-  std::vector<DynamicPlant> plants;
-  for (std::size_t t = 0; t < kTaxels; ++t)
-    plants.emplace_back(array.films[t], array.setup.dynamics, array.setup.taxels[t], 40);
-  Dataset data;
-  data.run = number;
-  data.origin = "simulated";
-  data.sensor_serial = "S";
-  data.scanner_serial = "C";
-  data.rows = 1;
-  data.columns = kTaxels;
-  data.noise_v.assign(kTaxels, 0.0005);
-  data.at_limit.assign(kTaxels, false);
-  std::mt19937 random(static_cast<unsigned>(number) + 70);
-  std::normal_distribution<double> noise(0.0, 0.0005);
-  double now = 0.0;
-  for (const auto& [name, repeats] : sequences) {
-    SequenceData& sequence = data.sequences.emplace_back(SequenceData{name, {}});
-    for (const Timed& timed : repeats) {
-      Repeat& repeat = sequence.repeats.emplace_back();
-      for (const double psi : timed.levels)
-        for (int f = 1; f <= timed.frames; ++f) {
-          now += timed.seconds;
-          repeat.steps.push_back({psi, psi, now, f * timed.seconds});
-          for (DynamicPlant& plant : plants)
-            repeat.volts.push_back(sign * (plant.step(psi, timed.seconds) + noise(random)));
-        }
-    }
-  }
-  return data;
-}
-
-std::vector<double> way_along(const std::vector<double>& turns, double step) {
-  std::vector<double> way{turns.front()};
-  for (const double turn : turns)
-    while (way.back() != turn) way.push_back(way.back() + (turn > way.back() ? step : -step));
-  return way;
-}
-
-struct Runs {
-  Dataset fitted, rate, creep, other;
-};
-
-Runs runs_of(const DynamicArray& array, double sign = 1.0) {
-  const std::vector<double> down = way_along({0, 60, 0, 50, 0, 40, 0, 30, 0, 20, 0, 10, 0}, 2.0);
-  const std::vector<double> up =
-      way_along({0, 60, 10, 60, 0, 60, 20, 60, 0, 60, 30, 60, 0, 60, 40, 60, 0, 60, 50, 60, 0}, 2.0);
-  const std::vector<double> loop = way_along({0, 60, 0}, 4.0);
-  const std::vector<double> elsewhere = way_along({0, 60, 0, 46, 14, 38, 22, 56, 8, 52, 30, 44, 0}, 2.0);
-  return {run_of(array, {{"descending", {{down}}}, {"ascending", {{up}}}}, 1, sign),
-          run_of(array, {{"rate", {{loop, 0.8}, {loop, 2.6}, {loop, 20.0}}}}, 2, sign),
-          run_of(array, {{"creep-levels", {{{0, 20, 40, 60, 40, 20, 0}, 2.0, 151}}}}, 3, sign),
-          run_of(array, {{"elsewhere", {{elsewhere}}}}, 4, sign)};
-}
 
 std::string id_of(const auto& action) {
   try {
@@ -228,9 +164,62 @@ TEST_CASE("runs that tell nothing of lag or creep, or are of another array, make
   CHECK(id_of([&] { (void)fit_dynamic(runs.fitted, runs.rate, other); }) == "TB-ANALYSIS-ORIGIN");
   // Samples without times are not held against it.
   const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
-  CHECK(id_of([&] { (void)drift_of(model, histories_of(runs.other)); }) == "TB-MODEL-DYNAMIC");
+  Histories timeless = histories_of(runs.other);
+  for (TaxelHistories& taxel : timeless.taxels)
+    for (History& history : taxel.score) history.time_s.clear();
+  CHECK(id_of([&] { (void)drift_of(model, timeless); }) == "TB-MODEL-DYNAMIC");
   // A model without lag and creep has no dynamic setup.
   CHECK(id_of([&] { (void)dynamic_setup_of(fit_array(runs.fitted), {}, 1.0); }) == "TB-MODEL-COMPENSATOR");
+}
+
+TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag undone", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const SensorModel model = fit_dynamic(runs.fitted, runs.rate, runs.creep);
+  const Histories other = histories_of(runs.other);
+  const ModelScore score = score_model(model, other, {});
+  CHECK(score.count == kTaxels);
+  CHECK(score.taxels.compensated.mean() == Approx(evaluate(runs.other, model).mean_error_psi).epsilon(0.1));
+  // The static models know nothing of creep and lag, whose share of the output is what they would be off by.
+  SensorModel still = model;
+  still.dynamics.reset();
+  const double undone = score.taxels.free_running.mean(),
+               left_in = score_model(still, other, {}).taxels.free_running.mean();
+  INFO(undone << " V, with lag and creep " << left_in);
+  CHECK(undone < 0.5 * left_in);
+  CHECK(drift_of(model, other).verdict == DriftVerdict::kGood);
+
+  // 30 mV of zero and 3 % of gain since then.
+  Dataset later = runs.other;
+  for (double& v : later.sequences.front().repeats.front().volts) v = 0.03 + 1.03 * v;
+  const Histories moved = histories_of(later);
+  const Drift drift = drift_of(model, moved);
+  for (const TaxelDrift& taxel : drift.taxels) CHECK(taxel.gain == Approx(1.03).margin(0.01));
+  const SensorModel child = adjusted(model, drift, moved, true);
+  const double before = evaluate(later, model).mean_error_psi, after = evaluate(later, child).mean_error_psi;
+  INFO(before << " psi, adjusted " << after);
+  CHECK(after < 0.5 * before);
+  CHECK(after < 0.25);
+}
+
+TEST_CASE("without runs of lag and creep the dynamic model is made of one run, and needs no times", "[dynamic]") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const SensorModel model = fit_dynamic_alone(runs.fitted);
+  REQUIRE(model.dynamics);
+  CHECK_FALSE(in_time(*model.dynamics));
+  CHECK(model.dynamics->rate.run == 0);
+  const std::string text = to_text(model);
+  const SensorModel again = document_from_text(text, "m.json");
+  CHECK(to_text(again) == text);
+  const double error = evaluate(runs.other, again).mean_error_psi,
+               elam = evaluate(runs.other, fit_array(runs.fitted)).mean_error_psi;
+  INFO(error << " psi, ELAM " << elam);
+  CHECK(error < elam);
+  Dataset timeless = runs.other;
+  for (Sample& sample : timeless.sequences.front().repeats.front().steps) sample.time_s = sample.held_s = 0.0;
+  CHECK(evaluate(timeless, again).mean_error_psi == error);
+  CHECK(score_model(again, histories_of(runs.other), {}).count == kTaxels);
 }
 
 TEST_CASE("a dynamic model's document is refused where its lag or creep is out of range", "[dynamic]") {

@@ -33,6 +33,20 @@ TEST_CASE("determined: external loops alone leave all of ELAM open, and its spli
   }
 }
 
+TEST_CASE("determined: a recording of full cycles that begins in mid-range leaves all of ELAM open") {
+  // Its first branch has no measured turn: it is no inner one.
+  for (const bool rises : {true, false}) {
+    FitData late = paper_data(kLoops, 0.003);
+    History& cut = late.histories.front();
+    const auto skipped = rises ? 12 : 42;  // at 24 psi, up or down
+    cut.x.erase(cut.x.begin(), cut.x.begin() + skipped);
+    cut.y.erase(cut.y.begin(), cut.y.begin() + skipped);
+    cut.branches = branches_along(cut.x);
+    CHECK(identify("elam", late).undetermined ==
+          std::vector<std::string>{"alpha_d", "beta_d", "alpha_a1", "alpha_a0", "beta_a"});
+  }
+}
+
 TEST_CASE("determined: inner branches determine all parameters, and settling changes none") {
   const FitData data = paper_both(0.032, 0.0205);
   CHECK(identify("elam", data).undetermined.empty());

@@ -124,8 +124,8 @@ TEST_CASE("table of scores: an array beside a straight line, its mean taxel, and
         "\n"
         "  by rate, mean compensation error by model\n"
         "                 N/s   samples  a very long name\n"
-        "              1 .. 2         1             0.250\n"
-        "              2 .. 4         0             0.000\n");
+        "              1 .. 2         1            0.2500\n"
+        "              2 .. 4         0            0.0000\n");
 }
 
 TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scores") {

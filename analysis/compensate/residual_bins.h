@@ -1,0 +1,24 @@
+// What a taxel's model leaves of the pressure, by level and direction: root mean squares of its stream's errors.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+namespace tactbench::analysis {
+
+struct ResidualBins {
+  double x_low = 0.0, x_high = 1.0;  // range of the levels, psi
+  std::span<const double> psi = {};  // of equal intervals of it, rising, then falling; empty: not known, 0
+
+  // Index into psi, which is not empty.
+  [[nodiscard]] std::size_t place(double x, bool rising) const {
+    const std::size_t levels = psi.size() / 2;
+    const double at = (x - x_low) / (x_high - x_low) * static_cast<double>(levels);
+    const std::size_t level = std::min(levels - 1, static_cast<std::size_t>(std::max(at, 0.0)));
+    return rising ? level : levels + level;
+  }
+  [[nodiscard]] double at(double x, bool rising) const { return psi.empty() ? 0.0 : psi[place(x, rising)]; }
+};
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,147 @@
+// What the models leave of a plant that is none of them, in the uncertainty of their streams, and how it is kept.
+#include "analysis/identify/residuals.h"
+
+#include <catch2/catch.hpp>
+
+#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/stored/fit_rows.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/identify/taxel_stream.h"
+#include "tests/analysis/support/dynamic_runs.h"
+
+using namespace synthetic;
+
+namespace {
+
+SensorModel fit_of(const Dataset& data, const std::string& model, int threads = 0) {
+  FitOptions options;
+  options.model = model;
+  options.identify.starts = 2;
+  options.threads = threads;
+  return fit_array(data, options);
+}
+
+struct Held {
+  double with = 0.0, without = 0.0;  // shares of the samples within twice the uncertainty, with and without residual
+};
+
+// Of a way of its own, that no model was fitted on.
+Held held_of(const SensorModel& model, const Dataset& data) {
+  SensorModel alone = model;
+  for (ModelTaxel& taxel : alone.taxels) taxel.residual_psi = 0.0;
+  double with = 0.0, without = 0.0, all = 0.0;
+  const auto width = static_cast<std::size_t>(data.taxels());
+  for (const std::size_t t : model.fitted()) {
+    RecordingStream one(model, model.taxels[t]), other(alone, alone.taxels[t]);
+    const auto volts = [&](const Repeat& repeat, std::size_t i) { return repeat.volts[i * width + t]; };
+    const auto count = [&](double& held) {
+      return [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+        const double psi = data.sequences[s].repeats[r].steps[i].reference_psi;
+        held += std::abs(now.pressure_psi - psi) <= 2.0 * now.uncertainty_psi ? 1.0 : 0.0;
+      };
+    };
+    stream_samples(data, one, volts, count(with));
+    stream_samples(data, other, volts, count(without));
+    all += static_cast<double>(data.sequences.front().repeats.front().steps.size());
+  }
+  return {with / all, without / all};
+}
+
+}  // namespace
+
+TEST_CASE("residuals: twice the uncertainty holds most samples of a way that was not fitted, noise alone few") {
+  // Relays behind a divider, with lag and creep: none of the models.
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  for (const char* const name : {"elam", "gpi", "mpi", "poly", "preisach", "monotone"}) {
+    const SensorModel model = fit_of(runs.fitted, name);
+    const Held held = held_of(model, runs.other);
+    INFO(name << ": " << 100.0 * held.with << " %, by noise alone " << 100.0 * held.without << " %");
+    CHECK(held.with > 0.85);
+    CHECK(held.without < 0.7);
+    CHECK(held.without < held.with - 0.2);
+  }
+}
+
+TEST_CASE("residuals do not depend on threads, and are kept in rows and documents") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  for (const char* const name : {"elam", "preisach"})
+    CHECK(to_text(fit_of(runs.fitted, name, 1)) == to_text(fit_of(runs.fitted, name, 3)));
+  const SensorModel elam = fit_of(runs.fitted, "elam");
+  CHECK(residual_by_level(elam.taxels[0]).size() == 40);
+  const FitRows rows = rows_of(elam);
+  REQUIRE(rows.taxels.size() == kTaxels + 1);
+  const SensorModel back = model_from_rows(rows), document = document_from_text(to_text(elam), "m.json");
+  for (std::size_t t = 0; t < elam.taxels.size(); ++t) {
+    CHECK(elam.taxels[t].residual_psi > 0.0);
+    CHECK(back.taxels[t].residual_psi == elam.taxels[t].residual_psi);
+    CHECK(document.taxels[t].residual_psi == elam.taxels[t].residual_psi);
+  }
+  // Rows of a program before have none, and are no other fit.
+  SensorModel without = elam;
+  for (ModelTaxel& taxel : without.taxels) taxel.residual_psi = 0.0;
+  const FitRows older = rows_of(without);
+  CHECK(older.fit.patterns_json.find("residual") == std::string::npos);
+  CHECK(first_difference(older, rows, 0.0).empty());
+  CHECK_FALSE(first_difference(rows, older, 0.0).empty());
+  CHECK(residual_by_level(model_from_rows(older).taxels[0]).empty());
+}
+
+TEST_CASE("an unknown start: a recording that begins in mid-branch is flagged, and its uncertainty holds the truth") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const Repeat& whole = runs.other.sequences.front().repeats.front();
+  // The second fall on, from 46 psi down: 30 up, 30 down, 23 up.
+  constexpr std::size_t kFrom = 83 + 6;
+  for (const char* const name : {"elam", "gpi", "preisach", "monotone"}) {
+    INFO(name);
+    const SensorModel model = fit_of(runs.fitted, name);
+    RecordingStream stream(model, model.taxels[0]);
+    CHECK(stream.at_rest(whole.volts[0]));
+    CHECK_FALSE(stream.at_rest(whole.volts[kFrom * kTaxels]));
+    stream.reset_unknown();
+    int held = 0, all = 0, unknown = 0;
+    for (std::size_t i = kFrom; i < whole.steps.size(); ++i) {
+      const Compensated now = stream.step(whole.volts[i * kTaxels]);
+      const bool within = std::abs(now.pressure_psi - whole.steps[i].reference_psi) <= 2.0 * now.uncertainty_psi;
+      unknown += now.unknown ? 1 : 0;
+      held += within ? 1 : 0;
+      ++all;
+      if (i == kFrom) CHECK(within);
+    }
+    CHECK(held > 0.85 * all);
+    // A single curve has no history.
+    CHECK((unknown > 0) == (std::string(name) != "monotone"));
+  }
+}
+
+TEST_CASE("an array's frames of any model start from anywhere, and again after many lost ones") {
+  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  const Runs runs = runs_of(array);
+  const Repeat& whole = runs.other.sequences.front().repeats.front();
+  const SensorModel model = fit_of(runs.fitted, "preisach");
+  ArrayStream stream(model, 5.0 / 65536.0, 1.0, 2);
+  std::vector<float> pressure(kTaxels), uncertainty(kTaxels);
+  std::vector<std::uint16_t> status(kTaxels);
+  const ArrayStream::Output output{pressure, uncertainty, status};
+  const auto frame = [&](std::size_t i) {
+    std::vector<float> volts;
+    for (std::size_t t = 0; t < kTaxels; ++t) volts.push_back(static_cast<float>(whole.volts[i * kTaxels + t]));
+    stream.frame(volts, output);
+  };
+  const auto unknown = [&] { return (status[0] & kTaxelUnknown) != 0; };
+  frame(20);
+  CHECK(unknown());
+  for (std::size_t i = 21; i <= 60; ++i) frame(i);  // to the top, and to 0
+  CHECK_FALSE(unknown());
+  for (std::size_t i = 61; i < 75; ++i) frame(i);
+  stream.lost_frame(output);
+  stream.lost_frame(output);
+  frame(75);
+  CHECK_FALSE(unknown());
+  for (int i = 0; i < 3; ++i) stream.lost_frame(output);
+  frame(76);
+  CHECK(unknown());
+}
