@@ -232,7 +232,7 @@ struct NightResultRecord {
   int position = 0;   // in the whole suite with its seeds, from 0
   std::string label;  // of the scenario
   std::string json;   // the scenario's result as measured, before it was compared with anything; numbers of runs are
-                     // those of this store
+                      // those of this store
   std::int64_t first_run = 0;  // 0: it made none
 };
 struct NightRecord {
