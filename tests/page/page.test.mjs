@@ -40,6 +40,7 @@ let browser;
 try {
   bench.write('asked.toml', recipe('asked', 'repeats = 1\n[dwell]\ntolerance_s = 600\n[conditioning]\ncycles = 0\n[prompt]\nbefore = "Is the cable <b>plugged in</b>?"\n'));
   bench.write('long.toml', recipe('long', 'repeats = 1000\n[dwell]\ntolerance_s = 600\n[conditioning]\ncycles = 1\npeak = 40\n'));
+  bench.write('short.toml', recipe('short', 'repeats = 1\n'));
   bench.call('sensors', 'add', kSensor, '--type', 'sensor.toml');
   const run = (...words) => bench.start('run', ...words, '--bench', 'bench.toml', '--sensor', kSensor, '--operator', 'tess', '--no-seating', '-q');
   const server = await bench.page('--operator', 'bob');
@@ -135,6 +136,7 @@ try {
   });
 
   await step('a fault is seen with what to do about it', async () => {
+    bench.write('sound.toml', bench.read('bench.toml'));
     bench.append('bench.toml', '\n[[simulation.faults]]\nkind = "scanner_silent"\nat_psi = 20\n');
     const faulty = run('long.toml', '--rate', '200');
     await desk.says('state', 'failed');
@@ -144,18 +146,20 @@ try {
   });
 
   await step('runs, a run with its report, two beside each other, a sensor, the nights', async () => {
+    for (const seed of ['3', '4'])
+      bench.call('run', 'short.toml', '--bench', 'sound.toml', '--sensor', kSensor, '--operator', 'tess', '--no-seating', '-q', '--seed', seed);
     await desk.page.click('[data-view=runs]');
     await desk.page.waitForSelector('#view-store tbody tr');
-    assert.equal(await desk.page.locator('#view-store tbody tr').count(), 2);
+    assert.equal(await desk.page.locator('#view-store tbody tr').count(), 4);
     await desk.page.fill('input[type=search]', 'failed');
     assert.equal(await desk.page.locator('#view-store tbody tr').count(), 1);
     await desk.page.fill('input[type=search]', '');
     await picture(desk, 'runs-desk');
     await accessible(desk, 'the runs');
-    for (const box of await desk.page.locator('tbody input').all()) await box.check();
+    for (const run of [3, 4]) await desk.page.check(`[aria-label="compare run ${run}"]`);
     await desk.page.click('text=Compare two runs');
     await desk.page.frameLocator('iframe').getByRole('heading', { name: 'Comparison of two runs' }).waitFor();
-    await desk.page.goto(`${server.link.split('#')[0]}#/run/1`);
+    await desk.page.goto(`${server.link.split('#')[0]}#/run/3`);
     await desk.page.frameLocator('iframe').locator('h1').waitFor();
     await picture(desk, 'run-desk');
     await accessible(desk, 'a run');

@@ -12,7 +12,7 @@ using tactbench::bench::shard_from;
 
 TEST_CASE("the parts of a work hold each item once, and are of nearly one size") {
   for (const int of : {1, 2, 3, 7, 8}) {
-    int held = 0, by_name = 0, least = 1000, most = 0;
+    int held = 0, by_name = 0, least = 1080, most = 0;
     for (int number = 1; number <= of; ++number) {
       const Shard shard{number, of};
       int own = 0;

@@ -8,6 +8,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -32,10 +34,15 @@ class RawClient {
   }
   // What comes within that time, until the server closes or `until` is in it.
   std::string read(int longest_ms = 30'000, const std::string& until = {}) {
-    char bytes[4096];
-    while (until.empty() || got_.find(until) == std::string::npos) {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + std::chrono::milliseconds(longest_ms);
+    char bytes[65536];
+    std::size_t from = 0;  // what lies before was searched
+    while (until.empty() || got_.find(until, from) == std::string::npos) {
+      from = got_.size() - std::min(got_.size(), until.size());
       pollfd ready{descriptor_, POLLIN, 0};
-      if (::poll(&ready, 1, longest_ms) != 1) break;
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+      if (left <= 0 || ::poll(&ready, 1, static_cast<int>(left)) != 1) break;
       const ssize_t size = ::recv(descriptor_, bytes, sizeof bytes, 0);
       if (size <= 0) break;
       got_.append(bytes, static_cast<std::size_t>(size));

@@ -19,7 +19,7 @@ recipes = ["production"]
 held_out = ["recipe.repeats=1"]
 )";
 
-nlohmann::json json_of(const Finished& finished) {
+nlohmann::json json_printed_by(const Finished& finished) {
   INFO(finished.out << finished.err);
   return nlohmann::json::parse(finished.out);
 }
@@ -43,7 +43,7 @@ TEST_CASE("the frames of old nights are removed by a rule, and verify, report an
     return call(folder, words);
   };
   // Nothing is old yet, and nothing is done without --yes.
-  CHECK(json_of(prune({"--keep", "1d", "--yes", "--json"})).at("runs").empty());
+  CHECK(json_printed_by(prune({"--keep", "1d", "--yes", "--json"})).at("runs").empty());
   const Finished asked = prune({"--keep", "2999-01-01"});
   CHECK(asked.code == 0);
   CHECK_THAT(asked.out, Catch::Contains("4 runs would go") && Catch::Contains("nothing was changed: add --yes") &&
@@ -52,7 +52,7 @@ TEST_CASE("the frames of old nights are removed by a rule, and verify, report an
   for (const char* rule : {"", "30", "d", "0d", "x", "2026-13", "-3d"})
     CHECK(prune({"--keep", rule, "--yes"}).code == 2);
   CHECK(call(folder, {"verify", "1", "--db", "night.db"}).code == 0);
-  const nlohmann::json done = json_of(prune({"--keep", "2999-01-01", "--yes", "--shrink", "--json"}));
+  const nlohmann::json done = json_printed_by(prune({"--keep", "2999-01-01", "--yes", "--shrink", "--json"}));
   CHECK(done.at("runs") == std::vector<int>{1, 2, 5, 6});
   CHECK(done.at("file_bytes").get<double>() < 0.6 * done.at("file_bytes_before").get<double>());
 
@@ -63,7 +63,7 @@ TEST_CASE("the frames of old nights are removed by a rule, and verify, report an
                                Catch::Contains("not recomputed") &&
                                Catch::Contains("what is left is verified; the frames are not there") &&
                                !Catch::Contains("\nverified"));
-  CHECK(json_of(call(folder, {"verify", "2", "--db", "night.db", "--json"})).at("pruned").at("frames") > 0);
+  CHECK(json_printed_by(call(folder, {"verify", "2", "--db", "night.db", "--json"})).at("pruned").at("frames") > 0);
   CHECK(call(folder, {"verify", "3", "--db", "night.db"}).code == 0);
   CHECK_THAT(call(folder, {"runs", "list", "--db", "night.db"}).out, Catch::Contains("frames removed)"));
   CHECK_THAT(call(folder, {"runs", "show", "1", "--db", "night.db"}).out, Catch::Contains("were removed on"));
@@ -83,7 +83,7 @@ TEST_CASE("the frames of old nights are removed by a rule, and verify, report an
   CHECK(checked.code == 0);
   CHECK_THAT(checked.out, Catch::Contains("of 4 runs the frames were removed by a rule"));
   // The next night is still compared, frame by frame, with one whose frames are gone.
-  const nlohmann::json next = json_of(night({"--seed", "1"}));
+  const nlohmann::json next = json_printed_by(night({"--seed", "1"}));
   CHECK(next.at("scenarios").at(0).at("compared") == "same frames as run 1");
   CHECK(next.at("scenarios").at(0).at("remarks").empty());
   CHECK(call(folder, {"runs", "copy", "1", "2", "--db", "night.db", "--to", "copy.db"}).code == 0);
