@@ -34,7 +34,7 @@ std::string RunStore::why_not_pruned(std::int64_t number) const {
   sqlite::Connection& connection = database_->connection;
   const RunRecord run = database_->run(number);
   if (run.outcome == Outcome::kIncomplete) return "not ended";
-  if (const std::string whole = why_whole(connection, run); !whole.empty()) return whole;
+  if (std::string whole = why_whole(connection, run); !whole.empty()) return whole;
   if (!has_tag(run, kNightTag)) return "not of a night";
   if (pruned(number)) return "removed already";
   if (frame_count(number) == 0) return "without frames";

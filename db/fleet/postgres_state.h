@@ -13,18 +13,20 @@ namespace tactbench::db::fleet {
 
 // libpq is loaded when it is first asked for: with what it needs (Kerberos, LDAP) it would take longer to load than
 // most of the program's other libraries, at each start.
-#define TACTBENCH_LIBPQ(X)                                                                                    \
-  X(PQclear)                                                                                                  \
-  X(PQconndefaults)                                                                                           \
-  X(PQconnectPoll) X(PQconnectStartParams) X(PQconnectionNeedsPassword) X(PQconninfoFree) X(PQconninfoParse)  \
-      X(PQconsumeInput) X(PQerrorMessage) X(PQfinish) X(PQflush) X(PQfreemem) X(PQgetCopyData) X(PQgetResult) \
-          X(PQgetlength) X(PQgetvalue) X(PQisBusy) X(PQlibVersion) X(PQnfields) X(PQntuples) X(PQputCopyData) \
-              X(PQputCopyEnd) X(PQresultErrorField) X(PQresultStatus) X(PQsendQuery) X(PQsendQueryParams)     \
-                  X(PQsetErrorVerbosity) X(PQsetNoticeProcessor) X(PQsetnonblocking) X(PQsocket) X(PQstatus) X(PQuser)
+// Formatting it again would change it each time.
+// clang-format off
+#define TACTBENCH_LIBPQ(X) \
+  X(PQclear) X(PQconndefaults) X(PQconnectPoll) X(PQconnectStartParams) X(PQconnectionNeedsPassword) \
+  X(PQconninfoFree) X(PQconninfoParse) X(PQconsumeInput) X(PQerrorMessage) X(PQfinish) X(PQflush) \
+  X(PQfreemem) X(PQgetCopyData) X(PQgetResult) X(PQgetlength) X(PQgetvalue) X(PQisBusy) X(PQlibVersion) \
+  X(PQnfields) X(PQntuples) X(PQputCopyData) X(PQputCopyEnd) X(PQresultErrorField) X(PQresultStatus) \
+  X(PQsendQuery) X(PQsendQueryParams) X(PQsetErrorVerbosity) X(PQsetNoticeProcessor) X(PQsetnonblocking) \
+  X(PQsocket) X(PQstatus) X(PQuser)
+// clang-format on
 
 struct Libpq {
-  Libpq();  // TB-FLEET-BUILD when it is not installed
-#define TACTBENCH_MEMBER(name) decltype(&::name) name = nullptr;
+  Libpq();                                                        // TB-FLEET-BUILD when it is not installed
+#define TACTBENCH_MEMBER(name) decltype(&::name) name = nullptr;  // NOLINT(bugprone-macro-parentheses)
   TACTBENCH_LIBPQ(TACTBENCH_MEMBER)
 #undef TACTBENCH_MEMBER
 };

@@ -19,11 +19,11 @@ struct Measured {
   const char *quantity, *values;
 };
 const std::map<std::string, Measured>& measured_by_role() {
-  static const std::map<std::string, Measured> kByRole = {{"regulator", {"pressure", "/frames/feedback_psi"}},
+  static const std::map<std::string, Measured> by_role = {{"regulator", {"pressure", "/frames/feedback_psi"}},
                                                           {"pressure reference", {"pressure", "/frames/reference_psi"}},
                                                           {"tactile scanner", {"voltage", "/frames/counts"}},
                                                           {"force sensor", {"force", "/frames/wrench"}}};
-  return kByRole;
+  return by_role;
 }
 
 std::string name_of_group(const std::string& role, std::size_t number) {

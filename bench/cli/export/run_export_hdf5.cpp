@@ -47,14 +47,14 @@ Texts texts(const std::vector<Row>& rows, Get get) {
 // A column of the group that `path` lies in, along the group's axis.
 template <class Value>
 void column(Hdf5File& file, const std::string& path, const std::vector<Value>& values, const std::string& unit = {}) {
-  static const std::map<std::string, std::string> kAxes = {{"/frames", "frame"},    {"/trace", "poll"},
-                                                           {"/branches", "branch"}, {"/events", "event"},
-                                                           {"/checks", "check"},    {"/verdicts", "judgement"}};
+  static const std::map<std::string, std::string> axes = {{"/frames", "frame"},    {"/trace", "poll"},
+                                                          {"/branches", "branch"}, {"/events", "event"},
+                                                          {"/checks", "check"},    {"/verdicts", "judgement"}};
   if constexpr (std::is_same_v<Value, std::string>)
     file.array(path, values);
   else
     file.array(path, values, unit);
-  file.axes_of(path, {kAxes.at(path.substr(0, path.rfind('/')))});
+  file.axes_of(path, {axes.at(path.substr(0, path.rfind('/')))});
 }
 
 constexpr double kHdf5Absent = std::numeric_limits<double>::quiet_NaN();

@@ -144,7 +144,7 @@ void list_runs(const RunsListOptions& options, const Session& session,
       const std::string state = !lives ? "" : *lives ? " (under way)" : " (no process carries it out)";
       tty::print("{:>5}  {}{}{:<13}{:>7}  {}{}{}\n", run.run, cell(run.started_utc, 21), cell(run.sensor_serial, 12),
                  db::to_string(run.outcome), frames, cell(verdict, verdict_columns()), cell(run.origin, 11),
-                 one_line(remarks + gone + state));
+                 one_line(fmt::format("{}{}{}", remarks, gone, state)));
     }
   }
   if (session.json) {

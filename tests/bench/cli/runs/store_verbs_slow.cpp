@@ -272,7 +272,8 @@ TEST_CASE("runs are compared, exported and copied into another store") {
   check_error(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
   check_error(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
   CHECK_FALSE(std::filesystem::exists(folder.path("new.db")));
-  CHECK_THAT(call(folder, {"--help"}).out, Catch::Contains("verify") && Catch::Contains("check, copy, migrate or prune"));
+  CHECK_THAT(call(folder, {"--help"}).out,
+             Catch::Contains("verify") && Catch::Contains("check, copy, migrate or prune"));
 }
 
 TEST_CASE("an imported run is exported as its series and verified") {
