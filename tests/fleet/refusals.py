@@ -95,7 +95,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
         os.unlink(mark)
         expect(server.sql("SELECT count(*) FROM fleet.runs") == [["0"]], "nothing of it is there")
 
-        # --- a text that PostgreSQL cannot keep stays in the store, and the other runs go
+        # --- after the refusals an ordinary run of another store is taken
         with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as odd:
             one = Program(path, odd)
             make_store(one, 1)
