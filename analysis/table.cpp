@@ -15,7 +15,7 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr const char* kFormat =
-    "the first line names the columns, e.g. sequence,step,input,output; --map input=COL,output=COL says which is which";
+    "the first line names the columns, e.g. sequence,step,input,output; --map input=COL,output=COL names the columns";
 
 // At commas outside double quotes.
 std::vector<std::string_view> pairs_of(std::string_view text) {
@@ -65,7 +65,7 @@ ColumnMap column_map_from(const std::string& text) {
     if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
     if (name.empty() || !map.columns.contains(role))
       throw AnalysisError(
-          Cause::kUsage, "TB-TABLE-MAP", fmt::format("--map: \"{}\" does not say which column is what", pair),
+          Cause::kUsage, "TB-TABLE-MAP", fmt::format("--map: \"{}\" does not name role and column", pair),
           "write role=COLUMN with the roles input, output, sequence, taxel; COLUMN is a number from 1 or "
           "a name, in double quotes where it holds a comma");
     map.columns[role] = name;
@@ -261,11 +261,11 @@ std::vector<std::string> TableReader::assumed() const {
     lines.push_back(
         fmt::format("numbers have decimal commas (line {}: {})", numbers_.comma_line(), numbers_.comma_text()));
   if (units_number_ == 0) return lines;
-  std::string told;
+  std::string units;
   for (std::size_t i = 0; i < 2; ++i)
     if (!units_[i].empty())
-      told += fmt::format("{}{} in {}", told.empty() ? "" : ", ", i == 0 ? "input" : "output", units_[i]);
-  lines.push_back(fmt::format("line {} holds units, not samples{}{}", units_number_, told.empty() ? "" : ": ", told));
+      units += fmt::format("{}{} in {}", units.empty() ? "" : ", ", i == 0 ? "input" : "output", units_[i]);
+  lines.push_back(fmt::format("line {} holds units, not samples{}{}", units_number_, units.empty() ? "" : ": ", units));
   return lines;
 }
 

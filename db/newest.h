@@ -1,4 +1,4 @@
-// The newest rows of a run that another process may be writing, without reading the others: for looks at a live run.
+// The newest rows of a run that another process may be writing, without reading the others: for status and watch of a live run.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct NewestFrame {
   std::optional<double> force_n;      // pressing, at frame time, of a frame taken under an indenter
 };
 
-// Both open the store's file once more, read-only, and close it again; they wait for nobody. Throw StoreError.
+// Both open the store's file again, read-only, and close it again; they wait for nobody. Throw StoreError.
 // None: the run has no frame.
 std::optional<NewestFrame> newest_frame(const RunStore& store, std::int64_t run);
 // Newest first, until `see` returns false.

@@ -42,7 +42,7 @@ void check_words(const std::string& what, const std::string& text, std::size_t l
 void check_said(const std::string& what, const std::string& text, std::size_t longest) {
   check_words(what, text, longest);
   if (!is_blank(text)) return;
-  throw StoreError(Cause::kUsage, "TB-STORE-BLANK", fmt::format("{} says nothing: it is empty or blank", what),
+  throw StoreError(Cause::kUsage, "TB-STORE-BLANK", fmt::format("{} is empty or blank", what),
                    "write what is to stand there; nothing was stored");
 }
 

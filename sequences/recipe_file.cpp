@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
+#include "sequences/pressure_text.h"
 #include "sequences/recipe_parts.h"
 
 namespace tactbench::sequences {
@@ -98,7 +100,8 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
       others.push_back(item);
       continue;
     }
-    document.set({"parameters." + item.key + ".value", item.value}, kTypedPrefix);
+    const std::string unit = document.root().table("parameters").table(item.key).text("unit", "");
+    document.set({"parameters." + item.key + ".value", as_number_in(unit, item.value)}, kTypedPrefix);
   }
   const TomlTable tables = document.root().table("parameters");
   for (const std::string& name : declared) {
@@ -124,11 +127,30 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
   return others;
 }
 
+namespace {
+
+// Pressures typed with a unit ("step=20kPa") as numbers in the unit of their key: the recipe's, or psi.
+void apply_overrides(TomlDocument& document, const std::vector<Override>& overrides) {
+  constexpr std::array kInRecipesUnit = {"step", "conditioning.peak", "random.low", "random.high"};
+  for (const bool unit_first : {true, false}) {
+    for (const Override& item : overrides) {
+      if ((item.key == "unit") != unit_first) continue;
+      std::string value = item.value;
+      if (item.key.ends_with("_psi")) value = as_number_in("psi", value);
+      if (std::ranges::find(kInRecipesUnit, item.key) != kInRecipesUnit.end())
+        value = as_number_in(document.root().text("unit", "psi"), value);
+      document.set({item.key, value}, kTypedPrefix);
+    }
+  }
+}
+
+}  // namespace
+
 Recipe parse_recipe(TomlDocument document, const std::vector<Override>& overrides) {
   Recipe recipe;
   recipe.text = document.text();
   const std::vector<Override> others = read_parameters(document, recipe, overrides);
-  for (const Override& item : others) document.set(item, kTypedPrefix);
+  apply_overrides(document, others);
   const TomlTable root = document.root();
   (void)root.table("parameters");
   (void)root.integer("schema", 1, 1);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <random>
 
+#include "sequences/pressure_text.h"
 #include "sequences/recipe_parts.h"
 
 namespace tactbench::sequences {
@@ -12,12 +13,6 @@ namespace tactbench::sequences {
 namespace {
 
 constexpr double kSlowestRamp = 0.01;  // psi/s: 60 psi in 100 minutes
-
-double psi_per_unit(const std::string& unit) {
-  if (unit == "kPa") return 1.0 / devices::kKilopascalsPerPsi;
-  if (unit == "bar") return devices::kPsiPerBar;
-  return 1.0;
-}
 
 bool on_grid(double distance, double step) {
   const double steps = std::abs(distance) / step;

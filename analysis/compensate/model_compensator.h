@@ -12,7 +12,7 @@
 
 namespace tactbench::analysis {
 
-// What the model says of its taxel, in the model's own outputs.
+// The model's range of its taxel, in the model's own outputs.
 struct TaxelOutputs {
   double low = 0.0, high = 0.0;  // ends of the external loop
   double dead_band = 0.0;        // of models that are not ELAM's

@@ -26,6 +26,21 @@ Markup pairs_table(const char* caption, const std::vector<Pair>& rows) {
   return out;
 }
 
+Markup level_headings(PressureUnit unit, int rows) {
+  Markup out;
+  for (const PressureUnit shown : {unit, unit.beside()})
+    out += markup("<th scope=\"col\"{} class=\"n\">{}</th>",
+                  rows > 1 ? markup(" rowspan=\"{}\"", rows) : markup(""), Text(shown.symbol()));
+  return out;
+}
+
+Markup level_cells(double pressure_psi, PressureUnit unit) {
+  return markup("<th scope=\"row\" class=\"n\">{}</th>{}", html::in_unit(pressure_psi, unit, 1),
+                number_cell(html::in_unit(pressure_psi, unit.beside(), 1)));
+}
+
+const char* branch_in_words(bool up) { return up ? "increasing" : "decreasing"; }
+
 Markup section_start(const char* id, const char* title) {
   return markup("<h2 id=\"{}\">{}</h2>\n", html::Attribute(id), Text(title));
 }

@@ -20,6 +20,10 @@ struct Pair {
 html::Markup cell(const html::Safe& content);
 html::Markup number_cell(const html::Safe& content);
 html::Markup pairs_table(const char* caption, const std::vector<Pair>& rows);
+// A level's pressure in the page's unit and in the other one: its two cells, and their headings over so many rows.
+html::Markup level_headings(PressureUnit unit, int rows = 1);
+html::Markup level_cells(double pressure_psi, PressureUnit unit);
+const char* branch_in_words(bool up);  // "increasing", "decreasing" pressure
 html::Markup section_start(const char* id, const char* title);
 html::Markup code(const std::string& untrusted);
 html::Text moment(const std::string& utc);       // "2024-05-06 07:08:09Z"
@@ -44,7 +48,7 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);
 
-// Mean and maximum of |a - b| over the pairs where both are finite (Eq. 49); NaN when there are none.
+// Mean and maximum of |a - b| over the pairs where both are finite ; NaN when there are none.
 struct Deviation {
   double mean, maximum;
 };

@@ -55,6 +55,7 @@ ReportInput content_of(const ReportInput& input) {
   for (db::RunRecord& run : content.further) keep_content_only(run);
   content.history.earlier_seating_run = 0;
   content.approvals.clear();
+  content.unit = PressureUnit();
   if (content.sensor) {
     content.sensor->note.clear();
     content.sensor->added_utc.clear();
@@ -67,7 +68,7 @@ struct ReportPart {
   const char* id;     // of its heading
   const char* title;  // in the list of contents
   Markup (*write)(const ReportInput&);
-  bool names_runs;  // numbers, times, hosts: written once more without them for the content hash
+  bool names_runs;  // numbers, times, hosts: written again without them for the content hash
   // The data behind the section as JSON in ASCII, member `id` of "sections"; null: they stand in "results". Names no
   // run.
   std::string (*data)(const ReportInput&) = nullptr;
@@ -75,10 +76,10 @@ struct ReportPart {
 };
 
 constexpr ReportPart kReportParts[] = {
-    {"verdicts", "Verdicts", verdict_section, true},
+    {"verdicts", "Statement of conformity", verdict_section, true},
     {"identification", "Identification", identification_section, true},
     {"health", "Sensor health", health_section, true, health_json},
-    {"raw", "Before compensation", raw_section, false, behaviour_json},
+    {"raw", "Indication before correction", raw_section, false, behaviour_json},
     {"loops", "Loops", loops_section, false},
     {"frames", "Frames", frames_section, false},
     {"levels", "Levels", levels_section, false},
@@ -90,7 +91,7 @@ constexpr ReportPart kReportParts[] = {
     {"objects", "Under objects", objects_section, true, objects_json},
     {"held-out", "Other runs", held_out_section, true, nullptr, true},
     {"uncertainty", "Uncertainty", uncertainty_section, false, uncertainty_json, true},
-    {"meaning", "What it means", meaning_section, false},
+    {"meaning", "Terms and limits", meaning_section, false},
 };
 
 Markup write_part(const ReportPart& part, const ReportInput& input) {
@@ -102,12 +103,14 @@ Markup write_part(const ReportPart& part, const ReportInput& input) {
   return out;
 }
 
-// The hash over the hashes of data, identification and each part, without concatenating them.
+// The hash over the hashes of data, identification and each part, without concatenating them. The number is that of the
+// page in kPa, whatever unit it is shown in.
 std::string content_hash(const ReportInput& input, const std::vector<Markup>& parts, const std::string& results) {
   const ReportInput content = content_of(input);
+  const bool in_units_of_content = input.unit == content.unit;
   std::string hashes = db::sha256_hex(results) + db::sha256_hex(identification_json(content));
   for (std::size_t i = 0; i < parts.size(); ++i)
-    hashes += db::sha256_hex(kReportParts[i].names_runs ? write_part(kReportParts[i], content).value : parts[i].value);
+    hashes += db::sha256_hex(kReportParts[i].names_runs || !in_units_of_content ? write_part(kReportParts[i], content).value : parts[i].value);
   return db::sha256_hex(hashes);
 }
 
@@ -166,9 +169,11 @@ Markup opening(const ReportInput& input, const std::string& number) {
                                    : Text("Not issued by an accredited laboratory."));
   if (input.run.is_void())
     out += markup(
-        "<p class=\"void\"><span class=\"sign\">✗</span> VOID: the run was declared void by {}: {} ({}). It counts no "
-        "more.</p>\n",
+        "<p class=\"void\"><span class=\"sign\">✗</span> VOID: the run was declared void by {}: {} ({}). It no longer "
+        "counts.</p>\n",
         Text(input.run.void_by), Text(input.run.void_reason), moment(input.run.void_utc));
+  out += markup("<p class=\"note\">{} Shown in {}, beside it in {}; 1 psi = 6.894757 kPa. <a href=\"#meaning\">Terms</a></p>\n",
+                Text(kGaugeInWords), Text(input.unit.symbol()), Text(input.unit.beside().symbol()));
   out += issue_table(input, number);
   return out;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/identify/sensor_model.h"
+#include "analysis/pressure_unit.h"
 #include "analysis/report/history.h"
 #include "analysis/report/laboratory.h"
 #include "analysis/report/page/style.h"
@@ -79,6 +80,7 @@ struct ReportInput {
   std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
   std::string issued;                       // date of issue as typed; empty: that of the approval
   PaperSize paper = PaperSize::kA4;         // no part of the content
+  PressureUnit unit;                        // of the pressures on the page; no part of the content, as the data stay in psi
 };
 
 struct Report {

@@ -1,4 +1,4 @@
-// Noise of the simulated scanner and film, from scans of a plant against what it says is true.
+// Noise of the simulated scanner and film, from scans of a plant against its true noise.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -26,7 +26,7 @@ Exit codes: 0 pass, 1 a criterion failed, 2 usage or configuration (nothing touc
   143 terminated). Ctrl-C once: pause at the end of the branch; twice: stop now.
   However a run ends, it vents, retracts, proves the safe state and keeps all frames.
 Not to be typed each time: --db and --bench by TACTBENCH_DB, TACTBENCH_BENCH, a fleet by TACTBENCH_FLEET; bench, db,
-  operator, recipe, limits and fleet by the file tactbench.toml in the working folder. The command line precedes the
+  operator, recipe, limits, units and fleet by the file tactbench.toml in the working folder. The command line precedes the
   environment, and that the file.
 First steps:  tactbench demo;  tactbench init;  tactbench plan descending ascending)";
 
@@ -80,7 +80,7 @@ bool may_touch_devices(const std::string& verb) {
 
 int report(const Error& error, const Session& session, bool devices) {
   if (session.json) tty::print("{}", error_json(error));
-  tty::print(stderr, "{}", error_text(error, devices));
+  tty::print(stderr, "{}", session.unit().in_text(error_text(error, devices)));
   std::fflush(stdout);
   return static_cast<int>(error.code());
 }

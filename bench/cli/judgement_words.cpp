@@ -37,14 +37,14 @@ std::string judgement_text(const Judgement& judgement, const std::string& origin
   const std::optional<Verdict> overall = analysis::overall_verdict(judgement.verdicts);
   std::string text;
   if (!notes.not_judged.empty()) {
-    text = fmt::format("all criteria together: {}, not judged: {}\n", shown_verdict(Verdict::kInconclusive, origin),
+    text = fmt::format("all requirements together: {}, not judged: {}\n", shown_verdict(Verdict::kInconclusive, origin),
                        notes.not_judged);
   } else if (analysis::states_conformity(overall)) {
     std::vector<std::int64_t> judged;
     for (const analysis::RunVerdict& run : analysis::verdicts_by_run(judgement.verdicts)) judged.push_back(run.run);
     std::ranges::sort(judged);
     const std::vector<std::int64_t> deciding = analysis::deciding_runs(judgement.verdicts);
-    text = fmt::format("all criteria together: {}{}{}; judged on {}\n", shown_verdict(*overall, origin),
+    text = fmt::format("all requirements together: {}{}{}; judged on {}\n", shown_verdict(*overall, origin),
                        analysis::condition_in_words(*overall, notes),
                        deciding.size() < judged.size() ? ", decided by " + numbers_text(deciding) : "",
                        numbers_text(judged));

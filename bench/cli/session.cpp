@@ -10,6 +10,7 @@
 
 #include "analysis/documents/evaluation_json.h"
 #include "analysis/json_io.h"
+#include "analysis/statistics/conformity/criterion_words.h"
 #include "analysis/statistics/figures/evaluation.h"
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
 #include "bench/reporting/named_evaluation.h"
@@ -59,18 +60,36 @@ std::size_t verdict_columns() {
   return longest + 2;
 }
 
-std::string figure_text(double value, const std::string& unit) {
+analysis::PressureUnit Session::unit() const {
+  return analysis::PressureUnit::from(units).value_or(analysis::PressureUnit::kPsi);
+}
+
+analysis::PressureUnit Session::page_unit() const {
+  return analysis::PressureUnit::from(units).value_or(analysis::PressureUnit::kKilopascal);
+}
+
+std::string figure_text(double value, const std::string& unit, analysis::PressureUnit shown) {
   if (!std::isfinite(value)) return "not measured";  // e.g. the run has no such level
+  if (unit == "psi") return fmt::format("{:.3g} {}", shown.of(value), shown.symbol());
   return unit == "FS" ? fmt::format("{:.3g} % FS", 100.0 * value) : fmt::format("{:.3g} {}", value, unit);
 }
 
-std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
-  std::string text =
-      fmt::format("{:>5}  {:<26}{:<14}{:>14} {:>13}  {}\n", "run", "criterion", "scope", "value", "limit", "verdict");
+std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin,
+                          analysis::PressureUnit shown) {
+  std::vector<std::string> scopes;
+  std::size_t widest = 12;
   for (const db::VerdictRecord& row : verdicts) {
-    text += fmt::format("{:>5}  {}{}{:>14} {:>13}  {}\n", row.run, cell(row.criterion, 26), cell(row.scope, 14),
-                        figure_text(row.value, row.unit), figure_text(row.limit, row.unit),
-                        one_line(shown_verdict(row.verdict, origin)));
+    scopes.push_back(analysis::scope_in_words(row.scope, shown));
+    widest = std::max(widest, scopes.back().size());
+  }
+  std::string text = fmt::format("{:>5}  {:<27}{}{:>14} {:>16}  {}\n", "run", "requirement", cell("scope", widest + 2),
+                                 "value", "tolerance limit", "verdict");
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    const db::VerdictRecord& row = verdicts[i];
+    text +=
+        fmt::format("{:>5}  {}{}{:>14} {:>16}  {}\n", row.run, cell(analysis::criterion_in_words(row.criterion), 27),
+                    cell(scopes[i], widest + 2), figure_text(row.value, row.unit, shown),
+                    figure_text(row.limit, row.unit, shown), one_line(shown_verdict(row.verdict, origin)));
   }
   std::vector<std::string> rules;
   for (const db::VerdictRecord& row : verdicts)
@@ -89,16 +108,18 @@ ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const
   return list;
 }
 
-std::string figures_table(const std::vector<NamedEvaluation>& evaluations) {
-  std::string text = fmt::format("{:<28}{:>8} |{:<54}|{:>11}\n{:<28}{:>8} |{:>10}{:>16}{:>14}{:>14}|{:>11}\n",
-                                 "|up - down|, % FS", "raw", " compensated", "mean", "mean over the levels", "array",
-                                 "array", "each taxel (*)", "worst taxel", "worst taxel*", "error, psi");
+std::string figures_table(const std::vector<NamedEvaluation>& evaluations, analysis::PressureUnit shown) {
+  std::string text =
+      fmt::format("{:<28}{:>11} |{:<54}|{:>13}\n{:<28}{:>11} |{:>10}{:>16}{:>14}{:>14}|{:>13}\n", "hysteresis, % FS",
+                  "indication", " corrected indication", "mean", "mean over the levels", "array", "array",
+                  "each taxel (*)", "worst taxel", "worst taxel*", fmt::format("|error|, {}", shown.symbol()));
   for (const NamedEvaluation& named : evaluations) {
     const analysis::Evaluation& e = named.evaluation;
-    text += fmt::format("{:<28}{:>8.2f} |{:>10.2f}{:>16}{:>14.2f}{:>14.2f}|{:>11.3f}\n", named.title,
+    text += fmt::format("{:<28}{:>11.2f} |{:>10.2f}{:>16}{:>14.2f}{:>14.2f}|{:>13}\n", named.title,
                         100.0 * e.raw_distance, 100.0 * e.comp_distance_of_mean,
                         fmt::format("{:.2f} ({:.2f})", 100.0 * e.comp_distance, 100.0 * e.comp_distance_observable),
-                        100.0 * e.worst_taxel_distance, 100.0 * e.worst_taxel_distance_observable, e.mean_error_psi);
+                        100.0 * e.worst_taxel_distance, 100.0 * e.worst_taxel_distance_observable,
+                        shown.fixed(e.mean_error_psi, 3));
   }
   return text +
          "array: the outputs (pressures) of all taxels are averaged first; *: without levels flagged unobservable\n";
@@ -119,6 +140,16 @@ void check_operator(const std::string& name) {
 void add_manner(CLI::App& verb, Session& session) {
   verb.add_flag("--json", session.json, "one JSON document on standard output, also for errors");
   verb.add_flag("-q,--quiet", session.quiet, "no progress line");
+}
+
+void add_units(CLI::App& verb, Session& session) {
+  session.profile
+      .add(verb, "--units", ProfileKey::kUnits, session.units,
+           "unit of the pressures printed, all of them gauge: kPa, bar or psi; files, CSV and --json keep psi. A "
+           "pressure "
+           "that is typed may have a unit behind it (20kPa)")
+      ->check(CLI::IsMember({"kPa", "bar", "psi"}, CLI::ignore_case))
+      ->default_str("psi");
 }
 
 void add_common(CLI::App& verb, Session& session) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/profile_options.h"
 #include "bench/common/error.h"
@@ -31,6 +32,11 @@ struct Session {
   bool void_too = false;  // include void runs, where the verb offers it
   std::string db = "runs.db";
   std::string fleet;  // the fleet that `db` is a copy of, in words; empty: a bench's own store
+  std::string units;  // --units or `units` of the profile: kPa, bar or psi; empty: not given
+  // Of what a verb prints: psi where none is given, as recipes, bench and limits files, CSV and JSON have it.
+  [[nodiscard]] analysis::PressureUnit unit() const;
+  // Of a report's page: kPa where none is given, for SI leads in documents.
+  [[nodiscard]] analysis::PressureUnit page_unit() const;
   ProfileOptions profile;
   ExitCode code = ExitCode::kPass;
 };
@@ -43,15 +49,16 @@ ExitCode exit_code_of(std::optional<analysis::Verdict> verdict);
 // The verdict in words: "simulated pass" on a simulated run.
 std::string shown_verdict(const std::string& word, const std::string& origin);
 std::string shown_verdict(analysis::Verdict verdict, const std::string& origin);
-// A figure of a verdict: "0.903 psi", "1.5 % FS", "not measured".
-std::string figure_text(double value, const std::string& unit);
+// A figure of a verdict: "0.903 psi", "1.5 % FS", "not measured"; pressures in `shown`.
+std::string figure_text(double value, const std::string& unit, analysis::PressureUnit shown);
 // Width of a cell() for the longest of these words.
 std::size_t verdict_columns();
-std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
+std::string verdict_table(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin,
+                          analysis::PressureUnit shown);
 nlohmann::ordered_json verdicts_json(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin);
 
-// Table of the figures of evaluations: raw, compensated, with and without unobservable levels.
-std::string figures_table(const std::vector<NamedEvaluation>& evaluations);
+// Table of the figures of evaluations: indication, corrected indication, with and without unobservable levels.
+std::string figures_table(const std::vector<NamedEvaluation>& evaluations, analysis::PressureUnit shown);
 nlohmann::ordered_json evaluation_json(const NamedEvaluation& named);
 
 // One file a verb.
@@ -98,6 +105,8 @@ void add_fleet(CLI::App& app, Session& session);
 // Throws Error TB-USAGE for an empty or blank name.
 void check_operator(const std::string& name);
 
+// --units on a verb that prints pressures.
+void add_units(CLI::App& verb, Session& session);
 // --db, --json, -q on a verb.
 void add_common(CLI::App& verb, Session& session);
 // The same where --db is valid only as typed: what a demonstration or a night keeps does not belong into the store of

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/common/error.h"
+#include "sequences/pressure_text.h"
 
 namespace tactbench::bench {
 
@@ -20,7 +21,8 @@ SplitOverrides split_overrides(const std::vector<std::string>& set) {
     if (item.key.starts_with(prefix)) {
       split.recipe.push_back({item.key.substr(prefix.size()), item.value});
     } else {
-      split.bench.push_back(item);
+      const bool pressure = item.key.ends_with("_psi");
+      split.bench.push_back({item.key, pressure ? sequences::as_number_in("psi", item.value) : item.value});
     }
   }
   return split;

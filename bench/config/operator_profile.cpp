@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "analysis/pressure_unit.h"
 #include "db/utf8.h"
 #include "sequences/toml/strict_toml.h"
 
@@ -41,6 +42,8 @@ const char* to_string(ProfileKey key) {
       return "operator";
     case ProfileKey::kRecipe:
       return "recipe";
+    case ProfileKey::kUnits:
+      return "units";
     case ProfileKey::kLimits:
       return "limits";
     case ProfileKey::kFleet:
@@ -69,6 +72,8 @@ OperatorProfile profile_of(const sequences::TomlDocument& document) {
       value.values = names_between_commas(root, name);
     else
       value.values = {root.name(name)};
+    if (key == ProfileKey::kUnits && !analysis::PressureUnit::from(value.values.front()))
+      root.fail(name, "'units' is '" + value.values.front() + "'", "use kPa, bar or psi");
     const std::vector<sequences::Setting>& read = document.settings();
     value.origin = std::ranges::find(read, name, &sequences::Setting::key)->origin;
     profile[key] = value;

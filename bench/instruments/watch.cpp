@@ -77,13 +77,17 @@ std::string stage_text(Rig& rig) {
   return text;
 }
 
-std::string lines_of(Rig& rig, devices::ForceSensor*& force, bool with_picture) {
+std::string pressure_text(double psi, analysis::PressureUnit unit) {
+  return fmt::format("{:>8} {}", unit.fixed(psi, 3), unit.symbol());
+}
+
+std::string lines_of(Rig& rig, devices::ForceSensor*& force, const WatchOptions& options) {
   std::string text = fmt::format("time       {:.2f} s\n", static_cast<double>(rig.clock().now().count()) * 1e-9);
   const auto line = [&](const char* name, const std::function<std::string()>& read) {
     text += fmt::format("{:<10} {}\n", name, or_fault(read));
   };
-  line("feedback", [&] { return fmt::format("{:8.3f} psi", rig.source().feedback().pressure.value()); });
-  line("reference", [&] { return fmt::format("{:8.3f} psi", rig.reference().read().pressure.value()); });
+  line("feedback", [&] { return pressure_text(rig.source().feedback().pressure.value(), options.unit); });
+  line("reference", [&] { return pressure_text(rig.reference().read().pressure.value(), options.unit); });
   for (std::size_t i = 0; i < rig.config().environment.size(); ++i) {
     line(rig.config().environment[i].quantity.c_str(), [&] { return fmt::format("{:.2f}", rig.environment(i).value); });
   }
@@ -95,7 +99,7 @@ std::string lines_of(Rig& rig, devices::ForceSensor*& force, bool with_picture) 
       return fmt::format("{:8.3f} {:8.3f} {:8.3f} N", f[0], f[1], f[2]);
     });
   }
-  line("array", [&] { return array_text(rig, with_picture); });
+  line("array", [&] { return array_text(rig, options.terminal); });
   return text;
 }
 
@@ -106,7 +110,7 @@ void watch_devices(const BenchConfig& config, const WatchOptions& options) {
   const StopRequest stop;
   devices::ForceSensor* force = nullptr;
   for (long done = 0; stop.signal() == 0 && !output_is_lost() && (options.count == 0 || done < options.count); ++done) {
-    const std::string text = lines_of(rig, force, options.terminal);
+    const std::string text = lines_of(rig, force, options);
     if (options.terminal) {
       tty::clear_screen();
       tty::print("{} ({}), every {:g} s, Ctrl-C ends\n", config.id,

@@ -18,10 +18,10 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::size_t kEvents = 3;
-constexpr double kSilent = 5.0;  // s without a sign of work, from which on it is said
+constexpr double kSilent = 5.0;  // s without a sign of work, from which on it is reported
 
-// Commands to actuators, readings and accounts tell nothing of how it goes.
-bool tells(const db::EventRecord& event) {
+// Commands to actuators, readings and accounts do not show how it goes.
+bool shows_progress(const db::EventRecord& event) {
   constexpr std::array kQuiet{"command", "stage", "environment", "fail-safe", "relays", "time", "prompt"};
   return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
 }
@@ -34,20 +34,21 @@ std::string recipes_of(const db::RunRecord& run) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string event_line(const db::EventRecord& event) {
+std::string event_line(const db::EventRecord& event, analysis::PressureUnit unit) {
   return fmt::format("{} {}{}{}: {}", clock_text(seconds_of(event)), event.kind, event.id.empty() ? "" : " ", event.id,
-                     event.detail);
+                     unit.in_text(event.detail));
 }
 
-std::string readings_text(const RunStatus& status) {
+std::string readings_text(const RunStatus& status, analysis::PressureUnit unit) {
   if (!status.readings) return "not read yet";
   const RunReadings& now = *status.readings;
   if (status.target_n) {
     return fmt::format("level {:.2f} N, measured {}", *status.target_n,
                        now.force_n ? fmt::format("{:.2f} N", *now.force_n) : "not read yet");
   }
-  return fmt::format("set-point {:.1f}, feedback {:.2f}, reference {:.2f} psi, {}", now.setpoint_psi, now.feedback_psi,
-                     now.reference_psi, now.settled ? "settled" : "not settled");
+  return fmt::format("set-point {}, feedback {}, reference {}, {}", unit.fixed(now.setpoint_psi, 1),
+                     unit.fixed(now.feedback_psi, 2), unit.text(now.reference_psi, 2),
+                     now.settled ? "settled" : "not settled");
 }
 
 std::string left_text(const RunStatus& status) {
@@ -78,7 +79,7 @@ std::string who_text(const db::RunRecord& run) {
 StoredRun stored_run(const db::RunStore& store, std::int64_t run) {
   StoredRun stored{store.run(run), store.frame_count(run), {}};
   db::newest_events(store, run, [&](const db::EventRecord& event) {
-    if (tells(event)) stored.events.push_back(event);
+    if (shows_progress(event)) stored.events.push_back(event);
     return stored.events.size() < kEvents;
   });
   std::ranges::reverse(stored.events);
@@ -95,7 +96,7 @@ RunView view_of(const LiveRun& live) {
   return view;
 }
 
-std::vector<std::string> view_lines(const RunView& view) {
+std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit unit) {
   const RunStatus& status = view.live.status;
   std::vector<std::string> lines;
   lines.push_back(fmt::format("run {} on bench '{}'{}: {}", status.run, view.live.bench,
@@ -103,21 +104,21 @@ std::vector<std::string> view_lines(const RunView& view) {
                               to_string(status.state)));
   if (view.stored) lines.push_back(line("recipe", who_text(view.stored->record)));
   if (!view.unread.empty()) lines.push_back(line("store", view.unread));
-  lines.push_back(line("phase", status.phase));
-  lines.push_back(line(status.target_n ? "force" : "pressure", readings_text(status)));
+  lines.push_back(line("phase", unit.in_text(status.phase)));
+  lines.push_back(line(status.target_n ? "force" : "pressure", readings_text(status, unit)));
   lines.push_back(line("time", time_text(status)));
   lines.push_back(line("frames", fmt::format("{} stored, {} planned", status.frames, status.frames_planned)));
   if (!view.stored) return lines;
   const char* name = "events";
   for (const db::EventRecord& event : view.stored->events)
-    lines.push_back(line(std::exchange(name, ""), one_line(event_line(event))));
+    lines.push_back(line(std::exchange(name, ""), one_line(event_line(event, unit))));
   return lines;
 }
 
-std::string view_line(const RunView& view) {
+std::string view_line(const RunView& view, analysis::PressureUnit unit) {
   const RunStatus& status = view.live.status;
-  return fmt::format("run {} {}: {}; {}; {}; {} stored", status.run, to_string(status.state), status.phase,
-                     readings_text(status), time_text(status), analysis::counted(status.frames, "frame"));
+  return fmt::format("run {} {}: {}; {}; {}; {} stored", status.run, to_string(status.state),
+                     unit.in_text(status.phase), readings_text(status, unit), time_text(status), analysis::counted(status.frames, "frame"));
 }
 
 namespace {
@@ -136,15 +137,15 @@ void add_record(nlohmann::ordered_json& json, const db::RunRecord& run) {
 }  // namespace
 
 nlohmann::ordered_json view_json(const RunView& view) {
-  nlohmann::json told;
-  tell_status(told, view.live.status);
+  nlohmann::json status;
+  tell_status(status, view.live.status);
   nlohmann::ordered_json json = {
       {"run", view.live.status.run}, {"bench", view.live.bench}, {"process", view.live.server.process}};
   for (const char* key : {"store", "state", "phase", "question", "reason", "step", "steps", "frames", "frames_planned",
                           "left_s", "left_low_s", "left_high_s", "prompts_left", "rate", "age_s"})
-    json[key] = told.at(key);
-  json["target_n"] = told.value("target_n", nlohmann::json());
-  json["readings"] = told.value("readings", nlohmann::json());
+    json[key] = status.at(key);
+  json["target_n"] = status.value("target_n", nlohmann::json());
+  json["readings"] = status.value("readings", nlohmann::json());
   if (view.stored) {
     add_record(json, view.stored->record);
     add_events(json, *view.stored);

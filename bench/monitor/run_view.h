@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "bench/common/error.h"
 #include "bench/run/control/control_client.h"
 #include "db/run_store.h"
@@ -16,7 +17,7 @@ namespace tactbench::bench {
 struct StoredRun {
   db::RunRecord record;
   std::int64_t frames = 0;
-  std::vector<db::EventRecord> events;  // the last that tell how it goes, oldest first
+  std::vector<db::EventRecord> events;  // the last that show how it goes, oldest first
 };
 
 // Throws StoreError: TB-STORE-NOT-FOUND.
@@ -34,9 +35,9 @@ RunView view_of(const LiveRun& live);
 // In lines for people: run, recipe, phase, pressure or force, time, frames, events; the first `kNeeded` are the most
 // important.
 inline constexpr std::size_t kNeeded = 6;
-std::vector<std::string> view_lines(const RunView& view);
+std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 // The same in one line, for output that is no terminal.
-std::string view_line(const RunView& view);
+std::string view_line(const RunView& view, analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 nlohmann::ordered_json view_json(const RunView& view);
 
 // A run without a process. `carried_out`: is_carried_out() of bench/run/control/locks.h.

@@ -62,7 +62,7 @@ class Watching {
 
   void show(const std::string& notice) {
     if (options_.terminal) {
-      std::vector<std::string> lines = view_lines(last_);
+      std::vector<std::string> lines = view_lines(last_, options_.unit);
       if (!notice.empty()) lines.front() += "; " + notice;
       return paint(lines, array());
     }
@@ -71,7 +71,7 @@ class Watching {
     if (phase == shown_phase_ && now - shown_ < options_.line_every) return;
     shown_phase_ = phase;
     shown_ = now;
-    tty::print("{}{}{}\n", view_line(last_), notice.empty() ? "" : "; ", notice);
+    tty::print("{}{}{}\n", view_line(last_, options_.unit), notice.empty() ? "" : "; ", notice);
     (void)std::fflush(stdout);
   }
 
@@ -80,8 +80,9 @@ class Watching {
     if (!last_.stored || (array_ && array_frames_ == last_.stored->frames)) return array_;
     try {
       array_ = newest_array(db::RunStore::open_read_only(last_.live.status.store), last_.stored->record);
+      if (array_) array_->title = options_.unit.in_text(array_->title);
       array_frames_ = last_.stored->frames;
-    } catch (const db::StoreError&) {  // the next look tries again
+    } catch (const db::StoreError&) {  // the next poll tries again
     }
     return array_;
   }

@@ -16,6 +16,7 @@ namespace tactbench::bench {
 struct WatchRunOptions {
   bool terminal = false;
   Shades shades = Shades::kCharacters;
+  analysis::PressureUnit unit = analysis::PressureUnit::kPsi;
   std::chrono::milliseconds every{500};         // between two questions to the run
   std::chrono::milliseconds line_every{10000};  // plain: between two lines of one phase
 };

@@ -154,7 +154,7 @@ std::vector<std::string> shift_lines(const Followed& followed) {
 std::string short_baseline(const Followed& followed) {
   if (!followed.baseline || followed.counted >= analysis::kLeastStartUp) return {};
   if (followed.counted < 3) return "fewer than three measurements: it does not judge";
-  return fmt::format("fewer than {} measurements: it tells gross changes only, accept a longer one",
+  return fmt::format("fewer than {} measurements: it shows gross changes only, accept a longer one",
                      analysis::kLeastStartUp);
 }
 

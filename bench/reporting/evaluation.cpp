@@ -136,7 +136,10 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
     input.held_out.push_back(
         {evaluations[i].title, runs.record(evaluations[i].evaluation.run), evaluations[i].evaluation});
   }
-  if (extras != nullptr) input.laboratory = extras->laboratory;
+  if (extras != nullptr) {
+    input.laboratory = extras->laboratory;
+    input.unit = extras->unit;
+  }
   input.verdicts = judgement.verdicts;
   input.judgement = judgement.notes;
   // Stored verdicts may predate the rule on overdue references, or the laboratory file.

@@ -67,8 +67,8 @@ analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis:
   return effect;
 }
 
-// A held-out run tells of the history of the calibration's own mount and day, of another day, or, mounted anew or at
-// dwell times that the compensator was not told of, of neither.
+// A held-out run shows the history of the calibration's own mount and day, that of another day, or, mounted anew or at
+// dwell times that the compensator does not know, neither.
 constexpr double kLikeDwell = 3.0;
 
 analysis::HistoryRuns history_runs_of(analysis::Runs& runs, const analysis::ReportInput& input,

@@ -147,9 +147,9 @@ std::string write_pdf(const PdfRequest& request) {
   const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
   std::string pdf = text_of(folder / "report.pdf");
   if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
-    std::string said = text_of(folder / "log");
-    if (said.size() > 500) said = said.substr(said.size() - 500);
-    pdf_failed(fmt::format("{} made no PDF: {}", program.path, said.empty() ? "it printed nothing" : said),
+    std::string output = text_of(folder / "log");
+    if (output.size() > 500) output = output.substr(output.size() - 500);
+    pdf_failed(fmt::format("{} made no PDF: {}", program.path, output.empty() ? "it printed nothing" : output),
                "--format pdf", "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");
   }
   for (const char* field : {"/CreationDate", "/ModDate"}) set_pdf_date(pdf, field, request.date_utc);

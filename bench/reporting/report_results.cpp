@@ -70,7 +70,7 @@ class StudyGatherer {
     if (own) refuse_own(study);
     throw Error(
         ExitCode::kUsage, "TB-REPORT-STUDY",
-        fmt::format("run {} holds plain loops, which do not say what they were run for", study.run),
+        fmt::format("run {} holds plain loops, whose purpose is not recorded", study.run),
         fmt::format("--studies {}", study.run),
         fmt::format("{0}:mount when the sensor was mounted anew, {0}:90 when it was turned in the chamber by 90 "
                     "degrees counter-clockwise; a run at another temperature is known by its thermometer's readings, "

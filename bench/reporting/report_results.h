@@ -13,6 +13,7 @@ struct ReportExtras {
   std::string previous;              // MODEL: path of a .json, or RUN[:FIT]; empty: none
   std::vector<std::string> studies;  // RUN or RUN:ROLE
   analysis::Laboratory laboratory = {};
+  analysis::PressureUnit unit = {};  // of the page
 };
 
 // A further run of the sensor. Its recipes show its purpose: under an object, at several rates, held; its thermometer

@@ -104,7 +104,7 @@ class Verification {
       verified.compared += "; judged before scatter was pooled over taxels and sweeps: `tactbench fit` anew may differ";
     if (by_earlier)
       verified.compared +=
-          "; judged before an overdue reference counted: a report says inconclusive, and so does `tactbench fit` anew";
+          "; judged before an overdue reference counted: a report states inconclusive, as does `tactbench fit` anew";
     if (by_laboratory)
       verified.compared +=
           "; inconclusive where they rest on the reference, which was overdue by a laboratory file: that is not in the "
@@ -129,7 +129,7 @@ class Verification {
     }
     result.compared = same_build ? "bit for bit: same build and class of processor"
                       : maker.empty()
-                          ? "1e-12 relative: the fit does not say which build made it"
+                          ? "1e-12 relative: the fit does not record which build made it"
                           : fmt::format("1e-12 relative: the fit is of {}, this is {}", maker, this_build());
     return result;
   }
@@ -164,7 +164,7 @@ class Verification {
     } catch (const analysis::AnalysisError&) {
       return {};  // recomputing it says why
     }
-    if (!dynamics) return "not recomputed: it does not say which runs its lag and creep are from";
+    if (!dynamics) return "not recomputed: it does not record which runs its lag and creep are from";
     for (const auto& [source, what] : {std::pair(dynamics->rate, "lag"), std::pair(dynamics->creep, "creep")}) {
       if (source.run == 0) continue;
       const std::optional<std::int64_t> run = run_of_source(store_, source);

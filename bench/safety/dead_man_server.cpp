@@ -86,7 +86,7 @@ class Server {
       // checks itself whether it was stopped.
       for (; packet; packet = channel_.receive(Nanoseconds(0))) {
         if (packet->text == "goodbye") return 0;
-        if (packet->text == "fire") return fire("told to", false);
+        if (packet->text == "fire") return fire("commanded", false);
         if (packet->text == "feed") (void)channel_.send("fed");
         if (packet->text == "line") hand_line_over();
         if (packet->text.starts_with("run ")) run_ = std::stoll(packet->text.substr(4));

@@ -138,12 +138,12 @@ void check_same_array(const Dataset& fitted, const Dataset& other) {
 void check_found(const ArrayDynamics& found, const Dataset* rate, const Dataset* creep) {
   if (creep != nullptr && found.holds == 0)
     throw AnalysisError("TB-ANALYSIS-DYNAMICS",
-                        fmt::format("run {} tells nothing of creep: it holds no level for ten frames", creep->run),
+                        fmt::format("run {} shows no creep: it holds no level for ten frames", creep->run),
                         "measure one that does: tactbench run creep-levels");
   if (rate != nullptr && found.rate_samples == 0)
     throw AnalysisError(
         "TB-ANALYSIS-DYNAMICS",
-        fmt::format("run {} tells nothing of the lag: no repeat of it takes twice as long as another", rate->run),
+        fmt::format("run {} shows no lag: no repeat of it takes twice as long as another", rate->run),
         "measure one at several dwell times: tactbench run rate");
 }
 

@@ -281,7 +281,7 @@ SensorModel load_fit(const db::RunStore& store, const db::FitRecord& record) {
     } catch (const AnalysisError& error) {
       throw AnalysisError(
           Cause::kStored, "TB-MODEL-STORED", error.what(),
-          fmt::format("fit the run again: tactbench fit {}; tactbench db check tells what else is damaged",
+          fmt::format("fit the run again: tactbench fit {}; tactbench db check lists what else is damaged",
                       record.run));
     }
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "analysis/report/data/traceability.h"
-#include "analysis/report/page/gum_numbers.h"
 
 namespace tactbench::analysis {
 
@@ -16,7 +15,7 @@ using html::Text;
 
 namespace {
 
-constexpr std::size_t kJudgedRunsPerTable = 3;  // as many columns as A4 holds beside criterion, scope and limit
+constexpr std::size_t kJudgedRunsPerTable = 3;  // as many columns as A4 holds beside requirement, scope and limit
 
 const HeldOut* held_out_of(const ReportInput& input, std::int64_t run) {
   if (run == input.run.run) return nullptr;
@@ -50,7 +49,7 @@ Markup runs_table(const ReportInput& input, const std::vector<JudgedRun>& runs) 
   Markup out = markup(
       "<table><caption>Runs judged</caption><thead><tr><th scope=\"col\">run</th><th scope=\"col\" "
       "class=\"n\">number</th><th scope=\"col\">started (UTC)</th><th scope=\"col\">trajectory</th><th "
-      "scope=\"col\">its verdict</th></tr></thead><tbody>\n");
+      "scope=\"col\">conformity</th></tr></thead><tbody>\n");
   for (const JudgedRun& judged : runs) {
     const bool there = judged.run != nullptr;
     const JudgedTrajectory* const trajectory = trajectory_of(input.judgement, judged.number);
@@ -117,8 +116,8 @@ std::vector<const db::VerdictRecord*> across(const ReportInput& input, std::span
 
 Markup criteria_table(const ReportInput& input, std::span<const JudgedRun> runs) {
   Markup out = markup(
-      "<table class=\"levels even\"><caption>Criteria, value ± U and verdict on each run</caption><thead><tr><th "
-      "scope=\"col\">criterion</th><th scope=\"col\">scope</th><th scope=\"col\" class=\"n\">limit</th>");
+      "<table class=\"levels even\"><caption>Requirements: value ± U and conformity on each run</caption><thead><tr><th "
+      "scope=\"col\">requirement</th><th scope=\"col\">scope</th><th scope=\"col\" class=\"n\">tolerance limit</th>");
   for (const JudgedRun& run : runs) out += markup("<th scope=\"col\">{}</th>", Text(run.title));
   out += markup("</tr></thead><tbody>\n");
   std::vector<std::pair<std::string, std::string>> written;
@@ -126,17 +125,13 @@ Markup criteria_table(const ReportInput& input, std::span<const JudgedRun> runs)
     if (std::ranges::find(written, std::pair(verdict.criterion, verdict.scope)) != written.end()) continue;
     written.emplace_back(verdict.criterion, verdict.scope);
     out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}", stated(criterion_in_words(verdict.criterion)),
-                  stated(verdict.scope), number_cell(judged_limit(verdict)));
+                  stated(scope_in_both_units(verdict.scope, input.unit)), number_cell(judged_limit(verdict, input.unit)));
     for (const db::VerdictRecord* own : across(input, runs, verdict)) {
       if (own == nullptr) {
         out += markup("<td>–</td>");
         continue;
       }
-      const JudgedUncertainty* const known = uncertainty_of(input, *own);
-      const bool shown = known != nullptr && known->expanded > 0.0;  // a NaN is not
-      const double factor = own->unit == "FS" ? 100.0 : 1.0;
-      out += markup("<td>{}{}<br/>{}</td>", judged_value(known, *own),
-                    shown ? markup(" ± {}", gum_uncertainty(factor * known->expanded)) : Markup(),
+      out += markup("<td>{}<br/>{}</td>", judged_with_uncertainty(uncertainty_of(input, *own), *own, input.unit),
                     judged_mark(input, *own));
     }
     out += markup("</tr>\n");
@@ -175,7 +170,7 @@ std::string title_of_judged(const ReportInput& input, std::int64_t run) {
     const bool others = std::ranges::any_of(input.verdicts, [&](const db::VerdictRecord& v) {
       return v.run == run && v.model_run != 0 && v.model_run != run;
     });
-    return others ? "this run" : "own run (fit)";
+    return others ? "this run" : "own run (calibration data)";
   }
   const HeldOut* const held_out = held_out_of(input, run);
   return held_out == nullptr ? fmt::format("run {}, no part of this report", run) : held_out->title;
@@ -198,13 +193,13 @@ Markup overall_part(const ReportInput& input) {
   const std::optional<Verdict> overall = overall_verdict(input.verdicts);
   Markup out;
   if (!notes.not_judged.empty()) {
-    out += markup("<p>All criteria together: {}, not judged: {}.</p>\n",
+    out += markup("<p>All requirements together: {}, not judged: {}.</p>\n",
                   verdict_mark(Verdict::kInconclusive, is_simulated(input)), Text(notes.not_judged));
   } else if (!states_conformity(overall)) {
     out += markup("<p>Conformity is not stated: the limits file asks for a report only.</p>\n");
   } else {
     const std::string reason = reason_of_verdict(input);
-    out += markup("<p>All criteria together: {}{}{}.</p>\n", verdict_mark(*overall, is_simulated(input)),
+    out += markup("<p>All requirements together: {}{}{}.</p>\n", verdict_mark(*overall, is_simulated(input)),
                   Text(reason.empty() ? condition_in_words(*overall, notes) : ": " + reason), Text(decided_by(input)));
   }
   if (input.more.previous && !input.more.previous->doubt.empty()) out += warning(input.more.previous->doubt);

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "analysis/report/parts.h"
+#include "analysis/statistics/conformity/criterion_words.h"
 
 namespace tactbench::analysis {
 
 struct JudgedRun {
   std::int64_t number = 0;                   // in the verdicts
-  std::string title;                         // "held-out run", "own run (fit)"
+  std::string title;                         // "held-out run", "own run (calibration data)"
   const db::RunRecord* run = nullptr;        // null: no part of this report
   Verdict verdict = Verdict::kInconclusive;  // the worst of its criteria
 };
@@ -18,17 +19,19 @@ struct JudgedRun {
 std::vector<JudgedRun> judged_runs(const ReportInput& input);
 std::string title_of_judged(const ReportInput& input, std::int64_t run);
 
-// The part "All criteria together": the runs judged, the deciding run, and remarks on the judgement.
+// The part "All requirements together": the runs judged, the deciding run, and remarks on the judgement.
 html::Markup overall_part(const ReportInput& input);
 
-// Criteria with a column of value, U and verdict for each run; for two runs or more.
+// Requirements with a column of value, U and verdict for each run; for two runs or more.
 html::Markup criteria_by_run(const ReportInput& input);
 
 // Cells shared by the tables of one and of several runs (sections/verdicts.cpp).
-html::Markup judged_value(const JudgedUncertainty* known, const db::VerdictRecord& verdict);
-html::Markup judged_limit(const db::VerdictRecord& verdict);
+html::Markup judged_value(const JudgedUncertainty* known, const db::VerdictRecord& verdict, PressureUnit unit);
+// Value ± U where U is known and not 0.
+html::Markup judged_with_uncertainty(const JudgedUncertainty* known, const db::VerdictRecord& verdict,
+                                     PressureUnit unit);
+html::Markup judged_limit(const db::VerdictRecord& verdict, PressureUnit unit);
 html::Markup judged_mark(const ReportInput& input, const db::VerdictRecord& verdict);
-std::string criterion_in_words(const std::string& criterion);
 const JudgedUncertainty* uncertainty_of(const ReportInput& input, const db::VerdictRecord& verdict);
 
 }  // namespace tactbench::analysis

@@ -36,7 +36,7 @@ Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, s
       run.devices, [&](const db::DeviceRecord& record) { return record.role.starts_with(traced.role); });
   const std::string no = fmt::format("{} not traceable", traced.quantity);
   if (device == run.devices.end())
-    return {traced.title, fmt::format("{}: the run does not say by which instrument it was measured.", no), false};
+    return {traced.title, fmt::format("{}: the run does not state by which instrument it was measured.", no), false};
   const InstrumentCalibration calibration = calibration_of(*device, notes);
   if (!calibration.traceable())
     return {traced.title,
@@ -58,7 +58,7 @@ Traceability traced_to(const TracedQuantity& traced, const db::RunRecord& run, s
 Traceability pressure_traceability(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
   if (has_reference(run)) return traced_to(kTracedPressure, run, notes);
   return {kTracedPressure.title,
-          "Pressure not independently traceable: no separate pressure reference took part, the regulator's feedback "
+          "Pressure not independently traceable: no separate measurement standard took part, the regulator's feedback "
           "stands in.",
           false};
 }

@@ -86,7 +86,7 @@ Markup yield_part(const std::vector<ReportInput>& sensors, const std::vector<std
   return pairs_table("Yield",
                      {{"sensors, runs named", markup("{}, {}", sensors.size(), sensors.size() + left_out.size())},
                       {"yield: pass or conditional pass",
-                       with_limits == 0 ? markup("not assessed: no limits were given")
+                       with_limits == 0 ? markup("not assessed: no tolerance limits were given")
                                         : markup("{} of {}, {} %", good, Text(counted(with_limits, "sensor")),
                                                  html::percent(static_cast<double>(good) / with_limits, 1))},
                       {"verdicts", markup("{}", Text(list))},
@@ -105,20 +105,25 @@ std::string outlying_figures(const std::vector<BatchColumn>& columns, std::size_
 
 Markup rank_table(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
   static const std::vector<std::pair<const char*, const char*>> shown = {
-      {"mean_error_psi", "mean error, psi"},
-      {"worst_taxel_mean_error_psi", "worst taxel, psi"},
-      {"comp_distance_of_mean_fs", "|up − down| of mean, % FS"},
-      {"hysteresis_max_fs", "raw hysteresis max., % FS"},
-      {"excluded_taxels", "taxels left out"},
+      {"mean_error_psi", "mean |error|"},
+      {"worst_taxel_mean_error_psi", "worst taxel"},
+      {"comp_distance_of_mean_fs", "hysteresis of the mean, % FS"},
+      {"hysteresis_max_fs", "hysteresis of the indication, max., % FS"},
+      {"excluded_taxels", "excluded taxels"},
       {"retries", "retries"}};
   Markup out = markup(
       "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Sensors ranked\"><table "
-      "class=\"levels ranks\"><caption>Sensors ranked: by verdict, best first, then by the mean "
-      "error after compensation</caption><thead><tr>"
+      "class=\"levels ranks\"><caption>Sensors ranked: by conformity, best first, then by the mean "
+      "absolute error</caption><thead><tr>"
       "<th scope=\"col\" class=\"n\">rank</th><th scope=\"col\">sensor</th><th scope=\"col\" class=\"n\">run</th>"
       "<th scope=\"col\">date</th>");
-  for (const auto& [key, title] : shown) out += markup("<th scope=\"col\" class=\"n\">{}</th>", Text(title));
-  out += markup("<th scope=\"col\">verdict</th></tr></thead><tbody>\n");
+  const PressureUnit unit = runs.front().unit;
+  for (const auto& [key, title] : shown)
+    out += markup("<th scope=\"col\" class=\"n\">{}{}</th>", Text(title),
+                  Text(is_pressure(*column_named(columns, key).figure)
+                           ? fmt::format(", {} ({})", unit.symbol(), unit.beside().symbol())
+                           : ""));
+  out += markup("<th scope=\"col\">conformity</th></tr></thead><tbody>\n");
   int rank = 0;
   for (const std::size_t i : ranked(runs, columns)) {
     const ReportInput& run = runs[i];
@@ -127,7 +132,7 @@ Markup rank_table(const std::vector<ReportInput>& runs, const std::vector<BatchC
     for (const auto& [key, title] : shown) {
       const BatchColumn& column = column_named(columns, key);
       const bool outlier = std::abs(column.scores[i]) > kOutlierScore;
-      const Text value = shown_figure(*column.figure, column.values[i]);
+      const Text value = shown_figure(*column.figure, column.values[i], unit);
       out += outlier
                  ? markup("<td class=\"n\"><span class=\"doubt\"><span class=\"sign\">▲</span> {}</span></td>", value)
                  : number_cell(value);
@@ -165,32 +170,35 @@ std::string unit_words(const std::string& name) {
 }
 
 Markup histograms_part(const std::vector<ReportInput>& runs, const std::vector<BatchColumn>& columns) {
+  const PressureUnit unit = runs.front().unit;
   std::vector<Markup> figures;
   for (const char* key : {"mean_error_psi", "worst_taxel_mean_error_psi", "comp_distance_of_mean_fs",
                           "hysteresis_max_fs", "gain_std", "excluded_taxels"}) {
     const BatchColumn& column = column_named(columns, key);
     const OverviewFigure& figure = *column.figure;
-    Histogram histogram{.title = fmt::format("{}, number of runs", figure.name),
-                        .x_label = unit_words(figure.name),
+    const std::string name = is_pressure(figure) ? fmt::format("{}, {}", figure.name, unit.symbol()) : figure.name;
+    Histogram histogram{.title = fmt::format("{}, number of runs", name),
+                        .x_label = unit_words(name),
                         .y_label = "runs",
                         .values = {},
                         .limit = std::nullopt,
-                        .limit_name = "limit",
+                        .limit_name = "tolerance limit",
                         .width = 335,
                         .height = 180,
                         .bins = std::clamp(static_cast<int>(2.0 * std::sqrt(static_cast<double>(runs.size()))), 4, 24)};
-    for (const double value : column.values) histogram.values.push_back(figure.factor * value);
+    for (const double value : column.values) histogram.values.push_back(plotted_figure(figure, value, unit));
     std::set<double> limits;
     for (const ReportInput& run : runs)
       if (const double limit = limit_of(figure, run); std::isfinite(limit)) limits.insert(limit);
-    if (limits.size() == 1) histogram.limit = figure.factor * *limits.begin();
+    if (limits.size() == 1) histogram.limit = plotted_figure(figure, *limits.begin(), unit);
     const Spread spread = spread_of(histogram.values);
+    const int digits = is_pressure(figure) ? unit.digits(figure.digits) : figure.digits;
     if (spread.count == 0) continue;
     figures.push_back(markup("<figure>{}<figcaption>{}; {}: {} to {}, median {}.{}</figcaption></figure>\n",
-                             histogram_chart(histogram), Text(figure.name), Text(counted(spread.count, "run")),
-                             html::fixed(spread.low, figure.digits), html::fixed(spread.high, figure.digits),
-                             html::fixed(spread.median, figure.digits),
-                             Text(limits.size() > 1 ? " The runs were judged by several limits: none is drawn." : "")));
+                             histogram_chart(histogram), Text(name), Text(counted(spread.count, "run")),
+                             html::fixed(spread.low, digits), html::fixed(spread.high, digits),
+                             html::fixed(spread.median, digits),
+                             Text(limits.size() > 1 ? " The runs were judged by several tolerance limits: none is drawn." : "")));
   }
   Markup out = markup("<div class=\"keep\"><h2 id=\"histograms\">Distributions and limits</h2>\n");
   for (std::size_t i = 0; i < figures.size(); ++i) {
@@ -205,12 +213,12 @@ Markup histograms_part(const std::vector<ReportInput>& runs, const std::vector<B
 }
 
 Markup loops_overlaid(const std::vector<ReportInput>& runs) {
-  LineChart chart{.title = "Mean external loops of all runs before compensation",
-                  .x_label = "pressure in psi",
+  LineChart chart{.title = "Mean external loops of the indication of all runs",
+                  .x_label = "gauge pressure",
                   .y_label = "output in V",
                   .series = {},
                   .width = 682,
-                  .height = 270};
+                  .height = 285};
   const bool named = runs.size() <= kMostNamedLoops;
   for (const ReportInput& run : runs) {
     const Behaviour& b = run.behaviour;
@@ -230,7 +238,7 @@ Markup loops_overlaid(const std::vector<ReportInput>& runs) {
     return out;
   }
   out += markup("<figure>{}<figcaption>External loops of the mean taxels, {}.</figcaption></figure>\n",
-                line_chart(chart), Text(counted(chart.series.size(), "run")));
+                line_chart(pressure_along(chart, runs.front().unit)), Text(counted(chart.series.size(), "run")));
   return out;
 }
 

@@ -57,7 +57,7 @@ Markup who_table(const ReportInput& a, const ReportInput& b) {
                   moment(i.run.void_utc), Text(i.run.void_reason));
   });
   both("SHA-256 of the run’s content", [](const ReportInput& i) { return code(i.run.content_sha256); });
-  both("all criteria together", [](const ReportInput& i) { return overall_cell(i, "no limits were given"); });
+  both("all requirements together", [](const ReportInput& i) { return overall_cell(i, "no tolerance limits were given"); });
   out += markup("</tbody></table>\n");
   return out;
 }
@@ -71,8 +71,9 @@ Markup figures_rows(const ReportInput& a, const ReportInput& b) {
   for (const OverviewFigure& figure : overview_figures()) {
     const double x = figure.value(a), y = figure.value(b);
     out +=
-        markup("<tr><th scope=\"row\">{}</th>{}{}{}{}</tr>\n", Text(figure.name), number_cell(shown_figure(figure, x)),
-               number_cell(shown_figure(figure, y)), number_cell(shown_figure(figure, y - x)),
+        markup("<tr><th scope=\"row\">{}</th>{}{}{}{}</tr>\n", Text(name_of(figure, a.unit)),
+               number_cell(shown_figure(figure, x, a.unit)), number_cell(shown_figure(figure, y, a.unit)),
+               number_cell(shown_figure(figure, y - x, a.unit)),
                number_cell(x != 0.0 && std::isfinite(y / x) ? html::percent(y / x - 1.0, 1) : Text("–")));
   }
   out += markup("</tbody></table>\n");
@@ -82,40 +83,42 @@ Markup figures_rows(const ReportInput& a, const ReportInput& b) {
 // The second run's data with the first run's models, beside its own.
 Markup found_and_left(const ReportInput& a, const ReportInput& b) {
   if (a.held_out.empty()) return {};
+  const PressureUnit unit = a.unit;
   const Evaluation& found = a.held_out.front().evaluation;
   Evaluation left = b.evaluation;
   if (left.levels.empty())
     left.mean_error_psi = left.max_error_psi = left.worst_taxel_mean_error_psi = left.comp_distance =
         left.comp_distance_of_mean = kNan;
   Markup out = markup(
-      "<table><caption>The second run’s data, compensated with the first run’s models and with its "
+      "<table><caption>The second run’s data, corrected with the first run’s models and with its "
       "own</caption><thead><tr>"
       "<th scope=\"col\">figure</th><th scope=\"col\" class=\"n\">as found (first run’s models)</th>"
       "<th scope=\"col\" class=\"n\">as left (its own models)</th></tr></thead><tbody>\n");
   const auto row = [&](const char* name, const html::Safe& x, const html::Safe& y) {
     out += markup("<tr><th scope=\"row\">{}</th>{}{}</tr>\n", Text(name), number_cell(x), number_cell(y));
   };
-  row("mean error against the reference", html::psi(found.mean_error_psi, 3), html::psi(left.mean_error_psi, 3));
-  row("maximum error", html::psi(found.max_error_psi, 2), html::psi(left.max_error_psi, 2));
-  row("mean error of the worst taxel", html::psi(found.worst_taxel_mean_error_psi, 3),
-      html::psi(left.worst_taxel_mean_error_psi, 3));
-  row("|up − down|, mean over taxels, % FS", html::percent(found.comp_distance, 2),
+  row("mean absolute error", html::pressure(found.mean_error_psi, unit, 3),
+      html::pressure(left.mean_error_psi, unit, 3));
+  row("maximum absolute error", html::pressure(found.max_error_psi, unit, 2), html::pressure(left.max_error_psi, unit, 2));
+  row("mean absolute error of the worst taxel", html::pressure(found.worst_taxel_mean_error_psi, unit, 3),
+      html::pressure(left.worst_taxel_mean_error_psi, unit, 3));
+  row("hysteresis, mean over taxels, % FS", html::percent(found.comp_distance, 2),
       html::percent(left.comp_distance, 2));
-  row("|up − down| of the mean of all pressures, % FS", html::percent(found.comp_distance_of_mean, 2),
+  row("hysteresis of the mean of all pressures, % FS", html::percent(found.comp_distance_of_mean, 2),
       html::percent(left.comp_distance_of_mean, 2));
   out += markup(
-      "</tbody></table>\n<p class=\"note\">As found says what the sensor was worth until now; as left is the fit’s own "
-      "run, and only other runs show what to expect of it.</p>\n");
+      "</tbody></table>\n<p class=\"note\">As found: how well the sensor measured until now. As left: the fit’s own run, "
+      "the calibration data; only other runs are independent verification.</p>\n");
   return out;
 }
 
 Markup mean_loops(const ReportInput& a, const ReportInput& b) {
-  LineChart chart{.title = "Mean external loops of the two runs before compensation",
-                  .x_label = "pressure in psi",
+  LineChart chart{.title = "Mean external loops of the indication of the two runs",
+                  .x_label = "gauge pressure",
                   .y_label = "output in V",
                   .series = {},
                   .width = 682,
-                  .height = 205};
+                  .height = 220};
   int style = 0;
   for (const auto& [name, input] : {std::pair{"first", &a}, std::pair{"second", &b}}) {
     const Behaviour& behaviour = input->behaviour;
@@ -130,7 +133,8 @@ Markup mean_loops(const ReportInput& a, const ReportInput& b) {
     chart.series.push_back(std::move(series));
   }
   if (chart.series.empty()) return markup("<p>Loops: not available</p>\n");
-  return markup("<figure>{}<figcaption>External loops of the mean taxels.</figcaption></figure>\n", line_chart(chart));
+  return markup("<figure>{}<figcaption>External loops of the mean taxels.</figcaption></figure>\n",
+                line_chart(pressure_along(std::move(chart), a.unit)));
 }
 
 // Output of each taxel over that of the other run at the level of the equilibration; empty where they do not compare.
@@ -153,7 +157,7 @@ Markup ratio_figures(const ReportInput& a, const ReportInput& b, const std::vect
   const Spread spread = spread_of(ratios);
   if (spread.count == 0) return markup("<p>Taxel by taxel: not available, the runs share no level or shape.</p>\n");
   const ColourScale scale{spread.low, spread.high > spread.low ? spread.high : spread.low + 1e-3};
-  Markup map = frame_map({"Output of each taxel, second run over first, at one level on the way up", a.health.rows,
+  Markup map = frame_map({"Output of each taxel, second run over first, at one level, pressure increasing", a.health.rows,
                           a.health.columns, ratios, scale, 180.0});
   map += colour_bar(scale, "Colour scale of the ratios", "×", 3);
   const Histogram histogram{.title = "Ratio of outputs, number of taxels",
@@ -165,11 +169,11 @@ Markup ratio_figures(const ReportInput& a, const ReportInput& b, const std::vect
                             .width = 400,
                             .height = 215};
   return markup(
-      "<div class=\"pair\">\n<figure>{}<figcaption>Output of each taxel at {} on the way up, second over first: {} to "
+      "<div class=\"pair\">\n<figure>{}<figcaption>Output of each taxel at {}, increasing, second over first: {} to "
       "{}, "
       "median {}. A cross: not in both.</figcaption></figure>\n<figure>{}<figcaption>The same, number of "
       "taxels.</figcaption></figure>\n</div>\n",
-      map, html::psi(b.behaviour.equilibration_psi, 1), html::fixed(spread.low, 3), html::fixed(spread.high, 3),
+      map, html::pressure(b.behaviour.equilibration_psi, a.unit, 1), html::fixed(spread.low, 3), html::fixed(spread.high, 3),
       html::fixed(spread.median, 3), histogram_chart(histogram));
 }
 
@@ -186,7 +190,7 @@ Markup health_changes(const ReportInput& a, const ReportInput& b) {
       if (!without.contains({taxel, state})) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", state, taxel);
     return words.empty() ? std::string("none") : words;
   };
-  return pairs_table("Taxels that are not well, state and number",
+  return pairs_table("Taxels with findings, state and number",
                      {{"only in the first run", markup("{}", Text(list(before, after)))},
                       {"only in the second run", markup("{}", Text(list(after, before)))}});
 }

@@ -21,7 +21,7 @@ bool evaluated(const ReportInput& input) { return !input.evaluation.levels.empty
 
 const std::vector<OverviewFigure>& overview_figures() {
   static const std::vector<OverviewFigure> figures = {
-      {"taxels left out", "excluded_taxels",
+      {"excluded taxels", "excluded_taxels",
        [](const ReportInput& i) {
          return when(!i.health.high_v.empty(),
                      static_cast<double>(std::ranges::count_if(i.health.findings, &TaxelHealth::excluded)));
@@ -31,15 +31,15 @@ const std::vector<OverviewFigure>& overview_figures() {
        [](const ReportInput& i) { return when(!i.health.noise_v.empty(), i.health.median_noise_v); }, 3, 1e3, ""},
       {"full scale, V", "full_scale_v",
        [](const ReportInput& i) { return when(!i.behaviour.loops.empty(), i.behaviour.full_scale_v); }, 3, 1.0, ""},
-      {"hysteresis error, maximum, % FS", "hysteresis_max_fs",
+      {"indication: hysteresis, maximum, % FS", "hysteresis_max_fs",
        [](const ReportInput& i) { return i.behaviour.loops.empty() ? kNan : i.behaviour.loops.front().hysteresis_max; },
        2, 100.0, ""},
-      {"hysteresis error, mean, % FS", "hysteresis_mean_fs",
+      {"indication: hysteresis, mean, % FS", "hysteresis_mean_fs",
        [](const ReportInput& i) {
          return i.behaviour.loops.empty() ? kNan : i.behaviour.loops.front().hysteresis_mean;
        },
        2, 100.0, ""},
-      {"spread of the taxels’ gains, %", "gain_std",
+      {"relative sensitivity, standard deviation over the taxels, %", "gain_std",
        [](const ReportInput& i) {
          double sum = 0.0;
          int n = 0;
@@ -51,18 +51,18 @@ const std::vector<OverviewFigure>& overview_figures() {
          return n > 1 ? std::sqrt(sum / (n - 1)) : kNan;
        },
        1, 100.0, ""},
-      {"compensated: mean error, psi", "mean_error_psi",
+      {"corrected: mean absolute error", "mean_error_psi",
        [](const ReportInput& i) { return when(evaluated(i), i.evaluation.mean_error_psi); }, 3, 1.0,
        "mean_compensation_error"},
-      {"compensated: mean error of the worst taxel, psi", "worst_taxel_mean_error_psi",
+      {"corrected: mean absolute error of the worst taxel", "worst_taxel_mean_error_psi",
        [](const ReportInput& i) { return when(evaluated(i), i.evaluation.worst_taxel_mean_error_psi); }, 3, 1.0,
        "worst_taxel_error"},
-      {"raw: |up − down| of the mean taxel, % FS", "raw_distance_fs",
+      {"indication: hysteresis of the mean taxel over the levels, % FS", "raw_distance_fs",
        [](const ReportInput& i) { return when(evaluated(i), i.evaluation.raw_distance); }, 2, 100.0, ""},
-      {"compensated: |up − down| of the mean of all pressures, % FS", "comp_distance_of_mean_fs",
+      {"corrected: hysteresis of the mean of all pressures, % FS", "comp_distance_of_mean_fs",
        [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance_of_mean); }, 2, 100.0,
        "distance_of_mean"},
-      {"compensated: |up − down|, mean over taxels, % FS", "comp_distance_fs",
+      {"corrected: hysteresis, mean over taxels, % FS", "comp_distance_fs",
        [](const ReportInput& i) { return when(evaluated(i), i.evaluation.comp_distance); }, 2, 100.0, ""},
       {"branches void and attempts after faults", "retries",
        [](const ReportInput& i) {
@@ -74,8 +74,22 @@ const std::vector<OverviewFigure>& overview_figures() {
   return figures;
 }
 
-html::Text shown_figure(const OverviewFigure& figure, double value) {
-  return std::isfinite(value) ? html::fixed(figure.factor * value, figure.digits) : html::Text("–");
+bool is_pressure(const OverviewFigure& figure) { return std::string_view(figure.key).ends_with("_psi"); }
+
+std::string name_of(const OverviewFigure& figure, PressureUnit unit) {
+  return is_pressure(figure) ? fmt::format("{}, {} ({})", figure.name, unit.symbol(), unit.beside().symbol())
+                             : figure.name;
+}
+
+html::Text shown_figure(const OverviewFigure& figure, double value, PressureUnit unit) {
+  if (!std::isfinite(value)) return html::Text("–");
+  if (!is_pressure(figure)) return html::fixed(figure.factor * value, figure.digits);
+  return html::Text(fmt::format("{} ({})", html::in_unit(value, unit, figure.digits).value,
+                                html::in_unit(value, unit.beside(), figure.digits).value));
+}
+
+double plotted_figure(const OverviewFigure& figure, double value, PressureUnit unit) {
+  return is_pressure(figure) ? unit.of(value) : figure.factor * value;
 }
 
 double limit_of(const OverviewFigure& figure, const ReportInput& input) {

@@ -11,7 +11,7 @@ namespace tactbench::analysis {
 
 // One figure of a run as a row of a table.
 struct OverviewFigure {
-  const char* name;                     // of the row, with its unit
+  const char* name;                     // of the row, with its unit; of a pressure without: name_of()
   const char* key;                      // in the data
   double (*value)(const ReportInput&);  // NaN where there is none
   int digits;                           // of the value shown
@@ -19,7 +19,11 @@ struct OverviewFigure {
   const char* criterion;                // of a verdict that limits it; empty: none
 };
 const std::vector<OverviewFigure>& overview_figures();
-html::Text shown_figure(const OverviewFigure& figure, double value);
+bool is_pressure(const OverviewFigure& figure);
+std::string name_of(const OverviewFigure& figure, PressureUnit unit);  // with its unit
+html::Text shown_figure(const OverviewFigure& figure, double value, PressureUnit unit);
+// The figure alone, as in a chart: value x factor, a pressure in `unit`.
+double plotted_figure(const OverviewFigure& figure, double value, PressureUnit unit);
 // The figure's limit in the run's verdicts, in the unit of the data; NaN without one.
 double limit_of(const OverviewFigure& figure, const ReportInput& input);
 

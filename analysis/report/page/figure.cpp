@@ -103,10 +103,50 @@ Markup stroke(const LineStyle& style, bool points) {
                 Attribute(style.dashes));
 }
 
+// The axis' own range in the other unit.
+Range scaled(const Range& range, const SecondScale& beside) { return {range.low * beside.factor, range.high * beside.factor}; }
+
+int wanted_along(const LineChart& chart) { return chart.width < 450 ? 6 : 10; }
+int wanted_up(const LineChart& chart) { return chart.height < 220 ? 4 : 6; }
+
+// Ticks at round numbers of the other unit, above and at the right of the plot.
+Markup second_scales(const Frame& frame, const LineChart& chart) {
+  Markup out;
+  if (const SecondScale& beside = chart.x_beside; !beside.unit.empty()) {
+    const Range range = scaled(frame.x, beside);
+    const auto ticks = nice_ticks(range.low, range.high, wanted_along(chart));
+    for (const double tick : ticks) {
+      const CssNumber x(frame.px(tick / beside.factor), 1);
+      out += markup("<path class=\"axis\" d=\"M{} {}v4\"/>", x, CssNumber(frame.top, 1));
+      out += markup("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", x, CssNumber(frame.top - 4, 1),
+                    html::fixed(tick, decimals(ticks)));
+    }
+    out += markup("<path class=\"axis\" d=\"M{} {}H{}\"/>", CssNumber(frame.left, 1), CssNumber(frame.top, 1),
+                  CssNumber(frame.right, 1));
+    out += markup("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", CssNumber(frame.left - 8, 1),
+                  CssNumber(frame.top - 4, 1), Text(beside.unit));
+  }
+  if (const SecondScale& beside = chart.y_beside; !beside.unit.empty()) {
+    const Range range = scaled(frame.y, beside);
+    const auto ticks = nice_ticks(range.low, range.high, wanted_up(chart));
+    for (const double tick : ticks) {
+      const double y = frame.py(tick / beside.factor);
+      out += markup("<path class=\"axis\" d=\"M{} {}h-4\"/>", CssNumber(frame.right, 1), CssNumber(y, 1));
+      out += markup("<text x=\"{}\" y=\"{}\">{}</text>", CssNumber(frame.right + 5, 1), CssNumber(y + 4, 1),
+                    html::fixed(tick, decimals(ticks)));
+    }
+    out += markup("<path class=\"axis\" d=\"M{} {}V{}\"/>", CssNumber(frame.right, 1), CssNumber(frame.top, 1),
+                  CssNumber(frame.bottom, 1));
+    out += markup("<text transform=\"translate({} {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+                  CssNumber(chart.width - 2, 1), CssNumber(0.5 * (frame.top + frame.bottom), 1), Text(beside.unit));
+  }
+  return out;
+}
+
 Markup axes(const Frame& frame, const LineChart& chart) {
   Markup out;
-  const auto x_ticks = nice_ticks(frame.x.low, frame.x.high, chart.width < 450 ? 6 : 10);
-  const auto y_ticks = nice_ticks(frame.y.low, frame.y.high, chart.height < 220 ? 4 : 6);
+  const auto x_ticks = nice_ticks(frame.x.low, frame.x.high, wanted_along(chart));
+  const auto y_ticks = nice_ticks(frame.y.low, frame.y.high, wanted_up(chart));
   for (const double tick : x_ticks) {
     const CssNumber x(frame.px(tick), 1);
     out += markup("<path class=\"grid\" d=\"M{} {}V{}\"/>", x, CssNumber(frame.bottom, 1), CssNumber(frame.top, 1));
@@ -155,18 +195,22 @@ Markup line_chart(const LineChart& chart) {
   if (chart.y_from_zero) frame.y.include(0.0);
   frame.x.settle();
   frame.y.settle();
-  frame.x.snap(chart.width < 450 ? 6 : 10);
+  frame.x.snap(wanted_along(chart));
   const double margin = 0.03 * (frame.y.high - frame.y.low);
   if (!chart.y_from_zero || frame.y.low < 0.0) frame.y.low -= margin;
   frame.y.high += margin;
 
-  const auto y_ticks = nice_ticks(frame.y.low, frame.y.high, chart.height < 220 ? 4 : 6);
-  double widest = 0.0;
-  for (const double tick : y_ticks) widest = std::max(widest, letters(html::fixed(tick, decimals(y_ticks)).value));
-
-  frame.left = 18.0 + 10.0 + kLetter * widest;
-  frame.right = chart.width - 14.0;  // half of the last tick's label
-  frame.top = 8.0;
+  const auto width_of_ticks = [&](const Range& range) {
+    const auto ticks = nice_ticks(range.low, range.high, wanted_up(chart));
+    double widest = 0.0;
+    for (const double tick : ticks) widest = std::max(widest, letters(html::fixed(tick, decimals(ticks)).value));
+    return kLetter * widest;
+  };
+  frame.left = 18.0 + 10.0 + width_of_ticks(frame.y);
+  // Without a scale at the right half of the last tick's label.
+  frame.right =
+      chart.width - (chart.y_beside.unit.empty() ? 14.0 : 22.0 + width_of_ticks(scaled(frame.y, chart.y_beside)));
+  frame.top = chart.x_beside.unit.empty() ? 8.0 : 8.0 + kLine;
   // Rows of the legend, laid out by estimated widths.
   struct Entry {
     double x, row;
@@ -196,6 +240,7 @@ Markup line_chart(const LineChart& chart) {
              CssNumber(chart.width), CssNumber(chart.height), CssNumber(chart.width), CssNumber(chart.height),
              Text(chart.title));
   out += axes(frame, chart);
+  out += second_scales(frame, chart);
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const Series& series = chart.series[i];
     const Markup line = stroke(style_of(series), series.points);

@@ -18,12 +18,25 @@ struct Series {
   bool filled = false;       // the area below the line, down to the axis
 };
 
+// The same axis in another unit, on the opposite edge of the plot: value x factor. No unit: no such scale.
+struct SecondScale {
+  std::string unit;
+  double factor = 1.0;
+};
+
 struct LineChart {
   std::string title, x_label, y_label;
   std::vector<Series> series;
   double width = 680.0, height = 300.0;
   bool y_from_zero = false;
+  SecondScale x_beside = {}, y_beside = {};
 };
+
+// Charts of pressures: series in psi become series in `unit`, the label gains it ("gauge pressure" -> "gauge pressure in
+// kPa"), and unless the chart is narrow the other unit stands on the opposite edge.
+LineChart pressure_along(LineChart chart, PressureUnit unit);  // x is a pressure
+LineChart pressure_up(LineChart chart, PressureUnit unit);     // y is a pressure
+LineChart pressures(LineChart chart, PressureUnit unit);       // both
 
 // Darkened Okabe-Ito: contrast at least 4.5:1 on white; dashes distinguish lines without colour.
 struct LineStyle {
@@ -68,9 +81,15 @@ struct FrameMap {
 
 // One path per colour bin (32): a frame costs about 4 kB.
 html::Markup frame_map(const FrameMap& map);
-// The same, large, with the value in each cell; for one map per report.
+// The same, large, with the value in each cell; for few maps per report. kTwoSignificant for `digits`: as the GUM rounds
+// an uncertainty, each value by itself.
+inline constexpr int kTwoSignificant = -1;
 html::Markup numbered_map(const FrameMap& map, int digits);
 // The scale with its two ends.
+html::Markup colour_bar(const html::Text& low, const html::Text& high, const std::string& title);
 html::Markup colour_bar(const ColourScale& scale, const std::string& title, const std::string& unit, int digits);
+// A map of pressures in psi, shown in `unit`; the bar below it has the other unit, too. `digits`: those of psi.
+FrameMap pressure_map(FrameMap map, PressureUnit unit);
+html::Markup pressure_bar(const ColourScale& scale_psi, const std::string& title, PressureUnit unit, int digits);
 
 }  // namespace tactbench::analysis

@@ -19,6 +19,31 @@ html::Markup gum_value(double value, double expanded) {
   return html::markup("{} ± {}", html::fixed(value, gum_decimals(expanded)), gum_uncertainty(expanded));
 }
 
+html::Markup gum_pressure(double expanded_psi, PressureUnit unit) {
+  const PressureUnit beside = unit.beside();
+  return html::markup("{}\u00A0{} ({}\u00A0{})", gum_uncertainty(unit.of(expanded_psi)), html::Text(unit.symbol()),
+                      gum_uncertainty(beside.of(expanded_psi)), html::Text(beside.symbol()));
+}
+
+html::Markup gum_pressure(double value_psi, double expanded_psi, PressureUnit unit) {
+  return gum_value(unit.of(value_psi), unit.of(expanded_psi));
+}
+
+html::Markup gum_pressure_value(double value_psi, double expanded_psi, PressureUnit unit) {
+  const auto in = [&](PressureUnit shown) {
+    return html::markup("{}\u00A0{}", html::fixed(shown.of(value_psi), gum_decimals(shown.of(expanded_psi))),
+                        html::Text(shown.symbol()));
+  };
+  return html::markup("{} ({})", in(unit), in(unit.beside()));
+}
+
+html::Markup gum_pressure_stated(double value_psi, double expanded_psi, PressureUnit unit) {
+  const auto in = [&](PressureUnit shown) {
+    return html::markup("{}\u00A0{}", gum_pressure(value_psi, expanded_psi, shown), html::Text(shown.symbol()));
+  };
+  return html::markup("{} ({})", in(unit), in(unit.beside()));
+}
+
 html::Text gum_degrees(double dof) {
   if (std::isnan(dof)) return html::Text("not available");
   return dof >= 1e6 ? html::Text("∞") : html::fixed(std::floor(dof), 0);

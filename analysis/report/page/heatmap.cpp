@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "analysis/report/page/figure.h"
+#include "analysis/report/page/gum_numbers.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -155,14 +156,14 @@ Markup numbered_map(const FrameMap& map, int digits) {
       const bool dark = luminance(colour_at(middle_of(bin))) < 0.18;
       out += markup("<text class=\"cell\" x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", CssNumber(size * (column + 0.5), 1),
                     CssNumber(size * (row + 0.5) + 3.2, 1), Attribute(dark ? "#ffffff" : "#000000"),
-                    html::fixed(map.values[cell], digits));
+                    digits == kTwoSignificant ? gum_uncertainty(map.values[cell]) : html::fixed(map.values[cell], digits));
     }
   }
   out += markup("</svg>");
   return out;
 }
 
-Markup colour_bar(const ColourScale& scale, const std::string& title, const std::string& unit, int digits) {
+Markup colour_bar(const Text& low, const Text& high, const std::string& title) {
   // Each colour reaches to the right end and is covered by the next: no seams.
   Markup cells_of_bar;
   for (int bin = 0; bin < kBins; ++bin) {
@@ -170,11 +171,15 @@ Markup colour_bar(const ColourScale& scale, const std::string& title, const std:
         markup("<path fill=\"{}\" d=\"M{} 0H160v10H{}z\"/>", Attribute(cividis(middle_of(bin))), 5 * bin, 5 * bin);
   }
   return markup(
-      "<p class=\"scale\">{} {} <svg role=\"img\" viewBox=\"0 0 160 10\" width=\"160\" "
+      "<p class=\"scale\">{} <svg role=\"img\" viewBox=\"0 0 160 10\" width=\"160\" "
       "height=\"10\"><title>{}</title>{}"
-      "</svg> {} {}</p>",
-      html::fixed(scale.low, digits), Text(unit), Text(title), cells_of_bar, html::fixed(scale.high, digits),
-      Text(unit));
+      "</svg> {}</p>",
+      low, Text(title), cells_of_bar, high);
+}
+
+Markup colour_bar(const ColourScale& scale, const std::string& title, const std::string& unit, int digits) {
+  const auto end = [&](double value) { return Text(html::fixed(value, digits).value + " " + unit); };
+  return colour_bar(end(scale.low), end(scale.high), title);
 }
 
 }  // namespace tactbench::analysis

@@ -11,7 +11,6 @@
 namespace tactbench::analysis::html {
 namespace {
 
-constexpr double kKilopascalsPerPsi = 6.894757293168361;  // NIST SP 811, appendix B
 constexpr std::string_view kReplacement = "\uFFFD";
 constexpr std::string_view kNotAvailable = "not available";
 
@@ -143,12 +142,16 @@ Text significant(double number, int digits) {
   return Text(fmt::format("{} × 10^{}", out.substr(0, e), visible(fmt::format("{}", power))));
 }
 
-Text kilopascals(double pressure_psi, int digits) { return fixed(pressure_psi * kKilopascalsPerPsi, digits); }
+Text in_unit(double pressure_psi, PressureUnit unit, int digits) {
+  return fixed(unit.of(pressure_psi), unit.digits(digits));
+}
 
-Text psi(double pressure_psi, int digits) {
+Text pressure(double pressure_psi, PressureUnit unit, int digits) {
   if (!std::isfinite(pressure_psi)) return Text(kNotAvailable);
-  return Text(fixed_string(pressure_psi, digits) + "\u00A0psi (" +
-              fixed_string(pressure_psi * kKilopascalsPerPsi, std::max(0, digits - 1)) + "\u00A0kPa)");
+  const auto with_symbol = [&](PressureUnit shown) {
+    return fixed_string(shown.of(pressure_psi), shown.digits(digits)) + "\u00A0" + shown.symbol();
+  };
+  return Text(with_symbol(unit) + " (" + with_symbol(unit.beside()) + ")");
 }
 
 Text stated(std::string_view untrusted) {

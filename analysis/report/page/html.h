@@ -9,6 +9,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "analysis/pressure_unit.h"
+
 namespace tactbench::analysis::html {
 
 struct Safe {
@@ -77,8 +79,9 @@ Markup markup(fmt::format_string<const Pieces&...> format, const Pieces&... piec
 Text fixed(double number, int digits);
 Text percent(double share, int digits);  // 0.253 -> "25.3", without the sign
 Text significant(double number, int digits);
-Text psi(double pressure_psi, int digits);          // "10.00 psi (68.95 kPa)"
-Text kilopascals(double pressure_psi, int digits);  // the figure alone
+// A pressure in the page's unit, the other one behind it; `digits` are those of psi: "68.9 kPa (10.00 psi)".
+Text pressure(double pressure_psi, PressureUnit unit, int digits);
+Text in_unit(double pressure_psi, PressureUnit unit, int digits);  // the figure alone: "68.9"
 // A typed field: "not stated" when empty or blank.
 Text stated(std::string_view untrusted);
 

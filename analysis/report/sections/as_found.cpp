@@ -36,6 +36,7 @@ Markup summary_table(const ReportInput& input) {
   const Text none("not assessed");
   const auto of = [&](const Evaluation* e, auto figure) { return e == nullptr ? none : figure(*e); };
   const StraightLine& straight = input.more.straight;
+  const PressureUnit unit = input.unit;
   const auto worse_of = [](const Evaluation& e) {
     return Text(
         fmt::format("{} of {}", std::ranges::count(e.levels, true, &LevelFigures::made_worse), e.levels.size()));
@@ -44,31 +45,31 @@ Markup summary_table(const ReportInput& input) {
   const auto row = [&](const char* name, const html::Text& raw, auto figure) {
     rows.push_back({name, raw, of(found, figure), figure(left), of(held, figure)});
   };
-  row("mean error against the reference", html::psi(straight.mean_error_psi, 2),
-      [](const Evaluation& e) { return html::psi(e.mean_error_psi, 3); });
+  row("mean absolute error", html::pressure(straight.mean_error_psi, unit, 2),
+      [unit](const Evaluation& e) { return html::pressure(e.mean_error_psi, unit, 3); });
   row("the same without flat samples", none,
-      [](const Evaluation& e) { return html::psi(e.mean_error_observable_psi, 3); });
-  row("maximum error", html::psi(straight.max_error_psi, 1),
-      [](const Evaluation& e) { return html::psi(e.max_error_psi, 2); });
-  row("mean error of the worst taxel", html::psi(straight.worst_taxel_mean_error_psi, 2),
-      [](const Evaluation& e) { return html::psi(e.worst_taxel_mean_error_psi, 3); });
-  row("|up − down| of the mean of all taxels, % FS", html::percent(left.raw_distance, 2),
+      [unit](const Evaluation& e) { return html::pressure(e.mean_error_observable_psi, unit, 3); });
+  row("maximum absolute error", html::pressure(straight.max_error_psi, unit, 1),
+      [unit](const Evaluation& e) { return html::pressure(e.max_error_psi, unit, 2); });
+  row("mean absolute error of the worst taxel", html::pressure(straight.worst_taxel_mean_error_psi, unit, 2),
+      [unit](const Evaluation& e) { return html::pressure(e.worst_taxel_mean_error_psi, unit, 3); });
+  row("hysteresis of the mean of all taxels, % FS", html::percent(left.raw_distance, 2),
       [](const Evaluation& e) { return html::percent(e.comp_distance_of_mean, 2); });
   row(
-      "|up − down|, mean over taxels, % FS",
+      "hysteresis, mean over taxels, % FS",
       [&] {
         double sum = 0.0;
         for (const LevelFigures& level : left.levels) sum += level.raw_distance;
         return html::percent(sum / static_cast<double>(left.levels.size()), 2);
       }(),
       [](const Evaluation& e) { return html::percent(e.comp_distance, 2); });
-  row("levels with a larger distance than raw", Text("–"), worse_of);
+  row("levels with more hysteresis than the indication", Text("–"), worse_of);
 
   Markup out = markup(
-      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Raw, as found, as left\"><table><caption>Raw, "
-      "as "
-      "found and as left</caption><thead><tr><th scope=\"col\">figure</th><th scope=\"col\" class=\"n\">raw</th>"
-      "<th scope=\"col\" class=\"n\">as found</th><th scope=\"col\" class=\"n\">as left, own run (fit)</th>"
+      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Indication, as found, as left\"><table>"
+      "<caption>Indication, as found and as left</caption><thead><tr><th scope=\"col\">figure</th><th scope=\"col\" "
+      "class=\"n\">indication</th><th scope=\"col\" class=\"n\">as found</th><th scope=\"col\" class=\"n\">as left, "
+      "own run (calibration data)</th>"
       "<th scope=\"col\" class=\"n\">as left, {}</th></tr></thead><tbody>\n",
       held == nullptr ? Text("held-out run") : html::stated(input.held_out.front().title));
   for (const FoundRow& own : rows) {
@@ -89,8 +90,8 @@ Markup found_verdicts(const ReportInput& input) {
   Markup rows;
   for (const db::VerdictRecord& verdict : found.verdicts)
     rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n",
-                   html::stated(criterion_in_words(verdict.criterion)), html::stated(verdict.scope),
-                   number_cell(judged_value(nullptr, verdict)), number_cell(judged_limit(verdict)),
+                   html::stated(criterion_in_words(verdict.criterion)), html::stated(scope_in_both_units(verdict.scope, input.unit)),
+                   number_cell(judged_value(nullptr, verdict, input.unit)), number_cell(judged_limit(verdict, input.unit)),
                    verdict_mark(verdict_in(verdict), is_simulated(input)));
   Markup out = markup("<p>As found: {}. As left: {}{}.</p>\n", verdict_mark(*as_found, is_simulated(input)),
                       as_left ? verdict_mark(*as_left, is_simulated(input)) : markup("no verdict"),
@@ -98,9 +99,9 @@ Markup found_verdicts(const ReportInput& input) {
   if (!found.doubt.empty())
     out += markup("<p class=\"fail\"><span class=\"sign\">✗</span> {}</p>\n", Text(found.doubt));
   out += markup(
-      "<table><caption>As found against the limits</caption><thead><tr><th scope=\"col\">criterion</th>"
+      "<table><caption>As found against the tolerance limits</caption><thead><tr><th scope=\"col\">requirement</th>"
       "<th scope=\"col\">scope</th><th scope=\"col\" class=\"n\">value</th><th scope=\"col\" "
-      "class=\"n\">limit</th><th scope=\"col\">verdict</th></tr></thead><tbody>\n{}</tbody></table>\n",
+      "class=\"n\">tolerance limit</th><th scope=\"col\">conformity</th></tr></thead><tbody>\n{}</tbody></table>\n",
       rows);
   return out;
 }
@@ -114,7 +115,7 @@ Markup level_mark(const LevelFigures& level, const LevelFigures* found) {
   const bool than_raw = judge_level(level).any();
   const bool than_found = found != nullptr && level.comp_distance > found->comp_distance;
   if (!than_raw && !than_found) return markup("no worse");
-  Markup out = worse_mark(than_raw, "worse than raw");
+  Markup out = worse_mark(than_raw, "worse than the indication");
   if (than_raw && than_found) out += markup("; ");
   out += worse_mark(than_found, "worse than as found");
   return out;
@@ -123,20 +124,20 @@ Markup level_mark(const LevelFigures& level, const LevelFigures* found) {
 Markup found_levels(const ReportInput& input) {
   const bool has_found = input.more.previous.has_value();
   Markup out = markup(
-      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Levels raw, as found, as left\"><table "
-      "class=\"levels\"><caption>Every level raw, as found and as left; % FS</caption><thead><tr>"
-      "<th scope=\"col\" rowspan=\"2\" class=\"n\">psi</th><th scope=\"col\" rowspan=\"2\" class=\"n\">kPa</th>"
-      "<th scope=\"colgroup\" colspan=\"3\">distance</th><th scope=\"colgroup\" colspan=\"3\">std up</th>"
-      "<th scope=\"colgroup\" colspan=\"3\">std down</th><th scope=\"col\" rowspan=\"2\">as left is</th></tr><tr>");
+      "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Levels: indication, as found, as left\"><table "
+      "class=\"levels\"><caption>Every level: indication, as found and as left; % FS</caption><thead><tr>{}"
+      "<th scope=\"colgroup\" colspan=\"3\">hysteresis</th><th scope=\"colgroup\" colspan=\"3\">s, increasing</th>"
+      "<th scope=\"colgroup\" colspan=\"3\">s, decreasing</th><th scope=\"col\" rowspan=\"2\">as left is</th></tr>"
+      "<tr>",
+      level_headings(input.unit, 2));
   for (int group = 0; group < 3; ++group)
     out += markup(
-        "<th scope=\"col\" class=\"n\">raw</th><th scope=\"col\" class=\"n\">found</th>"
+        "<th scope=\"col\" class=\"n\">indic.</th><th scope=\"col\" class=\"n\">found</th>"
         "<th scope=\"col\" class=\"n\">left</th>");
   out += markup("</tr></thead><tbody>\n");
   for (const LevelFigures& level : input.evaluation.levels) {
     const LevelFigures* found = same_level(input.more.previous, level.pressure_psi);
-    out += markup("<tr><th scope=\"row\" class=\"n\">{}</th>{}", html::fixed(level.pressure_psi, 1),
-                  number_cell(html::kilopascals(level.pressure_psi, 1)));
+    out += markup("<tr>{}", level_cells(level.pressure_psi, input.unit));
     for (const auto& [raw, compensated] : {std::pair{&LevelFigures::raw_distance, &LevelFigures::comp_distance},
                                            std::pair{&LevelFigures::raw_std_up, &LevelFigures::comp_std_up},
                                            std::pair{&LevelFigures::raw_std_down, &LevelFigures::comp_std_down}}) {
@@ -169,27 +170,28 @@ Markup found_charts(const ReportInput& input) {
     compensated.push_back(
         distance_series("as left, held out", input.held_out.front().evaluation, &LevelFigures::comp_distance, 3));
   std::vector<Series> all = compensated;
-  all.insert(all.begin(), distance_series("raw", input.evaluation, &LevelFigures::raw_distance, 0));
-  LineChart chart{.title = "Distance of loading and unloading per level: raw, as found, as left",
-                  .x_label = "pressure in psi",
-                  .y_label = "distance in % FS",
+  all.insert(all.begin(), distance_series("indication", input.evaluation, &LevelFigures::raw_distance, 0));
+  LineChart chart{.title = "Hysteresis per level: indication, as found, as left",
+                  .x_label = "gauge pressure",
+                  .y_label = "hysteresis in % FS",
                   .series = std::move(all),
                   .width = 335,
-                  .height = 250,
+                  .height = 265,
                   .y_from_zero = true};
   Markup out =
-      markup("<div class=\"pair\">\n<figure>{}<figcaption>Mean over the taxels of |up − down|.</figcaption></figure>\n",
-             line_chart(chart));
-  chart.title = "The same without the raw one, on a scale of its own";
+      markup("<div class=\"pair\">\n<figure>{}<figcaption>Hysteresis, mean over the taxels.</figcaption></figure>\n",
+             line_chart(pressure_along(chart, input.unit)));
+  chart.title = "The same of the corrected indication alone, on a scale of its own";
   chart.series = std::move(compensated);
-  out += markup("<figure>{}<figcaption>After compensation alone.</figcaption></figure>\n</div>\n", line_chart(chart));
+  out += markup("<figure>{}<figcaption>Corrected indication alone.</figcaption></figure>\n</div>\n",
+                line_chart(pressure_along(chart, input.unit)));
   return out;
 }
 
 }  // namespace
 
 Markup as_found_section(const ReportInput& input) {
-  Markup out = section_start("as-found", "Raw, as found, as left");
+  Markup out = section_start("as-found", "Indication, as found, as left");
   if (input.evaluation.levels.empty()) {
     out += markup("<p>not available</p>\n");
     return out;
@@ -201,19 +203,20 @@ Markup as_found_section(const ReportInput& input) {
         html::stated(input.more.previous->model), html::Text(counted(input.more.previous->fitted_taxels, "taxel")));
   } else {
     out += markup(
-        "<p>As found: not assessed, no earlier models were named. Whether measurements made with them stand cannot be "
-        "said from this report.</p>\n");
+        "<p>As found: not assessed, no earlier models were named. Whether measurements made with them stand, this report "
+        "does not show.</p>\n");
   }
   out += found_verdicts(input);
   out += summary_table(input);
   out += found_charts(input);
   out += found_levels(input);
   out += markup(
-      "<p class=\"note\">Raw pressures: every taxel read by one straight line through the ends of the mean taxel’s "
-      "external loop. FS raw: {} V, the highest mean output of this run; FS after compensation: {}, the full pressure. "
-      "Distance: mean over the taxels of |up − down|; std: standard deviation over the taxels. The column of the own "
-      "run shows the data that the models were made from; only a held-out run shows what to expect in use.</p>\n",
-      html::fixed(input.evaluation.full_scale_v, 3), html::psi(input.evaluation.full_scale_psi, 1));
+      "<p class=\"note\">Pressures of the indication: every taxel read by one straight line through the ends of the "
+      "mean taxel’s external loop. FS of the indication: {} V, the highest mean output of this run; of the corrected "
+      "indication: {}, the full pressure. Hysteresis: mean over the taxels of the difference between increasing and "
+      "decreasing pressure; s: standard deviation over the taxels. The column of the own run shows the calibration "
+      "data, which the models were made from; only a held-out run is independent verification.</p>\n",
+      html::fixed(input.evaluation.full_scale_v, 3), html::pressure(input.evaluation.full_scale_psi, input.unit, 1));
   return out;
 }
 

@@ -22,45 +22,50 @@ Markup third(LineChart chart, const char* caption) {
 }
 
 // Figs 13, 14: direct model, inverse model, pressure against pressure. `model`: its name.
-Markup trace_triple(const TaxelTrace& trace, const std::string& model) {
+Markup trace_triple(const TaxelTrace& trace, const std::string& model, PressureUnit unit) {
   const std::string of = fmt::format("{}, sequence {}", trace.taxel.title, trace.sequence);
   Markup out =
       markup("<div class=\"keep\"><h4>Sequence {}</h4>\n<div class=\"triple\">\n", html::stated(trace.sequence));
-  out += third({.title = "Output measured and by the direct model against pressure, " + of,
-                .x_label = "pressure, psi",
-                .y_label = "output, V",
-                .series = {{"measured", trace.pressure_psi, trace.measured_v, 0},
-                           {model, trace.pressure_psi, trace.model_v, 1}}},
+  out += third(pressure_along({.title = "Output measured and by the direct model against pressure, " + of,
+                               .x_label = "pressure",
+                               .y_label = "output in V",
+                               .series = {{"measured", trace.pressure_psi, trace.measured_v, 0},
+                                          {model, trace.pressure_psi, trace.model_v, 1}},
+                               .width = kThirdWidth},
+                              unit),
                "Direct model.");
-  out += third({.title = "Pressure measured and by the inverse model against output, " + of,
-                .x_label = "output, V",
-                .y_label = "pressure, psi",
-                .series = {{"measured", trace.measured_v, trace.pressure_psi, 0},
-                           {"inverse", trace.measured_v, trace.estimate_psi, 1}}},
+  out += third(pressure_up({.title = "Pressure measured and by the inverse model against output, " + of,
+                            .x_label = "output in V",
+                            .y_label = "pressure",
+                            .series = {{"measured", trace.measured_v, trace.pressure_psi, 0},
+                                       {"inverse", trace.measured_v, trace.estimate_psi, 1}},
+                            .width = kThirdWidth},
+                           unit),
                "Inverse model.");
-  LineChart compensated{.title = "Pressure after compensation against reference pressure, " + of,
-                        .x_label = "reference, psi",
-                        .y_label = "compensated, psi",
-                        .series = {{"compensated", trace.pressure_psi, trace.estimate_psi, 2, true}}};
+  LineChart compensated{.title = "Corrected indication against reference value, " + of,
+                        .x_label = "reference",
+                        .y_label = "corrected",
+                        .series = {{"corrected", trace.pressure_psi, trace.estimate_psi, 2, true}},
+                        .width = kThirdWidth};
   const Spread range = spread_of(trace.pressure_psi);
   if (range.count > 1)
     compensated.series.push_back({"ideal", {range.low, range.high}, {range.low, range.high}, 0, false});
-  out += third(compensated, "Pressure after compensation.");
+  out += third(pressures(std::move(compensated), unit), "Corrected indication.");
   out += markup("</div></div>\n");
   return out;
 }
 
-Markup trace_errors(const std::vector<TaxelTrace>& traces) {
+Markup trace_errors(const std::vector<TaxelTrace>& traces, PressureUnit unit) {
   Markup out = markup(
-      "<table><caption>Compensated against reference pressure, means of the repeats</caption><thead><tr>"
+      "<table><caption>Corrected indication less reference value, means of the repeats</caption><thead><tr>"
       "<th scope=\"col\">taxel</th><th scope=\"col\">sequence</th><th scope=\"col\" class=\"n\">steps</th>"
-      "<th scope=\"col\" class=\"n\">mean error</th><th scope=\"col\" class=\"n\">maximum error</th></tr></thead>"
+      "<th scope=\"col\" class=\"n\">mean |error|</th><th scope=\"col\" class=\"n\">maximum |error|</th></tr></thead>"
       "<tbody>\n");
   for (const TaxelTrace& trace : traces) {
     const Deviation error = deviation(trace.estimate_psi, trace.pressure_psi);
     out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"n\">{}</td>{}{}</tr>\n", Text(trace.taxel.title),
-                  html::stated(trace.sequence), trace.pressure_psi.size(), number_cell(html::psi(error.mean, 3)),
-                  number_cell(html::psi(error.maximum, 2)));
+                  html::stated(trace.sequence), trace.pressure_psi.size(), number_cell(html::pressure(error.mean, unit, 3)),
+                  number_cell(html::pressure(error.maximum, unit, 2)));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -69,7 +74,7 @@ Markup trace_errors(const std::vector<TaxelTrace>& traces) {
 }  // namespace
 
 Markup compensation_section(const ReportInput& input) {
-  Markup out = section_start("compensation", "Compensation of single taxels, usable range");
+  Markup out = section_start("compensation", "Correction of single taxels, measuring interval");
   const std::vector<TaxelTrace>& traces = input.more.traces;
   if (traces.empty()) {
     out += markup("<p>not available</p>\n");
@@ -77,18 +82,18 @@ Markup compensation_section(const ReportInput& input) {
   }
   out += usable_part(input);
   out += markup("<h3>Single taxels: direct, inverse, pressure against pressure</h3>\n");
-  out += trace_errors(traces);
+  out += trace_errors(traces, input.unit);
   int before = -2;
   for (const TaxelTrace& trace : traces) {
     if (trace.taxel.taxel != before) out += markup("<h3>The {}</h3>\n", Text(trace.taxel.title));
     before = trace.taxel.taxel;
-    out += trace_triple(trace, model_name(input.fit));
+    out += trace_triple(trace, model_name(input.fit), input.unit);
   }
   out += markup(
-      "<p class=\"note\">Every repeat was compensated frame by frame in the order in which it was measured; shown are "
-      "the means of the repeats. The direct model is driven by the measured reference pressure, the inverse one by the "
-      "measured output alone. The compensated mean taxel is the mean of the pressures of all fitted taxels, not the "
-      "inverse of the mean output. Deviations at high pressure on the way down come from noise where the loop is "
+      "<p class=\"note\">Every repeat was corrected frame by frame in the order in which it was measured; shown are "
+      "the means of the repeats. The direct model is driven by the measured reference value, the inverse one by the "
+      "measured output alone. The corrected mean taxel is the mean of the pressures of all fitted taxels, not the "
+      "inverse of the mean output. Deviations at high decreasing pressure come from noise where the loop is "
       "flat.</p>\n");
   return out;
 }

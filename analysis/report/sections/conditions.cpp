@@ -16,17 +16,17 @@ namespace {
 
 bool has_conditions(const ReportInput& input) { return input.uncertainty && !input.uncertainty->conditions.empty(); }
 
-Markup condition_row(const ConditionUncertainty& condition) {
+Markup condition_row(const ConditionUncertainty& condition, PressureUnit unit) {
   Markup out = markup("<tr><th scope=\"row\">{}</th>", Text(name_of(condition.condition)));
   if (!condition.valid()) {
-    out += markup("<td colspan=\"3\">not valid for this: {}</td></tr>\n", Text(condition.not_valid));
+    out += markup("<td colspan=\"3\">not valid for this: {}</td></tr>\n", Text(unit.both_in_text(condition.not_valid)));
     return out;
   }
   std::vector<double> sorted = finite_of(condition.expanded_psi);
   std::ranges::sort(sorted);
-  out += number_cell(gum_uncertainty(condition.median_psi));
-  out += number_cell(gum_uncertainty(quantile_between(sorted, 0.95)));
-  out += markup("<td>{}</td></tr>\n", Text(condition.basis));
+  out += number_cell(gum_pressure(condition.median_psi, unit));
+  out += number_cell(gum_pressure(quantile_between(sorted, 0.95), unit));
+  out += markup("<td>{}</td></tr>\n", Text(unit.both_in_text(condition.basis)));
   return out;
 }
 
@@ -45,11 +45,12 @@ std::string names_of(const Uncertainty& uncertainty, bool valid) {
 Markup conditions_part(const ReportInput& input) {
   if (!has_conditions(input)) return {};
   Markup out = markup(
-      "<div class=\"wide keep\"><table class=\"levels even\"><caption>U of one corrected reading by condition of use, "
-      "psi (k for 95.45 %)</caption><thead><tr><th scope=\"col\">condition</th><th scope=\"col\" class=\"n\">median "
+      "<div class=\"wide keep\"><table class=\"levels even\"><caption>U of one corrected indication by condition of "
+      "use</caption><thead><tr><th scope=\"col\">condition</th><th scope=\"col\" class=\"n\">median "
       "</th><th scope=\"col\" class=\"n\">95 % of levels and taxels are below</th><th scope=\"col\">rests "
       "on</th></tr></thead><tbody>\n");
-  for (const ConditionUncertainty& condition : input.uncertainty->conditions) out += condition_row(condition);
+  for (const ConditionUncertainty& condition : input.uncertainty->conditions) 
+    out += condition_row(condition, input.unit);
   out += markup(
       "</tbody></table></div>\n<p class=\"note\">A condition that is named “not valid for this” was not assessed: no U "
       "of "

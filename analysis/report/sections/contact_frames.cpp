@@ -62,29 +62,29 @@ Markup strip_markup(const ContactResult& contact, const ContactStrip& strip, int
     return cell(frame_map({title, rows, columns, std::move(values), scale, 78.0}));
   };
   for (const bool rising : {true, false}) {
-    out += markup("<tr><th scope=\"row\">{}</th>", Text(rising ? "up" : "down"));
+    out += markup("<tr><th scope=\"row\">{}</th>", Text(rising ? "incr." : "decr."));
     for (const double target : targets) {
       const ContactLevel* level = level_at(contact, target, rising);
       out += level == nullptr
                  ? cell(Text("–"))
-                 : picture(fmt::format("{}, {}, {:g} N", strip.what, rising ? "loading" : "unloading", target),
+                 : picture(fmt::format("{}, {}, {:g} N", strip.what, branch_in_words(rising), target),
                            level->*strip.frame, strip.scale);
     }
-    out += markup("</tr>\n<tr><th scope=\"row\">std/FS, %</th>");
+    out += markup("</tr>\n<tr><th scope=\"row\">s, % FS</th>");
     for (const double target : targets) {
       const ContactLevel* level = level_at(contact, target, rising);
       out += cell(level == nullptr ? Text("–") : html::percent(level->*strip.std_share, 1));
     }
     out += markup("</tr>\n");
   }
-  out += markup("<tr><th scope=\"row\">|up − down|</th>");
+  out += markup("<tr><th scope=\"row\">hyst.</th>");
   for (const double target : targets) {
     const ContactLevel *up = level_at(contact, target, true), *down = level_at(contact, target, false);
     out += down == nullptr ? cell(Text("–"))
-                           : picture(fmt::format("{}, distance of loading and unloading, {:g} N", strip.what, target),
+                           : picture(fmt::format("{}, hysteresis, {:g} N", strip.what, target),
                                      strip_distance(*up, *down, strip), strip.distance_scale);
   }
-  out += markup("</tr>\n<tr><th scope=\"row\">mean/FS, %</th>");
+  out += markup("</tr>\n<tr><th scope=\"row\">mean, % FS</th>");
   for (const double distance : *strip.distance)
     out += cell(std::isfinite(distance) ? html::percent(distance, 1) : Text("–"));
   out += markup("</tr>\n</tbody></table>\n");
@@ -93,9 +93,9 @@ Markup strip_markup(const ContactResult& contact, const ContactStrip& strip, int
 
 }  // namespace
 
-Markup contact_frames_part(const ContactResult& contact, int rows, int columns) {
-  const ContactStrip raw{"Under the object before compensation: output voltage",
-                         "Output under the object",
+Markup contact_frames_part(const ContactResult& contact, int rows, int columns, PressureUnit unit) {
+  const ContactStrip raw{"Under the object: indication, output voltage",
+                         "Indication under the object",
                          "V",
                          &ContactLevel::raw_v,
                          &ContactLevel::raw_std,
@@ -103,8 +103,8 @@ Markup contact_frames_part(const ContactResult& contact, int rows, int columns) 
                          contact.full_scale_v,
                          {0.0, highest_of(contact, &ContactLevel::raw_v)},
                          {0.0, 30.0}};
-  const ContactStrip compensated{"Under the object after compensation: pressure",
-                                 "Pressure under the object",
+  const ContactStrip compensated{"Under the object: corrected indication, pressure",
+                                 "Corrected indication under the object",
                                  "psi",
                                  &ContactLevel::compensated_psi,
                                  &ContactLevel::compensated_std,
@@ -113,10 +113,10 @@ Markup contact_frames_part(const ContactResult& contact, int rows, int columns) 
                                  {0.0, highest_of(contact, &ContactLevel::compensated_psi)},
                                  {0.0, 30.0}};
   Markup out = strip_markup(contact, raw, rows, columns);
-  out += colour_bar(raw.scale, "Colour scale of the output frames under the object", "V", 2);
+  out += colour_bar(raw.scale, "Colour scale of the frames of the indication under the object", "V", 2);
   out += strip_markup(contact, compensated, rows, columns);
-  out += colour_bar(compensated.scale, "Colour scale of the pressure frames under the object", "psi", 0);
-  out += colour_bar(raw.distance_scale, "Colour scale of the distance frames under the object", "% FS", 0);
+  out += pressure_bar(compensated.scale, "Colour scale of the corrected frames under the object", unit, 0);
+  out += colour_bar(raw.distance_scale, "Colour scale of the hysteresis under the object", "% FS", 0);
   std::string worse;
   const std::vector<double> targets = targets_of(contact);
   for (std::size_t i = 0; i < contact.raw_distance.size(); ++i)
@@ -124,13 +124,14 @@ Markup contact_frames_part(const ContactResult& contact, int rows, int columns) 
       worse += fmt::format("{}{:g} N", worse.empty() ? "" : ", ", targets[i]);
   if (!worse.empty())
     out += markup(
-        "<p><span class=\"worse\"><span class=\"sign\">▲</span> Distance larger after compensation than raw</span> at "
+        "<p><span class=\"worse\"><span class=\"sign\">▲</span> Hysteresis of the corrected indication larger than that of the "
+        "indication</span> at "
         "{}.</p>\n",
         Text(worse));
   out += markup(
-      "<p class=\"note\">Means of the repeats. FS: that of the chamber run, {} V and {}; std over the taxels with a "
-      "model, which under an object is its shape as well as mismatch.</p>\n",
-      html::fixed(contact.full_scale_v, 3), html::psi(contact.full_scale_psi, 1));
+      "<p class=\"note\">Means of the repeats. FS: that of the chamber run, {} V and {}; s over the taxels with a "
+      "model, which under an object is its shape as well as non-uniformity.</p>\n",
+      html::fixed(contact.full_scale_v, 3), html::pressure(contact.full_scale_psi, unit, 1));
   return out;
 }
 

@@ -111,9 +111,8 @@ Markup elam_parameters_part(const ReportInput& input) {
   out += bounds_table(input.fit);
   out += markup(
       "<p class=\"note\">Row 0 on top, column 0 on the left; a cross marks a taxel without a model. alpha_d, beta_d, "
-      "beta_a and the relative split alpha_a1 L + alpha_a0 are searched in 0 to 1; a parameter at a bound says that "
-      "the "
-      "best split lies at an end of the branch.</p>\n");
+      "beta_a and the relative split alpha_a1 L + alpha_a0 are searched in 0 to 1; a parameter at a bound means that "
+      "the best split lies at an end of the branch.</p>\n");
   return out;
 }
 

@@ -68,24 +68,26 @@ class StripWriter {
   Markup write() const {
     Markup out = markup("<table class=\"strip\" id=\"{}\"><caption>{}</caption><thead><tr><td></td>",
                         html::Attribute(strip_.id), Text(strip_.caption));
+    const PressureUnit unit = input_.unit;
     for (const LevelFigures* level : levels_) {
-      out += markup("<th scope=\"col\">{} psi<br/>{} kPa</th>", html::fixed(level->pressure_psi, 0),
-                    html::kilopascals(level->pressure_psi, 0));
+      out += markup("<th scope=\"col\">{} {}<br/>{} {}</th>", html::in_unit(level->pressure_psi, unit, 0),
+                    Text(unit.symbol()), html::in_unit(level->pressure_psi, unit.beside(), 0),
+                    Text(unit.beside().symbol()));
     }
     out += markup("</tr></thead><tbody>\n");
-    out += frames("up", "loading", strip_.up);
-    out += figures("std/FS, %", strip_.std_up);
-    out += frames("down", "unloading", strip_.down);
-    out += figures("std/FS, %", strip_.std_down);
+    out += frames("incr.", true, strip_.up);
+    out += figures("s, % FS", strip_.std_up);
+    out += frames("decr.", false, strip_.down);
+    out += figures("s, % FS", strip_.std_down);
     out += distances();
-    out += figures("mean/FS, %", strip_.distance);
+    out += figures("mean, % FS", strip_.distance);
     out += markup("</tbody></table>\n");
     return out;
   }
 
  private:
   FrameMap map(const LevelFigures& level, const char* way) const {
-    return {fmt::format("{}, {}, {:.0f} psi", strip_.what, way, level.pressure_psi),
+    return {fmt::format("{}, {}, {}", strip_.what, way, input_.unit.text(level.pressure_psi, 0)),
             input_.fit.rows,
             input_.fit.columns,
             {},
@@ -93,10 +95,10 @@ class StripWriter {
             78.0};
   }
 
-  Markup frames(const char* head, const char* way, FrameOf frame) const {
+  Markup frames(const char* head, bool up, FrameOf frame) const {
     Markup out = markup("<tr><th scope=\"row\">{}</th>", Text(head));
     for (const LevelFigures* level : levels_) {
-      FrameMap picture = map(*level, way);
+      FrameMap picture = map(*level, branch_in_words(up));
       picture.values = level->*frame;
       out += cell(frame_map(picture));
     }
@@ -105,9 +107,9 @@ class StripWriter {
   }
 
   Markup distances() const {
-    Markup out = markup("<tr><th scope=\"row\">|up − down|</th>");
+    Markup out = markup("<tr><th scope=\"row\">hyst.</th>");
     for (const LevelFigures* level : levels_) {
-      FrameMap picture = map(*level, "distance of loading and unloading");
+      FrameMap picture = map(*level, "hysteresis");
       picture.values = distance_frame(level->*strip_.up, level->*strip_.down, strip_.full_scale);
       picture.scale = strip_.distance_scale;
       out += cell(frame_map(picture));
@@ -128,15 +130,12 @@ class StripWriter {
   const Strip& strip_;
 };
 
-// One scale for the distances before and after, so that they can be compared by eye: up to the next 5 % FS.
-ColourScale distance_scale(const Levels& levels, const Evaluation& evaluation) {
+// Up to the next 5 % FS. Each strip has its own: on that of the indication the corrected maps would be of one colour.
+ColourScale distance_scale(const Levels& levels, FrameOf up, FrameOf down, double full_scale) {
   double high = 0.0;
-  for (const LevelFigures* level : levels) {
-    for (const auto& frame : {distance_frame(level->raw_up_v, level->raw_down_v, evaluation.full_scale_v),
-                              distance_frame(level->comp_up_psi, level->comp_down_psi, evaluation.full_scale_psi)}) {
-      for (const double value : frame) high = std::isfinite(value) ? std::max(high, value) : high;
-    }
-  }
+  for (const LevelFigures* level : levels)
+    for (const double value : distance_frame(level->*up, level->*down, full_scale))
+      high = std::isfinite(value) ? std::max(high, value) : high;
   return {0.0, std::max(5.0, 5.0 * std::ceil(high / 5.0))};
 }
 
@@ -145,53 +144,52 @@ ColourScale distance_scale(const Levels& levels, const Evaluation& evaluation) {
 Markup frames_section(const ReportInput& input) {
   const Evaluation& evaluation = input.evaluation;
   const Levels levels = shown_levels(evaluation);
-  Markup out = section_start("frames", "Frames up and down, before and after compensation");
+  Markup out = section_start("frames", "Frames: indication and corrected indication");
   if (levels.empty()) {
     out += markup("<p>not available</p>\n");
     return out;
   }
-  const ColourScale distances = distance_scale(levels, evaluation);
   const ColourScale volts{0.0, highest(levels, &LevelFigures::raw_up_v, &LevelFigures::raw_down_v)};
-  // A compensated pressure is clamped to the range of the external loop, so full pressure ends the scale.
-  const ColourScale pressures{0.0, evaluation.full_scale_psi > 0.0 ? evaluation.full_scale_psi : 1.0};
+  // A corrected indication is clamped to the range of the external loop, so full pressure ends the scale.
+  const ColourScale full{0.0, evaluation.full_scale_psi > 0.0 ? evaluation.full_scale_psi : 1.0};
 
-  const Strip raw{"frames-raw",
-                  "Before compensation: output voltage",
-                  "Output before compensation",
-                  &LevelFigures::raw_up_v,
-                  &LevelFigures::raw_down_v,
-                  &LevelFigures::raw_std_up,
-                  &LevelFigures::raw_std_down,
-                  &LevelFigures::raw_distance,
-                  evaluation.full_scale_v,
-                  volts,
-                  distances};
-  const Strip compensated{"frames-compensated",
-                          "After compensation: pressure",
-                          "Pressure after compensation",
-                          &LevelFigures::comp_up_psi,
-                          &LevelFigures::comp_down_psi,
-                          &LevelFigures::comp_std_up,
-                          &LevelFigures::comp_std_down,
-                          &LevelFigures::comp_distance,
-                          evaluation.full_scale_psi,
-                          pressures,
-                          distances};
+  const Strip raw{
+      "frames-raw",
+      "Indication: output voltage",
+      "Indication",
+      &LevelFigures::raw_up_v,
+      &LevelFigures::raw_down_v,
+      &LevelFigures::raw_std_up,
+      &LevelFigures::raw_std_down,
+      &LevelFigures::raw_distance,
+      evaluation.full_scale_v,
+      volts,
+      distance_scale(levels, &LevelFigures::raw_up_v, &LevelFigures::raw_down_v, evaluation.full_scale_v)};
+  const Strip compensated{
+      "frames-compensated",
+      "Corrected indication: pressure",
+      "Corrected indication",
+      &LevelFigures::comp_up_psi,
+      &LevelFigures::comp_down_psi,
+      &LevelFigures::comp_std_up,
+      &LevelFigures::comp_std_down,
+      &LevelFigures::comp_distance,
+      evaluation.full_scale_psi,
+      full,
+      distance_scale(levels, &LevelFigures::comp_up_psi, &LevelFigures::comp_down_psi, evaluation.full_scale_psi)};
   out += StripWriter(input, levels, raw).write();
-  out += colour_bar(volts, "Colour scale of the output frames", "V", 2);
+  out += colour_bar(volts, "Colour scale of the frames of the indication", "V", 2);
+  out += colour_bar(raw.distance_scale, "Colour scale of the hysteresis of the indication", "% FS", 0);
   out += StripWriter(input, levels, compensated).write();
-  out += colour_bar(pressures, "Colour scale of the pressure frames", "psi", 0);
-  out += colour_bar(distances, "Colour scale of the distance frames, before and after", "% FS", 0);
+  out += pressure_bar(full, "Colour scale of the frames of the corrected indication", input.unit, 0);
+  out += colour_bar(compensated.distance_scale, "Colour scale of the hysteresis of the corrected indication", "% FS", 0);
   out += markup(
-      "<p class=\"note\">Row 0 on top, column 0 on the left. The colour scales hold for a whole strip, that of the "
-      "distances "
-      "for both strips. A cross marks a taxel without a value (no model). std: standard deviation over the taxels with "
-      "a model; "
-      "distance: mean over the "
-      "taxels of |up − down|. FS before compensation: highest mean output, {} V; after: full pressure, {}. At the top "
-      "of "
-      "the range loading and unloading meet in one frame.</p>\n",
-      html::fixed(evaluation.full_scale_v, 3), html::psi(evaluation.full_scale_psi, 1));
+      "<p class=\"note\">Row 0 on top, column 0 on the left. Below each strip stand its colour scales, of the frames and "
+      "of the hysteresis (hyst.), the difference between increasing (incr.) and decreasing (decr.) pressure. A cross "
+      "marks a taxel without a value (no model). s: standard deviation over the taxels with a model. FS of the "
+      "indication: highest mean output, {} V; of the corrected indication: full pressure, {}. At the top of the range "
+      "increasing and decreasing pressure meet in one frame.</p>\n",
+      html::fixed(evaluation.full_scale_v, 3), html::pressure(evaluation.full_scale_psi, input.unit, 1));
   return out;
 }
 

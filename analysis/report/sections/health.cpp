@@ -19,7 +19,7 @@ using html::Text;
 
 namespace {
 
-constexpr std::size_t kMostFindingsTold = 64;
+constexpr std::size_t kMostFindingsListed = 64;
 
 std::vector<std::pair<std::string, std::string>> health_rules(const Health& health) {
   const HealthOptions& o = health.options;
@@ -38,36 +38,39 @@ std::vector<std::pair<std::string, std::string>> health_rules(const Health& heal
                                       o.noisy_factor, 1e3 * health.median_noise_v)}};
 }
 
+// "unfit" is the key of limits files and data.
+Text state_in_words(const std::string& state) { return Text(state == "unfit" ? "not modelled" : state); }
+
 Markup rules_table(const Health& health) {
   Markup out = markup(
-      "<table><caption>What was looked for</caption><thead><tr><th scope=\"col\">state</th><th scope=\"col\" "
-      "class=\"n\">taxels</th><th scope=\"col\">how it is decided</th></tr></thead>"
+      "<table><caption>Criteria of sensor health</caption><thead><tr><th scope=\"col\">state</th><th scope=\"col\" "
+      "class=\"n\">taxels</th><th scope=\"col\">criterion</th></tr></thead>"
       "<tbody>\n");
   for (const auto& [state, words] : health_rules(health)) {
-    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td>{}</td></tr>\n", Text(state),
+    out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td>{}</td></tr>\n", state_in_words(state),
                   health.count(state), Text(words));
   }
   out += markup(
-      "</tbody></table>\n<p class=\"note\">Dead, stuck, saturated and unfit taxels are left out of loops, hysteresis, "
-      "equilibration, repeatability, zero return, creep, models, compensation, means and standard deviations; only "
-      "their raw output is shown, in the frames. Noisy taxels count everywhere.</p>\n");
+      "</tbody></table>\n<p class=\"note\">Dead, stuck, saturated and unmodelled taxels are excluded from loops, "
+      "hysteresis, relative sensitivity, repeatability, zero deviation, creep, models, corrected indications, means "
+      "and standard deviations; only their indication is shown, in the frames. Noisy taxels count everywhere.</p>\n");
   return out;
 }
 
 Markup findings_table(const Health& health) {
   Markup out = markup(
-      "<table><caption>Taxels that are not well</caption><thead><tr><th scope=\"col\">taxel</th>"
-      "<th scope=\"col\">place</th><th scope=\"col\">state</th><th scope=\"col\">decided by</th>"
-      "<th scope=\"col\">left out of</th></tr></thead><tbody>\n");
-  for (std::size_t i = 0; i < health.findings.size() && i < kMostFindingsTold; ++i) {
+      "<table><caption>Taxels with findings</caption><thead><tr><th scope=\"col\">taxel</th>"
+      "<th scope=\"col\">place</th><th scope=\"col\">state</th><th scope=\"col\">criterion</th>"
+      "<th scope=\"col\">excluded from</th></tr></thead><tbody>\n");
+  for (std::size_t i = 0; i < health.findings.size() && i < kMostFindingsListed; ++i) {
     const TaxelHealth& finding = health.findings[i];
     out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"state\">{}</td><td>{}</td><td>{}</td></tr>\n",
-                  finding.taxel, Text(place_of(finding.taxel, health.columns)), Text(finding.state),
+                  finding.taxel, Text(place_of(finding.taxel, health.columns)), state_in_words(finding.state),
                   Text(finding.reason), Text(finding.excluded ? "every figure" : "nothing"));
   }
   out += markup("</tbody></table>\n");
-  if (health.findings.size() > kMostFindingsTold)
-    out += markup("<p class=\"note\">The first {} of {} are printed; all stand in the data.</p>\n", kMostFindingsTold,
+  if (health.findings.size() > kMostFindingsListed)
+    out += markup("<p class=\"note\">The first {} of {} are printed; all stand in the data.</p>\n", kMostFindingsListed,
                   health.findings.size());
   return out;
 }
@@ -97,7 +100,7 @@ Markup swaps_words(const ReportInput& input) {
   }
   if (!health.swaps.empty())
     out += markup(
-        "<p class=\"note\">Swapped lines are left out of nothing: the figures of this run hold as the lines are wired "
+        "<p class=\"note\">No figure excludes swapped lines: the figures of this run hold as the lines are wired "
         "now. Maps and models made before belong to the other line.</p>\n");
   return out;
 }
@@ -111,7 +114,7 @@ Markup seating_words(const ReportInput& input) {
     if (!json.is_object() || !json.contains("findings") || !json["findings"].is_array()) continue;
     for (const auto& finding : json["findings"]) {
       if (!finding.is_object() || !finding.contains("text") || !finding["text"].is_string()) continue;
-      out += markup("<li>{}</li>\n", Text(finding["text"].get<std::string>()));
+      out += markup("<li>{}</li>\n", Text(input.unit.both_in_text(finding["text"].get<std::string>())));
     }
   }
   if (out.value.empty()) return out;
@@ -135,7 +138,7 @@ Markup response_map(const Health& health) {
              frame_map({"Span of each taxel's output over the run", health.rows, health.columns, span, scale, 220.0}));
   out += colour_bar(scale, "Colour scale of the spans", "V", 2);
   out += markup(
-      "<figcaption>Span of the output over the run: highest less lowest. A cross marks a taxel that is left out."
+      "<figcaption>Span of the output over the run: highest less lowest. A cross marks an excluded taxel."
       "</figcaption></figure>\n");
   return out;
 }
@@ -168,7 +171,7 @@ Markup health_section(const ReportInput& input) {
   }
   const auto taxels = health.high_v.size();
   const auto excluded = std::ranges::count_if(health.findings, &TaxelHealth::excluded);
-  out += markup("<p>{} of {} used, {} left out.</p>\n", taxels - static_cast<std::size_t>(excluded),
+  out += markup("<p>{} of {} used, {} excluded.</p>\n", taxels - static_cast<std::size_t>(excluded),
                 html::Text(counted(taxels, "taxel")), excluded);
   out += rules_table(health);
   if (!health.findings.empty()) out += findings_table(health);

@@ -21,33 +21,36 @@ struct Column {
 
 struct Row {
   const char* name;
-  html::Text (*figure)(const Evaluation&);
+  html::Text (*figure)(const Evaluation&, PressureUnit);
 };
 
-html::Text worse_levels(const Evaluation& evaluation) {
+html::Text worse_levels(const Evaluation& evaluation, PressureUnit) {
   const auto worse = std::count_if(evaluation.levels.begin(), evaluation.levels.end(),
                                    [](const LevelFigures& level) { return level.made_worse; });
   return Text(fmt::format("{} of {}", worse, evaluation.levels.size()));
 }
 
 constexpr Row kRows[] = {
-    {"before: |up − down| of the mean taxel, % FS",
-     [](const Evaluation& e) { return html::percent(e.raw_distance, 2); }},
-    {"after: |up − down| of the mean of all pressures, % FS",
-     [](const Evaluation& e) { return html::percent(e.comp_distance_of_mean, 2); }},
-    {"after: |up − down|, mean over taxels, % FS",
-     [](const Evaluation& e) { return html::percent(e.comp_distance, 2); }},
+    {"indication: hysteresis of the mean taxel, % FS",
+     [](const Evaluation& e, PressureUnit) { return html::percent(e.raw_distance, 2); }},
+    {"corrected: hysteresis of the mean of all pressures, % FS",
+     [](const Evaluation& e, PressureUnit) { return html::percent(e.comp_distance_of_mean, 2); }},
+    {"corrected: hysteresis, mean over taxels, % FS",
+     [](const Evaluation& e, PressureUnit) { return html::percent(e.comp_distance, 2); }},
     {"the same without flagged levels, % FS",
-     [](const Evaluation& e) { return html::percent(e.comp_distance_observable, 2); }},
-    {"after: |up − down|, worst taxel, % FS",
-     [](const Evaluation& e) { return html::percent(e.worst_taxel_distance, 2); }},
+     [](const Evaluation& e, PressureUnit) { return html::percent(e.comp_distance_observable, 2); }},
+    {"corrected: hysteresis, worst taxel, % FS",
+     [](const Evaluation& e, PressureUnit) { return html::percent(e.worst_taxel_distance, 2); }},
     {"the same without flagged levels, % FS",
-     [](const Evaluation& e) { return html::percent(e.worst_taxel_distance_observable, 2); }},
-    {"flagged pairs of taxel and level, %", [](const Evaluation& e) { return html::percent(e.flat_share, 1); }},
-    {"mean error against the reference", [](const Evaluation& e) { return html::psi(e.mean_error_psi, 3); }},
-    {"the same without flat samples", [](const Evaluation& e) { return html::psi(e.mean_error_observable_psi, 3); }},
-    {"mean error of the worst taxel", [](const Evaluation& e) { return html::psi(e.worst_taxel_mean_error_psi, 3); }},
-    {"levels whose distance was made worse", worse_levels},
+     [](const Evaluation& e, PressureUnit) { return html::percent(e.worst_taxel_distance_observable, 2); }},
+    {"flagged pairs of taxel and level, %", [](const Evaluation& e, PressureUnit) { return html::percent(e.flat_share, 1); }},
+    {"mean absolute error",
+     [](const Evaluation& e, PressureUnit unit) { return html::pressure(e.mean_error_psi, unit, 3); }},
+    {"the same without flat samples",
+     [](const Evaluation& e, PressureUnit unit) { return html::pressure(e.mean_error_observable_psi, unit, 3); }},
+    {"mean absolute error of the worst taxel",
+     [](const Evaluation& e, PressureUnit unit) { return html::pressure(e.worst_taxel_mean_error_psi, unit, 3); }},
+    {"levels with more hysteresis than the indication", worse_levels},
 };
 
 std::string recipes_of(const db::RunRecord& run) {
@@ -56,7 +59,7 @@ std::string recipes_of(const db::RunRecord& run) {
   return names;
 }
 
-Markup table(std::span<const Column> columns, const html::Safe& caption) {
+Markup runs_table(std::span<const Column> columns, const html::Safe& caption, PressureUnit unit) {
   Markup out = markup(
       "<div class=\"wide\" tabindex=\"0\" role=\"region\" "
       "aria-label=\"Runs\"><table><caption>{}</caption><thead><tr><th scope=\"col\">figure</th>",
@@ -74,7 +77,7 @@ Markup table(std::span<const Column> columns, const html::Safe& caption) {
   out += markup("</tr>\n");
   for (const Row& row : kRows) {
     out += markup("<tr><th scope=\"row\">{}</th>", Text(row.name));
-    for (const Column& column : columns) out += number_cell(row.figure(*column.evaluation));
+    for (const Column& column : columns) out += number_cell(row.figure(*column.evaluation, unit));
     out += markup("</tr>\n");
   }
   out += markup("</tbody></table></div>\n");
@@ -90,21 +93,22 @@ Markup held_out_section(const ReportInput& input) {
         "<p>not assessed: no other run of this sensor was given. The figures below are of the run that the models were "
         "made from.</p>\n");
   }
-  std::vector<Column> columns{{"own run (fit)", &input.run, &input.evaluation}};
+  std::vector<Column> columns{{"own run (calibration data)", &input.run, &input.evaluation}};
   for (const HeldOut& held_out : input.held_out)
     columns.push_back({held_out.title, &held_out.run, &held_out.evaluation});
   for (std::size_t first = 0; first < columns.size(); first += kRunsPerTable) {
     const std::size_t count = std::min(kRunsPerTable, columns.size() - first);
-    out += table(std::span(columns).subspan(first, count),
-                 Text(first == 0 ? "Compensation of this and other runs" : "Compensation of other runs, continued"));
+    out += runs_table(std::span(columns).subspan(first, count),
+                      Text(first == 0 ? "The models on this and other runs" : "The models on other runs, continued"),
+                      input.unit);
   }
   out += markup(
-      "<p class=\"note\">The models were made from run {} only. |up − down| is the distance of loading and unloading "
-      "at one level, "
-      "averaged over the levels of the external loop. FS before: highest mean output of the run in volt; after: full "
-      "pressure, "
-      "{}. flagged: taxel and level where the output changes too little for the pressure to be observable.</p>\n",
-      input.run.run, html::psi(input.evaluation.full_scale_psi, 1));
+      "<p class=\"note\">The models were made from run {} only, the calibration data; the other runs are independent "
+      "verification data. Hysteresis: the difference between increasing and decreasing pressure at one level, averaged "
+      "over the levels of the external loop. FS of the indication: highest mean output of the run in volt; of the "
+      "corrected indication: full pressure, {}. Flagged: taxel and level where the output changes too little for the "
+      "pressure to be observable.</p>\n",
+      input.run.run, html::pressure(input.evaluation.full_scale_psi, input.unit, 1));
   return out;
 }
 

@@ -23,7 +23,7 @@ const db::DeviceRecord* scanner_of(const db::RunRecord& run) {
   return nullptr;
 }
 
-// As typed, else as the run stored it with the scanner.
+// The operator's entry, else as the run stored it with the scanner.
 std::string cable_of(const Laboratory& laboratory, const db::DeviceRecord* scanner) {
   if (!laboratory.cable.empty() || scanner == nullptr) return laboratory.cable;
   const auto json = try_json(scanner->calibration_json);
@@ -43,7 +43,7 @@ Markup further_runs(const ReportInput& input) {
   return out.value.empty() ? markup("none") : out;
 }
 
-// As they were typed, one a line; what is not a list of settings as it stands.
+// As entered, one a line; what is not a list of settings as it stands.
 Markup settings_changed(const std::string& overrides_json) {
   const auto json = try_json(overrides_json);
   if (!json.is_array()) return line(stated(overrides_json));
@@ -90,7 +90,7 @@ Markup identification_section(const ReportInput& input) {
       {"accreditation", accredited ? markup("No. {}", Text(laboratory.accreditation))
                                    : line(Text("This report was not issued by an accredited laboratory."))}};
   const std::vector<Traceability> traced = traceability_of(input);
-  for (const Traceability& one : traced) laboratory_rows.push_back({one.title.c_str(), line(Text(one.statement))});
+  for (const Traceability& one : traced) laboratory_rows.push_back({one.title.c_str(), line(Text(input.unit.both_in_text(one.statement)))});
   laboratory_rows.push_back({"remarks", line(stated(laboratory.remarks))});
   out += pairs_table("Laboratory and customer", laboratory_rows);
   out += pairs_table(
@@ -99,8 +99,8 @@ Markup identification_section(const ReportInput& input) {
               {"origin of the data", line(stated(run.origin))},
               {"outcome", markup("{}{}{}", Text(db::to_string(run.outcome)), Text(run.reason.empty() ? "" : ": "),
                                  Text(run.reason))},
-              {"void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
-              {"safe state at the end", line(Text(db::to_string(run.safe_state)))},
+              {"declared void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
+              {"vented and retracted at the end", line(Text(db::to_string(run.safe_state)))},
               {"operator", line(stated(run.operator_name))},
               {"purpose", line(stated(run.purpose))},
               {calibrates ? "calibration started (UTC)" : "measurement started (UTC)", line(moment(run.started_utc))},

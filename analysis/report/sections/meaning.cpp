@@ -7,8 +7,39 @@ using html::markup;
 using html::Markup;
 using html::Text;
 
+namespace {
+
+// Words of VIM (JCGM 200) and of the guides on pressure and conformity, once for a reader who does not know them.
+Markup terms_table() {
+  static const std::vector<std::pair<const char*, const char*>> terms = {
+      {"indication", "the output of a taxel as measured, in volt"},
+      {"corrected indication", "the pressure that the measurement model, the inverse of the hysteresis model, gives for it"},
+      {"reference value", "the pressure by the measurement standard, the pressure reference, when the frame was taken"},
+      {"error", "corrected indication less reference value; mean absolute error: the mean of its size"},
+      {"increasing, decreasing", "the direction of the pressure: loading, unloading"},
+      {"hysteresis", "difference between increasing and decreasing pressure at one level"},
+      {"non-uniformity", "standard deviation over the taxels at one level, all under the same pressure"},
+      {"relative sensitivity", "output of a taxel over the mean of all at one level"},
+      {"lack of fit", "what the model differs by from what it was fitted to"},
+      {"zero deviation", "change of the output at the lowest pressure from before to after"},
+      {"discrimination", "the model distinguishes pressures in spite of noise"},
+      {"measuring interval", "pressures at which it does so in spite of noise and lack of fit"},
+      {"calibration data", "the own run, which the models were made from"},
+      {"verification data", "other runs, held out: the models were not made from them"},
+      {"requirement, tolerance limit", "a figure that is judged, and the value that it must not exceed"},
+      {"statement of conformity", "whether all requirements are met by the decision rule: pass, fail or what lies between"},
+      {"FS", "full scale: the highest mean output in volt of the indication, the full pressure of the corrected one"}};
+  Markup rows;
+  for (const auto& [term, meaning] : terms)
+    rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", Text(term), Text(meaning));
+  return markup("<table class=\"pairs\"><caption>Terms</caption><tbody>\n{}</tbody></table>\n", rows);
+}
+
+}  // namespace
+
 Markup meaning_section(const ReportInput& input) {
-  Markup out = section_start("meaning", "What the figures mean, and their limits");
+  Markup out = section_start("meaning", "Terms, and limits of the figures");
+  out += terms_table();
   out += markup("<ul>\n");
   const auto item = [&](const html::Safe& text) { out += markup("<li>{}</li>\n", text); };
   if (is_simulated(input)) {
@@ -31,32 +62,28 @@ Markup meaning_section(const ReportInput& input) {
              "be seen in any error printed here."));
   }
   item(
-      Text("The errors of the direct model and those in the column “own run” are of the data that the models were made "
-           "from. Only "
-           "other runs show what to expect in use."));
+      Text("The errors of the direct model and those in the column “own run” are of the calibration data, which the "
+           "models were made from. Only other runs are independent verification."));
   item(
-      Text("Flat stretches: where the output hardly changes with pressure, above all at the start of unloading, the "
+      Text("Flat stretches: where the output hardly changes with pressure, above all where it begins to decrease, the "
            "pressure "
            "cannot be observed by any method. Such samples are flagged and counted; figures with and without them are "
            "both given."));
   const bool covered = input.uncertainty && input.uncertainty->creep.assessed();
   item(markup(
       "Creep: a held pressure with a drifting output is outside every rate-independent model, this one too. What was "
-      "measured of creep, repeatability and zero return stands in “Behaviour before compensation”; crosstalk "
-      "in “Crosstalk, rate and hold, mounting, uniformity”. What no run tells is not assessed.{}",
+      "measured of creep, repeatability and zero deviation stands in “Indication before correction”; crosstalk "
+      "in “Crosstalk, rate and hold, mounting, uniformity of the pressure”. What no run shows is not assessed.{}",
       covered
-          ? markup(" U covers creep in readings from {} s to {} s after the level was commanded, no other ones.",
+          ? markup(" U covers creep in indications from {} s to {} s after the level was commanded, no other ones.",
                    html::fixed(input.uncertainty->creep.read_after_s, 1), html::fixed(input.uncertainty->creep.to_s, 0))
           : markup("")));
   if (!input.more.studies.uniformity.assessed()) {
     item(
-        Text("Uniformity of the pressure over the chamber: not assessed. A non-uniformity is taken for mismatch of the "
-             "taxels."));
+        Text("Uniformity of the pressure over the chamber: not assessed. It would count as non-uniformity "
+             "of the taxels."));
   }
-  item(
-      Text("FS is the highest mean output in volt before compensation and the full pressure after it; a per cent "
-           "before and a "
-           "per cent after are shares of these two."));
+  item(Text("Shares of FS of the indication and of the corrected indication are shares of two quantities: see FS above."));
   out += markup("</ul>\n");
   return out;
 }

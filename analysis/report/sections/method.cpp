@@ -13,7 +13,7 @@ using html::Text;
 
 namespace {
 
-constexpr std::size_t kMostEventsTold = 40;  // the rest is counted; all are in the store
+constexpr std::size_t kMostEventsListed = 40;  // the rest is counted; all are in the store
 
 // Title as its file says it; the recipe is TOML, of which one line is wanted.
 std::string recipe_title(const std::string& toml) {
@@ -68,31 +68,31 @@ Markup checks_words(const std::vector<db::CheckRecord>& checks) {
   return out.value.empty() ? markup("none recorded") : out;
 }
 
-Markup voids_table(const RunHistory& history) {
+Markup voids_table(const RunHistory& history, PressureUnit unit) {
   Markup out = markup(
       "<table><caption>Void branches: kept in the store, left out of every figure, done again</caption><thead><tr>"
       "<th scope=\"col\">sequence</th><th scope=\"col\" class=\"n\">repeat</th><th scope=\"col\" "
       "class=\"n\">branch</th>"
       "<th scope=\"col\" class=\"n\">attempt</th><th scope=\"col\">reason</th></tr></thead><tbody>\n");
-  for (std::size_t i = 0; i < history.voids.size() && i < kMostEventsTold; ++i) {
+  for (std::size_t i = 0; i < history.voids.size() && i < kMostEventsListed; ++i) {
     const VoidBranch& branch = history.voids[i];
     out += markup(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
         "<td>{}</td></tr>\n",
-        stated(branch.sequence), branch.repeat + 1, branch.branch + 1, branch.attempt + 1, stated(branch.reason));
+        stated(branch.sequence), branch.repeat + 1, branch.branch + 1, branch.attempt + 1, stated(unit.both_in_text(branch.reason)));
   }
   out += markup("</tbody></table>\n");
   return out;
 }
 
-Markup events_table(const RunHistory& history) {
+Markup events_table(const RunHistory& history, PressureUnit unit) {
   Markup out = markup(
       "<table><caption>Pauses, retries and warnings</caption><thead><tr><th scope=\"col\" class=\"n\">time, s</th>"
       "<th scope=\"col\">kind</th><th scope=\"col\">what</th></tr></thead><tbody>\n");
-  for (std::size_t i = 0; i < history.events.size() && i < kMostEventsTold; ++i) {
+  for (std::size_t i = 0; i < history.events.size() && i < kMostEventsListed; ++i) {
     const HistoryEvent& event = history.events[i];
     out += markup("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", html::fixed(event.time_s, 0),
-                  Text(event.kind), stated(event.text));
+                  Text(event.kind), stated(unit.both_in_text(event.text)));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -116,7 +116,7 @@ Markup deviations_table(const ReportInput& input) {
                              markup("{}, {}, {}", count("pause"), count("suspension"), count("prompt"))},
                             {"warnings", markup("{}", count("warning"))},
                             {"checks of the set-up", checks_words(history.checks)},
-                            {"as typed", markup("{}", stated(input.laboratory.deviations))}};
+                            {"operator’s entry", markup("{}", stated(input.laboratory.deviations))}};
   return pairs_table("Deviations from the method", rows);
 }
 
@@ -128,17 +128,17 @@ Markup method_part(const ReportInput& input) {
   out += pairs_table("Conditions",
                      {{"surroundings", surroundings(input)},
                       {"mounting and what lies on the sensor", markup("{}", stated(input.laboratory.mounting))},
-                      {"where the time went", markup("{}", stated(history.time_spent))}});
+                      {"time by activity", markup("{}", stated(history.time_spent))}});
   if (!history.loaded) {
     out += markup("<p>Deviations from the method: not available.</p>\n");
     return out;
   }
   out += deviations_table(input);
-  if (!history.voids.empty()) out += voids_table(history);
-  if (!history.events.empty()) out += events_table(history);
+  if (!history.voids.empty()) out += voids_table(history, input.unit);
+  if (!history.events.empty()) out += events_table(history, input.unit);
   const std::size_t longest = std::max(history.voids.size(), history.events.size());
-  if (longest > kMostEventsTold)
-    out += markup("<p class=\"note\">The first {} of each are printed; all stand in the store.</p>\n", kMostEventsTold);
+  if (longest > kMostEventsListed)
+    out += markup("<p class=\"note\">The first {} of each are printed; all stand in the store.</p>\n", kMostEventsListed);
   return out;
 }
 

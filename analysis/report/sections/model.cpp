@@ -62,7 +62,7 @@ Markup mean_taxel_table(const ReportInput& input) {
 }
 
 // What a dynamic model undoes beside hysteresis, and the runs that this was taken from.
-Markup dynamics_table(const SensorModel& fit) {
+Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   if (!fit.dynamics) return {};
   const Dynamics& d = fit.dynamics->shared;
   Markup creep;
@@ -76,7 +76,7 @@ Markup dynamics_table(const SensorModel& fit) {
                      {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
                                      html::fixed(d.lag_s, 2))},
                       {"lag taken from", source(fit.dynamics->rate)},
-                      {"creep", markup("{} of the output; half of it at {}", creep, html::psi(d.creep_half, 1))},
+                      {"creep", markup("{} of the output; half of it at {}", creep, html::pressure(d.creep_half, unit, 1))},
                       {"creep taken from", source(fit.dynamics->creep)}});
 }
 
@@ -159,7 +159,7 @@ Markup unfitted_table(const SensorModel& fit) {
   }
   if (rows.value.empty()) return markup("<p>All {} taxels were fitted; none was left out.</p>\n", fit.array().size());
   return markup(
-      "<table><caption>Taxels without a model, left out of every figure after compensation</caption><thead><tr>"
+      "<table><caption>Taxels without a model, left out of every figure of the corrected indication</caption><thead><tr>"
       "<th scope=\"col\">taxel</th><th scope=\"col\">place</th><th scope=\"col\">state</th><th "
       "scope=\"col\">reason</th></tr>"
       "</thead><tbody>\n{}</tbody></table>\n",
@@ -169,24 +169,26 @@ Markup unfitted_table(const SensorModel& fit) {
 Markup error_map(const ReportInput& input) {
   const Evaluation& evaluation = input.evaluation;
   const Spread spread = spread_of(evaluation.taxel_mean_error_psi);
-  if (spread.count == 0) return markup("<p>Map of the compensation error: not available</p>\n");
+  if (spread.count == 0) return markup("<p>Map of the error: not available</p>\n");
   const ColourScale scale{0.0, spread.high > 0.0 ? spread.high : 1.0};
-  Markup out = markup("<figure>{}", numbered_map({"Mean compensation error of each taxel in psi", input.fit.rows,
-                                                  input.fit.columns, evaluation.taxel_mean_error_psi, scale, 416.0},
-                                                 spread.high < 10.0 ? 2 : 1));
-  out += colour_bar(scale, "Colour scale of the error map", "psi", 2);
+  const PressureUnit unit = input.unit;
+  const FrameMap map{fmt::format("Mean absolute error of each taxel in {}", unit.symbol()), input.fit.rows,
+                     input.fit.columns, evaluation.taxel_mean_error_psi, scale, 416.0};
+  Markup out = markup("<figure>{}", numbered_map(pressure_map(map, unit), kTwoSignificant));
+  out += pressure_bar(scale, "Colour scale of the error map", unit, 2);
   out += markup(
-      "<figcaption>Mean of |compensated − reference| of each taxel over all frames, in psi (1 psi = 6.895 kPa). Row 0 "
-      "on "
-      "top, column 0 on the left; a cross marks a taxel without a model.</figcaption></figure>\n");
+      "<figcaption>Mean of |corrected indication − reference value| of each taxel over all frames, in {}. Row 0 on top, "
+      "column 0 on the left; a cross marks a taxel without a model.</figcaption></figure>\n",
+      Text(unit.symbol()));
   return out;
 }
 
 Markup error_table(const ReportInput& input) {
   const Evaluation& evaluation = input.evaluation;
   const Health& health = input.health;
+  const PressureUnit unit = input.unit;
   Markup out = markup(
-      "<table><caption>Compensation error |compensated − reference|, Eq. (49), all fitted taxels and "
+      "<table><caption>Absolute error |corrected indication − reference value|, all fitted taxels and "
       "frames</caption><thead><tr>"
       "<th scope=\"col\">figure</th><th scope=\"col\" class=\"n\">all</th><th scope=\"col\" class=\"n\">without flat "
       "samples</th>"
@@ -194,9 +196,11 @@ Markup error_table(const ReportInput& input) {
   const auto row = [&](const char* name, const html::Safe& all, const html::Safe& observable) {
     out += markup("<tr><th scope=\"row\">{}</th>{}{}</tr>\n", Text(name), number_cell(all), number_cell(observable));
   };
-  row("mean", html::psi(evaluation.mean_error_psi, 3), html::psi(evaluation.mean_error_observable_psi, 3));
-  row("maximum", html::psi(evaluation.max_error_psi, 2), html::psi(evaluation.max_error_observable_psi, 2));
-  row("mean of the worst taxel", html::psi(evaluation.worst_taxel_mean_error_psi, 3), Text("not assessed"));
+  row("mean", html::pressure(evaluation.mean_error_psi, unit, 3),
+      html::pressure(evaluation.mean_error_observable_psi, unit, 3));
+  row("maximum", html::pressure(evaluation.max_error_psi, unit, 2),
+      html::pressure(evaluation.max_error_observable_psi, unit, 2));
+  row("mean of the worst taxel", html::pressure(evaluation.worst_taxel_mean_error_psi, unit, 3), Text("not assessed"));
   out += markup("</tbody></table>\n");
   if (evaluation.worst_taxel >= 0) {
     const auto known = std::ranges::find(health.findings, evaluation.worst_taxel, &TaxelHealth::taxel);
@@ -215,12 +219,11 @@ Markup model_section(const ReportInput& input) {
   // First: below a long table a map of this height would leave half a page blank.
   out += markup("<div class=\"beside\">\n{}<div>{}</div>\n</div>\n", error_map(input), error_table(input));
   out += mean_taxel_table(input);
-  out += dynamics_table(input.fit);
+  out += dynamics_table(input.fit, input.unit);
   out += distribution_table(input);
   out += markup(
-      "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose "
-      "unloading "
-      "curve is saturated are weakly determined: judge the error, not the parameter.</p>\n");
+      "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose curve of "
+      "decreasing pressure is saturated are weakly determined: judge the error, not the parameter.</p>\n");
   out += unfitted_table(input.fit);
   if (is_elam(input.fit)) out += elam_parameters_part(input);
   return out;

@@ -22,7 +22,8 @@ std::string model_title(const std::string& model) {
 }
 
 // Measured and model against pressure, the residual below on the same axis.
-Markup model_panel(const ComparedTaxel& taxel, const ComparedSequence& sequence, const ComparedModel& model) {
+Markup model_panel(const ComparedTaxel& taxel, const ComparedSequence& sequence, const ComparedModel& model,
+                   PressureUnit unit) {
   const std::string of = fmt::format("{}, {}, sequence {}", model_title(model.model), taxel.taxel.title, sequence.name);
   if (!model.failed.empty()) {
     return markup("<figure><p>{}: not available, {}</p></figure>\n", Text(model_title(model.model)),
@@ -32,40 +33,43 @@ Markup model_panel(const ComparedTaxel& taxel, const ComparedSequence& sequence,
   for (std::size_t i = 0; i < model.model_v.size(); ++i)
     residual_mv.push_back(1000.0 * (model.model_v[i] - sequence.measured_v[i]));
   Markup out =
-      markup("<figure>{}", line_chart({.title = "Output measured and by the model against pressure: " + of,
-                                       .x_label = "pressure in psi",
-                                       .y_label = "output in V",
-                                       .series = {{"measured", sequence.pressure_psi, sequence.measured_v, 0},
-                                                  {model_title(model.model), sequence.pressure_psi, model.model_v, 1}},
-                                       .width = 335,
-                                       .height = 215}));
-  out += line_chart({.title = "Residual, model minus measured: " + of,
-                     .x_label = "pressure in psi",
-                     .y_label = "residual in mV",
-                     .series = {{"model minus measured", sequence.pressure_psi, residual_mv, 2, true}},
-                     .width = 335,
-                     .height = 125});
+      markup("<figure>{}", line_chart(pressure_along(
+                               {.title = "Output measured and by the model against pressure: " + of,
+                                .x_label = "gauge pressure",
+                                .y_label = "output in V",
+                                .series = {{"measured", sequence.pressure_psi, sequence.measured_v, 0},
+                                           {model_title(model.model), sequence.pressure_psi, model.model_v, 1}},
+                                .width = 335,
+                                .height = 225},
+                               unit)));
+  out += line_chart(pressure_along({.title = "Lack of fit, model minus measured: " + of,
+                                    .x_label = "gauge pressure",
+                                    .y_label = "residual in mV",
+                                    .series = {{"model minus measured", sequence.pressure_psi, residual_mv, 2, true}},
+                                    .width = 335,
+                                    .height = 140},
+                                   unit));
   out += markup("<figcaption>{}: mean error {} % FS, maximum {} % FS.</figcaption></figure>\n",
                 Text(model_title(model.model)), html::percent(model.mean_error_v / taxel.full_scale_v, 2),
                 html::percent(model.max_error_v / taxel.full_scale_v, 2));
   return out;
 }
 
-Markup sequence_panels(const ComparedTaxel& taxel, const ComparedSequence& sequence) {
+Markup sequence_panels(const ComparedTaxel& taxel, const ComparedSequence& sequence, PressureUnit unit) {
   Markup out;
   for (std::size_t first = 0; first < sequence.models.size(); first += 2) {
     out += markup("<div class=\"keep\">");
     if (first == 0) out += markup("<h4>Sequence {}</h4>\n", html::stated(sequence.name));
     out += markup("<div class=\"pair\">\n");
     for (std::size_t i = first; i < std::min(first + 2, sequence.models.size()); ++i)
-      out += model_panel(taxel, sequence, sequence.models[i]);
+      out += model_panel(taxel, sequence, sequence.models[i], unit);
     out += markup("</div></div>\n");
   }
   return out;
 }
 
 // Of a single taxel: ELAM's panel, and the residuals of all four models step by step (Figs 11, 12).
-Markup elam_and_residuals(const ComparedTaxel& taxel, const ComparedSequence& sequence) {
+Markup elam_and_residuals(const ComparedTaxel& taxel, const ComparedSequence& sequence, PressureUnit unit) {
   const std::string of = fmt::format("{}, sequence {}", taxel.taxel.title, sequence.name);
   LineChart chart{.title = "Residuals of the four models, model minus measured, step by step: " + of,
                   .x_label = "step",
@@ -83,7 +87,7 @@ Markup elam_and_residuals(const ComparedTaxel& taxel, const ComparedSequence& se
     if (model.failed.empty()) chart.series.push_back(std::move(series));
   }
   Markup out = markup("<div class=\"keep\"><h4>Sequence {}</h4>\n<div class=\"pair\">\n", html::stated(sequence.name));
-  out += model_panel(taxel, sequence, sequence.models.back());
+  out += model_panel(taxel, sequence, sequence.models.back(), unit);
   out += markup("<figure>{}<figcaption>All models, step by step.</figcaption></figure>\n</div></div>\n",
                 line_chart(chart));
   return out;
@@ -200,12 +204,12 @@ Markup models_section(const ReportInput& input) {
     out += errors_of_models(taxel);
     const bool mean = taxel.taxel.taxel == kMeanTaxel;
     for (const ComparedSequence& sequence : taxel.sequences)
-      out += mean ? sequence_panels(taxel, sequence) : elam_and_residuals(taxel, sequence);
+      out += mean ? sequence_panels(taxel, sequence, input.unit) : elam_and_residuals(taxel, sequence, input.unit);
     if (!mean) continue;
     for (const ComparedSequence& sequence : taxel.sequences) out += parameters_of_models(taxel, sequence);
   }
   out += markup(
-      "<p class=\"note\">Best, median and worst: by the mean compensation error of the taxel. J: Eq. (1), the sum of "
+      "<p class=\"note\">Best, median and worst: by the mean absolute error of the taxel. J: Eq. (1), the sum of "
       "squared differences; mean error: Eq. (49); the first sample of a branch, its turning point, is not counted. "
       "Operations: additions, multiplications, comparisons and look-ups of one sample between turns, counted by hand. "
       "The parameters of the other taxels stand in the data of this file.</p>\n");

@@ -21,9 +21,9 @@ Markup force_table(const ContactResult& contact) {
       "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Force, run {}\"><table "
       "class=\"levels\"><caption>Total "
       "force of the array against the force sensor, means over {} a level</caption><thead><tr>"
-      "<th scope=\"col\" rowspan=\"2\" class=\"n\">level, N</th><th scope=\"col\" rowspan=\"2\" class=\"n\">way</th>"
+      "<th scope=\"col\" rowspan=\"2\" class=\"n\">level, N</th><th scope=\"col\" rowspan=\"2\" class=\"n\">force</th>"
       "<th scope=\"col\" rowspan=\"2\" class=\"n\">force sensor, N</th>"
-      "<th scope=\"colgroup\" colspan=\"3\">raw</th><th scope=\"colgroup\" colspan=\"3\">compensated</th></tr><tr>",
+      "<th scope=\"colgroup\" colspan=\"3\">indication</th><th scope=\"colgroup\" colspan=\"3\">corrected</th></tr><tr>",
       contact.run, Text(counted(contact.levels.front().frames, "frame")));
   for (int way = 0; way < 2; ++way)
     out += markup(
@@ -32,7 +32,7 @@ Markup force_table(const ContactResult& contact) {
   out += markup("</tr></thead><tbody>\n");
   for (const ContactLevel& level : contact.levels) {
     out += markup("<tr><th scope=\"row\" class=\"n\">{}</th>{}{}", html::fixed(level.target_n, 1),
-                  number_cell(Text(level.rising ? "up" : "down")), number_cell(html::fixed(level.force_n, 3)));
+                  number_cell(Text(branch_in_words(level.rising))), number_cell(html::fixed(level.force_n, 3)));
     for (const ContactFigures* figures : {&level.raw, &level.compensated}) {
       out += number_cell(html::fixed(figures->force_n, 2));
       out += number_cell(signed_error(figures->force_n, level.force_n));
@@ -49,8 +49,8 @@ Markup place_table(const ContactResult& contact) {
   Markup out = markup(
       "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Centre of pressure, run {}\"><table "
       "class=\"levels\"><caption>Centre of pressure and moments</caption><thead><tr>"
-      "<th scope=\"col\" rowspan=\"2\" class=\"n\">level, N</th><th scope=\"col\" rowspan=\"2\" class=\"n\">way</th>"
-      "<th scope=\"colgroup\" colspan=\"{}\">raw</th><th scope=\"colgroup\" colspan=\"{}\">compensated</th>"
+      "<th scope=\"col\" rowspan=\"2\" class=\"n\">level, N</th><th scope=\"col\" rowspan=\"2\" class=\"n\">force</th>"
+      "<th scope=\"colgroup\" colspan=\"{}\">indication</th><th scope=\"colgroup\" colspan=\"{}\">corrected</th>"
       "<th scope=\"col\" rowspan=\"2\" class=\"n\">force sensor √(Tx² + Ty²), N mm</th></tr><tr>",
       contact.run, one_place ? 6 : 2, one_place ? 6 : 2);
   for (int way = 0; way < 2; ++way) {
@@ -63,7 +63,7 @@ Markup place_table(const ContactResult& contact) {
   out += markup("</tr></thead><tbody>\n");
   for (const ContactLevel& level : contact.levels) {
     out += markup("<tr><th scope=\"row\" class=\"n\">{}</th>{}", html::fixed(level.target_n, 1),
-                  number_cell(Text(level.rising ? "up" : "down")));
+                  number_cell(Text(branch_in_words(level.rising))));
     for (const bool raw : {true, false}) {
       const ContactFigures& figures = raw ? level.raw : level.compensated;
       if (one_place) {
@@ -82,8 +82,8 @@ Markup place_table(const ContactResult& contact) {
 }
 
 Markup force_charts(const ContactResult& contact) {
-  Series raw_up{"raw, up", {}, {}, 1}, raw_down{"raw, down", {}, {}, 4}, up{"compensated, up", {}, {}, 2},
-      down{"compensated, down", {}, {}, 3};
+  Series raw_up{"indication, incr.", {}, {}, 1}, raw_down{"indication, decr.", {}, {}, 4}, up{"corrected, incr.", {}, {}, 2},
+      down{"corrected, decr.", {}, {}, 3};
   double highest = 0.0;
   for (const ContactLevel& level : contact.levels) {
     highest = std::max(highest, level.force_n);
@@ -93,7 +93,7 @@ Markup force_charts(const ContactResult& contact) {
       series->y.push_back(figures->force_n);
     }
   }
-  Series area_raw{"raw", {}, {}, 1, true}, area{"compensated", {}, {}, 2, true};
+  Series area_raw{"indication", {}, {}, 1, true}, area{"corrected", {}, {}, 2, true};
   for (const ContactLevel& level : contact.levels) {
     area_raw.x.push_back(level.force_n);
     area_raw.y.push_back(level.raw.area_mm2);
@@ -121,20 +121,19 @@ Markup force_charts(const ContactResult& contact) {
   return out;
 }
 
-Markup contact_part(const ContactResult& contact, int rows, int columns) {
+Markup contact_part(const ContactResult& contact, int rows, int columns, PressureUnit unit) {
   Markup out = markup("<h3>{}, run {}</h3>\n", html::stated(contact.object.empty() ? contact.sequence : contact.object),
                       contact.run);
   out += markup(
-      "<p>Sequence {}: places: {}, repeats: {}. Error of the total force over all frames: raw {} N on average, at "
-      "most "
-      "{} N; compensated {} N on average, at most {} N.</p>\n",
+      "<p>Sequence {}: places: {}, repeats: {}. Error of the total force over all frames: indication {} N on average, "
+      "at most {} N; corrected {} N on average, at most {} N.</p>\n",
       html::stated(contact.sequence), contact.positions, contact.repeats, html::fixed(contact.raw_mean_error_n, 2),
       html::fixed(contact.raw_max_error_n, 2), html::fixed(contact.compensated_mean_error_n, 2),
       html::fixed(contact.compensated_max_error_n, 2));
   if (contact.compensated_mean_error_n > contact.raw_mean_error_n)
     out += markup(
-        "<p><span class=\"worse\"><span class=\"sign\">▲</span> The total force is worse after compensation than "
-        "raw.</span></p>\n");
+        "<p><span class=\"worse\"><span class=\"sign\">▲</span> The corrected total force is worse than that of the "
+        "indication.</span></p>\n");
   if (!contact.force_traceability.empty()) out += markup("<p>{}</p>\n", Text(contact.force_traceability));
   out += force_charts(contact);
   out += force_table(contact);
@@ -148,7 +147,7 @@ Markup contact_part(const ContactResult& contact, int rows, int columns) {
         "<p>Off axis: distance of the centre of pressure from the object’s axis by the registration of run "
         "{}.</p>\n",
         contact.mount_run);
-  if (contact.positions == 1) out += contact_frames_part(contact, rows, columns);
+  if (contact.positions == 1) out += contact_frames_part(contact, rows, columns, unit);
   double clamped = 0.0;
   for (const ContactLevel& level : contact.levels) clamped = std::max(clamped, level.clamped_taxels);
   if (clamped > 0.0)
@@ -169,7 +168,7 @@ Markup objects_section(const ReportInput& input) {
   }
   const ArrayGeometry& geometry = input.more.contacts.front().geometry;
   for (const ContactResult& contact : input.more.contacts)
-    out += contact_part(contact, input.fit.rows, input.fit.columns);
+    out += contact_part(contact, input.fit.rows, input.fit.columns, input.unit);
   out += markup(
       "<p class=\"note\">Force of the array: sum of pressure times {} mm², the effective area of a taxel, pitch {} mm. "
       "Centre of pressure and moments (Mx = Σ p A y, My = −Σ p A x) about the array’s centre, x along the columns, y "
@@ -177,10 +176,10 @@ Markup objects_section(const ReportInput& input) {
       "the rows; the force sensor’s torque is about its own axis, which the object stands on. Wanders: distance from "
       "the "
       "mean centre of all levels at that place. In contact are taxels of at least 10 % of the frame’s highest pressure "
-      "and of 0.5 psi (3.4 kPa); centre, moments and area are theirs, the total force is of all taxels. Raw: every "
+      "and of {}; centre, moments and area are theirs, the total force is of all taxels. Indication: every "
       "taxel read by one straight line through the ends of the mean taxel’s external loop. "
-      "Compensated: each taxel’s own model, unloaded before each rise. Pressure between the taxels is not seen.</p>\n",
-      html::fixed(geometry.taxel_area_mm2, 4), html::fixed(geometry.pitch_mm, 2));
+      "Corrected: each taxel’s own model, unloaded before each rise. Pressure between the taxels is not seen.</p>\n",
+      html::fixed(geometry.taxel_area_mm2, 4), html::fixed(geometry.pitch_mm, 2), html::pressure(0.5, input.unit, 1));
   return out;
 }
 

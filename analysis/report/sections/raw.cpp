@@ -20,7 +20,7 @@ std::string loop_name(const RawLoop& loop, int columns) {
                      loop.taxel % std::max(1, columns));
 }
 
-Markup trace_figures_raw(const Behaviour& b) {
+Markup trace_figures_raw(const Behaviour& b, PressureUnit unit) {
   Markup out;
   for (std::size_t i = 0; i < b.traces.size(); i += 2) {
     out += markup("<div class=\"pair\">\n");
@@ -28,12 +28,13 @@ Markup trace_figures_raw(const Behaviour& b) {
       const RawTrace& trace = b.traces[j];
       out += markup(
           "<figure>{}<figcaption>Sequence {}: output of the mean taxel, mean of the repeats.</figcaption></figure>\n",
-          line_chart({.title = "Output before compensation, mean taxel, sequence " + trace.sequence,
-                      .x_label = "reference pressure in psi",
-                      .y_label = "output in V",
-                      .series = {{"mean taxel", trace.pressure_psi, trace.output_v, 0, false}},
-                      .width = 335,
-                      .height = 240}),
+          line_chart(pressure_along({.title = "Indication of the mean taxel, sequence " + trace.sequence,
+                                     .x_label = "reference value",
+                                     .y_label = "output in V",
+                                     .series = {{"mean taxel", trace.pressure_psi, trace.output_v, 0, false}},
+                                     .width = 335,
+                                     .height = 255},
+                                    unit)),
           html::stated(trace.sequence));
     }
     out += markup("</div>\n");
@@ -41,9 +42,9 @@ Markup trace_figures_raw(const Behaviour& b) {
   return out;
 }
 
-Markup loops_figure(const Behaviour& b, int columns) {
-  LineChart chart{.title = "External loop before compensation of the mean, best, median and worst taxel",
-                  .x_label = "pressure in psi",
+Markup loops_figure(const Behaviour& b, int columns, PressureUnit unit) {
+  LineChart chart{.title = "External loop of the indication of the mean, best, median and worst taxel",
+                  .x_label = "gauge pressure",
                   .y_label = "output in V",
                   .series = {},
                   .width = 682,
@@ -56,14 +57,14 @@ Markup loops_figure(const Behaviour& b, int columns) {
     chart.series.push_back({loop_name(loop, columns), pressure, output, style++, false});
   }
   return markup(
-      "<figure>{}<figcaption>External loops, loading below and unloading above, on set-points. Best, median and worst "
-      "by the mean hysteresis error.</figcaption></figure>\n",
-      line_chart(chart));
+      "<figure>{}<figcaption>External loops, increasing pressure below and decreasing above, on set-points. Best, median "
+      "and worst by the mean hysteresis.</figcaption></figure>\n",
+      line_chart(pressure_along(std::move(chart), unit)));
 }
 
 Markup hysteresis_table(const Behaviour& b, const Evaluation& evaluation, int columns) {
   Markup out = markup(
-      "<table><caption>Hysteresis error before compensation</caption><thead><tr><th scope=\"col\">taxel</th>"
+      "<table><caption>Hysteresis of the indication</caption><thead><tr><th scope=\"col\">taxel</th>"
       "<th scope=\"col\" class=\"n\">maximum, % FS</th><th scope=\"col\" class=\"n\">mean, % FS</th>"
       "<th scope=\"col\" class=\"n\">FS, V</th></tr></thead><tbody>\n");
   const auto row = [&](const html::Safe& name, const html::Safe& most, const html::Safe& mean, const html::Safe& fs) {
@@ -78,34 +79,33 @@ Markup hysteresis_table(const Behaviour& b, const Evaluation& evaluation, int co
         html::percent(evaluation.hysteresis_mean_fs, 1), html::fixed(evaluation.full_scale_v, 3));
   row(Text("published sensor, for orientation"), Text("25.3"), Text("10.0"), Text("–"));
   out += markup(
-      "</tbody></table>\n<p class=\"note\">Hysteresis error: |up − down| of the outputs of loading and unloading at "
-      "one "
-      "level, maximum and mean over the levels of the external loop. FS: the highest output of that loop. Published "
+      "</tbody></table>\n<p class=\"note\">Hysteresis: difference of the outputs at one level between increasing and "
+      "decreasing pressure, maximum and mean over the levels of the external loop. FS: the highest output of that loop. Published "
       "sensor: Sánchez-Durán et al., Sensors 2015; it is not a limit.</p>\n");
   return out;
 }
 
-Markup gain_figures(const Behaviour& b, int rows, int columns) {
+Markup gain_figures(const Behaviour& b, int rows, int columns, PressureUnit unit) {
   const Spread spread = spread_of(b.gain);
   if (spread.count == 0) return {};
   const double squares = squares_about(finite_of(b.gain), 1.0);
   const double deviation_of_gain = spread.count > 1 ? std::sqrt(squares / static_cast<double>(spread.count - 1)) : kNan;
   const ColourScale scale{spread.low, spread.high > spread.low ? spread.high : spread.low + 1e-3};
   Markup out = markup(
-      "<div class=\"keep\"><h3>Equilibration map</h3>\n<figure>{}",
+      "<div class=\"keep\"><h3>Map of relative sensitivity</h3>\n<figure>{}",
       numbered_map(
-          {"Output of each taxel over the mean at one level on the way up", rows, columns, b.gain, scale, 480.0}, 2));
-  out += colour_bar(scale, "Colour scale of the equilibration map", "× mean", 2);
+          {"Output of each taxel over the mean at one level, pressure increasing", rows, columns, b.gain, scale, 480.0}, 2));
+  out += colour_bar(scale, "Colour scale of the map of relative sensitivity", "× mean", 2);
   out += markup(
-      "<figcaption>Output of each taxel over the mean of all that count, at {} on the way up. Standard deviation {} %, "
-      "lowest {}, highest {}. A read-out is equalized by the inverse of these figures. A cross: not counted. A "
-      "non-uniform chamber would look the same.</figcaption></figure></div>\n",
-      html::psi(b.equilibration_psi, 1), html::percent(deviation_of_gain, 1), html::fixed(spread.low, 2),
+      "<figcaption>Output of each taxel over the mean of all that count, at {}, increasing. Standard deviation {} %, "
+      "lowest {}, highest {}. A cross: not counted. A non-uniform pressure in the chamber would look the "
+      "same.</figcaption></figure></div>\n",
+      html::pressure(b.equilibration_psi, unit, 1), html::percent(deviation_of_gain, 1), html::fixed(spread.low, 2),
       html::fixed(spread.high, 2));
   return out;
 }
 
-Markup repeatability_part(const Behaviour& b) {
+Markup repeatability_part(const Behaviour& b, PressureUnit unit) {
   Markup out = markup("<h3>Repeatability</h3>\n");
   if (b.repeatability.empty()) {
     out += markup("<p>not assessed: fewer than two complete repeats of the external loop.</p>\n");
@@ -120,16 +120,18 @@ Markup repeatability_part(const Behaviour& b) {
   for (const LevelRepeatability& level : b.repeatability) pressure.push_back(level.pressure_psi);
   out += markup(
       "<figure>{}<figcaption>Standard deviation over {} repeats of the output at one level.</figcaption></figure>\n",
-      line_chart({.title = "Repeatability of the output per level",
-                  .x_label = "pressure in psi",
-                  .y_label = "std in mV",
-                  .series = {{"mean taxel, up", pressure, column(&LevelRepeatability::mean_up_v), 0, false},
-                             {"mean taxel, down", pressure, column(&LevelRepeatability::mean_down_v), 1, false},
-                             {"taxels (rms), up", pressure, column(&LevelRepeatability::taxel_up_v), 2, false},
-                             {"taxels (rms), down", pressure, column(&LevelRepeatability::taxel_down_v), 3, false}},
-                  .width = 682,
-                  .height = 230,
-                  .y_from_zero = true}),
+      line_chart(pressure_along(
+          {.title = "Repeatability of the output per level",
+           .x_label = "gauge pressure",
+           .y_label = "s in mV",
+           .series = {{"mean taxel, increasing", pressure, column(&LevelRepeatability::mean_up_v), 0, false},
+                      {"mean taxel, decreasing", pressure, column(&LevelRepeatability::mean_down_v), 1, false},
+                      {"taxels (rms), increasing", pressure, column(&LevelRepeatability::taxel_up_v), 2, false},
+                      {"taxels (rms), decreasing", pressure, column(&LevelRepeatability::taxel_down_v), 3, false}},
+           .width = 682,
+           .height = 245,
+           .y_from_zero = true},
+          unit)),
       b.repeats);
   const auto worst = [&](double LevelRepeatability::*figure) {
     return *std::ranges::max_element(b.repeatability, {}, figure);
@@ -138,27 +140,27 @@ Markup repeatability_part(const Behaviour& b) {
       "<table><caption>Repeatability: largest standard deviation over the levels</caption><thead><tr>"
       "<th scope=\"col\">of</th><th scope=\"col\" class=\"n\">mV</th><th scope=\"col\" class=\"n\">% FS</th>"
       "<th scope=\"col\" class=\"n\">at</th></tr></thead><tbody>\n");
-  for (const auto& [name, figure] : {std::pair{"mean taxel, up", &LevelRepeatability::mean_up_v},
-                                     {"mean taxel, down", &LevelRepeatability::mean_down_v},
-                                     {"a taxel (rms over taxels), up", &LevelRepeatability::taxel_up_v},
-                                     {"a taxel (rms over taxels), down", &LevelRepeatability::taxel_down_v}}) {
+  for (const auto& [name, figure] : {std::pair{"mean taxel, increasing", &LevelRepeatability::mean_up_v},
+                                     {"mean taxel, decreasing", &LevelRepeatability::mean_down_v},
+                                     {"a taxel (rms over taxels), increasing", &LevelRepeatability::taxel_up_v},
+                                     {"a taxel (rms over taxels), decreasing", &LevelRepeatability::taxel_down_v}}) {
     const LevelRepeatability& level = worst(figure);
     out += markup(
         "<tr><th scope=\"row\">{}</th>{}{}{}</tr>\n", Text(name), number_cell(html::fixed(1e3 * level.*figure, 2)),
-        number_cell(html::percent(level.*figure / b.full_scale_v, 3)), number_cell(html::psi(level.pressure_psi, 0)));
+        number_cell(html::percent(level.*figure / b.full_scale_v, 3)), number_cell(html::pressure(level.pressure_psi, unit, 0)));
   }
   out += markup("</tbody></table>\n");
   return out;
 }
 
 Markup zero_part(const Behaviour& b, int columns) {
-  Markup out = markup("<h3>Zero return</h3>\n");
+  Markup out = markup("<h3>Zero deviation</h3>\n");
   if (b.zero_returns.empty()) {
     out += markup("<p>not assessed: no sequence comes back to where it began.</p>\n");
     return out;
   }
   out += markup(
-      "<table><caption>Output at the lowest pressure, end of a repeat less its start</caption><thead><tr>"
+      "<table><caption>Zero deviation: output at the lowest pressure, end of a repeat less its start</caption><thead><tr>"
       "<th scope=\"col\">sequence</th><th scope=\"col\" class=\"n\">repeats</th><th scope=\"col\" class=\"n\">mean "
       "taxel, "
       "mV</th><th scope=\"col\" class=\"n\">% FS</th><th scope=\"col\" class=\"n\">largest of one repeat, mV</th>"
@@ -174,7 +176,7 @@ Markup zero_part(const Behaviour& b, int columns) {
   return out;
 }
 
-Markup creep_part(const Behaviour& b) {
+Markup creep_part(const Behaviour& b, PressureUnit unit) {
   Markup out = markup("<h3>Creep</h3>\n");
   if (b.creep.empty()) {
     out += markup(
@@ -190,8 +192,8 @@ Markup creep_part(const Behaviour& b) {
       "<th scope=\"col\" class=\"n\">% of output a decade of time</th></tr></thead><tbody>\n");
   for (const Creep& creep : b.creep) {
     out += markup("<tr><th scope=\"row\">{}</th>{}{}{}{}{}{}<td class=\"n\">{} ± {}</td></tr>\n",
-                  html::stated(creep.sequence), number_cell(html::psi(creep.pressure_psi, 1)),
-                  cell(Text(creep.up ? "loading" : "unloading")), number_cell(html::fixed(creep.from_s, 1)),
+                  html::stated(creep.sequence), number_cell(html::pressure(creep.pressure_psi, unit, 1)),
+                  cell(Text(branch_in_words(creep.up))), number_cell(html::fixed(creep.from_s, 1)),
                   number_cell(html::fixed(creep.to_s, 1)), number_cell(html::fixed(creep.first_v, 4)),
                   number_cell(html::fixed(creep.last_v, 4)), html::percent(creep.per_decade, 3),
                   html::percent(creep.per_decade_u, 3));
@@ -207,7 +209,7 @@ Markup creep_part(const Behaviour& b) {
 Markup raw_section(const ReportInput& input) {
   const Behaviour& b = input.behaviour;
   const int rows = input.health.rows, columns = input.health.columns;
-  Markup out = section_start("raw", "Behaviour before compensation");
+  Markup out = section_start("raw", "Indication before correction");
   if (b.taxels.empty()) {
     out +=
         markup("<p>not available: {}</p>\n", Text(input.history.presses ? "the run pressed with an indenter; see the "
@@ -217,17 +219,17 @@ Markup raw_section(const ReportInput& input) {
   }
   if (b.loops.empty()) {
     out +=
-        markup("<p>Loops and hysteresis error: not assessed, no sequence rises and falls over the full range.</p>\n");
+        markup("<p>Loops and hysteresis: not assessed, no sequence rises and falls over the full range.</p>\n");
   }
-  if (input.fit.taxels.empty() || input.evaluation.levels.empty()) out += trace_figures_raw(b);
+  if (input.fit.taxels.empty() || input.evaluation.levels.empty()) out += trace_figures_raw(b, input.unit);
   if (!b.loops.empty()) {
-    out += loops_figure(b, columns);
+    out += loops_figure(b, columns, input.unit);
     out += hysteresis_table(b, input.evaluation, columns);
-    out += gain_figures(b, rows, columns);
+    out += gain_figures(b, rows, columns, input.unit);
   }
-  out += repeatability_part(b);
+  out += repeatability_part(b, input.unit);
   out += zero_part(b, columns);
-  out += creep_part(b);
+  out += creep_part(b, input.unit);
   return out;
 }
 

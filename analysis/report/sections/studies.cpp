@@ -81,59 +81,64 @@ Markup crosstalk_part(const Crosstalk& crosstalk) {
   return out;
 }
 
-Markup bins_rows(const std::vector<Bin>& bins) {
+// `factor`: from the bins' unit to that of the heading.
+Markup bins_rows(const std::vector<Bin>& bins, double factor, PressureUnit unit) {
   Markup out;
   for (const Bin& bin : bins)
     out += markup("<tr><th scope=\"row\">{} to {}</th><td class=\"n\">{}</td>{}{}</tr>\n",
-                  Text(fmt::format("{:g}", bin.low)), Text(fmt::format("{:g}", bin.high)), bin.error.samples,
-                  number_cell(html::psi(bin.error.mean(), 3)), number_cell(html::psi(bin.error.max, 2)));
+                  html::significant(factor * bin.low, 3), html::significant(factor * bin.high, 3), bin.error.samples,
+                  number_cell(html::pressure(bin.error.mean(), unit, 3)),
+                  number_cell(html::pressure(bin.error.max, unit, 2)));
   return out;
 }
 
-Markup bins_table(const char* caption, const char* head, const std::vector<Bin>& bins) {
+Markup bins_table(const char* caption, const std::string& head, const std::vector<Bin>& bins, double factor,
+                  PressureUnit unit) {
   if (bins.empty()) return markup("");
   return markup(
       "<table><caption>{}</caption><thead><tr><th scope=\"col\">{}</th><th scope=\"col\" class=\"n\">samples</th>"
-      "<th scope=\"col\" class=\"n\">mean error</th><th scope=\"col\" class=\"n\">maximum "
-      "error</th></tr></thead><tbody>\n{}"
+      "<th scope=\"col\" class=\"n\">mean |error|</th><th scope=\"col\" class=\"n\">maximum "
+      "|error|</th></tr></thead><tbody>\n{}"
       "</tbody></table>\n",
-      Text(caption), Text(head), bins_rows(bins));
+      Text(caption), Text(head), bins_rows(bins, factor, unit));
 }
 
-Series bins_series(const std::string& name, const std::vector<Bin>& bins, int style) {
+Series bins_series(const std::string& name, const std::vector<Bin>& bins, double factor, int style) {
   Series series{name, {}, {}, style};
   for (const Bin& bin : bins) {
-    series.x.push_back(std::log10(std::sqrt(bin.low * bin.high)));
+    series.x.push_back(std::log10(factor * std::sqrt(bin.low * bin.high)));
     series.y.push_back(bin.error.mean());
   }
   return series;
 }
 
-Markup rate_hold_part(const RateHold& study) {
+Markup rate_hold_part(const RateHold& study, PressureUnit unit) {
   Markup out = markup("<h3>Rate and hold</h3>\n");
   if (!study.assessed()) {
     out += not_assessed(study.not_assessed);
     return out;
   }
-  LineChart hold{.title = "Mean compensation error over the time that a level was held",
+  LineChart hold{.title = "Mean absolute error of the corrected indication over the time that a level was held",
                  .x_label = "log10 of the hold in s",
-                 .y_label = "mean error, psi",
+                 .y_label = "mean |error|",
                  .series = {},
                  .width = 335,
-                 .height = 230,
+                 .height = 245,
                  .y_from_zero = true};
   LineChart rate = hold;
-  rate.title = "Mean compensation error over the rate of the pressure";
-  rate.x_label = "log10 of the rate in psi/s";
+  rate.title = "Mean absolute error of the corrected indication over the rate of the pressure";
+  const double per_second = unit.of(1.0);
+  rate.x_label = fmt::format("log10 of the rate in {}/s", unit.symbol());
   Markup tables;
   int style = 1;
   for (const RateHoldRun& run : study.runs) {
     const std::string name = fmt::format("{}, run {}", run.sequence, run.run);
-    if (run.by_hold.size() > 1) hold.series.push_back(bins_series(name, run.by_hold, style));
-    if (run.by_rate.size() > 1) rate.series.push_back(bins_series(name, run.by_rate, style));
+    if (run.by_hold.size() > 1) hold.series.push_back(bins_series(name, run.by_hold, 1.0, style));
+    if (run.by_rate.size() > 1) rate.series.push_back(bins_series(name, run.by_rate, per_second, style));
     ++style;
-    tables += markup("<h4>Sequence {}, run {}</h4>\n<p>Mean error {}, maximum {}, over {}.</p>\n",
-                     html::stated(run.sequence), run.run, html::psi(run.error.mean(), 3), html::psi(run.error.max, 2),
+    tables += markup("<h4>Sequence {}, run {}</h4>\n<p>Mean absolute error {}, maximum {}, over {}.</p>\n",
+                     html::stated(run.sequence), run.run, html::pressure(run.error.mean(), unit, 3),
+                     html::pressure(run.error.max, unit, 2),
                      Text(counted(run.error.samples, "sample")));
     if (run.output_max_share > 0.0)
       tables += markup(
@@ -141,15 +146,15 @@ Markup rate_hold_part(const RateHold& study) {
           "{} "
           "% FS on average.</p>\n",
           html::percent(run.output_max_share, 2), html::percent(run.output_mean_share, 2));
-    tables += bins_table("Compensation error by hold", "held, s", run.by_hold);
-    tables += bins_table("Compensation error by rate", "rate, psi/s", run.by_rate);
+    tables += bins_table("Error by hold", "held, s", run.by_hold, 1.0, unit);
+    tables += bins_table("Error by rate", fmt::format("rate, {}/s", unit.symbol()), run.by_rate, per_second, unit);
   }
   if (!hold.series.empty() || !rate.series.empty()) {
     out += markup("<div class=\"pair\">\n");
     for (const auto& [chart, caption] :
          {std::pair{&hold, "Error against hold."}, std::pair{&rate, "Error against rate."}})
       if (!chart->series.empty())
-        out += markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(*chart), Text(caption));
+        out += markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(pressure_up(*chart, unit)), Text(caption));
     out += markup("</div>\n");
   }
   out += tables;
@@ -165,11 +170,11 @@ Markup rate_hold_part(const RateHold& study) {
 
 Markup studies_section(const ReportInput& input) {
   const Studies& studies = input.more.studies;
-  Markup out = section_start("studies", "Crosstalk, rate and hold, mounting, uniformity");
+  Markup out = section_start("studies", "Crosstalk, rate and hold, mounting, uniformity of the pressure");
   out += crosstalk_part(studies.crosstalk);
-  out += rate_hold_part(studies.rate_hold);
-  out += remount_part(studies.remount, input.fit.rows, input.fit.columns);
-  out += uniformity_part(studies.uniformity, input.fit.rows, input.fit.columns);
+  out += rate_hold_part(studies.rate_hold, input.unit);
+  out += remount_part(studies.remount, input.fit.rows, input.fit.columns, input.unit);
+  out += uniformity_part(studies.uniformity, input.fit.rows, input.fit.columns, input.unit);
   return out;
 }
 

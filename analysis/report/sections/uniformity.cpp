@@ -36,57 +36,57 @@ ColourScale symmetric_scale(const std::vector<double>& values, double factor) {
 
 }  // namespace
 
-Markup remount_part(const Remount& remount, int rows, int columns) {
-  Markup out = markup("<h3>Mounted anew</h3>\n");
+Markup remount_part(const Remount& remount, int rows, int columns, PressureUnit unit) {
+  Markup out = markup("<h3>Reproducibility: mounting</h3>\n");
   if (!remount.assessed()) {
     out += markup("<p>not assessed: {}.</p>\n", Text(remount.not_assessed));
     return out;
   }
   out += markup(
-      "<p>{} mounts of the sensor, runs {}, all compensated with the models of the first. Root mean square over the "
+      "<p>{} mounts of the sensor, runs {}, all corrected with the models of the first. Root mean square over the "
       "levels from a tenth of the highest on: within a mount {} % of the reading, between mounts {} % of the reading "
       "({} degrees of freedom).</p>\n",
       remount.runs.size(), runs_list(remount.runs), html::percent(remount.within_share, 2),
       html::percent(remount.s_share, 2), remount.degrees);
   out +=
       markup("<div class=\"pair\">\n<figure>{}<figcaption>Standard deviations over the levels.</figcaption></figure>\n",
-             line_chart({.title = "Standard deviation within and between mounts per level",
-                         .x_label = "pressure in psi",
-                         .y_label = "standard deviation, psi",
-                         .series = {{"within a mount", remount.pressure_psi, remount.within_psi, 2},
-                                    {"between mounts", remount.pressure_psi, remount.between_psi, 1},
-                                    {"between, array mean", remount.pressure_psi, remount.mean_between_psi, 3}},
-                         .width = 335,
-                         .height = 240,
-                         .y_from_zero = true}));
+             line_chart(pressures({.title = "Standard deviation within and between mounts per level",
+                                   .x_label = "gauge pressure",
+                                   .y_label = "standard deviation",
+                                   .series = {{"within a mount", remount.pressure_psi, remount.within_psi, 2},
+                                              {"between mounts", remount.pressure_psi, remount.between_psi, 1},
+                                              {"between, array mean", remount.pressure_psi, remount.mean_between_psi, 3}},
+                                   .width = 335,
+                                   .height = 255,
+                                   .y_from_zero = true},
+                                  unit)));
   const Spread spread = spread_of(remount.taxel_between_psi);
   const ColourScale scale{0.0, spread.count > 0 && spread.high > 0.0 ? spread.high : 1.0};
-  out += map_figure("Standard deviation between mounts of each taxel, psi", remount.taxel_between_psi, rows, columns,
-                    scale, 1.0);
+  out += map_figure("Standard deviation between mounts of each taxel", remount.taxel_between_psi, rows, columns, scale,
+                    1.0);
   out += markup("</div>\n");
-  out += colour_bar(scale, "Colour scale of the map of mounts", "psi", 2);
+  out += pressure_bar(scale, "Colour scale of the map of mounts", unit, 2);
   out += markup(
       "<table><caption>Standard deviation of one taxel’s pressure, root mean square over the "
-      "taxels</caption><thead><tr>"
-      "<th scope=\"col\" class=\"n\">psi</th><th scope=\"col\" class=\"n\">kPa</th>"
+      "taxels</caption><thead><tr>{}"
       "<th scope=\"col\" class=\"n\">within a mount</th><th scope=\"col\" class=\"n\">between mounts</th>"
-      "<th scope=\"col\" class=\"n\">between, array mean</th></tr></thead><tbody>\n");
+      "<th scope=\"col\" class=\"n\">between, array mean</th></tr></thead><tbody>\n",
+      level_headings(unit));
   for (std::size_t i = 0; i < remount.pressure_psi.size(); ++i) {
-    out += markup("<tr><th scope=\"row\" class=\"n\">{}</th>{}{}{}{}</tr>\n", html::fixed(remount.pressure_psi[i], 1),
-                  number_cell(html::kilopascals(remount.pressure_psi[i], 1)),
-                  number_cell(html::psi(remount.within_psi[i], 3)), number_cell(html::psi(remount.between_psi[i], 3)),
-                  number_cell(html::psi(remount.mean_between_psi[i], 3)));
+    out += markup("<tr>{}{}{}{}</tr>\n", level_cells(remount.pressure_psi[i], unit),
+                  number_cell(html::pressure(remount.within_psi[i], unit, 3)),
+                  number_cell(html::pressure(remount.between_psi[i], unit, 3)),
+                  number_cell(html::pressure(remount.mean_between_psi[i], unit, 3)));
   }
   out += markup(
-      "</tbody></table>\n<p class=\"note\">On loading sweeps from the lowest to the highest pressure, estimates moved "
-      "to "
-      "the set-points. Within: between the sweeps of one mount; between: of the mounts, what “within” explains taken "
+      "</tbody></table>\n<p class=\"note\">On sweeps of increasing pressure from the lowest to the highest, estimates "
+      "moved to the set-points. Within: between the sweeps of one mount; between: of the mounts, what “within” explains taken "
       "off (one-way analysis of variance, not below 0). Time passes between mounts: drift is contained in "
       "“between”.</p>\n");
   return out;
 }
 
-Markup uniformity_part(const Uniformity& u, int rows, int columns) {
+Markup uniformity_part(const Uniformity& u, int rows, int columns, PressureUnit unit) {
   Markup out = markup("<h3>Uniformity of the chamber</h3>\n");
   if (!u.assessed()) {
     out += markup("<p>not assessed: {}.</p>\n", Text(u.not_assessed));
@@ -103,10 +103,10 @@ Markup uniformity_part(const Uniformity& u, int rows, int columns) {
   out += pairs_table(
       "Chamber",
       {{"non-uniformity, relative standard uncertainty", markup("{} % of the pressure", html::percent(u.u_share, 2))},
-       {"the part that does not grow with pressure, standard uncertainty", markup("{}", html::psi(u.u_offset_psi, 3))},
-       {"residual, standard deviation over all levels", markup("{}", html::psi(u.residual_rms_psi, 3))},
+       {"the part that does not grow with pressure, standard uncertainty", markup("{}", html::pressure(u.u_offset_psi, unit, 3))},
+       {"residual, standard deviation over all levels", markup("{}", html::pressure(u.residual_rms_psi, unit, 3))},
        {"residual with the angles in the other sense",
-        markup("{}{}", html::psi(u.residual_other_sense_psi, 3),
+        markup("{}{}", html::pressure(u.residual_other_sense_psi, unit, 3),
                u.residual_other_sense_psi < 0.9 * u.residual_rms_psi
                    ? markup(" <span class=\"doubt\"><span class=\"sign\">▲</span> smaller: were the angles "
                             "taken clockwise?</span>")
@@ -126,13 +126,15 @@ Markup uniformity_part(const Uniformity& u, int rows, int columns) {
   out += colour_bar(sensor, "Colour scale of the sensor’s part", "%", 2);
   out += markup(
       "<figure>{}<figcaption>Standard deviation over the array, per level.</figcaption></figure>\n",
-      line_chart({.title = "Standard deviation of the chamber’s part and of the residual per level",
-                  .x_label = "pressure in psi",
-                  .y_label = "standard deviation, psi",
-                  .series = {{"chamber", u.pressure_psi, u.u_psi, 1}, {"residual", u.pressure_psi, u.residual_psi, 2}},
-                  .width = 682,
-                  .height = 210,
-                  .y_from_zero = true}));
+      line_chart(pressures(
+          {.title = "Standard deviation of the chamber’s part and of the residual per level",
+           .x_label = "gauge pressure",
+           .y_label = "standard deviation",
+           .series = {{"chamber", u.pressure_psi, u.u_psi, 1}, {"residual", u.pressure_psi, u.residual_psi, 2}},
+           .width = 682,
+           .height = 225,
+           .y_from_zero = true},
+          unit)));
   return out;
 }
 

@@ -187,15 +187,15 @@ CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset>
         std::ranges::max_element(effect.levels, {}, &HeldLevel::from_s)->from_s > effect.read_after_s;
     effect.not_assessed.clear();
   } else if (few && !(effect.read_after_s > 0.0)) {
-    effect.not_assessed = "this run does not say how long its levels were held before a frame";
+    effect.not_assessed = "this run does not record how long its levels were held before a frame";
   } else if (brief) {
     effect.not_assessed = fmt::format(
         "the holds given end before twice the {:.1f} s after which this run reads its "
-        "levels, or begin too late: a run of creep-hold with more frames would tell",
+        "levels, or begin too late: a run of creep-hold with more frames would show it",
         effect.read_after_s);
   } else if (few) {
     effect.not_assessed =
-        fmt::format("the holds given have fewer than {} frames: a run of creep-hold would tell", kFewestHeld);
+        fmt::format("the holds given have fewer than {} frames: a run of creep-hold would show it", kFewestHeld);
   }
   return effect;
 }

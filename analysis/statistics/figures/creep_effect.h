@@ -41,7 +41,7 @@ struct HeldLevel {
 
 struct CreepEffect {
   std::string not_assessed =
-      "one frame is taken a dwell: a run of creep-hold or creep-levels would tell";  // empty: assessed
+      "one frame is taken a dwell: a run of creep-hold or creep-levels would show it";  // empty: assessed
   double read_after_s = 0.0;  // median time from command to frame in the calibration, at levels above kHeldAbovePsi
   double to_s = 0.0;          // the shortest of the holds: readings up to here are covered
   bool extrapolated_back = false;  // a hold's first frame is later than read_after_s: extended on the logarithm of time

@@ -1,5 +1,5 @@
 // Figures of one run, raw and compensated: hysteresis error (paper 2.1), std/FS and up/down distance per level
-// (Tables 6, 7), compensation error (Eq. 49), verdicts' raw material. Shared by fit, report and tests.
+// (Tables 6, 7), compensation error, verdicts' raw material. Shared by fit, report and tests.
 #pragma once
 
 #include <string>
@@ -39,7 +39,7 @@ struct Evaluation {
   double full_scale_v = 0.0, full_scale_psi = 0.0;
   double hysteresis_max_fs = 0.0, hysteresis_mean_fs = 0.0;  // mean taxel, raw (paper: 0.253, 0.100)
   // Direct model against measured, mean taxel per sequence kind (Tables 4, 5) comes from the fit. Compensation error
-  // |compensated - measured reference| in psi over all frames and fitted taxels (Eq. 49), and without flat ones:
+  // |compensated - measured reference| in psi over all frames and fitted taxels, and without flat ones:
   double mean_error_psi = 0.0, max_error_psi = 0.0, mean_error_observable_psi = 0.0, max_error_observable_psi = 0.0;
   double worst_taxel_mean_error_psi = 0.0;
   int worst_taxel = -1;

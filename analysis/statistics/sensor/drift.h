@@ -1,4 +1,4 @@
-// What a stored model is worth on later data: how far each taxel's zero and gain have gone since the fit, and whether
+// How well a stored model describes later data: the change of each taxel's zero and gain since the fit, and whether
 // adjusting them is enough.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Which taxels of a run are not well, and how that was decided. Datasets in, findings for the report out.
+// Dead, stuck, saturated, unmodelled and noisy taxels of a run, by stated criteria: Dataset -> findings of the report.
 #pragma once
 
 #include <string>

@@ -172,7 +172,7 @@ double mean_distance(const std::vector<double>& up, const std::vector<double>& d
 ContactResult contact_result(const PressRun& run, const SensorModel& fit, const ArrayGeometry& geometry) {
   if (fit.dynamics)
     throw AnalysisError(Cause::kUsage, "TB-MODEL-DYNAMIC",
-                        fmt::format("run {}: frames of a press tell no times, and without them the dynamic model of {} "
+                        fmt::format("run {}: frames of a press have no times, and without them the dynamic model of {} "
                                     "cannot undo lag and creep",
                                     run.run, fit.source),
                         "leave out the runs under an object, or use a model without lag and creep: tactbench fit RUN, "

@@ -191,12 +191,12 @@ std::string TemperatureEffect::in_words() const {
       "kelvin (standard uncertainties from the {}, {:.0f} degrees of freedom); single taxels ± {:.4f} % a kelvin; "
       "taken "
       "over {:.2f} to {:.2f} °C, the readings of this run, and the thermometer's step of {:.3f} °C. Made within a day, "
-      "and mounted once as far as the runs tell; {}",
+      "and mounted once as far as the runs show; {}",
       temperature_c.size(), coldest, warmest, 100.0 * per_kelvin.share, 100.0 * u.share, 1e3 * per_kelvin.zero_v,
       1e3 * u.zero_v, from_repeats ? "scatter of the repeats" : "scatter of the runs about the line", dof,
       100.0 * deviation.share, low_c, high_c, resolution_c,
       temperature_c.size() == 2
-          ? "what else changed between two runs, such as conditioning or rest, cannot be told from the temperature and "
+          ? "what else changed between two runs, such as conditioning or rest, cannot be distinguished from the temperature and "
             "is contained"
           : "what changed between the runs beside the temperature is contained in the scatter about the line");
 }

@@ -20,7 +20,7 @@ struct OutputChange {
 };
 
 struct TemperatureEffect {
-  std::string not_assessed = "no run of this sensor at another temperature tells what it does";  // empty: assessed
+  std::string not_assessed = "no run of this sensor at another temperature shows its effect";  // empty: assessed
   std::vector<double> temperature_c;  // of each run, the calibration first: mean of its readings
   // Of the mean taxel over its external loop, against as many first repeats of the calibration.
   std::vector<OutputChange> change;

@@ -8,6 +8,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/statistics/conformity/criterion_words.h"
 #include "bench/cli/calibrate/large_word.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/fit_words.h"
@@ -19,19 +20,18 @@ using analysis::Verdict;
 
 namespace {
 
-// "mean compensation error", "mismatch at 40 psi up".
-std::string criterion_text(const db::VerdictRecord& row) {
-  std::string name = row.criterion;
-  std::ranges::replace(name, '_', ' ');
-  return row.scope == "array" ? name : fmt::format("{} at {}", name, row.scope);
+// "mean absolute error", "non-uniformity at 40 psi increasing".
+std::string criterion_text(const db::VerdictRecord& row, analysis::PressureUnit unit) {
+  const std::string name = analysis::criterion_in_words(row.criterion);
+  return row.scope == "array" ? name : fmt::format("{} at {}", name, analysis::scope_in_words(row.scope, unit));
 }
 
-// "unfit taxels 1 (limit 0)".
-std::string figure_against_limit(const db::VerdictRecord& row) {
+// "taxels not modelled: 1 (tolerance limit 0)".
+std::string figure_against_limit(const db::VerdictRecord& row, analysis::PressureUnit unit) {
   const auto figure = [&](double value) {
-    return row.unit == "taxels" ? fmt::format("{:g}", value) : figure_text(value, row.unit);
+    return row.unit == "taxels" ? fmt::format("{:g}", value) : figure_text(value, row.unit, unit);
   };
-  return fmt::format("{} {} (limit {})", criterion_text(row), figure(row.value), figure(row.limit));
+  return fmt::format("{}: {} (tolerance limit {})", criterion_text(row, unit), figure(row.value), figure(row.limit));
 }
 
 std::string place(const BadTaxel& taxel) {
@@ -59,7 +59,7 @@ std::string shown_overall(const CalibrationResult& result) {
 
 }  // namespace
 
-std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement) {
+std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement, analysis::PressureUnit unit) {
   std::vector<BadTaxel> bad;
   for (const LeftOut& taxel : left_out_of(fit.model)) bad.push_back({taxel.row, taxel.column, taxel.status});
   const bool worst_is_bad = std::ranges::any_of(judgement.verdicts, [](const db::VerdictRecord& row) {
@@ -69,21 +69,22 @@ std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgemen
   const analysis::Evaluation& judged = fit.evaluations.back().evaluation;
   if (worst_is_bad && judged.worst_taxel >= 0)
     bad.push_back({judged.worst_taxel / fit.model.columns, judged.worst_taxel % fit.model.columns,
-                   fmt::format("mean error {:.2f} psi, the largest", judged.worst_taxel_mean_error_psi)});
+                   fmt::format("mean |error| {}, the largest", unit.text(judged.worst_taxel_mean_error_psi, 2))});
   return bad;
 }
 
-std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out) {
+std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out,
+                        analysis::PressureUnit unit) {
   constexpr std::size_t kNamed = 2;
   if (!judgement.notes.not_judged.empty()) return "not judged: " + judgement.notes.not_judged;
   const std::optional<Verdict> overall = verdict_of(judgement);
   if (!analysis::states_conformity(overall))
     return fmt::format("limits '{}' only list figures: they state no verdict", limits);
   if (overall == Verdict::kPass)
-    return fmt::format("all {} criteria of '{}' pass on held-out run {}", judgement.verdicts.size(), limits, held_out);
+    return fmt::format("all {} requirements of '{}' pass on held-out run {}", judgement.verdicts.size(), limits, held_out);
   std::vector<std::string> decided;
   for (const db::VerdictRecord& row : judgement.verdicts)
-    if (analysis::verdict_in(row) == *overall) decided.push_back(figure_against_limit(row));
+    if (analysis::verdict_in(row) == *overall) decided.push_back(figure_against_limit(row, unit));
   if (decided.empty()) return fmt::format("an earlier verdict on these models is {}", to_string(*overall));
   const std::size_t more = decided.size() - std::min(kNamed, decided.size());
   decided.resize(std::min(kNamed, decided.size()));
@@ -103,19 +104,19 @@ std::string large_verdict(const Judgement& judgement) {
 std::string fit_line(const CalibrationResult& result) {
   const analysis::SensorModel& model = result.fit.model;
   const analysis::Evaluation& judged = result.fit.evaluations.back().evaluation;
-  return fmt::format("{} on run {}: {} of {} fitted; on run {} mean error {:.3f} psi, worst taxel {:.2f} psi",
+  return fmt::format("{} on run {}: {} of {} fitted; on run {} mean |error| {}, worst taxel {}",
                      analysis::label_of(model), model.run, model.fitted().size(),
-                     analysis::counted(model.array().size(), "taxel"), judged.run, judged.mean_error_psi,
-                     judged.worst_taxel_mean_error_psi);
+                     analysis::counted(model.array().size(), "taxel"), judged.run,
+                     result.unit.text(judged.mean_error_psi, 3), result.unit.text(judged.worst_taxel_mean_error_psi, 2));
 }
 
 std::string verdict_page(const CalibrationResult& result) {
   const std::string word = large_verdict(result.judgement);
   std::string text = word.empty() ? std::string("\n") : "\n" + large_word(word, margin_of(result.origin)) + "\n";
   text += fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), shown_overall(result),
-                      one_line(reason_text(result.judgement, result.limits, result.held_out), kLongestText));
+                      one_line(reason_text(result.judgement, result.limits, result.held_out, result.unit), kLongestText));
   text += conditions_text(result.judgement.notes);
-  text += bad_taxels_text(bad_taxels(result.fit, result.judgement));
+  text += bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit));
   for (const std::string& remark : result.judgement.notes.remarks) text += fmt::format("note: {}\n", remark);
   return text;
 }

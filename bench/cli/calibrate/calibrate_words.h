@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "bench/cli/models/fit_models.h"
 #include "bench/reporting/judgement.h"
 
@@ -18,18 +19,22 @@ struct CalibrationResult {
   JudgedFit fit;                       // its evaluations: the run's own, then the held-out run's
   Judgement judgement;                 // as in the report
   std::string report_number, report_path;
+  analysis::PressureUnit unit = analysis::PressureUnit::kPsi;  // of the page; the document stays in psi
 };
 
 struct BadTaxel {
   int row = 0, column = 0;
-  std::string why;  // "dead"; "mean error 3.40 psi, the largest"
+  std::string why;  // "dead"; "mean |error| 3.40 psi, the largest"
 };
-// Taxels without a model, in the order of their numbers; then, where the criterion on the worst taxel does not pass,
+// Taxels without a model, in the order of their numbers; then, where the requirement on the worst taxel does not pass,
 // that one.
-std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement);
+std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement,
+                                 analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// Which criteria decided, with values and limits, without a line end: "all 8 criteria of 'x' pass on held-out run 2".
-std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out);
+// Which requirements decided, with values and limits, without a line end: "all 8 requirements of 'x' pass on held-out run
+// 2".
+std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out,
+                        analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 // "PASS", "FAIL" or "INCONCLUSIVE", as the exit code says; empty where the limits state no conformity (report-only).
 std::string large_verdict(const Judgement& judgement);

@@ -47,11 +47,11 @@ class Calibration {
 
   void carry_out() {
     check();
-    say(1, "sensor", sensor());
-    with_way_on([this] { say(2, "measure", measured()); });
-    with_way_on([this] { say(3, "held out", held_out()); });
-    with_way_on([this] { say(4, "fit", fitted()); });
-    with_way_on([this] { say(5, "report", reported()); });
+    print_stage(1, "sensor", sensor());
+    with_way_on([this] { print_stage(2, "measure", measured()); });
+    with_way_on([this] { print_stage(3, "held out", held_out()); });
+    with_way_on([this] { print_stage(4, "fit", fitted()); });
+    with_way_on([this] { print_stage(5, "report", reported()); });
     if (session_.json)
       print_json("calibrate", calibration_json(result_));
     else
@@ -59,7 +59,7 @@ class Calibration {
   }
 
  private:
-  void say(int stage, const char* name, const std::string& text) const {
+  void print_stage(int stage, const char* name, const std::string& text) const {
     if (session_.json) return;
     tty::print("{}/5 {:<9} {}\n", stage, name, text);
     std::fflush(stdout);  // a log shows the stages as they come
@@ -75,6 +75,7 @@ class Calibration {
     const analysis::Limits limits = read_limits(find_config(options_.limits));
     if (!options_.lab.empty()) (void)read_laboratory(find_config(options_.lab));
     result_.limits = limits.name;
+    result_.unit = session_.unit();
     report_only_ = limits.rule == analysis::DecisionRule::kReportOnly;
     if (options_.held_out != 0 && options_.run == 0)
       refuse("--held-out names a run that judges, and no run is named for the models", "--held-out", "add --run RUN");
@@ -208,7 +209,7 @@ class Calibration {
     return fmt::format("{}: {}", written.report.number, written.path);
   }
 
-  // Does a stage's work; what it throws tells how to go on.
+  // Does a stage's work; what it throws names the command that continues.
   template <class Work>
   void with_way_on(const Work& work) {
     try {
@@ -241,8 +242,8 @@ class Calibration {
     if (run == 0 && begun_ == 0) return {};
     const std::string again = calibrate_again(options_, session_, run, held_out);
     return resumed
-               ? fmt::format("to go on: tactbench resume {} --db {}, then {}", begun_, shell_word(session_.db), again)
-               : "to go on: " + again;
+               ? fmt::format("to continue: tactbench resume {} --db {}, then {}", begun_, shell_word(session_.db), again)
+               : "to continue: " + again;
   }
 
   const CalibrateOptions& options_;

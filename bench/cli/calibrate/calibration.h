@@ -1,4 +1,4 @@
-// `calibrate`: from a serial number to a verdict. Registers the sensor, measures it, measures it once more, fits models
+// `calibrate`: from a serial number to a verdict. Registers the sensor, measures it twice, fits models
 // on the first run, judges them on the second, and writes the report: by what `sensors add`, `run`, `fit` and `report`
 // do.
 #pragma once
@@ -17,7 +17,7 @@ struct CalibrateOptions {
   std::string limits = "limits.toml", type = "sensor.toml", model = "elam";
   std::vector<std::string> recipes = {"production"}, held_out_recipes = {"random-reversal"};
   std::vector<std::string> set;        // recipe.key=value: of `recipes` alone
-  std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to go on from; 0: measured now
+  std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to continue from; 0: measured now
   SeedOptions seeds;                   // the held-out run gets the following seed of noise
   bool assume_yes = false, no_seating = false;
 };

@@ -160,6 +160,7 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option(
       "--into", options->into,
       "several runs: copy them and keep their fits in this store instead; runs merge brings the fits back");
+  add_units(*verb, session);
   add_void_too(*verb, session);
   add_common(*verb, session);
   verb->callback([options, verb, &session] {

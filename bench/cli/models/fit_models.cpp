@@ -153,7 +153,7 @@ class Fit {
 
   void fit_dynamic() {
     if (!on_bench_)
-      refuse("the dynamic model is fitted on runs, which tell the times, and this is an imported table",
+      refuse("the dynamic model is fitted on runs, which have times, and this is an imported table",
              "fit a run that the bench made");
     analysis::SensorDynamics::Source rate, creep;
     for (const auto& [number, option, source] :
@@ -243,11 +243,12 @@ class Fit {
                  histories_.falling ? "; the output falls with the input and is negated" : "");
       if (histories_.origin == "imported") tty::print("{}", table_words(histories_, options_.fit));
       tty::print("\n{}{}", fits_table(rows_),
-                 scores_table(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit));
+                 scores_table(rows_, targets_, histories_.input_unit.empty() ? "input units" : histories_.input_unit,
+                              session_.unit()));
       if (targets_.empty()) tty::print("\nnothing was held out: --fit SEQ,... or --score names what to score on\n");
     }
     for (const FittedRun& fitted : fitted_)
-      tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted));
+      tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted, session_.unit()));
   }
 
   const FitModelsOptions& options_;

@@ -40,7 +40,7 @@ struct JudgedFit {
 // to score. Sets session.code by the judgement.
 JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session);
 
-// fit --check MODEL: what the model is worth on a later run.
+// fit --check MODEL: how well the model describes a later run.
 void check_model(const std::string& model, const FitModelsOptions& options, Session& session);
 
 }  // namespace tactbench::bench

@@ -125,7 +125,7 @@ std::string dynamics_text(const analysis::SensorModel& fit) {
                      100.0 * d.lag_share, d.lag_s, fit.dynamics->rate.run);
 }
 
-std::string fitted_text(const FittedRun& fitted) {
+std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {
   const analysis::SensorModel& fit = *fitted.model;
   const std::string label = analysis::label_of(fit);
   std::string text = fmt::format("{} on run {} ({}): {} of {} fitted, full scale {:.3f} V\n",
@@ -137,7 +137,7 @@ std::string fitted_text(const FittedRun& fitted) {
     text += fmt::format("mean taxel: {}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n", parameters_text(mean),
                         mean.fit.j, 100.0 * mean.fit.mean_error / mean.full_scale(),
                         100.0 * mean.fit.max_error / mean.full_scale());
-  for (const std::string& line : {linearised_text(fit), dynamics_text(fit)})
+  for (const std::string& line : {linearised_text(fit), unit.in_text(dynamics_text(fit))})
     if (!line.empty()) text += line + "\n";
   text += "\n";
   for (const analysis::RepeatDrift& repeat : fit.repeats) {
@@ -147,10 +147,10 @@ std::string fitted_text(const FittedRun& fitted) {
         repeat.sequence, 1e3 * repeat.shift_v, 1e3 * repeat.uncertainty_v, 1e3 * repeat.rms_v,
         1e3 * repeat.others_rms_v);
   }
-  text += figures_table(fitted.evaluations);
+  text += figures_table(fitted.evaluations, unit);
   const std::vector<db::VerdictRecord>& verdicts = fitted.judgement.verdicts;
   if (!verdicts.empty())
-    text += fmt::format("\n{}{}", verdict_table(verdicts, fit.origin), judgement_text(fitted.judgement, fit.origin));
+    text += fmt::format("\n{}{}", verdict_table(verdicts, fit.origin, unit), judgement_text(fitted.judgement, fit.origin));
   return text;
 }
 

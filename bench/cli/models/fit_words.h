@@ -1,4 +1,4 @@
-// One fitted model of a run as `fit` says it: headline, figures, verdicts.
+// One fitted model of a run as `fit` prints it: headline, figures, verdicts.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -29,7 +29,7 @@ struct LeftOut {
 // Each taxel that no model was made for, in the order of their numbers.
 std::vector<LeftOut> left_out_of(const analysis::SensorModel& fit);
 
-std::string fitted_text(const FittedRun& fitted);
+std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit);
 // Adds what a program wants of it to `json`.
 void add_fitted_json(const FittedRun& fitted, nlohmann::ordered_json& json);
 

@@ -100,6 +100,7 @@ void live(const LiveVerbOptions& options, const Session& session) {
   if (!options.csv.empty()) check_output(options.csv, kind_of_file(kFramesHead), session.replace);
   CsvFile csv(options.csv);
   const auto columns = static_cast<std::size_t>(model.columns);
+  const analysis::PressureUnit unit = session.unit();
   Shown last;
   double next_line = 0.0;
   const LiveSummary summary = live_frames(config, model, options.live, [&](const LiveFrame& frame) {
@@ -108,9 +109,10 @@ void live(const LiveVerbOptions& options, const Session& session) {
     if (session.json || session.quiet || frame.time_s < next_line) return true;
     next_line = frame.time_s + kBetweenLines;
     tty::print(
-        "frame {:>6}  mean {:6.2f} psi  highest {:6.2f} psi at {},{}  flat {} unknown {} out of range {} dead {} "
+        "frame {:>6}  mean {:>6} {}  highest {:>6} {} at {},{}  flat {} unknown {} out of range {} dead {} "
         "lost {}  {:.0f} us\n",
-        frame.number, last.mean_psi, last.highest_psi, last.highest / columns, last.highest % columns, last.flags.flat,
+        frame.number, unit.fixed(last.mean_psi, 2), unit.symbol(), unit.fixed(last.highest_psi, 2), unit.symbol(),
+        last.highest / columns, last.highest % columns, last.flags.flat,
         last.flags.unknown, last.flags.out_of_range, last.flags.dead, last.flags.lost, frame.latency_us);
     std::fflush(stdout);
     return !output_is_lost() || !options.csv.empty();
@@ -170,6 +172,7 @@ void add_live(CLI::App& app, Session& session) {
   verb->add_option("--csv", options->csv, "write every frame there: frame,time_s,taxel,pressure,uncertainty,status");
   add_replace(*verb, session);
   add_void_too(*verb, session);
+  add_units(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { live(*options, session); });
 }

@@ -32,33 +32,44 @@ int decimals_for(double typical) {
 // Errors beside each other.
 class ErrorCells {
  public:
-  explicit ErrorCells(double typical) : decimals_(decimals_for(typical)) {}
+  // `factor`: from the unit of the errors to the one shown.
+  ErrorCells(double typical, double factor) : factor_(factor), decimals_(decimals_for(typical)) {}
   [[nodiscard]] std::string operator()(const analysis::ErrorSum& error, int width) const {
     constexpr int kMost = 7;  // decimals
     return decimals_ > kMost
-               ? fmt::format("{:>{}.2e}{:>{}.2e}", error.mean(), width, error.max, width)
-               : fmt::format("{:>{}.{}f}{:>{}.{}f}", error.mean(), width, decimals_, error.max, width, decimals_);
+               ? fmt::format("{:>{}.2e}{:>{}.2e}", factor_ * error.mean(), width, factor_ * error.max, width)
+               : fmt::format("{:>{}.{}f}{:>{}.{}f}", factor_ * error.mean(), width, decimals_, factor_ * error.max, width,
+                             decimals_);
   }
 
  private:
+  double factor_;
   int decimals_;
 };
 
-std::string bins_table(const std::string& title, const std::string& unit, const std::vector<ModelRow>& rows,
-                       std::size_t target, std::vector<analysis::Bin> analysis::Score::*bins) {
+// Of bins: the factors of their ends, and of the errors in them.
+struct ShownBins {
+  std::string title, unit;
+  double ends = 1.0, errors = 1.0;
+};
+
+std::string bins_table(const ShownBins& shown, const std::vector<ModelRow>& rows, std::size_t target,
+                       std::vector<analysis::Bin> analysis::Score::*bins) {
   if ((rows.front().scores[target].taxels.*bins).size() < 2) return {};
-  std::string text = fmt::format("\n  {}, mean compensation error by model\n  {:>18}{:>10}", title, unit, "samples");
+  std::string text = fmt::format("\n  {}, mean compensation error by model\n  {:>18}{:>10}", shown.title, shown.unit,
+                                 "samples");
   for (const ModelRow& row : rows)
     text += fmt::format("{:>{}}", row.label, std::max<std::size_t>(12, row.label.size() + 2));
   text += "\n";
   const auto& first = rows.front().scores[target].taxels.*bins;
-  const int decimals = std::min(decimals_for(rows.front().scores[target].taxels.raw.mean()), 7);
+  const int decimals = std::min(decimals_for(shown.errors * rows.front().scores[target].taxels.raw.mean()), 7);
   for (std::size_t b = 0; b < first.size(); ++b) {
     text +=
-        fmt::format("  {:>18}{:>10}", fmt::format("{:g} .. {:g}", first[b].low, first[b].high), first[b].error.samples);
+        fmt::format("  {:>18}{:>10}", fmt::format("{:.4g} .. {:.4g}", shown.ends * first[b].low, shown.ends * first[b].high),
+                    first[b].error.samples);
     for (const ModelRow& row : rows) {
       const auto& own = row.scores[target].taxels.*bins;
-      text += fmt::format("{:>{}.{}f}", b < own.size() ? own[b].error.mean() : 0.0,
+      text += fmt::format("{:>{}.{}f}", b < own.size() ? shown.errors * own[b].error.mean() : 0.0,
                           std::max<std::size_t>(12, row.label.size() + 2), decimals);
     }
     text += "\n";
@@ -156,7 +167,10 @@ std::string fits_table(const std::vector<ModelRow>& rows) {
 }
 
 std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
-                         const std::string& unit) {
+                         const std::string& unit_of_input, analysis::PressureUnit shown) {
+  const bool pressure = unit_of_input == "psi";
+  const std::string unit = pressure ? shown.symbol() : unit_of_input;
+  const double factor = pressure ? shown.of(1.0) : 1.0;
   std::string text;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     const bool array = rows.front().scores[t].count > 1;
@@ -170,7 +184,7 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
     text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{:>12}{:>12}{}\n", "model", "mean", "max", "mean", "max", "mean",
                         "max", array ? fmt::format("{:>10}{:>10}", "mean", "max") : std::string());
     const analysis::ModelScore& any = rows.front().scores[t];
-    const ErrorCells cells(any.taxels.raw.mean());
+    const ErrorCells cells(factor * any.taxels.raw.mean(), factor);
     text += fmt::format("{:<22}{:>11}{:>10}{:>11}{:>10}{}{}\n", "none (straight line)", "-", "-", "-", "-",
                         cells(any.taxels.raw, 12), array ? cells(any.mean.raw, 10) : std::string());
     for (const ModelRow& row : rows) {
@@ -184,9 +198,9 @@ std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<Sc
     }
     for (const std::string& line :
          analysis::outside_validity(rows.front().document, *targets[t].histories, targets[t].sequences))
-      text += fmt::format("outside the models' validity: {}\n", line);
-    text += bins_table("by hold time", "s", rows, t, &analysis::Score::by_hold);
-    text += bins_table("by rate", unit + "/s", rows, t, &analysis::Score::by_rate);
+      text += fmt::format("outside the models' validity: {}\n", shown.in_text(line));
+    text += bins_table({"by hold time", "s", 1.0, factor}, rows, t, &analysis::Score::by_hold);
+    text += bins_table({"by rate", unit + "/s", factor, factor}, rows, t, &analysis::Score::by_rate);
   }
   return text;
 }

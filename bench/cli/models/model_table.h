@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/pressure_unit.h"
 #include "analysis/statistics/scoring/model_score.h"
 
 namespace tactbench::bench {
@@ -35,7 +36,7 @@ std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const a
                                  const std::vector<ScoreTarget>& targets,
                                  std::vector<ModelRefusal>* refusals = nullptr);
 
-// Fills in what a table of models says of each beside its fit. Throws AnalysisError.
+// Fills in the columns that a table of models has beside each fit. Throws AnalysisError.
 void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,
                     const std::vector<std::string>& sequences);
 
@@ -44,7 +45,8 @@ void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& hist
 std::string undetermined_text(const analysis::SensorModel& document);
 std::string fits_table(const std::vector<ModelRow>& rows);
 std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
-                         const std::string& input_unit);
+                         const std::string& unit_of_input,
+                         analysis::PressureUnit shown = analysis::PressureUnit::kPsi);
 nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets);
 
 }  // namespace tactbench::bench

@@ -46,7 +46,7 @@ int only_taxel(const analysis::SensorModel& model, const std::string& wanted) {
   }
   if (model.taxels.size() == 1) return model.taxels.front().taxel;
   throw Error(ExitCode::kUsage, "TB-MODEL-TAXEL",
-              fmt::format("the model has {} taxels and the table does not say which", model.taxels.size()), "--taxel",
+              fmt::format("the model has {} taxels and the table names none", model.taxels.size()), "--taxel",
               "add --taxel N or --taxel mean, or a column taxel");
 }
 
@@ -221,7 +221,7 @@ void add_predict(CLI::App& app, Session& session) {
       app, session, compensate, "compensate",
       "inputs that a model's inverse reads from the outputs of a table: adds columns compensated, uncertainty "
       "(standard; nan where it is not known: the model has no noise, or the output lies outside the loop, which "
-      "the flag range says; the input is then the loop's "
+      "the flag range marks; the input is then the loop's "
       "end) and flags (flat, range, unknown: the recording begins in mid-branch, and the input is midway between all "
       "that its history may be). A model that undoes lag and creep needs a column time_s, in seconds");
   verb->add_option("--conditioned", compensate->conditioned_s,

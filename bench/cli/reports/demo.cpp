@@ -187,8 +187,10 @@ void demo(const DemoOptions& options, Session& session) {
   (void)follow_sensor(store, runs.record(numbers.front()), fit, evaluations.front().evaluation);
   const Judgement judgement = judge_and_store(store, runs, fit, evaluations, "limits.toml");
   std::string number;
+  ReportExtras extras;
+  extras.unit = session.page_unit();
   const std::string path =
-      write_report(runs, fit, evaluations, judgement, options.output, &number, {}, session.replace);
+      write_report(runs, fit, evaluations, judgement, options.output, &number, extras, session.replace);
   watch.lap("report");
   const std::string origin = runs.record(numbers.front()).origin;
   if (session.json) {
@@ -209,12 +211,12 @@ void demo(const DemoOptions& options, Session& session) {
     return;
   }
   tty::print(
-      "\nSIMULATED DATA, specimen {}. Hysteresis of the mean taxel, raw: {:.1f} % FS max, {:.1f} % mean (paper: 25.3, "
+      "\nSIMULATED DATA, specimen {}. Hysteresis of the mean taxel, indication: {:.1f} % FS max, {:.1f} % mean (paper: 25.3, "
       "10.0)\n\n{}\n{}\n\n",
       options.specimen, 100.0 * evaluations[0].evaluation.hysteresis_max_fs,
-      100.0 * evaluations[0].evaluation.hysteresis_mean_fs, figures_table(evaluations), kTrajectories);
-  tty::print("{}\n", scores_table(models, targets, "psi"));
-  tty::print("verdicts on the held-out runs:\n{}{}\n", verdict_table(judgement.verdicts, origin),
+      100.0 * evaluations[0].evaluation.hysteresis_mean_fs, figures_table(evaluations, session.unit()), kTrajectories);
+  tty::print("{}\n", scores_table(models, targets, "psi", session.unit()));
+  tty::print("verdicts on the held-out runs:\n{}{}\n", verdict_table(judgement.verdicts, origin, session.unit()),
              judgement_text(judgement, origin));
   if (options.timing) {
     double total = 0.0;
@@ -249,6 +251,7 @@ void add_demo(CLI::App& app, Session& session) {
   verb->add_option("--rate", options->rate, "process seconds in a real second, at most (default: as many as it can)")
       ->check(CLI::Range(1.0, 1e6));
   verb->add_flag("--timing", options->timing, "print the time of each stage");
+  add_units(*verb, session);
   add_common_typed(*verb, session);
   verb->callback([options, &session] { demo(*options, session); });
 }

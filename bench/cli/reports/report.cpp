@@ -76,7 +76,7 @@ JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::i
   check_independent_of_dynamics(runs.store(), fit, options.held_out);
   if (fit.taxels.empty())
     tty::print(stderr,
-               "note: run {} has no models: the report shows the measurements, nothing compensated; `tactbench fit {}` "
+               "note: run {} has no models: the report shows the measurements, nothing corrected; `tactbench fit {}` "
                "makes models\n",
                model_run, model_run);
   const StoredJudgement stored = stored_judgement(runs, fit, session.void_too);
@@ -96,6 +96,7 @@ JudgedInput input_for(analysis::Runs& runs, const ReportOptions& options, std::i
   judged.judgement.notes = judged.input.judgement;    // studies may cover more conditions
   if (several) judged.input.held_out.clear();         // each run's own report has their figures
   judged.input.issued = options.issued;
+  judged.input.unit = session.page_unit();
   judged.input.paper = options.paper == "letter" ? analysis::PaperSize::kLetter : analysis::PaperSize::kA4;
   return judged;
 }
@@ -230,7 +231,7 @@ void report_runs(const ReportOptions& options, Session& session) {
     print_json("report", json);
     return;
   }
-  if (one && !verdicts.empty()) tty::print("{}", verdict_table(verdicts, written.origin));
+  if (one && !verdicts.empty()) tty::print("{}", verdict_table(verdicts, written.origin, session.unit()));
   if (one) tty::print("{}", judgement_text(written.judgements.front(), written.origin));
   tty::print("report {}: {}{}\n", written.report.number, path,
              written.written ? "" : " (signed: the file stays as it is)");
@@ -248,7 +249,7 @@ void add_report(CLI::App& app, Session& session) {
       ->required()
       ->take_all();
   verb->add_option("--held-out", options->held_out,
-                   "runs of the same sensor to compensate with the models and to judge, each by itself: the worst "
+                   "runs of the same sensor to correct with the models and to judge, each by itself: the worst "
                    "verdict counts (default: those that the fit was judged on)")
       ->take_all();
   verb->add_option(
@@ -284,6 +285,12 @@ void add_report(CLI::App& app, Session& session) {
   verb->add_option(
       "-o,--output", options->output,
       "file to write (default: reports/run-N.html in the store's folder, with the report's number when signed)");
+  add_units(*verb, session);
+  verb->get_option("--units")
+      ->description(
+          "unit of the pressures on the page and in the terminal, all of them gauge: kPa, bar or psi, psi beside it (of "
+          "psi kPa); the data in the file stay in psi (otherwise by tactbench.toml)")
+      ->default_str("page kPa, terminal psi");
   add_void_too(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { report_runs(*options, session); });

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "bench/safety/ramp.h"
 #include "bench/safety/safe_state.h"
 #include "devices/fault.h"
+#include "sequences/pressure_text.h"
 
 namespace tactbench::bench {
 
@@ -33,6 +33,15 @@ struct CalibrationOptions {
   std::vector<double> levels{0, 10, 20, 30, 40, 50, 60};
   double uncertainty_psi = 0.0, resolution_psi = 0.1;
 };
+
+// "20kPa" -> "2.90075", which the option then reads.
+CLI::Validator as_psi() {
+  return {[](std::string& text) {
+            text = sequences::as_number_in("psi", text);
+            return std::string();
+          },
+          ""};
+}
 
 [[noreturn]] void stopped(const std::string& why) {
   throw Error(ExitCode::kStopped, "TB-CALIBRATION-STOPPED", why, "calibrate-reference",
@@ -50,16 +59,18 @@ void check_interruptions(Rig& rig, const StopRequest& stop) {
 // here.
 class Prompt {
  public:
-  Prompt(Rig& rig, const StopRequest& stop) : rig_(rig), stop_(stop) {}
-  double number(const std::string& question) {
+  Prompt(Rig& rig, const StopRequest& stop, analysis::PressureUnit unit) : rig_(rig), stop_(stop), unit_(unit) {}
+  // A bare number is in the unit that the question names.
+  double pressure_psi(const std::string& question) {
     for (;;) {
       tty::print(stderr, "{}", question);
       const std::string text = line();
       if (text == "q") stopped("ended by the operator");
-      double value = 0.0;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value)) return value;
-      tty::print(stderr, "'{}' is not a number; the gauge's reading in psi, or q to end\n", text);
+      std::optional<double> psi = sequences::typed_pressure_psi(text);
+      if (!psi) psi = sequences::typed_pressure_psi(text + unit_.symbol());
+      if (psi) return *psi;
+      tty::print(stderr, "'{}' is not a pressure; the gauge's reading in {}, or with its own unit, or q to end\n", text,
+                 unit_.symbol());
     }
   }
 
@@ -84,6 +95,7 @@ class Prompt {
   }
   Rig& rig_;
   const StopRequest& stop_;
+  analysis::PressureUnit unit_;
   std::string waiting_;
 };
 
@@ -118,18 +130,20 @@ void settle(Rig& rig, double level, const StopRequest& stop) {
   }
 }
 
-std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, const StopRequest& stop) {
+std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, const StopRequest& stop,
+                                analysis::PressureUnit unit) {
   std::vector<std::pair<double, bool>> course;
   for (const double level : options.levels) course.emplace_back(level, true);
   for (std::size_t i = options.levels.size(); i-- > 0;) course.emplace_back(options.levels[i], false);
-  Prompt prompt(rig, stop);
+  Prompt prompt(rig, stop, unit);
   std::vector<GaugePoint> points;
   for (const auto& [level, rising] : course) {
     settle(rig, level, stop);
     GaugePoint point{level, rising, 0.0, 0.0};
     point.gauge_psi =
-        prompt.number(fmt::format("{:>2} of {}: {:g} psi, {}. Hand gauge reads [psi, q ends]: ", points.size() + 1,
-                                  course.size(), level, rising ? "up" : "down"));
+        prompt.pressure_psi(fmt::format("{:>2} of {}: {}, {}. Hand gauge reads [{}, q ends]: ", points.size() + 1,
+                                        course.size(), unit.short_text(level), rising ? "increasing" : "decreasing",
+                                        unit.symbol()));
     point.reference_psi = mean_reference(rig, stop);
     points.push_back(point);
   }
@@ -161,14 +175,14 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
   std::exception_ptr failed;
   try {
     rig.open();
-    points = measure(rig, options, stop);
+    points = measure(rig, options, stop, session.unit());
   } catch (...) {
     failed = std::current_exception();
   }
   const SafeProof proof = make_safe(rig, {});
   if (proof.state == db::SafeState::kVerified) rig.dismiss_dead_man();
   tell_dead_man_news(rig);
-  tty::print(stderr, "{}\n", proof.text);
+  tty::print(stderr, "{}\n", session.unit().in_text(proof.text));
   if (failed) {
     throw as_error(failed, "calibrate-reference").with_rig_state(proof.text, proof.state == db::SafeState::kVerified);
   }
@@ -192,15 +206,18 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
                 {"hysteresis_psi", calibration.hysteresis_psi}});
     return;
   }
+  const analysis::PressureUnit unit = session.unit();
   tty::print("{:>10} {:>12} {:>8}\n", "reading", "correction", "U (k=2)");
   for (std::size_t i = 0; i < calibration.correction.reading_psi.size(); ++i) {
-    tty::print("{:>10.3f} {:>+12.3f} {:>8.3f}  psi\n", calibration.correction.reading_psi[i],
-               calibration.correction.correction_psi[i], calibration.correction.expanded_uncertainty_psi[i]);
+    const double correction = calibration.correction.correction_psi[i];
+    tty::print("{:>10} {:>12} {:>8}  {}\n", unit.fixed(calibration.correction.reading_psi[i], 3),
+               (correction < 0.0 ? "" : "+") + unit.fixed(correction, 3),
+               unit.fixed(calibration.correction.expanded_uncertainty_psi[i], 3), unit.symbol());
   }
   tty::print(
-      "largest residual {:.3f} psi; up and down differ by at most {:.3f} psi\n{} written; to use it: [reference] "
+      "largest residual {}; increasing and decreasing differ by at most {}\n{} written (in psi); to use it: [reference] "
       "correction_file = \"{}\"\n",
-      calibration.largest_residual_psi, calibration.hysteresis_psi, output, output);
+      unit.text(calibration.largest_residual_psi, 3), unit.text(calibration.hysteresis_psi, 3), output, output);
 }
 
 }  // namespace
@@ -212,13 +229,23 @@ void add_calibrate_reference(CLI::App& devices, Session& session) {
       "approach levels upward and downward, ask for a hand gauge's readings, write the reference's correction");
   session.profile.add_bench(*verb, options->bench);
   verb->add_option("--gauge", options->gauge, "the hand gauge: model, serial, certificate; recorded")->required();
-  verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty in psi, k = 2")
+  verb->add_option("--uncertainty", options->uncertainty_psi, "the gauge's expanded uncertainty, k = 2, at most 10 psi")
       ->required()
+      ->transform(as_psi())
       ->check(CLI::Range(0.0, 10.0));
-  verb->add_option("--resolution", options->resolution_psi, "the gauge's resolution in psi")->capture_default_str();
-  verb->add_option("--levels", options->levels, "rising levels in psi")->delimiter(',')->capture_default_str();
+  verb->add_option("--resolution", options->resolution_psi, "the gauge's resolution")
+      ->transform(as_psi())
+      ->capture_default_str();
+  verb->add_option("--levels", options->levels, "levels, increasing")
+      ->delimiter(',')
+      ->transform(as_psi())
+      ->capture_default_str();
   verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
   verb->add_option("-o,--output", options->output, "file to write; default reference-SERIAL.toml");
+  verb->footer(
+      "Pressures of options: a number in psi, or with its unit (20kPa, 0.2bar). The gauge's readings: in the unit of "
+      "--units, which the question names, or with their own.");
+  add_units(*verb, session);
   add_replace(*verb, session);
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { calibrate(*options, session); });

@@ -129,7 +129,7 @@ void add_control(CLI::App& app, Session& session) {
   verb->callback([options, &session] { resume(*options, session); });
   plain(Command::kStop,
         "a live run ends now: vents, retracts, proves the safe state; outcome stopped (as Ctrl-C twice)");
-  plain(Command::kAbort, "as stop, for when something looked wrong; outcome aborted");
+  plain(Command::kAbort, "as stop, when something seems wrong; outcome aborted");
   plain(
       Command::kPanic,
       "vents and halts at once, past the sequencer, over the dead-man's own connection, which latches a trip; outcome "

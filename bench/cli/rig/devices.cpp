@@ -63,7 +63,9 @@ void check(const DevicesOptions& options, Session& session) {
                     {"notes", device.notes},
                     {"remedy", device.remedy}});
     if (session.json) continue;
-    const auto text = [](const std::string& of_device) { return one_line(of_device, kLongestText); };
+    const auto text = [&](const std::string& of_device) {
+      return one_line(session.unit().in_text(of_device), kLongestText);
+    };
     tty::print("{:<7} {:<18} {}\n", to_string(device.state), one_line(device.role), text(device.found));
     if (!device.reading.empty()) tty::print("{:<26} {}\n", "", text(device.reading));
     for (const std::string& note : device.notes) tty::print("{:<26} - {}\n", "", text(note));
@@ -72,9 +74,9 @@ void check(const DevicesOptions& options, Session& session) {
   if (session.json) print_json("devices.check", {{"bench", config.id}, {"devices", list}});
 }
 
-void watch(const DevicesOptions& options) {
+void watch(const DevicesOptions& options, const Session& session) {
   const BenchConfig config = bench_of(options);
-  watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0});
+  watch_devices(config, {options.interval_s, options.count, isatty(STDOUT_FILENO) != 0, session.unit()});
 }
 
 // Talks to no instrument: a person has inspected the rig.
@@ -117,6 +119,7 @@ void add_devices(CLI::App& app, Session& session) {
   for (CLI::App* each : {check_verb, watch_verb}) {
     session.profile.add_bench(*each, options->bench);
     each->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();
+    add_units(*each, session);
   }
   check_verb->add_flag("--json", session.json, "one JSON document on standard output");
   check_verb->callback([options, &session] { check(*options, session); });
@@ -126,7 +129,7 @@ void add_devices(CLI::App& app, Session& session) {
   watch_verb->add_option("--count", options->count, "end after this many readings; 0: never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  watch_verb->callback([options] { watch(*options); });
+  watch_verb->callback([options, &session] { watch(*options, session); });
   CLI::App* reset_verb = verb->add_subcommand("reset", "show a trip that refuses runs, and remove it");
   session.profile.add_bench(*reset_verb, options->bench);
   reset_verb->add_option("--set", options->set, "override table.key=value of the bench file")->take_all();

@@ -32,7 +32,8 @@ std::string profile_text(const std::string& operator_name) {
       "db = \"runs.db\"              # --db\n"
       "operator = {}               # --operator\n"
       "recipe = \"production\"       # of run and calibrate\n"
-      "limits = \"limits.toml\"      # by which calibrate judges, and fit its held-out runs\n",
+      "limits = \"limits.toml\"      # by which calibrate judges, and fit its held-out runs\n"
+      "# units = \"kPa\"              # --units of what is printed: kPa, bar or psi\n",
       nlohmann::json(operator_name).dump());
 }
 

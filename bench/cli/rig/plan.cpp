@@ -118,14 +118,20 @@ void list_recipes(const Session& session) {
   tty::print("tactbench plan NAME... shows more; own recipes are given as files\n");
 }
 
-void print_lacking(const Plan& plan, const analysis::Limits& limits) {
+std::vector<std::string> nearest_texts(const LackingLevel& level, analysis::PressureUnit unit) {
+  std::vector<std::string> texts;
+  for (const double nearest : level.nearest_psi) texts.push_back(unit.short_text(nearest));
+  return texts;
+}
+
+void print_lacking(const Plan& plan, const analysis::Limits& limits, analysis::PressureUnit unit) {
   if (plan.lacking.empty()) tty::print("limits '{}': every level to be judged is measured\n", one_line(limits.name));
   for (const LackingLevel& level : plan.lacking) {
-    tty::print("limits '{}': {:g} psi is not a level of {}{}; mismatch there will be inconclusive\n",
-               one_line(limits.name), level.pressure_psi, plan.recipes.size() == 1 ? "this recipe" : "these recipes",
+    tty::print("limits '{}': {} is not a level of {}{}; non-uniformity there will be inconclusive\n",
+               one_line(limits.name), unit.short_text(level.pressure_psi), plan.recipes.size() == 1 ? "this recipe" : "these recipes",
                level.nearest_psi.empty()
                    ? std::string()
-                   : fmt::format(", whose nearest are {:g} psi", fmt::join(level.nearest_psi, " and ")));
+                   : fmt::format(", whose nearest are {}", fmt::join(nearest_texts(level, unit), " and ")));
   }
 }
 
@@ -204,14 +210,14 @@ void print_plan_json(const Plan& plan, const TimeEstimate& time, bool steps) {
   print_json("plan", json);
 }
 
-void print_plan(const Plan& plan, const TimeEstimate& time, bool steps) {
+void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis::PressureUnit unit) {
   tty::print("{:<18}{:>8}{:>8}{:>12}{:>10}{:>21}\n", "recipe", "steps", "frames", "highest", "time", "10 to 90 %");
-  const auto row = [](const std::string& name, const std::vector<Step>& of, const TimeBand& band) {
+  const auto row = [&](const std::string& name, const std::vector<Step>& of, const TimeBand& band) {
     long frames = 0;
     for (const Step& step : of) frames += takes_frame(step) ? 1 : 0;
     const sequences::Extremes e = sequences::extremes(of);
     const std::string highest =
-        e.pressurizes ? fmt::format("{:.1f} psi", e.highest.value()) : fmt::format("{:.1f} N", e.largest_force_n);
+        e.pressurizes ? unit.text(e.highest.value(), 1) : fmt::format("{:.1f} N", e.largest_force_n);
     tty::print("{:<18}{:>8}{:>8}{:>12}{:>10}{:>21}\n", name, of.size(), frames, highest, clock_text(band.p50_s),
                clock_text(band.p10_s) + " - " + clock_text(band.p90_s));
   };
@@ -223,8 +229,9 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps) {
   row(one ? one_line(plan.recipes.front().name) : "all", plan.steps, total);
   tty::print("time in h:mm:ss of process time, {}\n", basis(total));
   for (const Margin& m : plan.margins) {
-    tty::print("{:<10}{:>8.2f} to {:.2f} {}, limit {:.2f} {}, margin {:.2f} {}\n", m.axis, m.lowest, m.highest, m.unit,
-               m.high_limit, m.unit, m.margin(), m.unit);
+    tty::print("{}\n",
+               unit.in_text(fmt::format("{:<10}{:>8.2f} to {:.2f} {}, limit {:.2f} {}, margin {:.2f} {}", m.axis, m.lowest,
+                                        m.highest, m.unit, m.high_limit, m.unit, m.margin(), m.unit)));
   }
   if (const double force = sequences::extremes(plan.steps).largest_force_n; force > 0.0) {
     tty::print("{:<10}{:>8.2f} N; the sensor's calibrated range is checked once it is open\n", "force up to", force);
@@ -233,10 +240,10 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps) {
   tty::print("devices needed: {}\n", fmt::join(devices_needed(plan.recipes), ", "));
   print_calibrations(plan, utc_now().substr(0, 10));
   tty::print("fail-safe layers of bench '{}':\n", plan.bench.id);
-  for (const std::string& line : fail_safe_layers(plan.bench)) tty::print("  - {}\n", line);
-  if (plan.limits) print_lacking(plan, *plan.limits);
+  for (const std::string& line : fail_safe_layers(plan.bench)) tty::print("  - {}\n", unit.in_text(line));
+  if (plan.limits) print_lacking(plan, *plan.limits, unit);
   if (!steps) return;
-  for (const Step& step : plan.steps) tty::print("{}\n", step_line(step));
+  for (const Step& step : plan.steps) tty::print("{}\n", unit.in_text(step_line(step)));
 }
 
 void plan(const PlanOptions& options, Session& session) {
@@ -267,7 +274,7 @@ void plan(const PlanOptions& options, Session& session) {
   if (session.json) {
     print_plan_json(plan, time, options.steps);
   } else {
-    print_plan(plan, time, options.steps);
+    print_plan(plan, time, options.steps, session.unit());
   }
 }
 
@@ -281,13 +288,15 @@ void add_plan(CLI::App& app, Session& session) {
                    "recipe files or names of shipped ones (descending, ring, ...); none: lists the shipped ones");
   session.profile.add(*verb, "--bench", ProfileKey::kBench, options->bench, "bench file, for its limits and devices")
       ->capture_default_str();
-  verb->add_option("--set", options->set, "override table.key=value, or recipe.key=value (a parameter or a key)")
+  verb->add_option("--set", options->set, "override table.key=value, or recipe.key=value (a parameter or a key); a pressure in the key's unit, or with "
+                 "its own: recipe.step=20kPa")
       ->take_all();
   verb->add_option("--limits", options->limits,
                    "limits file: list levels to be judged that are not measured; exit code 6 when there are any");
   verb->add_flag("--steps", options->steps, "list every step in the order of the run");
   verb->add_flag("--parameters", options->parameters, "list the recipes' parameters instead");
   session.profile.add(*verb, "--db", ProfileKey::kDb, session.db, "store to learn times from")->capture_default_str();
+  add_units(*verb, session);
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { plan(*options, session); });
 }

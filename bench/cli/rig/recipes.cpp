@@ -44,18 +44,18 @@ struct RecipeExtent {
   std::string highest;  // "60.0 psi", "30.0 N"
 };
 
-RecipeExtent extent_of(const Recipe& recipe) {
+RecipeExtent extent_of(const Recipe& recipe, analysis::PressureUnit unit) {
   const std::vector<sequences::Step> steps = sequences::compile(recipe, 0);
   RecipeExtent extent{steps.size(), 0, {}};
   for (const sequences::Step& step : steps) extent.frames += takes_frame(step) ? 1 : 0;
   const sequences::Extremes reached = sequences::extremes(steps);
-  extent.highest = reached.pressurizes ? fmt::format("{:.1f} psi", reached.highest.value())
+  extent.highest = reached.pressurizes ? unit.text(reached.highest.value(), 1)
                                        : fmt::format("{:.1f} N", reached.largest_force_n);
   return extent;
 }
 
 ordered_json recipe_json(const Recipe& recipe, const std::string& file) {
-  const RecipeExtent extent = extent_of(recipe);
+  const RecipeExtent extent = extent_of(recipe, analysis::PressureUnit::kPsi);
   return {{"name", recipe.name},      {"title", recipe.title},   {"file", file},
           {"steps", extent.steps},    {"frames", extent.frames}, {"highest", extent.highest},
           {"repeats", recipe.repeats}};
@@ -69,7 +69,7 @@ void list(const Session& session) {
       json.push_back(recipe_json(shipped.recipe, shipped.path));
       continue;
     }
-    const RecipeExtent extent = extent_of(shipped.recipe);
+    const RecipeExtent extent = extent_of(shipped.recipe, session.unit());
     tty::print("{}{:>8}{:>12}  {}\n", cell(shipped.recipe.name, 18), extent.frames, extent.highest,
                one_line(shipped.recipe.title));
   }
@@ -102,7 +102,7 @@ void check(const RecipesOptions& options, Session& session) {
         good["good"] = true;
         json.push_back(good);
       } else {
-        const RecipeExtent extent = extent_of(recipe);
+        const RecipeExtent extent = extent_of(recipe, session.unit());
         tty::print("{}: recipe '{}' is good on bench '{}': {}, {}, up to {}\n", path, one_line(recipe.name),
                    one_line(bench.id), analysis::counted(extent.steps, "step"),
                    analysis::counted(extent.frames, "frame"), extent.highest);
@@ -159,6 +159,7 @@ void add_recipes(CLI::App& app, Session& session) {
     verb->add_flag("--json", session.json, "one JSON document on standard output");
   };
   CLI::App* list_verb = group->add_subcommand("list", "the shipped recipes, one line each");
+  add_units(*list_verb, session);
   add_json(list_verb);
   list_verb->callback([&session] { list(session); });
   CLI::App* show_verb = group->add_subcommand("show", "print a recipe's file, with its comments");
@@ -171,6 +172,7 @@ void add_recipes(CLI::App& app, Session& session) {
   session.profile
       .add(*check_verb, "--bench", ProfileKey::kBench, options->bench, "bench file, for its limits and devices")
       ->capture_default_str();
+  add_units(*check_verb, session);
   add_json(check_verb);
   check_verb->callback([options, &session] { check(*options, session); });
   CLI::App* new_verb = group->add_subcommand("new", "write a recipe of your own, begun as a copy of a shipped one");

@@ -51,7 +51,7 @@ std::string prompts_text(int prompts) {
 CarriedOut carry_out(RunRequest& request, db::RunStore& store, const std::string& sensor, const Session& session) {
   request.sensor = registered(store, sensor, session.db);
   request.sensor_type = parse_sensor_type(request.sensor.type_toml, "sensor type of " + sensor);
-  Progress progress(Progress::mode_for(session.quiet));
+  Progress progress(Progress::mode_for(session.quiet), session.unit());
   TimeEstimate estimate(request.recipes, sequences::compile(request.recipes), time_model(request.bench));
   estimate.learn(store, request.bench.id, request.overrides, true);
   request.estimate = &estimate;
@@ -80,7 +80,7 @@ void show_run_result(const CarriedOut& done, const Session& session) {
     print_json("run", json);
     return;
   }
-  tty::print("{}\n", run_line(result));
+  tty::print("{}\n", session.unit().in_text(run_line(result)));
   const std::string waited =
       result.waiting_seconds < 1.0 ? "" : fmt::format(" and {} of waiting", clock_text(result.waiting_seconds));
   tty::print("took {} of process time{}, estimated {}\n{}\n",
@@ -193,7 +193,8 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();
   session.profile.add_operator(*verb, options->operator_name);
   verb->add_option("--purpose", options->purpose, "why; recorded");
-  verb->add_option("--set", options->set, "override table.key=value of the bench file, or recipe.key=value")
+  verb->add_option("--set", options->set, "override table.key=value of the bench file, or recipe.key=value; a pressure in the key's unit, or with its "
+                   "own: recipe.step=20kPa, limits.trip_psi=450kPa")
       ->take_all();
   verb->add_option("--seed", options->seeds.seed, "simulation: seed of noise and faults");
   verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: seed of the array");
@@ -214,6 +215,7 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_flag("--page", options->page,
                  "start `tactbench page` beside the run: its address is printed; it ends when the run has ended and "
                  "nobody looks");
+  add_units(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { show_run_result(begin_and_carry_out(*options, session), session); });
 }

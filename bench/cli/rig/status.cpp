@@ -49,14 +49,14 @@ void print_ended(const EndedRun& ended, const Session& session) {
 }
 
 std::string denied_text(const LiveRun& live) {
-  return fmt::format("a run on bench '{}' ({}) tells you nothing: {}", live.bench, peer_text(live.server), live.text);
+  return fmt::format("a run on bench '{}' ({}) does not answer you: {}", live.bench, peer_text(live.server), live.text);
 }
 
 void print_status(const Candidates& found, const std::optional<EndedRun>& ended, const Session& session) {
   const char* between = "";
   for (const LiveRun& live : found.runs) {
     tty::print("{}", std::exchange(between, "\n"));
-    print_lines(live.denied ? std::vector{denied_text(live)} : view_lines(view_of(live)));
+    print_lines(live.denied ? std::vector{denied_text(live)} : view_lines(view_of(live), session.unit()));
   }
   for (const SilentBench& silent : found.silent) tty::print("{}\n", silent_text(silent));
   if (!found.runs.empty()) return;
@@ -125,10 +125,11 @@ void watch_live(const NamedRun& named, Session& session) {
   WatchRunOptions options;
   options.terminal = in_terminal();
   options.shades = shades_of_terminal();
+  options.unit = session.unit();
   const std::optional<StoredRun> ended = watch_run(live, options, stop);
   const std::string db = same_store(live.status.store, session.db) ? session.db : live.status.store;
   if (!ended) {
-    tty::print(stderr, "{}no longer watched; run {} goes on: `tactbench stop {}` ends it\n",
+    tty::print(stderr, "{}no longer watched; run {} continues: `tactbench stop {}` ends it\n",
                options.terminal ? "\n" : "", live.status.run, live.status.run);
     return;
   }
@@ -146,6 +147,7 @@ void add_status(CLI::App& app, Session& session) {
       "run of the store ended. Reads only; exit code 0 in both cases");
   add_named_run(*status, session, asked, true);
   status->add_option("--bench", asked->bench, "id of the bench, or its bench file; only this bench is queried");
+  add_units(*status, session);
   status->add_flag("--json", session.json, "one JSON document on standard output");
   status->callback([asked, &session] { show_status(*asked, session); });
 
@@ -157,6 +159,7 @@ void add_status(CLI::App& app, Session& session) {
                          "no terminal. Ctrl-C ends the watching, not the run. Exit code: as the run ended");
   add_named_run(*verb, session, watched, true);
   verb->add_option("--bench", watched->bench, "id of the bench, or its bench file; only this bench is queried");
+  add_units(*verb, session);
   verb->footer(
       "NO_COLOR=1 draws the heat map in characters. Exit code: 0 completed (or Ctrl-C), 1 a check refused the run, 3 "
       "it\n"

@@ -157,7 +157,8 @@ void list_runs(const RunsListOptions& options, const Session& session,
 namespace {
 
 // One table for each pair of models and limits.
-void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin) {
+void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std::string& origin,
+                      analysis::PressureUnit unit) {
   std::vector<std::vector<db::VerdictRecord>> tables;
   for (const db::VerdictRecord& verdict : verdicts) {
     const auto same = std::ranges::find_if(tables, [&](const std::vector<db::VerdictRecord>& rows) {
@@ -168,7 +169,7 @@ void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std:
   for (const std::vector<db::VerdictRecord>& rows : tables)
     tty::print("\nmodels of {}, limits sha256 {}\n{}",
                rows.front().model_run == 0 ? "no stored run" : fmt::format("run {}", rows.front().model_run),
-               rows.front().limits_sha256.substr(0, 12), verdict_table(rows, origin));
+               rows.front().limits_sha256.substr(0, 12), verdict_table(rows, origin, unit));
 }
 
 // Which simulated sensor it was; empty for another origin, or where the bench's text can no longer be read.
@@ -253,15 +254,15 @@ void show_run(std::int64_t number, const Session& session) {
                         : std::to_string(store.frame_count(number)));
   for (const db::CheckRecord& check : checks) {
     line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
-                              check.verdict, check_line(check)));
+                              check.verdict, session.unit().in_text(check_line(check))));
   }
   for (const db::EventRecord& event : events) {
     line("event", fmt::format("{:9.3f} s  {} {} {}", static_cast<double>(event.time_ns) * 1e-9, event.kind, event.id,
-                              event.detail));
+                              session.unit().in_text(event.detail)));
   }
   if (verdicts.empty()) return;
   tty::print("\nverdict: {}\n", word);
-  print_judgements(verdicts, run.origin);
+  print_judgements(verdicts, run.origin, session.unit());
 }
 
 void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
@@ -285,6 +286,7 @@ void add_runs(CLI::App& app, Session& session) {
   auto number = std::make_shared<std::int64_t>(0);
   CLI::App* show_verb = runs->add_subcommand("show", "everything stored about a run");
   show_verb->add_option("run", *number, "run number")->required();
+  add_units(*show_verb, session);
   add_common(*show_verb, session);
   show_verb->callback([number, &session] { show_run(*number, session); });
   add_run_remarks(*runs, session);

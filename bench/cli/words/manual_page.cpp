@@ -143,8 +143,8 @@ std::string manual_entries(const std::vector<ManualEntry>& list) {
 }
 
 const std::vector<ManualEntry> manual_codes = {
-    {"0", "Done; all criteria pass. A conditional pass counts as 0, with a warning."},
-    {"1", "Done; at least one criterion failed."},
+    {"0", "Done; all requirements are met. A conditional pass counts as 0, with a warning."},
+    {"1", "Done; at least one requirement is not met."},
     {"2", "Usage or configuration; no device was touched."},
     {"3", "Device or link."},
     {"4", "Stopped or aborted by the operator, an interlock or a limit."},
@@ -183,10 +183,11 @@ const std::vector<ManualEntry> manual_files = {
     {"bench.toml, sensor.toml, limits.toml",
      "Rig and its limits, type of sensor, acceptance limits; tactbench init writes commented ones to start from. "
      "[reference], [force] and [stage] take certificate, calibrated, due (dates as 2026-01-31) and an expanded "
-     "uncertainty. A bench that drives hardware is refused while a value says FILL-IN."},
+     "uncertainty. A bench that drives hardware is refused while a value is FILL-IN."},
     {"tactbench.toml",
      "In the working folder: what need not be typed with every verb. Keys: bench, db, operator, recipe (several with "
-     "commas between) and limits, which calibrate judges by, and fit where it has held-out runs. The command line and "
+     "commas between), limits, which calibrate judges by, and fit where it has held-out runs, and units, those of the "
+     "pressures printed (kPa, bar or psi). The command line and "
      "the environment precede it; an unknown key is an error. config show prints what is in force."},
     {"lab.toml",
      "Facts for reports that no instrument knows. The run's own certificates take precedence; this file fills the "

@@ -1,5 +1,5 @@
-// Locks of a run: one run per bench at a time on this machine, and one process per run of a store. They also tell the
-// next start that an unended run of a store has no living process.
+// Locks of a run: one run per bench at a time on this machine, and one process per run of a store. The
+// next start learns from them that an unended run of a store has no living process.
 #pragma once
 
 #include <chrono>

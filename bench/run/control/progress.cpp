@@ -12,17 +12,18 @@
 namespace tactbench::bench {
 
 // What matters most comes first: a narrow terminal cuts the end.
-std::string progress_line(const RunStatus& status, double left_s) {
+std::string progress_line(const RunStatus& status, double left_s, analysis::PressureUnit unit) {
   std::string line = status.label + ": ";
   if (status.steps > 0) line += fmt::format("{:3.0f} %  ", 100.0 * status.step / status.steps);
   if (left_s >= 0.0) {
     const double minutes = std::floor(left_s / 60.0);
     line += fmt::format("{:.0f}:{:02.0f} left  ", minutes, std::floor(left_s - 60.0 * minutes));
   }
-  line += status.phase;
+  line += unit.in_text(status.phase);
   if (const auto& now = status.readings) {
     line += status.target_n ? fmt::format("  {:.1f} N (force {:.1f})", *status.target_n, now->force_n.value_or(0.0))
-                            : fmt::format("  {:.1f} psi (reference {:.1f})", now->setpoint_psi, now->reference_psi);
+                            : fmt::format("  {} (reference {})", unit.text(now->setpoint_psi, 1),
+                                          unit.fixed(now->reference_psi, 1));
   }
   return line;
 }
@@ -51,7 +52,7 @@ void Progress::show(const RunStatus& status) {
   const double elapsed = std::chrono::duration<double>(shown_ - start_).count();
   const double by_pace = status.step > 0 ? elapsed * (status.steps - status.step) / status.step : -1.0;
   const bool estimated = status.left_high_s > 0.0 && status.rate > 0.0;
-  const std::string line = progress_line(status, estimated ? status.left_s / status.rate : by_pace);
+  const std::string line = progress_line(status, estimated ? status.left_s / status.rate : by_pace, unit_);
   if (mode_ == Mode::kTerminal) {
     tty::renew_line(line);
     std::fflush(stderr);

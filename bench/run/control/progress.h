@@ -5,18 +5,21 @@
 #include <chrono>
 #include <string>
 
+#include "analysis/pressure_unit.h"
 #include "bench/run/control/run_status.h"
 
 namespace tactbench::bench {
 
 // "run:   9 %  10:45 left  conditioning 2 of 6  60.0 psi (reference 43.2)". `left_s` in real seconds, below 0: not
 // known.
-std::string progress_line(const RunStatus& status, double left_s);
+std::string progress_line(const RunStatus& status, double left_s,
+                          analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
 class Progress {
  public:
   enum class Mode { kQuiet, kPlain, kTerminal };
-  explicit Progress(Mode mode) : mode_(mode) {}
+  explicit Progress(Mode mode, analysis::PressureUnit unit = analysis::PressureUnit::kPsi)
+      : mode_(mode), unit_(unit) {}
   // kTerminal or kPlain by what standard error is; kQuiet when asked.
   static Mode mode_for(bool quiet);
   // Whether show() should be called now. In real time a run's first phase is shown at once.
@@ -30,6 +33,7 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
   Mode mode_;
+  analysis::PressureUnit unit_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point shown_ = start_;
   std::string phase_;  // shown last

@@ -1,4 +1,4 @@
-// What a live run tells of itself. The sequencer's thread fills it in (status_board.h), Control keeps the newest, the
+// The status that a live run reports. The sequencer's thread fills it in (status_board.h), Control keeps the newest, the
 // control socket sends it as JSON, and a client reads it back.
 #pragma once
 

@@ -132,7 +132,7 @@ MountRegistration register_mount(const std::vector<Touch>& touches, double pitch
     throw Fault(
         "TB-MOUNT-COLLINEAR", kDevice,
         fmt::format("the touches lie within {:.2f} mm (rms) of one line, {:g} mm are needed: a flip could not be "
-                    "told",
+                    "recognised",
                     narrow_mm, options.least_spread_mm),
         "Touch at the corners of a triangle or quadrangle as wide as the array allows.");
   }

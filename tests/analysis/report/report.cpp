@@ -105,18 +105,18 @@ TEST_CASE("verdicts that are neither pass nor fail carry a triangle and their ow
   for (db::VerdictRecord& verdict : input.verdicts) verdict.verdict = "pass";
   input.verdicts[0].verdict = "conditional pass";
   CHECK(contains(render_report(input).html,
-                 "All criteria together: <span class=\"doubt\"><span class=\"sign\">▲</span> conditional pass"));
+                 "All requirements together: <span class=\"doubt\"><span class=\"sign\">▲</span> conditional pass"));
   input.verdicts[1].verdict = "inconclusive";
   CHECK(contains(render_report(input).html,
-                 "All criteria together: <span class=\"doubt\"><span class=\"sign\">▲</span> inconclusive"));
+                 "All requirements together: <span class=\"doubt\"><span class=\"sign\">▲</span> inconclusive"));
   input.verdicts[2].verdict = "fail";
   CHECK(contains(render_report(input).html,
-                 "All criteria together: <span class=\"fail\"><span class=\"sign\">✗</span> fail"));
-  CHECK(contains(render_report(input).html, "Judged on: own run (fit). "));
+                 "All requirements together: <span class=\"fail\"><span class=\"sign\">✗</span> fail"));
+  CHECK(contains(render_report(input).html, "Judged on: own run (calibration data). "));
   for (db::VerdictRecord& verdict : input.verdicts) verdict.run = 13;
   CHECK(contains(render_report(input).html, "Judged on: held-out run. "));
   input.verdicts.clear();
-  CHECK(contains(render_report(input).html, "No limits were given"));
+  CHECK(contains(render_report(input).html, "No tolerance limits were given"));
 }
 
 TEST_CASE("missing typed fields are not stated, never an empty cell") {
@@ -143,7 +143,7 @@ TEST_CASE("a run without models has a report that names what is missing") {
   require_well_formed(page);
   CHECK(count(page, "no models were made from this run") == 6);
   CHECK(contains(page, "16 rows × 16 columns"));
-  CHECK_FALSE(contains(page, "0.000 psi"));
+  CHECK_FALSE(contains(page, "0.00\u00A0kPa"));
 }
 
 TEST_CASE("pressure is not independently traceable unless a reference of its own took part") {

@@ -227,7 +227,7 @@ TEST_CASE("retries, voids, flags and environment are listed as deviations, also 
   const std::string page = render_report(input).html;
   CHECK(contains(page, "branches void and done again</th><td>1 (12 frames)"));
   CHECK(contains(page, "3 of 3310: 2 dwell, 1 retried"));
-  CHECK(contains(page, "went back by 0.31 psi"));
+  CHECK(contains(page, "went back by 2.1 kPa (0.31 psi)"));
   CHECK(contains(page, "temperature measured: 22.9 to 23.2 °C, 4 readings"));
   CHECK(contains(page, "row 3 answers weakly"));
   CHECK(contains(page, "rows 3 and 4 stand in each other’s place"));

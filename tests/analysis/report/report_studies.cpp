@@ -33,8 +33,8 @@ TEST_CASE("a report with all studies is well-formed, inert, and every figure and
   CHECK(contains(report.html, "Ghost rows"));
   CHECK(contains(report.html, "smaller: were the angles taken clockwise?"));
   CHECK(contains(report.html, "no registration of the stage to the taxels was given"));
-  CHECK(contains(report.html, "Distance larger after compensation than raw"));
-  CHECK(contains(report.html, html::psi(14.25, 2).value));
+  CHECK(contains(report.html, "Hysteresis of the corrected indication larger than that of the indication"));
+  CHECK(contains(report.html, html::pressure(14.25, PressureUnit::kKilopascal, 2).value));
   CHECK(contains(report.html, "1.000e-09"));
 }
 
@@ -67,12 +67,12 @@ TEST_CASE("swapped lines: the run compared with, both limits and each pair's cor
   const std::string none = health_section(input).value;
   CHECK(contains(none, "Swapped rows or columns: none found."));
   CHECK(contains(none, limits));
-  CHECK_FALSE(contains(none, "Swapped lines are left out"));
+  CHECK_FALSE(contains(none, "No figure excludes swapped lines"));
   input.health.swaps = {{true, 3, 7, 0.1234, 0.9876}};
   const std::string one = health_section(input).value;
   CHECK(contains(one, "Swapped rows or columns: 1 pair found."));
   CHECK(contains(one, "rows 3 and 7 stand in each other’s place (correlation 0.99 exchanged, 0.12 as they are)"));
-  CHECK(contains(one, "Swapped lines are left out"));
+  CHECK(contains(one, "No figure excludes swapped lines"));
   input.health.swaps.push_back({false, 0, 15, 0.25, 0.75});
   const std::string two = health_section(input).value;
   CHECK(contains(two, "Swapped rows or columns: 2 pairs found."));

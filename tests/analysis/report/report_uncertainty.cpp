@@ -17,6 +17,8 @@ using namespace tactbench::analysis;
 
 namespace {
 
+constexpr PressureUnit kPage = PressureUnit::kKilopascal;
+
 nlohmann::json uncertainty_of(const std::string& page) {
   const std::string open = "id=\"report-data\">";
   const std::size_t from = page.find(open) + open.size();
@@ -103,17 +105,19 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   const std::string table = text_between(page, "Error and U at every level", "</table>");
   for (const LevelUncertainty& level : uncertainty.levels)
     for (const Budget* budget : {&level.median, &level.worst})
-      CHECK_THAT(table, Catch::Contains(gum_value(budget->error_psi, budget->expanded_psi).value));
+      CHECK_THAT(table, Catch::Contains(gum_pressure(budget->error_psi, budget->expanded_psi, kPage).value));
 
   const LevelUncertainty& chosen = uncertainty.levels[uncertainty.chosen];
   CHECK(data["levels"][uncertainty.chosen]["worst"]["contributions"].size() == chosen.worst.contributions.size());
   const std::string budget = text_between(page, "Budget of the worst taxel", "</table>");
   for (const Contribution& row : chosen.worst.contributions) {
-    CHECK_THAT(budget, Catch::Contains(text_of(row.source).name));
-    CHECK_THAT(budget, Catch::Contains(gum_uncertainty(row.u_psi).value));
+    CHECK_THAT(budget, Catch::Contains(gum_uncertainty(kPage.of(row.u_psi)).value));
     CHECK_THAT(budget, Catch::Contains(html::percent(std::pow(row.u_psi / chosen.worst.combined_psi, 2), 1).value));
   }
-  CHECK_THAT(budget, Catch::Contains(gum_uncertainty(chosen.worst.expanded_psi).value + " psi"));
+  CHECK_THAT(budget, Catch::Contains(gum_pressure(chosen.worst.expanded_psi, kPage).value));
+  for (const char* quantity : {"short-term repeatability (noise)", "resolution of the ADC", "lack of fit, corrected",
+                               "measurement standard: certificate", "zero deviation", "kPa/mV"})
+    CHECK_THAT(budget, Catch::Contains(quantity));
   CHECK_THAT(budget, Catch::Contains("U = " + html::fixed(chosen.worst.factor, 2).value + " u_c"));
   CHECK_THAT(budget, Catch::Contains("not assessed"));
   const std::string section = text_between(page, "id=\"uncertainty\"", "id=\"meaning\"");
@@ -130,8 +134,9 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
     if (begin < 0.0) begin = level.pressure_psi;
     if (level.pressure_psi - begin > high - low) std::tie(low, high) = std::pair(begin, level.pressure_psi);
   }
-  CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::psi(0.6, 2).value)));
-  CHECK_THAT(section, Catch::Contains(fmt::format("loading: {:.1f} to {:.1f} psi", low, high)));
+  CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::pressure(0.6, kPage, 2).value)));
+  CHECK_THAT(section, Catch::Contains(fmt::format("increasing: {} to {}", html::pressure(low, kPage, 1).value,
+                                                  html::pressure(high, kPage, 1).value)));
   CHECK(data["not_assessed"].contains("chamber uniformity"));
   CHECK_FALSE(data["not_assessed"].contains("re-mounting, common"));
   CHECK(data["not_assessed"].contains("re-mounting, a taxel's own"));
@@ -139,7 +144,7 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   for (const ConditionUncertainty& condition : uncertainty.conditions) {
     CHECK_THAT(first, Catch::Contains(name_of(condition.condition)));
     CHECK_THAT(section, Catch::Contains(name_of(condition.condition)));
-    if (!condition.valid()) CHECK_THAT(section, Catch::Contains("not valid for this: " + condition.not_valid));
+    if (!condition.valid()) CHECK_THAT(section, Catch::Contains("not valid for this: " + kPage.both_in_text(condition.not_valid)));
   }
   CHECK(data["conditions"].size() == uncertainty.conditions.size());
   CHECK(data["conditions"][2]["valid"] == false);
@@ -153,9 +158,10 @@ TEST_CASE("the verdicts name rule, U and how it is formed, with a sign and a wor
              Catch::Contains("▲ simulated conditional pass") || Catch::Contains("▲  simulated conditional pass"));
   CHECK_THAT(section, Catch::Contains("simulated fail") && Catch::Contains("four-way") && Catch::Contains("2.5 %"));
   for (const char* criterion : {"mean_compensation_error", "distance_of_mean"})
-    CHECK_THAT(section, Catch::Contains(html::Text(find_uncertainty(input.judged, criterion, "array")->basis).value));
+    CHECK_THAT(section, Catch::Contains(
+                            html::Text(kPage.both_in_text(find_uncertainty(input.judged, criterion, "array")->basis)).value));
   const JudgedUncertainty* mean = find_uncertainty(input.judged, "mean_compensation_error", "array");
-  CHECK_THAT(section, Catch::Contains(gum_uncertainty(mean->expanded).value + "\u00A0psi"));
+  CHECK_THAT(section, Catch::Contains(gum_pressure(mean->expanded, kPage).value));
   const auto data = uncertainty_of(page)["judged_figures"];
   REQUIRE(data.size() == input.judged.size());
   CHECK(data[0]["expanded"] == mean->expanded);
@@ -167,7 +173,7 @@ TEST_CASE("the verdicts name rule, U and how it is formed, with a sign and a wor
   const std::string only = render_report(input).html;
   require_well_formed(only);
   CHECK_THAT(only, Catch::Contains("Conformity is not stated") && Catch::Contains("– no verdict"));
-  CHECK_FALSE(contains(only, "All criteria together"));
+  CHECK_FALSE(contains(only, "All requirements together"));
 }
 
 TEST_CASE("a report without an assessment states that, and uncertainty is content") {

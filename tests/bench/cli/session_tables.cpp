@@ -10,7 +10,7 @@
 using namespace tactbench;
 using namespace tactbench::bench;
 
-TEST_CASE("table of verdicts: values and limits with three digits, shares in percent, each rule once") {
+TEST_CASE("table of verdicts: values and limits with three digits in the unit asked for, shares in percent, each rule once") {
   db::VerdictRecord row;
   row.run = 3;
   row.criterion = "worst_taxel_error";
@@ -29,15 +29,18 @@ TEST_CASE("table of verdicts: values and limits with three digits, shares in per
   other.verdict = "inconclusive";
   db::VerdictRecord guarded = row;
   guarded.rule = "guarded";
-  CHECK(verdict_table({row, other, guarded}, "simulated") ==
-        "  run  criterion                 scope                  value         limit  verdict\n"
-        "    3  worst_taxel_error         array               1.23 psi         3 psi  simulated pass\n"
-        "    3  mismatch                  40 psi up       not measured        6 % FS  simulated inconclusive\n"
-        "    3  worst_taxel_error         array               1.23 psi         3 psi  simulated pass\n"
+  CHECK(verdict_table({row, other, guarded}, "simulated", analysis::PressureUnit::kPsi) ==
+        "  run  requirement                scope                       value  tolerance limit  verdict\n"
+        "    3  worst taxel's mean error   array                    1.23 psi            3 psi  simulated pass\n"
+        "    3  non-uniformity             40 psi increasing    not measured           6 % FS  simulated inconclusive\n"
+        "    3  worst taxel's mean error   array                    1.23 psi            3 psi  simulated pass\n"
         "decision rule (ILAC-G8): simple, guarded\n");
+  const std::string kpa = verdict_table({row, other}, "hardware", analysis::PressureUnit::kKilopascal);
+  CHECK_THAT(kpa, Catch::Contains("8.51 kPa         20.7 kPa  pass") && Catch::Contains("275.8 kPa increasing") &&
+                      !Catch::Contains("psi"));
 }
 
-TEST_CASE("table of figures: distances in percent of full scale, the mean error in psi") {
+TEST_CASE("table of figures: hysteresis in percent of full scale, the mean absolute error in the unit asked for") {
   NamedEvaluation named;
   named.title = "run 2";
   named.evaluation.raw_distance = 0.105;
@@ -47,11 +50,13 @@ TEST_CASE("table of figures: distances in percent of full scale, the mean error 
   named.evaluation.worst_taxel_distance = 0.05;
   named.evaluation.worst_taxel_distance_observable = 0.045;
   named.evaluation.mean_error_psi = 0.5231;
-  CHECK(figures_table({named}) ==
-        "|up - down|, % FS                raw | compensated                                          |       mean\n"
-        "mean over the levels           array |     array  each taxel (*)   worst taxel  worst taxel*| error, psi\n"
-        "run 2                          10.50 |      1.25     2.50 (2.25)          5.00          4.50|      0.523\n"
+  CHECK(figures_table({named}, analysis::PressureUnit::kPsi) ==
+        "hysteresis, % FS             indication | corrected indication                                 |         mean\n"
+        "mean over the levels              array |     array  each taxel (*)   worst taxel  worst taxel*| |error|, psi\n"
+        "run 2                             10.50 |      1.25     2.50 (2.25)          5.00          4.50|        0.523\n"
         "array: the outputs (pressures) of all taxels are averaged first; *: without levels flagged unobservable\n");
+  const std::string bar = figures_table({named}, analysis::PressureUnit::kBar);
+  CHECK_THAT(bar, Catch::Contains("| |error|, bar\n") && Catch::Contains("|       0.0361\n") && !Catch::Contains("psi"));
 }
 
 TEST_CASE("times in hours, minutes and seconds, rounded to the second") {

@@ -192,7 +192,7 @@ TEST_CASE("dead-man: on the command to fire it vents at once, and no command pas
   std::thread([&] { rig.dead_man()->fire(); }).join();
   CHECK(devices::fault_id_of([&] { (void)rig.source().command(devices::Psi(19.0)); }) == "TB-DEADMAN-FIRED");
   CHECK(HostedRig::seconds_until([&] { return hosted.psi() < 1.0; }, kSafeWithin) < kSafeWithin);
-  CHECK(record_of(rig.config())["why"] == "told to");
+  CHECK(record_of(rig.config())["why"] == "commanded");
   CHECK_THROWS_WITH(rig.source().arm(), Catch::Contains("tripped"));
   CHECK(devices::fault_id_of([&] { (void)rig.source().command(devices::Psi(0.0)); }) == "TB-DEADMAN-FIRED");
 }

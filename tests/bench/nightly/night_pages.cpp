@@ -95,7 +95,7 @@ TEST_CASE("a page says what a short baseline and repeated seeds do not judge") {
   followed.same_seeds = 7;
   check_parts(
       trend_page("Title", "simulated", {followed}),
-      {"accepted by K. Lee on 2026-01-01; fewer than 8 measurements: it tells gross changes only, accept a longer "
+      {"accepted by K. Lee on 2026-01-01; fewer than 8 measurements: it shows gross changes only, accept a longer "
        "one; run 9 has the seeds of run 7: no moving average</caption>"});
 }
 

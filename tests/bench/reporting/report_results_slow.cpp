@@ -113,9 +113,9 @@ void check_compensation(const Reported& report, const analysis::Dataset& dataset
         n += 1.0;
       }
   CHECK(data["straight_line"]["mean_error_psi"].get<double>() == Approx(sum / n).epsilon(1e-9));
-  CHECK(shows(report, analysis::html::psi(sum / n, 2)));
+  CHECK(shows(report, analysis::html::pressure(sum / n, analysis::PressureUnit(), 2)));
   CHECK(data["as_found"]["mean_error_psi"].get<double>() == Approx(found.mean_error_psi).epsilon(1e-9));
-  CHECK(shows(report, analysis::html::psi(found.mean_error_psi, 3)));
+  CHECK(shows(report, analysis::html::pressure(found.mean_error_psi, analysis::PressureUnit(), 3)));
   REQUIRE(data["as_found"]["levels"].size() == found.levels.size());
   for (std::size_t i = 0; i < found.levels.size(); ++i) {
     CHECK(data["as_found"]["levels"][i]["comp_distance_fs"].get<double>() ==
@@ -226,7 +226,7 @@ TEST_CASE("models, compensation, studies and objects of a report are what the st
   for (const json& bin : studies["rate_hold"][0]["by_rate_psi_per_s"])
     errors += bin["samples"].get<double>() * bin["mean_psi"].get<double>();
   CHECK(errors > 0.0);
-  CHECK(shows(report, analysis::html::psi(studies["rate_hold"][0]["mean_psi"], 3)));
+  CHECK(shows(report, analysis::html::pressure(studies["rate_hold"][0]["mean_psi"], analysis::PressureUnit(), 3)));
 }
 
 TEST_CASE("earlier models as a document and as a fit of the store find the same") {

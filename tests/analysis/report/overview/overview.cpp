@@ -48,9 +48,9 @@ TEST_CASE("a comparison of two runs is one inert page with the differences of it
   require_inert(report.html);
   CHECK(report.number.starts_with("3-4-"));
   CHECK(contains(report.html, "One sensor at two times"));
-  CHECK(contains(report.html, "1.250\u00A0psi"));  // as found
+  CHECK(contains(report.html, "(1.250\u00A0psi)"));  // as found
   CHECK(contains(report.html,
-                 "<td class=\"n\">0.500</td><td class=\"n\">0.750</td><td class=\"n\">0.250</td><td "
+                 "<td class=\"n\">3.45 (0.500)</td><td class=\"n\">5.17 (0.750)</td><td class=\"n\">1.72 (0.250)</td><td "
                  "class=\"n\">50.0</td>"));
   CHECK(json_of(report)["second"]["figures"]["mean_error_psi"] == 0.75);
   CHECK(json_of(report)["output_ratio"][0] == Approx(1.0));
@@ -71,13 +71,13 @@ TEST_CASE("a batch page counts, ranks, marks outliers and draws limits") {
   require_inert(report.html);
   CHECK(report.html == render_batch(runs).html);
   CHECK(contains(report.html, "7 of 8 sensors, 87.5 %"));
-  CHECK(contains(report.html, "&lt;script&gt;, run 20: compensated: mean error, psi"));
+  CHECK(contains(report.html, "&lt;script&gt;, run 20: corrected: mean absolute error"));
   CHECK(report.html.find("<th scope=\"row\">S-0</th>") < report.html.find("<th scope=\"row\">S-6</th>"));
-  CHECK(count(report.html, "mean error, psi, number of runs</title>") == 1);
-  CHECK(contains(report.html, ">limit</text>"));
+  CHECK(count(report.html, "corrected: mean absolute error, kPa, number of runs</title>") == 1);
+  CHECK(contains(report.html, ">tolerance limit</text>"));
   CHECK(json_of(report)["content"].size() == 8);
   for (ReportInput& run : runs) run.verdicts.clear();
-  CHECK(contains(render_batch(runs).html, "not assessed: no limits were given"));
+  CHECK(contains(render_batch(runs).html, "not assessed: no tolerance limits were given"));
   runs.resize(3);
   CHECK(contains(render_batch(runs).html, "not assessed: fewer than five runs"));
 }

@@ -68,8 +68,11 @@ TEST_CASE("numbers for the reader") {
   CHECK(html::fixed(std::nan(""), 2).value == "not available");
   CHECK(html::fixed(-std::numeric_limits<double>::infinity(), 2).value == "not available");
   CHECK(html::percent(0.253, 1).value == "25.3");
-  CHECK(html::psi(10.0, 2).value == "10.00\u00A0psi (68.9\u00A0kPa)");
-  CHECK(html::kilopascals(60.0, 1).value == "413.7");
+  CHECK(html::pressure(10.0, PressureUnit::kKilopascal, 2).value == "68.9\u00A0kPa (10.00\u00A0psi)");
+  CHECK(html::pressure(10.0, PressureUnit::kBar, 2).value == "0.689\u00A0bar (10.00\u00A0psi)");
+  CHECK(html::pressure(-10.0, PressureUnit::kPsi, 2).value == "\u221210.00\u00A0psi (\u221268.9\u00A0kPa)");
+  CHECK(html::pressure(std::nan(""), PressureUnit::kKilopascal, 2).value == "not available");
+  CHECK(html::in_unit(60.0, PressureUnit::kKilopascal, 1).value == "413.7");
   CHECK(html::significant(1.5e-7, 3).value == "1.5 × 10^\u22127");
   CHECK(html::stated(" \t").value == "not stated");
   CHECK(CssNumber(-0.001).value == "0");

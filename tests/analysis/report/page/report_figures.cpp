@@ -13,6 +13,7 @@ using namespace tactbench::analysis;
 
 namespace {
 
+constexpr PressureUnit kPage = PressureUnit::kKilopascal;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // `text` without its tags.
@@ -61,9 +62,11 @@ TEST_CASE("the per-level table prints the levels of the JSON, rounded") {
   const auto& levels = data["results"]["evaluation"]["levels"];
   REQUIRE(levels.size() == 31);
   for (const auto& level : levels) {
-    const auto row = row_of(report.html, "Levels of the external loop", html::fixed(level["pressure_psi"], 1).value);
+    const double pressure = level["pressure_psi"];
+    const auto row = row_of(report.html, "Levels of the external loop", html::in_unit(pressure, kPage, 1).value);
     REQUIRE(row.size() == 14);
-    CHECK(row[1] == html::kilopascals(level["pressure_psi"], 1).value);
+    CHECK(row[1] == html::fixed(pressure, 1).value);
+    CHECK(row[2] == html::fixed(6.894757293168 * level["up_psi"].get<double>(), 1).value);
     CHECK(row[4] == percent(level["raw_std_up_fs"], 2));
     CHECK(row[5] == percent(level["raw_std_down_fs"], 2));
     CHECK(row[6] == percent(level["raw_distance_fs"], 2));
@@ -91,10 +94,10 @@ TEST_CASE("a level made worse is marked where it is, as in the paper's own table
     }
   }
   const std::string page = render_report(input).html;
-  CHECK(row_of(page, "Levels of the external loop", "50.0")[13] == "▲ worse: distance");
-  CHECK(row_of(page, "Levels of the external loop", "48.0")[13] == "smaller");
-  CHECK(page.find("larger at 1 of 31 levels</span> (50 psi)") != std::string::npos);
-  CHECK(page.find("mismatch (std/FS) in at least one direction: larger at none of 31 levels") != std::string::npos);
+  CHECK(row_of(page, "Levels of the external loop", "344.7")[13] == "▲ worse: hysteresis");
+  CHECK(row_of(page, "Levels of the external loop", "330.9")[13] == "smaller");
+  CHECK(page.find("larger at 1 of 31 levels</span> (345 kPa)") != std::string::npos);
+  CHECK(page.find("non-uniformity (s), increasing or decreasing: larger at none of 31 levels") != std::string::npos);
 }
 
 TEST_CASE("frames strips print std and distance of the levels that they show") {
@@ -102,17 +105,17 @@ TEST_CASE("frames strips print std and distance of the levels that they show") {
   const Report report = render_report(input);
   const auto levels = nlohmann::json::parse(data_text(report.html))["results"]["evaluation"]["levels"];
   const auto frames = nlohmann::json::parse(data_text(report.html))["results"]["frames"];
-  const auto raw = row_of(report.html, "Before compensation: output voltage", "mean/FS, %");
-  const auto compensated = row_of(report.html, "After compensation: pressure", "mean/FS, %");
+  const auto raw = row_of(report.html, "Indication: output voltage", "mean, % FS");
+  const auto compensated = row_of(report.html, "Corrected indication: pressure", "mean, % FS");
   const std::vector<std::size_t> shown = {2, 5, 10, 15, 20, 25, 30};
   REQUIRE(raw.size() == shown.size() + 1);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     CHECK(raw[i + 1] == percent(levels[shown[i]]["raw_distance_fs"], 1));
     CHECK(compensated[i + 1] == percent(levels[shown[i]]["comp_distance_fs"], 1));
   }
-  // The frames in the JSON give the printed mismatch again.
+  // The frames in the JSON give the printed non-uniformity again.
   const double full_scale = nlohmann::json::parse(data_text(report.html))["results"]["evaluation"]["full_scale_v"];
-  const auto std_up = row_of(report.html, "Before compensation: output voltage", "std/FS, %");
+  const auto std_up = row_of(report.html, "Indication: output voltage", "s, % FS");
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto values = frames[shown[i]]["raw_up_v"].get<std::vector<double>>();
     CHECK(std_up[i + 1] == html::percent(example::std_of(values, input.fit) / full_scale, 1).value);
@@ -123,10 +126,11 @@ TEST_CASE("model, loops, hysteresis, verdicts and held-out tables print the JSON
   const Report report = render_report(example::example_input());
   const auto results = nlohmann::json::parse(data_text(report.html))["results"];
   const auto& evaluation = results["evaluation"];
-  const auto hysteresis = row_of(report.html, "Hysteresis error", "mean taxel, as in Loops and Levels");
+  const auto hysteresis = row_of(report.html, "Hysteresis of the indication", "mean taxel, as in Loops and Levels");
   CHECK(hysteresis[1] == percent(evaluation["hysteresis_max_fs"], 1));
   CHECK(hysteresis[2] == percent(evaluation["hysteresis_mean_fs"], 1));
-  CHECK(row_of(report.html, "Compensation error", "mean")[1] == html::psi(evaluation["mean_error_psi"], 3).value);
+  CHECK(row_of(report.html, "Absolute error", "mean")[1] ==
+        html::pressure(evaluation["mean_error_psi"], kPage, 3).value);
 
   const auto& mean = results["model"]["mean_taxel"];
   const auto names = results["model"]["parameter_names"].get<std::vector<std::string>>();
@@ -163,13 +167,13 @@ TEST_CASE("model, loops, hysteresis, verdicts and held-out tables print the JSON
   }
 
   const auto held_out =
-      row_of(report.html, "Compensation of this and other runs", "after: |up − down|, mean over taxels, % FS");
+      row_of(report.html, "The models on this and other runs", "corrected: hysteresis, mean over taxels, % FS");
   REQUIRE(held_out.size() == 5);
   CHECK(held_out[1] == percent(evaluation["comp_distance_fs"], 2));
   for (std::size_t i = 0; i < 3; ++i)
     CHECK(held_out[i + 2] == percent(results["held_out"][i]["evaluation"]["comp_distance_fs"], 2));
 
-  const auto verdict = row_of(report.html, "Criteria", "distance of mean");
+  const auto verdict = row_of(report.html, "Requirements", "hysteresis of the mean");
   CHECK(verdict[2] == percent(results["verdicts"][2]["value"], 2) + "\u00A0%\u00A0FS");
   CHECK(verdict[6] == "✓ simulated pass");
 }
@@ -178,8 +182,8 @@ TEST_CASE("five runs and more go into further tables") {
   ReportInput input = example::example_input();
   for (int i = 0; i < 3; ++i) input.held_out.push_back(input.held_out.front());
   const std::string page = render_report(input).html;
-  CHECK(row_of(page, "Compensation of this and other runs", "run").size() == 5);
-  CHECK(row_of(page, "Compensation of other runs, continued", "run").size() == 4);
+  CHECK(row_of(page, "The models on this and other runs", "run").size() == 5);
+  CHECK(row_of(page, "The models on other runs, continued", "run").size() == 4);
 }
 
 TEST_CASE("values that are not numbers are null in the JSON and not available on the page") {
@@ -196,15 +200,15 @@ TEST_CASE("values that are not numbers are null in the JSON and not available on
   const Report report = render_report(input);
   const auto results = nlohmann::json::parse(data_text(report.html))["results"];
   CHECK(results["evaluation"]["levels"][27]["comp_distance_observable_fs"].is_null());
-  CHECK(row_of(report.html, "Levels of the external loop", "54.0")[10] == "not available");
+  CHECK(row_of(report.html, "Levels of the external loop", "372.3")[10] == "not available");
   CHECK(results["evaluation"]["mean_error_psi"].is_null());
   CHECK(results["evaluation"]["max_error_psi"].is_null());
   CHECK(results["traces"][0]["model_v"][5].is_null());
   CHECK(results["verdicts"][0]["value"].is_null());
   CHECK(results["taxel_mean_error_psi"][37].is_null());
-  CHECK(row_of(report.html, "Compensation error", "mean")[1] == "not available");
-  CHECK(row_of(report.html, "Levels of the external loop", "6.0")[9] == "not available");
-  CHECK(row_of(report.html, "Criteria", "mean compensation error")[2] == "not available");
+  CHECK(row_of(report.html, "Absolute error", "mean")[1] == "not available");
+  CHECK(row_of(report.html, "Levels of the external loop", "41.4")[9] == "not available");
+  CHECK(row_of(report.html, "Requirements", "mean absolute error")[2] == "not available");
   CHECK(report.html.find("nan") == std::string::npos);
   CHECK(report.html.find("\"inf") == std::string::npos);
 }

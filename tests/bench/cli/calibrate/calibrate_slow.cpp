@@ -69,7 +69,7 @@ TEST_CASE(
   CHECK(result.at("origin") == "simulated");
   CHECK(result.at("verdict") == "fail");
   CHECK(result.at("shown") == "simulated fail");
-  CHECK_THAT(result.at("reason").get<std::string>(), Catch::StartsWith("unfit taxels 1 (limit 0)"));
+  CHECK_THAT(result.at("reason").get<std::string>(), Catch::StartsWith("taxels not modelled: 1 (tolerance limit 0)"));
   REQUIRE(result.at("bad_taxels").size() == 1);
   CHECK(result.at("bad_taxels").at(0) == json{{"row", 2}, {"column", 5}, {"why", "dead"}});
   CHECK(std::filesystem::exists(folder.path(result.at("report").at("path").get<std::string>())));
@@ -141,7 +141,7 @@ TEST_CASE("calibrate: a run that fails is kept, and the error names the commands
   const Finished failed = calibrated(folder, {"--set", R"(simulation.faults=[{kind="scanner_unplugged",at_s=300}])"});
   INFO(failed.err << failed.out);
   REQUIRE(failed.code == 3);
-  CHECK_THAT(failed.err, Catch::Contains("to go on: tactbench resume 1 --db runs.db, then tactbench calibrate MY-1") &&
+  CHECK_THAT(failed.err, Catch::Contains("to continue: tactbench resume 1 --db runs.db, then tactbench calibrate MY-1") &&
                              Catch::Contains("--run 1"));
   CHECK_THAT(failed.out, !Catch::Contains("PASS") && !Catch::Contains("####"));
   CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out).at("outcome") == "failed");

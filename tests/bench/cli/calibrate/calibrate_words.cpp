@@ -96,14 +96,15 @@ TEST_CASE("calibrate words: the reason names what decided, with value and limit"
   const auto reason = [](std::vector<db::VerdictRecord> rows) {
     return reason_text(judgement_of(std::move(rows)), "gripper", 2);
   };
-  CHECK(reason({kGood, kGood}) == "all 2 criteria of 'gripper' pass on held-out run 2");
-  CHECK(reason({kGood, kDead, kAbsent}) == "unfit taxels 1 (limit 0), on held-out run 2");
+  CHECK(reason({kGood, kGood}) == "all 2 requirements of 'gripper' pass on held-out run 2");
+  CHECK(reason({kGood, kDead, kAbsent}) == "taxels not modelled: 1 (tolerance limit 0), on held-out run 2");
   CHECK(reason({kDead, kWorst, kUneven}) ==
-        "unfit taxels 1 (limit 0); worst taxel error 3.4 psi (limit 3 psi); and 1 more, on held-out run 2");
-  CHECK(reason({kUneven}) == "mismatch at 40 psi up 6 % FS (limit 5 % FS), on held-out run 2");
-  CHECK(reason({kAbsent}) == "mismatch at 10 psi up not measured (limit 5 % FS), on held-out run 2");
+        "taxels not modelled: 1 (tolerance limit 0); worst taxel's mean error: 3.4 psi (tolerance limit 3 psi); and 1 more, "
+        "on held-out run 2");
+  CHECK(reason({kUneven}) == "non-uniformity at 40 psi increasing: 6 % FS (tolerance limit 5 % FS), on held-out run 2");
+  CHECK(reason({kAbsent}) == "non-uniformity at 10 psi increasing: not measured (tolerance limit 5 % FS), on held-out run 2");
   CHECK(reason({kGood, row("mean_compensation_error", "array", 0.903, 1, "psi", "conditional pass")}) ==
-        "mean compensation error 0.903 psi (limit 1 psi), within the uncertainty below the limit, on held-out run 2");
+        "mean absolute error: 0.903 psi (tolerance limit 1 psi), within the uncertainty below the limit, on held-out run 2");
 }
 
 TEST_CASE("calibrate words: bad taxels by row and column, the worst one only where its criterion fails") {
@@ -114,7 +115,7 @@ TEST_CASE("calibrate words: bad taxels by row and column, the worst one only whe
     return text;
   };
   CHECK(bad({kDead}) == "0,1 dead; 1,2 saturated; ");
-  CHECK(bad({kDead, kWorst}) == "0,1 dead; 1,2 saturated; 1,0 mean error 3.40 psi, the largest; ");
+  CHECK(bad({kDead, kWorst}) == "0,1 dead; 1,2 saturated; 1,0 mean |error| 3.40 psi, the largest; ");
 }
 
 TEST_CASE("calibrate words: the words that carry on leave out what the profile and the defaults give") {

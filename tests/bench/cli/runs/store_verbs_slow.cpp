@@ -179,7 +179,7 @@ TEST_CASE("an older store is migrated by name, verified, snapshotted and checked
   const Finished verified = call(folder, {"verify", "1"});
   INFO(verified.out << verified.err);
   CHECK(verified.code == 0);
-  CHECK_THAT(verified.out, Catch::Contains("does not say which build made it") && Catch::Contains("8 verdicts"));
+  CHECK_THAT(verified.out, Catch::Contains("does not record which build made it") && Catch::Contains("8 verdicts"));
   CHECK(call(folder, {"db", "snapshot", "copy.db"}).code == 0);
   check_error(call(folder, {"db", "snapshot", "copy.db"}), 2, "TB-STORE-EXISTS");
   const Finished check = call(folder, {"db", "check", "copy.db", "--json"});

@@ -1,0 +1,18 @@
+// Pressures as people type them: a number with its unit, "20kPa", "0.2 bar", "3 psi". Recipes, bench files and the command
+// line take them where a key holds a pressure; a bare number keeps the unit of its key.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tactbench::sequences {
+
+// One of `unit` in psi: "psi", "kPa", "bar". Another word counts as psi.
+double psi_per_unit(std::string_view unit);
+// In psi; none when `text` is not a number followed by psi, kPa or bar (in any case, blanks allowed).
+std::optional<double> typed_pressure_psi(std::string_view text);
+// `value` as a bare number in `unit` where it is a pressure with a unit and `unit` is one, too; else unchanged.
+std::string as_number_in(std::string_view unit, const std::string& value);
+
+}  // namespace tactbench::sequences

@@ -1,0 +1,84 @@
+// --units as a person meets it: every verb that prints pressures, the profile's key, typed pressures, and what stays psi.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// A number with psi behind it, or psi as the unit of a column.
+bool shows_psi(const std::string& text) { return std::regex_search(text, std::regex(R"(\d psi\b|, psi\b)")); }
+
+std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+}  // namespace
+
+TEST_CASE("plan, recipes and errors in kPa and bar; JSON stays as it is") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> plan = {"plan", "production", "--steps"};
+  const std::string psi = call(folder, plan).out, kpa = call(folder, with(plan, {"--units", "kpa"})).out;
+  CHECK_THAT(psi, Catch::Contains("   60.0 psi") && Catch::Contains("limit 60.00 psi, margin 0.00 psi"));
+  CHECK_THAT(kpa, Catch::Contains("  413.7 kPa") && Catch::Contains("limit 413.7 kPa, margin 0.0 kPa") &&
+                      Catch::Contains("trip above 455.1 kPa"));
+  CHECK_FALSE(shows_psi(kpa));
+  CHECK(call(folder, with(plan, {"--json"})).out == call(folder, with(plan, {"--json", "--units", "bar"})).out);
+  CHECK_THAT(call(folder, {"recipes", "list", "--units", "bar"}).out, Catch::Contains("   4.14 bar  Prod"));
+  const Finished high = call(folder, {"plan", "production", "--set", "recipe.conditioning.peak=5bar", "--units", "bar"});
+  CHECK(high.code == 2);
+  CHECK_THAT(high.err, Catch::Contains("5.000 bar") && Catch::Contains("limit of 4.137 bar"));
+  const Finished wrong = call(folder, with(plan, {"--units", "mbar"}));
+  CHECK(wrong.code == 2);
+  CHECK_THAT(wrong.err, Catch::Contains("--units"));
+}
+
+TEST_CASE("units of the profile, a run, its verdicts and its report") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
+  write_file(folder.path("tactbench.toml"), read_file(folder.path("tactbench.toml")) + "units = \"kPa\"\n");
+  write_file(folder.path("small.toml"),
+             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
+             "repeats = 2\ndwell_s = 1.0\n");
+  REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
+  for (const char* seed : {"1", "2"}) {
+    const Finished run =
+        call(folder, {"run", "small.toml", "--sensor", "S-1", "-q", "--seed", seed, "--set", "settling.band_psi=2kPa"});
+    REQUIRE(run.code == 0);
+    CHECK_THAT(run.out, Catch::Contains("vented") && Catch::Contains("kPa"));
+    CHECK_FALSE(shows_psi(run.out));
+  }
+  const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "-q"});
+  CHECK_THAT(fit.out, Catch::Contains("|error|, kPa") && Catch::Contains("8.27 kPa") &&
+                          Catch::Contains("275.8 kPa increasing"));
+  CHECK_FALSE(shows_psi(fit.out));
+  CHECK_THAT(call(folder, {"fit", "1", "--held-out", "2", "-q", "--units", "bar"}).out,
+             Catch::Contains("|error|, bar") && Catch::Contains("0.0827 bar"));
+  CHECK_FALSE(shows_psi(call(folder, {"runs", "show", "1"}).out));
+
+  // The page: kPa with psi behind, or the other way round, of one number; the data do not change.
+  const auto report = [&](const char* unit, const char* file) {
+    return json::parse(call(folder, {"report", "1", "-o", file, "--json", "--units", unit}).out).at("number");
+  };
+  const json number = report("kPa", "kpa.html");
+  CHECK(report("psi", "psi.html") == number);
+  CHECK(report("bar", "bar.html") == number);
+  const std::string kpa = read_file(folder.path("kpa.html")), psi = read_file(folder.path("psi.html"));
+  CHECK_THAT(kpa, Catch::Contains("\u00A0kPa (60.0\u00A0psi)") && Catch::Contains("gauge pressure in kPa</text>") &&
+                      Catch::Contains("All pressures are gauge pressures"));
+  CHECK_THAT(psi, Catch::Contains("60.0\u00A0psi (413.7\u00A0kPa)") && Catch::Contains("gauge pressure in psi</text>"));
+  CHECK_THAT(read_file(folder.path("bar.html")), Catch::Contains("4.14\u00A0bar (60.0\u00A0psi)"));
+  const auto data = [](const std::string& page) { return page.substr(page.find("id=\"report-data\">")); };
+  CHECK(data(kpa) == data(psi));
+  write_file(folder.path("tactbench.toml"), "units = \"atm\"\n");
+  const Finished refused = call(folder, {"plan", "production"});
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Catch::Contains("use kPa, bar or psi"));
+}
