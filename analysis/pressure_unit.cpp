@@ -23,7 +23,8 @@ std::string without_signed_zero(std::string digits) {
 
 // Numbers as sentences have them, joined in a span: "40", "-0.6", "0 to 60", "8-60".
 const std::regex& stated_pressures() {
-  static const std::regex pattern(R"((^|[^A-Za-z0-9_.+-])([+-]?\d+(?:\.\d+)?(?:(?:-| to )[+-]?\d+(?:\.\d+)?)*) psi(?![A-Za-z0-9_]))");
+  static const std::regex pattern(
+      R"((^|[^A-Za-z0-9_.+-])([+-]?\d+(?:\.\d+)?(?:(?:-| to )[+-]?\d+(?:\.\d+)?)*) psi(?![A-Za-z0-9_]))");
   return pattern;
 }
 const std::regex& stated_number() {
@@ -123,7 +124,9 @@ std::string PressureUnit::rewritten(const std::string& text, bool both) const {
   });
 }
 
-std::string PressureUnit::in_text(const std::string& text) const { return kind_ == kPsi ? text : rewritten(text, false); }
+std::string PressureUnit::in_text(const std::string& text) const {
+  return kind_ == kPsi ? text : rewritten(text, false);
+}
 
 std::string PressureUnit::both_in_text(const std::string& text) const { return rewritten(text, true); }
 

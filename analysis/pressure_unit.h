@@ -1,5 +1,5 @@
-// The unit in which people see pressures: kPa, bar or psi. Data, files and computations stay in psi; every pressure that
-// is printed passes here, so that no table mixes units. All pressures are gauge pressures.
+// The unit in which people see pressures: kPa, bar or psi. Data, files and computations stay in psi; every pressure
+// that is printed passes here, so that no table mixes units. All pressures are gauge pressures.
 #pragma once
 
 #include <optional>
@@ -28,8 +28,8 @@ class PressureUnit {
   [[nodiscard]] std::string text(double psi, int digits) const;   // "68.9 kPa"
   // As short as it is exact to four digits: "40 psi", "275.8 kPa", "2.758 bar".
   [[nodiscard]] std::string short_text(double psi) const;
-  // A sentence of the program, which states pressures in psi ("40 psi up", "allowed is 0 to 60 psi", "2.5 psi/s"), in this
-  // unit: "275.8 kPa up". For texts that were stored, or come from where nothing is known of the reader.
+  // A sentence of the program, which states pressures in psi ("40 psi up", "allowed is 0 to 60 psi", "2.5 psi/s"), in
+  // this unit: "275.8 kPa up". For texts that were stored, or come from where nothing is known of the reader.
   [[nodiscard]] std::string in_text(const std::string& text) const;
   // The same with the other unit behind: "275.8 kPa (40 psi) up".
   [[nodiscard]] std::string both_in_text(const std::string& text) const;

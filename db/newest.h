@@ -1,4 +1,5 @@
-// The newest rows of a run that another process may be writing, without reading the others: for status and watch of a live run.
+// The newest rows of a run that another process may be writing, without reading the others: for status and watch of a
+// live run.
 #pragma once
 
 #include <cstdint>

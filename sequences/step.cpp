@@ -40,7 +40,8 @@ std::string step_line(const Step& step) {
                                  step.repeat, step.branch, step.ordinal);
   const bool of_pressure = step.kind == StepKind::kConditioning || step.kind == StepKind::kMeasure;
   if (of_pressure) {
-    line += fmt::format(": {} psi ({} to {} psi)", step.setpoint.value(), step.branch_from.value(), step.branch_to.value());
+    line +=
+        fmt::format(": {} psi ({} to {} psi)", step.setpoint.value(), step.branch_from.value(), step.branch_to.value());
   } else if (step.kind == StepKind::kPress) {
     line += fmt::format(": {} N ({} to {})", step.force_n, step.force_from_n, step.force_to_n);
   }

@@ -29,8 +29,8 @@ Markup pairs_table(const char* caption, const std::vector<Pair>& rows) {
 Markup level_headings(PressureUnit unit, int rows) {
   Markup out;
   for (const PressureUnit shown : {unit, unit.beside()})
-    out += markup("<th scope=\"col\"{} class=\"n\">{}</th>",
-                  rows > 1 ? markup(" rowspan=\"{}\"", rows) : markup(""), Text(shown.symbol()));
+    out += markup("<th scope=\"col\"{} class=\"n\">{}</th>", rows > 1 ? markup(" rowspan=\"{}\"", rows) : markup(""),
+                  Text(shown.symbol()));
   return out;
 }
 

@@ -110,7 +110,9 @@ std::string content_hash(const ReportInput& input, const std::vector<Markup>& pa
   const bool in_units_of_content = input.unit == content.unit;
   std::string hashes = db::sha256_hex(results) + db::sha256_hex(identification_json(content));
   for (std::size_t i = 0; i < parts.size(); ++i)
-    hashes += db::sha256_hex(kReportParts[i].names_runs || !in_units_of_content ? write_part(kReportParts[i], content).value : parts[i].value);
+    hashes +=
+        db::sha256_hex(kReportParts[i].names_runs || !in_units_of_content ? write_part(kReportParts[i], content).value
+                                                                          : parts[i].value);
   return db::sha256_hex(hashes);
 }
 
@@ -172,8 +174,9 @@ Markup opening(const ReportInput& input, const std::string& number) {
         "<p class=\"void\"><span class=\"sign\">✗</span> VOID: the run was declared void by {}: {} ({}). It no longer "
         "counts.</p>\n",
         Text(input.run.void_by), Text(input.run.void_reason), moment(input.run.void_utc));
-  out += markup("<p class=\"note\">{} Shown in {}, beside it in {}; 1 psi = 6.894757 kPa. <a href=\"#meaning\">Terms</a></p>\n",
-                Text(kGaugeInWords), Text(input.unit.symbol()), Text(input.unit.beside().symbol()));
+  out += markup(
+      "<p class=\"note\">{} Shown in {}, beside it in {}; 1 psi = 6.894757 kPa. <a href=\"#meaning\">Terms</a></p>\n",
+      Text(kGaugeInWords), Text(input.unit.symbol()), Text(input.unit.beside().symbol()));
   out += issue_table(input, number);
   return out;
 }

@@ -118,7 +118,8 @@ std::vector<std::string> view_lines(const RunView& view, analysis::PressureUnit 
 std::string view_line(const RunView& view, analysis::PressureUnit unit) {
   const RunStatus& status = view.live.status;
   return fmt::format("run {} {}: {}; {}; {}; {} stored", status.run, to_string(status.state),
-                     unit.in_text(status.phase), readings_text(status, unit), time_text(status), analysis::counted(status.frames, "frame"));
+                     unit.in_text(status.phase), readings_text(status, unit), time_text(status),
+                     analysis::counted(status.frames, "frame"));
 }
 
 namespace {

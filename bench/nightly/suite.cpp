@@ -57,7 +57,8 @@ Scenario read_scenario(const TomlTable& table, const std::set<std::string>& take
   for (const std::string& status : taxels.keys()) {
     if (const std::vector<std::string> known = {"dead", "stuck", "saturated", "unfit"};
         std::ranges::find(known, status) == known.end())
-      taxels.fail(status, fmt::format("'{}' is not a taxel's status", status), "use one of: " + fmt::format("{}", fmt::join(known, ", ")));
+      taxels.fail(status, fmt::format("'{}' is not a taxel's status", status),
+                  "use one of: " + fmt::format("{}", fmt::join(known, ", ")));
     scenario.taxels[status] = read_taxels(taxels, status);
   }
   const TomlTable verdicts = table.table("verdicts");

@@ -30,7 +30,7 @@ TEST_CASE("a typed pressure has a number and a unit, in any case") {
   for (const char* other : {"", "3", "kPa", "3 mbar", "3 psi 4", "nan psi", "0x3 psi", "3psi/s"})
     CHECK_FALSE(typed_pressure_psi(other).has_value());
   CHECK(as_number_in("kPa", "2 bar") == "200");
-  CHECK(as_number_in("psi", "12.5") == "12.5");   // a bare number keeps the unit of its key
+  CHECK(as_number_in("psi", "12.5") == "12.5");    // a bare number keeps the unit of its key
   CHECK(as_number_in("s", "20 kPa") == "20 kPa");  // a time is no pressure: the key's own error follows
 }
 

@@ -141,10 +141,9 @@ void check_found(const ArrayDynamics& found, const Dataset* rate, const Dataset*
                         fmt::format("run {} shows no creep: it holds no level for ten frames", creep->run),
                         "measure one that does: tactbench run creep-levels");
   if (rate != nullptr && found.rate_samples == 0)
-    throw AnalysisError(
-        "TB-ANALYSIS-DYNAMICS",
-        fmt::format("run {} shows no lag: no repeat of it takes twice as long as another", rate->run),
-        "measure one at several dwell times: tactbench run rate");
+    throw AnalysisError("TB-ANALYSIS-DYNAMICS",
+                        fmt::format("run {} shows no lag: no repeat of it takes twice as long as another", rate->run),
+                        "measure one at several dwell times: tactbench run rate");
 }
 
 // Lag and creep count pressures from 0.

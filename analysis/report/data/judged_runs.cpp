@@ -116,7 +116,8 @@ std::vector<const db::VerdictRecord*> across(const ReportInput& input, std::span
 
 Markup criteria_table(const ReportInput& input, std::span<const JudgedRun> runs) {
   Markup out = markup(
-      "<table class=\"levels even\"><caption>Requirements: value ± U and conformity on each run</caption><thead><tr><th "
+      "<table class=\"levels even\"><caption>Requirements: value ± U and conformity on each "
+      "run</caption><thead><tr><th "
       "scope=\"col\">requirement</th><th scope=\"col\">scope</th><th scope=\"col\" class=\"n\">tolerance limit</th>");
   for (const JudgedRun& run : runs) out += markup("<th scope=\"col\">{}</th>", Text(run.title));
   out += markup("</tr></thead><tbody>\n");
@@ -124,8 +125,9 @@ Markup criteria_table(const ReportInput& input, std::span<const JudgedRun> runs)
   for (const db::VerdictRecord& verdict : input.verdicts) {
     if (std::ranges::find(written, std::pair(verdict.criterion, verdict.scope)) != written.end()) continue;
     written.emplace_back(verdict.criterion, verdict.scope);
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}", stated(criterion_in_words(verdict.criterion)),
-                  stated(scope_in_both_units(verdict.scope, input.unit)), number_cell(judged_limit(verdict, input.unit)));
+    out +=
+        markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}", stated(criterion_in_words(verdict.criterion)),
+               stated(scope_in_both_units(verdict.scope, input.unit)), number_cell(judged_limit(verdict, input.unit)));
     for (const db::VerdictRecord* own : across(input, runs, verdict)) {
       if (own == nullptr) {
         out += markup("<td>–</td>");

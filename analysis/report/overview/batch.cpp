@@ -23,8 +23,6 @@ using html::Text;
 
 namespace {
 
-constexpr std::size_t kMostNamedLoops = 5;  // as there are line styles
-
 struct BatchColumn {
   const OverviewFigure* figure;
   std::vector<double> values, scores;  // one a run
@@ -194,11 +192,11 @@ Markup histograms_part(const std::vector<ReportInput>& runs, const std::vector<B
     const Spread spread = spread_of(histogram.values);
     const int digits = is_pressure(figure) ? unit.digits(figure.digits) : figure.digits;
     if (spread.count == 0) continue;
-    figures.push_back(markup("<figure>{}<figcaption>{}; {}: {} to {}, median {}.{}</figcaption></figure>\n",
-                             histogram_chart(histogram), Text(name), Text(counted(spread.count, "run")),
-                             html::fixed(spread.low, digits), html::fixed(spread.high, digits),
-                             html::fixed(spread.median, digits),
-                             Text(limits.size() > 1 ? " The runs were judged by several tolerance limits: none is drawn." : "")));
+    figures.push_back(
+        markup("<figure>{}<figcaption>{}; {}: {} to {}, median {}.{}</figcaption></figure>\n",
+               histogram_chart(histogram), Text(name), Text(counted(spread.count, "run")),
+               html::fixed(spread.low, digits), html::fixed(spread.high, digits), html::fixed(spread.median, digits),
+               Text(limits.size() > 1 ? " The runs were judged by several tolerance limits: none is drawn." : "")));
   }
   Markup out = markup("<div class=\"keep\"><h2 id=\"histograms\">Distributions and limits</h2>\n");
   for (std::size_t i = 0; i < figures.size(); ++i) {
@@ -209,36 +207,6 @@ Markup histograms_part(const std::vector<ReportInput>& runs, const std::vector<B
     if (i == 1 || (last && i == 0)) out += markup("</div>\n");  // the heading stays with the first two
   }
   if (figures.empty()) out += markup("<p>not available</p>\n</div>\n");
-  return out;
-}
-
-Markup loops_overlaid(const std::vector<ReportInput>& runs) {
-  LineChart chart{.title = "Mean external loops of the indication of all runs",
-                  .x_label = "gauge pressure",
-                  .y_label = "output in V",
-                  .series = {},
-                  .width = 682,
-                  .height = 285};
-  const bool named = runs.size() <= kMostNamedLoops;
-  for (const ReportInput& run : runs) {
-    const Behaviour& b = run.behaviour;
-    if (b.loops.empty()) continue;
-    const RawLoop& loop = b.loops.front();
-    Series series{.name = named ? sensor_and_run(run) : std::string(),
-                  .x = b.pressure_psi,
-                  .y = loop.up_v,
-                  .style = named ? static_cast<int>(chart.series.size()) : 0};
-    series.x.insert(series.x.end(), b.pressure_psi.rbegin(), b.pressure_psi.rend());
-    series.y.insert(series.y.end(), loop.down_v.rbegin(), loop.down_v.rend());
-    chart.series.push_back(std::move(series));
-  }
-  Markup out = markup("<h2 id=\"loops\">Mean loops</h2>\n");
-  if (chart.series.empty()) {
-    out += markup("<p>not available</p>\n");
-    return out;
-  }
-  out += markup("<figure>{}<figcaption>External loops of the mean taxels, {}.</figcaption></figure>\n",
-                line_chart(pressure_along(chart, runs.front().unit)), Text(counted(chart.series.size(), "run")));
   return out;
 }
 

@@ -57,7 +57,8 @@ Markup who_table(const ReportInput& a, const ReportInput& b) {
                   moment(i.run.void_utc), Text(i.run.void_reason));
   });
   both("SHA-256 of the run’s content", [](const ReportInput& i) { return code(i.run.content_sha256); });
-  both("all requirements together", [](const ReportInput& i) { return overall_cell(i, "no tolerance limits were given"); });
+  both("all requirements together",
+       [](const ReportInput& i) { return overall_cell(i, "no tolerance limits were given"); });
   out += markup("</tbody></table>\n");
   return out;
 }
@@ -70,11 +71,10 @@ Markup figures_rows(const ReportInput& a, const ReportInput& b) {
       "<th scope=\"col\" class=\"n\">change, %</th></tr></thead><tbody>\n");
   for (const OverviewFigure& figure : overview_figures()) {
     const double x = figure.value(a), y = figure.value(b);
-    out +=
-        markup("<tr><th scope=\"row\">{}</th>{}{}{}{}</tr>\n", Text(name_of(figure, a.unit)),
-               number_cell(shown_figure(figure, x, a.unit)), number_cell(shown_figure(figure, y, a.unit)),
-               number_cell(shown_figure(figure, y - x, a.unit)),
-               number_cell(x != 0.0 && std::isfinite(y / x) ? html::percent(y / x - 1.0, 1) : Text("–")));
+    out += markup("<tr><th scope=\"row\">{}</th>{}{}{}{}</tr>\n", Text(name_of(figure, a.unit)),
+                  number_cell(shown_figure(figure, x, a.unit)), number_cell(shown_figure(figure, y, a.unit)),
+                  number_cell(shown_figure(figure, y - x, a.unit)),
+                  number_cell(x != 0.0 && std::isfinite(y / x) ? html::percent(y / x - 1.0, 1) : Text("–")));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -99,7 +99,8 @@ Markup found_and_left(const ReportInput& a, const ReportInput& b) {
   };
   row("mean absolute error", html::pressure(found.mean_error_psi, unit, 3),
       html::pressure(left.mean_error_psi, unit, 3));
-  row("maximum absolute error", html::pressure(found.max_error_psi, unit, 2), html::pressure(left.max_error_psi, unit, 2));
+  row("maximum absolute error", html::pressure(found.max_error_psi, unit, 2),
+      html::pressure(left.max_error_psi, unit, 2));
   row("mean absolute error of the worst taxel", html::pressure(found.worst_taxel_mean_error_psi, unit, 3),
       html::pressure(left.worst_taxel_mean_error_psi, unit, 3));
   row("hysteresis, mean over taxels, % FS", html::percent(found.comp_distance, 2),
@@ -107,7 +108,8 @@ Markup found_and_left(const ReportInput& a, const ReportInput& b) {
   row("hysteresis of the mean of all pressures, % FS", html::percent(found.comp_distance_of_mean, 2),
       html::percent(left.comp_distance_of_mean, 2));
   out += markup(
-      "</tbody></table>\n<p class=\"note\">As found: how well the sensor measured until now. As left: the fit’s own run, "
+      "</tbody></table>\n<p class=\"note\">As found: how well the sensor measured until now. As left: the fit’s own "
+      "run, "
       "the calibration data; only other runs are independent verification.</p>\n");
   return out;
 }
@@ -157,8 +159,8 @@ Markup ratio_figures(const ReportInput& a, const ReportInput& b, const std::vect
   const Spread spread = spread_of(ratios);
   if (spread.count == 0) return markup("<p>Taxel by taxel: not available, the runs share no level or shape.</p>\n");
   const ColourScale scale{spread.low, spread.high > spread.low ? spread.high : spread.low + 1e-3};
-  Markup map = frame_map({"Output of each taxel, second run over first, at one level, pressure increasing", a.health.rows,
-                          a.health.columns, ratios, scale, 180.0});
+  Markup map = frame_map({"Output of each taxel, second run over first, at one level, pressure increasing",
+                          a.health.rows, a.health.columns, ratios, scale, 180.0});
   map += colour_bar(scale, "Colour scale of the ratios", "×", 3);
   const Histogram histogram{.title = "Ratio of outputs, number of taxels",
                             .x_label = "second over first",
@@ -173,8 +175,8 @@ Markup ratio_figures(const ReportInput& a, const ReportInput& b, const std::vect
       "{}, "
       "median {}. A cross: not in both.</figcaption></figure>\n<figure>{}<figcaption>The same, number of "
       "taxels.</figcaption></figure>\n</div>\n",
-      map, html::pressure(b.behaviour.equilibration_psi, a.unit, 1), html::fixed(spread.low, 3), html::fixed(spread.high, 3),
-      html::fixed(spread.median, 3), histogram_chart(histogram));
+      map, html::pressure(b.behaviour.equilibration_psi, a.unit, 1), html::fixed(spread.low, 3),
+      html::fixed(spread.high, 3), html::fixed(spread.median, 3), histogram_chart(histogram));
 }
 
 Markup health_changes(const ReportInput& a, const ReportInput& b) {

@@ -32,6 +32,7 @@ std::string content_of_run(const ReportInput& input);  // JSON: run, sensor, ori
 std::optional<Verdict> overall_of(const ReportInput& input);
 html::Markup overall_cell(const ReportInput& input, const char* without_limits);
 
-std::string sensor_and_run(const ReportInput& input);  // "SIM-0001, run 3"
+html::Markup loops_overlaid(const std::vector<ReportInput>& runs);  // section "Mean loops"
+std::string sensor_and_run(const ReportInput& input);               // "SIM-0001, run 3"
 
 }  // namespace tactbench::analysis

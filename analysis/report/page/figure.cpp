@@ -104,7 +104,9 @@ Markup stroke(const LineStyle& style, bool points) {
 }
 
 // The axis' own range in the other unit.
-Range scaled(const Range& range, const SecondScale& beside) { return {range.low * beside.factor, range.high * beside.factor}; }
+Range scaled(const Range& range, const SecondScale& beside) {
+  return {range.low * beside.factor, range.high * beside.factor};
+}
 
 int wanted_along(const LineChart& chart) { return chart.width < 450 ? 6 : 10; }
 int wanted_up(const LineChart& chart) { return chart.height < 220 ? 4 : 6; }

@@ -32,8 +32,8 @@ struct LineChart {
   SecondScale x_beside = {}, y_beside = {};
 };
 
-// Charts of pressures: series in psi become series in `unit`, the label gains it ("gauge pressure" -> "gauge pressure in
-// kPa"), and unless the chart is narrow the other unit stands on the opposite edge.
+// Charts of pressures: series in psi become series in `unit`, the label gains it ("gauge pressure" -> "gauge pressure
+// in kPa"), and unless the chart is narrow the other unit stands on the opposite edge.
 LineChart pressure_along(LineChart chart, PressureUnit unit);  // x is a pressure
 LineChart pressure_up(LineChart chart, PressureUnit unit);     // y is a pressure
 LineChart pressures(LineChart chart, PressureUnit unit);       // both
@@ -81,8 +81,8 @@ struct FrameMap {
 
 // One path per colour bin (32): a frame costs about 4 kB.
 html::Markup frame_map(const FrameMap& map);
-// The same, large, with the value in each cell; for few maps per report. kTwoSignificant for `digits`: as the GUM rounds
-// an uncertainty, each value by itself.
+// The same, large, with the value in each cell; for few maps per report. kTwoSignificant for `digits`: as the GUM
+// rounds an uncertainty, each value by itself.
 inline constexpr int kTwoSignificant = -1;
 html::Markup numbered_map(const FrameMap& map, int digits);
 // The scale with its two ends.

@@ -13,10 +13,24 @@ int gum_decimals(double expanded) {
   return std::clamp(1 - exponent, 0, 9);
 }
 
-html::Text gum_uncertainty(double expanded) { return html::fixed(expanded, gum_decimals(expanded)); }
+namespace {
+
+// 106 has two significant digits as 110, and its value is then rounded to tens, too.
+double rounded_beside(double value, double expanded) {
+  if (!std::isfinite(value) || !std::isfinite(expanded) || expanded < 99.5) return value;
+  const double place = std::pow(10.0, std::floor(std::log10(expanded)) - 1.0);
+  return place * std::nearbyint(value / place);
+}
+
+}  // namespace
+
+html::Text gum_uncertainty(double expanded) {
+  return html::fixed(rounded_beside(expanded, expanded), gum_decimals(expanded));
+}
 
 html::Markup gum_value(double value, double expanded) {
-  return html::markup("{} ± {}", html::fixed(value, gum_decimals(expanded)), gum_uncertainty(expanded));
+  return html::markup("{} ± {}", html::fixed(rounded_beside(value, expanded), gum_decimals(expanded)),
+                      gum_uncertainty(expanded));
 }
 
 html::Markup gum_pressure(double expanded_psi, PressureUnit unit) {

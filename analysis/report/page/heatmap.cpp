@@ -154,9 +154,10 @@ Markup numbered_map(const FrameMap& map, int digits) {
       if (bin < 0) continue;
       // Black on colours above 0.18 of luminance, else white: at least 4.5:1 either way.
       const bool dark = luminance(colour_at(middle_of(bin))) < 0.18;
-      out += markup("<text class=\"cell\" x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", CssNumber(size * (column + 0.5), 1),
-                    CssNumber(size * (row + 0.5) + 3.2, 1), Attribute(dark ? "#ffffff" : "#000000"),
-                    digits == kTwoSignificant ? gum_uncertainty(map.values[cell]) : html::fixed(map.values[cell], digits));
+      out +=
+          markup("<text class=\"cell\" x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", CssNumber(size * (column + 0.5), 1),
+                 CssNumber(size * (row + 0.5) + 3.2, 1), Attribute(dark ? "#ffffff" : "#000000"),
+                 digits == kTwoSignificant ? gum_uncertainty(map.values[cell]) : html::fixed(map.values[cell], digits));
     }
   }
   out += markup("</svg>");

@@ -42,7 +42,8 @@ std::string page_of(const Page& page) {
   name.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(name.front())));
   text += markup(
       "</main>\n<footer>\n<p>End of {} {}. The data behind each figure stand in this file as JSON (element "
-      "“report-data”); shares of full scale are not in per cent there, and null means not available.</p>\n</footer>\n",
+      "“report-data”); pressures are in psi there, shares of full scale are not in per cent, and null means not "
+      "available.</p>\n</footer>\n",
       Text(name), Text(page.number));
   text += markup("<script type=\"application/json\" id=\"report-data\">");
   text += html::JsonInHtml(page.json);

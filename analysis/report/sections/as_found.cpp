@@ -89,10 +89,12 @@ Markup found_verdicts(const ReportInput& input) {
   if (!states_conformity(as_found)) return {};
   Markup rows;
   for (const db::VerdictRecord& verdict : found.verdicts)
-    rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n",
-                   html::stated(criterion_in_words(verdict.criterion)), html::stated(scope_in_both_units(verdict.scope, input.unit)),
-                   number_cell(judged_value(nullptr, verdict, input.unit)), number_cell(judged_limit(verdict, input.unit)),
-                   verdict_mark(verdict_in(verdict), is_simulated(input)));
+    rows +=
+        markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}<td>{}</td></tr>\n",
+               html::stated(criterion_in_words(verdict.criterion)),
+               html::stated(scope_in_both_units(verdict.scope, input.unit)),
+               number_cell(judged_value(nullptr, verdict, input.unit)), number_cell(judged_limit(verdict, input.unit)),
+               verdict_mark(verdict_in(verdict), is_simulated(input)));
   Markup out = markup("<p>As found: {}. As left: {}{}.</p>\n", verdict_mark(*as_found, is_simulated(input)),
                       as_left ? verdict_mark(*as_left, is_simulated(input)) : markup("no verdict"),
                       Text(as_left ? condition_in_words(*as_left, input.judgement) : ""));
@@ -203,7 +205,8 @@ Markup as_found_section(const ReportInput& input) {
         html::stated(input.more.previous->model), html::Text(counted(input.more.previous->fitted_taxels, "taxel")));
   } else {
     out += markup(
-        "<p>As found: not assessed, no earlier models were named. Whether measurements made with them stand, this report "
+        "<p>As found: not assessed, no earlier models were named. Whether measurements made with them stand, this "
+        "report "
         "does not show.</p>\n");
   }
   out += found_verdicts(input);

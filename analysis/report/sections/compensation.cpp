@@ -63,9 +63,10 @@ Markup trace_errors(const std::vector<TaxelTrace>& traces, PressureUnit unit) {
       "<tbody>\n");
   for (const TaxelTrace& trace : traces) {
     const Deviation error = deviation(trace.estimate_psi, trace.pressure_psi);
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"n\">{}</td>{}{}</tr>\n", Text(trace.taxel.title),
-                  html::stated(trace.sequence), trace.pressure_psi.size(), number_cell(html::pressure(error.mean, unit, 3)),
-                  number_cell(html::pressure(error.maximum, unit, 2)));
+    out +=
+        markup("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"n\">{}</td>{}{}</tr>\n", Text(trace.taxel.title),
+               html::stated(trace.sequence), trace.pressure_psi.size(),
+               number_cell(html::pressure(error.mean, unit, 3)), number_cell(html::pressure(error.maximum, unit, 2)));
   }
   out += markup("</tbody></table>\n");
   return out;

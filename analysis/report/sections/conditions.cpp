@@ -49,7 +49,7 @@ Markup conditions_part(const ReportInput& input) {
       "use</caption><thead><tr><th scope=\"col\">condition</th><th scope=\"col\" class=\"n\">median "
       "</th><th scope=\"col\" class=\"n\">95 % of levels and taxels are below</th><th scope=\"col\">rests "
       "on</th></tr></thead><tbody>\n");
-  for (const ConditionUncertainty& condition : input.uncertainty->conditions) 
+  for (const ConditionUncertainty& condition : input.uncertainty->conditions)
     out += condition_row(condition, input.unit);
   out += markup(
       "</tbody></table></div>\n<p class=\"note\">A condition that is named “not valid for this” was not assessed: no U "

@@ -65,10 +65,9 @@ Markup strip_markup(const ContactResult& contact, const ContactStrip& strip, int
     out += markup("<tr><th scope=\"row\">{}</th>", Text(rising ? "incr." : "decr."));
     for (const double target : targets) {
       const ContactLevel* level = level_at(contact, target, rising);
-      out += level == nullptr
-                 ? cell(Text("–"))
-                 : picture(fmt::format("{}, {}, {:g} N", strip.what, branch_in_words(rising), target),
-                           level->*strip.frame, strip.scale);
+      out += level == nullptr ? cell(Text("–"))
+                              : picture(fmt::format("{}, {}, {:g} N", strip.what, branch_in_words(rising), target),
+                                        level->*strip.frame, strip.scale);
     }
     out += markup("</tr>\n<tr><th scope=\"row\">s, % FS</th>");
     for (const double target : targets) {
@@ -124,7 +123,8 @@ Markup contact_frames_part(const ContactResult& contact, int rows, int columns, 
       worse += fmt::format("{}{:g} N", worse.empty() ? "" : ", ", targets[i]);
   if (!worse.empty())
     out += markup(
-        "<p><span class=\"worse\"><span class=\"sign\">▲</span> Hysteresis of the corrected indication larger than that of the "
+        "<p><span class=\"worse\"><span class=\"sign\">▲</span> Hysteresis of the corrected indication larger than "
+        "that of the "
         "indication</span> at "
         "{}.</p>\n",
         Text(worse));

@@ -153,18 +153,17 @@ Markup frames_section(const ReportInput& input) {
   // A corrected indication is clamped to the range of the external loop, so full pressure ends the scale.
   const ColourScale full{0.0, evaluation.full_scale_psi > 0.0 ? evaluation.full_scale_psi : 1.0};
 
-  const Strip raw{
-      "frames-raw",
-      "Indication: output voltage",
-      "Indication",
-      &LevelFigures::raw_up_v,
-      &LevelFigures::raw_down_v,
-      &LevelFigures::raw_std_up,
-      &LevelFigures::raw_std_down,
-      &LevelFigures::raw_distance,
-      evaluation.full_scale_v,
-      volts,
-      distance_scale(levels, &LevelFigures::raw_up_v, &LevelFigures::raw_down_v, evaluation.full_scale_v)};
+  const Strip raw{"frames-raw",
+                  "Indication: output voltage",
+                  "Indication",
+                  &LevelFigures::raw_up_v,
+                  &LevelFigures::raw_down_v,
+                  &LevelFigures::raw_std_up,
+                  &LevelFigures::raw_std_down,
+                  &LevelFigures::raw_distance,
+                  evaluation.full_scale_v,
+                  volts,
+                  distance_scale(levels, &LevelFigures::raw_up_v, &LevelFigures::raw_down_v, evaluation.full_scale_v)};
   const Strip compensated{
       "frames-compensated",
       "Corrected indication: pressure",
@@ -182,9 +181,11 @@ Markup frames_section(const ReportInput& input) {
   out += colour_bar(raw.distance_scale, "Colour scale of the hysteresis of the indication", "% FS", 0);
   out += StripWriter(input, levels, compensated).write();
   out += pressure_bar(full, "Colour scale of the frames of the corrected indication", input.unit, 0);
-  out += colour_bar(compensated.distance_scale, "Colour scale of the hysteresis of the corrected indication", "% FS", 0);
+  out +=
+      colour_bar(compensated.distance_scale, "Colour scale of the hysteresis of the corrected indication", "% FS", 0);
   out += markup(
-      "<p class=\"note\">Row 0 on top, column 0 on the left. Below each strip stand its colour scales, of the frames and "
+      "<p class=\"note\">Row 0 on top, column 0 on the left. Below each strip stand its colour scales, of the frames "
+      "and "
       "of the hysteresis (hyst.), the difference between increasing (incr.) and decreasing (decr.) pressure. A cross "
       "marks a taxel without a value (no model). s: standard deviation over the taxels with a model. FS of the "
       "indication: highest mean output, {} V; of the corrected indication: full pressure, {}. At the top of the range "

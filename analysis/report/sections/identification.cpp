@@ -90,7 +90,8 @@ Markup identification_section(const ReportInput& input) {
       {"accreditation", accredited ? markup("No. {}", Text(laboratory.accreditation))
                                    : line(Text("This report was not issued by an accredited laboratory."))}};
   const std::vector<Traceability> traced = traceability_of(input);
-  for (const Traceability& one : traced) laboratory_rows.push_back({one.title.c_str(), line(Text(input.unit.both_in_text(one.statement)))});
+  for (const Traceability& one : traced)
+    laboratory_rows.push_back({one.title.c_str(), line(Text(input.unit.both_in_text(one.statement)))});
   laboratory_rows.push_back({"remarks", line(stated(laboratory.remarks))});
   out += pairs_table("Laboratory and customer", laboratory_rows);
   out += pairs_table(

@@ -29,18 +29,17 @@ Markup level_charts(const Evaluation& evaluation, int fitted, PressureUnit unit)
     only_observable.y[i] = 100.0 * observable(evaluation.levels[i], &LevelFigures::comp_distance_observable, fitted);
   }
   Markup out = markup("<div class=\"pair\">\n");
-  out +=
-      markup("<figure>{}<figcaption>Hysteresis, mean over the taxels.</figcaption></figure>\n",
-             line_chart(pressure_along({.title = "Hysteresis of indication and corrected indication per level",
-                                        .x_label = "gauge pressure",
-                                        .y_label = "hysteresis in % FS",
-                                        .series = {series("indication", &LevelFigures::raw_distance, 1),
-                                                   series("corrected", &LevelFigures::comp_distance, 2),
-                                                   only_observable},
-                                        .width = 335,
-                                        .height = 285,
-                                        .y_from_zero = true},
-                                       unit)));
+  out += markup(
+      "<figure>{}<figcaption>Hysteresis, mean over the taxels.</figcaption></figure>\n",
+      line_chart(pressure_along({.title = "Hysteresis of indication and corrected indication per level",
+                                 .x_label = "gauge pressure",
+                                 .y_label = "hysteresis in % FS",
+                                 .series = {series("indication", &LevelFigures::raw_distance, 1),
+                                            series("corrected", &LevelFigures::comp_distance, 2), only_observable},
+                                 .width = 335,
+                                 .height = 285,
+                                 .y_from_zero = true},
+                                unit)));
   out += markup("<figure>{}<figcaption>Non-uniformity: standard deviation s over the taxels.</figcaption></figure>\n",
                 line_chart(pressure_along(
                     {.title = "Standard deviation over the taxels per level, indication and corrected indication",
@@ -106,7 +105,8 @@ Markup summary(const Evaluation& evaluation, PressureUnit unit) {
         "<li>{}: <span class=\"worse\"><span class=\"sign\">▲</span> larger at {} of {} levels</span> ({} {}).</li>\n",
         Text(what), count, evaluation.levels.size(), Text(list), Text(unit.symbol()));
   };
-  Markup out = markup("<p>Where the corrected indication is worse than the indication, as a share of full scale:</p>\n<ul>\n");
+  Markup out =
+      markup("<p>Where the corrected indication is worse than the indication, as a share of full scale:</p>\n<ul>\n");
   out += line("hysteresis", worse_distance, distance);
   out += line("non-uniformity (s), increasing or decreasing", worse_mismatch, mismatch);
   out += markup("</ul>\n");
@@ -143,11 +143,13 @@ Markup levels_section(const ReportInput& input) {
       Text(input.unit.symbol()), level_headings(input.unit));
   for (const LevelFigures& level : evaluation.levels) out += level_row(level, fitted, input.unit);
   out += markup(
-      "</tbody></table></div>\n<p class=\"note\">incr., decr.: pressure increasing, decreasing. Reference value: mean of "
+      "</tbody></table></div>\n<p class=\"note\">incr., decr.: pressure increasing, decreasing. Reference value: mean "
+      "of "
       "the sweeps. s: non-uniformity, the standard deviation over the taxels with a model. Hysteresis: mean over them "
       "of the difference between increasing and decreasing pressure. Flat taxels: their output changed too little with "
       "decreasing pressure, measured by their noise, for the pressure to be observable; “without flat” leaves them out "
-      "(not available where none is left). Worst taxel: its hysteresis, flat or not. FS of the indication: {} V; of the "
+      "(not available where none is left). Worst taxel: its hysteresis, flat or not. FS of the indication: {} V; of "
+      "the "
       "corrected indication: {}.</p>\n",
       html::fixed(evaluation.full_scale_v, 3), html::pressure(evaluation.full_scale_psi, input.unit, 1));
   return out;

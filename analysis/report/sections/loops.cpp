@@ -28,16 +28,17 @@ Markup figure(const LineChart& chart, const std::string& caption) {
 Markup trace_figures(const Trace& trace, const std::string& model, PressureUnit unit) {
   const std::string of = "mean taxel, sequence " + trace.sequence;
   Markup out = markup("<div class=\"keep\"><h3>Sequence {}</h3>\n<div class=\"pair\">\n", html::stated(trace.sequence));
-  out += figure(
-      pressure_along({.title = fmt::format("Output voltage measured and by the {} model against pressure, {}", model, of),
-                      .x_label = "reference value",
-                      .y_label = "output in V",
-                      .series = {{"measured", trace.pressure_psi, trace.measured_v, 0, false},
-                                 {model + " model", trace.pressure_psi, trace.model_v, 1, false}},
-                      .width = 335,
-                      .height = 265},
-                     unit),
-      "Measured output and direct model.");
+  out +=
+      figure(pressure_along(
+                 {.title = fmt::format("Output voltage measured and by the {} model against pressure, {}", model, of),
+                  .x_label = "reference value",
+                  .y_label = "output in V",
+                  .series = {{"measured", trace.pressure_psi, trace.measured_v, 0, false},
+                             {model + " model", trace.pressure_psi, trace.model_v, 1, false}},
+                  .width = 335,
+                  .height = 265},
+                 unit),
+             "Measured output and direct model.");
   LineChart compensated{.title = "Corrected indication against reference value, " + of,
                         .x_label = "reference value",
                         .y_label = "corrected indication",
@@ -48,7 +49,8 @@ Markup trace_figures(const Trace& trace, const std::string& model, PressureUnit 
   if (range.count > 1) {
     compensated.series.push_back({"ideal", {range.low, range.high}, {range.low, range.high}, 0, false});
   }
-  out += figure(pressures(std::move(compensated), unit), "Corrected indication (inverse model) against the reference value.");
+  out += figure(pressures(std::move(compensated), unit),
+                "Corrected indication (inverse model) against the reference value.");
   out += markup("</div></div>\n");
   std::vector<double> residual_mv;
   for (std::size_t i = 0; i < trace.pressure_psi.size() && i < trace.model_v.size() && i < trace.measured_v.size();
@@ -88,16 +90,18 @@ Markup loops_section(const ReportInput& input) {
       "<th scope=\"colgroup\" colspan=\"2\">corrected indication less reference value</th></tr><tr>"
       "<th scope=\"col\" class=\"n\">mean, V</th><th scope=\"col\" class=\"n\">mean, % FS</th>"
       "<th scope=\"col\" class=\"n\">maximum, V</th><th scope=\"col\" class=\"n\">maximum, % FS</th>"
-      "<th scope=\"col\" class=\"n\">mean |error|</th><th scope=\"col\" class=\"n\">maximum</th></tr></thead><tbody>\n");
+      "<th scope=\"col\" class=\"n\">mean |error|</th><th scope=\"col\" "
+      "class=\"n\">maximum</th></tr></thead><tbody>\n");
   for (const Trace& trace : input.evaluation.traces) {
     const TraceErrors errors = errors_of(trace);
-    out += markup(
-        "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td>{}{}{}{}{}{}</tr>\n", html::stated(trace.sequence),
-        trace.pressure_psi.size(), number_cell(html::fixed(errors.model.mean, 4)),
-        number_cell(html::percent(errors.model.mean / full_scale, 2)),
-        number_cell(html::fixed(errors.model.maximum, 4)),
-        number_cell(html::percent(errors.model.maximum / full_scale, 2)),
-        number_cell(html::pressure(errors.compensated.mean, input.unit, 2)), number_cell(html::pressure(errors.compensated.maximum, input.unit, 2)));
+    out +=
+        markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td>{}{}{}{}{}{}</tr>\n", html::stated(trace.sequence),
+               trace.pressure_psi.size(), number_cell(html::fixed(errors.model.mean, 4)),
+               number_cell(html::percent(errors.model.mean / full_scale, 2)),
+               number_cell(html::fixed(errors.model.maximum, 4)),
+               number_cell(html::percent(errors.model.maximum / full_scale, 2)),
+               number_cell(html::pressure(errors.compensated.mean, input.unit, 2)),
+               number_cell(html::pressure(errors.compensated.maximum, input.unit, 2)));
   }
   out += markup("</tbody></table></div>\n<p class=\"note\">FS: highest mean output of the array, {} V.</p>\n",
                 html::fixed(full_scale, 3));

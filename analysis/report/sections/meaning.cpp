@@ -13,7 +13,8 @@ namespace {
 Markup terms_table() {
   static const std::vector<std::pair<const char*, const char*>> terms = {
       {"indication", "the output of a taxel as measured, in volt"},
-      {"corrected indication", "the pressure that the measurement model, the inverse of the hysteresis model, gives for it"},
+      {"corrected indication",
+       "the pressure that the measurement model, the inverse of the hysteresis model, gives for it"},
       {"reference value", "the pressure by the measurement standard, the pressure reference, when the frame was taken"},
       {"error", "corrected indication less reference value; mean absolute error: the mean of its size"},
       {"increasing, decreasing", "the direction of the pressure: loading, unloading"},
@@ -27,7 +28,8 @@ Markup terms_table() {
       {"calibration data", "the own run, which the models were made from"},
       {"verification data", "other runs, held out: the models were not made from them"},
       {"requirement, tolerance limit", "a figure that is judged, and the value that it must not exceed"},
-      {"statement of conformity", "whether all requirements are met by the decision rule: pass, fail or what lies between"},
+      {"statement of conformity",
+       "whether all requirements are met by the decision rule: pass, fail or what lies between"},
       {"FS", "full scale: the highest mean output in volt of the indication, the full pressure of the corrected one"}};
   Markup rows;
   for (const auto& [term, meaning] : terms)
@@ -83,7 +85,8 @@ Markup meaning_section(const ReportInput& input) {
         Text("Uniformity of the pressure over the chamber: not assessed. It would count as non-uniformity "
              "of the taxels."));
   }
-  item(Text("Shares of FS of the indication and of the corrected indication are shares of two quantities: see FS above."));
+  item(Text(
+      "Shares of FS of the indication and of the corrected indication are shares of two quantities: see FS above."));
   out += markup("</ul>\n");
   return out;
 }

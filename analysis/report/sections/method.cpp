@@ -79,7 +79,8 @@ Markup voids_table(const RunHistory& history, PressureUnit unit) {
     out += markup(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
         "<td>{}</td></tr>\n",
-        stated(branch.sequence), branch.repeat + 1, branch.branch + 1, branch.attempt + 1, stated(unit.both_in_text(branch.reason)));
+        stated(branch.sequence), branch.repeat + 1, branch.branch + 1, branch.attempt + 1,
+        stated(unit.both_in_text(branch.reason)));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -138,7 +139,8 @@ Markup method_part(const ReportInput& input) {
   if (!history.events.empty()) out += events_table(history, input.unit);
   const std::size_t longest = std::max(history.voids.size(), history.events.size());
   if (longest > kMostEventsListed)
-    out += markup("<p class=\"note\">The first {} of each are printed; all stand in the store.</p>\n", kMostEventsListed);
+    out +=
+        markup("<p class=\"note\">The first {} of each are printed; all stand in the store.</p>\n", kMostEventsListed);
   return out;
 }
 

@@ -72,12 +72,13 @@ Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   const auto source = [](const SensorDynamics::Source& from) {
     return markup("run {}, content {}", from.run, code(from.content_sha256));
   };
-  return pairs_table("Lag and creep that the models undo: the array's",
-                     {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
-                                     html::fixed(d.lag_s, 2))},
-                      {"lag taken from", source(fit.dynamics->rate)},
-                      {"creep", markup("{} of the output; half of it at {}", creep, html::pressure(d.creep_half, unit, 1))},
-                      {"creep taken from", source(fit.dynamics->creep)}});
+  return pairs_table(
+      "Lag and creep that the models undo: the array's",
+      {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
+                      html::fixed(d.lag_s, 2))},
+       {"lag taken from", source(fit.dynamics->rate)},
+       {"creep", markup("{} of the output; half of it at {}", creep, html::pressure(d.creep_half, unit, 1))},
+       {"creep taken from", source(fit.dynamics->creep)}});
 }
 
 std::vector<const ModelTaxel*> fitted(const SensorModel& fit) {
@@ -159,7 +160,8 @@ Markup unfitted_table(const SensorModel& fit) {
   }
   if (rows.value.empty()) return markup("<p>All {} taxels were fitted; none was left out.</p>\n", fit.array().size());
   return markup(
-      "<table><caption>Taxels without a model, left out of every figure of the corrected indication</caption><thead><tr>"
+      "<table><caption>Taxels without a model, left out of every figure of the corrected "
+      "indication</caption><thead><tr>"
       "<th scope=\"col\">taxel</th><th scope=\"col\">place</th><th scope=\"col\">state</th><th "
       "scope=\"col\">reason</th></tr>"
       "</thead><tbody>\n{}</tbody></table>\n",
@@ -172,12 +174,17 @@ Markup error_map(const ReportInput& input) {
   if (spread.count == 0) return markup("<p>Map of the error: not available</p>\n");
   const ColourScale scale{0.0, spread.high > 0.0 ? spread.high : 1.0};
   const PressureUnit unit = input.unit;
-  const FrameMap map{fmt::format("Mean absolute error of each taxel in {}", unit.symbol()), input.fit.rows,
-                     input.fit.columns, evaluation.taxel_mean_error_psi, scale, 416.0};
+  const FrameMap map{fmt::format("Mean absolute error of each taxel in {}", unit.symbol()),
+                     input.fit.rows,
+                     input.fit.columns,
+                     evaluation.taxel_mean_error_psi,
+                     scale,
+                     416.0};
   Markup out = markup("<figure>{}", numbered_map(pressure_map(map, unit), kTwoSignificant));
   out += pressure_bar(scale, "Colour scale of the error map", unit, 2);
   out += markup(
-      "<figcaption>Mean of |corrected indication − reference value| of each taxel over all frames, in {}. Row 0 on top, "
+      "<figcaption>Mean of |corrected indication − reference value| of each taxel over all frames, in {}. Row 0 on "
+      "top, "
       "column 0 on the left; a cross marks a taxel without a model.</figcaption></figure>\n",
       Text(unit.symbol()));
   return out;
@@ -222,7 +229,8 @@ Markup model_section(const ReportInput& input) {
   out += dynamics_table(input.fit, input.unit);
   out += distribution_table(input);
   out += markup(
-      "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose curve of "
+      "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose curve "
+      "of "
       "decreasing pressure is saturated are weakly determined: judge the error, not the parameter.</p>\n");
   out += unfitted_table(input.fit);
   if (is_elam(input.fit)) out += elam_parameters_part(input);

@@ -33,15 +33,15 @@ Markup model_panel(const ComparedTaxel& taxel, const ComparedSequence& sequence,
   for (std::size_t i = 0; i < model.model_v.size(); ++i)
     residual_mv.push_back(1000.0 * (model.model_v[i] - sequence.measured_v[i]));
   Markup out =
-      markup("<figure>{}", line_chart(pressure_along(
-                               {.title = "Output measured and by the model against pressure: " + of,
-                                .x_label = "gauge pressure",
-                                .y_label = "output in V",
-                                .series = {{"measured", sequence.pressure_psi, sequence.measured_v, 0},
-                                           {model_title(model.model), sequence.pressure_psi, model.model_v, 1}},
-                                .width = 335,
-                                .height = 225},
-                               unit)));
+      markup("<figure>{}",
+             line_chart(pressure_along({.title = "Output measured and by the model against pressure: " + of,
+                                        .x_label = "gauge pressure",
+                                        .y_label = "output in V",
+                                        .series = {{"measured", sequence.pressure_psi, sequence.measured_v, 0},
+                                                   {model_title(model.model), sequence.pressure_psi, model.model_v, 1}},
+                                        .width = 335,
+                                        .height = 225},
+                                       unit)));
   out += line_chart(pressure_along({.title = "Lack of fit, model minus measured: " + of,
                                     .x_label = "gauge pressure",
                                     .y_label = "residual in mV",

@@ -23,7 +23,8 @@ Markup force_table(const ContactResult& contact) {
       "force of the array against the force sensor, means over {} a level</caption><thead><tr>"
       "<th scope=\"col\" rowspan=\"2\" class=\"n\">level, N</th><th scope=\"col\" rowspan=\"2\" class=\"n\">force</th>"
       "<th scope=\"col\" rowspan=\"2\" class=\"n\">force sensor, N</th>"
-      "<th scope=\"colgroup\" colspan=\"3\">indication</th><th scope=\"colgroup\" colspan=\"3\">corrected</th></tr><tr>",
+      "<th scope=\"colgroup\" colspan=\"3\">indication</th><th scope=\"colgroup\" "
+      "colspan=\"3\">corrected</th></tr><tr>",
       contact.run, Text(counted(contact.levels.front().frames, "frame")));
   for (int way = 0; way < 2; ++way)
     out += markup(
@@ -82,8 +83,8 @@ Markup place_table(const ContactResult& contact) {
 }
 
 Markup force_charts(const ContactResult& contact) {
-  Series raw_up{"indication, incr.", {}, {}, 1}, raw_down{"indication, decr.", {}, {}, 4}, up{"corrected, incr.", {}, {}, 2},
-      down{"corrected, decr.", {}, {}, 3};
+  Series raw_up{"indication, incr.", {}, {}, 1}, raw_down{"indication, decr.", {}, {}, 4},
+      up{"corrected, incr.", {}, {}, 2}, down{"corrected, decr.", {}, {}, 3};
   double highest = 0.0;
   for (const ContactLevel& level : contact.levels) {
     highest = std::max(highest, level.force_n);

@@ -57,7 +57,8 @@ Markup loops_figure(const Behaviour& b, int columns, PressureUnit unit) {
     chart.series.push_back({loop_name(loop, columns), pressure, output, style++, false});
   }
   return markup(
-      "<figure>{}<figcaption>External loops, increasing pressure below and decreasing above, on set-points. Best, median "
+      "<figure>{}<figcaption>External loops, increasing pressure below and decreasing above, on set-points. Best, "
+      "median "
       "and worst by the mean hysteresis.</figcaption></figure>\n",
       line_chart(pressure_along(std::move(chart), unit)));
 }
@@ -80,7 +81,8 @@ Markup hysteresis_table(const Behaviour& b, const Evaluation& evaluation, int co
   row(Text("published sensor, for orientation"), Text("25.3"), Text("10.0"), Text("–"));
   out += markup(
       "</tbody></table>\n<p class=\"note\">Hysteresis: difference of the outputs at one level between increasing and "
-      "decreasing pressure, maximum and mean over the levels of the external loop. FS: the highest output of that loop. Published "
+      "decreasing pressure, maximum and mean over the levels of the external loop. FS: the highest output of that "
+      "loop. Published "
       "sensor: Sánchez-Durán et al., Sensors 2015; it is not a limit.</p>\n");
   return out;
 }
@@ -91,10 +93,10 @@ Markup gain_figures(const Behaviour& b, int rows, int columns, PressureUnit unit
   const double squares = squares_about(finite_of(b.gain), 1.0);
   const double deviation_of_gain = spread.count > 1 ? std::sqrt(squares / static_cast<double>(spread.count - 1)) : kNan;
   const ColourScale scale{spread.low, spread.high > spread.low ? spread.high : spread.low + 1e-3};
-  Markup out = markup(
-      "<div class=\"keep\"><h3>Map of relative sensitivity</h3>\n<figure>{}",
-      numbered_map(
-          {"Output of each taxel over the mean at one level, pressure increasing", rows, columns, b.gain, scale, 480.0}, 2));
+  Markup out = markup("<div class=\"keep\"><h3>Map of relative sensitivity</h3>\n<figure>{}",
+                      numbered_map({"Output of each taxel over the mean at one level, pressure increasing", rows,
+                                    columns, b.gain, scale, 480.0},
+                                   2));
   out += colour_bar(scale, "Colour scale of the map of relative sensitivity", "× mean", 2);
   out += markup(
       "<figcaption>Output of each taxel over the mean of all that count, at {}, increasing. Standard deviation {} %, "
@@ -145,9 +147,10 @@ Markup repeatability_part(const Behaviour& b, PressureUnit unit) {
                                      {"a taxel (rms over taxels), increasing", &LevelRepeatability::taxel_up_v},
                                      {"a taxel (rms over taxels), decreasing", &LevelRepeatability::taxel_down_v}}) {
     const LevelRepeatability& level = worst(figure);
-    out += markup(
-        "<tr><th scope=\"row\">{}</th>{}{}{}</tr>\n", Text(name), number_cell(html::fixed(1e3 * level.*figure, 2)),
-        number_cell(html::percent(level.*figure / b.full_scale_v, 3)), number_cell(html::pressure(level.pressure_psi, unit, 0)));
+    out += markup("<tr><th scope=\"row\">{}</th>{}{}{}</tr>\n", Text(name),
+                  number_cell(html::fixed(1e3 * level.*figure, 2)),
+                  number_cell(html::percent(level.*figure / b.full_scale_v, 3)),
+                  number_cell(html::pressure(level.pressure_psi, unit, 0)));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -160,7 +163,8 @@ Markup zero_part(const Behaviour& b, int columns) {
     return out;
   }
   out += markup(
-      "<table><caption>Zero deviation: output at the lowest pressure, end of a repeat less its start</caption><thead><tr>"
+      "<table><caption>Zero deviation: output at the lowest pressure, end of a repeat less its "
+      "start</caption><thead><tr>"
       "<th scope=\"col\">sequence</th><th scope=\"col\" class=\"n\">repeats</th><th scope=\"col\" class=\"n\">mean "
       "taxel, "
       "mV</th><th scope=\"col\" class=\"n\">% FS</th><th scope=\"col\" class=\"n\">largest of one repeat, mV</th>"
@@ -193,10 +197,10 @@ Markup creep_part(const Behaviour& b, PressureUnit unit) {
   for (const Creep& creep : b.creep) {
     out += markup("<tr><th scope=\"row\">{}</th>{}{}{}{}{}{}<td class=\"n\">{} ± {}</td></tr>\n",
                   html::stated(creep.sequence), number_cell(html::pressure(creep.pressure_psi, unit, 1)),
-                  cell(Text(branch_in_words(creep.up))), number_cell(html::fixed(creep.from_s, 1)),
-                  number_cell(html::fixed(creep.to_s, 1)), number_cell(html::fixed(creep.first_v, 4)),
-                  number_cell(html::fixed(creep.last_v, 4)), html::percent(creep.per_decade, 3),
-                  html::percent(creep.per_decade_u, 3));
+                  markup("<td class=\"state\">{}</td>", Text(branch_in_words(creep.up))),
+                  number_cell(html::fixed(creep.from_s, 1)), number_cell(html::fixed(creep.to_s, 1)),
+                  number_cell(html::fixed(creep.first_v, 4)), number_cell(html::fixed(creep.last_v, 4)),
+                  html::percent(creep.per_decade, 3), html::percent(creep.per_decade_u, 3));
   }
   out += markup(
       "</tbody></table>\n<p class=\"note\">Line through the output over the logarithm of the time since the level was "
@@ -218,8 +222,7 @@ Markup raw_section(const ReportInput& input) {
     return out;
   }
   if (b.loops.empty()) {
-    out +=
-        markup("<p>Loops and hysteresis: not assessed, no sequence rises and falls over the full range.</p>\n");
+    out += markup("<p>Loops and hysteresis: not assessed, no sequence rises and falls over the full range.</p>\n");
   }
   if (input.fit.taxels.empty() || input.evaluation.levels.empty()) out += trace_figures_raw(b, input.unit);
   if (!b.loops.empty()) {

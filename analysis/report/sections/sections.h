@@ -30,6 +30,7 @@ html::Markup method_part(const ReportInput& input);
 html::Markup elam_parameters_part(const ReportInput& input);
 html::Markup conditions_part(const ReportInput& input);      // the table of conditions of use, beside the budgets
 html::Markup conditions_in_brief(const ReportInput& input);  // the same in two sentences, for page 1; empty without U
+html::Markup array_uncertainty_part(const ReportInput& input);  // needs U
 html::Markup usable_part(const ReportInput& input);
 html::Markup uniformity_part(const Uniformity& uniformity, int rows, int columns, PressureUnit unit);
 html::Markup remount_part(const Remount& remount, int rows, int columns, PressureUnit unit);

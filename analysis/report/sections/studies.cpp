@@ -138,8 +138,7 @@ Markup rate_hold_part(const RateHold& study, PressureUnit unit) {
     ++style;
     tables += markup("<h4>Sequence {}, run {}</h4>\n<p>Mean absolute error {}, maximum {}, over {}.</p>\n",
                      html::stated(run.sequence), run.run, html::pressure(run.error.mean(), unit, 3),
-                     html::pressure(run.error.max, unit, 2),
-                     Text(counted(run.error.samples, "sample")));
+                     html::pressure(run.error.max, unit, 2), Text(counted(run.error.samples, "sample")));
     if (run.output_max_share > 0.0)
       tables += markup(
           "<p>Between its repeats of different pace the mean output differs from that of the slowest by up to {} % FS, "
@@ -154,7 +153,8 @@ Markup rate_hold_part(const RateHold& study, PressureUnit unit) {
     for (const auto& [chart, caption] :
          {std::pair{&hold, "Error against hold."}, std::pair{&rate, "Error against rate."}})
       if (!chart->series.empty())
-        out += markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(pressure_up(*chart, unit)), Text(caption));
+        out += markup("<figure>{}<figcaption>{}</figcaption></figure>\n", line_chart(pressure_up(*chart, unit)),
+                      Text(caption));
     out += markup("</div>\n");
   }
   out += tables;

@@ -62,8 +62,8 @@ Markup sensitivity(const Contribution& row, bool volts, PressureUnit unit) {
 Markup budget_row(const Contribution& row, const Budget& budget, PressureUnit unit) {
   const SourceText& text = text_of(row.source);
   const double share = budget.combined_psi > 0.0 ? std::pow(row.u_psi / budget.combined_psi, 2) : 0.0;
-  Markup out =
-      markup("<tr><th scope=\"row\">{}</th>{}", Text(quantity_in_words(text)), cell(markup("{}", Text(std::string(1, text.type)))));
+  Markup out = markup("<tr><th scope=\"row\">{}</th>{}", Text(quantity_in_words(text)),
+                      cell(markup("{}", Text(std::string(1, text.type)))));
   const bool volts = std::string(text.unit) == "V";  // printed as mV
   out += number_cell(markup("{} {}", html::significant(volts ? 1e3 * row.width : unit.of(row.width), 3),
                             Text(volts ? "mV" : unit.symbol())));
@@ -85,8 +85,7 @@ Markup missing_rows(const Uncertainty& uncertainty) {
     if (uncertainty.missing[i].empty()) continue;
     const SourceText& text = text_of(static_cast<UncertaintySource>(i));
     out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td colspan=\"8\">not assessed</td></tr>\n",
-                  Text(quantity_in_words(text)),
-                  Text(std::string(1, text.type)));
+                  Text(quantity_in_words(text)), Text(std::string(1, text.type)));
   }
   return out;
 }
@@ -109,17 +108,19 @@ Markup budget_table(const Uncertainty& uncertainty, const Budget& budget, const 
       number_cell(gum_uncertainty(unit.of(budget.combined_psi))), number_cell(gum_degrees(budget.dof)),
       number_cell(Text("100.0")));
   out += markup(
-      "<tr><th scope=\"row\">expanded</th><td colspan=\"6\">U = {} u_c(y)</td><td class=\"n\" colspan=\"3\">{}</td></tr>\n"
+      "<tr><th scope=\"row\">expanded</th><td colspan=\"6\">U = {} u_c(y)</td><td class=\"n\" "
+      "colspan=\"3\">{}</td></tr>\n"
       "</tbody></table></div>\n",
       html::fixed(budget.factor, 2), gum_pressure(budget.expanded_psi, unit));
   const int decimals = gum_decimals(unit.of(budget.expanded_psi));
   out += markup(
-      "<p class=\"note\">The error that is taken off is the mean of {} less the reference value, and half of creep. The "
+      "<p class=\"note\">The error that is taken off is the mean of {} less the reference value, and half of creep. "
+      "The "
       "corrected indication is then off by 0 ± {} (k = {}). Without this correction the indication less the pressure "
       "lies in [{}, {}] {}.{}</p>\n",
-      Text(counted(budget.readings, "reading")), gum_pressure(budget.expanded_psi, unit),
-      html::fixed(budget.factor, 2), html::fixed(unit.of(budget.lower_psi()), decimals),
-      html::fixed(unit.of(budget.upper_psi()), decimals), Text(unit.symbol()),
+      Text(counted(budget.readings, "reading")), gum_pressure(budget.expanded_psi, unit), html::fixed(budget.factor, 2),
+      html::fixed(unit.of(budget.lower_psi()), decimals), html::fixed(unit.of(budget.upper_psi()), decimals),
+      Text(unit.symbol()),
       Text(budget.linear ? ""
                          : " ▲ The inverse is not linear within ±2 u of the voltage here: Eq. (10) is a rough "
                            "approximation."));
@@ -131,13 +132,12 @@ Markup basis_table(const Uncertainty& uncertainty, PressureUnit unit) {
       "<table class=\"pairs\"><caption>How each contribution is evaluated (sections of JCGM 100)</caption><tbody>\n");
   for (std::size_t i = 0; i < kUncertaintySources; ++i) {
     const SourceText& text = text_of(static_cast<UncertaintySource>(i));
-    out += markup(
-        "<tr><th scope=\"row\">{}</th><td>{}{}{}{}</td></tr>\n", Text(quantity_in_words(text)),
-        Text(unit.both_in_text(text.basis)), Text(uncertainty.from[i].empty() ? "" : "; "),
-        Text(unit.both_in_text(uncertainty.from[i])),
-        uncertainty.missing[i].empty()
-            ? markup("")
-            : markup(". Not assessed: {}", Text(unit.both_in_text(uncertainty.missing[i]))));
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}{}{}{}</td></tr>\n", Text(quantity_in_words(text)),
+                  Text(unit.both_in_text(text.basis)), Text(uncertainty.from[i].empty() ? "" : "; "),
+                  Text(unit.both_in_text(uncertainty.from[i])),
+                  uncertainty.missing[i].empty()
+                      ? markup("")
+                      : markup(". Not assessed: {}", Text(unit.both_in_text(uncertainty.missing[i]))));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -162,7 +162,8 @@ Markup uncertainty_chart(const Uncertainty& uncertainty, PressureUnit unit) {
     chart.series.push_back(std::move(worst));
   }
   return markup(
-      "<figure>{}<figcaption>U of one corrected indication; the figures stand in the table below.</figcaption></figure>\n",
+      "<figure>{}<figcaption>U of one corrected indication; the figures stand in the table "
+      "below.</figcaption></figure>\n",
       line_chart(pressures(std::move(chart), unit)));
 }
 
@@ -177,7 +178,8 @@ Markup branch_cells(const LevelUncertainty* level, PressureUnit unit) {
 
 Markup levels_table(const Uncertainty& uncertainty, PressureUnit unit) {
   Markup out = markup(
-      "<div class=\"wide\"><table class=\"levels even\"><caption>Error and U at every level; figures of taxels in {}</caption><thead>"
+      "<div class=\"wide\"><table class=\"levels even\"><caption>Error and U at every level; figures of taxels in "
+      "{}</caption><thead>"
       "<tr><th scope=\"colgroup\" colspan=\"2\">level</th><th scope=\"colgroup\" colspan=\"4\">increasing</th><th "
       "scope=\"colgroup\" colspan=\"4\">decreasing</th></tr><tr>{}",
       Text(unit.symbol()), level_headings(unit));
@@ -192,13 +194,16 @@ Markup levels_table(const Uncertainty& uncertainty, PressureUnit unit) {
   const auto same = std::ranges::unique(pressures);
   pressures.erase(same.begin(), same.end());
   for (const double pressure : pressures) {
-    out += markup("<tr>{}{}{}</tr>\n", level_cells(pressure, unit), branch_cells(uncertainty.level(pressure, true), unit),
-                  branch_cells(uncertainty.level(pressure, false), unit));
+    out +=
+        markup("<tr>{}{}{}</tr>\n", level_cells(pressure, unit), branch_cells(uncertainty.level(pressure, true), unit),
+               branch_cells(uncertainty.level(pressure, false), unit));
   }
   out += markup(
-      "</tbody></table></div>\n<p class=\"note\">Error: mean of the n readings of full sweeps less the reference value, and "
+      "</tbody></table></div>\n<p class=\"note\">Error: mean of the n readings of full sweeps less the reference "
+      "value, and "
       "half of creep, which is taken off; ± U of one corrected indication. Median and worst taxel: by U, at each level "
-      "and branch anew. The turn at the top counts as increasing. Not linear: taxels whose inverse bends, or ends, within ±2 u of the voltage while the voltage has more "
+      "and branch anew. The turn at the top counts as increasing. Not linear: taxels whose inverse bends, or ends, "
+      "within ±2 u of the voltage while the voltage has more "
       "than a tenth of the variance; their U is a rough approximation.</p>\n");
   return out;
 }
@@ -240,43 +245,6 @@ Markup ranges(const Uncertainty& uncertainty, PressureUnit unit) {
   return out;
 }
 
-Markup array_table(const Uncertainty& uncertainty, PressureUnit unit) {
-  Markup out = markup(
-      "<div class=\"wide\"><table class=\"levels even\"><caption>U of figures of the whole array, evenly loaded: mean "
-      "pressure (total force: times the area of the array), centre of pressure</caption><thead><tr>{}<th "
-      "scope=\"col\">branch</th><th scope=\"col\" class=\"n\">U, mean pressure</th><th scope=\"col\" class=\"n\">U, "
-      "centre of pressure, pitches</th></tr></thead><tbody>\n",
-      level_headings(unit));
-  for (const LevelUncertainty& level : uncertainty.levels)
-    out += markup("<tr>{}<td>{}</td>{}{}</tr>\n", level_cells(level.pressure_psi, unit), Text(branch_in_words(level.up)),
-                  number_cell(gum_pressure(level.array.mean_expanded_psi, unit)),
-                  number_cell(html::significant(level.array.centre_expanded, 2)));
-  out += markup(
-      "</tbody></table></div>\n<p class=\"note\">What all taxels have in common adds up, what is a taxel’s own "
-      "averages "
-      "out; a common part moves no centre of pressure.</p>\n");
-  return out;
-}
-
-Markup map_of(const ReportInput& input, const LevelUncertainty& level) {
-  const double high = spread_of(level.expanded_psi).high;
-  const ColourScale scale{0.0, high > 0.0 ? high : 1.0};
-  const PressureUnit unit = input.unit;
-  const std::string title =
-      fmt::format("Expanded uncertainty U of each taxel in {} at {}, {}", unit.symbol(),
-                  html::pressure(level.pressure_psi, unit, 1).value, branch_in_words(level.up));
-  Markup out = markup(
-      "<figure>{}",
-      numbered_map(pressure_map({title, input.fit.rows, input.fit.columns, level.expanded_psi, scale, 416.0}, unit),
-                   kTwoSignificant));
-  out += pressure_bar(scale, "Colour scale of the map of U", unit, 2);
-  out += markup(
-      "<figcaption>{}. Row 0 on top, column 0 on the left; a cross marks a taxel without a model. The maps of "
-      "all levels stand in the data of this file.</figcaption></figure>\n",
-      Text(title));
-  return out;
-}
-
 }  // namespace
 
 Markup uncertainty_section(const ReportInput& input) {
@@ -297,8 +265,7 @@ Markup uncertainty_section(const ReportInput& input) {
   out += uncertainty_chart(uncertainty, unit);
   out += ranges(uncertainty, unit);
   out += levels_table(uncertainty, unit);
-  out += array_table(uncertainty, unit);
-  out += map_of(input, chosen);
+  out += array_uncertainty_part(input);
   return out;
 }
 

@@ -48,18 +48,18 @@ Markup remount_part(const Remount& remount, int rows, int columns, PressureUnit 
       "({} degrees of freedom).</p>\n",
       remount.runs.size(), runs_list(remount.runs), html::percent(remount.within_share, 2),
       html::percent(remount.s_share, 2), remount.degrees);
-  out +=
-      markup("<div class=\"pair\">\n<figure>{}<figcaption>Standard deviations over the levels.</figcaption></figure>\n",
-             line_chart(pressures({.title = "Standard deviation within and between mounts per level",
-                                   .x_label = "gauge pressure",
-                                   .y_label = "standard deviation",
-                                   .series = {{"within a mount", remount.pressure_psi, remount.within_psi, 2},
-                                              {"between mounts", remount.pressure_psi, remount.between_psi, 1},
-                                              {"between, array mean", remount.pressure_psi, remount.mean_between_psi, 3}},
-                                   .width = 335,
-                                   .height = 255,
-                                   .y_from_zero = true},
-                                  unit)));
+  out += markup(
+      "<div class=\"pair\">\n<figure>{}<figcaption>Standard deviations over the levels.</figcaption></figure>\n",
+      line_chart(pressures({.title = "Standard deviation within and between mounts per level",
+                            .x_label = "gauge pressure",
+                            .y_label = "standard deviation",
+                            .series = {{"within a mount", remount.pressure_psi, remount.within_psi, 2},
+                                       {"between mounts", remount.pressure_psi, remount.between_psi, 1},
+                                       {"between, array mean", remount.pressure_psi, remount.mean_between_psi, 3}},
+                            .width = 335,
+                            .height = 255,
+                            .y_from_zero = true},
+                           unit)));
   const Spread spread = spread_of(remount.taxel_between_psi);
   const ColourScale scale{0.0, spread.count > 0 && spread.high > 0.0 ? spread.high : 1.0};
   out += map_figure("Standard deviation between mounts of each taxel", remount.taxel_between_psi, rows, columns, scale,
@@ -80,7 +80,8 @@ Markup remount_part(const Remount& remount, int rows, int columns, PressureUnit 
   }
   out += markup(
       "</tbody></table>\n<p class=\"note\">On sweeps of increasing pressure from the lowest to the highest, estimates "
-      "moved to the set-points. Within: between the sweeps of one mount; between: of the mounts, what “within” explains taken "
+      "moved to the set-points. Within: between the sweeps of one mount; between: of the mounts, what “within” "
+      "explains taken "
       "off (one-way analysis of variance, not below 0). Time passes between mounts: drift is contained in "
       "“between”.</p>\n");
   return out;
@@ -103,7 +104,8 @@ Markup uniformity_part(const Uniformity& u, int rows, int columns, PressureUnit 
   out += pairs_table(
       "Chamber",
       {{"non-uniformity, relative standard uncertainty", markup("{} % of the pressure", html::percent(u.u_share, 2))},
-       {"the part that does not grow with pressure, standard uncertainty", markup("{}", html::pressure(u.u_offset_psi, unit, 3))},
+       {"the part that does not grow with pressure, standard uncertainty",
+        markup("{}", html::pressure(u.u_offset_psi, unit, 3))},
        {"residual, standard deviation over all levels", markup("{}", html::pressure(u.residual_rms_psi, unit, 3))},
        {"residual with the angles in the other sense",
         markup("{}{}", html::pressure(u.residual_other_sense_psi, unit, 3),
@@ -124,17 +126,17 @@ Markup uniformity_part(const Uniformity& u, int rows, int columns, PressureUnit 
   out += markup("</div>\n");
   out += colour_bar(scale, "Colour scale of the chamber’s part", "%", 2);
   out += colour_bar(sensor, "Colour scale of the sensor’s part", "%", 2);
-  out += markup(
-      "<figure>{}<figcaption>Standard deviation over the array, per level.</figcaption></figure>\n",
-      line_chart(pressures(
-          {.title = "Standard deviation of the chamber’s part and of the residual per level",
-           .x_label = "gauge pressure",
-           .y_label = "standard deviation",
-           .series = {{"chamber", u.pressure_psi, u.u_psi, 1}, {"residual", u.pressure_psi, u.residual_psi, 2}},
-           .width = 682,
-           .height = 225,
-           .y_from_zero = true},
-          unit)));
+  out +=
+      markup("<figure>{}<figcaption>Standard deviation over the array, per level.</figcaption></figure>\n",
+             line_chart(pressures(
+                 {.title = "Standard deviation of the chamber’s part and of the residual per level",
+                  .x_label = "gauge pressure",
+                  .y_label = "standard deviation",
+                  .series = {{"chamber", u.pressure_psi, u.u_psi, 1}, {"residual", u.pressure_psi, u.residual_psi, 2}},
+                  .width = 682,
+                  .height = 225,
+                  .y_from_zero = true},
+                 unit)));
   return out;
 }
 

@@ -97,13 +97,15 @@ Markup criteria_of_one_run(const ReportInput& input) {
       "<table class=\"verdicts\"><caption>Requirements</caption><thead><tr><th scope=\"col\">requirement</th><th "
       "scope=\"col\">scope</th>"
       "<th scope=\"col\" class=\"n\">value</th><th scope=\"col\" class=\"n\">U</th><th scope=\"col\" "
-      "class=\"n\">tolerance limit</th><th scope=\"col\">decision rule</th><th scope=\"col\">conformity</th></tr></thead><tbody>\n");
+      "class=\"n\">tolerance limit</th><th scope=\"col\">decision rule</th><th "
+      "scope=\"col\">conformity</th></tr></thead><tbody>\n");
   for (const db::VerdictRecord& verdict : input.verdicts) {
     const JudgedUncertainty* const known = uncertainty_of(input, verdict);
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}<td>{}</td><td>{}</td></tr>\n",
-                  stated(criterion_in_words(verdict.criterion)), stated(scope_in_both_units(verdict.scope, input.unit)),
-                  number_cell(judged_value(known, verdict, input.unit)),
-                  uncertainty_cell(known, verdict.unit, input.unit), number_cell(judged_limit(verdict, input.unit)), stated(verdict.rule), judged_mark(input, verdict));
+    out +=
+        markup("<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}<td>{}</td><td>{}</td></tr>\n",
+               stated(criterion_in_words(verdict.criterion)), stated(scope_in_both_units(verdict.scope, input.unit)),
+               number_cell(judged_value(known, verdict, input.unit)), uncertainty_cell(known, verdict.unit, input.unit),
+               number_cell(judged_limit(verdict, input.unit)), stated(verdict.rule), judged_mark(input, verdict));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -140,7 +142,8 @@ Markup judged_mark(const ReportInput& input, const db::VerdictRecord& verdict) {
 Markup verdict_section(const ReportInput& input) {
   Markup out = section_start("verdicts", "Statement of conformity");
   if (input.verdicts.empty() && input.judgement.not_judged.empty()) {
-    out += markup("<p>No tolerance limits were given: the figures are reported without a statement of conformity.</p>\n");
+    out +=
+        markup("<p>No tolerance limits were given: the figures are reported without a statement of conformity.</p>\n");
     out += instruments_warning(input);
     out += findings_in_brief(input.health);
     out += conditions_in_brief(input);

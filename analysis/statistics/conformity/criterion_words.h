@@ -1,5 +1,5 @@
-// Names of criteria for people, by VIM and the guides on conformity; the keys of limits files, stores and JSON stay as they
-// are ("mean_compensation_error").
+// Names of criteria for people, by VIM and the guides on conformity; the keys of limits files, stores and JSON stay as
+// they are ("mean_compensation_error").
 #pragma once
 
 #include <string>

@@ -196,7 +196,8 @@ std::string TemperatureEffect::in_words() const {
       1e3 * u.zero_v, from_repeats ? "scatter of the repeats" : "scatter of the runs about the line", dof,
       100.0 * deviation.share, low_c, high_c, resolution_c,
       temperature_c.size() == 2
-          ? "what else changed between two runs, such as conditioning or rest, cannot be distinguished from the temperature and "
+          ? "what else changed between two runs, such as conditioning or rest, cannot be distinguished from the "
+            "temperature and "
             "is contained"
           : "what changed between the runs beside the temperature is contained in the scatter about the line");
 }

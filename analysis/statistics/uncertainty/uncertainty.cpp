@@ -32,7 +32,8 @@ const SourceText& text_of(UncertaintySource source) {
        "mean change of the unloaded output over a repeat, and s / sqrt(m), less the noise of the frames (4.2.3, 4.3.7, "
        "4.3.10), times the inverse's slope"},
       {"creep under load", 'B', "rectangular", "V", "half-width",
-       "what the output continues to move after the dwell of the calibration, up to the end of a hold; on one side: half "
+       "what the output continues to move after the dwell of the calibration, up to the end of a hold; on one side: "
+       "half "
        "of it is taken off, half of it is the half-width (4.3.7, F.2.4.5), times the inverse's slope"},
       {"temperature", 'B', "rectangular", "V", "half-width",
        "change of the output a kelvin, with its own uncertainty, times half the range of the run's temperatures "

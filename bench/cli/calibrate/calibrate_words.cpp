@@ -81,7 +81,8 @@ std::string reason_text(const Judgement& judgement, const std::string& limits, s
   if (!analysis::states_conformity(overall))
     return fmt::format("limits '{}' only list figures: they state no verdict", limits);
   if (overall == Verdict::kPass)
-    return fmt::format("all {} requirements of '{}' pass on held-out run {}", judgement.verdicts.size(), limits, held_out);
+    return fmt::format("all {} requirements of '{}' pass on held-out run {}", judgement.verdicts.size(), limits,
+                       held_out);
   std::vector<std::string> decided;
   for (const db::VerdictRecord& row : judgement.verdicts)
     if (analysis::verdict_in(row) == *overall) decided.push_back(figure_against_limit(row, unit));
@@ -104,17 +105,18 @@ std::string large_verdict(const Judgement& judgement) {
 std::string fit_line(const CalibrationResult& result) {
   const analysis::SensorModel& model = result.fit.model;
   const analysis::Evaluation& judged = result.fit.evaluations.back().evaluation;
-  return fmt::format("{} on run {}: {} of {} fitted; on run {} mean |error| {}, worst taxel {}",
-                     analysis::label_of(model), model.run, model.fitted().size(),
-                     analysis::counted(model.array().size(), "taxel"), judged.run,
-                     result.unit.text(judged.mean_error_psi, 3), result.unit.text(judged.worst_taxel_mean_error_psi, 2));
+  return fmt::format(
+      "{} on run {}: {} of {} fitted; on run {} mean |error| {}, worst taxel {}", analysis::label_of(model), model.run,
+      model.fitted().size(), analysis::counted(model.array().size(), "taxel"), judged.run,
+      result.unit.text(judged.mean_error_psi, 3), result.unit.text(judged.worst_taxel_mean_error_psi, 2));
 }
 
 std::string verdict_page(const CalibrationResult& result) {
   const std::string word = large_verdict(result.judgement);
   std::string text = word.empty() ? std::string("\n") : "\n" + large_word(word, margin_of(result.origin)) + "\n";
-  text += fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), shown_overall(result),
-                      one_line(reason_text(result.judgement, result.limits, result.held_out, result.unit), kLongestText));
+  text +=
+      fmt::format("sensor {}: {}: {}\n", one_line(result.sensor), shown_overall(result),
+                  one_line(reason_text(result.judgement, result.limits, result.held_out, result.unit), kLongestText));
   text += conditions_text(result.judgement.notes);
   text += bad_taxels_text(bad_taxels(result.fit, result.judgement, result.unit));
   for (const std::string& remark : result.judgement.notes.remarks) text += fmt::format("note: {}\n", remark);

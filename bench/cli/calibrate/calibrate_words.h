@@ -31,8 +31,8 @@ struct BadTaxel {
 std::vector<BadTaxel> bad_taxels(const JudgedFit& fit, const Judgement& judgement,
                                  analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
-// Which requirements decided, with values and limits, without a line end: "all 8 requirements of 'x' pass on held-out run
-// 2".
+// Which requirements decided, with values and limits, without a line end: "all 8 requirements of 'x' pass on held-out
+// run 2".
 std::string reason_text(const Judgement& judgement, const std::string& limits, std::int64_t held_out,
                         analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 

@@ -241,9 +241,9 @@ class Calibration {
     if (resumed) (run == 0 ? run : held_out) = begun_;
     if (run == 0 && begun_ == 0) return {};
     const std::string again = calibrate_again(options_, session_, run, held_out);
-    return resumed
-               ? fmt::format("to continue: tactbench resume {} --db {}, then {}", begun_, shell_word(session_.db), again)
-               : "to continue: " + again;
+    return resumed ? fmt::format("to continue: tactbench resume {} --db {}, then {}", begun_, shell_word(session_.db),
+                                 again)
+                   : "to continue: " + again;
   }
 
   const CalibrateOptions& options_;

@@ -112,8 +112,8 @@ void live(const LiveVerbOptions& options, const Session& session) {
         "frame {:>6}  mean {:>6} {}  highest {:>6} {} at {},{}  flat {} unknown {} out of range {} dead {} "
         "lost {}  {:.0f} us\n",
         frame.number, unit.fixed(last.mean_psi, 2), unit.symbol(), unit.fixed(last.highest_psi, 2), unit.symbol(),
-        last.highest / columns, last.highest % columns, last.flags.flat,
-        last.flags.unknown, last.flags.out_of_range, last.flags.dead, last.flags.lost, frame.latency_us);
+        last.highest / columns, last.highest % columns, last.flags.flat, last.flags.unknown, last.flags.out_of_range,
+        last.flags.dead, last.flags.lost, frame.latency_us);
     std::fflush(stdout);
     return !output_is_lost() || !options.csv.empty();
   });

@@ -38,8 +38,8 @@ class ErrorCells {
     constexpr int kMost = 7;  // decimals
     return decimals_ > kMost
                ? fmt::format("{:>{}.2e}{:>{}.2e}", factor_ * error.mean(), width, factor_ * error.max, width)
-               : fmt::format("{:>{}.{}f}{:>{}.{}f}", factor_ * error.mean(), width, decimals_, factor_ * error.max, width,
-                             decimals_);
+               : fmt::format("{:>{}.{}f}{:>{}.{}f}", factor_ * error.mean(), width, decimals_, factor_ * error.max,
+                             width, decimals_);
   }
 
  private:
@@ -56,17 +56,17 @@ struct ShownBins {
 std::string bins_table(const ShownBins& shown, const std::vector<ModelRow>& rows, std::size_t target,
                        std::vector<analysis::Bin> analysis::Score::*bins) {
   if ((rows.front().scores[target].taxels.*bins).size() < 2) return {};
-  std::string text = fmt::format("\n  {}, mean compensation error by model\n  {:>18}{:>10}", shown.title, shown.unit,
-                                 "samples");
+  std::string text =
+      fmt::format("\n  {}, mean compensation error by model\n  {:>18}{:>10}", shown.title, shown.unit, "samples");
   for (const ModelRow& row : rows)
     text += fmt::format("{:>{}}", row.label, std::max<std::size_t>(12, row.label.size() + 2));
   text += "\n";
   const auto& first = rows.front().scores[target].taxels.*bins;
   const int decimals = std::min(decimals_for(shown.errors * rows.front().scores[target].taxels.raw.mean()), 7);
   for (std::size_t b = 0; b < first.size(); ++b) {
-    text +=
-        fmt::format("  {:>18}{:>10}", fmt::format("{:.4g} .. {:.4g}", shown.ends * first[b].low, shown.ends * first[b].high),
-                    first[b].error.samples);
+    text += fmt::format("  {:>18}{:>10}",
+                        fmt::format("{:.4g} .. {:.4g}", shown.ends * first[b].low, shown.ends * first[b].high),
+                        first[b].error.samples);
     for (const ModelRow& row : rows) {
       const auto& own = row.scores[target].taxels.*bins;
       text += fmt::format("{:>{}.{}f}", b < own.size() ? shown.errors * own[b].error.mean() : 0.0,

@@ -45,8 +45,7 @@ void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& hist
 std::string undetermined_text(const analysis::SensorModel& document);
 std::string fits_table(const std::vector<ModelRow>& rows);
 std::string scores_table(const std::vector<ModelRow>& rows, const std::vector<ScoreTarget>& targets,
-                         const std::string& unit_of_input,
-                         analysis::PressureUnit shown = analysis::PressureUnit::kPsi);
+                         const std::string& unit_of_input, analysis::PressureUnit shown = analysis::PressureUnit::kPsi);
 nlohmann::ordered_json model_row_json(const ModelRow& row, const std::vector<ScoreTarget>& targets);
 
 }  // namespace tactbench::bench

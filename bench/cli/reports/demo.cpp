@@ -211,7 +211,8 @@ void demo(const DemoOptions& options, Session& session) {
     return;
   }
   tty::print(
-      "\nSIMULATED DATA, specimen {}. Hysteresis of the mean taxel, indication: {:.1f} % FS max, {:.1f} % mean (paper: 25.3, "
+      "\nSIMULATED DATA, specimen {}. Hysteresis of the mean taxel, indication: {:.1f} % FS max, {:.1f} % mean (paper: "
+      "25.3, "
       "10.0)\n\n{}\n{}\n\n",
       options.specimen, 100.0 * evaluations[0].evaluation.hysteresis_max_fs,
       100.0 * evaluations[0].evaluation.hysteresis_mean_fs, figures_table(evaluations, session.unit()), kTrajectories);

@@ -288,7 +288,8 @@ void add_report(CLI::App& app, Session& session) {
   add_units(*verb, session);
   verb->get_option("--units")
       ->description(
-          "unit of the pressures on the page and in the terminal, all of them gauge: kPa, bar or psi, psi beside it (of "
+          "unit of the pressures on the page and in the terminal, all of them gauge: kPa, bar or psi, psi beside it "
+          "(of "
           "psi kPa); the data in the file stay in psi (otherwise by tactbench.toml)")
       ->default_str("page kPa, terminal psi");
   add_void_too(*verb, session);

@@ -140,10 +140,9 @@ std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, con
   for (const auto& [level, rising] : course) {
     settle(rig, level, stop);
     GaugePoint point{level, rising, 0.0, 0.0};
-    point.gauge_psi =
-        prompt.pressure_psi(fmt::format("{:>2} of {}: {}, {}. Hand gauge reads [{}, q ends]: ", points.size() + 1,
-                                        course.size(), unit.short_text(level), rising ? "increasing" : "decreasing",
-                                        unit.symbol()));
+    point.gauge_psi = prompt.pressure_psi(
+        fmt::format("{:>2} of {}: {}, {}. Hand gauge reads [{}, q ends]: ", points.size() + 1, course.size(),
+                    unit.short_text(level), rising ? "increasing" : "decreasing", unit.symbol()));
     point.reference_psi = mean_reference(rig, stop);
     points.push_back(point);
   }
@@ -215,7 +214,8 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
                unit.fixed(calibration.correction.expanded_uncertainty_psi[i], 3), unit.symbol());
   }
   tty::print(
-      "largest residual {}; increasing and decreasing differ by at most {}\n{} written (in psi); to use it: [reference] "
+      "largest residual {}; increasing and decreasing differ by at most {}\n{} written (in psi); to use it: "
+      "[reference] "
       "correction_file = \"{}\"\n",
       unit.text(calibration.largest_residual_psi, 3), unit.text(calibration.hysteresis_psi, 3), output, output);
 }

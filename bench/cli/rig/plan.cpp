@@ -107,17 +107,6 @@ TimeEstimate estimate_time(const Plan& plan, const SplitOverrides& overrides, co
   return time;
 }
 
-// The recipes that can be planned, for a call without names.
-void list_recipes(const Session& session) {
-  ordered_json list = ordered_json::array();
-  for (const auto& [recipe, path] : shipped_recipes()) {
-    list.push_back({{"name", recipe.name}, {"title", recipe.title}});
-    if (!session.json) tty::print("{:<18}{}\n", one_line(recipe.name), one_line(recipe.title));
-  }
-  if (session.json) return print_json("plan.recipes", {{"recipes", list}});
-  tty::print("tactbench plan NAME... shows more; own recipes are given as files\n");
-}
-
 std::vector<std::string> nearest_texts(const LackingLevel& level, analysis::PressureUnit unit) {
   std::vector<std::string> texts;
   for (const double nearest : level.nearest_psi) texts.push_back(unit.short_text(nearest));
@@ -128,7 +117,8 @@ void print_lacking(const Plan& plan, const analysis::Limits& limits, analysis::P
   if (plan.lacking.empty()) tty::print("limits '{}': every level to be judged is measured\n", one_line(limits.name));
   for (const LackingLevel& level : plan.lacking) {
     tty::print("limits '{}': {} is not a level of {}{}; non-uniformity there will be inconclusive\n",
-               one_line(limits.name), unit.short_text(level.pressure_psi), plan.recipes.size() == 1 ? "this recipe" : "these recipes",
+               one_line(limits.name), unit.short_text(level.pressure_psi),
+               plan.recipes.size() == 1 ? "this recipe" : "these recipes",
                level.nearest_psi.empty()
                    ? std::string()
                    : fmt::format(", whose nearest are {}", fmt::join(nearest_texts(level, unit), " and ")));
@@ -154,12 +144,12 @@ ordered_json calibrations_json(const Plan& plan, const std::string& today) {
   return list;
 }
 
-void print_calibrations(const Plan& plan, const std::string& today) {
+void print_calibrations(const Plan& plan, const std::string& today, analysis::PressureUnit unit) {
   tty::print("instruments that results are traced to:\n");
   for (const db::DeviceRecord& record : instruments_of(plan)) {
     const analysis::InstrumentCalibration calibration = analysis::calibration_of(record);
     tty::print("  - {}, serial {}: {}\n", record.role, calibration.serial.empty() ? "not stated" : calibration.serial,
-               calibration_words(calibration, today));
+               unit.in_text(calibration_words(calibration, today)));
   }
 }
 
@@ -230,15 +220,15 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis
   tty::print("time in h:mm:ss of process time, {}\n", basis(total));
   for (const Margin& m : plan.margins) {
     tty::print("{}\n",
-               unit.in_text(fmt::format("{:<10}{:>8.2f} to {:.2f} {}, limit {:.2f} {}, margin {:.2f} {}", m.axis, m.lowest,
-                                        m.highest, m.unit, m.high_limit, m.unit, m.margin(), m.unit)));
+               unit.in_text(fmt::format("{:<10}{:>8.2f} to {:.2f} {}, limit {:.2f} {}, margin {:.2f} {}", m.axis,
+                                        m.lowest, m.highest, m.unit, m.high_limit, m.unit, m.margin(), m.unit)));
   }
   if (const double force = sequences::extremes(plan.steps).largest_force_n; force > 0.0) {
     tty::print("{:<10}{:>8.2f} N; the sensor's calibrated range is checked once it is open\n", "force up to", force);
   }
   tty::print("about {:.1f} MB in the store\n", plan.estimate.bytes / 1e6);
   tty::print("devices needed: {}\n", fmt::join(devices_needed(plan.recipes), ", "));
-  print_calibrations(plan, utc_now().substr(0, 10));
+  print_calibrations(plan, utc_now().substr(0, 10), unit);
   tty::print("fail-safe layers of bench '{}':\n", plan.bench.id);
   for (const std::string& line : fail_safe_layers(plan.bench)) tty::print("  - {}\n", unit.in_text(line));
   if (plan.limits) print_lacking(plan, *plan.limits, unit);
@@ -247,7 +237,7 @@ void print_plan(const Plan& plan, const TimeEstimate& time, bool steps, analysis
 }
 
 void plan(const PlanOptions& options, Session& session) {
-  if (options.recipes.empty()) return list_recipes(session);
+  if (options.recipes.empty()) return list_plannable(session);
   const SplitOverrides overrides = split_overrides(options.set);
   Plan plan;
   plan.recipes.reserve(options.recipes.size());
@@ -288,8 +278,10 @@ void add_plan(CLI::App& app, Session& session) {
                    "recipe files or names of shipped ones (descending, ring, ...); none: lists the shipped ones");
   session.profile.add(*verb, "--bench", ProfileKey::kBench, options->bench, "bench file, for its limits and devices")
       ->capture_default_str();
-  verb->add_option("--set", options->set, "override table.key=value, or recipe.key=value (a parameter or a key); a pressure in the key's unit, or with "
-                 "its own: recipe.step=20kPa")
+  verb->add_option(
+          "--set", options->set,
+          "override table.key=value, or recipe.key=value (a parameter or a key); a pressure in the key's unit, or with "
+          "its own: recipe.step=20kPa")
       ->take_all();
   verb->add_option("--limits", options->limits,
                    "limits file: list levels to be judged that are not measured; exit code 6 when there are any");

@@ -32,6 +32,17 @@ std::vector<ShippedRecipe> shipped_recipes() {
   return shipped;
 }
 
+// The recipes that can be planned, for a call without names.
+void list_plannable(const Session& session) {
+  ordered_json list = ordered_json::array();
+  for (const auto& [recipe, path] : shipped_recipes()) {
+    list.push_back({{"name", recipe.name}, {"title", recipe.title}});
+    if (!session.json) tty::print("{:<18}{}\n", one_line(recipe.name), one_line(recipe.title));
+  }
+  if (session.json) return print_json("plan.recipes", {{"recipes", list}});
+  tty::print("tactbench plan NAME... shows more; own recipes are given as files\n");
+}
+
 namespace {
 
 struct RecipesOptions {
@@ -49,8 +60,8 @@ RecipeExtent extent_of(const Recipe& recipe, analysis::PressureUnit unit) {
   RecipeExtent extent{steps.size(), 0, {}};
   for (const sequences::Step& step : steps) extent.frames += takes_frame(step) ? 1 : 0;
   const sequences::Extremes reached = sequences::extremes(steps);
-  extent.highest = reached.pressurizes ? unit.text(reached.highest.value(), 1)
-                                       : fmt::format("{:.1f} N", reached.largest_force_n);
+  extent.highest =
+      reached.pressurizes ? unit.text(reached.highest.value(), 1) : fmt::format("{:.1f} N", reached.largest_force_n);
   return extent;
 }
 

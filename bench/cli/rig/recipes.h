@@ -8,11 +8,16 @@
 
 namespace tactbench::bench {
 
+struct Session;
+
 struct ShippedRecipe {
   sequences::Recipe recipe;
   std::string path;
 };
 // In the order of their names; a shipped file that is no recipe, such as a suite, is left out.
 std::vector<ShippedRecipe> shipped_recipes();
+
+// For `plan` without names: name and title of each.
+void list_plannable(const Session& session);
 
 }  // namespace tactbench::bench

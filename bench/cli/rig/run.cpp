@@ -193,8 +193,10 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();
   session.profile.add_operator(*verb, options->operator_name);
   verb->add_option("--purpose", options->purpose, "why; recorded");
-  verb->add_option("--set", options->set, "override table.key=value of the bench file, or recipe.key=value; a pressure in the key's unit, or with its "
-                   "own: recipe.step=20kPa, limits.trip_psi=450kPa")
+  verb->add_option(
+          "--set", options->set,
+          "override table.key=value of the bench file, or recipe.key=value; a pressure in the key's unit, or with its "
+          "own: recipe.step=20kPa, limits.trip_psi=450kPa")
       ->take_all();
   verb->add_option("--seed", options->seeds.seed, "simulation: seed of noise and faults");
   verb->add_option("--sensor-seed", options->seeds.sensor_seed, "simulation: seed of the array");

@@ -247,7 +247,7 @@ void show_run(std::int64_t number, const Session& session) {
                                device.serial.empty() ? "not stated" : device.serial, device.origin));
     // Devices with a certificate; the bench file states none for a scanner or a module.
     if (device.calibration_json.find("\"certificate\"") != std::string::npos)
-      line("", calibration_words(analysis::calibration_of(device), run.started_utc));
+      line("", session.unit().in_text(calibration_words(analysis::calibration_of(device), run.started_utc)));
   }
   line("frames", pruned ? fmt::format("none: {} were removed on {}, by the rule: {}", pruned->frames,
                                       pruned->pruned_utc, pruned->rule)

@@ -18,8 +18,7 @@ std::string progress_line(const RunStatus& status, double left_s,
 class Progress {
  public:
   enum class Mode { kQuiet, kPlain, kTerminal };
-  explicit Progress(Mode mode, analysis::PressureUnit unit = analysis::PressureUnit::kPsi)
-      : mode_(mode), unit_(unit) {}
+  explicit Progress(Mode mode, analysis::PressureUnit unit = analysis::PressureUnit::kPsi) : mode_(mode), unit_(unit) {}
   // kTerminal or kPlain by what standard error is; kQuiet when asked.
   static Mode mode_for(bool quiet);
   // Whether show() should be called now. In real time a run's first phase is shown at once.

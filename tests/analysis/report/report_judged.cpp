@@ -98,7 +98,8 @@ TEST_CASE("missing verdicts, earlier stored verdicts and void runs are named on 
                        Catch::Contains("run 14 was declared void by me"));
   input.run.void_utc = "2024-06-01T00:00:00Z";
   input.run.void_by = "me";
-  CHECK_THAT(render_report(input).html, Catch::Contains("<p class=\"void\">") && Catch::Contains("It no longer counts"));
+  CHECK_THAT(render_report(input).html,
+             Catch::Contains("<p class=\"void\">") && Catch::Contains("It no longer counts"));
   CHECK_THAT(render_comparison(input, example::example_input()).html, Catch::Contains("by me, 2024-06-01 00:00:00Z"));
 }
 

@@ -17,7 +17,7 @@ using namespace tactbench::analysis;
 
 namespace {
 
-constexpr PressureUnit kPage = PressureUnit::kKilopascal;
+constexpr PressureUnit kSectionUnit = PressureUnit::kKilopascal;
 
 nlohmann::json uncertainty_of(const std::string& page) {
   const std::string open = "id=\"report-data\">";
@@ -74,6 +74,11 @@ TEST_CASE("U has two significant digits and the value the same place") {
   CHECK(shown(12.3456, 1.04) == "12.3 ± 1.0");
   CHECK(shown(12.3456, 10.4) == "12 ± 10");
   CHECK(shown(12.3456, 9.96) == "12 ± 10");
+  CHECK(shown(-6.2, 106.0) == "−10 ± 110");
+  CHECK(shown(-6.2, 99.4) == "−6 ± 99");
+  CHECK(gum_pressure(0.1, PressureUnit::kBar).value == "0.0069\u00A0bar (0.10\u00A0psi)");
+  CHECK(gum_pressure_stated(0.9034, 0.13, PressureUnit::kKilopascal).value ==
+        "6.23 ± 0.90\u00A0kPa (0.90 ± 0.13\u00A0psi)");
   CHECK(gum_decimals(0.1) == 2);
   CHECK(gum_decimals(0.0) == 3);
   CHECK(gum_uncertainty(std::nan("")).value == "not available");
@@ -105,16 +110,16 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   const std::string table = text_between(page, "Error and U at every level", "</table>");
   for (const LevelUncertainty& level : uncertainty.levels)
     for (const Budget* budget : {&level.median, &level.worst})
-      CHECK_THAT(table, Catch::Contains(gum_pressure(budget->error_psi, budget->expanded_psi, kPage).value));
+      CHECK_THAT(table, Catch::Contains(gum_pressure(budget->error_psi, budget->expanded_psi, kSectionUnit).value));
 
   const LevelUncertainty& chosen = uncertainty.levels[uncertainty.chosen];
   CHECK(data["levels"][uncertainty.chosen]["worst"]["contributions"].size() == chosen.worst.contributions.size());
   const std::string budget = text_between(page, "Budget of the worst taxel", "</table>");
   for (const Contribution& row : chosen.worst.contributions) {
-    CHECK_THAT(budget, Catch::Contains(gum_uncertainty(kPage.of(row.u_psi)).value));
+    CHECK_THAT(budget, Catch::Contains(gum_uncertainty(kSectionUnit.of(row.u_psi)).value));
     CHECK_THAT(budget, Catch::Contains(html::percent(std::pow(row.u_psi / chosen.worst.combined_psi, 2), 1).value));
   }
-  CHECK_THAT(budget, Catch::Contains(gum_pressure(chosen.worst.expanded_psi, kPage).value));
+  CHECK_THAT(budget, Catch::Contains(gum_pressure(chosen.worst.expanded_psi, kSectionUnit).value));
   for (const char* quantity : {"short-term repeatability (noise)", "resolution of the ADC", "lack of fit, corrected",
                                "measurement standard: certificate", "zero deviation", "kPa/mV"})
     CHECK_THAT(budget, Catch::Contains(quantity));
@@ -134,9 +139,9 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
     if (begin < 0.0) begin = level.pressure_psi;
     if (level.pressure_psi - begin > high - low) std::tie(low, high) = std::pair(begin, level.pressure_psi);
   }
-  CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::pressure(0.6, kPage, 2).value)));
-  CHECK_THAT(section, Catch::Contains(fmt::format("increasing: {} to {}", html::pressure(low, kPage, 1).value,
-                                                  html::pressure(high, kPage, 1).value)));
+  CHECK_THAT(section, Catch::Contains(fmt::format("1.0 %: {}", html::pressure(0.6, kSectionUnit, 2).value)));
+  CHECK_THAT(section, Catch::Contains(fmt::format("increasing: {} to {}", html::pressure(low, kSectionUnit, 1).value,
+                                                  html::pressure(high, kSectionUnit, 1).value)));
   CHECK(data["not_assessed"].contains("chamber uniformity"));
   CHECK_FALSE(data["not_assessed"].contains("re-mounting, common"));
   CHECK(data["not_assessed"].contains("re-mounting, a taxel's own"));
@@ -144,7 +149,8 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   for (const ConditionUncertainty& condition : uncertainty.conditions) {
     CHECK_THAT(first, Catch::Contains(name_of(condition.condition)));
     CHECK_THAT(section, Catch::Contains(name_of(condition.condition)));
-    if (!condition.valid()) CHECK_THAT(section, Catch::Contains("not valid for this: " + kPage.both_in_text(condition.not_valid)));
+    if (!condition.valid())
+      CHECK_THAT(section, Catch::Contains("not valid for this: " + kSectionUnit.both_in_text(condition.not_valid)));
   }
   CHECK(data["conditions"].size() == uncertainty.conditions.size());
   CHECK(data["conditions"][2]["valid"] == false);
@@ -158,10 +164,12 @@ TEST_CASE("the verdicts name rule, U and how it is formed, with a sign and a wor
              Catch::Contains("▲ simulated conditional pass") || Catch::Contains("▲  simulated conditional pass"));
   CHECK_THAT(section, Catch::Contains("simulated fail") && Catch::Contains("four-way") && Catch::Contains("2.5 %"));
   for (const char* criterion : {"mean_compensation_error", "distance_of_mean"})
-    CHECK_THAT(section, Catch::Contains(
-                            html::Text(kPage.both_in_text(find_uncertainty(input.judged, criterion, "array")->basis)).value));
+    CHECK_THAT(
+        section,
+        Catch::Contains(
+            html::Text(kSectionUnit.both_in_text(find_uncertainty(input.judged, criterion, "array")->basis)).value));
   const JudgedUncertainty* mean = find_uncertainty(input.judged, "mean_compensation_error", "array");
-  CHECK_THAT(section, Catch::Contains(gum_pressure(mean->expanded, kPage).value));
+  CHECK_THAT(section, Catch::Contains(gum_pressure(mean->expanded, kSectionUnit).value));
   const auto data = uncertainty_of(page)["judged_figures"];
   REQUIRE(data.size() == input.judged.size());
   CHECK(data[0]["expanded"] == mean->expanded);

@@ -10,7 +10,8 @@
 using namespace tactbench;
 using namespace tactbench::bench;
 
-TEST_CASE("table of verdicts: values and limits with three digits in the unit asked for, shares in percent, each rule once") {
+TEST_CASE(
+    "table of verdicts: values and limits with three digits in the unit asked for, shares in percent, each rule once") {
   db::VerdictRecord row;
   row.run = 3;
   row.criterion = "worst_taxel_error";
@@ -50,13 +51,15 @@ TEST_CASE("table of figures: hysteresis in percent of full scale, the mean absol
   named.evaluation.worst_taxel_distance = 0.05;
   named.evaluation.worst_taxel_distance_observable = 0.045;
   named.evaluation.mean_error_psi = 0.5231;
-  CHECK(figures_table({named}, analysis::PressureUnit::kPsi) ==
-        "hysteresis, % FS             indication | corrected indication                                 |         mean\n"
-        "mean over the levels              array |     array  each taxel (*)   worst taxel  worst taxel*| |error|, psi\n"
-        "run 2                             10.50 |      1.25     2.50 (2.25)          5.00          4.50|        0.523\n"
-        "array: the outputs (pressures) of all taxels are averaged first; *: without levels flagged unobservable\n");
+  CHECK(
+      figures_table({named}, analysis::PressureUnit::kPsi) ==
+      "hysteresis, % FS             indication | corrected indication                                 |         mean\n"
+      "mean over the levels              array |     array  each taxel (*)   worst taxel  worst taxel*| |error|, psi\n"
+      "run 2                             10.50 |      1.25     2.50 (2.25)          5.00          4.50|        0.523\n"
+      "array: the outputs (pressures) of all taxels are averaged first; *: without levels flagged unobservable\n");
   const std::string bar = figures_table({named}, analysis::PressureUnit::kBar);
-  CHECK_THAT(bar, Catch::Contains("| |error|, bar\n") && Catch::Contains("|       0.0361\n") && !Catch::Contains("psi"));
+  CHECK_THAT(bar,
+             Catch::Contains("| |error|, bar\n") && Catch::Contains("|       0.0361\n") && !Catch::Contains("psi"));
 }
 
 TEST_CASE("times in hours, minutes and seconds, rounded to the second") {

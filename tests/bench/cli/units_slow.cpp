@@ -1,4 +1,5 @@
-// --units as a person meets it: every verb that prints pressures, the profile's key, typed pressures, and what stays psi.
+// --units as a person meets it: every verb that prints pressures, the profile's key, typed pressures, and what stays
+// psi.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -22,7 +23,7 @@ std::vector<std::string> with(std::vector<std::string> words, const std::vector<
 
 }  // namespace
 
-TEST_CASE("plan, recipes and errors in kPa and bar; JSON stays as it is") {
+TEST_CASE("plan, recipes and errors in kPa and bar, and JSON as it is") {
   const TemporaryFolder folder;
   const std::vector<std::string> plan = {"plan", "production", "--steps"};
   const std::string psi = call(folder, plan).out, kpa = call(folder, with(plan, {"--units", "kpa"})).out;
@@ -32,7 +33,8 @@ TEST_CASE("plan, recipes and errors in kPa and bar; JSON stays as it is") {
   CHECK_FALSE(shows_psi(kpa));
   CHECK(call(folder, with(plan, {"--json"})).out == call(folder, with(plan, {"--json", "--units", "bar"})).out);
   CHECK_THAT(call(folder, {"recipes", "list", "--units", "bar"}).out, Catch::Contains("   4.14 bar  Prod"));
-  const Finished high = call(folder, {"plan", "production", "--set", "recipe.conditioning.peak=5bar", "--units", "bar"});
+  const Finished high =
+      call(folder, {"plan", "production", "--set", "recipe.conditioning.peak=5bar", "--units", "bar"});
   CHECK(high.code == 2);
   CHECK_THAT(high.err, Catch::Contains("5.000 bar") && Catch::Contains("limit of 4.137 bar"));
   const Finished wrong = call(folder, with(plan, {"--units", "mbar"}));
@@ -56,12 +58,12 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
     CHECK_FALSE(shows_psi(run.out));
   }
   const Finished fit = call(folder, {"fit", "1", "--held-out", "2", "-q"});
-  CHECK_THAT(fit.out, Catch::Contains("|error|, kPa") && Catch::Contains("8.27 kPa") &&
-                          Catch::Contains("275.8 kPa increasing"));
+  CHECK_THAT(fit.out,
+             Catch::Contains("|error|, kPa") && Catch::Contains("8.27 kPa") && Catch::Contains("275.8 kPa increasing"));
   CHECK_FALSE(shows_psi(fit.out));
   CHECK_THAT(call(folder, {"fit", "1", "--held-out", "2", "-q", "--units", "bar"}).out,
              Catch::Contains("|error|, bar") && Catch::Contains("0.0827 bar"));
-  CHECK_FALSE(shows_psi(call(folder, {"runs", "show", "1"}).out));
+  CHECK_THAT(call(folder, {"runs", "show", "1"}).out, Catch::Contains("U 0.34 kPa (k = 2)"));
 
   // The page: kPa with psi behind, or the other way round, of one number; the data do not change.
   const auto report = [&](const char* unit, const char* file) {

@@ -49,9 +49,10 @@ TEST_CASE("a comparison of two runs is one inert page with the differences of it
   CHECK(report.number.starts_with("3-4-"));
   CHECK(contains(report.html, "One sensor at two times"));
   CHECK(contains(report.html, "(1.250\u00A0psi)"));  // as found
-  CHECK(contains(report.html,
-                 "<td class=\"n\">3.45 (0.500)</td><td class=\"n\">5.17 (0.750)</td><td class=\"n\">1.72 (0.250)</td><td "
-                 "class=\"n\">50.0</td>"));
+  CHECK(
+      contains(report.html,
+               "<td class=\"n\">3.45 (0.500)</td><td class=\"n\">5.17 (0.750)</td><td class=\"n\">1.72 (0.250)</td><td "
+               "class=\"n\">50.0</td>"));
   CHECK(json_of(report)["second"]["figures"]["mean_error_psi"] == 0.75);
   CHECK(json_of(report)["output_ratio"][0] == Approx(1.0));
   CHECK(json_of(report)["output_ratio"][37].is_null());

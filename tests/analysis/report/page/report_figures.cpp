@@ -13,7 +13,7 @@ using namespace tactbench::analysis;
 
 namespace {
 
-constexpr PressureUnit kPage = PressureUnit::kKilopascal;
+constexpr PressureUnit kFiguresUnit = PressureUnit::kKilopascal;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // `text` without its tags.
@@ -63,7 +63,7 @@ TEST_CASE("the per-level table prints the levels of the JSON, rounded") {
   REQUIRE(levels.size() == 31);
   for (const auto& level : levels) {
     const double pressure = level["pressure_psi"];
-    const auto row = row_of(report.html, "Levels of the external loop", html::in_unit(pressure, kPage, 1).value);
+    const auto row = row_of(report.html, "Levels of the external loop", html::in_unit(pressure, kFiguresUnit, 1).value);
     REQUIRE(row.size() == 14);
     CHECK(row[1] == html::fixed(pressure, 1).value);
     CHECK(row[2] == html::fixed(6.894757293168 * level["up_psi"].get<double>(), 1).value);
@@ -130,7 +130,7 @@ TEST_CASE("model, loops, hysteresis, verdicts and held-out tables print the JSON
   CHECK(hysteresis[1] == percent(evaluation["hysteresis_max_fs"], 1));
   CHECK(hysteresis[2] == percent(evaluation["hysteresis_mean_fs"], 1));
   CHECK(row_of(report.html, "Absolute error", "mean")[1] ==
-        html::pressure(evaluation["mean_error_psi"], kPage, 3).value);
+        html::pressure(evaluation["mean_error_psi"], kFiguresUnit, 3).value);
 
   const auto& mean = results["model"]["mean_taxel"];
   const auto names = results["model"]["parameter_names"].get<std::vector<std::string>>();

@@ -141,8 +141,9 @@ TEST_CASE("calibrate: a run that fails is kept, and the error names the commands
   const Finished failed = calibrated(folder, {"--set", R"(simulation.faults=[{kind="scanner_unplugged",at_s=300}])"});
   INFO(failed.err << failed.out);
   REQUIRE(failed.code == 3);
-  CHECK_THAT(failed.err, Catch::Contains("to continue: tactbench resume 1 --db runs.db, then tactbench calibrate MY-1") &&
-                             Catch::Contains("--run 1"));
+  CHECK_THAT(failed.err,
+             Catch::Contains("to continue: tactbench resume 1 --db runs.db, then tactbench calibrate MY-1") &&
+                 Catch::Contains("--run 1"));
   CHECK_THAT(failed.out, !Catch::Contains("PASS") && !Catch::Contains("####"));
   CHECK(json::parse(call(folder, {"runs", "show", "1", "--json"}).out).at("outcome") == "failed");
   // Not while it is incomplete, nor with a run of another sensor.

@@ -99,12 +99,15 @@ TEST_CASE("calibrate words: the reason names what decided, with value and limit"
   CHECK(reason({kGood, kGood}) == "all 2 requirements of 'gripper' pass on held-out run 2");
   CHECK(reason({kGood, kDead, kAbsent}) == "taxels not modelled: 1 (tolerance limit 0), on held-out run 2");
   CHECK(reason({kDead, kWorst, kUneven}) ==
-        "taxels not modelled: 1 (tolerance limit 0); worst taxel's mean error: 3.4 psi (tolerance limit 3 psi); and 1 more, "
+        "taxels not modelled: 1 (tolerance limit 0); worst taxel's mean error: 3.4 psi (tolerance limit 3 psi); and 1 "
+        "more, "
         "on held-out run 2");
   CHECK(reason({kUneven}) == "non-uniformity at 40 psi increasing: 6 % FS (tolerance limit 5 % FS), on held-out run 2");
-  CHECK(reason({kAbsent}) == "non-uniformity at 10 psi increasing: not measured (tolerance limit 5 % FS), on held-out run 2");
+  CHECK(reason({kAbsent}) ==
+        "non-uniformity at 10 psi increasing: not measured (tolerance limit 5 % FS), on held-out run 2");
   CHECK(reason({kGood, row("mean_compensation_error", "array", 0.903, 1, "psi", "conditional pass")}) ==
-        "mean absolute error: 0.903 psi (tolerance limit 1 psi), within the uncertainty below the limit, on held-out run 2");
+        "mean absolute error: 0.903 psi (tolerance limit 1 psi), within the uncertainty below the limit, on held-out "
+        "run 2");
 }
 
 TEST_CASE("calibrate words: bad taxels by row and column, the worst one only where its criterion fails") {

@@ -94,18 +94,18 @@ TEST_CASE("command words: completion for fish") {
 TEST_CASE("command words: the manual page") {
   const std::string page = manual_page(small_tree(), "0.1-x", "2026-01-31");
   check_holds(
-      page,
-      {".TH TACTBENCH 1 \"2026-01-31\" \"tactbench 0.1\\-x\" \"User Commands\"\n",
-       ".SS runs\n\\fBtactbench runs\\fR \\fIVERB\\fR [\\fIoptions\\fR]\n.PP\nwhat is stored.\n.SS runs export\n",
-       "\\fBtactbench runs export\\fR \\fIRUN\\fR [\\fIRECIPE\\fR...] \\fB\\-\\-output\\fR \\fIOUTPUT\\fR "
-       "[\\fIoptions\\fR]\n.PP\nwrite it\\(aqs rows.\n",
-       ".TP\n\\fIRUN\\fR\nnumber of the run\n.TP\n\\fIRECIPE\\fR\nwhich\n",
-       ".TP\n\\fB\\-\\-format\\fR \\fIFORMAT\\fR\ncsv\\(aqs kind; one of csv, hdf5 (default: csv)\n",
-       ".TP\n\\fB\\-o\\fR, \\fB\\-\\-output\\fR \\fIOUTPUT\\fR\nfile [C:\\ex]\n",
-       ".TP\n\\fB\\-\\-count\\fR \\fICOUNT\\fR\nhow many\n.TP\n\\fB\\-\\-all\\fR\nall of them\n"
-       ".PP\nExit codes: 0.\n\\&.toml \\(ti\\(ha\\(ga stay.\n.SS dry\\-run\n",
-       ".SH EXIT STATUS\n.TP\n\\fB0\\fR\nDone; all criteria pass.\nA conditional pass counts as 0, with a warning.\n",
-       ".SH FILES\n.TP\n\\fBbench.toml, sensor.toml, limits.toml\\fR\n"});
+      page, {".TH TACTBENCH 1 \"2026-01-31\" \"tactbench 0.1\\-x\" \"User Commands\"\n",
+             ".SS runs\n\\fBtactbench runs\\fR \\fIVERB\\fR [\\fIoptions\\fR]\n.PP\nwhat is stored.\n.SS runs export\n",
+             "\\fBtactbench runs export\\fR \\fIRUN\\fR [\\fIRECIPE\\fR...] \\fB\\-\\-output\\fR \\fIOUTPUT\\fR "
+             "[\\fIoptions\\fR]\n.PP\nwrite it\\(aqs rows.\n",
+             ".TP\n\\fIRUN\\fR\nnumber of the run\n.TP\n\\fIRECIPE\\fR\nwhich\n",
+             ".TP\n\\fB\\-\\-format\\fR \\fIFORMAT\\fR\ncsv\\(aqs kind; one of csv, hdf5 (default: csv)\n",
+             ".TP\n\\fB\\-o\\fR, \\fB\\-\\-output\\fR \\fIOUTPUT\\fR\nfile [C:\\ex]\n",
+             ".TP\n\\fB\\-\\-count\\fR \\fICOUNT\\fR\nhow many\n.TP\n\\fB\\-\\-all\\fR\nall of them\n"
+             ".PP\nExit codes: 0.\n\\&.toml \\(ti\\(ha\\(ga stay.\n.SS dry\\-run\n",
+             ".SH EXIT STATUS\n.TP\n\\fB0\\fR\nDone; all requirements are met.\nA conditional pass counts as 0, with a "
+             "warning.\n",
+             ".SH FILES\n.TP\n\\fBbench.toml, sensor.toml, limits.toml\\fR\n"});
   CHECK(page.find("help\\fR\nprint this") == std::string::npos);
 }
 
