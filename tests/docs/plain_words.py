@@ -18,7 +18,7 @@ REFUSED = [
     (r"\bwhat was looked for\b", "criteria"),
     (r"\bwhere the time went\b", "time by activity"),
     (r"\bgone? on with\b|\bgoes on with\b", "continue"),
-    (r"\b(is|was) worth\b", "value of, how well"),
+    (r"\b(is|was) worth\b(?! it)", "value of, how well"),
     (r"\bonce more\b", "again, repeat"),
     (r"\bvoid runs, too\b", "also void runs"),
     (r"\bequalized by the inverse\b", "nothing: an opinion"),
