@@ -9,12 +9,24 @@
 #include "analysis/error.h"
 #include "analysis/table.h"
 #include "analysis/whole_file.h"
+#include "analysis/work_count.h"
 
 namespace tactbench::analysis {
 namespace {
 
 constexpr std::size_t kLargestTable = 1'000'000'000;  // bytes
 constexpr std::size_t kMostRows = 20'000'000;
+constexpr std::size_t kCountedRows = 4096;  // between two looks at how far the file is read
+
+// Bytes that can still be read; 0: not known, as of a pipe.
+std::size_t bytes_left(std::istream& stream) {
+  const auto here = stream.tellg();
+  stream.seekg(0, std::ios::end);
+  const auto end = stream.tellg();
+  stream.clear();
+  stream.seekg(here);
+  return here < 0 || end < here ? 0 : static_cast<std::size_t>(end - here);
+}
 
 // Numbers of a column `step` as the rows of one series bring them.
 class StepOrder {
@@ -41,13 +53,20 @@ std::string table_text(const std::string& path) {
 }
 
 Table read_table(std::istream& stream, const std::string& file, const ColumnMap& map, bool skip_bad_rows) {
+  Work read(bytes_left(stream));
   TableReader reader(stream, file, map, TableNeeds::kBoth, skip_bad_rows);
   Table table;
   std::vector<TableSeries>& series = table.series;
   std::vector<StepOrder> orders;
   std::map<std::pair<std::string, int>, std::size_t, std::less<>> places;
   std::size_t last = 0, rows = 0;
+  std::streamoff at = 0;
   for (TableReader::Row row; reader.next(row);) {
+    if (rows % kCountedRows == 0 && stream.good()) {
+      const std::streamoff now = stream.tellg();
+      read.add(static_cast<std::size_t>(now - at));
+      at = now;
+    }
     if (++rows > kMostRows)
       throw AnalysisError(Cause::kUsage, "TB-TABLE-ROW", fmt::format("{}: more than {} rows", file, kMostRows),
                           "take the sequences that are to be fitted, or every other row");

@@ -7,11 +7,14 @@
 #include <thread>
 #include <vector>
 
+#include "analysis/work_count.h"
+
 namespace tactbench::analysis {
 
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   const std::size_t wanted =
       threads > 0 ? static_cast<std::size_t>(threads) : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  Work counted(count);
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
   std::exception_ptr failure;
@@ -27,6 +30,7 @@ void for_each_index(std::size_t count, int threads, const std::function<void(std
           failure = std::current_exception();
         }
       }
+      counted.add();
     }
   };
   std::vector<std::jthread> helpers;

@@ -15,11 +15,15 @@ namespace {
 void check_tag(const std::string& tag) {
   const auto fits = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("._:/+-").find(c) != std::string_view::npos;
+           std::string_view("._:/+-=").find(c) != std::string_view::npos;
   };
-  if (!tag.empty() && tag.size() <= 64 && std::ranges::all_of(tag, fits)) return;
-  throw StoreError(Cause::kUsage, "TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
-                   "a tag is one word of up to 64 letters, digits and . _ : / + -; longer words go into a note");
+  const std::size_t equals = tag.find('=');  // of KEY=VALUE: one, with something on both sides
+  const bool pair = equals == std::string::npos || (equals > 0 && equals + 1 < tag.size() && tag.rfind('=') == equals);
+  if (!tag.empty() && tag.size() <= 64 && pair && std::ranges::all_of(tag, fits)) return;
+  throw StoreError(
+      Cause::kUsage, "TB-STORE-TAG", fmt::format("'{}' is not a valid tag", tag),
+      "a tag is one word of up to 64 letters, digits and . _ : / + -, or two with = between them (lot=A7); "
+      "longer words go into a note");
 }
 
 }  // namespace
@@ -52,7 +56,11 @@ void RunStore::set_tags(std::int64_t run, const std::vector<std::string>& add, c
   sqlite::Transaction transaction(database_->connection);
   const std::vector<std::string> before = database_->run(run).tags;
   std::set<std::string> tags(before.begin(), before.end());
-  tags.insert(add.begin(), add.end());
+  for (const std::string& tag : add) {
+    if (const std::size_t equals = tag.find('='); equals != std::string::npos)  // a key has one value
+      std::erase_if(tags, [&](const std::string& old) { return old.starts_with(tag.substr(0, equals + 1)); });
+    tags.insert(tag);
+  }
   for (const std::string& tag : remove) tags.erase(tag);
   if (tags.size() > kMostTags) {
     throw StoreError(Cause::kUsage, "TB-STORE-TAG",

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/documents/run_metadata.h"
 #include "analysis/json_io.h"
 
 namespace tactbench::analysis {
@@ -67,6 +68,7 @@ RunJson run_json(const db::RunRecord& run, std::span<const InstrumentNote> notes
           {"build_id", run.build_id},
           {"content_sha256", run.content_sha256},
           {"tags", run.tags},
+          {"metadata", RunJson(metadata_of(run))},
           {"notes", run.notes},
           {"void", run.is_void()},
           {"void_reason", run.void_reason},

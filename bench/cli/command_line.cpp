@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <utility>
 
 #include "bench/cli/night/selfcheck.h"
 #include "bench/cli/rig/page_beside.h"
@@ -45,21 +46,38 @@ void check_verb(const CLI::App& app, int argc, char** argv) {
       near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
-// CLI11 reports a missing required option before a misspelled one, which usually is the cause.
+// The verb that was typed, as far as it was understood, with its words.
+std::pair<const CLI::App*, std::string> typed_verb(const CLI::App& app) {
+  const CLI::App* verb = &app;
+  std::string words = app.get_name();
+  while (!verb->get_subcommands().empty()) {
+    verb = verb->get_subcommands().back();
+    words += " " + verb->get_name();
+  }
+  return {verb, words};
+}
+
+// CLI11 reports a missing required option or verb before a misspelled one, which usually is the cause.
 Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> left = app.remaining(true);
+  const auto [verb, words] = typed_verb(app);
+  std::vector<std::string> verbs;
+  for (const CLI::App* below : verb->get_subcommands({})) verbs.push_back(below->get_name());
+  if (!verbs.empty() && verb != &app) {
+    const bool typed = !left.empty() && left.front().size() > 1 && left.front().front() != '-';
+    const std::string near = typed ? sequences::nearest_word(left.front(), verbs) : std::string();
+    return {ExitCode::kUsage, "TB-USAGE",
+            typed ? fmt::format("there is no verb '{}' of '{}'", left.front(), words)
+                  : fmt::format("'{}' needs a verb after it", words),
+            "command line",
+            near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near)};
+  }
   const auto unknown = std::find_if(left.begin(), left.end(), [](const std::string& word) {
     return word.size() > 1 && word.front() == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0;
   });
   if (unknown == left.end()) {
     return {ExitCode::kUsage, "TB-USAGE", error.what(), "command line",
             "see tactbench --help, or tactbench VERB --help"};
-  }
-  const CLI::App* verb = &app;
-  std::string words = app.get_name();
-  while (!verb->get_subcommands().empty()) {
-    verb = verb->get_subcommands().back();
-    words += " " + verb->get_name();
   }
   std::vector<std::string> known;
   for (const CLI::Option* option : verb->get_options()) {

@@ -8,9 +8,11 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 #include "bench/common/error.h"
+#include "bench/common/renewed_line.h"
 #include "bench/common/screen.h"
 #include "db/utf8.h"
 
@@ -115,13 +117,43 @@ std::string clock_text(double seconds) {
 
 namespace tty {
 
+namespace {
+
+// A thread may renew the line while another prints.
+std::mutex& line_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+bool line_open = false;  // guarded by line_mutex()
+
+void erase_open_line() {
+  if (line_open) write_raw(stderr, "\r\x1b[K");
+  line_open = false;
+}
+
+}  // namespace
+
 void vprint(std::FILE* stream, fmt::string_view format, fmt::format_args args) {
-  write_raw(stream, for_people(fmt::vformat(format, args)));
+  const std::string text = for_people(fmt::vformat(format, args));
+  const std::lock_guard lock(line_mutex());
+  if (stream == stderr && text == "\n")  // the end of that line, which stays
+    line_open = false;
+  else
+    erase_open_line();
+  write_raw(stream, text);
 }
 
 void renew_line(std::string_view text) {
   const std::size_t columns = std::max<std::size_t>(screen_size(STDERR_FILENO).columns, 2) - 1;
-  write_raw(stderr, fmt::format("\r{}\x1b[K", one_line(text, std::min(columns, kLongestCell))));
+  const std::string line = fmt::format("\r{}\x1b[K", one_line(text, std::min(columns, kLongestCell)));
+  const std::lock_guard lock(line_mutex());
+  write_raw(stderr, line);
+  line_open = true;
+}
+
+void erase_line() {
+  const std::lock_guard lock(line_mutex());
+  erase_open_line();
 }
 
 void clear_screen() { write_raw(stdout, "\x1b[H\x1b[2J"); }

@@ -20,12 +20,6 @@ namespace {
 constexpr std::size_t kEvents = 3;
 constexpr double kSilent = 5.0;  // s without a sign of work, from which on it is reported
 
-// Commands to actuators, readings and accounts do not show how it goes.
-bool shows_progress(const db::EventRecord& event) {
-  constexpr std::array kQuiet{"command", "stage", "environment", "fail-safe", "relays", "time", "prompt"};
-  return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
-}
-
 double seconds_of(const db::EventRecord& event) { return static_cast<double>(event.time_ns) * 1e-9; }
 
 std::string recipes_of(const db::RunRecord& run) {
@@ -75,6 +69,11 @@ std::string who_text(const db::RunRecord& run) {
 }
 
 }  // namespace
+
+bool shows_progress(const db::EventRecord& event) {
+  constexpr std::array kQuiet{"command", "stage", "environment", "fail-safe", "relays", "time", "prompt"};
+  return std::ranges::find(kQuiet, event.kind) == kQuiet.end();
+}
 
 StoredRun stored_run(const db::RunStore& store, std::int64_t run) {
   StoredRun stored{store.run(run), store.frame_count(run), {}};

@@ -14,6 +14,9 @@
 
 namespace tactbench::bench {
 
+// Commands to actuators, readings and accounts tell nothing of how a run goes.
+bool shows_progress(const db::EventRecord& event);
+
 struct StoredRun {
   db::RunRecord record;
   std::int64_t frames = 0;

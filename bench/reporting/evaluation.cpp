@@ -16,6 +16,7 @@
 #include "analysis/statistics/figures/figures.h"
 #include "bench/common/build_info.h"
 #include "bench/common/for_people.h"
+#include "bench/common/long_work.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
@@ -148,9 +149,11 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   analysis::gather_run(input, runs, run, further);
   note_conditions(runs, fit, input.verdicts, nullptr, input.laboratory.instruments, input.judgement);
   if (extras == nullptr) return input;
+  begin_stage("models");
   add_results(input, runs, *extras);
   judge_as_found(runs, input, extras->previous);
   if (!evaluations.empty() && fit.run == run) {
+    begin_stage("uncertainty");
     const analysis::UncertaintyInputs inputs = budget_inputs(runs, input, further, extras->studies);
     add_uncertainty(runs, fit, evaluations, input, inputs, judgement.uncertainties);
     note_conditions(runs, fit, input.verdicts, &inputs, input.laboratory.instruments, input.judgement);

@@ -19,7 +19,11 @@ TEST_CASE("tags are a sorted set of words") {
   CHECK(store.run(other).tags.empty());
   store.set_tags(run, {"new"}, {"night", "never-there"});
   CHECK(store.runs().front().tags == Words{"a:b", "new"});
-  for (const char* wrong : {"", "two words", "x\n", "ä", "a,b"}) {
+  store.set_tags(run, {"lot=A7", "order=5"}, {});
+  store.set_tags(run, {"lot=A8"}, {"order=5"});  // a key has one value
+  CHECK(store.run(run).tags == Words{"a:b", "lot=A8", "new"});
+  store.set_tags(run, {}, {"lot=A8"});
+  for (const char* wrong : {"", "two words", "x\n", "ä", "a,b", "=x", "x=", "x=y=z"}) {
     CHECK(store_error([&] { store.set_tags(run, {wrong}, {}); }) == "TB-STORE-TAG");
   }
   CHECK(store_error([&] { store.set_tags(run, {std::string(65, 'x')}, {}); }) == "TB-STORE-TAG");

@@ -21,6 +21,42 @@ LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 CODES = {"CriterionFailed": "1", "Usage": "2", "Device": "3", "Stopped": "4", "Store": "5", "Inconclusive": "6", "Unsafe": "7",
          "Internal": "70", "Interrupted": "130", "Terminated": "143"}
 MOST_SITES = 3  # shown of an id
+# Cause and cure where the place that throws takes them from elsewhere; used for the cells that the sources leave empty, and
+# an entry that no cell needs is a failure.
+UNSAID = {
+    "TB-ANALYSIS-MODEL": ("", "fit data with loops or inner branches that this model needs, or another model"),
+    "TB-BRANCH-BROKEN": ("the pressure stepped back within a branch, in every attempt", ""),
+    "TB-CALIBRATION-STOPPED": ("somebody ended calibrate-reference", ""),
+    "TB-CHAMBER-STALE": ("the last reading of feedback or reference is older than [limits] stale_s; more load was refused",
+                         "check module and line: readings come too late or not at all"),
+    "TB-DAQMX-ERROR": ("the NI-DAQmx driver refused; its number, name and text", "what the driver's text says; NI MAX or `nilsdev` lists cards"),
+    "TB-DEADMAN-BLIND": ("the dead-man cannot reach the module, twice in a row",
+                         "check that the module accepts a second connection and that no other program uses it; start again or resume"),
+    "TB-DEADMAN-ENDED": ("the dead-man's process has ended", "find out what ended it (system log, memory); start again or resume"),
+    "TB-DEADMAN-FIRED": ("the dead-man vented: the program was silent for too long, or a panic was commanded",
+                         "find out what delayed the program; `tactbench devices reset` if the bench is tripped; start again or resume"),
+    "TB-DEADMAN-SILENT": ("the dead-man does not answer",
+                          "its process is stopped, or the computer is overloaded: find out why; start again or resume"),
+    "TB-DEVICE-NAME": ("an instrument reports a model, serial number or firmware that is no text or too long", ""),
+    "TB-FLEET-CONNINFO": ("", "write it as psql takes it, \"host=db.lab dbname=tactile user=bench_a\", or \"service=NAME\""),
+    "TB-FLEET-WHERE": ("", "write a condition in SQL over the columns of fleet.every_run"),
+    "TB-FORCE-STALE": ("the last reading of force is older than [limits] stale_s; the motion was refused",
+                       "check the force sensor and its line: readings come too late or not at all"),
+    "TB-HTTP-ANSWER": ("the force sensor's page is too long, or no answer of HTTP", "check [force] host and http_port; or give a saved page as page_file"),
+    "TB-HTTP-OPEN": ("", "check [force] host and http_port, the cable, and that the sensor has power"),
+    "TB-HTTP-TIMEOUT": ("the force sensor's page did not come in time", "check the line and that the sensor has power; or give a saved page as page_file"),
+    "TB-MODBUS-PROTOCOL": ("an answer does not belong to the request", ""),
+    "TB-RECIPE-DEVICES": ("", "describe the device in the bench file, or choose a recipe that does without it"),
+    "TB-REPORT-PDF": ("no PDF could be made: no browser or typesetter is there, or it failed; its own words",
+                      "apt-get install chromium, or weasyprint; `--format html` needs neither"),
+    "TB-RUN-PANIC": ("somebody commanded a panic, or an abort, while the run was live",
+                     "inspect the rig before the next run; the frames so far are kept"),
+    "TB-RUN-SILENT": ("the run's process does not answer commands", ""),
+    "TB-RUN-VOID": ("a run that is named was declared void: by whom, why", ""),
+    "TB-RUN-WORD": ("the run does not take the command in its present state, which it names", ""),
+    "TB-SCANNER-LOST": ("", "plug the scanner in again, or start its program; then resume the run"),
+    "TB-UDP-LOST": ("the network refuses the force sensor's address", "check [force] host, the cable and the network's settings"),
+}
 
 
 def read(path):
@@ -55,7 +91,7 @@ def keys_page(program):
     missing = sorted(asked - known)
     if missing:
         sys.exit(f"docs/reference-keys.md lacks keys that a parser reads: {', '.join(missing)}; "
-                 "bench/cli/words/key_reference.cpp has to read a file in which they stand")
+                 "bench/cli/words/key_samples.cpp has to read a file in which they stand, bench/cli/words/meanings to say what they are for")
     if len(asked) < 150:
         sys.exit(f"only {len(asked)} keys were found in the sources: the parsers' calls have other names now")
     return page
@@ -136,7 +172,13 @@ def errors_page():
     for name in sorted(codes):
         pairs = [pair for pair in found.get(name, []) if pair[0] or pair[1]]
         pairs.sort(key=lambda pair: not (pair[0] and pair[1]))
-        for i, (message, remedy) in enumerate(pairs[:MOST_SITES] or [("(told by what caused it)", "")]):
+        pairs = pairs[:MOST_SITES] or [("", "")]
+        for i, (message, remedy) in enumerate(pairs):
+            told = UNSAID.get(name, ("", ""))
+            if i == 0 and name in UNSAID:
+                if not (told[0] and not message or told[1] and not remedy):
+                    sys.exit(f"{sys.argv[0]}: UNSAID has {name}, and the sources say it themselves now")
+                message, remedy = told[0] or message, remedy or told[1]
             cells = [f"`{name}`" if i == 0 else "", ", ".join(codes[name]) if i == 0 else "", message, remedy]
             page += "| " + " | ".join(each.replace("|", "\\|") for each in cells) + " |\n"
     return page

@@ -1,15 +1,16 @@
-"""The completion scripts in the shells themselves, where these are installed (bash always), and the manual page before
+"""The completion scripts in the shells themselves, where these are installed (bash always), and the manual pages before
 man and mandoc; the commands of README and docs have the verbs and options that the program has. Arguments: the program,
-the documents."""
+install.cmake, the documents."""
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 
-PROGRAM, *DOCUMENTS = sys.argv[1:]
+PROGRAM, INSTALL, *DOCUMENTS = sys.argv[1:]
 
 
 def said(*words, **more):
@@ -85,10 +86,42 @@ def check_manual():
     assert not often, often
     for verb in bash(""):
         assert verb.startswith("-") or f".SS {verb}".replace("-", "\\-") in page, verb
-    if shutil.which("man"):
-        said("man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", path, env={**os.environ, "LC_ALL": "C.UTF-8"})
+    lint(path)
+
+
+def lint(path):
+    """What man shows of a page, where man is installed."""
     if shutil.which("mandoc"):
         said("mandoc", "-Tlint", "-W", "warning", path)
+    if not shutil.which("man"):
+        return None
+    shown = said("man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", path, env={**os.environ, "LC_ALL": "C.UTF-8", "MANWIDTH": "100"})
+    return re.sub(r".\x08|\x1b\[[0-9;]*m", "", shown)
+
+
+def check_key_manuals():
+    """Section 5: each kind of file has its page, and on it every key of the page of reference with its meaning."""
+    installed = re.search(r"set\(KEY_PAGES ([^)]*)\)", open(INSTALL).read()).group(1).split()
+    pages = said(PROGRAM, "manual-page", "all").split()
+    assert installed == pages and len(pages) == 8, (installed, pages)
+    reference = re.findall(r"^## (.*?)\n.*?^\|---.*?\n(.*?)(?=^## |\Z)", said(PROGRAM, "reference-keys"), re.M | re.S)
+    assert len(reference) == len(pages), [title for title, _ in reference]
+    keys = 0
+    for name, (title, rows) in zip(pages, reference):
+        path = os.path.join(folder, name + ".5")
+        page = said(PROGRAM, "manual-page", name)
+        with open(path, "w") as file:
+            file.write(page)
+        shown = lint(path)
+        entries = re.findall(r"^\.TP\n\\fB(.*?)\\fR \(.*\)\n(.+)", page, re.M)
+        listed = re.findall(r"^\| `([^`]+)` \| (.+?) \| ", rows, re.M)
+        assert len(entries) == len(listed) > 5, (name, title, len(entries), len(listed))
+        for (entry, text), (key, meaning) in zip(entries, listed):
+            assert entry == key.split(".")[-1] and len(text) > 8, (name, entry, key)
+            # The first words stand on the page as man shows it.
+            assert shown is None or " ".join(meaning.split()[:2]) in " ".join(shown.split()), (name, key, meaning)
+        keys += len(entries)
+    assert keys > 350, keys
 
 
 def command_lines(text):
@@ -148,5 +181,6 @@ with tempfile.TemporaryDirectory() as folder:
     check_every_option()
     check_others()
     check_manual()
+    check_key_manuals()
     check_documents()
 print("completion, manual page and the documents' commands are well")

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/documents/run_metadata.h"
 #include "analysis/json_io.h"
 #include "analysis/report/data/traceability.h"
 #include "analysis/report/parts.h"
@@ -29,6 +30,15 @@ std::string cable_of(const Laboratory& laboratory, const db::DeviceRecord* scann
   const auto json = try_json(scanner->calibration_json);
   const bool there = json.is_object() && json.contains("cable") && json["cable"].is_string();
   return there ? json["cable"].get<std::string>() : std::string();
+}
+
+// As typed with the run, else by the laboratory file; both where they differ.
+std::string order_of(const db::RunRecord& run, const Laboratory& laboratory) {
+  const std::map<std::string, std::string> metadata = metadata_of(run);
+  const auto typed = metadata.find("order");
+  if (typed == metadata.end()) return laboratory.order;
+  const bool differs = !laboratory.order.empty() && laboratory.order != typed->second;
+  return differs ? fmt::format("{} (laboratory file: {})", typed->second, laboratory.order) : typed->second;
 }
 
 Markup further_runs(const ReportInput& input) {
@@ -86,7 +96,7 @@ Markup identification_section(const ReportInput& input) {
       {calibrates ? "place of the calibration" : "place of the test", line(stated(laboratory.place))},
       {"customer", line(stated(laboratory.customer))},
       {"address of the customer", line(stated(laboratory.customer_address))},
-      {"order", line(stated(laboratory.order))},
+      {"order", line(stated(order_of(run, laboratory)))},
       {"accreditation", accredited ? markup("No. {}", Text(laboratory.accreditation))
                                    : line(Text("This report was not issued by an accredited laboratory."))}};
   const std::vector<Traceability> traced = traceability_of(input);
@@ -94,25 +104,33 @@ Markup identification_section(const ReportInput& input) {
     laboratory_rows.push_back({one.title.c_str(), line(Text(input.unit.both_in_text(one.statement)))});
   laboratory_rows.push_back({"remarks", line(stated(laboratory.remarks))});
   out += pairs_table("Laboratory and customer", laboratory_rows);
-  out += pairs_table(
-      "Run", {{"run number", markup("{}", run.run)},
-              {"UUID", code(run.uuid)},
-              {"origin of the data", line(stated(run.origin))},
-              {"outcome", markup("{}{}{}", Text(db::to_string(run.outcome)), Text(run.reason.empty() ? "" : ": "),
-                                 Text(run.reason))},
-              {"declared void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
-              {"vented and retracted at the end", line(Text(db::to_string(run.safe_state)))},
-              {"operator", line(stated(run.operator_name))},
-              {"purpose", line(stated(run.purpose))},
-              {calibrates ? "calibration started (UTC)" : "measurement started (UTC)", line(moment(run.started_utc))},
-              {calibrates ? "calibration ended (UTC)" : "measurement ended (UTC)", line(moment(run.ended_utc))},
-              {"bench", line(stated(run.bench_id))},
-              {"computer", line(stated(run.host))},
-              {"frames stored", markup("{}", input.frame_count)},
-              {"frames evaluated", markup("{}", input.evaluation.frames)},
-              {"further runs used", further_runs(input)},
-              {"seeds", markup("noise and faults {}, sensor {}", run.seed, run.sensor_seed)},
-              {"settings changed on the command line", settings_changed(run.overrides_json)}});
+  std::vector<Pair> run_rows = {{"run number", markup("{}", run.run)},
+                                {"UUID", code(run.uuid)},
+                                {"origin of the data", line(stated(run.origin))},
+                                {"outcome", markup("{}{}{}", Text(db::to_string(run.outcome)),
+                                                   Text(run.reason.empty() ? "" : ": "), Text(run.reason))},
+                                {"declared void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
+                                {"vented and retracted at the end", line(Text(db::to_string(run.safe_state)))},
+                                {"operator", line(stated(run.operator_name))},
+                                {"purpose", line(stated(run.purpose))}};
+  // No word of a person's own can pass for one of the report's.
+  const std::map<std::string, std::string> metadata = metadata_of(run);
+  std::vector<std::string> names;
+  for (const auto& [key, value] : metadata) names.push_back(key == "lot" || key == "order" ? key : "metadata " + key);
+  for (std::size_t i = 0; const auto& [key, value] : metadata)
+    run_rows.push_back({names[i++].c_str(), line(Text(value))});
+  for (Pair& more : std::vector<Pair>{
+           {calibrates ? "calibration started (UTC)" : "measurement started (UTC)", line(moment(run.started_utc))},
+           {calibrates ? "calibration ended (UTC)" : "measurement ended (UTC)", line(moment(run.ended_utc))},
+           {"bench", line(stated(run.bench_id))},
+           {"computer", line(stated(run.host))},
+           {"frames stored", markup("{}", input.frame_count)},
+           {"frames evaluated", markup("{}", input.evaluation.frames)},
+           {"further runs used", further_runs(input)},
+           {"seeds", markup("noise and faults {}, sensor {}", run.seed, run.sensor_seed)},
+           {"settings changed on the command line", settings_changed(run.overrides_json)}})
+    run_rows.push_back(std::move(more));
+  out += pairs_table("Run", run_rows);
   out += instruments_part(input);
   out += method_part(input);
   out += pairs_table(

@@ -38,6 +38,7 @@ void add_calibrate(CLI::App& app, Session& session) {
       ->check(CLI::PositiveNumber);
   verb->add_option("--held-out", options->held_out, "judge on this completed run of the sensor, measure none")
       ->check(CLI::PositiveNumber);
+  add_metadata_options(*verb, options->metadata);
   verb->add_option("--set", options->set,
                    "override table.key=value of the bench file, or recipe.key=value of the recipes of --recipe")
       ->take_all();

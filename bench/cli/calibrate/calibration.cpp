@@ -68,6 +68,7 @@ class Calibration {
   // Everything that can be known before a device is touched.
   void check() {
     check_operator(options_.operator_name);
+    (void)metadata_tags(options_.metadata);
     const SplitOverrides overrides = split_overrides(options_.set);
     bench_ = read_bench(find_config(options_.bench), overrides.bench, options_.seeds);
     const std::vector<Recipe> recipes = read_recipes(options_.recipes, overrides.recipe),
@@ -171,6 +172,7 @@ class Calibration {
     run.assume_yes = options_.assume_yes;
     run.no_seating = options_.no_seating;
     run.seeds = options_.seeds;
+    run.metadata = options_.metadata;
     run.label = label;
     run.on_begun = [this](std::int64_t number) { begun_ = number; };
     return run;
@@ -279,6 +281,9 @@ std::string calibrate_again(const CalibrateOptions& options, Session& session, s
   add("--limits", {options.limits}, otherwise(ProfileKey::kLimits, {standard.limits}));
   add("--lab", {options.lab}, {standard.lab});
   add("--model", {options.model}, {standard.model});
+  add("--lot", {options.metadata.lot}, {""});
+  add("--order", {options.metadata.order}, {""});
+  add("--meta", options.metadata.pairs, {});
   add("--set", options.set, standard.set);
   if (options.seeds.seed) words += fmt::format(" --seed {}", *options.seeds.seed);
   if (options.seeds.sensor_seed) words += fmt::format(" --sensor-seed {}", *options.seeds.sensor_seed);

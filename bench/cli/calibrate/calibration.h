@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/cli/runs/metadata_options.h"
 #include "bench/cli/session.h"
 #include "bench/config/config.h"
 
@@ -18,6 +19,7 @@ struct CalibrateOptions {
   std::vector<std::string> recipes = {"production"}, held_out_recipes = {"random-reversal"};
   std::vector<std::string> set;        // recipe.key=value: of `recipes` alone
   std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to continue from; 0: measured now
+  MetadataOptions metadata;            // of both runs
   SeedOptions seeds;                   // the held-out run gets the following seed of noise
   bool assume_yes = false, no_seating = false;
 };

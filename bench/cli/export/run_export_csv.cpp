@@ -10,6 +10,7 @@
 #include <optional>
 #include <ostream>
 
+#include "analysis/documents/run_metadata.h"
 #include "analysis/error.h"
 #include "analysis/scanner_scale.h"
 #include "bench/common/error.h"
@@ -65,6 +66,7 @@ std::string run_lines(const db::RunRecord& run, const std::optional<double>& sca
   line("bench", run.bench_id);
   line("recipes", fmt::format("{}", fmt::join(recipes, ", ")));
   line("operator", run.operator_name);
+  for (const auto& [key, value] : analysis::metadata_of(run)) line(("metadata " + key).c_str(), value);
   line("started_utc", run.started_utc);
   line("outcome", db::to_string(run.outcome));
   if (run.is_void()) line("void", run.void_reason);

@@ -42,6 +42,16 @@ std::string residual_text(const SensorModel& model) {
                      residuals[residuals.size() / 2], model.input_unit, residuals.back());
 }
 
+// "1/x" as "1/psi" where the model knows the units of its input x and its output y.
+std::string parameter_unit(const std::string& unit, const SensorModel& model) {
+  std::string text;
+  for (const char c : unit) {
+    const bool known = (c == 'x' && !model.input_unit.empty()) || (c == 'y' && !model.output_unit.empty());
+    text += known ? (c == 'x' ? model.input_unit : model.output_unit) : std::string(1, c);
+  }
+  return text;
+}
+
 void show(const std::string& name, const Session& session) {
   const SensorModel model = load_model(name, session);
   if (session.json) {
@@ -92,8 +102,8 @@ void show(const std::string& name, const Session& session) {
   const auto parameters = shown.fit.model->parameters();
   constexpr std::size_t kMost = 24;  // Preisach has hundreds: --json has them all
   for (std::size_t i = 0; i < std::min(kMost, parameters.size()); ++i)
-    tty::print("  {:<14}{:<22}{}{}\n", parameters[i].name, parameters[i].value, parameters[i].unit,
-               parameters[i].at_bound() ? "  at its bound" : "");
+    tty::print("  {:<14}{:<22}{}{}\n", parameters[i].name, parameters[i].value,
+               parameter_unit(parameters[i].unit, model), parameters[i].at_bound() ? "  at its bound" : "");
   if (parameters.size() > kMost) tty::print("  and {} more (--json)\n", parameters.size() - kMost);
 }
 
@@ -139,11 +149,11 @@ void diff(const std::string& first, const std::string& second, Session& session)
     const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
     for (const ModelParameter& mine : p) {
       const auto theirs = std::ranges::find(q, mine.name, &ModelParameter::name);
-      add(mine.name, mine.unit, (theirs == q.end() ? 0.0 : theirs->value) - mine.value, own.taxel);
+      add(mine.name, parameter_unit(mine.unit, a), (theirs == q.end() ? 0.0 : theirs->value) - mine.value, own.taxel);
     }
     for (const ModelParameter& theirs : q)
       if (std::ranges::find(p, theirs.name, &ModelParameter::name) == p.end())
-        add(theirs.name, theirs.unit, theirs.value, own.taxel);
+        add(theirs.name, parameter_unit(theirs.unit, b), theirs.value, own.taxel);
   }
   const bool same = analysis::to_text(a) == analysis::to_text(b);
   session.code = same ? ExitCode::kPass : ExitCode::kCriterionFailed;

@@ -113,9 +113,11 @@ std::string undetermined_text(const analysis::SensorModel& document) {
 
 std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
                                  const std::vector<std::string>& sequences, const analysis::IdentifyOptions& options,
-                                 const std::vector<ScoreTarget>& targets, std::vector<ModelRefusal>* refusals) {
+                                 const std::vector<ScoreTarget>& targets, std::vector<ModelRefusal>* refusals,
+                                 const std::function<void(const std::string&)>& begun) {
   std::vector<ModelRow> rows;
   for (const std::string& model : models) {
+    if (begun) begun(model);
     ModelRow row;
     try {
       row.document = analysis::fit_models(model, histories, sequences, options);

@@ -1,6 +1,7 @@
 // The table of models: what each was fitted to, and how well it does on what it was not fitted to.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -30,11 +31,12 @@ struct ModelRefusal {
 };
 
 // Fits each model on the named sequences (empty: all) and scores it on each target. With `refusals` a model that the
-// data cannot carry goes there, as long as they carry another. Throws AnalysisError.
+// data cannot carry goes there, as long as they carry another. `begun` is told each model before its fit. Throws
+// AnalysisError.
 std::vector<ModelRow> model_rows(const std::vector<std::string>& models, const analysis::Histories& histories,
                                  const std::vector<std::string>& sequences, const analysis::IdentifyOptions& options,
-                                 const std::vector<ScoreTarget>& targets,
-                                 std::vector<ModelRefusal>* refusals = nullptr);
+                                 const std::vector<ScoreTarget>& targets, std::vector<ModelRefusal>* refusals = nullptr,
+                                 const std::function<void(const std::string&)>& begun = {});
 
 // Fills in the columns that a table of models has beside each fit. Throws AnalysisError.
 void cross_validate(std::vector<ModelRow>& rows, const analysis::Histories& histories,

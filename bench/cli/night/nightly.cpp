@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "analysis/counted.h"
+#include "analysis/work_count.h"
 #include "bench/cli/night/nightly_options.h"
+#include "bench/common/long_work.h"
 #include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
 #include "bench/common/stop_request.h"
@@ -41,6 +44,20 @@ void check_store_of_part(const NightlyOptions& options, const Session& session) 
               "this store holds runs, and one part of a night needs a store of its own", session.db, "name a new file");
 }
 
+// In a terminal one line that is written over, elsewhere a line a scenario, for the log of a night.
+std::vector<ScenarioResult> carry_out_showing(const Suite& suite, const NightOptions& night,
+                                              const std::function<void(const std::vector<ScenarioResult>&)>& on_result,
+                                              const Session& session) {
+  const std::size_t count = suite.scenarios.size();
+  LongWork progress("nightly", session.quiet || session.json, {{analysis::counted(count, "scenario"), 1.0}});
+  analysis::Work carried_out(count);
+  return carry_out_night(suite, night, [&](const std::vector<ScenarioResult>& so_far) {
+    carried_out.add();
+    on_result(so_far);
+    if (!session.quiet && !session.json && !progress.shows()) tty::print(stderr, "{} of {}\n", so_far.size(), count);
+  });
+}
+
 void nightly(const NightlyOptions& options, Session& session) {
   // A name without a folder is a shipped suite unless such a file lies here.
   const Suite file = read_suite(find_recipe(options.suite));
@@ -63,11 +80,10 @@ void nightly(const NightlyOptions& options, Session& session) {
   if (!session.json)
     tty::print("SIMULATED DATA. {}: {}{}\n", suite.name, analysis::counted(suite.scenarios.size(), "scenario"),
                shard.is_whole() ? "" : fmt::format(", part {} of {}", shard.text(), whole.scenarios.size()));
-  std::vector<ScenarioResult> results = carry_out_night(suite, night, [&](const std::vector<ScenarioResult>& so_far) {
+  const auto write_lists = [&](const std::vector<ScenarioResult>& so_far) {
     write_night_lists(options.files, suite, so_far, session);
-    if (session.quiet || session.json) return;
-    tty::print(stderr, "{} of {}\n", so_far.size(), suite.scenarios.size());
-  });
+  };
+  std::vector<ScenarioResult> results = carry_out_showing(suite, night, write_lists, session);
   std::vector<Followed> followed;
   if (options.keeps) {
     db::RunStore store = db::RunStore::open(session.db, db::Durability::kNormal);

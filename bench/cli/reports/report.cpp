@@ -12,7 +12,10 @@
 #include "analysis/statistics/figures/evaluation.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/reports/report_signing.h"
+#include "bench/cli/reports/report_stages.h"
+#include "bench/cli/reports/reports_verify.h"
 #include "bench/cli/reports/written_report.h"
+#include "bench/common/long_work.h"
 #include "bench/common/output_file.h"
 #include "bench/common/utc.h"
 #include "bench/config/config.h"
@@ -119,6 +122,7 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
   for (const std::int64_t run : options.runs) {
     // Of many runs the samples of one row at a time are in memory.
     std::optional<analysis::Runs> of_row;
+    begin_stage(report_stage_of(run));
     JudgedInput judged = input_for(options.batch ? of_row.emplace(store) : runs, options, run, session);
     inputs.push_back(std::move(judged.input));
     judgements.push_back(std::move(judged.judgement));
@@ -156,6 +160,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     out.path = path_of(store, options, "run-" + out.report.number);
   out.written = may_be_written(out.path, out.report.number, store);
   if (signing) {
+    pause_progress();  // it may ask
     check_signature(judged.judgement, input.run.run, input.run.origin, options.without_verdict, session);
     const std::vector<db::ReportRecord> before = store.reports(input.run.run);
     store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.approve_by, utc_now(),
@@ -193,14 +198,17 @@ WrittenReport write_reports(ReportOptions options, Session& session) {
   analysis::Runs runs(store);
   check_report_runs(runs, options, session);
   const bool one = !options.compare && !options.batch;
+  LongWork progress("report", session.quiet || session.json, report_stages(options));
   WrittenReport written = one ? one_run(store, runs, options, session) : several_runs(runs, options, session);
   const std::string& path = written.path;
+  progress.begin(kWritingReport);
   if (written.written && options.format == "pdf") {
     write_pdf({written.report.html, written.report.json, path, options.pdf_with, written.started_utc, session.replace});
   } else if (written.written) {
     write_output(path, options.format == "json" ? written.report.json + "\n" : written.report.html, session.replace);
   }
   session.code = exit_code_of(worst_of(written.judgements));
+  if (written.written && one) keep_file_of_signed(written.path, written.report.number, options.runs.front(), session);
   return written;
 }
 

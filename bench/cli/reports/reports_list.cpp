@@ -1,4 +1,4 @@
-// reports list: the reports that somebody signed.
+// reports list, reports verify: the reports that somebody signed.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/cli/reports/reports_verify.h"
 #include "bench/cli/session.h"
 #include "bench/reporting/evaluation.h"
 #include "db/run_store.h"
@@ -62,6 +63,16 @@ void add_reports(CLI::App& app, Session& session) {
   verb->add_option("run", *run, "of this run alone")->check(CLI::PositiveNumber);
   add_common(*verb, session);
   verb->callback([run, &session] { list(*run, session); });
+  auto named = std::make_shared<std::string>();
+  CLI::App* verify = group->add_subcommand(
+      "verify",
+      "tell whether a report is one that was signed, and its file unchanged (exit 0), changed (1), or unknown");
+  verify->add_option("report", *named, "number of the report, or a file")->required();
+  verify->footer(
+      "Exit codes: 0 signed and unchanged; 1 changed, not signed in this store, or of a void run; 6 it cannot be "
+      "told.");
+  add_common(*verify, session);
+  verify->callback([named, &session] { verify_report(*named, session); });
 }
 
 }  // namespace tactbench::bench

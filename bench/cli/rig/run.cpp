@@ -99,6 +99,7 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   check_operator(options.operator_name);
   const SplitOverrides overrides = split_overrides(options.set);
   RunRequest request;
+  const std::vector<std::string> tags = metadata_tags(options.metadata);
   request.bench = read_bench(find_config(options.bench), overrides.bench, options.seeds);
   for (const std::string& name : options.recipes) {
     request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
@@ -114,7 +115,6 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   request.assume_yes = options.assume_yes;
   request.check_seating = !options.no_seating;
   request.label = options.label;
-  request.on_begun = options.on_begun;
   request.pace = options.rate;
   if (!options.specimen_state.empty() && !request.bench.simulation) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "--specimen-state is for a simulated bench", "--specimen-state",
@@ -128,6 +128,10 @@ CarriedOut begin_and_carry_out(const RunOptions& options, const Session& session
   request.bench_name = bench_lock.name();
   db::RunStore store = open_for_running(session.db, request.bench);
   if (options.page) start_page_beside(session.db, request.bench.id, options.operator_name);
+  request.on_begun = [&](std::int64_t run) {
+    if (!tags.empty()) store.set_tags(run, tags, {});
+    if (options.on_begun) options.on_begun(run);
+  };
   return carry_out(request, store, options.sensor, session);
 }
 
@@ -193,6 +197,7 @@ void add_run(CLI::App& app, Session& session) {
   verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();
   session.profile.add_operator(*verb, options->operator_name);
   verb->add_option("--purpose", options->purpose, "why; recorded");
+  add_metadata_options(*verb, options->metadata);
   verb->add_option(
           "--set", options->set,
           "override table.key=value of the bench file, or recipe.key=value; a pressure in the key's unit, or with its "

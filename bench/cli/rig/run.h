@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/cli/runs/metadata_options.h"
 #include "bench/config/config.h"
 #include "bench/run/run_request.h"
 
@@ -19,6 +20,7 @@ struct RunOptions {
   bool assume_yes = false, no_seating = false, page = false;
   double rate = 0.0;  // of a bench simulated in this process: process seconds in a real one, at most; 0: no limit
   SeedOptions seeds;
+  MetadataOptions metadata;
   std::string label = "run";                   // of the progress line
   std::function<void(std::int64_t)> on_begun;  // called with the run's number once it has a row; may be empty
 };

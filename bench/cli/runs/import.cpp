@@ -12,6 +12,7 @@
 #include "analysis/counted.h"
 #include "analysis/json_io.h"
 #include "bench/cli/runs/table_file.h"
+#include "bench/common/long_work.h"
 #include "bench/common/utc.h"
 #include "bench/run/run_record.h"
 
@@ -56,7 +57,10 @@ struct ImportOptions {
 };
 
 void import(const ImportOptions& options, const Session& session) {
+  LongWork progress("import", session.quiet || session.json,
+                    {{"reading the table", 6.0}, {"looking at the data", 3.0, false}, {"storing", 1.0, false}});
   const TableFile file = read_table_file(options.file, options.table);
+  progress.begin("looking at the data");
   tell_reading(options.file, file.table);
   // Refuses a table on which no model can be fitted.
   tell_doubts(analysis::histories_of(file.table.series, options.file, options_of(options.table)));
@@ -82,6 +86,7 @@ void import(const ImportOptions& options, const Session& session) {
     calibration["rows_left_out"] = file.table.skipped.count;
   run.devices = {{kTableRole, std::filesystem::path(options.file).filename().string(), file.sha256, "", "imported",
                   analysis::json_line(calibration)}};
+  progress.begin("storing");
   db::RunStore store = db::RunStore::open(session.db);
   const std::int64_t number = store.begin_run(run);
   store.append_series(number, series);

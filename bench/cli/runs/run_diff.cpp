@@ -28,11 +28,14 @@ void compare_members(const nlohmann::ordered_json& a, const nlohmann::ordered_js
   const auto shown = [](const nlohmann::ordered_json& value) {
     return value.is_string() ? value.get<std::string>() : value.is_null() ? "nothing" : analysis::json_line(value);
   };
-  if (a.is_object() && b.is_object()) {
+  const auto parts = [](const nlohmann::ordered_json& value) { return value.is_object() ? value.size() : 0; };
+  // Where one of them lacks a tree, too, its members are named one by one.
+  if ((a.is_object() && b.is_object()) || (a.is_null() && parts(b) > 0) || (b.is_null() && parts(a) > 0)) {
     for (const auto& [key, value] : a.items())
-      compare_members(value, b.value(key, nlohmann::ordered_json()), path(key), found);
+      compare_members(value, b.is_null() ? nlohmann::ordered_json() : b.value(key, nlohmann::ordered_json()), path(key),
+                      found);
     for (const auto& [key, value] : b.items()) {
-      if (!a.contains(key)) compare_members({}, value, path(key), found);
+      if (a.is_null() || !a.contains(key)) compare_members(nlohmann::ordered_json(), value, path(key), found);
     }
   } else if (a.is_array() && b.is_array() && a.size() == b.size()) {
     for (std::size_t i = 0; i < a.size(); ++i) compare_members(a[i], b[i], fmt::format("{}[{}]", at, i), found);
@@ -45,14 +48,26 @@ nlohmann::ordered_json comparable(const db::RunStore& store, const db::RunRecord
   nlohmann::ordered_json json = analysis::run_json(run);
   // Members that differ between any two runs, or come from the computer and its clock.
   for (const char* own : {"run", "uuid", "started_utc", "ended_utc", "rest_s", "host", "time_zone"}) json.erase(own);
+  // Shown apart: runs of two lots may be the same otherwise.
+  json.erase("metadata");
+  json["tags"] = nlohmann::ordered_json::array();
+  for (const std::string& tag : run.tags)
+    if (tag.find('=') == std::string::npos) json["tags"].push_back(tag);
+  // Settings by their key, so that they stand beside each other.
+  auto settings = nlohmann::ordered_json::object();
+  const nlohmann::ordered_json typed = json["overrides"];
+  for (const auto& setting : typed.is_array() ? typed : nlohmann::ordered_json::array())
+    if (setting.is_object() && setting.contains("key") && setting["key"].is_string())
+      settings[setting["key"].get<std::string>()] = setting.value("value", nlohmann::ordered_json());
+  json["overrides"] = settings;
   json["frames"] = store.frame_count(run.run);
   json["checks"] = nlohmann::ordered_json::array();
   for (const db::CheckRecord& check : store.checks(run.run)) {
     json["checks"].push_back(fmt::format("{} {}", check.kind, check.verdict));
   }
   for (const db::VerdictRecord& verdict : store.verdicts(run.run)) {
-    json["verdicts"][fmt::format("{} ({})", verdict.criterion, verdict.scope)] = {
-        {"value", verdict.value}, {"limit", verdict.limit}, {"unit", verdict.unit}, {"verdict", verdict.verdict}};
+    json["verdicts"][fmt::format("{} ({})", verdict.criterion, verdict.scope)] =
+        fmt::format("{}: {:.9g} {}, limit {:g}", verdict.verdict, verdict.value, verdict.unit, verdict.limit);
   }
   return json;
 }
@@ -95,13 +110,19 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
     position = i + 1;
     what = difference;
   }
+  std::vector<RunDifference> remarked;
+  compare_members(analysis::run_json(a)["metadata"], analysis::run_json(b)["metadata"], "metadata", remarked);
   const bool same_content = !a.content_sha256.empty() && a.content_sha256 == b.content_sha256;
   session.code = same_content && found.empty() ? ExitCode::kPass : ExitCode::kCriterionFailed;
   if (session.json) {
     auto list = nlohmann::ordered_json::array();
     for (const RunDifference& d : found) list.push_back({{"what", d.what}, {"first", d.first}, {"second", d.second}});
+    auto metadata = nlohmann::ordered_json::array();
+    for (const RunDifference& d : remarked)
+      metadata.push_back({{"what", d.what}, {"first", d.first}, {"second", d.second}});
     print_json("runs.diff", {{"runs", {first, second}},
                              {"same_content", same_content},
+                             {"metadata", metadata},
                              {"differences", list},
                              {"frames_equal", equal},
                              {"first_frame", position},
@@ -111,6 +132,8 @@ void diff_runs(std::int64_t first, std::int64_t second, Session& session) {
   for (const RunDifference& d : found) {
     tty::print("{:<40} {} | {}\n", one_line(d.what), one_line(d.first), one_line(d.second));
   }
+  for (const RunDifference& d : remarked)
+    tty::print("{:<40} {} | {}  (a remark: does not count)\n", one_line(d.what), one_line(d.first), one_line(d.second));
   tty::print("frames: {} of run {} and {} of run {}, {} equal in place\n", frames_a.size(), first, frames_b.size(),
              second, equal);
   if (position != 0) tty::print("first frame that differs: {}: {}\n", position, what);

@@ -15,8 +15,10 @@
 #include "analysis/json_io.h"
 #include "analysis/report/parts.h"
 #include "bench/cli/runs/runs_list.h"
+#include "bench/cli/runs/wanted_verdict.h"
 #include "bench/cli/session.h"
 #include "bench/config/calibration_words.h"
+#include "bench/monitor/run_view.h"
 #include "bench/reporting/judgement.h"
 #include "bench/run/control/locks.h"
 #include "bench/run/run_record.h"
@@ -35,48 +37,6 @@ void check_since(const std::string& since) {
   throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("'{}' is not a date", since), "--since",
               "write it as 2026-01-31, or 2026-01-31T12:00:00Z (UTC)");
 }
-
-// Parses --verdict, in the words of the column: "conditional pass" or conditional-pass; with a leading "simulated" only
-// simulated runs; none or "-" for runs without a verdict.
-class WantedVerdict {
- public:
-  explicit WantedVerdict(const std::string& typed) : any_(typed.empty()) {
-    if (any_) return;
-    std::string word = typed == "-" ? kNone : typed;
-    std::ranges::replace(word, '-', ' ');
-    simulated_ = word.starts_with(kSimulated);
-    if (simulated_) word.erase(0, kSimulated.size());
-    verdict_ = analysis::verdict_from(word);
-    const std::vector<std::string> known = words();
-    if (std::ranges::find(known, word) != known.end()) return;
-    const std::string near = sequences::nearest_word(word, known);
-    throw Error(ExitCode::kUsage, "TB-USAGE", fmt::format("there is no verdict '{}'", typed), "--verdict",
-                fmt::format("{}one of: {}", near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
-                            fmt::join(known, ", ")));
-  }
-
-  [[nodiscard]] bool fits(std::optional<analysis::Verdict> verdict, const std::string& origin) const {
-    return any_ || (verdict == verdict_ && (!simulated_ || origin == "simulated"));
-  }
-
-  static std::vector<std::string> words() {
-    std::vector<std::string> all = analysis::verdict_words();
-    all.emplace_back(kNone);
-    return all;
-  }
-  // For --help and completion, where a blank would split the word.
-  static std::string type_name() {
-    std::string text = fmt::format("TEXT:{{{}}}", fmt::join(words(), ","));
-    std::ranges::replace(text, ' ', '-');
-    return text;
-  }
-
- private:
-  static constexpr const char* kNone = "none";
-  static constexpr std::string_view kSimulated = "simulated ";
-  bool any_ = false, simulated_ = false;
-  std::optional<analysis::Verdict> verdict_;
-};
 
 // As in the column.
 std::string verdict_cell(std::optional<analysis::Verdict> verdict, const std::string& origin) {
@@ -116,6 +76,7 @@ void list_runs(const RunsListOptions& options, const Session& session,
   int left_out = 0;
   for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
     if (!options.tag.empty() && std::ranges::find(run.tags, options.tag) == run.tags.end()) continue;
+    if (!fits_metadata(options.metadata, run)) continue;
     const std::optional<analysis::Verdict> worst = standing_verdict(standing_verdicts(store, run.run));
     if (!wanted.fits(worst, run.origin)) continue;
     if (run.is_void() && !options.all) {
@@ -182,7 +143,7 @@ std::string specimen_of(const db::RunRecord& run) {
 
 }  // namespace
 
-void show_run(std::int64_t number, const Session& session) {
+void show_run(std::int64_t number, const Session& session, bool all_events) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(number);
   const std::vector<db::VerdictRecord> verdicts = standing_verdicts(store, number);
@@ -256,10 +217,16 @@ void show_run(std::int64_t number, const Session& session) {
     line("check", fmt::format("{:9.3f} s  {} {}: {}", static_cast<double>(check.time_ns) * 1e-9, check.kind,
                               check.verdict, session.unit().in_text(check_line(check))));
   }
+  std::size_t quiet = 0;
   for (const db::EventRecord& event : events) {
+    if (!all_events && !shows_progress(event)) {
+      ++quiet;
+      continue;
+    }
     line("event", fmt::format("{:9.3f} s  {} {} {}", static_cast<double>(event.time_ns) * 1e-9, event.kind, event.id,
                               session.unit().in_text(event.detail)));
   }
+  if (quiet > 0) line("events", fmt::format("{} more, of commands and readings: runs show {} --events", quiet, number));
   if (verdicts.empty()) return;
   tty::print("\nverdict: {}\n", word);
   print_judgements(verdicts, run.origin, session.unit());
@@ -269,6 +236,7 @@ void add_runs_list_options(CLI::App& verb, RunsListOptions& options) {
   verb.add_option("--sensor", options.sensor, "only this sensor");
   verb.add_option("--since", options.since, "started on this day (UTC, 2026-01-31) or later");
   verb.add_option("--tag", options.tag, "only with this tag");
+  add_metadata_options(verb, options.metadata, true);
   verb.add_option("--verdict", options.verdict, "only with this verdict, on the run or on its models; none: not judged")
       ->type_name(WantedVerdict::type_name());
   verb.add_flag("--all", options.all, "include void runs");
@@ -285,10 +253,12 @@ void add_runs(CLI::App& app, Session& session) {
   list_verb->callback([options, &session] { list_runs(*options, session); });
   auto number = std::make_shared<std::int64_t>(0);
   CLI::App* show_verb = runs->add_subcommand("show", "everything stored about a run");
+  auto all_events = std::make_shared<bool>(false);
   show_verb->add_option("run", *number, "run number")->required();
   add_units(*show_verb, session);
+  show_verb->add_flag("--events", *all_events, "all events, also commands to actuators and readings");
   add_common(*show_verb, session);
-  show_verb->callback([number, &session] { show_run(*number, session); });
+  show_verb->callback([number, all_events, &session] { show_run(*number, session, *all_events); });
   add_run_remarks(*runs, session);
   add_run_export(*runs, session);
   add_run_copy(*runs, session);

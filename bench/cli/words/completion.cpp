@@ -1,5 +1,6 @@
 // Prints descriptions of the command line: completion scripts, and the manual page for the build.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <map>
@@ -7,6 +8,7 @@
 
 #include "bench/cli/session.h"
 #include "bench/cli/words/command_tree.h"
+#include "bench/cli/words/key_manual.h"
 #include "bench/cli/words/key_reference.h"
 #include "bench/common/build_info.h"
 
@@ -28,9 +30,15 @@ void add_completion(CLI::App& app) {
       "bash: source <(tactbench completion bash). zsh: the same, after compinit. fish: tactbench completion "
       "fish | source.");
   verb->callback([shell, &app] { tty::print("{}", completion_writers.at(*shell)(command_tree(app))); });
-  CLI::App* manual = app.add_subcommand("manual-page", "tactbench(1), for the build")->group("");
-  manual->callback(
-      [&app] { tty::print("{}", manual_page(command_tree(app), build_info().version, build_info().date)); });
+  auto page = std::make_shared<std::string>("tactbench");
+  CLI::App* manual =
+      app.add_subcommand("manual-page", "tactbench(1), or a page of section 5, for the build")->group("");
+  manual->add_option("page", *page, "which; all: the names of those of section 5");
+  manual->callback([&app, page] {
+    if (*page == "all") return tty::print("{}\n", fmt::join(key_manual_names(), "\n"));
+    tty::print("{}", *page == "tactbench" ? manual_page(command_tree(app), build_info().version, build_info().date)
+                                          : key_manual(*page, build_info().version, build_info().date));
+  });
   CLI::App* keys = app.add_subcommand("reference-keys", "docs/reference-keys.md, for the documents")->group("");
   keys->callback([] { tty::print("{}", key_reference()); });
 }

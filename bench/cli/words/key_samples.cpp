@@ -155,19 +155,23 @@ frames = [1, 2]
 const std::vector<FileKind>& file_kinds() {
   static const std::vector<FileKind> list = {
       {"Bench file",
-       "bench.toml. What each key does stands beside it in the files that `tactbench init` and `init --rig` write. "
-       "`--set KEY=VALUE` changes one for a run.",
-       kName, read_benches},
+       "bench.toml: a rig, its instruments and its limits. `tactbench init` and `tactbench init --rig` write ones with "
+       "remarks to start from. `--set KEY=VALUE` changes a value for a run.",
+       "tactbench-bench", "bench.toml, a rig and its limits", bench_meanings(), kName, read_benches},
       {"Recipe",
-       "What a run does: [write a recipe](how-to-write-a-recipe.md). `--set recipe.KEY=VALUE` changes one for a run.",
-       kName, read_recipes},
-      {"Sensor type", "sensor.toml.", kName,
+       "What a run does. How-to: [write a recipe](how-to-write-a-recipe.md). `--set recipe.KEY=VALUE` changes a value "
+       "for a "
+       "run.",
+       "tactbench-recipe", "recipes, which say what a run measures", recipe_meanings(), kName, read_recipes},
+      {"Sensor type", "sensor.toml: the kind of array, for `tactbench sensors add --type`.", "tactbench-sensor",
+       "sensor.toml, a type of sensor", sensor_meanings(), kName,
        [] {
          (void)parse_sensor_type(
              "schema = 1\nname = \"type\"\nrows = 16\ncolumns = 16\nfull_scale = \"highest mean output of the run\"\n",
              kName);
        }},
-      {"Limits", "limits.toml: [judge by your limits](how-to-judge-by-your-limits.md).", kName,
+      {"Limits", "limits.toml: what passes. How-to: [judge by your limits](how-to-judge-by-your-limits.md).",
+       "tactbench-limits", "limits.toml, the limits that verdicts are by", limits_meanings(), kName,
        [] {
          (void)parse_limits(
              "schema = 1\nname = \"limits\"\nmean_compensation_error_psi = 1\nworst_taxel_error_psi = "
@@ -176,16 +180,20 @@ const std::vector<FileKind>& file_kinds() {
              "[[mpe]]\npressure_psi = 10\nmpe_psi = 1\n[[mpe]]\nspan_psi = [4, 60]\nmpe_psi = 1\n",
              kName);
        }},
-      {"Laboratory", "lab.toml: facts for reports that no instrument knows.", kName,
+      {"Laboratory", "lab.toml: facts for reports that no instrument knows, for `tactbench report --lab`.",
+       "tactbench-lab", "lab.toml, facts for reports", laboratory_meanings(), kName,
        [] { (void)parse_laboratory("schema = 1\n[[instrument]]\nserial = \"1\"\n", kName); }},
-      {"Operator's profile", "tactbench.toml in the working folder: what need not be typed.", kName,
+      {"Operator's profile", "tactbench.toml in the working folder: what need not be typed.", "tactbench.toml",
+       "what need not be typed with every command", operator_meanings(), kName,
        [] {
-         (void)parse_operator_profile("bench = \"b\"\ndb = \"d\"\noperator = \"o\"\nrecipe = \"r\"\nlimits = \"l\"\n",
-                                      kName);
+         (void)parse_operator_profile(
+             "bench = \"b\"\ndb = \"d\"\noperator = \"o\"\nrecipe = \"r\"\nlimits = \"l\"\nfleet = \"f\"\n", kName);
        }},
-      {"Nightly suite", "What `tactbench nightly FILE` carries out: [a night in CI](how-to-run-a-night-in-ci.md).",
-       kName, read_suites},
-      {"Module profile", "An analog module behind Modbus; `[module] profile` names a shipped one, or a file.", "",
+      {"Nightly suite",
+       "What `tactbench nightly FILE` carries out. How-to: [a night in CI](how-to-run-a-night-in-ci.md).",
+       "tactbench-nightly", "suites of simulated runs for every night", suite_meanings(), kName, read_suites},
+      {"Module profile", "An analog module behind Modbus; `[module] profile` names a shipped one, or a file.",
+       "tactbench-module", "profiles of analog modules", profile_meanings(), "",
        [] {
          for (const std::string& profile : shipped_profiles()) (void)read_module_profile(profile);
        }},

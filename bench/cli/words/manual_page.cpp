@@ -6,52 +6,12 @@
 #include <set>
 
 #include "bench/cli/words/command_tree.h"
+#include "bench/cli/words/key_manual.h"
+#include "bench/cli/words/roff.h"
 
 namespace tactbench::bench {
 
 namespace {
-
-// Escapes text for roff: hyphens stay, no line looks like a request.
-std::string roff(const std::string& text) {
-  std::string out;
-  bool line_start = true;
-  for (const char c : text) {
-    if (line_start && (c == '.' || c == '\'')) out += "\\&";
-    if (c == '\\') {
-      out += "\\e";
-    } else if (c == '-') {
-      out += "\\-";
-    } else if (c == '\'') {
-      out += "\\(aq";
-    } else if (c == '`') {
-      out += "\\(ga";
-    } else if (c == '^') {
-      out += "\\(ha";
-    } else if (c == '~') {
-      out += "\\(ti";
-    } else {
-      out += c;
-    }
-    line_start = c == '\n';
-  }
-  return out;
-}
-
-// One sentence per line, as man pages are written.
-std::string roff_paragraph(const std::string& text) {
-  std::string lines;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool blank = text[i] == ' ' || text[i] == '\n';
-    if (blank && !lines.empty() && lines.back() == '\n') continue;
-    if (blank && !lines.empty() && lines.back() == '.') {
-      lines += '\n';
-    } else {
-      lines += text[i] == '\n' ? ' ' : text[i];
-    }
-  }
-  while (!lines.empty() && (lines.back() == '\n' || lines.back() == ' ')) lines.pop_back();
-  return roff(lines);
-}
 
 std::string placeholder(const CommandArgument& argument) {
   std::string name = argument.names.back();
@@ -237,8 +197,10 @@ std::string manual_page(const CommandNode& root, const std::string& version, con
       "tactbench sensors add MY\\-1 \\-\\-type sensor.toml\n"
       "tactbench run descending ascending \\-\\-bench bench.toml \\-\\-sensor MY\\-1 \\-\\-operator me\n"
       "tactbench fit 1 \\-\\-limits limits.toml\ntactbench report 1\ntactbench verify 1\n"
-      "tactbench init \\-\\-operator me\ntactbench calibrate MY\\-1\n.fi\n";
-  return text;
+      "tactbench init \\-\\-operator me\ntactbench calibrate MY\\-1\n.fi\n.SH SEE ALSO\n";
+  std::vector<std::string> pages;
+  for (const std::string& page : key_manual_names()) pages.push_back(fmt::format("\\fB{}\\fR(5)", roff(page)));
+  return text + fmt::format("{}\n", fmt::join(pages, ", "));
 }
 
 }  // namespace tactbench::bench

@@ -26,12 +26,12 @@ Keys keys_of(const Document& document) {
 
 Document report_of(const ReportInput& input) { return Document::parse(render_report(input).json); }
 
-const Keys kRunKeys = {"run",        "uuid",         "origin",    "state",          "outcome",     "reason",
-                       "safe_state", "operator",     "purpose",   "sensor",         "scanner",     "sensor_type_sha256",
-                       "bench",      "bench_sha256", "overrides", "seed",           "sensor_seed", "started_utc",
-                       "ended_utc",  "rest_s",       "host",      "time_zone",      "git_commit",  "program_version",
-                       "git_dirty",  "build_id",     "tags",      "content_sha256", "notes",       "void",
-                       "void_by",    "void_reason",  "void_utc",  "recipes",        "devices"};
+const Keys kRunKeys = {"run",        "uuid",         "origin",      "state",     "outcome",        "reason",
+                       "safe_state", "operator",     "purpose",     "sensor",    "scanner",        "sensor_type_sha256",
+                       "bench",      "bench_sha256", "overrides",   "seed",      "sensor_seed",    "started_utc",
+                       "ended_utc",  "rest_s",       "host",        "time_zone", "git_commit",     "program_version",
+                       "git_dirty",  "build_id",     "metadata",    "tags",      "content_sha256", "notes",
+                       "void",       "void_by",      "void_reason", "void_utc",  "recipes",        "devices"};
 const Keys kDeviceKeys = {"role",        "model",         "serial",     "firmware", "origin",  "certificate",
                           "uncertainty", "calibrated_by", "calibrated", "due",      "overdue", "remarks"};
 
@@ -41,7 +41,7 @@ TEST_CASE("a run's document has every key, of an empty run as well") {
   CHECK(keys_of(run_json({})) == kRunKeys);
   db::RunRecord run = tests::example_run();
   run.run = 4;
-  run.tags = {"a", "b"};
+  run.tags = {"a", "b", "film=B/12", "lot=A7"};
   const Document document = run_json(run);
   CHECK(keys_of(document) == kRunKeys);
   CHECK(document["run"] == 4);
@@ -57,7 +57,9 @@ TEST_CASE("a run's document has every key, of an empty run as well") {
   CHECK(document["git_dirty"] == true);
   CHECK(document["sensor_seed"] == -8);
   CHECK(document["rest_s"].is_null());
-  CHECK(document["tags"] == Document::parse(R"(["a","b"])"));
+  CHECK(document["tags"] == Document::parse(R"(["a","b","film=B/12","lot=A7"])"));
+  CHECK(document["metadata"] == Document::parse(R"({"film":"B/12","lot":"A7"})"));
+  CHECK(run_json({})["metadata"] == Document::object());
   CHECK(document["void"] == false);
   CHECK(document["void_reason"] == "");
   REQUIRE(document["recipes"].size() == 2);

@@ -46,7 +46,8 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"demo", "--seed --sensor-seed -o --output --replace --timing#"},
       {"init", "--operator --rig --replace --force --json"},
       {"calibrate",
-       "--bench --operator --recipe --held-out-recipe --limits --lab --model --type --run --held-out --set --seed "
+       "--bench --operator --recipe --held-out-recipe --limits --lab --model --type --run --held-out --lot --order "
+       "--meta --set --seed "
        "--sensor-seed --on-event --yes --no-seating#"},
       {"recipes list", "--json"},
       {"recipes show", "--json"},
@@ -54,9 +55,11 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"recipes new", "--from -o --output --replace --json"},
       {"model list", "--db --json -q --quiet"},
       {"reports list", "--db --json -q --quiet"},
+      {"reports verify", "--db --json -q --quiet"},
       {"plan", "--bench --set --limits --steps --parameters --db --json"},
       {"run",
-       "--bench --sensor --operator --purpose --set --seed --sensor-seed --specimen-state --on-event --yes "
+       "--bench --sensor --operator --purpose --lot --order --meta --set --seed --sensor-seed --specimen-state "
+       "--on-event --yes "
        "--no-seating#"},
       {"pause", "--db --json -q --quiet --bench"},
       {"resume", "--db --json -q --quiet --bench --on-event --yes"},
@@ -80,8 +83,8 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"report",
        "--held-out --previous --studies --model --format --limits --lab --approve-by --without-verdict --issued-at "
        "--paper --pdf-with --compare --batch --replace -o --output --void-too#"},
-      {"runs list", "--sensor --since --tag --verdict --all#"},
-      {"runs show", "--db --json -q --quiet"},
+      {"runs list", "--sensor --since --tag --lot --order --meta --verdict --all#"},
+      {"runs show", "--events#"},
       {"runs tag", "--remove#"},
       {"runs note", "--db --json -q --quiet"},
       {"runs void", "--reason --by#"},

@@ -71,7 +71,7 @@ TEST_CASE("show, list, export, run, tag and report use the same keys and values 
   judge_a_run(folder);
   json tagged = answer_of(folder, {"runs", "tag", "1", "night"});
   for (const char* own : {"schema", "version"}) tagged.erase(own);
-  CHECK(tagged.size() == 35);
+  CHECK(tagged.size() == 36);
   CHECK(tagged["sensor"] == "S-1");
   CHECK(tagged["tags"] == json::array({"night"}));
   CHECK(tagged["recipes"][0]["sha256"].get<std::string>().size() == 64);

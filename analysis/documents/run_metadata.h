@@ -1,0 +1,16 @@
+// What people name of a run as KEY=VALUE: lot, order and others. They are those of its tags that hold "=", remarks like
+// all tags, and no part of its content (db/hash_chain.h).
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "db/record.h"
+
+namespace tactbench::analysis {
+
+std::map<std::string, std::string> metadata_of(const db::RunRecord& run);
+// "lot A7, order 55"; empty without any.
+std::string metadata_words(const std::map<std::string, std::string>& metadata);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,32 @@
+#include "analysis/work_count.h"
+
+#include <atomic>
+
+namespace tactbench::analysis {
+namespace {
+
+std::atomic<std::size_t> works{0}, done{0}, count{0};
+std::atomic<bool> taken{false};
+
+}  // namespace
+
+WorkNow work_now() { return {works.load(), done.load(), count.load()}; }
+
+Work::Work(std::size_t pieces) : counts_(!taken.exchange(true)) {
+  if (!counts_) return;
+  done = 0;
+  count = pieces;
+  ++works;
+}
+
+Work::~Work() {
+  if (!counts_) return;
+  count = 0;
+  taken = false;
+}
+
+void Work::add(std::size_t pieces) {
+  if (counts_) done.fetch_add(pieces, std::memory_order_relaxed);
+}
+
+}  // namespace tactbench::analysis

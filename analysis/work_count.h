@@ -1,0 +1,29 @@
+// How far the work at hand is, for whoever shows progress: work is counted where it is split into many equal pieces
+// (workers.h, rows of a table). One count for the program; what counts asks nobody and waits for nobody.
+#pragma once
+
+#include <cstddef>
+
+namespace tactbench::analysis {
+
+struct WorkNow {
+  std::size_t works = 0;            // begun since the program started
+  std::size_t done = 0, count = 0;  // pieces of the one at hand; count 0: none is
+};
+WorkNow work_now();  // from any thread
+
+// Counts `count` pieces while it lives. Within another one, on whatever thread, it counts nothing: its pieces are part
+// of a piece.
+class Work {
+ public:
+  explicit Work(std::size_t count);
+  ~Work();
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+  void add(std::size_t pieces = 1);  // from any thread
+
+ private:
+  bool counts_;
+};
+
+}  // namespace tactbench::analysis

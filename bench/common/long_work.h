@@ -1,0 +1,61 @@
+// The progress line of verbs that compute: after two seconds, on a terminal alone, one line that is written over and
+// erased at the end. Nothing in pipes, with --json, -q, CI or TERM=dumb. How far a stage is comes from
+// analysis/work_count.h, or where that does not tell, from what its share of the time was expected to be.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace tactbench::bench {
+
+struct WorkStage {
+  std::string name;
+  double share = 1.0;   // of the whole time, against the others; need not be exact
+  bool counted = true;  // its time goes into one piece of counted work
+};
+
+// "fit: gpi (2 of 4)   37 %   0:12 left". `in_stage`: how much of stage `at` is done, 0 to 1.
+std::string work_line(const std::string& label, const std::vector<WorkStage>& stages, std::size_t at, double in_stage,
+                      double elapsed_s);
+// in_stage of a stage that nothing counts: by its share and the pace so far; below 1.
+double guessed_part(const std::vector<WorkStage>& stages, std::size_t at, double before_s, double in_stage_s);
+
+// Of the LongWork that lives, if any: for what does not know which verb it works for. The main thread's.
+void begin_stage(const std::string& name);
+void pause_progress();  // for good: a question is asked
+
+class LongWork {
+ public:
+  // `silent`: of the verb, with -q or --json.
+  LongWork(std::string label, bool silent, std::vector<WorkStage> stages);
+  ~LongWork();
+  LongWork(const LongWork&) = delete;
+  LongWork& operator=(const LongWork&) = delete;
+  // The first stage of this name from the present one on has begun; a name that is not among them changes nothing.
+  void begin(const std::string& name);
+  void end();  // before its life ends: the line is gone
+  [[nodiscard]] bool shows() const { return watcher_.joinable(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void watch();
+  void show();
+
+  std::string label_;
+  std::vector<WorkStage> stages_;
+  LongWork* before_;                                         // that it stands in for while it lives
+  Clock::time_point start_ = Clock::now(), begun_ = start_;  // begun_: of the stage
+  std::size_t at_ = 0;
+  double part_ = 0.0;  // of the stage, as shown
+  bool ended_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::jthread watcher_;
+};
+
+}  // namespace tactbench::bench
