@@ -17,7 +17,8 @@ struct CoverageOptions {
 };
 
 // For each specimen, calibration, model and condition of use: coverage in % of (taxel, frame) pairs, the median U and
-// the half-width of the smallest interval about 0 that covers 95 % of the same errors. Runs are made in `folder`.
+// the half-width of the smallest interval about 0 that covers 95 % of the same errors; or how many sensors the report
+// calls U not valid for. Runs are made in `folder`.
 std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder);
 
 }  // namespace tactbench::bench

@@ -66,7 +66,14 @@ enum class ForceKind { kNet, kDaq, kDigital };
 
 struct StatedCalibration {  // an instrument's calibration as stated in the bench file; empty, 0: not stated
   std::string certificate, calibrated, due;  // dates as 2026-01-31
-  double expanded_uncertainty = 0.0;         // U with k = 2 over the whole range, in psi, N or mm
+  double expanded_uncertainty = 0.0;         // U with k = 2 over the whole range, in psi, N, mm or K
+  std::string covers;                        // "chain": with what reads it; "transducer": by itself; empty: not stated
+  double drift = 0.0;        // limit of its change until it is due, in the same unit; 0: not stated. As half-widths:
+  double input_limit = 0.0;  // limit of error of what reads it, in V, N or K; 0: in the certificate, or not stated
+};
+
+struct ReferenceLimits {  // of the pressure transducer, beyond its certificate; half-widths, 0: not stated
+  double hysteresis_psi = 0.0, zero_psi = 0.0, temperature_psi = 0.0;
 };
 
 struct StageConfig {
@@ -104,6 +111,7 @@ struct GaugeConfig {  // a digital gauge as reference
 struct EnvironmentSensor {
   std::string quantity;  // temperature_c | supply_bar
   std::string model, serial;
+  StatedCalibration stated;  // of a thermometer
   devices::ModbusEndpoint endpoint;
   bool own_line = false;
   devices::ModbusQuantity place;
@@ -120,8 +128,8 @@ struct BenchConfig {
   double watchdog_s = 0.0;                   // 0: the module has none
   devices::RegulatorOptions regulator;
   devices::TransducerOptions reference;
-  StatedCalibration reference_stated;     // a correction's own U wins
-  double reference_drift_psi = 0.0;       // limit of the reference's change until it is due; 0: not stated
+  StatedCalibration reference_stated;  // a correction's own U wins
+  ReferenceLimits reference_limits;
   double reference_resolution_psi = 0.0;  // 0: that of the converter which reads it
   bool reference_independent = true;
   std::optional<GaugeConfig> reference_gauge;  // none: the transducer of `reference`

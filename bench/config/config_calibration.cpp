@@ -30,6 +30,47 @@ StatedCalibration read_stated_calibration(const sequences::TomlTable& table, con
   return stated;
 }
 
+void read_chain(const sequences::TomlTable& table, devices::Origin origin, const std::string& drift_key,
+                const std::string& input_key, double most, StatedCalibration& stated) {
+  const std::vector<std::string> words = {"chain", "transducer"};
+  if (origin == devices::Origin::kSimulated)
+    stated.covers = table.word("certificate_covers", "chain", words);
+  else if (table.has("certificate_covers"))
+    stated.covers = table.word("certificate_covers", words);
+  stated.drift = table.number_in(drift_key, 0.0, 0.0, most);
+  stated.input_limit = table.number_in(input_key, 0.0, 0.0, most);
+  if (stated.covers == "chain" && stated.input_limit > 0.0)
+    table.fail(input_key, "the certificate covers the whole chain, and so the input that reads it",
+               fmt::format("remove {}, or write certificate_covers = \"transducer\"", input_key));
+  if (stated.covers == "transducer" && !(stated.input_limit > 0.0))
+    table.fail("certificate_covers",
+               fmt::format("the certificate covers the transducer alone, and {}, the limit of error of what reads it, "
+                           "is not stated",
+                           input_key),
+               fmt::format("add {} from that instrument's data sheet, or write \"chain\" where both were calibrated "
+                           "together",
+                           input_key));
+}
+
+namespace {
+
+// Tables that state a certificate, or its U, without saying what it covers.
+std::vector<std::string> without_covers(const BenchConfig& config) {
+  std::vector<std::string> tables;
+  const auto look = [&](const StatedCalibration& stated, bool more, const std::string& table) {
+    if (stated.covers.empty() && (more || !stated.certificate.empty() || stated.expanded_uncertainty > 0.0))
+      tables.push_back(table);
+  };
+  if (config.reference_independent && !config.reference_gauge)
+    look(config.reference_stated, !config.reference_correction.empty(), "[reference]");
+  if (config.force) look(config.force->stated, false, "[force]");
+  for (const EnvironmentSensor& sensor : config.environment)
+    look(sensor.stated, false, fmt::format("[[environment.sensor]] {}", sensor.quantity));
+  return tables;
+}
+
+}  // namespace
+
 std::vector<std::string> placeholders_of(const BenchConfig& config) {
   std::vector<std::string> found;
   for (const sequences::Setting& setting : config.settings)
@@ -39,7 +80,12 @@ std::vector<std::string> placeholders_of(const BenchConfig& config) {
 
 void refuse_placeholders(const BenchConfig& config) {
   if (config.origin != devices::Origin::kHardware) return;
-  const std::vector<std::string> found = placeholders_of(config);
+  const std::vector<std::string> found = placeholders_of(config), unclear = without_covers(config);
+  if (found.empty() && !unclear.empty())
+    throw Error(ExitCode::kUsage, "TB-BENCH-COVERS",
+                fmt::format("{}: the certificate does not say what it covers", fmt::join(unclear, ", ")), config.file,
+                "write certificate_covers = \"chain\" where it was calibrated with what reads it here, else "
+                "\"transducer\" and the limit of error of what reads it");
   if (found.empty()) return;
   throw Error(ExitCode::kUsage, "TB-BENCH-FILL-IN",
               fmt::format("the bench file is not filled in: {}", fmt::join(found, ", ")), config.file,

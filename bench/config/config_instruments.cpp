@@ -187,6 +187,7 @@ void read_force(const TomlTable& table, BenchConfig& config) {
   force.model = table.text("model", "ATI Nano17");
   force.serial = table.text("serial", "");
   force.stated = read_stated_calibration(table, "expanded_uncertainty_n", 10.0);
+  read_chain(table, config.origin, "drift_n", "input_limit_n", 10.0, force.stated);
   force.overload_share = table.number_in("overload_share", 1.0, 0.05, 1.0);
   force.records = static_cast<int>(table.integer("records_per_reading", 50, 1, 1000));
   if (kind == "net") {

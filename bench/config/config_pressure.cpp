@@ -153,7 +153,11 @@ void read_gauge(const TomlTable& table, BenchConfig& config) {
 void read_reference(const TomlTable& table, BenchConfig& config) {
   config.reference_independent = table.boolean("independent", true);
   config.reference_stated = read_stated_calibration(table, "expanded_uncertainty_psi", 10.0);
-  config.reference_drift_psi = table.number_in("drift_psi", 0.0, 0.0, 10.0);
+  read_chain(table, config.origin, "drift_psi", "input_limit_v", 10.0, config.reference_stated);
+  ReferenceLimits& limits = config.reference_limits;
+  limits.hysteresis_psi = table.number_in("hysteresis_psi", 0.0, 0.0, 10.0);
+  limits.zero_psi = table.number_in("zero_psi", 0.0, 0.0, 10.0);
+  limits.temperature_psi = table.number_in("temperature_psi", 0.0, 0.0, 10.0);
   config.reference_resolution_psi = table.number_in("resolution_psi", 0.0, 0.0, 10.0);
   devices::TransducerOptions& reference = config.reference;
   reference.origin = config.origin;
@@ -165,10 +169,14 @@ void read_reference(const TomlTable& table, BenchConfig& config) {
     if (!config.reference_independent) {
       table.fail("independent", "a gauge is an independent reference", "set independent = true, or remove the gauge");
     }
-    for (const char* key : {"channel", "span_v", "span_psi"}) {
+    for (const char* key : {"channel", "span_v", "span_psi", "input_limit_v"}) {
       if (table.has(key))
         table.fail(key, "a gauge reads pressure directly", fmt::format("remove '{}' or the gauge", key));
     }
+    if (config.reference_stated.covers == "transducer")
+      table.fail("certificate_covers", "a gauge reads pressure itself: its certificate is of the whole chain",
+                 "remove certificate_covers");
+    config.reference_stated.covers = "chain";
     read_gauge(table.table("gauge"), config);
   } else if (config.reference_independent) {
     reference.channel = static_cast<int>(table.integer("channel", 1, 0, 63));
@@ -204,6 +212,10 @@ EnvironmentSensor read_sensor(const TomlTable& table, const BenchConfig& config)
   sensor.own_line = has_own_line(table);
   sensor.endpoint = endpoint_or_unit(table, config);
   sensor.place = read_quantity_place(table, sensor.quantity == "temperature_c" ? "span_c" : "span_bar");
+  if (sensor.quantity == "temperature_c") {
+    sensor.stated = read_stated_calibration(table, "expanded_uncertainty_c", 10.0);
+    read_chain(table, config.origin, "drift_c", "input_limit_c", 10.0, sensor.stated);
+  }
   table.finish();
   return sensor;
 }

@@ -58,6 +58,34 @@ void read_contact(const TomlTable& table, ContactOptions& contact) {
   table.finish();
 }
 
+// What is stated of the instruments is what their errors are drawn within.
+InstrumentOptions instruments_of(const BenchConfig& config, std::uint64_t seed) {
+  const auto limits_of = [](const StatedCalibration& stated, double input_scale) {
+    return DrawnLimits{0.5 * stated.expanded_uncertainty, stated.drift, input_scale * stated.input_limit};
+  };
+  InstrumentOptions out;
+  out.seed = seed;
+  const devices::LinearSpan& span = config.reference.span;
+  const double volts = span.volts_high.value() - span.volts_low.value();
+  out.reference =
+      limits_of(config.reference_stated, volts > 0.0 ? (span.high.value() - span.low.value()) / volts : 0.0);
+  if (const devices::PressureCorrection& correction = config.reference_correction; !correction.empty()) {
+    out.reading_psi = correction.reading_psi;
+    for (const double expanded : correction.expanded_uncertainty_psi)
+      out.certificate_u_psi.push_back(expanded / correction.coverage_factor);
+  } else if (out.reference.certificate_u > 0.0) {
+    out.reading_psi = {0.0};
+    out.certificate_u_psi = {out.reference.certificate_u};
+  }
+  out.hysteresis_psi = config.reference_limits.hysteresis_psi;
+  out.zero_psi = config.reference_limits.zero_psi;
+  out.temperature_psi = config.reference_limits.temperature_psi;
+  if (config.force) out.force_n = limits_of(config.force->stated, 1.0);
+  for (const EnvironmentSensor& sensor : config.environment)
+    if (sensor.quantity == "temperature_c") out.thermometer_c = limits_of(sensor.stated, 1.0);
+  return out;
+}
+
 PlannedFault read_fault(const TomlTable& table) {
   const auto& words = fault_words();
   PlannedFault fault;
@@ -140,6 +168,7 @@ SimulationConfig read_simulation(const TomlTable& table, const BenchConfig& conf
   plant.seed = seeds.seed.value_or(static_cast<std::uint64_t>(table.integer("seed", 1, 0, kMost)));
   specimen.sensor_seed =
       seeds.sensor_seed.value_or(static_cast<std::uint64_t>(table.integer("sensor_seed", 1, 0, kMost)));
+  plant.instruments = instruments_of(config, static_cast<std::uint64_t>(table.integer("instrument_seed", 0, 0, kMost)));
   specimen.kind = word_of(table, "specimen", specimen.kind, specimen_words());
   specimen.mount_seed = static_cast<std::uint64_t>(table.integer("mount_seed", 0, 0, kMost));
   specimen.temperature_c = table.number_in("temperature_c", specimen.temperature_c, -20.0, 80.0);

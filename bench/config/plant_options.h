@@ -6,6 +6,7 @@
 
 #include "bench/config/chamber_options.h"
 #include "bench/config/contact_options.h"
+#include "bench/config/instrument_options.h"
 #include "bench/config/planned_fault.h"
 #include "bench/config/specimen_options.h"
 
@@ -24,6 +25,7 @@ struct PlantOptions {
   SpecimenOptions specimen;
   ScannerFrontEnd scanner;
   ContactOptions contact;
+  InstrumentOptions instruments;
   std::vector<PlannedFault> faults;
   double supply_bar = 8.0;  // compressed air in front of the regulator
 };

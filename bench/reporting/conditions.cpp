@@ -42,16 +42,6 @@ bool another_day(const db::RunRecord& a, const db::RunRecord& b) {
          ours->simulation->plant.specimen.age_months != theirs->simulation->plant.specimen.age_months;
 }
 
-bool temperature_differs(const db::RunRecord& a, const db::RunRecord& b, const analysis::Dataset& ours,
-                         const analysis::Dataset& theirs) {
-  if (analysis::at_another_temperature(ours.temperatures_c, theirs.temperatures_c)) return true;
-  if (a.origin != "simulated") return false;
-  const std::optional<BenchConfig> one = stored_bench(a), other = stored_bench(b);
-  return one && other && one->simulation && other->simulation &&
-         std::abs(one->simulation->plant.specimen.temperature_c - other->simulation->plant.specimen.temperature_c) >=
-             analysis::kOtherTemperatureK;
-}
-
 // Mean dwell of a run's recipes, as they were carried out; none where they cannot be read.
 std::optional<double> dwell_of(const db::RunRecord& run) {
   std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);

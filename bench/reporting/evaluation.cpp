@@ -23,6 +23,7 @@
 #include "bench/reporting/as_found.h"
 #include "bench/reporting/conditions.h"
 #include "bench/reporting/judged_figures.h"
+#include "bench/reporting/method_words.h"
 #include "bench/reporting/report_budget.h"
 #include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
@@ -147,6 +148,7 @@ analysis::ReportInput report_input(analysis::Runs& runs, std::int64_t run, const
   (void)withhold_overdue_runs(runs, input.verdicts, input.laboratory.instruments);
   input.program_version = build_info().version;
   analysis::gather_run(input, runs, run, further);
+  input.method = method_words(input.run);
   note_conditions(runs, fit, input.verdicts, nullptr, input.laboratory.instruments, input.judgement);
   if (extras == nullptr) return input;
   begin_stage("models");

@@ -61,31 +61,40 @@ analysis::TemperatureEffect temperature_of(analysis::Runs& runs, const analysis:
           analysis::mean_temperature_c(other), why);
     }
   }
-  analysis::TemperatureEffect effect =
-      analysis::temperature_effect_of(calibration, same_state, input.fit, thermometer_step_c(input.run));
+  analysis::TemperatureEffect effect = analysis::temperature_effect_of(
+      calibration, same_state, input.fit, thermometer_step_c(input.run),
+      analysis::instrument_uncertainty(input.run, "temperature_c", input.laboratory.instruments).u());
   if (!effect.assessed() && !apart.empty()) effect.not_assessed = apart;
   return effect;
 }
 
-// A held-out run shows the history of the calibration's own mount and day, that of another day, or, mounted anew or at
-// dwell times that the compensator does not know, neither.
-constexpr double kLikeDwell = 3.0;
+constexpr double kLikeDwell = 3.0;  // dwell times within this factor are like that of the calibration
 
+// A held-out run is evidence for the one condition that sets it apart from the calibration. A run of another day may be
+// warmer, too: that is what another day brings. One that was mounted anew or went at another dwell in another state is
+// evidence for neither.
 analysis::HistoryRuns history_runs_of(analysis::Runs& runs, const analysis::ReportInput& input,
-                                      const std::vector<std::int64_t>& plain) {
+                                      const std::vector<std::int64_t>& plain, const std::vector<std::string>& studies) {
   analysis::HistoryRuns out;
-  const double usual = analysis::median_dwell_s(runs.dataset(input.run.run));
+  const analysis::Dataset& calibration = runs.dataset(input.run.run);
+  const double usual = analysis::median_dwell_s(calibration);
   for (const analysis::HeldOut& held_out : input.held_out) {
-    const std::int64_t run = held_out.run.run;
-    if (run == input.run.run || !runs.press_runs(run).empty()) continue;
-    const double dwell = analysis::median_dwell_s(runs.dataset(run));
+    const std::int64_t number = held_out.run.run;
+    if (number == input.run.run || !runs.press_runs(number).empty()) continue;
+    const analysis::Dataset& run = runs.dataset(number);
+    const double dwell = analysis::median_dwell_s(run);
     const bool like = !(dwell > 0.0 && usual > 0.0) || std::abs(std::log(dwell / usual)) <= std::log(kLikeDwell);
+    const bool warm = temperature_differs(input.run, held_out.run, calibration, run);
     const StateChange change = state_change(input.run, held_out.run);
-    if (change.later && !change.mounted && !change.unknown && like)
-      out.later.push_back(&runs.dataset(run));
-    else if (!change.any() && like)
-      out.same.push_back(&runs.dataset(run));
+    if (change.unknown) continue;
+    if (change.later && !change.mounted && like) out.later.push_back(&run);
+    if (change.mounted && !change.later && like && !warm) out.mounted.push_back(&run);
+    if (change.any()) continue;
+    if (!like && !warm) out.dwelt.push_back(&run);
+    if (like) (warm ? out.warm : out.same).push_back(&run);
   }
+  for (const StudyRun& study : study_runs_of(studies))
+    if (study.role == "mount") out.mounted.push_back(&runs.dataset(study.run));
   for (const std::int64_t run : plain)
     if (runs.press_runs(run).empty() && !state_change(input.run, runs.record(run)).any())
       out.paced.push_back(&runs.dataset(run));
@@ -115,7 +124,7 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
   const analysis::Dataset& calibration = runs.dataset(input.run.run);
   std::vector<analysis::Dataset> datasets = datasets_of(runs, plain_runs(input, further, studies));
   inputs.temperature = temperature_of(runs, input, calibration, datasets);
-  inputs.history = history_runs_of(runs, input, plain_runs(input, further, studies));
+  inputs.history = history_runs_of(runs, input, plain_runs(input, further, studies), studies);
   datasets.push_back(calibration);  // it may include holds
   inputs.creep = analysis::creep_effect_of(calibration, datasets, input.fit);
   return inputs;
@@ -152,6 +161,16 @@ StateChange state_change(const db::RunRecord& run, const db::RunRecord& other) {
       a.edge_outside != b.edge_outside)
     add(&StateChange::mounted, "the sensor was mounted anew");
   return change;
+}
+
+bool temperature_differs(const db::RunRecord& run, const db::RunRecord& other, const analysis::Dataset& ours,
+                         const analysis::Dataset& theirs) {
+  if (analysis::at_another_temperature(ours.temperatures_c, theirs.temperatures_c)) return true;
+  if (run.origin != "simulated") return false;
+  const std::optional<BenchConfig> one = stored_bench(run), two = stored_bench(other);
+  return one && two && one->simulation && two->simulation &&
+         std::abs(one->simulation->plant.specimen.temperature_c - two->simulation->plant.specimen.temperature_c) >=
+             analysis::kOtherTemperatureK;
 }
 
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other) { return state_change(run, other).words; }

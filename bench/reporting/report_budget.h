@@ -28,6 +28,10 @@ StateChange state_change(const db::RunRecord& run, const db::RunRecord& other);
 // for a simulated sensor, age and mount. Empty: none.
 std::string other_state(const db::RunRecord& run, const db::RunRecord& other);
 
+// By their thermometers, or, for a simulated sensor, by its configuration.
+bool temperature_differs(const db::RunRecord& run, const db::RunRecord& other, const analysis::Dataset& ours,
+                         const analysis::Dataset& theirs);
+
 // Resolution of the run's thermometer in kelvin: one count of its register, at least the last stored digit.
 double thermometer_step_c(const db::RunRecord& run);
 

@@ -109,6 +109,8 @@ class StudyGatherer {
       more.contacts.push_back(analysis::contact_result(press, input_.fit, geometry_));
       more.contacts.back().force_traceability =
           analysis::force_traceability(runs_.record(press.run), input_.laboratory.instruments).statement;
+      more.contacts.back().force_uncertainty =
+          analysis::instrument_uncertainty(runs_.record(press.run), "force sensor", input_.laboratory.instruments);
     }
     if (mounts_.empty() && turned_.empty()) return;
     const analysis::SweepEstimates own = analysis::sweep_estimates(runs_.dataset(input_.run.run), input_.fit);

@@ -38,6 +38,12 @@ void add_stated(RecordJson& json, const StatedCalibration& stated, const char* u
   if (stated.expanded_uncertainty > 0.0) json[uncertainty_key] = stated.expanded_uncertainty;
 }
 
+void add_chain(RecordJson& json, const StatedCalibration& stated, const char* drift_key, const char* input_key) {
+  if (!stated.covers.empty()) json["certificate_covers"] = stated.covers;
+  if (stated.drift > 0.0) json[drift_key] = stated.drift;
+  if (stated.input_limit > 0.0) json[input_key] = stated.input_limit;
+}
+
 }  // namespace
 
 db::DeviceRecord module_record(const devices::Identity& identity, const devices::ModuleProfile& profile) {
@@ -62,14 +68,23 @@ db::DeviceRecord reference_record(const devices::Identity& identity, const Bench
   }
   json["independent"] = config.reference_independent;
   add_stated(json, config.reference_stated, "expanded_uncertainty_psi");
-  if (config.reference_drift_psi > 0.0) json["drift_psi"] = config.reference_drift_psi;
+  if (config.reference_independent) add_chain(json, config.reference_stated, "drift_psi", "input_limit_v");
+  const ReferenceLimits& limits = config.reference_limits;
+  for (const auto& [key, limit] :
+       {std::pair("hysteresis_psi", limits.hysteresis_psi), std::pair("zero_psi", limits.zero_psi),
+        std::pair("temperature_psi", limits.temperature_psi)})
+    if (limit > 0.0) json[key] = limit;
   if (config.reference_resolution_psi > 0.0) json["resolution_psi"] = config.reference_resolution_psi;
   return record_of(identity, json);
 }
 
 db::DeviceRecord environment_record(const EnvironmentSensor& sensor, const BenchConfig& config) {
-  return record_of({sensor.quantity + " sensor", sensor.model, sensor.serial, "", config.origin},
-                   scale_json(sensor.place.scale));
+  RecordJson json = scale_json(sensor.place.scale);
+  if (sensor.quantity == "temperature_c") {
+    add_stated(json, sensor.stated, "expanded_uncertainty_c");
+    add_chain(json, sensor.stated, "drift_c", "input_limit_c");
+  }
+  return record_of({sensor.quantity + " sensor", sensor.model, sensor.serial, "", config.origin}, json);
 }
 
 db::DeviceRecord scanner_record(const devices::Identity& identity, double volts_per_count, const BenchConfig& config) {
@@ -87,6 +102,7 @@ db::DeviceRecord force_record(const ForceIdentity& force, const ForceConfig& con
     json["range_nmm"] = {range[3], range[4], range[5]};
   }
   add_stated(json, config.stated, "expanded_uncertainty_n");
+  add_chain(json, config.stated, "drift_n", "input_limit_n");
   return record_of(force.identity, json);
 }
 

@@ -31,6 +31,7 @@ Plant::Plant(const PlantOptions& options, const devices::Clock& clock)
       chamber_(options.chamber),
       contact_(options.contact, options.specimen.rows, options.specimen.columns),
       specimen_(with_seed(options.specimen, options.seed)),
+      instruments_(options.instruments),
       time_(clock.now()),
       volts_(static_cast<std::size_t>(options.specimen.rows) * static_cast<std::size_t>(options.specimen.columns)) {}
 
@@ -80,7 +81,9 @@ devices::Psi Plant::reference_pressure() {
   advance_to(clock_.now());
   const double noise = bell_of(hash_of(options_.seed, kReference, reference_counter_++));
   const double offset = faults_.active(FaultKind::kReferenceOffset, clock_.now()).value_or(0.0);
-  return devices::Psi(chamber_.pressure().value() + offset + options_.chamber.reference_noise_psi * noise);
+  const double psi = chamber_.pressure().value();
+  return devices::Psi(psi + instruments_.reference_psi(psi, options_.specimen.temperature_c) + offset +
+                      options_.chamber.reference_noise_psi * noise);
 }
 
 double Plant::supply_bar() {
@@ -93,7 +96,8 @@ devices::Wrench Plant::wrench() {
   const ContactOptions& contact = options_.contact;
   const std::lock_guard lock(mutex_);
   devices::Wrench wrench;
-  wrench.force_n[2] = -contact_now().force_n;
+  const double force_n = contact_now().force_n;
+  wrench.force_n[2] = -force_n - instruments_.force_n(force_n);
   const std::uint64_t key = hash_of(options_.seed, kWrench, wrench_counter_++);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     wrench.force_n[axis] += contact.force_noise_n * bell_of(mix64(key ^ axis));

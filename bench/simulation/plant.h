@@ -14,6 +14,7 @@
 #include "bench/simulation/chamber.h"
 #include "bench/simulation/contact.h"
 #include "bench/simulation/faults.h"
+#include "bench/simulation/instrument_errors.h"
 #include "bench/simulation/specimen.h"
 #include "devices/clock.h"
 #include "devices/force/force_sensor.h"
@@ -32,11 +33,12 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   void dump(bool open) override;
   // Monitor output: what the regulator believes, 0-10 V over its span. Noise included; not clipped.
   [[nodiscard]] devices::Volts feedback() override;
-  // The truth with the transducer's noise, 0-10 V over its span; not clipped.
+  // The truth with the transducer's noise and errors, 0-10 V over its span; not clipped.
   [[nodiscard]] devices::Volts reference() override;
-  // What a digital gauge on the chamber tells: the truth with the transducer's noise.
+  // What a digital gauge on the chamber tells: the truth with the transducer's noise and errors.
   [[nodiscard]] devices::Psi reference_pressure();
-  [[nodiscard]] double temperature_c() const { return options_.specimen.temperature_c; }
+  // What the thermometer tells.
+  [[nodiscard]] double temperature_c() const { return options_.specimen.temperature_c + instruments_.thermometer_c(); }
   [[nodiscard]] double supply_bar();
   // Throws std::invalid_argument when a span does not fit the array.
   void scan(std::span<std::uint16_t> counts, std::span<std::uint8_t> status) override;
@@ -90,6 +92,7 @@ class Plant final : public devices::ChamberPort, public devices::TactilePort, pu
   Chamber chamber_;
   Contact contact_;
   Specimen specimen_;
+  InstrumentErrors instruments_;
   devices::Nanoseconds time_{0};
   devices::Nanoseconds hold_until_{0};
   devices::Volts command_{0.0};

@@ -62,6 +62,7 @@ void Plant::step_to(Nanoseconds time) {
     const Nanoseconds end = held_ ? std::min(time, hold_until_) : time;
     const double seconds = seconds_of(end - time_);
     chamber_.advance(seconds);
+    instruments_.follow(chamber_.pressure().value());
     time_ = end;
     if (!stage_rests_ && stage_ != nullptr) follow_stage(seconds);
     follow(seconds);

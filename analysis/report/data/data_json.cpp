@@ -195,6 +195,7 @@ std::string identification_json(const ReportInput& input) {
                     {"report_program_version", input.program_version},
                     {"frame_count", input.frame_count},
                     {"traceability", parse_ordered_json(traceability_json(input))},
+                    {"method", input.method},
                     {"run", reported_run(input.run, input.laboratory)},
                     {"sensor", input.sensor ? sensor_json(*input.sensor) : Json()},
                     {"held_out", held_out},

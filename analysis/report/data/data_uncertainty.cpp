@@ -59,6 +59,7 @@ UncertaintyJson level_uncertainty_json(const LevelUncertainty& level, bool whole
           // One digit of U more than the page prints.
           {"taxel_expanded_psi", number_list(level.expanded_psi, 3)},
           {"taxel_error_psi", number_list(level.error_psi, 4)},
+          {"taxel_factor", number_list(level.factor, 4)},
           {"array",
            {{"mean_expanded_psi", level.array.mean_expanded_psi},
             {"centre_expanded_pitches", std::isfinite(level.array.centre_expanded)
@@ -74,6 +75,7 @@ UncertaintyJson condition_json(const ConditionUncertainty& condition) {
   }
   out["rests_on"] = condition.basis;
   out["median_expanded_psi"] = condition.median_psi;
+  out["scale"] = condition.scale;
   UncertaintyJson levels = UncertaintyJson::array();
   const std::size_t width = condition.expanded_psi.size() / std::max<std::size_t>(1, condition.pressure_psi.size());
   for (std::size_t i = 0; i < condition.pressure_psi.size(); ++i) {
@@ -99,6 +101,17 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
     if (!uncertainty.missing[i].empty()) missing[name] = uncertainty.missing[i];
   }
   const ReferenceUncertainty& reference = uncertainty.reference;
+  UncertaintyJson limits = UncertaintyJson::object();
+  for (std::size_t part = 0; part < kReferenceParts; ++part) {
+    const char* name =
+        text_of(static_cast<UncertaintySource>(static_cast<std::size_t>(UncertaintySource::kReferenceInput) + part))
+            .name;
+    const ReferenceLimit& limit = reference.limits[part];
+    if (limit.half_width_psi > 0.0)
+      limits[name] = limit.half_width_psi;
+    else
+      limits[name] = limit.part.missing.empty() ? limit.part.from : "not assessed: " + limit.part.missing;
+  }
   UncertaintyJson out = {{"coverage_probability", kCoverageProbability},
                          {"reference",
                           {{"certificate", reference.calibration.certificate},
@@ -106,6 +119,8 @@ UncertaintyJson reading_json(const Uncertainty& uncertainty) {
                            {"due", reference.calibration.due},
                            {"overdue", reference.overdue},
                            {"independent", reference.independent},
+                           {"certificate_covers", in_words(reference.covers)},
+                           {"beyond_the_certificate_psi", limits},
                            {"largest_u_psi", reference.largest_certificate_u()},
                            {"resolution_psi", reference.resolution_psi},
                            {"drift_psi", reference.drift_psi},

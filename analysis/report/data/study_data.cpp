@@ -120,6 +120,26 @@ MoreJson crosstalk_json(const Crosstalk& c) {
           {"along_column_share", number_list(c.along_column_share)}};
 }
 
+MoreJson instrument_json(const InstrumentUncertainty& instrument) {
+  MoreJson rows = MoreJson::array();
+  for (const InstrumentRow& row : instrument.rows) {
+    MoreJson out = {{"source", row.name}};
+    if (row.assessed()) {
+      out.update({{"width", row.width}, {"distribution", row.distribution}, {"divisor", row.divisor}, {"u", row.u()}});
+    } else {
+      out[row.part.missing.empty() ? "contained" : "not_assessed"] =
+          row.part.missing.empty() ? row.part.from : row.part.missing;
+    }
+    rows.push_back(out);
+  }
+  return {{"unit", instrument.unit},
+          {"certificate_covers", in_words(instrument.covers)},
+          {"rows", rows},
+          {"expanded", instrument.expanded()},
+          {"factor", 2.0},
+          {"complete", instrument.complete()}};
+}
+
 MoreJson contact_json(const ContactResult& contact) {
   MoreJson levels = MoreJson::array();
   for (const ContactLevel& level : contact.levels)
@@ -144,6 +164,7 @@ MoreJson contact_json(const ContactResult& contact) {
   return {{"sequence", contact.sequence},
           {"object", contact.object},
           {"force_traceability", contact.force_traceability},
+          {"force_uncertainty", instrument_json(contact.force_uncertainty)},
           {"positions", contact.positions},
           {"repeats", contact.repeats},
           {"registered", contact.mount_run != 0},

@@ -5,6 +5,12 @@
 
 namespace tactbench::analysis {
 
+namespace {
+
+constexpr double kManyDegrees = 1000.0;  // beyond them k stays the same to three digits
+
+}  // namespace
+
 int gum_decimals(double expanded) {
   if (!std::isfinite(expanded) || expanded <= 0.0) return 3;
   int exponent = static_cast<int>(std::floor(std::log10(expanded)));
@@ -60,7 +66,8 @@ html::Markup gum_pressure_stated(double value_psi, double expanded_psi, Pressure
 
 html::Text gum_degrees(double dof) {
   if (std::isnan(dof)) return html::Text("not available");
-  return dof >= 1e6 ? html::Text("∞") : html::fixed(std::floor(dof), 0);
+  if (dof >= 1e6) return html::Text("∞");
+  return dof >= kManyDegrees ? html::Text("> 1000") : html::fixed(std::floor(dof), 0);
 }
 
 }  // namespace tactbench::analysis

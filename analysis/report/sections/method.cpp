@@ -24,15 +24,19 @@ std::string recipe_title(const std::string& toml) {
   return end == std::string::npos ? std::string() : toml.substr(from, end - from);
 }
 
-Markup sequences_table(const db::RunRecord& run) {
+Markup sequences_table(const ReportInput& input) {
+  const db::RunRecord& run = input.run;
   Markup out = markup(
       "<table><caption>Method: sequences run</caption><thead><tr><th scope=\"col\">sequence</th>"
       "<th scope=\"col\" class=\"n\">repeats</th><th scope=\"col\" class=\"n\">frames a repeat</th>"
       "<th scope=\"col\">SHA-256 of the recipe</th></tr></thead><tbody>\n");
-  for (const db::SequenceRecord& sequence : run.sequences) {
+  for (std::size_t i = 0; i < run.sequences.size(); ++i) {
+    const db::SequenceRecord& sequence = run.sequences[i];
     const std::string title = recipe_title(sequence.recipe_toml);
     Markup name = markup("{}", stated(sequence.name));
     if (!title.empty()) name += markup("<br/><span class=\"plain\">{}</span>", Text(title));
+    if (i < input.method.size() && !input.method[i].empty())
+      name += markup("<br/><span class=\"plain\">{}</span>", Text(input.method[i]));
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n", name,
                   sequence.repeats, sequence.frames_per_repeat, code(sequence.recipe_sha256));
   }
@@ -125,7 +129,7 @@ Markup deviations_table(const ReportInput& input) {
 
 Markup method_part(const ReportInput& input) {
   const RunHistory& history = input.history;
-  Markup out = sequences_table(input.run);
+  Markup out = sequences_table(input);
   out += pairs_table("Conditions",
                      {{"surroundings", surroundings(input)},
                       {"mounting and what lies on the sensor", markup("{}", stated(input.laboratory.mounting))},

@@ -3,6 +3,7 @@
 
 #include "analysis/counted.h"
 #include "analysis/report/page/figure.h"
+#include "analysis/report/page/gum_numbers.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
 
@@ -122,6 +123,31 @@ Markup force_charts(const ContactResult& contact) {
   return out;
 }
 
+// U of the force that the array's is held against.
+Markup force_budget(const InstrumentUncertainty& force) {
+  if (force.rows.empty()) return markup("<p>U of the force sensor: not assessed, none is stored with the run.</p>\n");
+  Markup out = markup(
+      "<table class=\"levels even\"><caption>Budget of the force sensor’s reading (its certificate covers: "
+      "{})</caption><thead><tr><th scope=\"col\">contribution</th><th scope=\"col\" class=\"n\">width, {}</th><th "
+      "scope=\"col\">distribution</th><th scope=\"col\" class=\"n\">divisor</th><th scope=\"col\" class=\"n\">u, "
+      "{}</th></tr></thead><tbody>\n",
+      Text(in_words(force.covers)), Text(force.unit), Text(force.unit));
+  for (const InstrumentRow& row : force.rows) {
+    out += markup("<tr><th scope=\"row\">{}</th>", Text(row.name));
+    if (row.assessed())
+      out += markup("{}<td>{}</td>{}{}</tr>\n", number_cell(html::significant(row.width, 3)), Text(row.distribution),
+                    number_cell(html::significant(row.divisor, 3)), number_cell(gum_uncertainty(row.u())));
+    else
+      out += markup("<td colspan=\"4\">{}{}</td></tr>\n", Text(row.part.missing.empty() ? "" : "not assessed: "),
+                    Text(row.part.missing.empty() ? row.part.from : row.part.missing));
+  }
+  if (force.u() > 0.0)
+    out += markup("<tr><th scope=\"row\">expanded</th><td colspan=\"3\">U = 2 u_c</td>{}</tr>\n",
+                  number_cell(gum_uncertainty(force.expanded())));
+  out += markup("</tbody></table>\n");
+  return out;
+}
+
 Markup contact_part(const ContactResult& contact, int rows, int columns, PressureUnit unit) {
   Markup out = markup("<h3>{}, run {}</h3>\n", html::stated(contact.object.empty() ? contact.sequence : contact.object),
                       contact.run);
@@ -136,6 +162,7 @@ Markup contact_part(const ContactResult& contact, int rows, int columns, Pressur
         "<p><span class=\"worse\"><span class=\"sign\">▲</span> The corrected total force is worse than that of the "
         "indication.</span></p>\n");
   if (!contact.force_traceability.empty()) out += markup("<p>{}</p>\n", Text(contact.force_traceability));
+  out += force_budget(contact.force_uncertainty);
   out += force_charts(contact);
   out += force_table(contact);
   out += place_table(contact);

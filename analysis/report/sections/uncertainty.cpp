@@ -7,6 +7,7 @@
 #include "analysis/report/page/gum_numbers.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -15,12 +16,18 @@ using html::markup;
 using html::Markup;
 using html::Text;
 
+constexpr double kTaxelsWithin = 0.95;
+
 // As metrologists call a source; its own name is the key in the data.
 std::string quantity_in_words(const SourceText& source) {
   static const std::vector<std::pair<std::string_view, const char*>> words = {
       {"reference, certificate", "measurement standard: certificate"},
       {"reference, drift", "measurement standard: drift"},
       {"reference, resolution", "measurement standard: resolution"},
+      {"reference, voltage input", "measurement standard: voltage input that reads it"},
+      {"reference, hysteresis", "measurement standard: hysteresis"},
+      {"reference, zero", "measurement standard: zero deviation"},
+      {"reference, temperature", "measurement standard: temperature"},
       {"chamber uniformity", "uniformity of the pressure in the chamber"},
       {"noise", "short-term repeatability (noise)"},
       {"converter resolution", "resolution of the ADC"},
@@ -45,10 +52,11 @@ Markup measurand(const Uncertainty& uncertainty, PressureUnit unit) {
       "|c_i| u(x_i) (Eq. 10, inputs taken as independent). Sources that are not assessed are listed below and are not "
       "in U.</p>\n");
   out += markup(
-      "<p class=\"note\">Measurement standard of pressure: certificate {}, due {}{}. Not included because negligible: "
+      "<p class=\"note\">Measurement standard of pressure: certificate {}, due {}{}; it covers: {}. Not included because negligible: "
       "the height of the air line (below {} a metre at {}).</p>\n",
       html::stated(reference.calibration.certificate), html::stated(reference.calibration.due),
-      Text(reference.overdue ? ", overdue when the run began" : ""), html::pressure(0.01, unit, 2),
+      Text(reference.overdue ? ", overdue when the run began" : ""), Text(in_words(reference.covers)),
+      html::pressure(0.01, unit, 2),
       html::pressure(60.0, unit, 0));
   return out;
 }
@@ -64,6 +72,9 @@ Markup budget_row(const Contribution& row, const Budget& budget, PressureUnit un
   const double share = budget.combined_psi > 0.0 ? std::pow(row.u_psi / budget.combined_psi, 2) : 0.0;
   Markup out = markup("<tr><th scope=\"row\">{}</th>{}", Text(quantity_in_words(text)),
                       cell(markup("{}", Text(std::string(1, text.type)))));
+  // x_i: the error that is taken off; all other estimates are 0.
+  const double estimate = row.source == UncertaintySource::kModel ? budget.error_psi : 0.0;
+  out += number_cell(html::fixed(unit.of(estimate), gum_decimals(unit.of(budget.expanded_psi))));
   const bool volts = std::string(text.unit) == "V";  // printed as mV
   out += number_cell(markup("{} {}", html::significant(volts ? 1e3 * row.width : unit.of(row.width), 3),
                             Text(volts ? "mV" : unit.symbol())));
@@ -84,7 +95,7 @@ Markup missing_rows(const Uncertainty& uncertainty) {
   for (std::size_t i = 0; i < kUncertaintySources; ++i) {
     if (uncertainty.missing[i].empty()) continue;
     const SourceText& text = text_of(static_cast<UncertaintySource>(i));
-    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td colspan=\"8\">not assessed</td></tr>\n",
+    out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td colspan=\"9\">not assessed</td></tr>\n",
                   Text(quantity_in_words(text)), Text(std::string(1, text.type)));
   }
   return out;
@@ -94,27 +105,28 @@ Markup budget_table(const Uncertainty& uncertainty, const Budget& budget, const 
                     PressureUnit unit) {
   Markup out = markup(
       "<div class=\"wide keep\"><table class=\"levels even\"><caption>Budget of the {} taxel ({}) at {}, {}</caption>"
-      "<thead><tr><th scope=\"col\">quantity X_i</th><th scope=\"col\">type</th><th scope=\"col\" class=\"n\">a_i or "
+      "<thead><tr><th scope=\"col\">quantity X_i</th><th scope=\"col\">type</th><th scope=\"col\" class=\"n\">x_i, "
+      "{}</th><th scope=\"col\" class=\"n\">a_i or "
       "s(x_i)</th><th scope=\"col\">given as</th><th scope=\"col\">distribution</th><th scope=\"col\" "
       "class=\"n\">divisor</th><th scope=\"col\" class=\"n\">c_i</th><th scope=\"col\" class=\"n\">u_i(y), {}</th><th "
       "scope=\"col\" class=\"n\">ν_i</th><th scope=\"col\" class=\"n\">of u_c², %</th></tr></thead><tbody>\n",
       Text(which), Text(place_of(budget.taxel, columns)), html::pressure(budget.pressure_psi, unit, 1),
-      Text(branch_in_words(budget.up)), Text(unit.symbol()));
+      Text(branch_in_words(budget.up)), Text(unit.symbol()), Text(unit.symbol()));
   for (const Contribution& row : budget.contributions) out += budget_row(row, budget, unit);
   out += missing_rows(uncertainty);
   out += markup(
-      "<tr><th scope=\"row\">combined</th><td colspan=\"6\">u_c(y), effective degrees of "
+      "<tr><th scope=\"row\">combined</th><td colspan=\"7\">u_c(y), effective degrees of "
       "freedom</td>{}{}{}</tr>\n",
       number_cell(gum_uncertainty(unit.of(budget.combined_psi))), number_cell(gum_degrees(budget.dof)),
       number_cell(Text("100.0")));
   out += markup(
-      "<tr><th scope=\"row\">expanded</th><td colspan=\"6\">U = {} u_c(y)</td><td class=\"n\" "
+      "<tr><th scope=\"row\">expanded</th><td colspan=\"7\">U = {} u_c(y)</td><td class=\"n\" "
       "colspan=\"3\">{}</td></tr>\n"
       "</tbody></table></div>\n",
       html::fixed(budget.factor, 2), gum_pressure(budget.expanded_psi, unit));
   const int decimals = gum_decimals(unit.of(budget.expanded_psi));
   out += markup(
-      "<p class=\"note\">The error that is taken off is the mean of {} less the reference value, and half of creep. "
+      "<p class=\"note\">x_i: estimate, which is taken off. The error that is taken off is the mean of {} less the reference value, and half of creep. "
       "The "
       "corrected indication is then off by 0 ± {} (k = {}). Without this correction the indication less the pressure "
       "lies in [{}, {}] {}.{}</p>\n",
@@ -208,13 +220,13 @@ Markup levels_table(const Uncertainty& uncertainty, PressureUnit unit) {
   return out;
 }
 
-// The longest row of levels where the median taxel's U is within a share of the full pressure.
+// The longest row of levels where U of 95 % of the taxels is within a share of the full pressure.
 Markup range_within(const Uncertainty& uncertainty, bool up, double most_psi, PressureUnit unit) {
   double low = 0.0, high = 0.0, begin = 0.0, end = 0.0;
   bool inside = false, any = false;
   for (const LevelUncertainty& level : uncertainty.levels) {
     if (level.up != up) continue;
-    const bool within = level.median.expanded_psi <= most_psi;
+    const bool within = quantile_of(finite_of(level.expanded_psi), kTaxelsWithin) <= most_psi;
     if (within) {
       if (!inside) begin = level.pressure_psi;
       end = level.pressure_psi;
@@ -234,7 +246,7 @@ Markup ranges(const Uncertainty& uncertainty, PressureUnit unit) {
   double full = 0.0;
   for (const LevelUncertainty& level : uncertainty.levels) full = std::max(full, level.pressure_psi);
   Markup out = markup(
-      "<table class=\"pairs\"><caption>Where U of the median taxel is within a share of the full pressure</caption>"
+      "<table class=\"pairs\"><caption>Where U of 95 % of the taxels is within a share of the full pressure</caption>"
       "<tbody>\n");
   for (const double share : {0.005, 0.01, 0.02}) {
     out += markup("<tr><th scope=\"row\">{} %: {}</th><td>{}; {}</td></tr>\n", html::percent(share, 1),

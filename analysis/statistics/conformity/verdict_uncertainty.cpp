@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -174,6 +175,8 @@ std::vector<VarianceShare> shares_of(const ReferenceUncertainty& reference, doub
   if (reference.drift_missing.empty()) shares.push_back({drift_psi / std::numbers::sqrt3, kInfiniteDof});
   if (reference.resolution_missing.empty())
     shares.push_back({0.5 * reference.resolution_psi / std::numbers::sqrt3, kInfiniteDof});
+  for (const ReferenceLimit& limit : reference.limits)
+    if (limit.half_width_psi > 0.0) shares.push_back({limit.half_width_psi / std::numbers::sqrt3, kInfiniteDof});
   return shares;
 }
 
@@ -200,6 +203,14 @@ JudgedUncertainty figure_of(const char* criterion, std::string scope, const char
   return {criterion, std::move(scope), unit, 0.0, 0.0, 0.0, 0.0, {}, {}};
 }
 
+std::string words_of_limits(const ReferenceUncertainty& reference) {
+  constexpr std::array<const char*, kReferenceParts> kNames = {"voltage input", "hysteresis", "zero", "temperature"};
+  std::string words;
+  for (std::size_t part = 0; part < kReferenceParts; ++part)
+    if (reference.limits[part].half_width_psi > 0.0) words += fmt::format(", {}", kNames[part]);
+  return words;
+}
+
 // A mean of absolute errors against the reference.
 JudgedUncertainty error_uncertainty(const char* criterion, const FigureScatter& scatter,
                                     const ReferenceUncertainty& reference) {
@@ -207,11 +218,11 @@ JudgedUncertainty error_uncertainty(const char* criterion, const FigureScatter& 
   if (!reference.certificate_missing.empty()) return unknown(std::move(out), reference.certificate_missing);
   if (!scatter.known()) return unknown(std::move(out), kOneRepeat);
   out.basis = fmt::format(
-      "reference (certificate{}{}), which moves a mean of absolute errors by at most its own error (c = 1); and {}",
+      "reference (certificate{}{}{}), which moves a mean of absolute errors by at most its own error (c = 1); and {}",
       !reference.drift_missing.empty()                   ? ""
       : reference.drift_psi > reference.drift_stated_psi ? ", drift beyond its stated limit"
                                                          : ", drift",
-      reference.resolution_missing.empty() ? ", resolution" : "", scatter.words);
+      reference.resolution_missing.empty() ? ", resolution" : "", words_of_limits(reference), scatter.words);
   // A drift beyond its stated limit raises u but does not lower k: it adds doubt, not degrees of freedom.
   std::vector<VarianceShare> shares = shares_of(reference, reference.drift_psi);
   std::vector<VarianceShare> firm = shares_of(reference, std::min(reference.drift_psi, reference.drift_stated_psi));
@@ -220,13 +231,17 @@ JudgedUncertainty error_uncertainty(const char* criterion, const FigureScatter& 
   return expanded(std::move(out), shares, firm);
 }
 
-// A difference between readings at one level, in which the reference's error cancels.
+// A difference between readings at one level, in which the reference's error cancels, but for its hysteresis where
+// they were reached in two directions. `hysteresis`: its half-width to each side, as a share of full pressure.
 JudgedUncertainty difference_uncertainty(const char* criterion, std::string scope, const FigureScatter& scatter,
-                                         const char* why_not) {
+                                         const char* why_not, double hysteresis = 0.0) {
   JudgedUncertainty out = figure_of(criterion, std::move(scope), "FS");
   if (!scatter.known()) return unknown(std::move(out), why_not);
-  out.basis = fmt::format("the reference's error cancels; {}", scatter.words);
-  return expanded(std::move(out), {{scatter.u, scatter.dof}}, {{scatter.u, scatter.dof}});
+  std::vector<VarianceShare> shares = {{scatter.u, scatter.dof}};
+  if (hysteresis > 0.0) shares.push_back({2.0 * hysteresis / std::numbers::sqrt3, kInfiniteDof});
+  out.basis = fmt::format("the reference's error cancels{}; {}", hysteresis > 0.0 ? " but for its hysteresis" : "",
+                          scatter.words);
+  return expanded(std::move(out), shares, shares);
 }
 
 // `mismatch(level, up)`: its scatter.
@@ -235,18 +250,21 @@ std::vector<JudgedUncertainty> all_uncertainties(const Evaluation& evaluation, c
                                                  const FigureScatter& mean, const FigureScatter& worst,
                                                  const FigureScatter& distance, const char* why_not,
                                                  const Mismatch& mismatch) {
-  std::vector<JudgedUncertainty> all = {error_uncertainty("mean_compensation_error", mean, reference),
-                                        error_uncertainty("worst_taxel_error", worst, reference),
-                                        difference_uncertainty("distance_of_mean", "array", distance, why_not),
-                                        {"unfit_taxels",
-                                         "array",
-                                         "taxels",
-                                         0.0,
-                                         0.0,
-                                         kInfiniteDof,
-                                         2.0,
-                                         "a count by the rules of identification has no uncertainty of its own",
-                                         {}}};
+  const double full = evaluation.full_scale_psi;
+  const double hysteresis = full > 0.0 ? reference.limit(ReferencePart::kHysteresis).half_width_psi / full : 0.0;
+  std::vector<JudgedUncertainty> all = {
+      error_uncertainty("mean_compensation_error", mean, reference),
+      error_uncertainty("worst_taxel_error", worst, reference),
+      difference_uncertainty("distance_of_mean", "array", distance, why_not, hysteresis),
+      {"unfit_taxels",
+       "array",
+       "taxels",
+       0.0,
+       0.0,
+       kInfiniteDof,
+       2.0,
+       "a count by the rules of identification has no uncertainty of its own",
+       {}}};
   for (const LevelFigures& level : evaluation.levels)
     for (const bool up : {true, false})
       all.push_back(difference_uncertainty("mismatch",

@@ -12,76 +12,58 @@
 namespace tactbench::analysis {
 namespace {
 
-// A step that counts, and the windows that it counts in.
-struct CountedStep {
-  std::size_t first = 0, end = 0;  // windows
-  bool up = true;
-  std::size_t frame = 0;  // of the frames that count, in time order
-};
-
 bool is_asked(BranchesOf which, const StepKind& kind) {
   return which == BranchesOf::kAll || kind.full == (which == BranchesOf::kFullSweeps);
 }
 
+// First and last but one of the levels within the window of a set-point.
+std::pair<std::size_t, std::size_t> levels_about(const std::vector<double>& grid, double setpoint_psi) {
+  constexpr double kOnTheEdge = 1e-6;
+  const auto low = std::ranges::lower_bound(grid, setpoint_psi - kHistoryWindowPsi - kOnTheEdge);
+  const auto high = std::ranges::upper_bound(grid, setpoint_psi + kHistoryWindowPsi + kOnTheEdge);
+  return {static_cast<std::size_t>(low - grid.begin()), static_cast<std::size_t>(high - grid.begin())};
+}
+
 class WindowSums {
  public:
-  WindowSums(const SensorModel& fit, const LevelCorrections& corrections) : fit_(fit), corrections_(corrections) {
+  WindowSums(const SensorModel& fit, const LevelCorrections& corrections)
+      : fit_(fit), corrections_(corrections), width_(fit.array().size()) {
     for (const bool up : {true, false})
       for (const double pressure : fit.pressure_psi) {
         windows_.push_back({pressure, up, 0.0, 0.0, {}, {}, 0.0});
-        windows_.back().mean_psi.assign(fit.array().size(), 0.0);
-        windows_.back().square_psi.assign(fit.array().size(), 0.0);
+        windows_.back().mean_psi.assign(width_, 0.0);
+        windows_.back().square_psi.assign(width_, 0.0);
       }
   }
 
-  void add(const Dataset& run, BranchesOf which, int threads) {
-    const std::size_t width = fit_.array().size();
-    std::vector<std::vector<std::vector<int>>> counted;  // sequence, repeat, step: index of `steps`, or -1
-    std::vector<CountedStep> steps;
+  void add(const FrameErrors& run) {
     std::set<std::pair<std::size_t, std::pair<std::size_t, int>>> ways;  // window, sequence, branch
-    for (std::size_t s = 0; s < run.sequences.size(); ++s) {
-      const std::vector<StepKind> kinds =
-          step_kinds(run.sequences[s], fit_.pressure_psi.front(), fit_.pressure_psi.back());
-      counted.emplace_back();
-      for (const Repeat& repeat : run.sequences[s].repeats) {
-        counted.back().emplace_back(repeat.steps.size(), -1);
-        for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
-          const auto [first, end] = windows_of(repeat.steps[i].setpoint_psi, kinds[i].up);
-          if (!is_asked(which, kinds[i]) || first == end) continue;
-          counted.back().back()[i] = static_cast<int>(steps.size());
-          steps.push_back({first, end, kinds[i].up, steps.size()});
-          for (std::size_t w = first; w < end; ++w) {
-            windows_[w].frames += 1.0;
-            ways.insert({w, {s, kinds[i].branch}});
-          }
+    std::vector<double> errors(width_);
+    for (std::size_t i = 0; i < run.frames.size(); ++i) {
+      const FrameErrors::Frame& frame = run.frames[i];
+      const auto [first, end] = levels_about(fit_.pressure_psi, frame.setpoint_psi);
+      for (std::size_t taxel = 0; taxel < width_; ++taxel)
+        errors[taxel] =
+            run.error_psi[i * width_ + taxel] - correction_at(corrections_, fit_, taxel, frame.setpoint_psi, frame.up);
+      const double common = mean_of(finite_of(errors));
+      for (std::size_t level = first; level < end; ++level) {
+        const std::size_t at = level + (frame.up ? 0 : fit_.pressure_psi.size());
+        WindowErrors& window = windows_[at];
+        ways.insert({at, {frame.sequence, frame.branch}});
+        window.frames += 1.0;
+        window.common_square_psi += common * common;
+        for (std::size_t taxel = 0; taxel < width_; ++taxel) {
+          window.mean_psi[taxel] += errors[taxel];
+          window.square_psi[taxel] += errors[taxel] * errors[taxel];
         }
       }
     }
     for (const auto& way : ways) windows_[way.first].branches += 1.0;
-    std::vector<double> errors(steps.size() * width, kNan);
-    compensate_in_order(run, fit_, threads, [&](std::size_t taxel) {
-      return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
-        if (counted[s][r][i] < 0) return;
-        const auto at = static_cast<std::size_t>(counted[s][r][i]);
-        const Sample& sample = run.sequences[s].repeats[r].steps[i];
-        const double error = now.pressure_psi - sample.reference_psi -
-                             correction_at(corrections_, fit_, taxel, sample.setpoint_psi, steps[at].up);
-        errors[at * width + taxel] = error;
-        for (std::size_t w = steps[at].first; w < steps[at].end; ++w) {
-          windows_[w].mean_psi[taxel] += error;
-          windows_[w].square_psi[taxel] += error * error;
-        }
-      };
-    });
-    for (const CountedStep& step : steps) {
-      const double common = mean_of(finite_of(std::span(errors).subspan(step.frame * width, width)));
-      for (std::size_t w = step.first; w < step.end; ++w) windows_[w].common_square_psi += common * common;
-    }
   }
 
   std::vector<WindowErrors> take() {
     for (WindowErrors& window : windows_) {
-      for (std::size_t taxel = 0; taxel < window.mean_psi.size(); ++taxel) {
+      for (std::size_t taxel = 0; taxel < width_; ++taxel) {
         const bool any = window.frames > 0.0 && fit_.taxels[taxel].fitted();
         window.mean_psi[taxel] = any ? window.mean_psi[taxel] / window.frames : kNan;
         window.square_psi[taxel] = any ? window.square_psi[taxel] / window.frames : kNan;
@@ -92,21 +74,17 @@ class WindowSums {
   }
 
  private:
-  [[nodiscard]] std::pair<std::size_t, std::size_t> windows_of(double setpoint_psi, bool up) const {
-    constexpr double kOnTheEdge = 1e-6;
-    const std::vector<double>& grid = fit_.pressure_psi;
-    const auto low = std::ranges::lower_bound(grid, setpoint_psi - kHistoryWindowPsi - kOnTheEdge);
-    const auto high = std::ranges::upper_bound(grid, setpoint_psi + kHistoryWindowPsi + kOnTheEdge);
-    const std::size_t offset = up ? 0 : grid.size();
-    return {offset + static_cast<std::size_t>(low - grid.begin()),
-            offset + static_cast<std::size_t>(high - grid.begin())};
-  }
   const SensorModel& fit_;
   const LevelCorrections& corrections_;
+  std::size_t width_;
   std::vector<WindowErrors> windows_;
 };
 
 }  // namespace
+
+bool HistoryErrors::any_way() const {
+  return std::ranges::any_of(windows, [](const WindowErrors& window) { return window.branches > 0.0; });
+}
 
 double correction_at(const LevelCorrections& corrections, const SensorModel& fit, std::size_t taxel,
                      double pressure_psi, bool up) {
@@ -123,17 +101,50 @@ double correction_at(const LevelCorrections& corrections, const SensorModel& fit
   return std::lerp(value(above - 1), value(above), share);
 }
 
-HistoryErrors history_errors(std::span<const Dataset* const> runs, const SensorModel& fit, BranchesOf which,
-                             const LevelCorrections& corrections, int threads) {
+FrameErrors frame_errors(const Dataset& run, const SensorModel& fit, BranchesOf which, int threads,
+                         std::span<const std::string> left_out) {
+  const std::size_t width = fit.array().size();
+  FrameErrors out;
+  out.run = run.run;
+  std::vector<std::vector<std::vector<int>>> counted;  // sequence, repeat, step: index of `frames`, or -1
+  for (std::size_t s = 0; s < run.sequences.size(); ++s) {
+    const SequenceData& sequence = run.sequences[s];
+    const std::vector<StepKind> kinds = step_kinds(sequence, fit.pressure_psi.front(), fit.pressure_psi.back());
+    const bool counts = std::ranges::find(left_out, sequence.name) == left_out.end();
+    counted.emplace_back();
+    for (const Repeat& repeat : sequence.repeats) {
+      counted.back().emplace_back(repeat.steps.size(), -1);
+      for (std::size_t i = 0; i < repeat.steps.size(); ++i) {
+        const Sample& sample = repeat.steps[i];
+        out.held_s.push_back(sample.held_s);
+        const auto [first, end] = levels_about(fit.pressure_psi, sample.setpoint_psi);
+        if (!counts || !is_asked(which, kinds[i]) || first == end) continue;
+        counted.back().back()[i] = static_cast<int>(out.frames.size());
+        out.frames.push_back({sample.setpoint_psi, sample.reference_psi, kinds[i].up, s, kinds[i].branch});
+      }
+    }
+  }
+  out.error_psi.assign(out.frames.size() * width, kNan);
+  compensate_in_order(run, fit, threads, [&](std::size_t taxel) {
+    return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
+      if (counted[s][r][i] < 0) return;
+      const auto at = static_cast<std::size_t>(counted[s][r][i]);
+      out.error_psi[at * width + taxel] = now.pressure_psi - out.frames[at].reference_psi;
+    };
+  });
+  return out;
+}
+
+HistoryErrors pooled_errors(std::span<const FrameErrors> runs, const SensorModel& fit,
+                            const LevelCorrections& corrections, std::optional<std::size_t> all_but) {
   HistoryErrors errors;
   WindowSums sums(fit, corrections);
   std::vector<double> held;
-  for (const Dataset* run : runs) {
-    errors.runs.push_back(run->run);
-    sums.add(*run, which, threads);
-    for (const SequenceData& sequence : run->sequences)
-      for (const Repeat& repeat : sequence.repeats)
-        for (const Sample& sample : repeat.steps) held.push_back(sample.held_s);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (i == all_but) continue;
+    errors.runs.push_back(runs[i].run);
+    sums.add(runs[i]);
+    held.insert(held.end(), runs[i].held_s.begin(), runs[i].held_s.end());
   }
   errors.windows = sums.take();
   if (held.empty()) return errors;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,22 +27,40 @@ struct WindowErrors {
   double common_square_psi = 0.0;            // mean square of the array's mean error
 };
 
+enum class BranchesOf { kFullSweeps, kInnerBranches, kAll };
+
+// The frames of one run that count, in time order.
+struct FrameErrors {
+  struct Frame {
+    double setpoint_psi = 0.0, reference_psi = 0.0;
+    bool up = true;
+    std::size_t sequence = 0;
+    int branch = 0;
+  };
+  std::int64_t run = 0;
+  std::vector<Frame> frames;
+  std::vector<double> error_psi;  // frames x taxels: estimate - reference, nothing taken off; NaN where not fitted
+  std::vector<double> held_s;     // of all frames of the run: time from command to frame
+};
+
 struct HistoryErrors {
   std::vector<std::int64_t> runs;                // empty: no run, no windows
   double dwell_low_s = 0.0, dwell_high_s = 0.0;  // 5 and 95 % quantile of the time from command to frame
   std::vector<WindowErrors> windows;             // levels of the models up, then down; all with their frames, even none
   [[nodiscard]] bool known() const { return !runs.empty(); }
+  [[nodiscard]] bool any_way() const;  // through any window
 };
-
-enum class BranchesOf { kFullSweeps, kInnerBranches, kAll };
 
 // Errors of a taxel's readings that are taken off: levels up, then down, x taxels, linear in between; empty: none.
 using LevelCorrections = std::vector<double>;
 
-// `runs`: of the sensor of `fit`, outputs rising (as_modelled). The error of a frame is estimate - reference -
-// correction at its set-point. Every frame goes through the compensator in time order.
-HistoryErrors history_errors(std::span<const Dataset* const> runs, const SensorModel& fit, BranchesOf which,
-                             const LevelCorrections& corrections = {}, int threads = 0);
+// `run`: of the sensor of `fit`, outputs rising (as_modelled). Every frame goes through the compensator in time order;
+// those of sequences named in `left_out` do not count.
+FrameErrors frame_errors(const Dataset& run, const SensorModel& fit, BranchesOf which, int threads = 0,
+                         std::span<const std::string> left_out = {});
+// Of all `runs`, or all but one. The error of a frame is less the correction at its set-point.
+HistoryErrors pooled_errors(std::span<const FrameErrors> runs, const SensorModel& fit,
+                            const LevelCorrections& corrections = {}, std::optional<std::size_t> all_but = {});
 
 // The correction at a pressure, linear between levels and constant beyond them. NaN counts as 0.
 double correction_at(const LevelCorrections& corrections, const SensorModel& fit, std::size_t taxel,

@@ -10,6 +10,7 @@
 
 #include "analysis/identify/sensor_model.h"
 #include "analysis/statistics/studies/press_run.h"
+#include "analysis/statistics/uncertainty/instrument_uncertainty.h"
 
 namespace tactbench::analysis {
 
@@ -58,7 +59,8 @@ struct ContactLevel {
 struct ContactResult {
   std::int64_t run = 0, mount_run = 0;  // mount_run: whose registration was used; 0: none
   std::string sequence, object;
-  std::string force_traceability;  // of the run's force sensor, in a sentence; filled in by the caller
+  std::string force_traceability;           // of the run's force sensor, in a sentence; filled in by the caller
+  InstrumentUncertainty force_uncertainty;  // of the force that the errors are against; filled in by the caller
   int positions = 0, repeats = 0;
   ArrayGeometry geometry;
   double full_scale_v = 0.0, full_scale_psi = 0.0;  // of the chamber run that the models are from

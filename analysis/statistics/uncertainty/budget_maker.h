@@ -11,13 +11,23 @@
 
 namespace tactbench::analysis {
 
+inline constexpr double kHeldS = 20.0;  // frames later than this after the command are of held pressures
+
+// Runs made under a condition of use: what readings err by there.
+struct Evidence {
+  std::vector<FrameErrors> runs;
+  HistoryErrors pooled;
+  // What U of the others, without the reference's part, would have to be multiplied by to hold 95.45 % of each run, and
+  // of all of them: the scale of U. Of runs that each have another; else empty, and 1.
+  std::vector<double> needed;
+  double scale = 1.0;
+};
+
 // What further runs, and the calibration's own inner branches, tell of readings that are no full sweep.
 struct HistoryFindings {
-  LevelCorrections corrections;  // mean errors of the full sweeps
-  HistoryErrors fitted;          // inner branches of the calibration itself
-  HistoryErrors held_out;        // inner branches of held-out runs of other sequences
-  HistoryErrors repeated;        // full sweeps of held-out runs of the calibration's own sequences
-  HistoryErrors later;           // all branches, of another day
+  LevelCorrections corrections;                  // mean errors of the full sweeps
+  HistoryErrors fitted;                          // inner branches of the calibration itself
+  std::array<Evidence, kUseConditions> made_in;  // held-out runs, by condition
   DwellEffect dwell;
 };
 
@@ -32,6 +42,8 @@ class BudgetMaker {
   [[nodiscard]] const HistoryFindings& histories() const { return histories_; }
   // Why U does not cover a condition; empty: it does.
   [[nodiscard]] std::string not_valid(UseCondition condition) const;
+  // Of U under a condition, without the reference's part: from runs that it was not found from; 1 without such runs.
+  [[nodiscard]] double scale_of(UseCondition condition) const;
   // Runs and ranges that U under the condition rests on.
   [[nodiscard]] std::string basis(UseCondition condition) const;
 
@@ -40,6 +52,7 @@ class BudgetMaker {
   void find_histories(const Dataset& dataset, int threads);
   void find_common();
   void find_excess();
+  void find_scales(int threads);
   void add(Budget& budget, UncertaintySource source, double width, double divisor, double sensitivity = 1.0,
            double dof = kInfiniteDof, double common = 0.0) const;
   void add_reference(Budget& budget) const;
@@ -47,9 +60,18 @@ class BudgetMaker {
   [[nodiscard]] double zero_return_u(std::size_t taxel) const;  // V
   void add_readings(Budget& budget, std::size_t taxel, std::size_t level) const;
   void add_dwell(Budget& budget, std::size_t taxel, std::size_t level) const;
-  void add_history(Budget& budget, std::size_t taxel, std::size_t level, UseCondition condition) const;
+  void add_history(Budget& budget, std::size_t taxel, std::size_t level, UseCondition condition,
+                   const HistoryErrors* history) const;
   void add_given(Budget& budget, std::size_t level, UseCondition condition) const;
-  void finish(Budget& budget) const;
+  void finish(Budget& budget, double scale) const;
+  [[nodiscard]] const Evidence& made_in(UseCondition condition) const;
+  // Runs made under the condition are enough to say what readings err by there; else its rows are put together.
+  [[nodiscard]] bool told_by_runs(UseCondition condition) const;
+  void find_scale(UseCondition condition, int threads);
+  // Standard deviation of what single runs need, as a logarithm, within the conditions, pooled over them; NaN of none.
+  [[nodiscard]] double scatter_of_runs() const;
+  // All rows but that of the history, which `add_history` takes from `history`.
+  [[nodiscard]] Budget without_history(std::size_t taxel, std::size_t level, UseCondition condition) const;
   [[nodiscard]] const HistoryErrors* history_of(UseCondition condition) const;  // null: none
   [[nodiscard]] double excess_psi2(const Budget& budget, std::size_t level) const;
   [[nodiscard]] double mean_error(std::size_t level, std::size_t taxel) const;

@@ -79,24 +79,43 @@ void BudgetMaker::find_histories(const Dataset& dataset, int threads) {
   for (std::size_t level = 0; level < errors_.levels.size(); ++level)
     for (std::size_t taxel = 0; taxel < width; ++taxel)
       histories_.corrections.push_back(errors_.levels[level].readings > 0 ? mean_error(level, taxel) : kNan);
-  const std::vector<const Dataset*> own = {&dataset};
+  std::vector<std::string> fitted_names;
+  for (const SequenceData& sequence : dataset.sequences) fitted_names.push_back(sequence.name);
   std::vector<const Dataset*> repeated, other;
   for (const Dataset* run : inputs_.history.same) (repeats_sequences(*run, dataset) ? repeated : other).push_back(run);
-  histories_.fitted = history_errors(own, fit_, BranchesOf::kInnerBranches, histories_.corrections, threads);
-  histories_.held_out = history_errors(other, fit_, BranchesOf::kInnerBranches, histories_.corrections, threads);
-  histories_.repeated = history_errors(repeated, fit_, BranchesOf::kFullSweeps, histories_.corrections, threads);
-  histories_.later = history_errors(inputs_.history.later, fit_, BranchesOf::kAll, histories_.corrections, threads);
+  const FrameErrors own = frame_errors(dataset, fit_, BranchesOf::kInnerBranches, threads);
+  histories_.fitted = pooled_errors({&own, 1}, fit_, histories_.corrections);
+  const auto keep = [&](UseCondition condition, const std::vector<const Dataset*>& runs, BranchesOf which,
+                        std::span<const std::string> left_out = {}) {
+    Evidence& evidence = histories_.made_in[static_cast<std::size_t>(condition)];
+    for (const Dataset* run : runs) {
+      FrameErrors errors = frame_errors(*run, fit_, which, threads, left_out);
+      if (!errors.frames.empty()) evidence.runs.push_back(std::move(errors));
+    }
+    evidence.pooled = pooled_errors(evidence.runs, fit_, histories_.corrections);
+  };
+  keep(UseCondition::kFullSweeps, repeated, BranchesOf::kFullSweeps);
+  keep(UseCondition::kFittedBranches, repeated, BranchesOf::kInnerBranches);
+  keep(UseCondition::kAnyHistory, other, BranchesOf::kInnerBranches, fitted_names);
+  std::vector<const Dataset*> held, dwelt;
+  for (const Dataset* run : inputs_.history.dwelt) (median_dwell_s(*run) >= kHeldS ? held : dwelt).push_back(run);
+  keep(UseCondition::kOtherDwell, dwelt, BranchesOf::kInnerBranches, fitted_names);
+  keep(UseCondition::kHeld, held, BranchesOf::kInnerBranches, fitted_names);
+  keep(UseCondition::kOtherTemperature, inputs_.history.warm, BranchesOf::kInnerBranches, fitted_names);
+  keep(UseCondition::kRemounted, inputs_.history.mounted, BranchesOf::kInnerBranches, fitted_names);
+  keep(UseCondition::kLater, inputs_.history.later, BranchesOf::kInnerBranches, fitted_names);
   histories_.dwell = dwell_effect_of(dataset, inputs_.history.paced, fit_, threads);
 }
 
 // What one run shows between its own sweeps is not all that another run differs by. Few sweeps of held-out runs tell
 // little of one taxel, and much of all together: a ratio is pooled over the taxels (H.3.6).
 void BudgetMaker::find_excess() {
-  if (!histories_.repeated.known()) return;
+  const HistoryErrors& repeated = made_in(UseCondition::kFullSweeps).pooled;
+  if (!repeated.known()) return;
   const std::vector<std::size_t> fitted = fit_.fitted();
   std::vector<Excess> found(errors_.levels.size());
   for (std::size_t level = 0; level < found.size(); ++level) {
-    const WindowErrors& window = histories_.repeated.windows[level];
+    const WindowErrors& window = repeated.windows[level];
     if (!(window.branches > 0.0) || errors_.levels[level].readings == 0) continue;
     std::vector<double> ratios, squares;
     for (const std::size_t taxel : fitted) {
@@ -149,23 +168,31 @@ void BudgetMaker::add_readings(Budget& budget, std::size_t taxel, std::size_t le
   add(budget, UncertaintySource::kModel, combined_uncertainty(mean), 1.0, 1.0, effective_dof(mean), common);
 }
 
+const Evidence& BudgetMaker::made_in(UseCondition condition) const {
+  return histories_.made_in[static_cast<std::size_t>(condition)];
+}
+
+// One run tells what it erred by, and not whether the next one does: two are needed, from which each checks the other.
+bool BudgetMaker::told_by_runs(UseCondition condition) const {
+  const Evidence& evidence = made_in(condition);
+  return evidence.pooled.any_way() && evidence.runs.size() >= 2;
+}
+
 const HistoryErrors* BudgetMaker::history_of(UseCondition condition) const {
-  const auto any = [](const HistoryErrors& history) {
-    return std::ranges::any_of(history.windows, [](const WindowErrors& window) { return window.branches > 0.0; });
-  };
-  const HistoryErrors* history = &histories_.held_out;
+  const auto any = [](const HistoryErrors& history) { return history.any_way() ? &history : nullptr; };
   if (condition == UseCondition::kFullSweeps) return nullptr;
-  if (condition == UseCondition::kFittedBranches) history = &histories_.fitted;
-  if (condition == UseCondition::kLater) history = &histories_.later;
-  if (condition == UseCondition::kStated && !any(*history)) history = &histories_.fitted;
-  return any(*history) ? history : nullptr;
+  if (condition == UseCondition::kFittedBranches) return any(histories_.fitted);
+  if (condition != UseCondition::kStated && told_by_runs(condition)) return &made_in(condition).pooled;
+  if (condition != UseCondition::kStated && condition != UseCondition::kRemounted) return nullptr;
+  const HistoryErrors* history = any(made_in(UseCondition::kAnyHistory).pooled);
+  return history == nullptr && condition == UseCondition::kStated ? any(histories_.fitted) : history;
 }
 
 // What the readings of the history err by beyond what the rows above say of them (4.3.10). A window without a way
 // through it takes that of the nearest level of its direction.
-void BudgetMaker::add_history(Budget& budget, std::size_t taxel, std::size_t level, UseCondition condition) const {
+void BudgetMaker::add_history(Budget& budget, std::size_t taxel, std::size_t level, UseCondition condition,
+                              const HistoryErrors* history) const {
   const double excess = excess_psi2(budget, level);
-  const HistoryErrors* history = history_of(condition);
   if (history == nullptr) {
     if (condition == UseCondition::kFullSweeps && !excess_.empty())
       add(budget, UncertaintySource::kHistory, std::sqrt(excess), 1.0, 1.0, excess_[level].dof, excess_[level].common);
@@ -204,11 +231,11 @@ void BudgetMaker::add_given(Budget& budget, std::size_t level, UseCondition cond
     add(budget, source, std::sqrt(std::max(0.0, s * s - counted_psi2)), 1.0, 1.0, given->dof, common);
   };
   add_it(UncertaintySource::kUniformity, inputs_.uniformity, 0.0);
-  if (condition != UseCondition::kStated && condition != UseCondition::kRemounted) return;
+  if (condition != UseCondition::kStated && (condition != UseCondition::kRemounted || told_by_runs(condition))) return;
   add_it(UncertaintySource::kMounting, inputs_.mounting, 1.0);
   // Mounts are runs, too: what held-out runs of one mount differ by is counted already (4.3.10).
   add_it(UncertaintySource::kMountingOwn, inputs_.mounting_own, 0.0,
-         history_of(condition) == &histories_.held_out ? excess_psi2(budget, level) : 0.0);
+         history_of(condition) == &made_in(UseCondition::kAnyHistory).pooled ? excess_psi2(budget, level) : 0.0);
 }
 
 }  // namespace tactbench::analysis

@@ -64,7 +64,7 @@ std::string uncertainty_words(const DeviceJson& json) {
   }
   for (const auto& [name, unit] :
        {std::pair("expanded_uncertainty_psi", "psi"), std::pair("expanded_uncertainty_n", "N"),
-        std::pair("expanded_uncertainty_mm", "mm")})
+        std::pair("expanded_uncertainty_mm", "mm"), std::pair("expanded_uncertainty_c", "K")})
     if (const double expanded = member_number(json, name); expanded > 0.0)
       return fmt::format("U {:g} {} (k = 2)", expanded, unit);
   return {};

@@ -66,6 +66,25 @@ double converter_step(const db::RunRecord& run, const ReferenceJson& calibration
   return std::isfinite(step) && step > 0.0 ? step : 0.0;
 }
 
+// The rest of the chain between pressure and number.
+void read_limits(const ReferenceJson& calibration, ReferenceUncertainty& reference) {
+  const double volts = calibration.value("volts_high", 0.0) - calibration.value("volts_low", 0.0);
+  const double psi = calibration.value("psi_high", 0.0) - calibration.value("psi_low", 0.0);
+  const double psi_per_volt = volts > 0.0 && psi > 0.0 ? psi / volts : 0.0;
+  constexpr std::array<std::pair<const char*, ReferencePart>, kReferenceParts> kKeys = {
+      {{"input_limit_v", ReferencePart::kVoltageInput},
+       {"hysteresis_psi", ReferencePart::kHysteresis},
+       {"zero_psi", ReferencePart::kZero},
+       {"temperature_psi", ReferencePart::kTemperature}}};
+  for (const auto& [key, part] : kKeys) {
+    ReferenceLimit& limit = reference.limits[static_cast<std::size_t>(part)];
+    limit.half_width_psi =
+        positive_number(calibration, key) * (part == ReferencePart::kVoltageInput ? psi_per_volt : 1.0);
+    limit.part = chain_part(reference.covers, limit.half_width_psi, !reference.reading_psi.empty(),
+                            fmt::format("[reference] {}", key));
+  }
+}
+
 void say_what_is_missing(ReferenceUncertainty& reference) {
   if (reference.reading_psi.empty())
     reference.certificate_missing =
@@ -77,6 +96,9 @@ void say_what_is_missing(ReferenceUncertainty& reference) {
     reference.drift_missing = fmt::format(
         "the bench file gives no limit for it: [reference] drift_psi{}",
         reference.overdue ? fmt::format("; the reference was overdue since {}", reference.calibration.due) : "");
+  if (reference.reading_psi.empty())
+    for (ReferenceLimit& limit : reference.limits)
+      if (!(limit.half_width_psi > 0.0)) limit.part = {reference.certificate_missing, {}};
   if (!(reference.resolution_psi > 0.0))
     reference.resolution_missing = "neither [reference] resolution_psi nor the converter's step is kept with the run";
 }
@@ -118,6 +140,13 @@ double ReferenceUncertainty::largest_certificate_u() const {
   return expanded_psi.empty() ? 0.0 : *std::ranges::max_element(expanded_psi) / coverage_factor;
 }
 
+double ReferenceUncertainty::combined_u(double pressure_psi) const {
+  double squares =
+      std::pow(certificate_u(pressure_psi), 2) + drift_psi * drift_psi / 3.0 + resolution_psi * resolution_psi / 12.0;
+  for (const ReferenceLimit& limit : limits) squares += limit.half_width_psi * limit.half_width_psi / 3.0;
+  return std::sqrt(squares);
+}
+
 ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<const InstrumentNote> notes) {
   ReferenceUncertainty reference;
   try {
@@ -129,6 +158,8 @@ ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<c
       reference.calibration = calibration_of(device, notes);
       reference.independent = json.value("independent", true);
       read_certificate(json, reference);
+      reference.covers = covers_of(device);
+      read_limits(json, reference);
       reference.drift_stated_psi = positive_number(json, "drift_psi");
       reference.resolution_psi = positive_number(json, "resolution_psi");
       if (!(reference.resolution_psi > 0.0)) reference.resolution_psi = converter_step(run, json);

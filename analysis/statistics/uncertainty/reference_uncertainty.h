@@ -1,14 +1,26 @@
 // What is known of the pressure reference's own error, from the calibration kept with the run's devices.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "analysis/statistics/uncertainty/instrument_uncertainty.h"
 #include "db/record.h"
 
 namespace tactbench::analysis {
+
+// What the certificate of a transducer by itself does not contain. Each is stated as a limit, the half-width of a
+// rectangle (4.3.7); of the voltage input in volts, times the transducer's psi a volt.
+enum class ReferencePart { kVoltageInput, kHysteresis, kZero, kTemperature };
+inline constexpr std::size_t kReferenceParts = 4;
+
+struct ReferenceLimit {
+  double half_width_psi = 0.0;
+  ChainPart part;
+};
 
 struct ReferenceUncertainty {
   InstrumentCalibration calibration;  // certificate, dates
@@ -21,12 +33,17 @@ struct ReferenceUncertainty {
   double drift_psi = 0.0;         // limit on the run's day: the stated one, times drift_growth(); never less
   std::string drift_basis;        // the same in words
   double resolution_psi = 0.0;    // one digit or one converter step; 0: not known
+  CertificateCovers covers = CertificateCovers::kNotStated;
+  std::array<ReferenceLimit, kReferenceParts> limits;  // by ReferencePart
+  [[nodiscard]] const ReferenceLimit& limit(ReferencePart part) const { return limits[static_cast<std::size_t>(part)]; }
   // Why a contribution is not assessed; empty where it is.
   std::string certificate_missing, drift_missing, resolution_missing;
 
   // u(p) = U(p) / k in psi (JCGM 100, 4.3.3), between the certificate's points linear, beyond them the last one's.
   [[nodiscard]] double certificate_u(double pressure_psi) const;
   [[nodiscard]] double largest_certificate_u() const;
+  // Of all that is stated, at a pressure.
+  [[nodiscard]] double combined_u(double pressure_psi) const;
 };
 
 // From the device of role "pressure reference" and the analog module that reads it. The run's own date rules. Never

@@ -171,7 +171,8 @@ bool at_another_temperature(std::span<const double> calibration_c, std::span<con
 double TemperatureEffect::half_width_of_runs_c() const {
   double furthest = half_width_c();
   for (const double temperature : temperature_c)
-    furthest = std::max(furthest, std::abs(temperature - temperature_c.front()) + 0.5 * resolution_c);
+    furthest = std::max(furthest, std::hypot(std::abs(temperature - temperature_c.front()) + 0.5 * resolution_c,
+                                             std::numbers::sqrt3 * thermometer_u_c));
   return furthest;
 }
 
@@ -190,11 +191,14 @@ std::string TemperatureEffect::in_words() const {
       "a "
       "kelvin (standard uncertainties from the {}, {:.0f} degrees of freedom); single taxels ± {:.4f} % a kelvin; "
       "taken "
-      "over {:.2f} to {:.2f} °C, the readings of this run, and the thermometer's step of {:.3f} °C. Made within a day, "
+      "over {:.2f} to {:.2f} °C, the readings of this run, and the thermometer's step of {:.3f} °C{}. Made within a "
+      "day, "
       "and mounted once as far as the runs show; {}",
       temperature_c.size(), coldest, warmest, 100.0 * per_kelvin.share, 100.0 * u.share, 1e3 * per_kelvin.zero_v,
       1e3 * u.zero_v, from_repeats ? "scatter of the repeats" : "scatter of the runs about the line", dof,
       100.0 * deviation.share, low_c, high_c, resolution_c,
+      thermometer_u_c > 0.0 ? fmt::format(", its own calibration with u = {:.3f} K", thermometer_u_c)
+                            : std::string("; the thermometer's own calibration is not stated"),
       temperature_c.size() == 2
           ? "what else changed between two runs, such as conditioning or rest, cannot be distinguished from the "
             "temperature and "
@@ -203,7 +207,7 @@ std::string TemperatureEffect::in_words() const {
 }
 
 TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const Dataset> others,
-                                        const SensorModel& fit, double resolution_c) {
+                                        const SensorModel& fit, double resolution_c, double thermometer_u_c) {
   TemperatureEffect effect;
   if (others.empty()) return effect;
   if (measured.temperatures_c.empty()) {
@@ -252,6 +256,7 @@ TemperatureEffect temperature_effect_of(const Dataset& measured, std::span<const
   effect.low_c = low;
   effect.high_c = high;
   effect.resolution_c = resolution_c;
+  effect.thermometer_u_c = thermometer_u_c;
   effect.not_assessed.clear();
   return effect;
 }

@@ -3,6 +3,8 @@
 // uncertainty out, which the uncertainty budgets take.
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,8 +32,12 @@ struct TemperatureEffect {
   bool from_repeats = true;  // u is that of the repeats: two runs, or runs that lie on a line as well as repeats do
   double dof = 0.0;          // of u
   double low_c = 0.0, high_c = 0.0, resolution_c = 0.0;  // of the calibration's readings
+  double thermometer_u_c = 0.0;                          // of the thermometer's own calibration; 0: not stated
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
-  [[nodiscard]] double half_width_c() const { return 0.5 * (high_c - low_c + resolution_c); }
+  // Of a rectangle: the readings' range and step, and what the thermometer itself is off by, of the same variance.
+  [[nodiscard]] double half_width_c() const {
+    return std::hypot(0.5 * (high_c - low_c + resolution_c), std::numbers::sqrt3 * thermometer_u_c);
+  }
   // From the calibration's temperature to the furthest of the runs'.
   [[nodiscard]] double half_width_of_runs_c() const;
   // Half-width in volt at an output so far over its zero: half_width_c times the root of the squares of coefficient,
@@ -47,6 +53,6 @@ bool at_another_temperature(std::span<const double> calibration_c, std::span<con
 // `others`: of the same sensor, mounted once and not aged between, which the caller knows. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
 TemperatureEffect temperature_effect_of(const Dataset& calibration, std::span<const Dataset> others,
-                                        const SensorModel& fit, double resolution_c);
+                                        const SensorModel& fit, double resolution_c, double thermometer_u_c = 0.0);
 
 }  // namespace tactbench::analysis

@@ -18,6 +18,13 @@ const SourceText& text_of(UncertaintySource source) {
       {"reference, drift", 'B', "rectangular", "psi", "half-width", "stated limit of its change (4.3.7)"},
       {"reference, resolution", 'B', "rectangular", "psi", "half-width",
        "half a step of its converter or display (F.2.2.1)"},
+      {"reference, voltage input", 'B', "rectangular", "psi", "half-width",
+       "limit of error of the input that reads the transducer, by its data sheet, times psi a volt (4.3.7)"},
+      {"reference, hysteresis", 'B', "rectangular", "psi", "half-width",
+       "limit of the transducer's hysteresis, to each side (4.3.7)"},
+      {"reference, zero", 'B', "rectangular", "psi", "half-width", "limit of the transducer's zero deviation (4.3.7)"},
+      {"reference, temperature", 'B', "rectangular", "psi", "half-width",
+       "limit of what temperature does to the transducer where the bench stands (4.3.7)"},
       {"chamber uniformity", 'A', "normal", "psi", "s",
        "spread of the chamber's pressure over the array, from the sensor turned in it (4.2.2)"},
       {"repeatability", 'A', "Student", "psi", "s",
@@ -53,6 +60,10 @@ const SourceText& text_of(UncertaintySource source) {
        "the window as degrees of freedom)"},
   }};
   return kTexts[static_cast<std::size_t>(source)];
+}
+
+bool is_of_reference(UncertaintySource source) {
+  return source <= UncertaintySource::kReferenceTemperature;  // they come first
 }
 
 namespace {
@@ -129,6 +140,7 @@ ConditionUncertainty under_condition(UseCondition condition, const BudgetMaker& 
   out.not_valid = maker.not_valid(condition);
   if (!out.valid()) return out;
   out.basis = maker.basis(condition);
+  out.scale = maker.scale_of(condition);
   const std::size_t width = fit.array().size();
   for (std::size_t i = 0; i < errors.levels.size(); ++i) {
     if (errors.levels[i].readings == 0) continue;
@@ -152,7 +164,9 @@ struct RisingRuns {
   UncertaintyInputs inputs;
   std::deque<Dataset> turned;
   RisingRuns(const UncertaintyInputs& given, const SensorModel& fit) : inputs(given) {
-    for (std::vector<const Dataset*>* runs : {&inputs.history.same, &inputs.history.later, &inputs.history.paced})
+    HistoryRuns& history = inputs.history;
+    for (std::vector<const Dataset*>* runs :
+         {&history.same, &history.later, &history.dwelt, &history.warm, &history.mounted, &history.paced})
       for (const Dataset*& run : *runs) {
         check_same_sensor(*run, fit);
         if (fit.falling) run = &turned.emplace_back(as_modelled(*run, fit));
@@ -169,6 +183,9 @@ void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
   keep(UncertaintySource::kMountingOwn, inputs.mounting_own);
   if (out.reference.drift_missing.empty())
     out.from[static_cast<std::size_t>(UncertaintySource::kDrift)] = out.reference.drift_basis;
+  for (std::size_t part = 0; part < kReferenceParts; ++part)
+    out.from[static_cast<std::size_t>(UncertaintySource::kReferenceInput) + part] =
+        out.reference.limits[part].part.from;
   out.creep = inputs.creep;
   out.temperature = inputs.temperature;
   out.from[static_cast<std::size_t>(UncertaintySource::kCreep)] = inputs.creep.in_words();
@@ -207,11 +224,13 @@ Uncertainty assess_uncertainty(const Dataset& measured, const SensorModel& measu
     level.up = errors.levels[i].up;
     level.expanded_psi.assign(fit.array().size(), kNan);
     level.error_psi.assign(fit.array().size(), kNan);
+    level.factor.assign(fit.array().size(), kNan);
     std::vector<Budget> budgets(fitted.size());
     for_each_index(fitted.size(), threads, [&](std::size_t at) { budgets[at] = maker.budget(fitted[at], i); });
     for (const Budget& budget : budgets) {
       level.expanded_psi[static_cast<std::size_t>(budget.taxel)] = budget.expanded_psi;
       level.error_psi[static_cast<std::size_t>(budget.taxel)] = budget.error_psi;
+      level.factor[static_cast<std::size_t>(budget.taxel)] = budget.factor;
     }
     level.array = array_uncertainty(budgets, fit.columns);
     level.not_linear = static_cast<int>(std::ranges::count(budgets, false, &Budget::linear));

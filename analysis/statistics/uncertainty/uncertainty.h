@@ -3,7 +3,8 @@
 // from one compensated frame, corrected for what is known of its error, at any point of the histories that the
 // condition of use names. Model (4.1.1): p = f(v + d_noise + d_step + d_creep + d_temperature + d_zero) - e
 //   + d_repeat + d_conditioning + d_fit + d_history + d_dwell + d_mount + d_own
-//   + d_certificate + d_drift + d_digit + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
+//   + d_certificate + d_drift + d_digit + d_input + d_hysteresis + d_reference's zero and temperature
+//   + d_uniformity,   f: the inverse of the branch [Eqs (29)-(39)]
 // Every d has the expectation 0 and is taken as independent; c = 1 but for voltages, whose c is the inverse's slope.
 // e, the mean error of the full sweeps at the level and half of creep's effect, is known and taken off (3.2.3, 6.3.1).
 #pragma once
@@ -25,6 +26,10 @@ enum class UncertaintySource {
   kCertificate,
   kDrift,
   kReferenceDigit,
+  kReferenceInput,
+  kReferenceHysteresis,
+  kReferenceZero,
+  kReferenceTemperature,
   kUniformity,
   kRepeatability,
   kNoise,
@@ -39,7 +44,8 @@ enum class UncertaintySource {
   kDwell,
   kHistory,
 };
-inline constexpr std::size_t kUncertaintySources = 16;
+inline constexpr std::size_t kUncertaintySources = 20;
+bool is_of_reference(UncertaintySource source);  // its own error, the same in all runs against it
 
 // Conditions under which a sensor is used. Each has a U of its own, or the reason why U does not cover it.
 enum class UseCondition {
@@ -74,9 +80,12 @@ struct GivenUncertainty {
 };
 // Further runs of the sensor, not those that models were made from. The datasets outlive the inputs.
 struct HistoryRuns {
-  std::vector<const Dataset*> same;   // held out: same mount, same day, dwell like that of the calibration
-  std::vector<const Dataset*> later;  // held out: another day, or for a simulated sensor another age
-  std::vector<const Dataset*> paced;  // candidates for the effect of dwell
+  std::vector<const Dataset*> same;     // held out: same mount, same day, dwell like that of the calibration
+  std::vector<const Dataset*> later;    // held out: another day, or for a simulated sensor another age
+  std::vector<const Dataset*> dwelt;    // held out: same mount, same day, another dwell
+  std::vector<const Dataset*> warm;     // held out: same mount, same day, another temperature
+  std::vector<const Dataset*> mounted;  // held out, or of a study of mounts: mounted anew
+  std::vector<const Dataset*> paced;    // candidates for the effect of dwell
 };
 struct UncertaintyInputs {
   std::optional<GivenUncertainty> uniformity;    // the chamber's pressure over the array
@@ -127,6 +136,7 @@ struct LevelUncertainty {
   bool up = true;
   std::vector<double> expanded_psi;  // taxels; NaN where not fitted
   std::vector<double> error_psi;     // taxels: e
+  std::vector<double> factor;        // taxels: k
   ArrayUncertainty array;
   Budget median, worst;  // of the taxel with the median U (the lower of two) and the largest
   int not_linear = 0;    // taxels
@@ -138,6 +148,7 @@ struct ConditionUncertainty {
   std::string not_valid;    // why U does not cover it
   std::string basis;        // runs and ranges that it rests on
   double median_psi = 0.0;  // of U over all levels and taxels
+  double scale = 1.0;       // of U without the reference's part, from runs that it was not found from; 1: none
   // Levels up, then down (those with readings), x taxels; NaN where not fitted. Empty where not valid.
   std::vector<double> pressure_psi;
   std::vector<bool> up;

@@ -69,6 +69,7 @@ BudgetMaker::BudgetMaker(const Dataset& dataset, const SensorModel& fit, const S
   find_histories(dataset, threads);
   find_missing(dataset);
   find_excess();
+  find_scales(threads);
 }
 
 void BudgetMaker::find_missing(const Dataset& dataset) {
@@ -76,6 +77,8 @@ void BudgetMaker::find_missing(const Dataset& dataset) {
   missing(UncertaintySource::kCertificate) = reference_.certificate_missing;
   missing(UncertaintySource::kDrift) = reference_.drift_missing;
   missing(UncertaintySource::kReferenceDigit) = reference_.resolution_missing;
+  for (std::size_t part = 0; part < kReferenceParts; ++part)
+    missing_[index_of(UncertaintySource::kReferenceInput) + part] = reference_.limits[part].part.missing;
   if (!inputs_.uniformity)
     missing(UncertaintySource::kUniformity) =
         "no runs of one sensor turned by 0, 90, 180 and 270 degrees in the chamber";
@@ -117,6 +120,10 @@ void BudgetMaker::add_reference(Budget& budget) const {
   add_common(UncertaintySource::kCertificate, k * reference_.certificate_u(budget.pressure_psi), k);
   add_common(UncertaintySource::kDrift, reference_.drift_psi, rectangular);
   add_common(UncertaintySource::kReferenceDigit, 0.5 * reference_.resolution_psi, rectangular);
+  for (std::size_t part = 0; part < kReferenceParts; ++part)
+    if (const double half_width = reference_.limits[part].half_width_psi; half_width > 0.0)
+      add_common(static_cast<UncertaintySource>(index_of(UncertaintySource::kReferenceInput) + part), half_width,
+                 rectangular);
 }
 
 // What m returns show beyond the noise of their two frames: half of a mean return in the middle of a repeat, even
@@ -130,14 +137,15 @@ double BudgetMaker::zero_return_u(std::size_t taxel) const {
 }
 
 void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel, UseCondition condition) const {
-  const bool crept = condition == UseCondition::kStated || condition == UseCondition::kHeld;
+  // Runs made under a condition of use tell its creep and its temperature.
+  const bool stated = condition == UseCondition::kStated;
   const double noise = assessed(UncertaintySource::kNoise) ? noise_v_[taxel] : 0.0;
   const double step = assessed(UncertaintySource::kConverterStep) ? 0.5 * step_v_ : 0.0;
   const double zero = zero_return_u(taxel);
   const ModelTaxel& model = fit_.taxels[taxel];
   const double over_zero = ExternalBranch(model, budget.up).output(budget.pressure_psi) - model.y0();
   // The output goes on rising after a rise and falling after a fall: an error between 0 and the whole of it.
-  const double creep = crept && assessed(UncertaintySource::kCreep)
+  const double creep = stated && assessed(UncertaintySource::kCreep)
                            ? 0.5 * inputs_.creep.share(taxel, budget.pressure_psi, budget.up) * over_zero
                            : 0.0;
   const double u_v = std::hypot(std::hypot(noise, step / rectangular, zero), creep / rectangular);
@@ -147,40 +155,42 @@ void BudgetMaker::add_voltages(Budget& budget, std::size_t taxel, UseCondition c
   add(budget, UncertaintySource::kConverterStep, step, rectangular, inverse.sensitivity);
   add(budget, UncertaintySource::kZeroReturn, zero, 1.0, inverse.sensitivity,
       std::max(1.0, static_cast<double>(errors_.repeats_with_zero) - 1.0));
-  if (crept) {
+  if (stated) {
     add(budget, UncertaintySource::kCreep, creep, rectangular, inverse.sensitivity, kInfiniteDof, 1.0);
     budget.error_psi += (budget.up ? 1.0 : -1.0) * creep * inverse.sensitivity;
   }
-  const bool warm = condition == UseCondition::kOtherTemperature;
-  if (!assessed(UncertaintySource::kTemperature) || (!warm && condition != UseCondition::kStated)) return;
-  const double wider = warm ? inputs_.temperature.half_width_of_runs_c() / inputs_.temperature.half_width_c() : 1.0;
-  const double warmth = wider * inputs_.temperature.width_v(over_zero);
-  const double top = wider * inputs_.temperature.width_v(model.yu() - model.y0());
+  if (!stated || !assessed(UncertaintySource::kTemperature)) return;
+  const double warmth = inputs_.temperature.width_v(over_zero);
+  const double top = inputs_.temperature.width_v(model.yu() - model.y0());
   add(budget, UncertaintySource::kTemperature, warmth, rectangular,
       sensitivity_along(model, budget.up, budget.pressure_psi, warmth, top), kInfiniteDof, 1.0);
 }
 
-void BudgetMaker::finish(Budget& budget) const {
+// `scale` counts for what held-out runs show: all but the reference's own error, which runs against the same reference
+// share.
+void BudgetMaker::finish(Budget& budget, double scale) const {
   std::ranges::stable_sort(budget.contributions, {}, &Contribution::source);
   // A drift beyond its stated limit is more doubt and no knowledge: it raises u, and lowers no k.
   const bool grown = reference_.drift_psi > reference_.drift_stated_psi;
   std::vector<VarianceShare> shares, firm;
-  double voltage = 0.0;
+  double voltage = 0.0, scaled = 0.0;
   for (const Contribution& contribution : budget.contributions) {
     shares.push_back({contribution.u_psi, contribution.dof});
     firm.push_back(shares.back());
     if (grown && contribution.source == UncertaintySource::kDrift)
       firm.back().u *= reference_.drift_stated_psi / reference_.drift_psi;
     if (of_voltage(contribution.source)) voltage += contribution.u_psi * contribution.u_psi;
+    scaled += std::pow((is_of_reference(contribution.source) ? 1.0 : scale) * contribution.u_psi, 2);
   }
   budget.combined_psi = combined_uncertainty(shares);
   budget.dof = effective_dof(firm);
   budget.factor = coverage_factor(std::max(1.0, budget.dof));
+  if (scale != 1.0 && budget.combined_psi > 0.0) budget.factor *= std::sqrt(scaled) / budget.combined_psi;
   budget.expanded_psi = budget.factor * budget.combined_psi;
   if (voltage <= kVoltageVariance * budget.combined_psi * budget.combined_psi) budget.linear = true;
 }
 
-Budget BudgetMaker::budget(std::size_t taxel, std::size_t level, UseCondition condition) const {
+Budget BudgetMaker::without_history(std::size_t taxel, std::size_t level, UseCondition condition) const {
   Budget budget;
   budget.taxel = static_cast<int>(taxel);
   budget.pressure_psi = errors_.levels[level].pressure_psi;
@@ -191,10 +201,15 @@ Budget BudgetMaker::budget(std::size_t taxel, std::size_t level, UseCondition co
   add_reference(budget);
   add_voltages(budget, taxel, condition);
   add_readings(budget, taxel, level);
-  add_history(budget, taxel, level, condition);
-  if (condition == UseCondition::kStated || condition == UseCondition::kOtherDwell) add_dwell(budget, taxel, level);
+  if (condition == UseCondition::kStated) add_dwell(budget, taxel, level);
   add_given(budget, level, condition);
-  finish(budget);
+  return budget;
+}
+
+Budget BudgetMaker::budget(std::size_t taxel, std::size_t level, UseCondition condition) const {
+  Budget budget = without_history(taxel, level, condition);
+  add_history(budget, taxel, level, condition, history_of(condition));
+  finish(budget, scale_of(condition));
   return budget;
 }
 

@@ -143,7 +143,8 @@ const std::vector<ManualEntry> manual_files = {
     {"bench.toml, sensor.toml, limits.toml",
      "Rig and its limits, type of sensor, acceptance limits; tactbench init writes commented ones to start from. "
      "[reference], [force] and [stage] take certificate, calibrated, due (dates as 2026-01-31) and an expanded "
-     "uncertainty. A bench that drives hardware is refused while a value is FILL-IN."},
+     "uncertainty; the first two say what the certificate covers (certificate_covers). A bench that drives hardware is "
+     "refused without that word, and while a value is FILL-IN."},
     {"tactbench.toml",
      "In the working folder: what need not be typed with every verb. Keys: bench, db, operator, recipe (several with "
      "commas between), limits, which calibrate judges by, and fit where it has held-out runs, and units, those of the "

@@ -140,6 +140,28 @@ TEST_CASE(
   CHECK(find_uncertainty(all, "mismatch", "41 psi up") == nullptr);
 }
 
+TEST_CASE(
+    "the reference's input, hysteresis, zero and temperature are in U of an error, its hysteresis in a distance") {
+  using namespace straight_array;
+  const Dataset data = repeats_a_step_apart();
+  const Evaluation evaluation = evaluate(data, straight_fit());
+  const auto combined = [&](const ReferenceUncertainty& reference, const char* criterion) {
+    const auto all = judged_uncertainties(data, data, straight_fit(), evaluation, reference);
+    return find_uncertainty(all, criterion, "array")->combined;
+  };
+  const ReferenceUncertainty bare = certified(0.02);
+  for (const ReferencePart part :
+       {ReferencePart::kVoltageInput, ReferencePart::kHysteresis, ReferencePart::kZero, ReferencePart::kTemperature}) {
+    ReferenceUncertainty with = bare;
+    with.limits[static_cast<std::size_t>(part)].half_width_psi = 0.3;
+    CHECK(combined(with, "mean_compensation_error") ==
+          Approx(std::hypot(combined(bare, "mean_compensation_error"), 0.3 / std::sqrt(3.0))));
+    // Too low going up and too high going down: twice the half-width, of 60 psi.
+    const double apart = part == ReferencePart::kHysteresis ? 0.6 / 60.0 / std::sqrt(3.0) : 0.0;
+    CHECK(combined(with, "distance_of_mean") == Approx(std::hypot(combined(bare, "distance_of_mean"), apart)));
+  }
+}
+
 TEST_CASE("a drift beyond its stated limit never lowers U, though few repeats make k large") {
   // Three repeats as above: u^2 1/294 psi^2 with four degrees of freedom. With the drift's share taken as knowledge k
   // would fall while u grows.

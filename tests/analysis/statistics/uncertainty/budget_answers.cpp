@@ -186,10 +186,11 @@ TEST_CASE("a condition that was not assessed states why, and U is not valid for 
   const Example example;
   const Uncertainty alone = assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));
   REQUIRE(alone.conditions.size() == kUseConditions - 1);
-  CHECK(alone.condition(UseCondition::kFullSweeps).valid());
-  CHECK(alone.condition(UseCondition::kFittedBranches).valid());
-  for (const UseCondition condition : {UseCondition::kAnyHistory, UseCondition::kOtherDwell, UseCondition::kHeld,
-                                       UseCondition::kOtherTemperature, UseCondition::kRemounted}) {
+  for (const UseCondition condition : {UseCondition::kFullSweeps, UseCondition::kFittedBranches})
+    CHECK_THAT(alone.condition(condition).not_valid, Catch::Contains("held-out run of the same sequences"));
+  CHECK_THAT(alone.condition(UseCondition::kOtherDwell).not_valid, Catch::Contains("at another dwell: name two"));
+  for (const UseCondition condition :
+       {UseCondition::kAnyHistory, UseCondition::kHeld, UseCondition::kOtherTemperature, UseCondition::kRemounted}) {
     CHECK_THAT(alone.condition(condition).not_valid, Catch::Contains("random-reversal"));
     CHECK(alone.condition(condition).expanded_psi.empty());
   }
@@ -200,12 +201,25 @@ TEST_CASE("a condition that was not assessed states why, and U is not valid for 
   Dataset other = synthetic::run(array, {.seed = 10, .noise_v = 0.0015, .repeats = 1});
   for (SequenceData& data : other.sequences) data.name += "-other";  // else it repeats the calibration
   UncertaintyInputs inputs;
-  inputs.history.same = {&other};
+  const Dataset again = synthetic::run(array, {.seed = 11, .noise_v = 0.0015, .repeats = 2});
+  Dataset second = synthetic::run(array, {.seed = 12, .noise_v = 0.0015, .repeats = 1});
+  for (SequenceData& data : second.sequences) data.name += "-second";
+  inputs.history.same = {&other, &again};
+  CHECK_THAT(assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate), inputs)
+                 .condition(UseCondition::kAnyHistory)
+                 .not_valid,
+             Catch::Contains("alone is a held-out one: a second one is needed"));
+  inputs.history.same.push_back(&second);
+  inputs.history.later = {&other};
   const Uncertainty with =
       assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate), inputs);
   CHECK(with.condition(UseCondition::kAnyHistory).valid());
   CHECK_THAT(with.condition(UseCondition::kRemounted).not_valid, Catch::Contains("mounted anew"));
-  CHECK_THAT(with.condition(UseCondition::kOtherDwell).not_valid, Catch::Contains("recipe rate"));
+  for (const UseCondition condition : {UseCondition::kFullSweeps, UseCondition::kFittedBranches})
+    CHECK(with.condition(condition).valid());
+  CHECK_THAT(with.condition(UseCondition::kLater).not_valid, Catch::Contains("a second one is needed"));
+  // Runs that differ in noise alone need about the U that each of them finds for the other.
+  CHECK(with.condition(UseCondition::kAnyHistory).scale == Approx(1.0).margin(0.35));
   const ReadingUncertainty at = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 31.0, true);
   const ReadingUncertainty low = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 30.0, true);
   const ReadingUncertainty high = reading_uncertainty(with.condition(UseCondition::kAnyHistory), 1, 32.0, true);

@@ -1,0 +1,25 @@
+// Errors of the simulated reference, force sensor and thermometer in numbers: what the bench file states of them,
+// within which they are drawn.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace tactbench::bench {
+
+// Standard deviation of what a certificate leaves open, half-widths of the rest.
+struct DrawnLimits {
+  double certificate_u = 0.0, drift = 0.0, input = 0.0;
+};
+
+struct InstrumentOptions {
+  std::uint64_t seed = 0;  // makes the instruments of a bench; 0: they have no errors
+  // Reference, psi. Certificate: standard deviation at readings, rising, linear in between; one for all, or none.
+  std::vector<double> reading_psi, certificate_u_psi;
+  DrawnLimits reference;  // certificate_u is not used
+  double hysteresis_psi = 0.0, zero_psi = 0.0, temperature_psi = 0.0;
+  DrawnLimits force_n;        // at full scale: what does not grow with the force is tared away
+  DrawnLimits thermometer_c;  // the same at all temperatures
+};
+
+}  // namespace tactbench::bench
