@@ -52,12 +52,12 @@ Markup measurand(const Uncertainty& uncertainty, PressureUnit unit) {
       "|c_i| u(x_i) (Eq. 10, inputs taken as independent). Sources that are not assessed are listed below and are not "
       "in U.</p>\n");
   out += markup(
-      "<p class=\"note\">Measurement standard of pressure: certificate {}, due {}{}; it covers: {}. Not included because negligible: "
+      "<p class=\"note\">Measurement standard of pressure: certificate {}, due {}{}; it covers: {}. Not included "
+      "because negligible: "
       "the height of the air line (below {} a metre at {}).</p>\n",
       html::stated(reference.calibration.certificate), html::stated(reference.calibration.due),
       Text(reference.overdue ? ", overdue when the run began" : ""), Text(in_words(reference.covers)),
-      html::pressure(0.01, unit, 2),
-      html::pressure(60.0, unit, 0));
+      html::pressure(0.01, unit, 2), html::pressure(60.0, unit, 0));
   return out;
 }
 
@@ -126,7 +126,8 @@ Markup budget_table(const Uncertainty& uncertainty, const Budget& budget, const 
       html::fixed(budget.factor, 2), gum_pressure(budget.expanded_psi, unit));
   const int decimals = gum_decimals(unit.of(budget.expanded_psi));
   out += markup(
-      "<p class=\"note\">x_i: estimate, which is taken off. The error that is taken off is the mean of {} less the reference value, and half of creep. "
+      "<p class=\"note\">x_i: estimate, which is taken off. The error that is taken off is the mean of {} less the "
+      "reference value, and half of creep. "
       "The "
       "corrected indication is then off by 0 ± {} (k = {}). Without this correction the indication less the pressure "
       "lies in [{}, {}] {}.{}</p>\n",

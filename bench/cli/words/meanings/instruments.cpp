@@ -54,6 +54,13 @@ KeyMeanings instrument_meanings() {
       {"force.calibrated", "Date of the calibration, as \"2026-01-31\""},
       {"force.due", "Last day that the calibration holds"},
       {"force.expanded_uncertainty_n", "Expanded uncertainty U of Fz (k = 2)"},
+      {"force.certificate_covers",
+       "What the certificate covers: the transducer together with the electronics that read it, or the transducer "
+       "alone"},
+      {"force.drift_n", "Largest change until the due date, by its history or data sheet"},
+      {"force.input_limit_n",
+       "Limit of error of what reads the transducer, by its data sheet; 0: contained in the certificate, or not "
+       "stated"},
       {"force.overload_share", "Share of each axis' rated range from which on the reading counts as an overload"},
       {"force.records_per_reading", "Records that are averaged into one reading"},
       {"force.host", "Net F/T: its address in the network"},

@@ -6,6 +6,8 @@ KeyMeanings simulation_meanings() {
   return {
       {"simulation.seed", "Makes noise and faults; the same seeds give the same run. --seed precedes it"},
       {"simulation.sensor_seed", "Makes the array: another number is another sensor. --sensor-seed precedes it"},
+      {"simulation.instrument_seed",
+       "Draws the errors of reference, force sensor and thermometer within what is stated of them; 0: no errors"},
       {"simulation.specimen", "Film of the simulated sensor: the paper's, or one that is harder on every model"},
       {"simulation.mount_seed", "Another number: the sensor was taken out and mounted again"},
       {"simulation.temperature_c", "Temperature of the sensor"},
