@@ -13,6 +13,8 @@
 #include "bench/benchmarks/coverage.h"
 #include "bench/benchmarks/fleet.h"
 #include "bench/benchmarks/identify.h"
+#include "bench/benchmarks/large_store.h"
+#include "bench/benchmarks/many_rigs.h"
 #include "bench/benchmarks/page.h"
 #include "bench/benchmarks/report.h"
 #include "bench/benchmarks/sequence.h"
@@ -32,6 +34,7 @@ struct BenchmarkOptions {
   std::vector<unsigned> sensors = {11, 12, 13};
   bool all_models = false;
   std::string to;
+  std::vector<int> runs = {2000, 20000};
 };
 
 constexpr const char* kScratch = "tactbench-benchmark";  // folder of the benchmarks that write files
@@ -58,6 +61,10 @@ const std::map<std::string, Measure> measures = {
      [](const BenchmarkOptions& o) { return benchmark_fleet(o.rounds, o.to, ScratchFolder(kScratch).path()); }},
     {"identify",
      [](const BenchmarkOptions& o) { return benchmark_identify(o.rounds, ScratchFolder(kScratch).path()); }},
+    {"large-store",
+     [](const BenchmarkOptions& o) { return benchmark_large_store(o.runs, o.rounds, ScratchFolder(kScratch).path()); }},
+    {"many-rigs",
+     [](const BenchmarkOptions& o) { return benchmark_many_rigs(o.rounds, ScratchFolder(kScratch).path()); }},
     {"store", [](const BenchmarkOptions& o) { return benchmark_store(o.rounds, ScratchFolder(kScratch).path()); }},
     {"page", [](const BenchmarkOptions& o) { return benchmark_page(o.rounds, ScratchFolder(kScratch).path()); }},
     {"report", [](const BenchmarkOptions& o) { return benchmark_report(o.rounds, ScratchFolder(kScratch).path()); }}};
@@ -94,7 +101,8 @@ void add_benchmark(CLI::App& app, Session& session) {
           "file and bare SQLite; report: rendering against writing the bytes; array: simulated frames against their "
           "wire; page: the page's process with 8 viewers, and a run beside it; specimen: what the simulated sensors "
           "are like, paper and harsh; charts: false alarms and power of the "
-          "charts of trend and nightly")
+          "charts of trend and nightly; large-store: verbs on stores of thousands of runs; many-rigs: what a million "
+          "simulated characterizations would take")
       ->required()
       ->check(CLI::IsMember(measures));
   verb->add_option("--exchanges", options->exchanges, "number of exchanges; the median counts")
@@ -108,6 +116,7 @@ void add_benchmark(CLI::App& app, Session& session) {
       ->capture_default_str();
   verb->add_option("--sensors", options->sensors, "compensation-error, coverage: sensor seeds")->delimiter(',');
   verb->add_option("--to", options->to, "fleet: how to connect to a fleet without runs, made for this alone");
+  verb->add_option("--runs", options->runs, "large-store: numbers of runs in its stores")->delimiter(',');
   verb->add_flag("--all-models", options->all_models, "compensation-error: also GPI, MPI, POLY and the other models");
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->callback([options, &session] { benchmark(*options, session); });

@@ -1,0 +1,23 @@
+// This program in a process of its own, for benchmarks of verbs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tactbench::bench {
+
+class OwnProgram {
+ public:
+  explicit OwnProgram(std::string folder) : folder_(std::move(folder)) {}  // where it works
+  // Throws std::runtime_error when it ends with another exit code than 0, 1 or 6, with what it said.
+  void run(const std::vector<std::string>& words) const;
+  [[nodiscard]] double best_seconds(int rounds, const std::vector<std::string>& words) const;  // wall clock
+
+ private:
+  std::string folder_;
+};
+
+// Processor time of all processes of this one that have ended, with those that they started.
+double seconds_of_ended_processes();
+
+}  // namespace tactbench::bench
