@@ -56,9 +56,10 @@ std::optional<LiveRun> next_of(RunConnection& connection) {
 }
 
 LiveRun say(const std::string& bench, const std::string& words) {
-  RunConnection connection(bench, words);
-  REQUIRE(connection.open());
-  const std::optional<LiveRun> answer = next_of(connection);
+  // A queue that others filled refuses for a moment.
+  std::optional<RunConnection> connection;
+  REQUIRE(comes_true([&] { return connection.emplace(bench, words).open(); }));
+  const std::optional<LiveRun> answer = next_of(*connection);
   REQUIRE(answer);
   return *answer;
 }
