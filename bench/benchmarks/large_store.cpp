@@ -88,8 +88,8 @@ std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int roun
   program.run({"init"});
   program.run({"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "real.db"});
   for (const char* seed : {"1", "2"})
-    program.run({"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "benchmark", "--yes", "-q",
-                 "--seed", seed, "--db", "real.db"});
+    program.run({"run", "production", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "benchmark", "--yes",
+                 "-q", "--seed", seed, "--db", "real.db"});
   program.run({"fit", "1", "--held-out", "2", "--limits", "limits.toml", "--db", "real.db"});
   for (const int count : runs) {
     const std::string store = fmt::format("{}.db", count), path = folder + "/" + store;

@@ -9,8 +9,8 @@
 namespace tactbench::bench {
 
 // A store for each number of runs: small runs, each with frames, figures, a fit and verdicts, and last two real
-// characterizations of the simulated rig. Each verb runs in a process of its own; the best of the rounds counts, by wall
-// clock. Throws std::runtime_error when a verb fails.
+// characterizations of the simulated rig. Each verb runs in a process of its own; the best of the rounds counts, by
+// wall clock. Throws std::runtime_error when a verb fails.
 std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int rounds, const std::string& folder);
 
 }  // namespace tactbench::bench

@@ -25,8 +25,8 @@ std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder) {
   const std::string seeds = std::to_string(rigs);
   double carried_out = 0.0;
   for (const char* part : {"1", "2"})
-    carried_out += spent({"nightly", "./rigs.toml", "-q", "--seeds", seeds, "--shard", fmt::format("{}/2", part), "--db",
-                          fmt::format("{}.db", part)});
+    carried_out += spent({"nightly", "./rigs.toml", "-q", "--seeds", seeds, "--shard", fmt::format("{}/2", part),
+                          "--db", fmt::format("{}.db", part)});
   const double merged = spent({"runs", "merge", "1.db", "2.db", "--db", "all.db", "--html", "all.html"});
   const double kept = bytes("all.db"), page = bytes("all.html");
   const double pruning = spent({"db", "prune", "--keep", "2999-01-01", "--yes", "--shrink", "--db", "all.db"});

@@ -83,7 +83,7 @@ void refuse_placeholders(const BenchConfig& config) {
   const std::vector<std::string> found = placeholders_of(config), unclear = without_covers(config);
   if (found.empty() && !unclear.empty())
     throw Error(ExitCode::kUsage, "TB-BENCH-COVERS",
-                fmt::format("{}: the certificate does not say what it covers", fmt::join(unclear, ", ")), config.file,
+                fmt::format("{}: not stated what the certificate covers", fmt::join(unclear, ", ")), config.file,
                 "write certificate_covers = \"chain\" where it was calibrated with what reads it here, else "
                 "\"transducer\" and the limit of error of what reads it");
   if (found.empty()) return;

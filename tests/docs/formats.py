@@ -22,6 +22,21 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 PAGE = os.path.join(ROOT, "docs", "reference-formats.md")
 
 MEANING = {
+    "NX_class": "class of the group, by NeXus", "axes": "by NeXus: dimensions of the signal", "begun_utc": "when the night began",
+    "channel": "dimension: raw channels of the force sensor", "check": "dimension: checks of the run",
+    "column": "dimension: columns of the array", "component": "dimension: components of a wrench", "data": "by NeXus: `/frames` by another name",
+    "default": "by NeXus: the group that a viewer opens first", "description": "of a device that is no sensor: maker and model",
+    "direction": "dimension: x, y, z", "end_time": "when the run ended (UTC)", "entry": "by NeXus: the run, by other names",
+    "entry_identifier_uuid": "UUID of the run", "event": "dimension: events of the run", "first_run": "first run of the scenario in this store",
+    "frames_pruned": "frames that `db prune` removed", "instrument": "by NeXus: the bench and its devices", "judgement": "dimension: verdicts of the run",
+    "label": "scenario and seed", "measurement": "quantity that a sensor measures", "night": "number of the night in this store",
+    "poll": "dimension: readings of pressure between frames", "program": "version of the program", "program_name": "tactbench",
+    "pruned_utc": "when `db prune` removed the frames; empty: they are there", "result_json": "the scenario's figures as measured",
+    "residual_psi": "what the taxel's model leaves, rms", "row": "dimension: rows of the array", "sample": "by NeXus: the tactile sensor",
+    "ROLE_N": "a device by its role, with its number among the run's devices", "serial_number": "of a device", "shard": "part of the night, from 1; 0: a whole night",
+    "shards": "number of parts of the night", "signal": "by NeXus: the data set that a viewer shows", "start_time": "when the run began (UTC)",
+    "suite": "name of the suite of scenarios", "target": "by NeXus: the first name of a group with two", "title": "the run in a line",
+    "user": "by NeXus: the operator",
     "alpha_a0": "ELAM's parameter (Eq. 21)", "alpha_a1": "ELAM's parameter (Eq. 21), in one over the input's unit",
     "alpha_d": "ELAM's parameter (Eq. 14)", "beta_a": "ELAM's parameter (Eq. 22)", "beta_d": "ELAM's parameter (Eq. 15)",
     "ascending": "outputs of the rising external branch, over `x`", "descending": "outputs of the falling external branch, over `x`",
@@ -62,8 +77,8 @@ MEANING = {
     "options": "how the models were fitted", "ordinal": "of the branch, from 0",
     "origin": "simulated, hardware or imported", "outcome": "how the run ended", "output": "outputs of a table, in its order",
     "overdue": "true: the run was made after the due date",
-    "overrides": "--set, as typed", "overrides_json": "--set, as typed, as JSON", "place_mm": "x, y, z of the stage", "polls": "readings of pressure since the frame before",
-    "position": "the frame's place in the run, from 1", "program_version": "version of the program", "purpose": "why, as typed",
+    "overrides": "what --set changed", "overrides_json": "what --set changed, as JSON", "place_mm": "x, y, z of the stage", "polls": "readings of pressure since the frame before",
+    "position": "the frame's place in the run, from 1", "program_version": "version of the program", "purpose": "why, in the operator's words",
     "reason": "of the outcome", "recipe": "name of the recipe", "recipes": "the recipes, in their order",
     "reference_counts": "raw counts of the reference", "reference_psi": "pressure by the reference: the one that models use",
     "remarks": "what is doubtful about the calibration", "repeat": "of the sequence, from 0", "repeats": "how often the sequence was carried out",
@@ -201,6 +216,7 @@ def hdf5_tree(folder):
 
 
 def without_numbers(path):
+    path = re.sub(r"(/entry/instrument/)\w+_\d+", r"\1ROLE_N", path)
     return re.sub(r"/\d+(?=/|$| )", "/N", path)
 
 

@@ -104,15 +104,16 @@ Markup identification_section(const ReportInput& input) {
     laboratory_rows.push_back({one.title.c_str(), line(Text(input.unit.both_in_text(one.statement)))});
   laboratory_rows.push_back({"remarks", line(stated(laboratory.remarks))});
   out += pairs_table("Laboratory and customer", laboratory_rows);
-  std::vector<Pair> run_rows = {{"run number", markup("{}", run.run)},
-                                {"UUID", code(run.uuid)},
-                                {"origin of the data", line(stated(run.origin))},
-                                {"outcome", markup("{}{}{}", Text(db::to_string(run.outcome)),
-                                                   Text(run.reason.empty() ? "" : ": "), Text(run.reason))},
-                                {"declared void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
-                                {"vented and retracted at the end", line(Text(db::to_string(run.safe_state)))},
-                                {"operator", line(stated(run.operator_name))},
-                                {"purpose", line(stated(run.purpose))}};
+  std::vector<Pair> run_rows = {
+      {"run number", markup("{}", run.run)},
+      {"UUID", code(run.uuid)},
+      {"origin of the data", line(stated(run.origin))},
+      {"outcome",
+       markup("{}{}{}", Text(db::to_string(run.outcome)), Text(run.reason.empty() ? "" : ": "), Text(run.reason))},
+      {"declared void", line(Text(run.is_void() ? fmt::format("VOID: {}", run.void_reason) : "no"))},
+      {"vented and retracted at the end", line(Text(db::to_string(run.safe_state)))},
+      {"operator", line(stated(run.operator_name))},
+      {"purpose", line(stated(run.purpose))}};
   // No word of a person's own can pass for one of the report's.
   const std::map<std::string, std::string> metadata = metadata_of(run);
   std::vector<std::string> names;

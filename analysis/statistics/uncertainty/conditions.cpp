@@ -15,7 +15,7 @@ constexpr const char* kNoHeldOut =
     "no held-out run with reversals other than the fitted ones: name one of random-reversal";
 
 constexpr const char* kNotRepeated =
-    "no held-out run of the same sequences tells what another run differs by: name one";
+    "no held-out run of the same sequences shows by how much another run differs: name one";
 // Of what single runs need, as a logarithm. With 0.17 and normal errors every sixth run is covered to less than 90 %.
 constexpr double kMostScatter = 0.17;
 

@@ -44,7 +44,7 @@ ChainPart chain_part(CertificateCovers covers, double half_width, bool known, st
   if (covers == CertificateCovers::kChain) return {{}, "contained in the certificate, which covers the whole chain"};
   if (covers == CertificateCovers::kTransducer)
     return {fmt::format("the bench file gives no limit for it: {}", key), {}};
-  return {"the run does not say what the certificate covers, the whole chain or the transducer alone", {}};
+  return {"not recorded what the certificate covers, the whole chain or the transducer alone", {}};
 }
 
 double InstrumentUncertainty::u() const {

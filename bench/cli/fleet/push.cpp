@@ -201,7 +201,7 @@ void push(const PushOptions& options, Session& session) {
   if (!options.follow) return push_once(options, session);
   if (session.json)
     throw Error(ExitCode::kUsage, "TB-USAGE", "--json prints one document, and --follow does not end", "fleet push",
-                "leave one of them out; tactbench fleet status --json tells how far a push has come");
+                "leave one of them out; tactbench fleet status --json shows how far a push has come");
   follow(options, session);
 }
 

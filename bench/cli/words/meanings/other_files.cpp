@@ -25,7 +25,7 @@ KeyMeanings limits_meanings() {
       {"mean_compensation_error_psi", "Largest mean error |estimate - reference| over all fitted taxels and frames"},
       {"worst_taxel_error_psi", "Largest mean error of the worst taxel"},
       {"distance_of_mean_percent_fs", "Largest mean distance of the array's mean pressure between rise and fall"},
-      {"unfit_taxels", "Largest number of dead, stuck, saturated or unfit taxels"},
+      {"unfit_taxels", "Largest number of dead, stuck, saturated or not modelled taxels"},
       {"mismatch[].pressure_psi", "Level at which the taxels are compared; it must be a level of the judged run"},
       {"mismatch[].std_percent_fs", "Largest standard deviation of the compensated pressure over the taxels there"},
       {"mpe[].pressure_psi", "Level for which the maximum permissible error counts; or span_psi"},
@@ -90,7 +90,7 @@ KeyMeanings suite_meanings() {
       {"scenario[].error", "Expected error of the last run, as TB-...; \"\": none"},
       {"scenario[].safe", "Expected safe state after the last run"},
       {"scenario[].taxels.NAME",
-       "Taxels (row x columns + column) expected as dead, stuck, saturated or unfit: exactly these"},
+       "Taxels (row x columns + column) expected as dead, stuck, saturated or not modelled: exactly these"},
       {"scenario[].verdicts.NAME", "Expected verdict of a criterion; overall: of all together"},
       {"scenario[].figures.NAME", "Lowest and highest value expected of a figure"}};
 }
