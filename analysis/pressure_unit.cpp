@@ -32,13 +32,18 @@ const std::regex& stated_number() {
   return pattern;
 }
 
-// Decimals as the text has them; a whole number may be an exact one and is shown to four digits.
+// Decimals as the text has them; a whole number may be an exact one and is shown to four digits. What is stated to
+// hundredths or finer keeps two significant digits: 0.05 psi is 0.34 kPa, not 0.3.
 std::string converted(const std::string& number, PressureUnit unit) {
   const std::size_t point = number.find('.');
   const double psi = std::strtod(number.c_str(), nullptr);
   const char* const plus = number.starts_with('+') ? "+" : "";
   if (point == std::string::npos) return fmt::format("{}{:.4g}", plus, unit.of(psi));
-  return plus + unit.fixed(psi, static_cast<int>(number.size() - point - 1));
+  const auto decimals = static_cast<int>(number.size() - point - 1);
+  const double shown = std::abs(unit.of(psi));
+  const int needed = decimals < 2 || psi == 0.0 ? 0 : 1 - static_cast<int>(std::floor(std::log10(shown)));
+  if (needed > unit.digits(decimals)) return fmt::format("{}{:.{}f}", plus, unit.of(psi), needed);
+  return plus + unit.fixed(psi, decimals);
 }
 
 template <class Write>

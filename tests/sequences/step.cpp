@@ -39,16 +39,16 @@ void check_stretches(const std::vector<BranchSpan>& spans, const std::vector<Str
 TEST_CASE("a step's line names the fields that the step has, and no others") {
   Step step;
   step.setpoint = step.branch_to = Psi(2.0);
-  CHECK(step_line(step) == "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2), dwell 0 s");
+  CHECK(step_line(step) == "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2 psi), dwell 0 s");
   step.ramp_psi_per_s = 0.5;
   step.settle = false;
   step.hold = true;
   CHECK(step_line(step) ==
-        "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2), dwell 0 s, ramp 0.5 psi/s, in passing, held");
+        "measure sequence 0 repeat 0 branch 0 step 0: 2 psi (0 to 2 psi), dwell 0 s, ramp 0.5 psi/s, in passing, held");
   Step cycle;
   cycle.kind = StepKind::kConditioning;
   cycle.branch = -1;
-  CHECK(step_line(cycle) == "conditioning sequence 0 repeat 0 branch -1 step 0: 0 psi (0 to 0), dwell 0 s");
+  CHECK(step_line(cycle) == "conditioning sequence 0 repeat 0 branch -1 step 0: 0 psi (0 to 0 psi), dwell 0 s");
   Step press;
   press.kind = StepKind::kPress;
   press.force_n = 2.0;

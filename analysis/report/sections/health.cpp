@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "analysis/counted.h"
 #include "analysis/json_io.h"
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
@@ -171,8 +170,8 @@ Markup health_section(const ReportInput& input) {
   }
   const auto taxels = health.high_v.size();
   const auto excluded = std::ranges::count_if(health.findings, &TaxelHealth::excluded);
-  out += markup("<p>{} of {} used, {} excluded.</p>\n", taxels - static_cast<std::size_t>(excluded),
-                html::Text(counted(taxels, "taxel")), excluded);
+  out += markup("<p>{} of {} taxels used, {} excluded.</p>\n", taxels - static_cast<std::size_t>(excluded), taxels,
+                excluded);
   out += rules_table(health);
   if (!health.findings.empty()) out += findings_table(health);
   out += swaps_words(input);

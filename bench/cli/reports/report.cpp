@@ -24,7 +24,6 @@
 #include "bench/reporting/report_pdf.h"
 #include "bench/reporting/signed_reports.h"
 #include "db/run_store.h"
-#include "db/utf8.h"
 
 namespace tactbench::bench {
 
@@ -252,43 +251,7 @@ void add_report(CLI::App& app, Session& session) {
   CLI::App* verb = app.add_subcommand("report",
                                       "write the calibration report of a run (a test report when it states no "
                                       "uncertainty), a comparison of two runs, or a page on many, as one file");
-  verb->add_option("runs", options->runs,
-                   "the run; further runs of the same sensor add creep and temperature to the uncertainty")
-      ->required()
-      ->take_all();
-  verb->add_option("--held-out", options->held_out,
-                   "runs of the same sensor to correct with the models and to judge, each by itself: the worst "
-                   "verdict counts (default: those that the fit was judged on)")
-      ->take_all();
-  verb->add_option(
-      "--previous", options->extras.previous,
-      "previous models: the report adds this run's as-found figures with them (a .json file, or RUN[:FIT])");
-  verb->add_option("--studies", options->extras.studies,
-                   "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
-                   "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
-                   "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
-      ->take_all();
-  verb->add_option("--model", options->model,
-                   "use the models of this run, or RUN:FIT (default: the run's own: ELAM where it was fitted)");
-  verb->add_option("--format", options->format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
-      ->check(CLI::IsMember({"html", "pdf", "json"}))
-      ->capture_default_str();
-  verb->add_option("--limits", options->limits,
-                   "judge by this limits file, without storing (default: the limits that the fit was judged by)");
-  verb->add_option("--lab", options->lab, "laboratory file: facts that no instrument knows (init writes one)");
-  verb->add_option("--approve-by", options->approve_by,
-                   "store this person's approval of the report, which gets a file named by its number and is not "
-                   "overwritten; a changed report names the number that it replaces")
-      ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
-  verb->add_flag("--without-verdict", options->without_verdict, "approve a report that has no verdict");
-  verb->add_option("--issued-at", options->issued, "date of issue, as 2026-01-31 (default: the day of the approval)");
-  verb->add_option("--paper", options->paper, "a4 or letter")
-      ->check(CLI::IsMember({"a4", "letter"}))
-      ->capture_default_str();
-  verb->add_option("--pdf-with", options->pdf_with, "chromium, or weasyprint, which attaches the data (PDF/A-3b)")
-      ->check(CLI::IsMember({"chromium", "weasyprint"}));
-  verb->add_flag("--compare", options->compare, "one page on two runs: as found and as left, or two sensors");
-  verb->add_flag("--batch", options->batch, "one page on many runs: yield, ranks, distributions, outliers");
+  add_report_options(*verb, *options);
   add_replace(*verb, session);
   verb->add_option(
       "-o,--output", options->output,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 
@@ -9,6 +10,7 @@
 #include "bench/cli/runs/source.h"
 #include "bench/reporting/named_runs.h"
 #include "bench/reporting/source_runs.h"
+#include "db/utf8.h"
 
 namespace tactbench::bench {
 
@@ -89,6 +91,46 @@ void check_report_runs(analysis::Runs& runs, const ReportOptions& options, const
   for (const StudyRun& study : study_runs_of(options.extras.studies))
     if (study.run != run) studied.push_back(study.run);
   (void)named_runs(runs, studied, {"--studies", model_run != run ? model_run : 0}, session.void_too);
+}
+
+void add_report_options(CLI::App& verb, ReportOptions& options) {
+  verb.add_option("runs", options.runs,
+                  "the run; further runs of the same sensor add creep and temperature to the uncertainty")
+      ->required()
+      ->take_all();
+  verb.add_option("--held-out", options.held_out,
+                  "runs of the same sensor to correct with the models and to judge, each by itself: the worst "
+                  "verdict counts (default: those that the fit was judged on)")
+      ->take_all();
+  verb.add_option(
+      "--previous", options.extras.previous,
+      "previous models: the report adds this run's as-found figures with them (a .json file, or RUN[:FIT])");
+  verb.add_option("--studies", options.extras.studies,
+                  "further runs of the sensor: under objects, at several rates, held (recognised by their recipes), "
+                  "at another temperature (recognised by their thermometer), re-mounted (RUN:mount), turned in the "
+                  "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
+      ->take_all();
+  verb.add_option("--model", options.model,
+                  "use the models of this run, or RUN:FIT (default: the run's own: ELAM where it was fitted)");
+  verb.add_option("--format", options.format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
+      ->check(CLI::IsMember({"html", "pdf", "json"}))
+      ->capture_default_str();
+  verb.add_option("--limits", options.limits,
+                  "judge by this limits file, without storing (default: the limits that the fit was judged by)");
+  verb.add_option("--lab", options.lab, "laboratory file: facts that no instrument knows (init writes one)");
+  verb.add_option("--approve-by", options.approve_by,
+                  "store this person's approval of the report, which gets a file named by its number and is not "
+                  "overwritten; a changed report names the number that it replaces")
+      ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
+  verb.add_flag("--without-verdict", options.without_verdict, "approve a report that has no verdict");
+  verb.add_option("--issued-at", options.issued, "date of issue, as 2026-01-31 (default: the day of the approval)");
+  verb.add_option("--paper", options.paper, "a4 or letter")
+      ->check(CLI::IsMember({"a4", "letter"}))
+      ->capture_default_str();
+  verb.add_option("--pdf-with", options.pdf_with, "chromium, or weasyprint, which attaches the data (PDF/A-3b)")
+      ->check(CLI::IsMember({"chromium", "weasyprint"}));
+  verb.add_flag("--compare", options.compare, "one page on two runs: as found and as left, or two sensors");
+  verb.add_flag("--batch", options.batch, "one page on many runs: yield, ranks, distributions, outliers");
 }
 
 }  // namespace tactbench::bench

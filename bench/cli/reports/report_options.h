@@ -18,6 +18,10 @@ struct ReportOptions {
   ReportExtras extras;
 };
 
+// Those of the verb itself, without --units, --replace and the ones that all verbs have. `options` outlives the
+// parsing.
+void add_report_options(CLI::App& verb, ReportOptions& options);
+
 // The run and fit (0: ELAM where it was fitted, else the newest) whose models are used; {`run`, 0} where none is named.
 struct ModelNamed {
   std::int64_t run = 0, fit = 0;

@@ -107,7 +107,7 @@ TEST_CASE("an instrument that was overdue at the run is named as overdue, also o
 TEST_CASE("the overall verdict names the overdue reference when that is its reason") {
   ReportInput input = example::example_input();
   for (db::VerdictRecord& verdict : input.verdicts) verdict.verdict = "pass";
-  const auto first = [&] { return part_of(render_report(input).html, "All criteria together", "</p>"); };
+  const auto first = [&] { return part_of(render_report(input).html, "All requirements together", "</p>"); };
   withhold_overdue(input.verdicts, 12, reference_uncertainty(input.run, input.laboratory.instruments));
   CHECK(contains(first(), "inconclusive</span>: reference overdue since 2024-05-01 when this run was made"));
   input.verdicts.back().verdict = "fail";  // fails whatever the reference
@@ -161,7 +161,7 @@ TEST_CASE("a report of objects states the traceability of the force, not of the 
   const auto force = [&] {
     return nlohmann::json::parse(data_text(render_report(input).html))["identification"]["traceability"][0];
   };
-  CHECK(contains(table(), "Force not traceable: the run does not say by which instrument it was measured."));
+  CHECK(contains(table(), "Force not traceable: the run does not state by which instrument it was measured."));
   CHECK_FALSE(contains(table(), "traceability of the pressure"));
   input.run.devices.push_back(kForceSensor);
   CHECK(contains(table(),

@@ -147,7 +147,8 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
                                                   html::pressure(high, kSectionUnit, 1).value)));
   CHECK(data["not_assessed"].contains("chamber uniformity"));
   // The run does not say what its certificate covers, as runs of before the word was asked for.
-  CHECK_THAT(data["not_assessed"]["reference, voltage input"].get<std::string>(), Catch::Contains("does not say"));
+  CHECK_THAT(data["not_assessed"]["reference, voltage input"].get<std::string>(),
+             Catch::Contains("not recorded what the certificate covers"));
   CHECK(data["reference"]["certificate_covers"] == "not stated");
   CHECK_THAT(section, Catch::Contains("it covers: not stated"));
   CHECK_FALSE(data["not_assessed"].contains("re-mounting, common"));

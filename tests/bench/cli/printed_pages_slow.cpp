@@ -95,8 +95,8 @@ TEST_CASE("plan prints a small recipe's counts, times, margins, bytes, instrumen
                      "devices needed: pressure source, pressure reference, tactile array",
                      "  - pressure reference, serial SIM-REF-1: certificate SIM-CERT-1 (invented for the simulation), "
                      "no due date stated, U 0.05 psi (k = 2)",
-                     "conditioning sequence 0 repeat 0 branch -1 step 0: 0 psi (20 to 0), dwell 3 s",
-                     "measure sequence 0 repeat 1 branch 1 step 4: 0 psi (10 to 0), dwell 3 s"});
+                     "conditioning sequence 0 repeat 0 branch -1 step 0: 0 psi (20 to 0 psi), dwell 3 s",
+                     "measure sequence 0 repeat 1 branch 1 step 4: 0 psi (10 to 0 psi), dwell 3 s"});
   CHECK(text.out.find("force up to") == std::string::npos);
   CHECK(text.out.find("\nall ") == std::string::npos);
   const json plan = json::parse(call(folder, {"plan", "two.toml", "--steps", "--json"}).out);

@@ -55,7 +55,8 @@ TEST_CASE("a bench file's defaults: limits, dead-man, settling, module, regulato
   CHECK(config.regulator.feed_interval == 450ms);
   CHECK(defaults(config, "reference") ==
         "independent = true, certificate = \"\", calibrated = \"\", due = \"\", expanded_uncertainty_psi = 0, "
-        "drift_psi = 0, resolution_psi = 0, channel = 1, span_v = [0, 10], span_psi = [0, 100]");
+        "certificate_covers = \"chain\", drift_psi = 0, input_limit_v = 0, hysteresis_psi = 0, zero_psi = 0, "
+        "temperature_psi = 0, resolution_psi = 0, channel = 1, span_v = [0, 10], span_psi = [0, 100]");
   CHECK(config.reference.span.high.value() == 100.0);
   CHECK(defaults(simulated_bench({{"module.transport", "rtu"}, {"module.profile", "generic"}}), "module") ==
         "outputs = 1, inputs = 2, serial_port = \"simulated line\", baud = 9600, parity = \"N\", stop_bits = 1, unit = "
@@ -100,17 +101,22 @@ TEST_CASE("a bench file's defaults: stage and force") {
         "serial = \"\"");
   const std::string force =
       "model = \"ATI Nano17\", serial = \"\", certificate = \"\", calibrated = \"\", due = \"\", "
-      "expanded_uncertainty_n = 0, overload_share = 1, records_per_reading = 50, ";
+      "expanded_uncertainty_n = 0, ";
+  // A bench that drives hardware has no default: it must be stated where a certificate is.
+  const std::string covers = "certificate_covers = \"chain\", ";
+  const std::string limits = "drift_n = 0, input_limit_n = 0, overload_share = 1, records_per_reading = 50, ";
   CHECK(defaults(simulated_bench({{"force.kind", "net"}}), "force") ==
-        force + "host = \"127.0.0.1\", port = 0, http_port = 0, page_file = \"\", reply_timeout_ms = 500");
+        force + covers + limits +
+            "host = \"127.0.0.1\", port = 0, http_port = 0, page_file = \"\", reply_timeout_ms = 500");
   CHECK(defaults(hardware_bench({{"force.kind", "net"}}), "force") ==
-        force + "host = \"192.168.1.1\", port = 49152, http_port = 80, page_file = \"\", reply_timeout_ms = 500");
+        force + limits +
+            "host = \"192.168.1.1\", port = 49152, http_port = 80, page_file = \"\", reply_timeout_ms = 500");
   CHECK(defaults(simulated_bench({{"force.kind", "digital"}}), "force") ==
-        force +
+        force + covers + limits +
             "port = \"\", usb_serial = \"\", baud = 1250000, parity = \"E\", unit = 10, low_word_first = false, "
             "samples_per_second = 7000");
   CHECK(defaults(hardware_bench({{"force.kind", "daq"}, {"force.calibration_file", "f.cal"}}), "force") ==
-        force +
+        force + limits +
             "temperature_compensation = true, library = \"\", device = \"Dev1\", card_serial = \"\", "
             "channels = \"Dev1/ai16:21\", terminal = \"differential\", range_v = 10, sample_rate_hz = 10000");
 }
@@ -118,7 +124,8 @@ TEST_CASE("a bench file's defaults: stage and force") {
 TEST_CASE("a bench file's defaults: the simulated plant") {
   const BenchConfig config = simulated_bench();
   CHECK(defaults(config, "simulation") ==
-        "seed = 1, sensor_seed = 1, specimen = \"paper\", mount_seed = 0, temperature_c = 23, age_months = 0, "
+        "seed = 1, sensor_seed = 1, instrument_seed = 0, specimen = \"paper\", mount_seed = 0, temperature_c = 23, "
+        "age_months = 0, "
         "mount_turn = \"none\", "
         "turned_in_chamber_deg = 0, edge_outside = \"last-row\", edge_outside_lines = 0, supply_bar = 8, "
         "frame_source_port = 0, scanner_serial = \"SIM-SCANNER-1\"");

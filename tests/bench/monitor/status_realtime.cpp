@@ -141,7 +141,7 @@ TEST_CASE("watch: in a terminal the array is painted in place, Ctrl-C ends the w
     CHECK_THAT(watch.shown(), Catch::Contains("\x1b[48;5;") && Catch::Contains("hottest row "));
     watch.type("\x03");
     CHECK(watch.wait() == 0);
-    CHECK_THAT(watch.shown(), Catch::Contains("no longer watched; run 1 goes on: `tactbench stop 1` ends it"));
+    CHECK_THAT(watch.shown(), Catch::Contains("no longer watched; run 1 continues: `tactbench stop 1` ends it"));
   }
   CHECK(rig.status()["runs"][0]["state"] == "running");
   InTerminal plain(rig.folder.path(), {"watch", "1"}, 100, 40, "1");

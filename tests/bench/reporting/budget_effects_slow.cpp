@@ -124,7 +124,7 @@ Coverage coverage_of(const db::RunStore& store, std::int64_t run, const std::vec
   double readings = 0.0;
   const Fitted fitted(fit);
   for (const std::size_t taxel : fitted.taxels()) {
-    const Budget budget = with.budget(taxel, level, UseCondition::kHeld);
+    const Budget budget = with.budget(taxel, level);  // all that was assessed
     const auto row = std::ranges::find(budget.contributions, UncertaintySource::kCreep, &Contribution::source);
     REQUIRE(row != budget.contributions.end());
     const Budget plain = without.budget(taxel, level, UseCondition::kFullSweeps);

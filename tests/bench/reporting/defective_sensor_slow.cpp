@@ -182,7 +182,7 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   const std::string told =
       page.substr(page.find("id=\"health\""), page.find("id=\"raw\"") - page.find("id=\"health\""));
   for (const char* words :
-       {"253 of 256 taxels used, 3 left out.", "<td>row 2, column 5</td><td class=\"state\">dead</td>",
+       {"253 of 256 taxels used, 3 excluded.", "<td>row 2, column 5</td><td class=\"state\">dead</td>",
         "<td>row 7, column 9</td><td class=\"state\">stuck</td>",
         "<td>row 8, column 12</td><td class=\"state\">noisy</td>",
         "<td>row 13, column 1</td><td class=\"state\">saturated</td>", "rows 3 and 11 stand in each other’s place",
@@ -196,8 +196,8 @@ TEST_CASE("a report of a defective sensor names the planted defects and no other
   REQUIRE(overall != judged.input.verdicts.end());
   CHECK(overall->verdict == "fail");
   CHECK(overall->value == 3.0);
-  CHECK(analysis::contains(page,
-                           "All criteria together: <span class=\"fail\"><span class=\"sign\">✗</span> simulated fail"));
+  CHECK(analysis::contains(
+      page, "All requirements together: <span class=\"fail\"><span class=\"sign\">✗</span> simulated fail"));
   CHECK(
       analysis::contains(page, "3 of 256 taxels left out of every figure; 1 noisy taxel; rows 3 and 11 swapped; see"));
 

@@ -117,7 +117,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   // Without a verdict nobody signs unasked; the draft of that moment is no signed report.
   REQUIRE(bench.call({"fit", "1"}).code == 0);
   REQUIRE(bench.call({"report", "1"}).code == 0);
-  CHECK_THAT(bench.text("reports/run-1.html"), Catch::Contains("No limits were given"));
+  CHECK_THAT(bench.text("reports/run-1.html"), Catch::Contains("No tolerance limits were given"));
   bench.refused({"report", "1", "--approve-by", "C. Chief"}, "TB-REPORT-NO-VERDICT");
   const json bare = bench.answer({"report", "1", "--approve-by", "C. Chief", "--without-verdict"}, 0);
   const std::string bare_path = bare["path"];
@@ -153,9 +153,10 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   const Finished plain = bench.call({"report", "1"});
   CHECK(plain.code == 1);
   CHECK_THAT(plain.out, Catch::Contains("simulated fail, decided by run 4; judged on runs 2, 3, 4"));
-  CHECK_THAT(bench.text("reports/run-1.html"),
-             Catch::Contains("decided by held-out run 4.") && Catch::Contains("Runs judged") &&
-                 Catch::Contains("mean error of the worst taxel") && !Catch::Contains("No limits were given"));
+  CHECK_THAT(bench.text("reports/run-1.html"), Catch::Contains("decided by held-out run 4.") &&
+                                                   Catch::Contains("Runs judged") &&
+                                                   Catch::Contains("mean error of the worst taxel") &&
+                                                   !Catch::Contains("No tolerance limits were given"));
   CHECK(bench.listed(1) == "simulated fail");
   CHECK(bench.listed(2) == "simulated pass");
   CHECK(bench.listed(4) == "simulated fail");
@@ -168,7 +169,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   CHECK(picked["judgement"]["stored_worse"][0]["run"] == 4);
   CHECK(bench.call({"report", "1", "--held-out", "2", "3", "4", "--limits", "limits-b.toml", "-o", "both.html"}).code ==
         1);
-  CHECK_THAT(bench.text("both.html"), Catch::Contains("All criteria together: <span class=\"pass\">") &&
+  CHECK_THAT(bench.text("both.html"), Catch::Contains("All requirements together: <span class=\"pass\">") &&
                                           Catch::Contains("Stored verdict on these models, worse than the one above: "
                                                           "<span class=\"fail\">"));
   CHECK(bench.call({"fit", "1", "--held-out", "2", "3", "4", "--limits", "limits-b.toml"}).code == 1);

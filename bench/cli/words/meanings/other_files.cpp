@@ -50,7 +50,7 @@ KeyMeanings laboratory_meanings() {
           {"mounting", "What lies on the sensor and below it"},
           {"environment", "Temperature and humidity, where no instrument of the bench measured them"},
           {"deviations", "Deviations from the method, beside those that the run recorded itself"},
-          {"remarks", "Remarks"},
+          {"remarks", "Remarks of the laboratory, printed on the report"},
           {"instrument[].serial", "Serial number of the instrument that the other keys speak of"},
           {"instrument[].certificate", "Number of its calibration certificate"},
           {"instrument[].calibrated_by", "Who calibrated it"},

@@ -100,7 +100,7 @@ TEST_CASE("creep is not assessed from other sensors, few frames, short holds, or
   CHECK_THAT(effect_of(example, {hold_run(example, options)}, 25.0).not_assessed,
              Catch::Contains("end before twice the 25.0 s"));
   CHECK_THAT(effect_of(example, {hold_run(example, options)}, 0.0).not_assessed,
-             Catch::Contains("does not say how long"));
+             Catch::Contains("does not record how long"));
   options.level_psi = 0.4;
   CHECK_THAT(effect_of(example, {hold_run(example, options)}).not_assessed, Catch::Contains("a run of creep-hold"));
   CHECK_THAT(effect_of(example, {}).not_assessed, Catch::Contains("one frame is taken a dwell"));

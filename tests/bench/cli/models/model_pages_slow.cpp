@@ -85,7 +85,7 @@ TEST_CASE("model show: what was fitted, where it holds, and the last taxel's num
        "  valid for     input 0 .. 60 N; hold not known; rate 0.5 .. 2 N/s; temperature not known",
        "  mount         glued", "  interface     not stated", "  taxels        1 dead, 2 fitted; and the mean taxel",
        "mean taxel: J 2.5, mean error 1.000 % FS, max 3.000 % FS, full scale 2 V, noise 0.004 V",
-       "  a1            0.1                   y/x", "  tau           5                     1  at its bound"});
+       "  a1            0.1                   V/N", "  tau           5                     1  at its bound"});
   document.taxels.resize(1);
   document.parent_sha256 = "00112233445566";
   document.adjustment = "zero by t.csv";
@@ -108,7 +108,7 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
               {"n.json against m.json: not the same", "parameter            mean diff       largest   taxel  unit",
                "zero                 0.0833333          0.25       2  V",
                "gain                         0             0       0  1",
-               "a1                       -0.02         -0.06       2  y/x",
+               "a1                       -0.02         -0.06       2  V/N",
                "tau                          0             0       0  1"});
   CHECK(differ.out.find("fitted in the first alone") == std::string::npos);
   const json told = json::parse(call(folder, {"model", "diff", "m.json", "n.json", "--json"}).out);

@@ -90,7 +90,7 @@ TEST_CASE("plan lists the levels of a limits file that a recipe does not measure
   }
   const Finished lacks = call(folder, {"plan", "production", "--limits", "nightly-limits.toml"});
   CHECK(lacks.code == 6);
-  CHECK_THAT(lacks.out, Catch::Contains("10 psi is not a level of this recipe, whose nearest are 8 and 12 psi"));
+  CHECK_THAT(lacks.out, Catch::Contains("10 psi is not a level of this recipe, whose nearest are 8 psi and 12 psi"));
   const json told = json::parse(call(folder, {"plan", "production", "--limits", "nightly-limits.toml", "--json"}).out);
   CHECK(told["limits"]["levels_lacking"] == json::parse(R"([{"pressure_psi": 10.0, "nearest_psi": [8.0, 12.0]}])"));
   CHECK(call(folder, {"plan", "ring", "--limits", "limits.toml"}).code == 6);

@@ -65,7 +65,7 @@ TEST_CASE(
       "fix.toml --json < readings");
   INFO(done.err);
   REQUIRE(done.code == 0);
-  CHECK_THAT(done.err, Catch::Contains("vented, verified") && Catch::Contains("'nonsense' is not a number"));
+  CHECK_THAT(done.err, Catch::Contains("vented, verified") && Catch::Contains("'nonsense' is not a pressure"));
   const json result = json::parse(done.out);
   CHECK(result["correction_psi"][1].get<double>() == Approx(0.3).margin(0.15));
   REQUIRE(run_program(kProgram, {"init"}, folder.path()).code == 0);

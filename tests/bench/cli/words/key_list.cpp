@@ -57,7 +57,8 @@ TEST_CASE("a manual page of keys has each table with its keys, their facts and m
   has(".TH TACTBENCH\\-LIMITS 5 \"2026-01-31\" \"tactbench 0.1\" \"File Formats\"\n.SH NAME\ntactbench\\-limits \\- "
       "limits.toml");
   has(".SS \"[[mpe]]\"\n.TP\n\\fBspan_psi\\fR (");
-  has(".TP\n\\fBunfit_taxels\\fR (number, required)\nLargest number of dead, stuck, saturated or unfit taxels.\n");
+  has(".TP\n\\fBunfit_taxels\\fR (number, required)\nLargest number of dead, stuck, saturated or not modelled "
+      "taxels.\n");
   has(".TP\n\\fBtaxels_percent\\fR (number, %, 1 to 100, default 95)\n");
   has("\\fBtactbench\\-bench\\fR(5)");
   const std::string suite = key_manual("tactbench-nightly", "0.1", "2026-01-31");
