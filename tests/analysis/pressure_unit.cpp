@@ -55,6 +55,8 @@ TEST_CASE("sentences in psi are rewritten, with what is no pressure as it is") {
     CHECK(kKpa.in_text(psi) == kpa);
     CHECK(kPsi.in_text(psi) == psi);
   }
+  CHECK(kKpa.in_text("U 0.05 psi (k = 2)") == "U 0.34 kPa (k = 2)");
+  CHECK(kKpa.in_text("feedback 0.00 psi") == "feedback 0.0 kPa");
   CHECK(kBar.in_text("trip above 66 psi") == "trip above 4.551 bar");
   CHECK(kKpa.both_in_text("40 psi up") == "275.8 kPa (40 psi) up");
   CHECK(kPsi.both_in_text("0 to 60 psi") == "0 to 60 psi (0 to 413.7 kPa)");
