@@ -5,23 +5,23 @@
 namespace tactbench::analysis {
 namespace {
 
-std::atomic<std::size_t> works{0}, done{0}, count{0};
+std::atomic<std::size_t> works{0}, done{0}, planned{0};
 std::atomic<bool> taken{false};
 
 }  // namespace
 
-WorkNow work_now() { return {works.load(), done.load(), count.load()}; }
+WorkNow work_now() { return {works.load(), done.load(), planned.load()}; }
 
 Work::Work(std::size_t pieces) : counts_(!taken.exchange(true)) {
   if (!counts_) return;
   done = 0;
-  count = pieces;
+  planned = pieces;
   ++works;
 }
 
 Work::~Work() {
   if (!counts_) return;
-  count = 0;
+  planned = 0;
   taken = false;
 }
 

@@ -77,6 +77,15 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() 
     expect(fitted()[0]["fitted"] == 0, "its child is of this version")
 
     # --- another model: no parent
+    parts = [fitted("--model", "preisach", "--dry-run", "--shard", f"{k}/3") for k in (1, 2, 3)]
+    named = [serial for _, sensors in parts for serial in sensors]
+    expect(sorted(named) == sorted(fitted("--model", "preisach", "--dry-run")[1]), "each sensor is in one part of three")
+    expect([result["shard"] for result, _ in parts] == ["1/3", "2/3", "3/3"], parts)
+    for k in (1, 2):
+        fitted("--model", "monotone", "--shard", f"{k}/2")
+    expect(fitted("--model", "monotone")[0]["fitted"] == 0, "two parts fit all")
+    expect("TB-USAGE" in lab.run("fleet", "fit", "--to", to, "--shard", "3/2", code=2), "no such part")
+
     result, sensors = fitted("--model", "preisach")
     expect(result["fitted"] == 2 and sensors["S-1"]["parent_sha256"] == "", result)
     expect(fitted("--model", "preisach")[0]["fitted"] == 0, "once")

@@ -18,6 +18,7 @@
 #include "bench/cli/models/fit_models.h"
 #include "bench/cli/runs/from_fleet.h"
 #include "bench/common/build_info.h"
+#include "bench/common/shard.h"
 #include "db/fleet/find.h"
 #include "db/fleet/push.h"
 
@@ -28,7 +29,7 @@ namespace {
 namespace fleet = db::fleet;
 
 struct FleetFitOptions {
-  std::string to, model = "elam", origin = "hardware", where;
+  std::string to, model = "elam", origin = "hardware", where, shard;
   bool dry_run = false;
 };
 
@@ -132,12 +133,16 @@ analysis::IdentifyOptions options_like(fleet::Link& link, const std::optional<Fl
 class FleetFitting {
  public:
   FleetFitting(const FleetFitOptions& options, Session& session)
-      : options_(options), session_(session), from_(session, options.to) {}
+      : options_(options),
+        session_(session),
+        shard_(options.shard.empty() ? Shard{} : shard_from(options.shard)),
+        from_(session, options.to) {}
 
   void run() {
     const auto runs = runs_of_sensors(from_.link(), options_);
     const auto fits = fits_of_sensors(from_.link(), options_.origin);
     for (const auto& [sensor, own] : runs) {
+      if (!shard_.holds(std::string_view(sensor))) continue;
       const auto known = fits.find(sensor);
       const Task task =
           task_of(sensor, own, known == fits.end() ? std::vector<FleetFit>() : known->second, options_.model);
@@ -195,6 +200,7 @@ class FleetFitting {
                                {"model", options_.model},
                                {"origin", options_.origin},
                                {"dry_run", options_.dry_run},
+                               {"shard", shard_.text()},
                                {"fitted", made_},
                                {"up_to_date", up_to_date_},
                                {"left_out", left_out_},
@@ -208,6 +214,7 @@ class FleetFitting {
 
   const FleetFitOptions& options_;
   Session& session_;
+  Shard shard_;
   FromFleet from_;
   nlohmann::ordered_json sensors_ = nlohmann::ordered_json::array();
   std::size_t made_ = 0, up_to_date_ = 0, left_out_ = 0, failed_ = 0;
@@ -236,6 +243,10 @@ void add_fleet_fit(CLI::App& group, Session& session) {
   verb->add_option("--where", options->where,
                    "only runs that fulfil this condition in SQL over the columns of fleet.every_run: \"sensor_type = "
                    "'array-16'\"");
+  verb->add_option(
+      "--shard", options->shard,
+      "K/N: the K-th of N parts of the sensors, chosen by their serials; the N parts may be carried out at "
+      "the same time");
   verb->add_flag("--dry-run", options->dry_run, "say what would be fitted and why, and fit nothing");
   verb->footer(
       "A sensor is fitted on its newest completed run of the recipes that its model was made from, with the options of "
