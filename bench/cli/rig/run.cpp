@@ -191,7 +191,7 @@ void add_run(CLI::App& app, Session& session) {
       app.add_subcommand("run", "carry out recipes on a bench and store every frame; prints the run's number");
   session.profile
       .add(*verb, "recipe", ProfileKey::kRecipe, options->recipes,
-           "recipe files or names of shipped ones (descending, ascending)")
+           "recipe files, or names of shipped ones (tactbench recipes list)")
       ->required();
   session.profile.add_bench(*verb, options->bench);
   verb->add_option("--sensor", options->sensor, "serial of a registered sensor (tactbench sensors add)")->required();

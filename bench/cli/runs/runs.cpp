@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 #include <sstream>
 #include <string_view>
 
@@ -43,6 +44,15 @@ std::string verdict_cell(std::optional<analysis::Verdict> verdict, const std::st
   return verdict ? shown_verdict(*verdict, origin) : "-";
 }
 
+// The recipes' names; of a table with many sequences the first ones.
+std::string recipe_cell(const db::RunRecord& run) {
+  constexpr std::size_t kShown = 3;
+  std::vector<std::string> names;
+  for (const db::SequenceRecord& sequence : run.sequences | std::views::take(kShown)) names.push_back(sequence.name);
+  const std::size_t more = run.sequences.size() - names.size();
+  return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
 // The finding; without one, the figures.
 std::string check_line(const db::CheckRecord& check) {
   const auto detail = analysis::try_ordered_json(check.detail_json);
@@ -71,9 +81,9 @@ void list_runs(const RunsListOptions& options, const Session& session,
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   if (!session.json) {
     tty::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {}{:<11}{}\n", "run", "started (UTC)", "sensor", "outcome", "frames",
-               cell("verdict", verdict_columns()), "origin", "purpose");
+               cell("verdict", verdict_columns()), "origin", "recipe; purpose [tags]");
   }
-  int left_out = 0;
+  int left_out = 0, listed = 0;
   for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
     if (!options.tag.empty() && std::ranges::find(run.tags, options.tag) == run.tags.end()) continue;
     if (!fits_metadata(options.metadata, run)) continue;
@@ -83,6 +93,8 @@ void list_runs(const RunsListOptions& options, const Session& session,
       ++left_out;
       continue;
     }
+    ++listed;
+    const db::RunRecord whole = store.run(run.run);
     const std::optional<db::PrunedRecord> pruned = store.pruned(run.run);
     // Frames are numbered from 1.
     const std::int64_t frames = frame_counts != nullptr ? frame_counts->at(run.run) : store.last_position(run.run);
@@ -91,7 +103,7 @@ void list_runs(const RunsListOptions& options, const Session& session,
     std::optional<bool> lives;
     if (unended) lives = is_carried_out(store.path(), run.run);
     if (session.json) {
-      nlohmann::ordered_json row = analysis::run_json(store.run(run.run));
+      nlohmann::ordered_json row = analysis::run_json(whole);
       row["frames"] = frames;
       if (pruned) row["frames_pruned"] = pruned->frames;
       row["verdict"] = verdict;
@@ -99,7 +111,8 @@ void list_runs(const RunsListOptions& options, const Session& session,
       json.push_back(row);
     } else {
       const std::string remarks =
-          fmt::format("{}{}{}", run.purpose, run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
+          fmt::format("{}{}{}{}", recipe_cell(whole), run.purpose.empty() ? "" : "; " + run.purpose,
+                      run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
                       run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
       const std::string gone = pruned ? fmt::format(" ({} removed)", analysis::counted(pruned->frames, "frame")) : "";
       const std::string state = !lives ? "" : *lives ? " (under way)" : " (no process carries it out)";
@@ -112,6 +125,9 @@ void list_runs(const RunsListOptions& options, const Session& session,
     print_json("runs.list", {{"runs", json}, {"void_left_out", left_out}});
   } else if (left_out > 0) {
     tty::print("{} void {} left out (--all)\n", left_out, left_out == 1 ? "run" : "runs");
+  } else if (listed == 0) {
+    tty::print("{}\n", store.runs().empty() ? "no runs are stored: tactbench run stores one"
+                                            : "no stored run has all that was asked for");
   }
 }
 

@@ -183,9 +183,18 @@ TEST_CASE("runs show and list print what was stored, field by field") {
   CHECK(shown["devices"][0]["overdue"] == true);
   check_lines(call(folder, {"runs", "list"}),
               {"  run  started (UTC)        sensor      outcome       frames  verdict                     origin     "
-               "purpose",
-               "    1  2026-01-02T03:04:05Z S-1         aborted            3  -                           hardware    "
-               "[a b]"});
+               "recipe; purpose [tags]",
+               "    1  2026-01-02T03:04:05Z S-1         aborted            3  -                           hardware   "
+               "levels, once [a b]"});
+  check_lines(call(folder, {"runs", "list", "--tag", "c"}), {"no stored run has all that was asked for"});
+  db::RunRecord many = known_run();
+  many.purpose = "to see";
+  for (const char* name : {"c", "d"}) many.sequences.push_back({2 + (*name == 'd'), name, "", "", 1, 0});
+  store_known(store, many, [](db::FrameRecord&) {});
+  CHECK_THAT(call(folder, {"runs", "list"}).out, Catch::Contains("hardware   levels, once, c and 1 more; to see"));
+  db::RunStore::open(folder.path("empty.db"), db::Durability::kNormal);
+  CHECK_THAT(call(folder, {"runs", "list", "--db", "empty.db"}).out,
+             Catch::EndsWith("no runs are stored: tactbench run stores one\n"));
 }
 
 TEST_CASE("runs diff names the first frame that differs, and in what") {
