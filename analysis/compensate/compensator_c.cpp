@@ -1,6 +1,7 @@
 #include "analysis/compensate/compensator_c.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <utility>
 #include <vector>
@@ -16,10 +17,16 @@ static_assert(static_cast<int>(TB_TAXEL_VALID) == kTaxelValid && static_cast<int
 
 namespace {
 
-// Version 1's structs; later ones are longer.
-constexpr std::size_t kSetupSize = sizeof(tb_compensator_setup), kTaxelSize = sizeof(tb_compensator_taxel);
+// The least of version 1's structs; later ones are longer.
+constexpr std::size_t kSetupSize = offsetof(tb_compensator_setup, residual_levels),
+                      kTaxelSize = offsetof(tb_compensator_taxel, residual);
+constexpr std::size_t kMostLevels = 1000;
 
-TaxelSetup taxel_of(const tb_compensator_taxel& given, std::size_t knots) {
+std::size_t levels_of(const tb_compensator_setup& given) {
+  return given.struct_size >= sizeof(tb_compensator_setup) ? given.residual_levels : 0;
+}
+
+TaxelSetup taxel_of(const tb_compensator_taxel& given, std::size_t knots, std::size_t levels) {
   TaxelSetup taxel;
   taxel.usable = (given.flags & TB_TAXEL_USABLE) != 0;
   if (!taxel.usable) return taxel;
@@ -28,13 +35,15 @@ TaxelSetup taxel_of(const tb_compensator_taxel& given, std::size_t knots) {
   taxel.parameters = {given.alpha_d, given.beta_d, given.alpha_a1, given.alpha_a0, given.beta_a};
   taxel.noise_v = given.noise_volts;
   taxel.falling = (given.flags & TB_TAXEL_FALLING) != 0;
+  if (given.residual != nullptr) taxel.residual_psi.assign(given.residual, given.residual + 2 * levels);
   return taxel;
 }
 
 FrameSetup setup_of(const tb_compensator_setup& given, const std::vector<tb_compensator_taxel>& taxels) {
   FrameSetup setup;
   setup.pressure_psi.assign(given.pressure, given.pressure + given.knots);
-  for (const tb_compensator_taxel& taxel : taxels) setup.taxels.push_back(taxel_of(taxel, given.knots));
+  for (const tb_compensator_taxel& taxel : taxels)
+    setup.taxels.push_back(taxel_of(taxel, given.knots, levels_of(given)));
   setup.volts_per_count = given.volts_per_count;
   setup.elam.exact_outer = (given.flags & TB_COMPENSATOR_EXACT_OUTER) != 0;
   setup.options.flat_psi = or_default(given.flat_pressure, setup.options.flat_psi);
@@ -68,6 +77,7 @@ int tb_compensator_create(const tb_compensator_setup* setup, const tb_compensato
   const auto wrong = [](const tb_compensator_setup& given) -> std::pair<int, const char*> {
     if (given.pressure == nullptr) return {TB_COMPENSATOR_NULL, "setup.pressure is null"};
     if (given.taxels == 0 || given.knots < 2) return {TB_COMPENSATOR_SIZE, "no taxels, or fewer than two knots"};
+    if (levels_of(given) > kMostLevels) return {TB_COMPENSATOR_SIZE, "more than 1000 residual_levels"};
     return {TB_COMPENSATOR_OK, ""};
   };
   const auto missing = [](const tb_compensator_taxel& taxel) {

@@ -75,6 +75,8 @@ typedef struct tb_compensator_setup {
   double flat_pressure;  /* flat when 4 sigma of noise hide more than this; 0: 2 */
   double known_pressure; /* a history is known when its extremes are so close; 0: 0.5 */
   double tare_share;     /* of a taxel's span, the most that a tare may move; 0: 0.2 */
+  /* Intervals of the taxels' residuals, at most 1000. 0, or a struct_size that ends before: no residuals are read. */
+  size_t residual_levels;
 } tb_compensator_setup;
 
 typedef struct tb_compensator_taxel {
@@ -85,6 +87,9 @@ typedef struct tb_compensator_taxel {
   const double* descending;
   double alpha_d, beta_d, alpha_a1, alpha_a0, beta_a; /* ELAM, alpha_a1 in 1 / pressure */
   double noise_volts;                                 /* standard deviation of a sample */
+  /* What the model leaves, rms, by residual_levels equal intervals of the pressures, rising and then falling: twice as
+   * many numbers, none negative. Null, or a struct_size that ends before: not known, the uncertainty is noise alone. */
+  const double* residual;
 } tb_compensator_taxel;
 
 TB_COMPENSATOR_API uint32_t tb_compensator_abi_version(void);

@@ -67,11 +67,12 @@ inline int refuse(int code, const char* why, char* message, std::size_t size) {
 }
 
 // Makes a compensator of one kind from the caller's structs, whose own sizes are at least those of version 1,
-// `setup_size` and `taxel_size`. wrong(setup): what is wrong with its sizes and pointers, as (code, text),
-// TB_COMPENSATOR_OK for nothing. missing(taxel): what a usable one lacks, or null. made(setup, taxels): the C++ setup.
-// whole, single: the handle's member for each precision.
+// `setup_size` and `taxel_size`. No byte beyond a caller's struct is read: members that it does not have are 0.
+// wrong(setup): what is wrong with its sizes and pointers, as (code, text), TB_COMPENSATOR_OK for nothing.
+// missing(taxel): what a usable one lacks, or null. made(setup, taxels): the C++ setup. whole, single: the handle's
+// member for each precision.
 template <class Setup, class Taxel, class Wrong, class Missing, class Made, class Whole, class Single>
-int create_handle(const Setup* setup, std::size_t setup_size, const Taxel* taxels, std::size_t taxel_size,
+int create_handle(const Setup* given, std::size_t setup_size, const Taxel* taxels, std::size_t taxel_size,
                   const Wrong& wrong, const Missing& missing, const Made& made,
                   std::optional<Whole> tb_compensator::*whole, std::optional<Single> tb_compensator::*single,
                   tb_compensator** handle, char* message, std::size_t message_size) {
@@ -79,29 +80,31 @@ int create_handle(const Setup* setup, std::size_t setup_size, const Taxel* taxel
   (void)refused(0, "");
   if (handle == nullptr) return refused(TB_COMPENSATOR_NULL, "handle is null");
   *handle = nullptr;
-  if (setup == nullptr || taxels == nullptr) return refused(TB_COMPENSATOR_NULL, "setup or taxels is null");
-  if (setup->struct_size < setup_size) return refused(TB_COMPENSATOR_SIZE, "setup.struct_size is below version 1's");
-  if (const auto [code, why] = wrong(*setup); code != TB_COMPENSATOR_OK) return refused(code, why);
+  if (given == nullptr || taxels == nullptr) return refused(TB_COMPENSATOR_NULL, "setup or taxels is null");
+  if (given->struct_size < setup_size) return refused(TB_COMPENSATOR_SIZE, "setup.struct_size is below version 1's");
+  Setup setup{};
+  std::memcpy(&setup, given, std::min(given->struct_size, sizeof(Setup)));
+  if (const auto [code, why] = wrong(setup); code != TB_COMPENSATOR_OK) return refused(code, why);
   const std::size_t step = taxels->struct_size;
   if (step < taxel_size || step % alignof(Taxel) != 0)
     return refused(TB_COMPENSATOR_SIZE, "taxel.struct_size is below version 1's");
   try {
-    std::vector<Taxel> own(setup->taxels);
+    std::vector<Taxel> own(setup.taxels);
     for (std::size_t i = 0; i < own.size(); ++i) {
-      std::memcpy(&own[i], reinterpret_cast<const char*>(taxels) + i * step, taxel_size);
+      std::memcpy(&own[i], reinterpret_cast<const char*>(taxels) + i * step, std::min(step, sizeof(Taxel)));
       if (own[i].struct_size != step) return refused(TB_COMPENSATOR_SIZE, "the taxels' struct_size differ");
       const char* const lacks = (own[i].flags & TB_TAXEL_USABLE) != 0 ? missing(own[i]) : nullptr;
       if (lacks != nullptr) return refused(TB_COMPENSATOR_NULL, lacks);
     }
-    const auto ready = made(*setup, own);
+    const auto ready = made(setup, own);
     auto compensator = std::make_unique<tb_compensator>();
-    compensator->status_spare.resize(setup->taxels);
-    if ((setup->flags & TB_COMPENSATOR_DOUBLE) != 0) {
+    compensator->status_spare.resize(setup.taxels);
+    if ((setup.flags & TB_COMPENSATOR_DOUBLE) != 0) {
       ((*compensator).*whole).emplace(ready);
-      compensator->whole_spare.resize(2 * setup->taxels);
+      compensator->whole_spare.resize(2 * setup.taxels);
     } else {
       ((*compensator).*single).emplace(ready);
-      compensator->single_spare.resize(2 * setup->taxels);
+      compensator->single_spare.resize(2 * setup.taxels);
     }
     *handle = compensator.release();
     return TB_COMPENSATOR_OK;

@@ -76,7 +76,7 @@ void FrameCompensator<Real>::State::start_lane(std::size_t taxel, bool unknown) 
   b.turn[i] = b.extreme[i] = Real(0);
   b.mean[i] = unknown ? static_cast<Real>(kNoSample) : Real(0);
   b.pressure[i] = static_cast<Real>(x0);
-  b.uncertainty[i] = static_cast<Real>(unknown ? span_psi : 0.0);
+  b.uncertainty[i] = std::sqrt(static_cast<Real>(unknown ? span_psi * span_psi : 0.0) + residual2_at(at, x0));
   if (!unknown) return;
   histories[taxel] = {};
   histories[taxel].other = curve_from(at.pattern, false, xu, at.pattern.span, xu);

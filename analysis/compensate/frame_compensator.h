@@ -1,7 +1,8 @@
 // Frames of raw counts in, pressures out: TaxelCompensator's algorithm for a whole array, streaming, without allocation
 // after construction and with no dependency but the C++ standard library. FrameCompensator<double> agrees with
-// TaxelCompensator to 1e-9 psi. FrameCompensator<float> is the fast one: where a decision falls within a rounding of
-// its limit it may go another way. It is no further from the truth then (figures in analysis/README.md).
+// TaxelCompensator to 1e-9 psi; the model's residual in its uncertainty is that of the middle of a taxel's present
+// linear piece, at most half a piece off. FrameCompensator<float> is the fast one: where a decision falls within a
+// rounding of its limit it may go another way. It is no further from the truth then (figures in analysis/README.md).
 #pragma once
 
 #include <cstddef>

@@ -29,12 +29,19 @@ Real larger(Real a, Real b) {
 }  // namespace
 
 template <class Real>
+Real FrameCompensator<Real>::State::residual2_at(const Place& at, double pressure) const {
+  const auto own = std::span<const Real>(residuals2).subspan(at.taxel * residual_size, residual_size);
+  return BinsOf<Real>{lowest_psi, lowest_psi + span_psi, own}.at(pressure, at.t.rises);
+}
+
+template <class Real>
 typename FrameCompensator<Real>::State::LanePiece FrameCompensator<Real>::State::lane_piece(
     const Place& at, const CurvePiece& piece) const {
   const auto from = static_cast<Real>(piece.from), to = static_cast<Real>(piece.to), above = next_above(from);
   const auto x = static_cast<Real>(piece.at), slope = static_cast<Real>(piece.slope);
-  if (at.t.rises) return {above, to, from, x, slope, Real(0), Real(0), piece};
-  return {-to, -above, -from, x, -slope, Real(0), Real(0), piece};
+  const Real residual2 = residual2_at(at, piece.along(0.5 * (piece.from + piece.to)));
+  if (at.t.rises) return {above, to, from, x, slope, Real(0), Real(0), residual2, piece};
+  return {-to, -above, -from, x, -slope, Real(0), Real(0), residual2, piece};
 }
 
 // A piece's sensitivities are the larger ones of its two ends: points between are observed at least as well.
@@ -59,6 +66,7 @@ void FrameCompensator<Real>::State::show(const Place& at) {
   b.slope[i] = here.slope;
   b.own[i] = here.own;
   b.worst[i] = here.worst;
+  b.residual2[i] = here.residual2;
 }
 
 // The piece before the last is dropped.
@@ -205,8 +213,10 @@ template <class Real>
 void FrameCompensator<Real>::State::attend_rare(const Place& at, bool turned, bool back, bool held,
                                                 const FrameResults<Real>& results) {
   const Reading reading = at.t.unknown ? attend_unknown(at, turned, back, held) : attend_turned(at);
+  const auto uncertainty = static_cast<Real>(reading.uncertainty);
   results.pressure[at.taxel] = at.b.pressure[at.i] = static_cast<Real>(reading.pressure);
-  results.uncertainty[at.taxel] = at.b.uncertainty[at.i] = static_cast<Real>(reading.uncertainty);
+  results.uncertainty[at.taxel] = at.b.uncertainty[at.i] =
+      std::sqrt(uncertainty * uncertainty + residual2_at(at, reading.pressure));
   const int range = results.status[at.taxel] & ~kTaxelFlat;
   results.status[at.taxel] =
       static_cast<std::uint16_t>(range | (reading.flat ? kTaxelFlat : 0) | (at.t.unknown ? kTaxelUnknown : 0));
@@ -251,16 +261,19 @@ void FrameCompensator<Real>::State::attend(const FrameResults<Real>& results) {
       if (!t.pieces[t.here].holds(mean)) change_piece(at);
       const LanePiece& here = t.pieces[t.here];
       if (std::isnan(held ? here.worst : here.own)) fill_piece(at, held);
-      Real pressure = here.along(mean), uncertainty = std::sqrt(weight) * (held ? here.worst : here.own);
-      const int flat_bit = uncertainty > flat ? kTaxelFlat : 0;
+      Real pressure = here.along(mean), residual2 = here.residual2;
+      const Real noise = std::sqrt(weight) * (held ? here.worst : here.own);
+      const int flat_bit = noise > flat ? kTaxelFlat : 0;
+      Real noise2 = noise * noise;
       if (back) {
         if (t.back_turn != turn || !t.back.holds(mean)) find_way_back(at);
         const Real there = t.back.along(mean), doubt = (there - pressure) * Real(kUniform);
         pressure = there;
-        uncertainty = std::sqrt(uncertainty * uncertainty + doubt * doubt);
+        noise2 += doubt * doubt;
+        residual2 = t.back.residual2;
       }
       to.pressure[taxel] = b.pressure[i] = pressure;
-      to.uncertainty[taxel] = b.uncertainty[i] = uncertainty;
+      to.uncertainty[taxel] = b.uncertainty[i] = std::sqrt(noise2 + residual2);
       to.status[taxel] = static_cast<std::uint16_t>((to.status[taxel] & ~kTaxelFlat) | flat_bit);
     }
   }

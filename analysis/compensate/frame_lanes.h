@@ -41,6 +41,7 @@ struct alignas(64) LaneBlock {
   // The piece of the current curve in which the last means lay; it holds as long as low <= mean <= high. `worst` is the
   // larger one of the piece's own sensitivity and the reverse one. NaN until needed.
   Real low[kLanes], high[kLanes], origin[kLanes], at[kLanes], slope[kLanes], own[kLanes], worst[kLanes];
+  Real residual2[kLanes];  // of the model there, psi squared
   // The last results, for frames that are lost.
   Real pressure[kLanes], uncertainty[kLanes];
 };

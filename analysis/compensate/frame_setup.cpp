@@ -34,6 +34,8 @@ TaxelPattern pattern_of(const FrameSetup& setup, const TaxelSetup& taxel, double
     demand(value >= 0.0 && value <= 1.0, "alpha_d, beta_d or beta_a is not within 0 and 1");
   demand(std::isfinite(p.alpha_a1) && std::isfinite(p.alpha_a0), "alpha_a1 or alpha_a0 is not a finite number");
   demand(std::isfinite(taxel.noise_v) && taxel.noise_v >= 0.0, "its noise is negative or not a finite number");
+  for (const double residual : taxel.residual_psi)
+    demand(std::isfinite(residual) && residual >= 0.0, "its residual is negative or not a finite number");
   TaxelPattern pattern;
   pattern.x = setup.pressure_psi;
   pattern.ascending = side_of(PatternCurve(setup.pressure_psi, up, up.front(), up.back()), noise_v);
@@ -92,6 +94,9 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
   options.hold_in_noises = std::min(setup.options.hold_in_noises, setup.options.band_in_noises);
   lowest_psi = setup.pressure_psi.front();
   span_psi = setup.pressure_psi.back() - lowest_psi;
+  for (const TaxelSetup& taxel : setup.taxels)
+    if (taxel.usable) residual_size = std::max(residual_size, taxel.residual_psi.size());
+  residuals2.assign(residual_size * count, Real(0));
   tare_share = setup.tare_share;
   longest_gap = setup.longest_gap;
   dispatch = best_dispatch();
@@ -127,6 +132,11 @@ FrameCompensator<Real>::State::State(const FrameSetup& setup) {
     const double noise = std::hypot(taxel.noise_v, setup.volts_per_count / std::sqrt(12.0));
     try {
       patterns[t] = pattern_of(setup, taxel, noise);
+      const std::vector<double>& own = taxel.residual_psi;
+      demand(own.empty() || (own.size() == residual_size && residual_size % 2 == 0),
+             "its residual is not of as many levels as the others', rising and falling");
+      std::ranges::transform(own, residuals2.begin() + static_cast<std::ptrdiff_t>(t * residual_size),
+                             [](double psi) { return static_cast<Real>(psi * psi); });
     } catch (const std::invalid_argument& fault) {
       throw std::invalid_argument("taxel " + std::to_string(t) + ": " + fault.what());
     }

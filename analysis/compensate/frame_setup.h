@@ -16,6 +16,9 @@ struct TaxelSetup {
   ElamParameters parameters;
   double noise_v = 0.0;  // standard deviation of a sample
   bool falling = false;  // the output falls when the pressure rises: samples are negated [A20]
+  // Root mean square of what the model leaves, psi, by equal intervals of the pressures: rising, then falling. Of one
+  // length in all taxels that have it; empty: not known, the uncertainty is that of noise alone.
+  std::vector<double> residual_psi = {};
 };
 
 struct FrameSetup {

@@ -5,6 +5,7 @@
 #include "analysis/compensate/composed_curve.h"
 #include "analysis/compensate/frame_compensator.h"
 #include "analysis/compensate/frame_lanes.h"
+#include "analysis/compensate/residual_bins.h"
 
 namespace tactbench::analysis {
 
@@ -15,6 +16,7 @@ struct FrameCompensator<Real>::State {
   // A piece of a curve as a lane's rows hold it, and where it came from, in the sensor's outputs.
   struct LanePiece {
     Real low, high, origin, at, slope, own, worst;
+    Real residual2;  // at its middle, squared
     CurvePiece piece;
     [[nodiscard]] bool holds(Real mean) const { return mean >= low && mean <= high; }
     [[nodiscard]] Real along(Real mean) const { return at + slope * (mean - origin); }
@@ -79,6 +81,8 @@ struct FrameCompensator<Real>::State {
   void fill_knot(const Place& at, std::size_t knot, double y, bool held);
   void fill_piece(const Place& at, bool held);
   void find_way_back(const Place& at);
+  // Squared, of the model at a pressure.
+  [[nodiscard]] Real residual2_at(const Place& at, double pressure) const;
   [[nodiscard]] LanePiece lane_piece(const Place& at, const CurvePiece& piece) const;
   void look_up(const Place& at);
   [[nodiscard]] Reading read(const Place& at, const ComposedCurve& curve, bool back, bool held) const;
@@ -92,6 +96,8 @@ struct FrameCompensator<Real>::State {
   std::vector<Sensitivity> sensitivities;  // taxel, knot
   std::vector<History> histories;
   std::vector<std::size_t> dead;
+  std::vector<Real> residuals2;  // psi squared, `residual_size` a taxel; 0 where not known
+  std::size_t residual_size = 0;
   // Whole blocks, where the caller's arrays are none.
   AlignedVector<std::uint16_t> counts, status;
   AlignedVector<Real> volts, pressures, uncertainties;

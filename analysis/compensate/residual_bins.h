@@ -7,9 +7,10 @@
 
 namespace tactbench::analysis {
 
-struct ResidualBins {
+template <class Value>
+struct BinsOf {
   double x_low = 0.0, x_high = 1.0;  // range of the levels, psi
-  std::span<const double> psi = {};  // of equal intervals of it, rising, then falling; empty: not known, 0
+  std::span<const Value> psi = {};   // of equal intervals of it, rising, then falling; empty: not known, 0
 
   // Index into psi, which is not empty.
   [[nodiscard]] std::size_t place(double x, bool rising) const {
@@ -18,7 +19,8 @@ struct ResidualBins {
     const std::size_t level = std::min(levels - 1, static_cast<std::size_t>(std::max(at, 0.0)));
     return rising ? level : levels + level;
   }
-  [[nodiscard]] double at(double x, bool rising) const { return psi.empty() ? 0.0 : psi[place(x, rising)]; }
+  [[nodiscard]] Value at(double x, bool rising) const { return psi.empty() ? Value(0) : psi[place(x, rising)]; }
 };
+using ResidualBins = BinsOf<double>;
 
 }  // namespace tactbench::analysis

@@ -30,8 +30,13 @@ CompensationCase case_of(std::size_t taxels) {
     const ElamModel model = taxel_like_the_paper(random);
     const auto x = model.ascending.x(), up = model.ascending.y(), down = model.descending.y();
     result.setup.pressure_psi.assign(x.begin(), x.end());
-    result.setup.taxels.push_back(
-        {true, {up.begin(), up.end()}, {down.begin(), down.end()}, model.parameters, kStreamedNoise, false});
+    result.setup.taxels.push_back({true,
+                                   {up.begin(), up.end()},
+                                   {down.begin(), down.end()},
+                                   model.parameters,
+                                   kStreamedNoise,
+                                   false,
+                                   std::vector<double>(40, 0.5)});
     result.models.push_back(model);
   }
   return result;

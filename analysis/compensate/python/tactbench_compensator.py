@@ -34,12 +34,14 @@ class CompensatorError(Exception):
 
 
 class Taxel:
-    """Patterns in volts at the common pressures, ELAM's five parameters, noise in volts; usable=False: dead."""
+    """Patterns in volts at the common pressures, ELAM's five parameters, noise in volts; usable=False: dead. residual: what the
+    model leaves, by equal intervals of the pressures rising, then falling (compensator_c.h)."""
 
     def __init__(self, ascending=(), descending=(), parameters=(0.5, 0.5, 0.0, 0.5, 0.5), noise=0.0, falling=False,
-                 usable=True):
+                 usable=True, residual=()):
         self.ascending, self.descending = list(ascending), list(descending)
         self.parameters, self.noise, self.falling, self.usable = tuple(parameters), noise, falling, usable
+        self.residual = list(residual)
 
 
 class DynamicTaxel:
@@ -59,14 +61,15 @@ class _Setup(ctypes.Structure):
                 ("taxels", ctypes.c_size_t), ("knots", ctypes.c_size_t),
                 ("pressure", ctypes.POINTER(ctypes.c_double)), ("volts_per_count", ctypes.c_double),
                 ("flat_pressure", ctypes.c_double), ("known_pressure", ctypes.c_double),
-                ("tare_share", ctypes.c_double)]
+                ("tare_share", ctypes.c_double), ("residual_levels", ctypes.c_size_t)]
 
 
 class _Taxel(ctypes.Structure):
     _fields_ = [("struct_size", ctypes.c_size_t), ("flags", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
                 ("ascending", ctypes.POINTER(ctypes.c_double)), ("descending", ctypes.POINTER(ctypes.c_double)),
                 ("alpha_d", ctypes.c_double), ("beta_d", ctypes.c_double), ("alpha_a1", ctypes.c_double),
-                ("alpha_a0", ctypes.c_double), ("beta_a", ctypes.c_double), ("noise_volts", ctypes.c_double)]
+                ("alpha_a0", ctypes.c_double), ("beta_a", ctypes.c_double), ("noise_volts", ctypes.c_double),
+                ("residual", ctypes.POINTER(ctypes.c_double))]
 
 
 class _DynamicSetup(ctypes.Structure):
@@ -140,7 +143,7 @@ class Compensator:
         self._count = len(taxels)
         self._functions = ["tb_compensator_" + name + ("_double" if double else "") for name in ("counts", "volts")]
         knots = len(pressure)
-        keep = []  # alive until the library has copied them
+        keep, levels = [], 0  # alive until the library has copied them
 
         def doubles(values):
             if len(values) != knots:
@@ -157,9 +160,15 @@ class Compensator:
             row.ascending, row.descending = doubles(taxel.ascending), doubles(taxel.descending)
             row.alpha_d, row.beta_d, row.alpha_a1, row.alpha_a0, row.beta_a = taxel.parameters
             row.noise_volts = taxel.noise
+            if taxel.residual:
+                levels = levels or len(taxel.residual) // 2
+                if len(taxel.residual) != 2 * levels:
+                    raise CompensatorError(f"a residual has {len(taxel.residual)} values, not {2 * levels}")
+                keep.append((ctypes.c_double * len(taxel.residual))(*taxel.residual))
+                row.residual = ctypes.cast(keep[-1], ctypes.POINTER(ctypes.c_double))
         flags = (_DOUBLE if double else 0) | (_AT_REST if at_rest else 0) | (_EXACT_OUTER if exact_outer else 0)
         setup = _Setup(ctypes.sizeof(_Setup), flags, longest_gap, len(taxels), knots, doubles(list(pressure)),
-                       volts_per_count, flat_pressure, known_pressure, tare_share)
+                       volts_per_count, flat_pressure, known_pressure, tare_share, levels)
         self._create(self._library.tb_compensator_create, setup, rows)
 
     def _create(self, create, setup, rows):

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/identify/residuals.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
 #include "analysis/whole_file.h"
@@ -60,6 +61,7 @@ FrameSetup frame_setup_of(const SensorModel& document, double volts_per_count) {
     own.parameters = elam->parameters;
     own.noise_v = taxel.noise;
     own.falling = document.falling;
+    own.residual_psi = residual_by_level(taxel);
     setup.elam = elam->options;
   }
   if (setup.taxels.size() != static_cast<std::size_t>(document.rows) * static_cast<std::size_t>(document.columns))

@@ -1,6 +1,7 @@
 """A stored model as a stream of compensated frames: from a document (tactbench fit -o, model export) or from a store."""
 
 import array
+import bisect
 import json
 import math
 import os
@@ -123,7 +124,7 @@ def _document_of(store, run, fit, void_too):
                 "sensor": {"serial": patterns["sensor_serial"], "scanner_serial": patterns["scanner_serial"],
                            "rows": patterns["rows"], "columns": patterns["columns"]},
                 "validity": {"input": {"low": patterns["pressure_psi"][0], "high": patterns["pressure_psi"][-1]}},
-                "taxels": [_taxel_of(each, patterns["pressure_psi"], json.loads(row["options_json"])) for each in taxels]}
+                "taxels": [_taxel_of(each, patterns, json.loads(row["options_json"])) for each in taxels]}
     except (ValueError, KeyError) as error:
         raise TactbenchError(f"{name} cannot be read: {error!r}; fit the run again: tactbench fit {run}") from error
 
@@ -135,10 +136,12 @@ def _floats(blob):
     return list(values)
 
 
-def _taxel_of(row, pressure, options):
+def _taxel_of(row, patterns, options):
     taxel = {"taxel": row["taxel"], "status": row["status"], "noise": row["noise_v"] or 0.0, "zero": 0.0, "gain": 1.0}
+    if "residual_psi" in patterns:
+        taxel["residual_psi"] = patterns["residual_psi"][row["taxel"]]  # the mean taxel, -1, is the last
     if row["parameters"]:
-        taxel["model"] = {"model": "elam", "x": pressure, "ascending": _floats(row["ascending_v"]),
+        taxel["model"] = {"model": "elam", "x": patterns["pressure_psi"], "ascending": _floats(row["ascending_v"]),
                           "descending": _floats(row["descending_v"]),
                           "parameters": dict(zip(_PARAMETERS, _floats(row["parameters"]))),
                           "options": {"exact_outer": options["exact_outer"], "memory": False, "splits": 1}}
@@ -181,13 +184,31 @@ def _elam_stream(document, taxels, name, volts_per_count, noisier, options):
             grid, exact_outer = model["x"], model["options"]["exact_outer"]
         if model["x"] != grid:
             raise _refusal(name, "its taxels do not share one grid")
-        adjusted = lambda values: [taxel["zero"] + taxel["gain"] * value for value in values]
-        rows.append(_streams.Taxel(adjusted(model["ascending"]), adjusted(model["descending"]),
-                                   [model["parameters"][key] for key in _PARAMETERS], noisier * taxel["noise"],
-                                   falling=document["output"]["falling"]))
+        up, down = ([taxel["zero"] + taxel["gain"] * value for value in model[name]] for name in ("ascending", "descending"))
+        rows.append(_streams.Taxel(up, down, [model["parameters"][key] for key in _PARAMETERS], noisier * taxel["noise"],
+                                   falling=document["output"]["falling"],
+                                   residual=_residual_of(taxel.get("residual_psi", 0.0), grid, up, down)))
     if grid is None:
         raise _refusal(name, "none of its taxels is fitted")
     return _ElamStream(grid, rows, volts_per_count, **{"exact_outer": exact_outer, **options})
+
+
+def _residual_of(scale, x, up, down):
+    """As residual_by_level() of analysis/identify/streams/residuals.cpp: larger as the branch is flatter, to a limit."""
+    if not scale:
+        return ()
+
+    def at(branch, where):
+        k = min(max(bisect.bisect_right(x, where) - 1, 0), len(x) - 2)
+        return branch[k] + (branch[k + 1] - branch[k]) * (where - x[k]) / (x[k + 1] - x[k])
+
+    levels, most, least, rise, residual = 20, 12.0, 0.5, up[-1] - up[0], []
+    for branch in (up, down):
+        ends = [at(branch, x[0] + (x[-1] - x[0]) * k / levels) for k in range(levels + 1)]
+        for low, high in zip(ends, ends[1:]):
+            own = levels * (high - low)
+            residual.append(scale * (max(rise / own, least) if own > rise / most else most))
+    return residual
 
 
 def _everett_of(weights, intervals, gain):

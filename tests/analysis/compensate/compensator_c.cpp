@@ -131,7 +131,7 @@ TEST_CASE("C API: null pointers, wrong sizes and invalid values are refused with
     CHECK(handle == nullptr);
     CHECK_FALSE(why.empty());
   };
-  refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.setup.struct_size -= 8; });
+  refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.setup.struct_size -= 16; });
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.taxels[0].struct_size = 8; });
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.taxels[2].struct_size += 8; });
   refused(TB_COMPENSATOR_SIZE, [](Given& g) { g.setup.knots = 1; });

@@ -26,8 +26,9 @@ rows = [line.split() for line in subprocess.run([program], capture_output=True, 
 rows = [(row[0], [float(value) for value in row[1:]]) for row in rows]
 setup = dict(rows[:2])
 of = lambda name: [values for key, values in rows if key == name]
-taxels = [tc.Taxel(up, down, parameters[:5], parameters[5], usable=usable[0] == 1)
-          for usable, up, down, parameters in zip(of("usable"), of("ascending"), of("descending"), of("parameters"))]
+taxels = [tc.Taxel(up, down, parameters[:5], parameters[5], usable=usable[0] == 1, residual=residual)
+          for usable, up, down, parameters, residual in zip(of("usable"), of("ascending"), of("descending"), of("parameters"),
+                                                            of("residual"))]
 
 
 def make(**options):
@@ -55,6 +56,13 @@ refused(lambda: single.counts(counts), "closed")
 single.close()
 with make() as unknown:
     check(unknown.counts([30000] * len(taxels)).status[0] & tc.UNKNOWN, "unknown start")
+taxels[5].residual[7] = -0.1
+refused(make, "taxel 5: frame compensator: its residual is negative")
+taxels[5].residual[7] = 0.1
+taxels[6].residual.pop()
+refused(make, "11 values, not 12")
+taxels[6].residual = []
+make().close()
 taxels[5].parameters = (0.5, 7.0, 0.0, 0.5, 0.5)
 refused(make, "taxel 5")
 taxels[5].ascending = [0.0, 1.0]

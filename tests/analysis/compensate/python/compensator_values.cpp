@@ -52,6 +52,10 @@ int main() {
   constexpr int kTaxels = 20;
   Frames frames = random_reversals(kTaxels, 300, 0.002, 0.7);
   frames.setup.taxels[3].usable = false;
+  for (std::size_t t = 0; t < kTaxels; ++t)
+    if (t != 4)
+      for (std::size_t k = 0; k < 12; ++k)
+        frames.setup.taxels[t].residual_psi.push_back(0.1 + 0.01 * static_cast<double>(k + t));
   line("pressure", frames.setup.pressure_psi);
   line("volts_per_count", std::span(&frames.setup.volts_per_count, 1));
   for (const TaxelSetup& taxel : frames.setup.taxels) {
@@ -61,6 +65,7 @@ int main() {
     line("ascending", taxel.ascending_v);
     line("descending", taxel.descending_v);
     line("parameters", parameters);
+    line("residual", taxel.residual_psi);
   }
   FrameCompensator<double> exact(frames.setup);
   FrameCompensator<float> fast(frames.setup);
