@@ -177,7 +177,7 @@ TEST_CASE("residual in frames: wrong sizes and values are refused by taxel") {
   CHECK_NOTHROW(FrameCompensator<double>(dead));
 }
 
-TEST_CASE("C API: residuals reach the uncertainty; structs that end before them work and give noise alone") {
+TEST_CASE("C API: residuals reach the uncertainty, and structs that end before them work and give noise alone") {
   const Frames frames = random_reversals(kTaxels, 300, 0.002, 0.7);
   FrameCompensator<double> fast(with_residuals(frames.setup)), noise(frames.setup);
   constexpr std::size_t kSetup = sizeof(tb_compensator_setup), kTaxel = sizeof(tb_compensator_taxel);
