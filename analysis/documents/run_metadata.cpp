@@ -1,5 +1,7 @@
 #include "analysis/documents/run_metadata.h"
 
+#include <fmt/format.h>
+
 namespace tactbench::analysis {
 
 std::map<std::string, std::string> metadata_of(const db::RunRecord& run) {
@@ -12,7 +14,7 @@ std::map<std::string, std::string> metadata_of(const db::RunRecord& run) {
 
 std::string metadata_words(const std::map<std::string, std::string>& metadata) {
   std::string text;
-  for (const auto& [key, value] : metadata) text += (text.empty() ? "" : ", ") + key + " " + value;
+  for (const auto& [key, value] : metadata) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", key, value);
   return text;
 }
 

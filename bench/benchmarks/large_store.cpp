@@ -92,7 +92,7 @@ std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int roun
                  "-q", "--seed", seed, "--db", "real.db"});
   program.run({"fit", "1", "--held-out", "2", "--limits", "limits.toml", "--db", "real.db"});
   for (const int count : runs) {
-    const std::string store = fmt::format("{}.db", count), path = folder + "/" + store;
+    const std::string store = fmt::format("{}.db", count), path = fmt::format("{}/{}", folder, store);
     make_store(path, count, folder + "/real.db");
     const std::string real = std::to_string(count - 1);
     const auto add = [&](const char* name, const std::vector<std::string>& words) {

@@ -69,7 +69,11 @@ LongWork::LongWork(std::string label, bool silent, std::vector<WorkStage> stages
 }
 
 LongWork::~LongWork() {
-  end();
+  try {
+    end();
+  } catch (...) {
+    // A terminal that is gone has no line to take away.
+  }
   present = before_;
 }
 
