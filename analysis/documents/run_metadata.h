@@ -10,7 +10,5 @@
 namespace tactbench::analysis {
 
 std::map<std::string, std::string> metadata_of(const db::RunRecord& run);
-// "lot A7, order 55"; empty without any.
-std::string metadata_words(const std::map<std::string, std::string>& metadata);
 
 }  // namespace tactbench::analysis

@@ -14,7 +14,7 @@
 
 namespace tactbench::bench {
 
-// Commands to actuators, readings and accounts tell nothing of how a run goes.
+// Commands to actuators, readings and accounts do not show how a run goes.
 bool shows_progress(const db::EventRecord& event);
 
 struct StoredRun {
