@@ -39,6 +39,11 @@ SeenFrame frame_of(const sqlite::Statement& row, std::int64_t above, const std::
   return seen;
 }
 
+struct ResetAtEnd {
+  sqlite::Statement& statement;
+  ~ResetAtEnd() { statement.reset(); }
+};
+
 }  // namespace
 
 std::vector<double> mean_counts(const SeenFrame& frame) {
@@ -55,6 +60,7 @@ struct RunLook::Queries {
     connection.trust_no_schema();
   }
   sqlite::Connection connection;
+  sqlite::Statement after{connection, std::string(kColumns) + "LIMIT ?", true};  // asked for at every frame
 };
 
 RunLook::RunLook(const RunStore& store, std::int64_t run) : run_(run), queries_(std::make_unique<Queries>(store)) {}
@@ -64,7 +70,8 @@ RunLook::~RunLook() = default;
 
 void RunLook::frames_after(std::int64_t position, int most, const std::function<void(const SeenFrame&)>& see) {
   const std::int64_t above = frames_above(run_);
-  sqlite::Statement rows(queries_->connection, std::string(kColumns) + "LIMIT ?");
+  sqlite::Statement& rows = queries_->after;
+  const ResetAtEnd reset{rows};  // or the log of who writes could not be put back into the file
   rows.bind(above + std::max<std::int64_t>(position, 0), frames_below(run_), most);
   while (rows.step()) see(frame_of(rows, above, queries_->connection.path()));
 }

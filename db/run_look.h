@@ -1,5 +1,5 @@
 // One run that another process may be writing, looked at again and again: its frames behind a place, over a read-only
-// connection that stays open. For who follows a run for hours; single looks: newest.h.
+// connection that stays open. For who follows a run for hours.
 #pragma once
 
 #include <cstdint>

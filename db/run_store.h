@@ -144,6 +144,8 @@ class RunStore {
   [[nodiscard]] std::int64_t flagged_frame_count(std::int64_t run) const;  // with any flag, also in void branches
   [[nodiscard]] int scans_of_first_frame(std::int64_t run) const;          // 0: the run has no frame
   [[nodiscard]] std::vector<EventRecord> events(std::int64_t run) const;
+  // Newest first, until `see` returns false; the others are not read.
+  void newest_events(std::int64_t run, const std::function<bool(const EventRecord&)>& see) const;
   [[nodiscard]] std::vector<CheckRecord> checks(std::int64_t run) const;
   [[nodiscard]] std::vector<SeriesRecord> series(std::int64_t run) const;  // by sequence, then taxel
   // The newest check of that kind and verdict from an earlier run of this sensor; void runs do not count.

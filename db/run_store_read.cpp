@@ -206,6 +206,17 @@ RunRecord RunStore::run(std::int64_t number) const { return database_->run(numbe
 std::vector<BranchRecord> RunStore::branches(std::int64_t run) const { return database_->branches(run); }
 std::vector<EventRecord> RunStore::events(std::int64_t run) const { return database_->events(run); }
 
+void RunStore::newest_events(std::int64_t run, const std::function<bool(const EventRecord&)>& see) const {
+  sqlite::Statement rows(database_->connection,
+                         "SELECT time_ns, kind, id, detail FROM events WHERE run = ? ORDER BY event DESC");
+  rows.bind(run);
+  EventRecord event;
+  while (rows.step()) {
+    rows.read(event.time_ns, event.kind, event.id, event.detail);
+    if (!see(event)) return;
+  }
+}
+
 void RunStore::Database::require_frames(std::int64_t run) {
   require_run(run);
   sqlite::Statement row(connection, "SELECT rule, pruned_utc FROM pruned WHERE run = ?");

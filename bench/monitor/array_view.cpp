@@ -10,7 +10,7 @@
 #include "analysis/identify/taxel_status.h"
 #include "analysis/json_io.h"
 #include "analysis/scanner_scale.h"
-#include "db/newest.h"
+#include "db/run_look.h"
 
 namespace tactbench::bench {
 
@@ -45,13 +45,6 @@ std::optional<Seating> seating_of(const std::vector<db::CheckRecord>& checks) {
     return seating;
   }
   return std::nullopt;
-}
-
-std::vector<double> mean_volts(const db::NewestFrame& frame, double scale) {
-  const std::size_t taxels = static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns);
-  std::vector<double> volts(taxels, 0.0);
-  for (std::size_t i = 0; i < frame.counts.size(); ++i) volts[i % taxels] += scale * frame.counts[i] / frame.scans;
-  return volts;
 }
 
 void find_dead(ArrayView& view, const std::vector<double>& unloaded_v, double pressure_psi) {
@@ -94,34 +87,23 @@ ArrayView view_of_frame(const ArrayBasis& basis, const db::SeenFrame& frame) {
 }
 
 std::optional<ArrayView> newest_array(const db::RunStore& store, const db::RunRecord& run) {
-  const std::optional<db::NewestFrame> frame = db::newest_frame(store, run.run);
+  const std::optional<db::SeenFrame> frame = db::RunLook(store, run.run).newest();
   const std::optional<Seating> seating = seating_of(store.checks(run.run));
   if (!frame && !seating) return std::nullopt;
-  double scale = 0.0;
+  ArrayBasis basis{0.0, unloaded_of(seating)};
   try {
-    scale = analysis::volts_per_count(run);
+    basis.volts_per_count = analysis::volts_per_count(run);
   } catch (const analysis::AnalysisError&) {
     return std::nullopt;
   }
+  if (frame) return view_of_frame(basis, *frame);
   ArrayView view;
-  view.full_scale_v = scale * kConverterRange;
-  if (!frame) {
-    view.title = fmt::format("seating check at {:.1f} psi", seating->pressure_psi);
-    view.rows = seating->rows;
-    view.columns = seating->columns;
-    view.volts = seating->loaded_v;
-    find_dead(view, unloaded_of(seating), seating->pressure_psi);
-    return view;
-  }
-  view.rows = frame->rows;
-  view.columns = frame->columns;
-  view.volts = mean_volts(*frame, scale);
-  if (frame->force_n) {  // an object presses on a part of the array
-    view.title = fmt::format("frame {} at {:.2f} N", frame->position, *frame->force_n);
-  } else {
-    view.title = fmt::format("frame {} at {:.1f} psi", frame->position, frame->reference_psi);
-    find_dead(view, unloaded_of(seating), frame->reference_psi);
-  }
+  view.full_scale_v = basis.volts_per_count * kConverterRange;
+  view.title = fmt::format("seating check at {:.1f} psi", seating->pressure_psi);
+  view.rows = seating->rows;
+  view.columns = seating->columns;
+  view.volts = seating->loaded_v;
+  find_dead(view, basis.unloaded_v, seating->pressure_psi);
   return view;
 }
 

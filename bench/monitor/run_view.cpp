@@ -11,7 +11,6 @@
 #include "analysis/counted.h"
 #include "analysis/documents/run_json.h"
 #include "bench/common/for_people.h"
-#include "db/newest.h"
 
 namespace tactbench::bench {
 
@@ -77,7 +76,7 @@ bool shows_progress(const db::EventRecord& event) {
 
 StoredRun stored_run(const db::RunStore& store, std::int64_t run) {
   StoredRun stored{store.run(run), store.frame_count(run), {}};
-  db::newest_events(store, run, [&](const db::EventRecord& event) {
+  store.newest_events(run, [&](const db::EventRecord& event) {
     if (shows_progress(event)) stored.events.push_back(event);
     return stored.events.size() < kEvents;
   });

@@ -10,7 +10,6 @@
 #include "bench/common/for_people.h"
 #include "bench/page/cures.h"
 #include "bench/run/control/locks.h"
-#include "db/newest.h"
 
 namespace tactbench::bench {
 
@@ -102,7 +101,8 @@ void RunOnShow::look(const LiveRun* live) {
   std::string seen;
   if (live != nullptr)
     seen = fmt::format("{} {} {}", live->status.run, to_string(live->status.state), live->status.frames);
-  const bool other = live != nullptr && run() != live->status.run;
+  const bool other = live != nullptr ? run() != live->status.run : was_live_;  // the end, too, is told as it is stored
+  was_live_ = live != nullptr;
   const auto since = now - read_;
   if (since >= kReadAgain || (seen != seen_ && (since >= kReadAtMost || other))) {
     seen_ = seen;
@@ -146,7 +146,7 @@ void RunOnShow::read_run(std::int64_t run) {
   if (record.outcome == db::Outcome::kIncomplete) carried_out_ = is_carried_out(store_->path(), run);
   events_.clear();
   newest_safe_.reset();
-  db::newest_events(*store_, run, [&](const db::EventRecord& event) {
+  store_->newest_events(run, [&](const db::EventRecord& event) {
     if (!newest_safe_ && event.kind == "safe") newest_safe_ = event;
     if (tells(event) && events_.size() < kEvents) events_.push_back(event);
     return !newest_safe_ || events_.size() < kEvents;

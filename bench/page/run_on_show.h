@@ -60,6 +60,7 @@ class RunOnShow {
   bool new_picture_ = false;
   RealClock::time_point read_{};
   std::string seen_;  // of the live run, when the store was read
+  bool was_live_ = false;
 };
 
 }  // namespace tactbench::bench

@@ -1,5 +1,5 @@
 // The newest frame and events of a run, as a second process sees them.
-#include "db/newest.h"
+#include "db/run_look.h"
 
 #include <catch2/catch.hpp>
 
@@ -15,25 +15,26 @@ TEST_CASE("newest: the last frame of a run with its position, while the run is w
   RunStore store = RunStore::open(folder.path("runs.db"));
   const Begun begun = begin_example(store);
   const RunStore reader = RunStore::open_read_only(folder.path("runs.db"));
-  CHECK_FALSE(db::newest_frame(reader, begun.run));
-  CHECK_FALSE(db::newest_frame(reader, 99));
+  CHECK_FALSE(db::RunLook(reader, begun.run).newest());
+  CHECK_FALSE(db::RunLook(reader, 99).newest());
   store.append_frame(begun.run, example_frame(begun.branch, 0));
   db::FrameRecord last = example_frame(begun.branch, 1);
   store.append_frame(begun.run, last);
   const Begun other = begin_example(store);
   store.append_frame(other.run, example_frame(other.branch, 5));
-  const auto frame = db::newest_frame(reader, begun.run);
+  const auto frame = db::RunLook(reader, begun.run).newest();
   REQUIRE(frame);
   CHECK(frame->position == 2);
   CHECK(frame->setpoint_psi == last.setpoint_psi);
   CHECK(frame->reference_psi == last.reference_psi);
   CHECK((frame->rows == 3 && frame->columns == 2 && frame->scans == 2));
   CHECK(frame->counts == last.counts);
-  CHECK(frame->force_n == 6.2);  // pressing is positive
+  REQUIRE(frame->wrench);
+  CHECK(frame->wrench->wrench[2] == -6.2);
   last.wrench.reset();
   store.append_frame(begun.run, last);
-  CHECK(db::newest_frame(reader, begun.run)->position == 3);
-  CHECK_FALSE(db::newest_frame(reader, begun.run)->force_n);
+  CHECK(db::RunLook(reader, begun.run).newest()->position == 3);
+  CHECK_FALSE(db::RunLook(reader, begun.run).newest()->wrench);
 }
 
 TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
@@ -43,7 +44,7 @@ TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
   for (int i = 1; i <= 4; ++i) store.append_event(begun.run, {i, "kind", "TB-ID", std::to_string(i)});
   store.append_event(begin_example(store).run, {9, "other", "", ""});
   std::vector<std::string> seen;
-  db::newest_events(store, begun.run, [&](const db::EventRecord& event) {
+  store.newest_events(begun.run, [&](const db::EventRecord& event) {
     CHECK((event.kind == "kind" && event.id == "TB-ID" && std::to_string(event.time_ns) == event.detail));
     seen.push_back(event.detail);
     return seen.size() < 3;

@@ -29,14 +29,22 @@ export class Bench {
   read(name) { return readFileSync(join(this.folder, name), 'utf8'); }
 
   // Runs beside; `ended` becomes its exit code, or the signal's name.
-  start(...words) {
-    const child = spawn(this.program, words, { cwd: this.folder, env: this.env, stdio: ['ignore', 'pipe', 'pipe'] });
+  start(...words) { return this.spawned(this.program, words); }
+
+  spawned(command, words) {
+    const child = spawn(command, words, { cwd: this.folder, env: this.env, stdio: ['ignore', 'pipe', 'pipe'] });
     child.said = '';
     child.stdout.on('data', (text) => { child.said += text; });
     child.stderr.on('data', (text) => { child.said += text; });
     child.ended = new Promise((done) => { child.on('exit', (code, signal) => done(code ?? signal)); });
     this.started.push(child);
     return child;
+  }
+
+  // The same on a terminal of its own, where a person would answer.
+  start_in_terminal(...words) {
+    const quoted = [this.program, ...words].map((word) => `'${word}'`).join(' ');
+    return this.spawned('script', ['-qefc', quoted, '/dev/null']);
   }
 
   async page(...words) {
@@ -86,6 +94,8 @@ export async function viewer(browser, link, { width = 1280, height = 900, dark =
         throw new Error(`#${id} never says "${part}"; it says "${await page.textContent(`#${id}`)}"`);
       }
     },
+    // What was told, also after it was hidden again.
+    told: (part) => page.waitForFunction((words) => document.getElementById('told').textContent.includes(words), part),
     hidden: (id) => page.waitForFunction((name) => document.getElementById(name).hidden, id),
     shown: (id) => page.waitForFunction((name) => !document.getElementById(name).hidden, id),
   };

@@ -1,13 +1,11 @@
 #include "analysis/identify/elam/genetic.h"
 
-#include <dlfcn.h>
-
-#include <filesystem>
 #include <stdexcept>
 
 #include "analysis/identify/elam/elam_determined.h"
 #include "analysis/identify/elam/elam_samples.h"
 #include "analysis/identify/elam/genetic_module.h"
+#include "analysis/module_symbol.h"
 
 namespace tactbench::analysis {
 
@@ -19,17 +17,8 @@ namespace {
 constexpr unsigned kGenes = 5, kIndividuals = 50, kGenerations = 500;
 constexpr double kCrossover = 0.8, kCrossoverSpread = 1.0, kMutation = 0.2, kMutationSpread = 0.05;
 
-// Beside the program, where it was built (tests lie a folder deeper), and where it is installed. It stays loaded.
 GeneticSearch* loaded() {
-  static GeneticSearch* const search = []() -> GeneticSearch* {
-    std::error_code none;
-    const auto own = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
-    for (const char* folder : {".", "..", "../lib/tactbench/modules"}) {
-      if (void* module = dlopen((own / folder / kGeneticModule).c_str(), RTLD_NOW | RTLD_LOCAL))
-        return reinterpret_cast<GeneticSearch*>(dlsym(module, kGeneticSearch));
-    }
-    return nullptr;
-  }();
+  static auto* const search = reinterpret_cast<GeneticSearch*>(module_symbol(kGeneticModule, kGeneticSearch));
   return search;
 }
 

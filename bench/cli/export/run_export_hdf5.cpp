@@ -27,9 +27,9 @@ std::vector<Value> hdf5_column(const std::vector<Row>& rows, Get get) {
   for (const Row& row : rows) values.push_back(static_cast<Value>(get(row)));
   return values;
 }
-using Reals = std::vector<double>;
-using Integers = std::vector<std::int64_t>;
-using Texts = std::vector<std::string>;
+using Reals = Hdf5File::Reals;
+using Integers = Hdf5File::Integers;
+using Texts = Hdf5File::Texts;
 
 template <class Row, class Get>
 Reals reals(const std::vector<Row>& rows, Get get) {
@@ -281,14 +281,14 @@ std::size_t write_run_hdf5(const db::RunStore& store, const db::RunRecord& run, 
   const HalfFile half = make_half_file(path);
   std::error_code ignored;
   try {
-    Hdf5File file(half.name);
+    const auto made = make_hdf5_file(half.name);
     const nlohmann::ordered_json document = analysis::run_json(run);
-    hdf5_head(file, document, run);
-    hdf5_recipes_and_devices(file, document, run);
-    hdf5_frames(file, run, store.frames(run.run), store.branches(run.run));
-    hdf5_remarks(file, store, run.run);
-    add_nexus(file, run);
-    file.close();
+    hdf5_head(*made, document, run);
+    hdf5_recipes_and_devices(*made, document, run);
+    hdf5_frames(*made, run, store.frames(run.run), store.branches(run.run));
+    hdf5_remarks(*made, store, run.run);
+    add_nexus(*made, run);
+    made->close();
     std::filesystem::rename(half.name, half.target);
   } catch (...) {
     std::filesystem::remove(half.name, ignored);

@@ -153,7 +153,7 @@ function showReadings() {
 
 function drawTrace() {
   const { trace } = now;
-  const force = trace.length > 0 && trace[trace.length - 1].target != null;
+  const force = now.readings != null && now.readings.target_n != null;
   const points = trace.filter((p) => (p.target != null) === force);
   const x = points.map((p) => p.t);
   const ys = force ? [['target', 'setpoint'], ['force', 'reference']] : [['set', 'setpoint'], ['feed', 'feedback'], ['ref', 'reference']];

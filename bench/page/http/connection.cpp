@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <cctype>
@@ -139,7 +140,7 @@ void Connection::answer(HttpResponse response, bool goes_on) {
     self->deadline_.cancel();
     if (stream) {
       self->watch_for_end();
-      self->write_event();
+      self->write_events();
     } else if (goes_on) {
       self->expect_request();
     } else {
@@ -189,21 +190,29 @@ void Connection::offer(int kind, const SharedText& event) {
   } else {
     waiting_.emplace_back(kind, event);
   }
-  if (!writing_) write_event();
+  if (writing_ || due_) return;
+  due_ = true;  // what is offered in the same turn goes out in one piece
+  boost::asio::post(deadline_.get_executor(), [self = shared_from_this()] {
+    self->due_ = false;
+    if (!self->writing_) self->write_events();
+  });
 }
 
-void Connection::write_event() {
+void Connection::write_events() {
   if (closed_ || waiting_.empty()) return;
-  body_ = std::move(waiting_.front().second);
-  waiting_.pop_front();
+  sent_ = std::move(waiting_);
+  waiting_.clear();
+  std::vector<boost::asio::const_buffer> parts;
+  parts.reserve(sent_.size());
+  for (const auto& [kind, event] : sent_) parts.push_back(buffer(*event));
   writing_ = true;
   arm(host_.options.longest_write);
-  wire_->write({buffer(*body_)}, [self = shared_from_this()](bool ok, std::size_t) {
+  wire_->write(parts, [self = shared_from_this()](bool ok, std::size_t) {
     self->writing_ = false;
     if (self->closed_) return;
     if (!ok) return self->close();
     self->deadline_.cancel();
-    self->write_event();
+    self->write_events();
   });
 }
 

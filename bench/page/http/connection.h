@@ -4,11 +4,11 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/steady_timer.hpp>
 
@@ -46,7 +46,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void part();
   void drop_the_rest();
   void watch_for_end();
-  void write_event();
+  void write_events();
   void arm(std::chrono::milliseconds longest);
 
   ConnectionHost& host_;
@@ -57,9 +57,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::unique_ptr<Parser> parser_;
   std::string head_;
   SharedText body_;  // under way
-  bool closed_ = false, viewer_ = false, writing_ = false;
+  bool closed_ = false, viewer_ = false, writing_ = false, due_ = false;
   std::size_t dropped_ = 0;
-  std::deque<std::pair<int, SharedText>> waiting_;  // one of a kind at most
+  std::vector<std::pair<int, SharedText>> waiting_, sent_;  // one of a kind at most
 };
 
 }  // namespace tactbench::bench
