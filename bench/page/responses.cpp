@@ -25,6 +25,8 @@ constexpr std::array kOwnFiles = {
     OwnFile{"/link.js", "link.js", "text/javascript; charset=utf-8"},
     OwnFile{"/draw.js", "draw.js", "text/javascript; charset=utf-8"},
     OwnFile{"/now.js", "now.js", "text/javascript; charset=utf-8"},
+    OwnFile{"/panels.js", "panels.js", "text/javascript; charset=utf-8"},
+    OwnFile{"/seen.js", "seen.js", "text/javascript; charset=utf-8"},
     OwnFile{"/store.js", "store.js", "text/javascript; charset=utf-8"},
     OwnFile{"/icon.svg", "icon.svg", "image/svg+xml"},
 };

@@ -1,6 +1,7 @@
 // The page: which view is shown, how old the news is, and the stream that feeds the first view.
 import { follow, keys, viewersLink } from './link.js';
 import * as now from './now.js';
+import { tell } from './panels.js';
 import * as store from './store.js';
 
 const $ = (id) => document.getElementById(id);
@@ -64,9 +65,9 @@ document.addEventListener('visibilitychange', now.redraw);
 $('copy').addEventListener('click', async () => {
   try {
     await navigator.clipboard.writeText(viewersLink());
-    now.tell('The link for viewers is in the clipboard: it reads and cannot command.');
+    tell('The link for viewers is in the clipboard: it reads and cannot command.');
   } catch {
-    now.tell(viewersLink());
+    tell(viewersLink());
   }
 });
 showView();

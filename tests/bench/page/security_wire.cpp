@@ -214,7 +214,8 @@ TEST_CASE("page: every answer carries the fields that keep it to itself, and the
     CHECK_THAT(answer, !Catch::Contains("Access-Control-Allow") && !Catch::Contains("Set-Cookie") &&
                            !Catch::Contains("unsafe-"));
   }
-  for (const char* file : {"/", "/page.css", "/page.js", "/link.js", "/draw.js", "/now.js", "/store.js", "/icon.svg"}) {
+  for (const char* file : {"/", "/page.css", "/page.js", "/link.js", "/draw.js", "/now.js", "/panels.js", "/seen.js",
+                           "/store.js", "/icon.svg"}) {
     INFO(file);
     const std::string answer = page.ask(fmt::format("GET {}", file));
     CHECK(status_of(answer) == 200);
