@@ -8,12 +8,12 @@ import sqlite3
 import sys
 import tempfile
 
-from server import Program, Server, content_of, expect, make_store, skip_unless_possible
+from server import Program, content_of, expect, make_store, server_for, skip_unless_possible
 
 skip_unless_possible()
 path = sys.argv[1]
 
-with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() as server:
+with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, server_for("first_hour") as server:
     lab = Program(path, folder)
     server.new_database("tactile")
     owner = server.conninfo()
@@ -23,7 +23,8 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() 
            "an empty database is named so")
     expect("made a fleet" in lab.run("fleet", "migrate", "--to", owner), "the fleet is made")
     expect("already" in lab.run("fleet", "migrate", "--to", owner), "and made once")
-    server.sql("CREATE ROLE bench_a LOGIN IN ROLE tactbench_bench; CREATE ROLE ana LOGIN IN ROLE tactbench_analyst")
+    server.new_role("bench_a", "LOGIN IN ROLE tactbench_bench")
+    server.new_role("ana", "LOGIN IN ROLE tactbench_analyst")
     bench, analyst = server.conninfo(user="bench_a"), server.conninfo(user="ana")
 
     # --- a bench pushes; again, nothing is sent
@@ -112,14 +113,14 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() 
     for text in ("UPDATE fleet.runs SET purpose = 'x'", "DELETE FROM fleet.frames", "TRUNCATE fleet.runs CASCADE",
                  "INSERT INTO fleet.about VALUES ('x')", "DROP TABLE fleet.frames"):
         for user in ("bench_a", "ana"):
-            expect("denied" in server.try_sql(text, user=user).stderr or "must be owner" in server.try_sql(text, user=user).stderr,
-                   (user, text))
+            said = server.try_sql(text, user=user)
+            expect("denied" in said or "must be owner" in said, (user, text, said))
     for text in ("UPDATE fleet.runs SET purpose = 'x'", "DELETE FROM fleet.frames", "TRUNCATE fleet.revisions CASCADE",
                  "DELETE FROM fleet.fits", "UPDATE fleet.revisions SET tags = 'x'"):
-        expect("nobody changes or deletes" in server.try_sql(text).stderr, "not even the owner: " + text)
+        expect("nobody changes or deletes" in server.try_sql(text), "not even the owner: " + text)
     expect("TB-FLEET-DENIED" in lab.run("fleet", "push", "--to", analyst, "--db", "home.db", code=None).stderr or
            lab.json("fleet", "push", "--to", analyst, "--db", "home.db")["pushed"] == [], "an analyst adds nothing")
-    server.sql("CREATE ROLE nobody_of_ours LOGIN")
+    server.new_role("nobody_of_ours")
     expect("TB-FLEET-DENIED" in lab.run("fleet", "runs", "--from", server.conninfo(user="nobody_of_ours"), code=5), "a stranger")
 
     # --- a change behind the program's back is found

@@ -56,7 +56,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
                 preload=full_disk, more_environment={"TACTBENCH_FULL_DISK": mark}) as server:
         server.new_database("tactile")
         lab.run("fleet", "migrate", "--to", server.conninfo())
-        server.sql("CREATE ROLE bench_a LOGIN PASSWORD 'right' IN ROLE tactbench_bench")
+        server.new_role("bench_a", "LOGIN PASSWORD 'right' IN ROLE tactbench_bench")
         with open(os.path.join(server.data, "pg_hba.conf"), "w") as file:
             file.write("host all postgres 127.0.0.1/32 trust\nhost all all 127.0.0.1/32 scram-sha-256\n")
         server.sql("SELECT pg_reload_conf()")
@@ -113,7 +113,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
         expect(lab.json("fleet", "status", "--to", bench, code=3)["waiting_runs"] == 1, "the backlog by the note")
         expect("keeps everything" in lab.run("fleet", "status", "--to", bench, code=3), "in words")
         server.start()
-        comes_true(lambda: server.try_sql("SELECT count(*) FROM fleet.runs").stdout.strip() == "4", "the push of the third run")
+        comes_true(lambda: server.try_sql("SELECT count(*) FROM fleet.runs") == [["4"]], "the push of the third run")
         follower.send_signal(signal.SIGTERM)
         said = follower.communicate(timeout=LONGEST_S)[0]
         expect(follower.returncode == 0 and "tried again" in said and "there again" in said, (follower.returncode, said))

@@ -1,5 +1,6 @@
 """A real PostgreSQL for a test: its own cluster in a temporary folder, on loopback and a free port, as user postgres; no
-service of the system is used or made. And the program under test, run as a person would.
+service of the system is used or made. Or databases on a server that several tests share (common_server.py). And the program
+under test, run as a person would.
 
 Where it cannot run (not root, no PostgreSQL 15), the test ends with 77, which ctest shows as skipped.
 """
@@ -16,9 +17,12 @@ import sys
 import tempfile
 import time
 
+from libpq import Refused, ask
+
 SKIPPED = 77
 LONGEST_S = 300
 BIN = "/usr/lib/postgresql/15/bin"
+MADE = "fleet_made"  # on the common server: a fleet's tables, to make databases from
 
 
 def skip_unless_possible():
@@ -49,23 +53,52 @@ def environment(**more):
     return {**kept, "TACTBENCH_RUNTIME_DIR": PRIVATE.name, "XDG_STATE_HOME": PRIVATE.name, **more}
 
 
+def fast_place():
+    """A folder in memory where there is room for a cluster, since most of its making is writing; else that of temporary files."""
+    try:
+        return "/dev/shm" if shutil.disk_usage("/dev/shm").free > 2 << 30 else None
+    except OSError:
+        return None
+
+
+def common():
+    """What common_server.py says of itself; nothing: it does not run."""
+    try:
+        with open(os.environ.get("TACTBENCH_TEST_SERVER", "")) as file:
+            return json.load(file)
+    except FileNotFoundError:
+        return {}
+
+
 class Server:
-    def __init__(self, *settings, preload=None, more_environment=None):
-        self.folder = tempfile.mkdtemp(prefix="tactbench-postgres-")
+    # made_in: the cluster is made there, and what runs is a copy.
+    def __init__(self, *settings, preload=None, more_environment=None, made_in=None):
+        self.folder = tempfile.mkdtemp(prefix="tactbench-postgres-", dir=fast_place())
         os.chmod(self.folder, 0o711)
         self.data = os.path.join(self.folder, "data")
-        os.mkdir(self.data)
-        shutil.chown(self.data, "postgres", "postgres")
         self.settings, self.process, self.port = list(settings), None, 0
         self.environment = {**environment(), **({"LD_PRELOAD": preload} if preload else {}), **(more_environment or {})}
-        self.as_postgres([f"{BIN}/initdb", "-D", self.data, "-A", "trust", "-U", "postgres", "--no-sync", "-E", "UTF8",
-                          "--locale", "C.UTF-8"])
+        pristine = made_in or common().get("pristine", self.data)
+        if not os.path.exists(pristine):
+            os.chmod(os.path.dirname(pristine), 0o711)
+            os.mkdir(pristine)
+            shutil.chown(pristine, "postgres", "postgres")
+            self.as_postgres([f"{BIN}/initdb", "-D", pristine, "-A", "trust", "-U", "postgres", "--no-sync", "-E", "UTF8",
+                              "--locale", "C.UTF-8"])
+        if pristine != self.data:
+            subprocess.run(["cp", "-a", pristine, self.data], check=True, timeout=LONGEST_S)
 
     def __enter__(self):
         self.start()
         return self
 
     def __exit__(self, *_):
+        if self.process is not None:
+            self.process.send_signal(signal.SIGQUIT)  # at once, but it takes its shared memory along
+            try:
+                self.process.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                pass
         self.kill()
         shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -78,7 +111,9 @@ class Server:
         for _ in range(5):
             self.port = self.port or free_port()
             command = [f"{BIN}/postgres", "-D", self.data, "-c", f"port={self.port}", "-c", "listen_addresses=127.0.0.1",
-                       "-c", "unix_socket_directories=", "-c", "fsync=off", "-c", "logging_collector=off"]
+                       "-c", "unix_socket_directories=", "-c", "fsync=off", "-c", "logging_collector=off",
+                       # A server that is killed leaves it behind: better in its own folder than in the system's.
+                       "-c", "dynamic_shared_memory_type=mmap"]
             for setting in self.settings:
                 command += ["-c", setting]
             with open(os.path.join(self.folder, "log"), "ab") as log:
@@ -131,30 +166,69 @@ class Server:
                 pass
         return found
 
-    def stop(self):
-        """As an administrator stops it: connections are ended."""
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(timeout=LONGEST_S)
-        self.process = None
-
     def conninfo(self, database="tactile", user="postgres", **more):
         words = {"host": "127.0.0.1", "port": self.port, "dbname": database, "user": user, **more}
         return " ".join(f"{name}={value}" for name, value in words.items())
 
-    def sql(self, text, database="tactile", user="postgres"):
-        """Rows as lists of text; ends the test when the server refuses."""
-        done = self.try_sql(text, database, user)
-        if done.returncode != 0:
-            sys.exit(f"psql: {text}\n{done.stderr}")
-        return [line.split("\x1f") for line in done.stdout.splitlines()]
-
     def try_sql(self, text, database="tactile", user="postgres"):
-        return subprocess.run([f"{BIN}/psql", "-X", "-q", "-A", "-t", "-F", "\x1f", "-v", "ON_ERROR_STOP=1",
-                               self.conninfo(database, user), "-c", text], capture_output=True, text=True, check=False,
-                              timeout=LONGEST_S, env=environment())
+        """Rows as lists of text, or what the server says against it."""
+        try:
+            return ask(self.conninfo(database, user), text)
+        except Refused as refused:
+            return str(refused)
 
-    def new_database(self, name, template="template0"):
-        self.sql(f"CREATE DATABASE {name} TEMPLATE {template}", "postgres")
+    def sql(self, text, database="tactile", user="postgres"):
+        rows = self.try_sql(text, database, user)
+        if isinstance(rows, str):
+            sys.exit(f"SQL: {text}\n{rows}")
+        return rows
+
+    def new_role(self, name, more="LOGIN"):
+        self.sql(f"CREATE ROLE {name} {more}", "postgres")
+
+    def new_database(self, name, template="template0", more=""):
+        self.sql(f"CREATE DATABASE {name} TEMPLATE {template} {more}", "postgres")
+
+    def new_fleet(self, program, name):
+        self.new_database(name)
+        program.run("fleet", "migrate", "--to", self.conninfo(name))
+
+
+class SharedServer(Server):
+    """The common server. Names of databases are this test's own; roles are all tests'."""
+
+    def __init__(self, name):
+        self.name, self.port, self.roles = name, common()["port"], []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for (database,) in self.sql(f"SELECT datname FROM pg_database WHERE datname LIKE '{self.name}\\_%'", "postgres"):
+            self.sql(f"DROP DATABASE {database} WITH (FORCE)", "postgres")
+        for role in self.roles:
+            self.sql(f"DROP ROLE {role}", "postgres")
+
+    def own(self, database):
+        return database if database in ("postgres", "template0", MADE) else f"{self.name}_{database}"
+
+    def conninfo(self, database="tactile", user="postgres", **more):
+        return super().conninfo(self.own(database), user, **more)
+
+    def new_database(self, name, template="template0", more=""):
+        super().new_database(self.own(name), self.own(template), more)
+
+    def new_fleet(self, program, name):
+        self.new_database(name, MADE)
+
+    def new_role(self, name, more="LOGIN"):
+        super().new_role(name, more)
+        self.roles.append(name)
+
+
+def server_for(name):
+    """The common server where it runs, else one of the test's own."""
+    return SharedServer(name) if common() else Server()
 
 
 class Program:
