@@ -20,7 +20,7 @@ void Link::State::wait(bool also_write, Time::time_point deadline) const {
     if (ready > 0) return;
     if (ready < 0 && errno == EINTR) continue;
     throw FleetError(FleetCause::kLink, "TB-FLEET-SILENT",
-                     fmt::format("fleet {}: the server has been silent for {} s", where, kSilence.count()),
+                     fmt::format("fleet {}: the server has been silent for {} s", where, silence.count()),
                      "see whether it is overloaded or the network broken; then again: what was pushed is kept");
   }
 }
@@ -28,7 +28,7 @@ void Link::State::wait(bool also_write, Time::time_point deadline) const {
 void Link::State::flush() const {
   for (int left = 0; (left = libpq().PQflush(handle)) != 0;) {
     if (left < 0) fail_link();
-    wait(true, Time::now() + kSilence);
+    wait(true, Time::now() + silence);
     if (libpq().PQconsumeInput(handle) == 0) fail_link();
   }
 }
@@ -36,7 +36,7 @@ void Link::State::flush() const {
 Result Link::State::next() const {
   flush();
   while (libpq().PQisBusy(handle) != 0) {
-    wait(false, Time::now() + kSilence);
+    wait(false, Time::now() + silence);
     if (libpq().PQconsumeInput(handle) == 0) fail_link();
   }
   return Result(libpq().PQgetResult(handle));
@@ -133,7 +133,7 @@ void Link::copy_out(const std::string& sql, const std::function<void(std::string
     if (size > 0) {
       take({piece.bytes, static_cast<std::size_t>(size)});
     } else if (size == 0) {
-      state_->wait(false, Time::now() + kSilence);
+      state_->wait(false, Time::now() + state_->silence);
       if (libpq().PQconsumeInput(state_->handle) == 0) state_->fail_link();
     } else {
       break;  // its end, or an error, which the result holds

@@ -16,18 +16,21 @@ namespace tactbench::db::fleet {
 
 using TextRow = std::vector<std::string>;  // NULL as ""
 
+inline constexpr std::chrono::seconds kSilence(60);  // without a byte the server counts as lost
+
 class Link {
  public:
   // `conninfo`: as psql takes it, "host=... dbname=...", "postgresql://...", "service=...". What it does not say comes
-  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT). Blocks at most `patience`.
-  // TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS, TB-FLEET-CONNINFO.
-  explicit Link(const std::string& conninfo, std::chrono::seconds patience = std::chrono::seconds(10));
+  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT). Blocks for 10 s at most. `silence`:
+  // how long the server may send no byte while something is asked. TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS,
+  // TB-FLEET-CONNINFO.
+  explicit Link(const std::string& conninfo, std::chrono::seconds silence = kSilence);
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
   // One statement; `parameters` are $1, $2 ... as text. TB-FLEET-LOST, TB-FLEET-FULL, TB-FLEET-DENIED, TB-FLEET-TEXT,
-  // TB-FLEET-SQL, TB-FLEET-SILENT when no byte comes for a minute.
+  // TB-FLEET-SQL, TB-FLEET-SILENT.
   std::vector<TextRow> query(const std::string& sql, const std::vector<std::string>& parameters = {});
   void execute(const std::string& script);  // several statements without parameters
   // COPY ... FROM STDIN: `more` fills a buffer, and returns false when there is nothing more.

@@ -127,7 +127,8 @@ std::string libpq_version() {
   return fmt::format("{}.{}", libpq().PQlibVersion() / 10000, libpq().PQlibVersion() % 10000);
 }
 
-Link::Link(const std::string& conninfo, std::chrono::seconds patience) : state_(std::make_unique<State>()) {
+Link::Link(const std::string& conninfo, std::chrono::seconds silence) : state_(std::make_unique<State>()) {
+  state_->silence = silence;
   state_->where = where_of(conninfo);
   // Before what is given, which takes precedence.
   constexpr std::array<const char*, 7> kNames{"fallback_application_name",
@@ -137,20 +138,22 @@ Link::Link(const std::string& conninfo, std::chrono::seconds patience) : state_(
                                               "client_encoding",
                                               "dbname",
                                               nullptr};
-  const std::array<const char*, 7> values{"tactbench", "60000", "20", "10", "UTF8", conninfo.c_str(), nullptr};
+  const std::string unacknowledged_ms = std::to_string(1000 * silence.count());
+  const std::array<const char*, 7> values{"tactbench", unacknowledged_ms.c_str(), "20",   "10",
+                                          "UTF8",      conninfo.c_str(),          nullptr};
   state_->handle = libpq().PQconnectStartParams(kNames.data(), values.data(), 1);
   if (state_->handle == nullptr) throw std::bad_alloc();
   PGconn* const handle = state_->handle;
   libpq().PQsetErrorVerbosity(handle, PQERRORS_VERBOSE);  // brings the SQLSTATE, which is the same in every language
   libpq().PQsetNoticeProcessor(
       handle, [](void*, const char*) {}, nullptr);
-  const auto deadline = Time::now() + patience;
+  const auto deadline = Time::now() + kPatience;
   for (PostgresPollingStatusType polled = PGRES_POLLING_WRITING; libpq().PQstatus(handle) != CONNECTION_BAD;) {
     pollfd socket{libpq().PQsocket(handle), static_cast<short>(polled == PGRES_POLLING_READING ? POLLIN : POLLOUT), 0};
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Time::now()).count();
     const int ready = left > 0 ? ::poll(&socket, 1, static_cast<int>(left)) : 0;
     if (ready < 0 && errno == EINTR) continue;
-    if (ready == 0) fail_connect(state_->where, fmt::format("no answer within {} s", patience.count()));
+    if (ready == 0) fail_connect(state_->where, fmt::format("no answer within {} s", kPatience.count()));
     polled = libpq().PQconnectPoll(handle);
     if (polled == PGRES_POLLING_OK || polled == PGRES_POLLING_FAILED) break;
   }

@@ -33,7 +33,7 @@ struct Libpq {
 const Libpq& libpq();
 
 using Time = std::chrono::steady_clock;
-inline constexpr std::chrono::seconds kSilence(60);  // without a byte the server counts as lost
+inline constexpr std::chrono::seconds kPatience(10);  // for connecting
 
 struct FreeResult {
   void operator()(PGresult* result) const { libpq().PQclear(result); }
@@ -55,6 +55,7 @@ inline std::string trimmed(std::string text) {
 struct Link::State {
   PGconn* handle = nullptr;
   std::string where, user;
+  std::chrono::seconds silence = kSilence;
 
   ~State() { libpq().PQfinish(handle); }
 

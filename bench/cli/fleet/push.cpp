@@ -29,6 +29,7 @@ struct PushOptions {
   std::string to;
   bool follow = false;
   double every_s = 5.0;
+  int patience_s = static_cast<int>(fleet::kSilence.count());
 };
 
 // One connection, and what was sent by it.
@@ -36,7 +37,7 @@ class Pushing {
  public:
   Pushing(const PushOptions& options, Session& session)
       : session_(session),
-        link_(options.to),
+        link_(options.to, std::chrono::seconds(options.patience_s)),
         store_(session.db),
         note_(session.db, link_.where()),
         folder_("tactbench-fleet"),
@@ -218,6 +219,10 @@ void add_fleet_push(CLI::App& group, Session& session) {
       "go on with each run that ends, until Ctrl-C or a request to terminate; waits for a server that is away");
   verb->add_option("--every", options->every_s, "--follow: seconds between looks at the store")
       ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  verb->add_option("--patience", options->patience_s,
+                   "seconds without a byte from the server until it counts as lost; more for one that is overloaded")
+      ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   verb->footer(
       "Each run is sent in one transaction, read back, and kept when the content hash of what the server holds is that "
