@@ -49,6 +49,10 @@ Meaning meaning_of(int code, int system_error) {
                           "free space on the disk of the store; what was acknowledged is kept"};
   // The operating system's "full" is not always SQLITE_FULL: quota, a limit on file size, no room for the -shm file.
   if (system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG) return kFull;
+  if (code == SQLITE_READONLY_ROLLBACK)
+    return {"TB-STORE-OPEN", "the program that made or migrated this store was killed, and half of that is in the file",
+            "open it once for writing, which takes the half back: repeat what was killed, or tactbench db migrate --db "
+            "FILE"};
   switch (code & 0xff) {
     case SQLITE_FULL:
       return kFull;

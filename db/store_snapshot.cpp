@@ -95,7 +95,10 @@ int schema_version_of(const std::string& path) {
         "name an existing store");
   }
   refuse_network(path);
-  sqlite::Connection connection(fs::absolute(path).string(), sqlite::Access::kReadOnly);
+  // With a journal beside it, a store whose making or migration was cut off: SQLite takes the half back.
+  const bool half = fs::exists(path + "-journal");
+  sqlite::Connection connection(fs::absolute(path).string(),
+                                half ? sqlite::Access::kReadWrite : sqlite::Access::kReadOnly);
   check_version(connection);
   return static_cast<int>(connection.integer("PRAGMA user_version"));
 }

@@ -189,3 +189,23 @@ TEST_CASE("a copy takes all pages, and one over a database that is in use fails"
   }
   CHECK_FALSE(store_error([&] { source.copy_to(source); }).empty());
 }
+
+TEST_CASE("a store whose making was cut off names the cure, and an opening for writing takes the half back") {
+  const TemporaryFolder folder;
+  const std::string whole = folder.path("whole.db"), half = folder.path("half.db");
+  (void)db::RunStore::open(whole);
+  Connection writer(whole, Access::kReadWrite);
+  REQUIRE(writer.text("PRAGMA journal_mode = DELETE") == "delete");
+  writer.execute("PRAGMA cache_size = 1; BEGIN; CREATE TABLE half (a)");
+  for (int i = 0; i < 200; ++i) writer.execute("INSERT INTO half VALUES (zeroblob(4000))");
+  for (const char* part : {"", "-journal"})
+    std::filesystem::copy_file(whole + part, half + part);  // as SIGKILL leaves them
+  writer.execute("ROLLBACK");
+
+  const std::string message = message_of("TB-STORE-OPEN", [&] { (void)db::RunStore::open_read_only(half); });
+  CHECK_THAT(message, Catch::Contains("was killed"));
+  CHECK_THAT(message, !Catch::Contains("may not be written"));
+  (void)db::RunStore::open(half);
+  (void)db::RunStore::open_read_only(half);
+  CHECK(Connection(half, Access::kReadOnly).integer("SELECT count(*) FROM sqlite_master WHERE name = 'half'") == 0);
+}

@@ -70,11 +70,13 @@ void snapshot_db(const std::string& file, const Session& session) {
 void migrate_db(const Session& session) {
   const int before = db::schema_version_of(session.db);
   std::string backup;
-  if (before < db::kSchemaVersion) backup = db::backup_path(session.db, before);
+  if (before > 0 && before < db::kSchemaVersion) backup = db::backup_path(session.db, before);
   const db::RunStore store = db::RunStore::open(session.db);  // makes the backup first
   if (session.json) {
     print_json("db.migrate",
                {{"store", session.db}, {"schema_before", before}, {"schema", db::kSchemaVersion}, {"backup", backup}});
+  } else if (before == 0) {
+    tty::print("{}: its making was cut off; it is an empty store of schema {} now\n", session.db, db::kSchemaVersion);
   } else if (backup.empty()) {
     tty::print("{} already has this program's schema {}: nothing was done\n", session.db, before);
   } else {
