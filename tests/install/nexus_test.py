@@ -1,5 +1,5 @@
-"""A run exported as HDF5, read by xarray (through h5netcdf) and by h5py, names and units as written, beside the store; Parquet
-by the line of docs/store.md, where pandas has an engine for it. Argument: the program. Ends with 77 where a package lacks."""
+"""A run exported as HDF5, read by xarray (through h5netcdf) and by h5py, names and units as written, beside the store.
+Argument: the program. Ends with 77 where a package lacks."""
 
 import os
 import re
@@ -9,7 +9,6 @@ import sys
 import tempfile
 
 PROGRAM = sys.argv[1]
-DOCUMENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "store.md")
 try:
     import h5py
     import numpy
@@ -85,19 +84,4 @@ with tempfile.TemporaryDirectory() as folder:
                    "trace/frame", "branches/sequence", "branches/repeat", "branches/ordinal", "branches/attempt",
                    "branches/void", "verdicts/value", "verdicts/limit"}
         assert set(bare) <= without, set(bare) - without
-
-    # Parquet: the documented line, where an engine is installed.
-    with open(DOCUMENT) as text:
-        line = next(line for line in text if "to_parquet" in line).strip()
-    try:
-        import pandas
-        pandas.io.parquet.get_engine("auto")
-    except ImportError:
-        print("not tried: Parquet, for neither pyarrow nor fastparquet is installed (not in Debian 12)")
-    else:
-        call("runs", "export", "1", "-o", "run.csv")
-        os.chdir(folder)
-        exec(line, {"pandas": pandas})
-        table = pandas.read_parquet("run.parquet")
-        assert table.reference_psi.tolist() == [row[1] for row in truth for _ in range(row[4])]
 print("what xarray and h5py read is what was stored, with names and units")
