@@ -287,14 +287,14 @@ INSERT INTO seals SELECT run, 'void', void_utc <> '', '' FROM runs;
 )sql";
 
 constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6};
-static_assert(kMigrations.size() + 2 == kSchemaVersion);  // then migration_frames_view.cpp, migration_nights.cpp
+constexpr std::array kFurther = {frames_view_migration, nights_migration, report_reasons_migration};
+static_assert(kMigrations.size() + kFurther.size() == kSchemaVersion);
 
 }  // namespace
 
 const char* migration(std::int64_t version) {
   const auto index = static_cast<std::size_t>(version);
-  if (index == kMigrations.size()) return frames_view_migration();
-  return index == kMigrations.size() + 1 ? nights_migration() : kMigrations.at(index);
+  return index < kMigrations.size() ? kMigrations[index] : kFurther.at(index - kMigrations.size())();
 }
 
 }  // namespace tactbench::db

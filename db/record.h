@@ -225,6 +225,7 @@ struct ReportRecord {
   std::int64_t run = 0;
   std::string number, content_sha256, approved_by, approved_utc;
   std::string replaces;  // number of the previously approved one; empty: none
+  std::string reason;    // what changed and why; empty: replaces none, or was approved before reasons were kept
 };
 
 // A night, or one part of several of it (shard K of N), with what each of its scenarios gave.

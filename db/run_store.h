@@ -45,7 +45,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 8;
+inline constexpr int kSchemaVersion = 9;
 
 // Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
 // before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
@@ -223,7 +223,7 @@ class RunStore {
   [[nodiscard]] std::int64_t last_run_of(const std::string& subject, std::int64_t seed, std::int64_t sensor_seed,
                                          std::int64_t before) const;
   // Approved reports. TB-STORE-BLANK without name, TB-STORE-CONFLICT when that number is approved already, or when
-  // `replaces` is not the last approved report.
+  // `replaces` is not the last approved report; one that replaces another has a reason (TB-STORE-BLANK), others none.
   void add_report(const ReportRecord& report);
   [[nodiscard]] std::vector<ReportRecord> reports(std::int64_t run) const;  // oldest first
   [[nodiscard]] std::vector<ReportRecord> reports() const;                  // of all runs

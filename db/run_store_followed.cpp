@@ -142,10 +142,18 @@ void RunStore::add_report(const ReportRecord& report) {
                                  report.number, report.run, report.replaces, last),
                      "another one was approved meanwhile: check that one, then approve again");
   }
+  if (!report.replaces.empty()) {
+    check_said("the reason why the report replaces another", report.reason, kLongestText);
+  } else if (!report.reason.empty()) {
+    throw StoreError("TB-STORE-CONFLICT",
+                     fmt::format("report {} replaces none, and a reason to replace one is stated", report.number),
+                     "leave the reason out");
+  }
   sqlite::Statement(database_->connection,
-                    "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces) "
-                    "VALUES (?, ?, ?, ?, ?, ?)")
-      .bind(report.run, report.number, report.content_sha256, report.approved_by, report.approved_utc, report.replaces)
+                    "INSERT INTO reports (run, number, content_sha256, approved_by, approved_utc, replaces, reason) "
+                    "VALUES (?, ?, ?, ?, ?, ?, ?)")
+      .bind(report.run, report.number, report.content_sha256, report.approved_by, report.approved_utc, report.replaces,
+            report.reason)
       .run();
   seal(report.run, "approvals");
   transaction.commit();
@@ -154,13 +162,13 @@ void RunStore::add_report(const ReportRecord& report) {
 namespace {
 
 constexpr const char* kReportColumns =
-    "SELECT run, number, content_sha256, approved_by, approved_utc, replaces FROM reports";
+    "SELECT run, number, content_sha256, approved_by, approved_utc, replaces, reason FROM reports";
 
 std::vector<ReportRecord> report_rows(sqlite::Statement& rows) {
   std::vector<ReportRecord> reports;
   while (rows.step()) {
     ReportRecord& r = reports.emplace_back();
-    rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces);
+    rows.read(r.run, r.number, r.content_sha256, r.approved_by, r.approved_utc, r.replaces, r.reason);
   }
   return reports;
 }

@@ -73,7 +73,8 @@ constexpr std::array<const char*, kSchemaVersion> kDigests = {
     "364cd20677978bd4791495b7cc36d08e8afd83e42db6288b57aaa7c8f58b27cd",
     "0ae9543947df6c6bbfcc9587e16920d50e197d455eddf58f45a0f060b7045a58",
     "b5ebb170ea73d03e9e8868299462a8a09cb289f9001925073a85ab4b899bfc90",
-    "fc121268db46cb24f52699047bb2fbb899c2bdee85ef94b5d71e6d9b9f4bc0aa"};
+    "fc121268db46cb24f52699047bb2fbb899c2bdee85ef94b5d71e6d9b9f4bc0aa",
+    "2de82b4a25763327c25c5aab7e168173986d6fed88ec9f265706cce6fc4d5ddf"};
 
 SchemaObjects fresh_objects(std::int64_t version) {
   sqlite::Connection fresh(":memory:", sqlite::Access::kReadWrite);

@@ -50,6 +50,7 @@ Digest HashChain::approvals(const std::vector<ReportRecord>& reports) {
     for (const std::string* text : {&r.number, &r.content_sha256, &r.approved_by, &r.approved_utc, &r.replaces}) {
       add(*text);
     }
+    if (!r.reason.empty()) add("reason: " + r.reason);  // no number begins so; a seal of before reasons holds
   }
   return finish();
 }

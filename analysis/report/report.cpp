@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 
+#include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
 #include "analysis/report/page/page.h"
 #include "analysis/report/parts.h"
@@ -55,6 +57,7 @@ ReportInput content_of(const ReportInput& input) {
   for (db::RunRecord& run : content.further) keep_content_only(run);
   content.history.earlier_seating_run = 0;
   content.approvals.clear();
+  content.reason.clear();
   content.unit = PressureUnit();
   if (content.sensor) {
     content.sensor->note.clear();
@@ -118,7 +121,7 @@ std::string content_hash(const ReportInput& input, const std::vector<Markup>& pa
 
 // Signatures stored for this report and for earlier reports of the same run.
 struct Issue {
-  std::string authorised_by, authorised_utc, issued, replaces;
+  std::string authorised_by, authorised_utc, issued, replaces, reason;
 };
 
 Issue issue_of(const ReportInput& input, const std::string& number) {
@@ -128,8 +131,10 @@ Issue issue_of(const ReportInput& input, const std::string& number) {
     issue.authorised_by = own->approved_by;
     issue.authorised_utc = own->approved_utc;
     issue.replaces = own->replaces;
+    issue.reason = own->reason;
   } else if (!input.approvals.empty()) {
     issue.replaces = input.approvals.back().number;
+    issue.reason = input.reason;
   }
   issue.issued = !input.issued.empty() ? input.issued : issue.authorised_utc.substr(0, 10);
   return issue;
@@ -154,13 +159,18 @@ html::Text due_since_then(const ReportInput& input, const std::string& issued) {
 Markup issue_table(const ReportInput& input, const std::string& number) {
   const Issue issue = issue_of(input, number);
   const auto field = [](const html::Safe& content) { return markup("{}", content); };
-  return pairs_table(
-      "Issue", {{"number", field(Text(number))},
-                {"date of issue", markup("{}{}", html::stated(issue.issued), due_since_then(input, issue.issued))},
-                {"authorised by", issue.authorised_by.empty()
-                                      ? markup("not stated: nobody has signed for this report")
-                                      : markup("{}, {}", Text(issue.authorised_by), moment(issue.authorised_utc))},
-                {"replaces", field(Text(issue.replaces.empty() ? "no earlier report of this run" : issue.replaces))}});
+  std::vector<Pair> rows = {
+      {"number", field(Text(number))},
+      {"date of issue", markup("{}{}", html::stated(issue.issued), due_since_then(input, issue.issued))},
+      {"authorised by", issue.authorised_by.empty()
+                            ? markup("not stated: nobody has signed for this report")
+                            : markup("{}, {}", Text(issue.authorised_by), moment(issue.authorised_utc))},
+      {"replaces", field(Text(issue.replaces.empty() ? "no earlier report of this run" : issue.replaces))}};
+  if (!issue.replaces.empty()) {  // ISO/IEC 17025:2017, 7.8.8.1
+    const char* missing = issue.authorised_by.empty() ? "not stated; it is needed to sign this report" : "not stated";
+    rows.push_back({"reason for the change", field(Text(issue.reason.empty() ? missing : issue.reason))});
+  }
+  return pairs_table("Issue", rows);
 }
 
 Markup opening(const ReportInput& input, const std::string& number) {
@@ -208,10 +218,11 @@ Report render_report(const ReportInput& input) {
   report.content_sha256 = content_hash(input, parts, results);
   report.number = fmt::format("{}-{}", input.run.run, report.content_sha256.substr(0, 8));
   const std::string& number = report.number;
+  const Issue issue = issue_of(input, number);
   report.json = fmt::format(
-      "{{\"schema\":\"tactbench.report\",\"version\":2,\"document\":\"{}\",\"number\":\"{}\","
-      "\"identification\":{},\n",
-      document_name(input), number, identification_json(input));
+      "{{\"schema\":\"tactbench.report\",\"version\":2,\"document\":\"{}\",\"number\":\"{}\",\"replaces\":{},"
+      "\"reason\":{},\"identification\":{},\n",
+      document_name(input), number, json_text(issue.replaces), json_text(issue.reason), identification_json(input));
   report.json += results;
   report.json += '}';
 

@@ -80,6 +80,7 @@ struct ReportInput {
   std::vector<std::string> method;          // how each sequence was carried out, in words; empty: not known
   std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
   std::string issued;                       // date of issue as typed; empty: that of the approval
+  std::string reason;                       // why a draft replaces an approved report; no part of the content
   PaperSize paper = PaperSize::kA4;         // no part of the content
   PressureUnit unit;  // of the pressures on the page; no part of the content, as the data stay in psi
 };

@@ -250,7 +250,7 @@ GRANT INSERT ON fleet.sensors, fleet.runs, fleet.sequences, fleet.devices, fleet
 GRANT EXECUTE ON FUNCTION fleet.make_month(bigint) TO tactbench_bench;
 )sql";
 
-constexpr std::array kMigrations = {kVersion1};
+constexpr std::array kMigrations = {kVersion1, "ALTER TABLE fleet.reports ADD COLUMN reason text NOT NULL DEFAULT ''"};
 static_assert(kMigrations.size() == kFleetSchema);
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 namespace tactbench::db::fleet {
 
-inline constexpr int kFleetSchema = 1;
+inline constexpr int kFleetSchema = 2;
 
 // The fleet's schema; 0: the database has none.
 int schema_of(Link& link);

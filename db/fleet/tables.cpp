@@ -173,7 +173,8 @@ const Table& figures_table() {
 const Table& reports_table() {
   static const Table table = [] {
     Table reports{"reports",
-                  columns_of("revision:i position:i number:t content_sha256:t approved_by:t approved_utc:t replaces:t"),
+                  columns_of("revision:i position:i number:t content_sha256:t approved_by:t approved_utc:t replaces:t "
+                             "reason:t"),
                   {},
                   {}};
     const std::string rest = join(reports.columns, 2, "\"{}\"");

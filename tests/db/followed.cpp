@@ -97,12 +97,14 @@ TEST_CASE("a report is approved once, by name, and is copied with its run") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
-  const db::ReportRecord report{run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", ""};
+  const db::ReportRecord report{run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", "2026-01-01T00:00:00Z", "", ""};
   store.add_report(report);
   CHECK(store_error([&] { store.add_report(report); }) == "TB-STORE-CONFLICT");
   for (const char* nobody : {"", " \t"})
-    CHECK(store_error([&] { store.add_report({run, "1-ffffffff", "ff", nobody, "2026", ""}); }) == "TB-STORE-BLANK");
-  store.add_report({run, "1-ffffffff", "ff", "M. Ito", "2026-01-02T00:00:00Z", "1-0a1b2c3d"});
+    CHECK(store_error([&] {
+            store.add_report({run, "1-ffffffff", "ff", nobody, "2026", "", ""});
+          }) == "TB-STORE-BLANK");
+  store.add_report({run, "1-ffffffff", "ff", "M. Ito", "2026-01-02T00:00:00Z", "1-0a1b2c3d", "serial corrected"});
   store.replace_figures(run, "sensor", {{"x_psi", 1.0}});
   RunStore other = RunStore::open(folder.path("other.db"));
   store_example(other);
@@ -110,6 +112,7 @@ TEST_CASE("a report is approved once, by name, and is copied with its run") {
   const std::vector<db::ReportRecord> reports = other.reports(copied);
   REQUIRE(reports.size() == 2);
   CHECK((reports[0].number == "1-0a1b2c3d" && reports[1].replaces == "1-0a1b2c3d" && reports[1].run == copied));
+  CHECK((reports[0].reason.empty() && reports[1].reason == "serial corrected"));
   REQUIRE(other.figures("sensor").size() == 1);
   CHECK(other.figures("sensor")[0].run == copied);
 }

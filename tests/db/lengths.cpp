@@ -58,7 +58,7 @@ TEST_CASE("names, purposes, notes and reasons have a maximum length in character
   refused([&] { store.add_note(run, text); });
   refused([&] { store.void_run(run, text, "me", "2026"); });
   refused([&] { store.void_run(run, "why", name, "2026"); });
-  refused([&] { store.add_report({run, "1-a", "a", name, "2026", ""}); });
+  refused([&] { store.add_report({run, "1-a", "a", name, "2026", "", ""}); });
   store.replace_figures(run, "rig", {{"x_psi", 1.0}});
   refused([&] { store.add_baseline({0, "rig", text, "me", "2026", {run}}); });
   refused([&] { store.add_baseline({0, "rig", "why", name, "2026", {run}}); });

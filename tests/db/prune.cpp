@@ -93,7 +93,7 @@ TEST_CASE("frames of hardware, of other runs than nights', void, pinned, reporte
                      pinned = night_run(store), reported = night_run(store), free = night_run(store);
   store.void_run(voided, "by hand", "K. Lee", kUtc);
   store.set_tags(pinned, {"pinned"}, {});
-  store.add_report({reported, "5-0123abcd", "hash", "K. Lee", kUtc, ""});
+  store.add_report({reported, "5-0123abcd", "hash", "K. Lee", kUtc, "", ""});
   const std::int64_t open = begin_example(store).run;
   store.set_tags(open, {"nightly"}, {});
   CHECK(store.why_not_pruned(real) == "hardware, not simulated");

@@ -71,22 +71,27 @@ TEST_CASE("a baseline has a date and one origin") {
   CHECK_FALSE(added(kUtc, {simulated, again}).empty());
 }
 
-TEST_CASE("a report names the one that it replaces, the first names none") {
+TEST_CASE("a report names the one that it replaces and why, the first names none") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
-  const auto approved = [&](const std::string& number, const std::string& replaces) {
-    return store_error([&] { store.add_report({run, number, "c", "K. Lee", kUtc, replaces}); });
+  const auto approved = [&](const std::string& number, const std::string& replaces, const std::string& reason) {
+    return store_error([&] { store.add_report({run, number, "c", "K. Lee", kUtc, replaces, reason}); });
   };
-  CHECK(approved("1-a", "1-0") == "TB-STORE-CONFLICT");
-  CHECK(approved("1-a", "").empty());
-  CHECK(approved("1-b", "") == "TB-STORE-CONFLICT");
-  CHECK(approved("1-b", "1-a").empty());
-  CHECK(approved("1-a", "1-b") == "TB-STORE-CONFLICT");
+  CHECK(approved("1-a", "1-0", "why") == "TB-STORE-CONFLICT");
+  CHECK(approved("1-a", "", "why") == "TB-STORE-CONFLICT");
+  CHECK(approved("1-a", "", "").empty());
+  CHECK(approved("1-b", "", "") == "TB-STORE-CONFLICT");
+  for (const char* nothing : {"", " \n"}) CHECK(approved("1-b", "1-a", nothing) == "TB-STORE-BLANK");
+  CHECK(approved("1-b", "1-a", std::string(db::kLongestText + 1, 'x')) == "TB-STORE-TOO-LONG");
+  CHECK(approved("1-b", "1-a", "customer's name corrected").empty());
+  CHECK(approved("1-a", "1-b", "why") == "TB-STORE-CONFLICT");
   REQUIRE(store.reports(run).size() == 2);
   const db::ReportRecord last = store.reports(run).back();
   CHECK((last.run == run && last.number == "1-b" && last.content_sha256 == "c" && last.approved_by == "K. Lee"));
   CHECK((last.approved_utc == kUtc && last.replaces == "1-a"));
+  CHECK((last.reason == "customer's name corrected" && store.reports(run).front().reason.empty()));
+  CHECK(store.check_seals(run).empty());
 }
 
 TEST_CASE("a tag may have 64 characters, and any of the signs that tags may have") {

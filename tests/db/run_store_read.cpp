@@ -47,7 +47,7 @@ TEST_CASE("a missing run cannot be read, extended or annotated") {
       {"replace_figures", [&] { store.replace_figures(99, "rig", {}); }},
       {"add_report",
        [&] {
-         store.add_report({99, "99-a", "a", "me", "2026", ""});
+         store.add_report({99, "99-a", "a", "me", "2026", "", ""});
        }},
       {"set_tags", [&] { store.set_tags(99, {}, {}); }},
       {"add_note", [&] { store.add_note(99, "x"); }},

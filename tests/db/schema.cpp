@@ -173,6 +173,22 @@ TEST_CASE("a store of schema 7 is opened, its rows as they were stored, its fram
   CHECK(store.check_structure().empty());
 }
 
+TEST_CASE("a store of schema 8 is opened, its signed reports without a reason and sealed as they were") {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(source_path("tests/db/stores/version_8.db"), folder.path("runs.db"));
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  CHECK(store.check_content(1).holds());
+  const std::vector<db::ReportRecord> reports = store.reports(1);
+  REQUIRE(reports.size() == 2);
+  CHECK((reports[1].replaces == reports[0].number && reports[0].reason.empty() && reports[1].reason.empty()));
+  CHECK(Connection(store.path(), Access::kReadOnly)
+            .integer("SELECT length(sha256) FROM seals WHERE run = 1 AND kind = 'approvals'") == 64);
+  CHECK(store.check_seals(1).empty());
+  CHECK(store.check_structure().empty());
+  store.add_report({1, "1-ffffffff", "f", "K. Lee", kUtc, reports[1].number, "serial corrected"});
+  CHECK(store.check_seals(1).empty());
+}
+
 TEST_CASE("a backup is made before each migration and never over another file") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");

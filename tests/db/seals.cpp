@@ -25,7 +25,7 @@ db::VerdictRecord verdict_on(const std::string& criterion) {
   return verdict;
 }
 
-// A run with a fit of two taxels, two verdicts, an approval and a void.
+// A run with a fit of two taxels, two verdicts, two approvals and a void.
 std::int64_t judged_example(RunStore& store) {
   const std::int64_t run = store_example(store);
   db::FitTaxelRecord taxel;
@@ -36,7 +36,8 @@ std::int64_t judged_example(RunStore& store) {
   mean.taxel = -1;
   const std::int64_t fit = store.add_fit({0, run, "elam", "{}", "{}", "0.1.0", kUtc, "{}"}, {taxel, mean});
   store.replace_verdicts(run, fit, {verdict_on("mean_compensation_error"), verdict_on("unfit_taxels")});
-  store.add_report({run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", kUtc, ""});
+  store.add_report({run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", kUtc, "", ""});
+  store.add_report({run, "1-ffffffff", "ffffffff", "K. Lee", kUtc, "1-0a1b2c3d", "serial corrected"});
   store.void_run(run, "gauge closed", "K. Lee", kUtc);
   return run;
 }
@@ -66,9 +67,12 @@ TEST_CASE("changes and deletions of verdicts, fits, approvals and voids are noti
         "verdicts: what is there is not what was stored\n");
   CHECK(report_after("DELETE FROM fit_taxels WHERE taxel = 0") == "fits: what is there is not what was stored\n");
   CHECK(report_after("UPDATE fits SET patterns_json = '[]'") == "fits: what is there is not what was stored\n");
-  CHECK(report_after("DELETE FROM reports") == "approvals: 1 were stored, 0 there now\n");
+  CHECK(report_after("DELETE FROM reports") == "approvals: 2 were stored, 0 there now\n");
   CHECK(report_after("UPDATE reports SET approved_by = 'M. Ito'") ==
         "approvals: what is there is not what was stored\n");
+  for (const char* reason : {"''", "'it was better so'"})
+    CHECK(report_after(std::string("UPDATE reports SET reason = ") + reason + " WHERE reason <> ''") ==
+          "approvals: what is there is not what was stored\n");
   CHECK(report_after("UPDATE runs SET void_utc = '', void_by = '', void_reason = ''") ==
         "void: 1 were stored, 0 there now\n");
   CHECK(report_after("UPDATE runs SET void_reason = 'none'") == "void: what is there is not what was stored\n");

@@ -142,12 +142,12 @@ TEST_CASE("of two approvals that replace the same report the second is refused")
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t run = store_example(store);
-  store.add_report({run, "1-a", "a", "K. Lee", kUtc, ""});
-  store.add_report({run, "1-b", "b", "K. Lee", kUtc, "1-a"});
+  store.add_report({run, "1-a", "a", "K. Lee", kUtc, "", ""});
+  store.add_report({run, "1-b", "b", "K. Lee", kUtc, "1-a", "serial corrected"});
   std::string message;
   CHECK(store_error(
             [&] {
-              store.add_report({run, "1-c", "c", "M. Ito", kUtc, "1-a"});
+              store.add_report({run, "1-c", "c", "M. Ito", kUtc, "1-a", "cable corrected"});
             },
             &message) == "TB-STORE-CONFLICT");
   CHECK_THAT(message, Catch::Contains("the one approved last is '1-b'"));

@@ -76,7 +76,7 @@ std::string small_store() {
     db::VerdictRecord verdict;
     verdict.verdict = "pass";
     store.replace_verdicts(2, 1, {verdict});
-    store.add_report({2, "2-a", "a", "K. Lee", "2026", ""});
+    store.add_report({2, "2-a", "a", "K. Lee", "2026", "", ""});
     store.replace_figures(2, "rig", {{"x", 1.0}});
     store.add_baseline({0, "rig", "made", "K. Lee", "2026", {2}});
   }

@@ -185,7 +185,8 @@ std::string identification_json(const ReportInput& input) {
     approvals.push_back({{"number", approval.number},
                          {"approved_by", approval.approved_by},
                          {"approved_utc", approval.approved_utc},
-                         {"replaces", approval.replaces}});
+                         {"replaces", approval.replaces},
+                         {"reason", approval.reason}});
   for (const HeldOut& run : input.held_out) {
     held_out.push_back(reported_run(run.run, input.laboratory));
     held_out.back()["title"] = run.title;

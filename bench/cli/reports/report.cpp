@@ -145,9 +145,11 @@ WrittenReport several_runs(analysis::Runs& runs, const ReportOptions& options, c
 WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOptions& options, const Session& session) {
   JudgedInput judged = input_for(runs, options, options.runs.front(), session);
   analysis::ReportInput& input = judged.input;
+  input.reason = options.reason;
   WrittenReport out;
   out.report = analysis::render_report(input);
   const bool signing = !options.approve_by.empty();
+  check_reason(input.approvals, out.report.number, options.reason, signing);
   // A signed report has a file of its own, named by its number.
   out.path = path_of(
       store, options,
@@ -163,7 +165,7 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
     check_signature(judged.judgement, input.run.run, input.run.origin, options.without_verdict, session);
     const std::vector<db::ReportRecord> before = store.reports(input.run.run);
     store.add_report({input.run.run, out.report.number, out.report.content_sha256, options.approve_by, utc_now(),
-                      before.empty() ? "" : before.back().number});
+                      before.empty() ? "" : before.back().number, options.reason});
     input.approvals = store.reports(input.run.run);
     out.report = analysis::render_report(input);
   }

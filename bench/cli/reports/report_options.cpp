@@ -38,9 +38,9 @@ void check_report_options(const ReportOptions& options) {
   if (options.compare && options.runs.size() != 2)
     refuse(fmt::format("--compare takes two runs, not {}", options.runs.size()), "tactbench report --compare 1 2");
   const bool several = options.compare || options.batch;
-  if (several && (!options.approve_by.empty() || !options.held_out.empty() || !options.lab.empty() ||
-                  !options.extras.previous.empty() || !options.extras.studies.empty()))
-    refuse("--approve-by, --held-out, --lab, --previous and --studies belong to the report of one run",
+  if (several && (!options.approve_by.empty() || !options.reason.empty() || !options.held_out.empty() ||
+                  !options.lab.empty() || !options.extras.previous.empty() || !options.extras.studies.empty()))
+    refuse("--approve-by, --reason, --held-out, --lab, --previous and --studies belong to the report of one run",
            "report each run by itself, then compare");
   if (!options.issued.empty() && !analysis::is_date(options.issued))
     refuse(fmt::format("'{}' is not a date", options.issued), "write it as 2026-01-31");
@@ -120,8 +120,12 @@ void add_report_options(CLI::App& verb, ReportOptions& options) {
   verb.add_option("--lab", options.lab, "laboratory file: facts that no instrument knows (init writes one)");
   verb.add_option("--approve-by", options.approve_by,
                   "store this person's approval of the report, which gets a file named by its number and is not "
-                  "overwritten; a changed report names the number that it replaces")
+                  "overwritten; a changed report names the number that it replaces, and why (--reason)")
       ->check([](const std::string& name) { return std::string(db::is_blank(name) ? "the name is empty" : ""); });
+  verb.add_option("--reason", options.reason,
+                  "what changed since the signed report that this one replaces, and why; printed on page 1, and needed "
+                  "to sign it")
+      ->check([](const std::string& text) { return std::string(db::is_blank(text) ? "the reason is empty" : ""); });
   verb.add_flag("--without-verdict", options.without_verdict, "approve a report that has no verdict");
   verb.add_option("--issued-at", options.issued, "date of issue, as 2026-01-31 (default: the day of the approval)");
   verb.add_option("--paper", options.paper, "a4 or letter")

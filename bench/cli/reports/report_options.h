@@ -13,7 +13,7 @@ namespace tactbench::bench {
 struct ReportOptions {
   std::vector<std::int64_t> runs, held_out;
   std::string model;  // RUN or RUN:FIT; empty: the run's own
-  std::string format = "html", limits, lab, output, approve_by, issued, paper = "a4", pdf_with;
+  std::string format = "html", limits, lab, output, approve_by, reason, issued, paper = "a4", pdf_with;
   bool compare = false, batch = false, without_verdict = false;
   ReportExtras extras;
 };

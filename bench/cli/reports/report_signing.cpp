@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <string>
 
@@ -33,6 +34,22 @@ void check_signature(const Judgement& judgement, std::int64_t run, const std::st
   std::string word = analysis::verdict_word(verdict);
   if (not_judged) word += ", not judged: " + judgement.notes.not_judged;
   tty::print(stderr, "warning: signed with the verdict {}\n", shown_verdict(word, origin));
+}
+
+void check_reason(const std::vector<db::ReportRecord>& before, const std::string& number, const std::string& reason,
+                  bool signing) {
+  const bool own = std::ranges::find(before, number, &db::ReportRecord::number) != before.end();
+  if (own && signing) return;  // the store refuses it
+  if (!reason.empty() && (own || before.empty()))
+    throw Error(ExitCode::kUsage, "TB-REPORT-REASON",
+                own ? fmt::format("report {} is signed already and keeps the reason that it was signed with", number)
+                    : fmt::format("report {} replaces none: no report of this run is signed", number),
+                "report --reason", "leave --reason out");
+  if (signing && !before.empty() && reason.empty())
+    throw Error(ExitCode::kUsage, "TB-REPORT-REASON",
+                fmt::format("report {} would replace the signed report {}, and no reason is stated", number,
+                            before.back().number),
+                "report --approve-by", "state what changed and why: --reason TEXT");
 }
 
 }  // namespace tactbench::bench

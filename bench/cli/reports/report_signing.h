@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bench/cli/session.h"
 #include "bench/reporting/judgement.h"
+#include "db/record.h"
 
 namespace tactbench::bench {
 
@@ -12,5 +14,11 @@ namespace tactbench::bench {
 // requires `without_verdict` (TB-REPORT-NO-VERDICT); a verdict other than pass is reported on standard error.
 void check_signature(const Judgement& judgement, std::int64_t run, const std::string& origin, bool without_verdict,
                      const Session& session);
+
+// `before`: signed reports of the run, oldest first; `number`: the one to be written, `signing` whether to be signed.
+// Throws TB-REPORT-REASON where it would be signed in place of another without a `reason`, and where there is a reason
+// and nothing to replace.
+void check_reason(const std::vector<db::ReportRecord>& before, const std::string& number, const std::string& reason,
+                  bool signing);
 
 }  // namespace tactbench::bench

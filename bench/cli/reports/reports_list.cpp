@@ -41,12 +41,14 @@ void list(std::int64_t only, const Session& session) {
                       {"signed", report.approved_utc},
                       {"by", report.approved_by},
                       {"replaces", report.replaces},
+                      {"reason", report.reason},
                       {"sha256", report.content_sha256},
                       {"file", file}});
       if (session.json) continue;
       tty::print("{}{}{}{}{}{}{}\n", cell(report.number, 20), cell(run.sensor_serial, 14),
                  cell(report.approved_utc, 22), cell(report.approved_by, 20), cell(report.replaces, 20),
                  file.empty() ? "elsewhere" : one_line(file), run.origin == "simulated" ? " (simulated)" : "");
+      if (!report.reason.empty()) tty::print("    reason: {}\n", one_line(report.reason, kLongestText));
     }
   }
   if (session.json) return print_json("reports.list", {{"reports", json}});

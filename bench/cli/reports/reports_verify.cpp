@@ -23,7 +23,7 @@ constexpr std::size_t kLargestReport = 1'000'000'000;  // bytes
 struct KnownReport {
   db::RunRecord run;
   db::ReportRecord report;
-  std::string replaced_by;
+  db::ReportRecord next;  // the one that replaced it; without number: none
 };
 
 std::optional<KnownReport> known_report(const db::RunStore& store, const std::string& number) {
@@ -32,7 +32,7 @@ std::optional<KnownReport> known_report(const db::RunStore& store, const std::st
     const auto found = std::ranges::find(reports, number, &db::ReportRecord::number);
     if (found == reports.end()) continue;
     const auto next = std::ranges::find(reports, number, &db::ReportRecord::replaces);
-    return KnownReport{run, *found, next == reports.end() ? "" : next->number};
+    return KnownReport{run, *found, next == reports.end() ? db::ReportRecord() : *next};
   }
   return std::nullopt;
 }
@@ -103,7 +103,9 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
       json["by"] = known->report.approved_by;
       json["signed_utc"] = known->report.approved_utc;
       json["replaces"] = known->report.replaces;
-      json["replaced_by"] = known->replaced_by;
+      json["reason"] = known->report.reason;
+      json["replaced_by"] = known->next.number;
+      json["replaced_because"] = known->next.reason;
     }
     return print_json("reports.verify", json);
   }
@@ -114,7 +116,9 @@ void tell(const std::string& number, const std::optional<KnownReport>& known, co
   for (const Finding& one : findings)
     tty::print("{}{}{}\n", one_line(one.file), one.file.empty() ? "" : ": ", one.words);
   for (const std::string& line : wrong) tty::print("{}\n", one_line(line, kLongestText));
-  if (known && !known->replaced_by.empty()) tty::print("replaced by report {}\n", known->replaced_by);
+  if (known && !known->next.number.empty())
+    tty::print("replaced by report {}{}{}\n", known->next.number, known->next.reason.empty() ? "" : ": ",
+               one_line(known->next.reason, kLongestText));
 }
 
 }  // namespace

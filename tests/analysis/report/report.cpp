@@ -206,7 +206,7 @@ TEST_CASE("markup in any text field stays text") {
       *field = hostile;
     }
   }
-  input.program_version = input.issued = hostile;
+  input.program_version = input.issued = input.reason = hostile;
   Laboratory& lab = input.laboratory;
   for (std::string* field : {&lab.laboratory, &lab.address, &lab.place, &lab.accreditation, &lab.customer,
                              &lab.customer_address, &lab.order, &lab.received, &lab.condition, &lab.cable,
@@ -225,7 +225,7 @@ TEST_CASE("markup in any text field stays text") {
   for (RawLoop& loop : input.behaviour.loops) loop.name = hostile;
   for (ZeroReturn& zero : input.behaviour.zero_returns) zero.sequence = hostile;
   for (Creep& creep : input.behaviour.creep) creep.sequence = hostile;
-  input.approvals = {{12, hostile, hostile, hostile, hostile, hostile}};
+  input.approvals = {{12, hostile, hostile, hostile, hostile, hostile, hostile}};
   input.further = {input.run};
   const Report report = render_report(input);
   require_well_formed(report.html);

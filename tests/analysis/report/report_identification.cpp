@@ -201,7 +201,7 @@ TEST_CASE("a signature does not change the number, and a changed report names th
   const Report draft = render_report(input);
   CHECK(contains(draft.html, "nobody has signed"));
   CHECK(draft.number == fmt::format("12-{}", draft.content_sha256.substr(0, 8)));
-  input.approvals = {{12, draft.number, draft.content_sha256, "C. Chief", "2024-06-01T10:00:00Z", ""}};
+  input.approvals = {{12, draft.number, draft.content_sha256, "C. Chief", "2024-06-01T10:00:00Z", "", ""}};
   const Report signed_one = render_report(input);
   CHECK(signed_one.number == draft.number);
   CHECK(contains(signed_one.html, "C. Chief, 2024-06-01 10:00:00Z"));
@@ -212,6 +212,33 @@ TEST_CASE("a signature does not change the number, and a changed report names th
   CHECK(changed.number != draft.number);
   CHECK(contains(changed.html, "nobody has signed"));
   CHECK(contains(changed.html, "<th scope=\"row\">replaces</th><td>" + draft.number + "</td>"));
+}
+
+TEST_CASE("a report that replaces another states why on page 1 and in its data, and says when no reason is stated") {
+  const auto row = [](const std::string& text) {
+    return "<th scope=\"row\">reason for the change</th><td>" + text + "</td>";
+  };
+  ReportInput input = example::example_input();
+  CHECK_FALSE(contains(render_report(input).html, "reason for the change"));
+  input.approvals = {{12, "12-00000000", "0", "C. Chief", "2024-06-01T10:00:00Z", "", ""}};
+  const Report bare = render_report(input);
+  CHECK(contains(bare.html, row("not stated; it is needed to sign this report")));
+  input.reason = "customer \"K & L\" corrected";
+  const Report draft = render_report(input);
+  CHECK(draft.number == bare.number);
+  CHECK(contains(draft.html, row("customer &quot;K &amp; L&quot; corrected")));
+  CHECK(draft.html.find("reason for the change") < draft.html.find("<nav"));
+  const auto data = nlohmann::json::parse(draft.json);
+  CHECK((data["replaces"] == "12-00000000" && data["reason"] == "customer \"K & L\" corrected"));
+  // Signed, it keeps the reason that it was signed with.
+  input.approvals.push_back({12, bare.number, "1", "C. Chief", "2024-06-02T10:00:00Z", "12-00000000", "as signed"});
+  input.reason = "another";
+  const Report signed_one = render_report(input);
+  CHECK(contains(signed_one.html, row("as signed")));
+  CHECK(nlohmann::json::parse(signed_one.json)["reason"] == "as signed");
+  CHECK(nlohmann::json::parse(signed_one.json)["identification"]["approvals"][1]["reason"] == "as signed");
+  input.approvals.back().reason.clear();  // signed before reasons were kept
+  CHECK(contains(render_report(input).html, row("not stated")));
 }
 
 TEST_CASE("the cable is the one that was typed, else the one stored with the scanner") {

@@ -81,7 +81,8 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"model export", "-o --output --replace --void-too#"},
       {"model adjust", "--zero --gain -o --output --replace --map --input-unit --noise --output-unit --void-too#"},
       {"report",
-       "--held-out --previous --studies --model --format --limits --lab --approve-by --without-verdict --issued-at "
+       "--held-out --previous --studies --model --format --limits --lab --approve-by --reason --without-verdict "
+       "--issued-at "
        "--paper --pdf-with --compare --batch --replace -o --output --void-too#"},
       {"runs list", "--sensor --since --tag --lot --order --meta --verdict --all#"},
       {"runs show", "--events#"},

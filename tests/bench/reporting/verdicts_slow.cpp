@@ -177,7 +177,7 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   CHECK(bench.call({"verify", "4"}).code == 0);
 
   // A signature under a fail says so; no signed file is written over, whatever it is called.
-  const Finished chief = bench.call({"report", "1", "--approve-by", "C. Chief"});
+  const Finished chief = bench.call({"report", "1", "--approve-by", "C. Chief", "--reason", "judged by other limits"});
   CHECK(chief.code == 1);
   CHECK_THAT(chief.err, Catch::Contains("signed with the verdict simulated fail"));
   CHECK(bench.text(bare_path) == bare_page);

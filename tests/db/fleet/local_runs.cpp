@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "db/fleet/remarks.h"
+#include "db/fleet/tables.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
 
@@ -45,7 +46,7 @@ TEST_CASE("fleet: each later remark changes a run's fingerprint, and reading it 
         store.replace_figures(run, "sensor", {{"mean_psi", 0.6}});
       },
       [&] {
-        store.add_report({run, "1-abc", "h", "me", tests::kUtc, ""});
+        store.add_report({run, "1-abc", "h", "me", tests::kUtc, "", ""});
       },
       [&] { store.void_run(run, "gauge closed", "me", tests::kUtc); }};
   std::string before = fingerprint(), first = before;
@@ -94,6 +95,24 @@ TEST_CASE("fleet: the hash of a fit and of remarks leaves out the keys that a st
     hashes.push_back(fits[0].sha256 + fleet::sha256_of(remarks));
   }
   CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("fleet: a report without a reason has the hash of before reasons, and a reason changes it") {
+  fleet::Remarks remarks;
+  fleet::Row row(fleet::reports_table().columns.size());
+  row[2].bytes = "1-0a1b2c3d";
+  remarks.reports = {row};
+  const auto first_columns = [&](std::size_t count) {
+    std::string bytes;
+    fleet::add_to_digest(bytes, std::vector<fleet::Column>(5, {"", fleet::Kind::kText}), fleet::Row(5));
+    const std::vector<fleet::Column>& all = fleet::reports_table().columns;
+    fleet::add_to_digest(bytes += "|||", {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)}, row, 1);
+    return sha256_hex(bytes);
+  };
+  CHECK(fleet::sha256_of(remarks) == first_columns(7));  // up to `replaces`
+  row[7].bytes = "serial corrected";
+  remarks.reports = {row};
+  CHECK(fleet::sha256_of(remarks) == first_columns(8));
 }
 
 TEST_CASE("fleet: the note keeps what was pushed by fleet, and a store without one is as if nothing was") {

@@ -152,6 +152,26 @@ TEST_CASE("the same run gives the same bytes, a signature keeps the number, a ch
   CHECK_THAT(read_file(folder.path("c.html")),
              Catch::Contains("nobody has signed") &&
                  Catch::Contains("<th scope=\"row\">replaces</th><td>" + first["number"].get<std::string>()));
+  // A changed one is signed with a reason alone, and there is none where nothing is replaced.
+  std::vector<std::string> changed = {"report",       "2",       "--lab", "mine.toml", "--without-verdict", "--json",
+                                      "--approve-by", "C. Chief"};
+  const Finished without = report_call(folder, changed);
+  CHECK(without.code == 2);
+  CHECK_THAT(without.out, Catch::Contains("TB-REPORT-REASON"));
+  CHECK(
+      report_call(folder, {"report", "1", "--reason", "why", "-o", "d.html", "--json"}).out.find("TB-REPORT-REASON") !=
+      std::string::npos);
+  changed.insert(changed.end(), {"--reason", "customer added"});
+  const Finished with = report_call(folder, changed);
+  REQUIRE(with.code == 0);
+  const json second = json::parse(with.out);
+  CHECK_THAT(
+      read_file(second["path"].get<std::string>().starts_with("/") ? second["path"].get<std::string>()
+                                                                   : folder.path(second["path"].get<std::string>())),
+      Catch::Contains("<th scope=\"row\">reason for the change</th><td>customer added</td>"));
+  const json listed = json::parse(report_call(folder, {"reports", "list", "2", "--json"}).out)["reports"];
+  REQUIRE(listed.size() == 2);
+  CHECK((listed[0]["reason"] == "" && listed[1]["reason"] == "customer added"));
 }
 
 TEST_CASE("a report goes into a pipe, and to a full device it is an error") {

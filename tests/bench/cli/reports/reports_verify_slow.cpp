@@ -56,10 +56,12 @@ TEST_CASE("reports verify: unchanged, changed, unknown, not signed, replaced, vo
   CHECK(call(folder, {"reports", "verify", "what"}).code == 2);
   // A report that was signed later replaces it.
   REQUIRE(call(folder, {"runs", "tag", "1", "lot=A7"}).code == 0);
-  REQUIRE(call(folder, {"report", "1", "--approve-by", "A. Chief", "--without-verdict"}).code == 0);
+  const std::vector<std::string> sign = {"report", "1", "--approve-by", "A. Chief", "--without-verdict"};
+  CHECK(call(folder, sign).code == 2);  // without a reason
+  REQUIRE(call(folder, {sign[0], sign[1], sign[2], sign[3], sign[4], "--reason", "lot added"}).code == 0);
   const Finished older = call(folder, {"reports", "verify", number});
   CHECK(older.code == 0);
-  CHECK_THAT(older.out, Catch::Contains("replaced by report 1-"));
+  CHECK_THAT(older.out, Catch::Matches("(?:.|\n)*replaced by report 1-[0-9a-f]{8}: lot added\n"));
   // A store that forgot who signed.
   std::filesystem::copy_file(folder.path("runs.db"), folder.path("touched.db"));
   db::sqlite::Connection(folder.path("touched.db"), db::sqlite::Access::kReadWrite)
