@@ -18,13 +18,15 @@ struct Member {
   double GpiParameters::*value;
   const char* unit;
   bool positive;
+  bool fixed = false;  // by convention [A16]: a0 and b0 hold a2 and b2, and the scale is that of alpha and the rest
 };
-constexpr Member kMembers[] = {{"a0", &GpiParameters::a0, "y", true},       {"a1", &GpiParameters::a1, "1/x", true},
-                               {"a2", &GpiParameters::a2, "1", false},      {"a3", &GpiParameters::a3, "y", false},
-                               {"b0", &GpiParameters::b0, "y", true},       {"b1", &GpiParameters::b1, "1/x", true},
-                               {"b2", &GpiParameters::b2, "1", false},      {"b3", &GpiParameters::b3, "y", false},
-                               {"alpha", &GpiParameters::alpha, "y", true}, {"rho", &GpiParameters::rho, "1", true},
-                               {"tau", &GpiParameters::tau, "1/y", false}};
+constexpr Member kMembers[] = {
+    {"a0", &GpiParameters::a0, "y", true},        {"a1", &GpiParameters::a1, "1/x", true},
+    {"a2", &GpiParameters::a2, "1", false, true}, {"a3", &GpiParameters::a3, "y", false},
+    {"b0", &GpiParameters::b0, "y", true},        {"b1", &GpiParameters::b1, "1/x", true},
+    {"b2", &GpiParameters::b2, "1", false, true}, {"b3", &GpiParameters::b3, "y", false},
+    {"alpha", &GpiParameters::alpha, "y", true},  {"rho", &GpiParameters::rho, "1", true, true},
+    {"tau", &GpiParameters::tau, "1/y", false}};
 
 class GpiState final : public ModelState {
  public:
@@ -85,7 +87,8 @@ std::unique_ptr<GpiModel> GpiModel::from_json(const nlohmann::ordered_json& json
 std::vector<ModelParameter> GpiModel::parameters() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<ModelParameter> list;
-  for (const Member& m : kMembers) list.push_back({m.name, p_.*m.value, m.unit, m.positive ? 0.0 : -kNone, kNone});
+  for (const Member& m : kMembers)
+    list.push_back({m.name, p_.*m.value, m.unit, m.positive ? 0.0 : -kNone, kNone, m.fixed});
   return list;
 }
 

@@ -16,6 +16,7 @@ struct ModelParameter {
   std::string unit;  // in terms of the input's and output's: "1", "x", "y", "1/x"
   double low = 0.0;  // bounds of identification; infinite where there is none
   double high = 0.0;
+  bool fixed = false;                   // set by convention, not identified: another parameter takes its part
   [[nodiscard]] bool at_bound() const;  // within 1e-9 of their distance
 };
 

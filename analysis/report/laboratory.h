@@ -15,6 +15,7 @@ struct Laboratory {
   std::string received;         // date on which the sensor came
   std::string condition;        // of the sensor when it came
   std::string cable, mounting;  // cable between sensor and scanner; what lies on the sensor, how it is mounted
+  std::string medium;           // that the pressure is made with
   std::string environment;      // temperature, humidity, where no instrument measured them
   std::string deviations;       // from the method, beside those that the run recorded
   std::string remarks;

@@ -24,6 +24,10 @@ html::Markup pairs_table(const char* caption, const std::vector<Pair>& rows);
 html::Markup level_headings(PressureUnit unit, int rows = 1);
 html::Markup level_cells(double pressure_psi, PressureUnit unit);
 const char* branch_in_words(bool up);  // "increasing", "decreasing" pressure
+// ModelTaxel::full_scale(): of a loop with noise less than the highest reading of a sweep.
+inline constexpr const char* kFullScaleOfModel =
+    "the output at the end of the external loop where it is larger (of a rising sensor its highest pressure), mean of "
+    "the sweeps there";
 html::Markup section_start(const char* id, const char* title);
 html::Markup code(const std::string& untrusted);
 html::Text moment(const std::string& utc);       // "2024-05-06 07:08:09Z"

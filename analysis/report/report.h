@@ -77,7 +77,7 @@ struct ReportInput {
   Health health;
   Behaviour behaviour;
   Laboratory laboratory;
-  std::vector<std::string> method;          // how each sequence was carried out, in words; empty: not known
+  std::vector<std::string> method;          // how each sequence was carried out, pressures in psi; empty: not known
   std::vector<db::ReportRecord> approvals;  // of this run's reports, oldest first; no part of the content
   std::string issued;                       // date of issue as typed; empty: that of the approval
   std::string reason;                       // why a draft replaces an approved report; no part of the content

@@ -28,6 +28,7 @@ analysis::Laboratory laboratory_of(const TomlDocument& document) {
   lab.condition = root.text("condition", "");
   lab.cable = root.text("cable", "");
   lab.mounting = root.text("mounting", "");
+  lab.medium = root.text("medium", "");
   lab.environment = root.text("environment", "");
   lab.deviations = root.text("deviations", "");
   lab.remarks = root.text("remarks", "");

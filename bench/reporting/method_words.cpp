@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "analysis/counted.h"
 #include "bench/common/overrides.h"
 #include "bench/run/run_record.h"
 #include "sequences/recipe.h"
@@ -26,33 +27,57 @@ std::string turns_of(const sequences::Recipe& recipe) {
   std::vector<double> turns;
   for (const devices::Psi turn : recipe.turning_points) turns.push_back(turn.value());
   if (turns.size() > kMostTurns) return fmt::format("{} turning points", turns.size());
-  return fmt::format("turning at {:g} psi", fmt::join(turns, ", "));
+  return fmt::format("from {:g} psi", fmt::join(turns, " to "));  // a span, as PressureUnit rewrites it
+}
+
+std::string ramps_of(const sequences::Recipe& recipe) {
+  std::string words;
+  for (const double ramp : recipe.ramp_psi_per_s) words += fmt::format("{}{:g} psi/s", words.empty() ? "" : ", ", ramp);
+  return words;
+}
+
+// A sweep is a branch from one turning point to the next.
+std::string sweeps_of(const sequences::Recipe& recipe) {
+  const std::string repeats = analysis::counted(recipe.repeats, "repeat");
+  if (recipe.kind == sequences::RecipeKind::kPress || recipe.turning_points.size() < 2) return repeats;
+  return fmt::format("{} of {}", repeats, analysis::counted(recipe.turning_points.size() - 1, "sweep"));
+}
+
+std::string warm_up_of(const sequences::Recipe& recipe) {
+  if (recipe.warm_up.at_most_s <= 0.0) return {};
+  return fmt::format(
+      "; before the run a wait of at most {:g} s until the unloaded output drifts by less than {:g} % of "
+      "the range a minute",
+      recipe.warm_up.at_most_s, recipe.warm_up.drift_percent_per_min);
 }
 
 std::string conditioning_of(const sequences::Recipe& recipe) {
   const sequences::Conditioning& given = recipe.conditioning;
-  if (given.cycles == 0) return "no conditioning";
+  if (given.cycles == 0) return "no conditioning before it";
   const std::string peak = recipe.kind == sequences::RecipeKind::kPress ? fmt::format("{:g} N", given.peak_n)
                                                                         : fmt::format("{:g} psi", given.peak.value());
-  if (!(given.change_percent > 0.0)) return fmt::format("before it {} cycles to {} without frames", given.cycles, peak);
+  if (!(given.change_percent > 0.0))
+    return fmt::format("before it {} to {} without frames", analysis::counted(given.cycles, "cycle"), peak);
   return fmt::format(
       "before it {} to {} cycles to {} without frames, until two differ by less than {:g} % of full scale", given.least,
       given.cycles, peak, given.change_percent);
 }
 
 std::string sequence_words(const sequences::Recipe& recipe) {
-  std::string words;
+  std::string words = sweeps_of(recipe);
   if (recipe.kind == sequences::RecipeKind::kPress)
-    words = fmt::format("{} at {} places, forces of {:g} N", recipe.press.object, recipe.press.positions_mm.size(),
-                        fmt::join(recipe.press.forces_n, ", "));
+    words += fmt::format("; {} at {}, forces of {:g} N", recipe.press.object,
+                         analysis::counted(recipe.press.positions_mm.size(), "place"),
+                         fmt::join(recipe.press.forces_n, ", "));
   else
-    words = fmt::format("a level every {:g} psi, {}", recipe.step.value(), turns_of(recipe));
-  words += recipe.settle ? fmt::format("; dwell {:g} s from pressure or force in band to the frame",
-                                       fmt::join(recipe.dwell_s, ", "))
-                         : fmt::format("; on a ramp of {:g} psi/s", fmt::join(recipe.ramp_psi_per_s, ", "));
+    words += fmt::format("; a level every {:g} psi, {}", recipe.step.value(), turns_of(recipe));
+  const char* each = recipe.dwell_s.size() > 1 || recipe.ramp_psi_per_s.size() > 1 ? ", one a repeat in turn" : "";
+  words += recipe.settle ? fmt::format("; waiting time (dwell) {:g} s from pressure or force in band to the frame{}",
+                                       fmt::join(recipe.dwell_s, ", "), each)
+                         : fmt::format("; on a ramp of {}{}, frames as it passes the levels", ramps_of(recipe), each);
   if (recipe.frames_per_level > 1)
     words += fmt::format("; {} frames a level, {:g} s apart", recipe.frames_per_level, recipe.frame_interval_s);
-  return fmt::format("{}; {}", words, conditioning_of(recipe));
+  return fmt::format("{}; {}{}", words, conditioning_of(recipe), warm_up_of(recipe));
 }
 
 }  // namespace

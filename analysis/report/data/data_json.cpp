@@ -92,14 +92,23 @@ Json laboratory_json(const Laboratory& l) {
                            {"calibrated_on", note.calibrated_on},
                            {"due", note.due},
                            {"note", note.note}});
-  return {{"laboratory", l.laboratory}, {"address", l.address},
-          {"place", l.place},           {"accreditation", l.accreditation},
-          {"customer", l.customer},     {"customer_address", l.customer_address},
-          {"order", l.order},           {"received", l.received},
-          {"condition", l.condition},   {"cable", l.cable},
-          {"mounting", l.mounting},     {"environment", l.environment},
-          {"deviations", l.deviations}, {"remarks", l.remarks},
-          {"instruments", instruments}, {"sha256", l.sha256}};
+  return {{"laboratory", l.laboratory},
+          {"address", l.address},
+          {"place", l.place},
+          {"accreditation", l.accreditation},
+          {"customer", l.customer},
+          {"customer_address", l.customer_address},
+          {"order", l.order},
+          {"received", l.received},
+          {"condition", l.condition},
+          {"cable", l.cable},
+          {"mounting", l.mounting},
+          {"medium", l.medium},
+          {"environment", l.environment},
+          {"deviations", l.deviations},
+          {"remarks", l.remarks},
+          {"instruments", instruments},
+          {"sha256", l.sha256}};
 }
 
 Json history_json(const RunHistory& history) {

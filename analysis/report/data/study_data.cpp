@@ -18,8 +18,10 @@ MoreJson model_json(const ComparedModel& model) {
   if (!model.failed.empty()) return {{"model", model.model}, {"failed", model.failed}};
   MoreJson parameters = MoreJson::array();
   for (const ModelParameter& p : model.parameters)
-    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}});
+    parameters.push_back(
+        {{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"at_bound", p.at_bound()}, {"fixed", p.fixed}});
   return {{"model", model.model},
+          {"joint", model.joint},
           {"j_v2", model.j_v2},
           {"mean_error_v", model.mean_error_v},
           {"max_error_v", model.max_error_v},

@@ -75,7 +75,7 @@ Markup trace_errors(const std::vector<TaxelTrace>& traces, PressureUnit unit) {
 }  // namespace
 
 Markup compensation_section(const ReportInput& input) {
-  Markup out = section_start("compensation", "Correction of single taxels, measuring interval");
+  Markup out = section_start("compensation", "Correction of single taxels, condition of the inverse");
   const std::vector<TaxelTrace>& traces = input.more.traces;
   if (traces.empty()) {
     out += markup("<p>not available</p>\n");

@@ -148,9 +148,8 @@ Markup levels_section(const ReportInput& input) {
       "the sweeps. s: non-uniformity, the standard deviation over the taxels with a model. Hysteresis: mean over them "
       "of the difference between increasing and decreasing pressure. Flat taxels: their output changed too little with "
       "decreasing pressure, measured by their noise, for the pressure to be observable; “without flat” leaves them out "
-      "(not available where none is left). Worst taxel: its hysteresis, flat or not. FS of the indication: {} V; of "
-      "the "
-      "corrected indication: {}.</p>\n",
+      "(not available where none is left). Worst taxel: its hysteresis, flat or not. FS of the indication: {} V, the "
+      "highest mean over taxels and sweeps at a level; of the corrected indication: {}.</p>\n",
       html::fixed(evaluation.full_scale_v, 3), html::pressure(evaluation.full_scale_psi, input.unit, 1));
   return out;
 }

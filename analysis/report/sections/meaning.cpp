@@ -24,13 +24,17 @@ Markup terms_table() {
       {"lack of fit", "what the model differs by from what it was fitted to"},
       {"zero deviation", "change of the output at the lowest pressure from before to after"},
       {"discrimination", "the model distinguishes pressures in spite of noise"},
-      {"measuring interval", "pressures at which it does so in spite of noise and lack of fit"},
+      {"measuring interval", "pressures at which U of 95 % of the taxels is within a stated share of full pressure"},
       {"calibration data", "the own run, which the models were made from"},
       {"verification data", "other runs, held out: the models were not made from them"},
       {"requirement, tolerance limit", "a figure that is judged, and the value that it must not exceed"},
       {"statement of conformity",
        "whether all requirements are met by the decision rule: pass, fail or what lies between"},
-      {"FS", "full scale: the highest mean output in volt of the indication, the full pressure of the corrected one"}};
+      {"FS",
+       "full scale. Of the indication, where not stated otherwise, the highest of the outputs at the levels, each the "
+       "mean of the sweeps; of the corrected indication the highest pressure. Of a model it is the output at the end "
+       "of "
+       "its loop"}};
   Markup rows;
   for (const auto& [term, meaning] : terms)
     rows += markup("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", Text(term), Text(meaning));

@@ -36,7 +36,7 @@ Markup sequences_table(const ReportInput& input) {
     Markup name = markup("{}", stated(sequence.name));
     if (!title.empty()) name += markup("<br/><span class=\"plain\">{}</span>", Text(title));
     if (i < input.method.size() && !input.method[i].empty())
-      name += markup("<br/><span class=\"plain\">{}</span>", Text(input.method[i]));
+      name += markup("<br/><span class=\"plain\">{}</span>", Text(input.unit.both_in_text(input.method[i])));
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n", name,
                   sequence.repeats, sequence.frames_per_repeat, code(sequence.recipe_sha256));
   }
@@ -131,7 +131,8 @@ Markup method_part(const ReportInput& input) {
   const RunHistory& history = input.history;
   Markup out = sequences_table(input);
   out += pairs_table("Conditions",
-                     {{"surroundings", surroundings(input)},
+                     {{"pressure medium", markup("{}", stated(input.laboratory.medium))},
+                      {"surroundings", surroundings(input)},
                       {"mounting and what lies on the sensor", markup("{}", stated(input.laboratory.mounting))},
                       {"time by activity", markup("{}", stated(history.time_spent))}});
   if (!history.loaded) {

@@ -55,7 +55,7 @@ Markup mean_taxel_table(const ReportInput& input) {
   row(Text("maximum error"), html::fixed(mean.fit.max_error, 4), Text("V"),
       markup("{} % FS", html::percent(mean.fit.max_error / full_scale, 2)));
   row(Text("full scale (FS)"), html::fixed(full_scale, 3), Text("V"),
-      Text("highest output of the external loop of the mean taxel"));
+      markup("of the mean taxel: {}", Text(kFullScaleOfModel)));
   row(Text("noise of one sample"), html::fixed(1000.0 * mean.noise, 2), Text("mV"), Text("standard deviation"));
   out += markup("</tbody></table>\n");
   return out;
@@ -229,9 +229,9 @@ Markup model_section(const ReportInput& input) {
   out += dynamics_table(input.fit, input.unit);
   out += distribution_table(input);
   out += markup(
-      "<p class=\"note\">FS of a taxel: the highest output of its own external loop. Parameters of a taxel whose curve "
-      "of "
-      "decreasing pressure is saturated are weakly determined: judge the error, not the parameter.</p>\n");
+      "<p class=\"note\">FS of a taxel: of its own external loop {}. Parameters of a taxel whose curve of decreasing "
+      "pressure is saturated are weakly determined: judge the error, not the parameter.</p>\n",
+      Text(kFullScaleOfModel));
   out += unfitted_table(input.fit);
   if (is_elam(input.fit)) out += elam_parameters_part(input);
   return out;

@@ -93,9 +93,10 @@ Markup elam_and_residuals(const ComparedTaxel& taxel, const ComparedSequence& se
   return out;
 }
 
-Markup error_row(const ComparedSequence& sequence, const ComparedModel& model, double full_scale_v, bool best) {
+Markup error_row(const ComparedSequence& sequence, const ComparedModel& model, double full_scale_v,
+                 const char* remark) {
   Markup out = markup("<tr><th scope=\"row\">{}</th><td>{}{}</td>", html::stated(sequence.name),
-                      Text(model_title(model.model)), Text(best ? " (least mean error)" : ""));
+                      Text(model_title(model.model)), Text(remark));
   if (!model.failed.empty()) {
     out += markup("<td colspan=\"7\">not available: {}</td></tr>\n", Text(model.failed));
     return out;
@@ -113,19 +114,26 @@ Markup error_row(const ComparedSequence& sequence, const ComparedModel& model, d
 
 Markup errors_of_models(const ComparedTaxel& taxel) {
   Markup out = markup(
-      "<table><caption>Errors of the direct models, {}; FS is {} V, the highest output of this taxel’s external "
-      "loop</caption><thead><tr><th scope=\"col\">sequence</th><th scope=\"col\">model</th>"
+      "<table><caption>Errors of the direct models, {}; FS is {} V, of this taxel’s external loop {}</caption>"
+      "<thead><tr><th scope=\"col\">sequence</th><th scope=\"col\">model</th>"
       "<th scope=\"col\" class=\"n\">J, V²</th><th scope=\"col\" class=\"n\">mean, V</th>"
       "<th scope=\"col\" class=\"n\">mean, % FS</th><th scope=\"col\" class=\"n\">maximum, V</th>"
       "<th scope=\"col\" class=\"n\">maximum, % FS</th><th scope=\"col\" class=\"n\">free running, mean, % FS</th>"
       "<th scope=\"col\" class=\"n\">free running, maximum, % FS</th></tr></thead><tbody>\n",
-      Text(taxel.taxel.title), html::fixed(taxel.full_scale_v, 3));
+      Text(taxel.taxel.title), html::fixed(taxel.full_scale_v, 3), Text(kFullScaleOfModel));
   for (const ComparedSequence& sequence : taxel.sequences) {
+    // Like with like: one set of parameters for all sequences cannot be as close to one of them as a set of its own.
     const ComparedModel* best = nullptr;
+    const bool joint = std::ranges::any_of(sequence.models, &ComparedModel::joint);
     for (const ComparedModel& model : sequence.models)
-      if (model.failed.empty() && (best == nullptr || model.mean_error_v < best->mean_error_v)) best = &model;
+      if (model.failed.empty() && !model.joint && (best == nullptr || model.mean_error_v < best->mean_error_v))
+        best = &model;
     for (const ComparedModel& model : sequence.models)
-      out += error_row(sequence, model, taxel.full_scale_v, &model == best);
+      out += error_row(sequence, model, taxel.full_scale_v,
+                       model.joint      ? " (one set for all sequences)"
+                       : &model != best ? ""
+                       : joint          ? " (least mean error of the sets for this sequence alone)"
+                                        : " (least mean error)");
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -138,13 +146,15 @@ Markup sizes_of_models(const ComparedTaxel& taxel) {
       "<th scope=\"col\">what it needs besides</th></tr></thead><tbody>\n");
   for (const ComparedModel& model : taxel.sequences.front().models) {
     if (!model.failed.empty()) continue;
+    const auto identified = model.parameters.size() - static_cast<std::size_t>(std::ranges::count(
+                                                          model.parameters, true, &ModelParameter::fixed));
     const char* besides = model.model == "elam"   ? "two pattern curves, the measured external loop"
                           : model.model == "gpi"  ? "exponentials of the envelopes; 5 play operators"
                           : model.model == "mpi"  ? "11 play operators"
                           : model.model == "poly" ? "the ends of the external loop"
                                                   : "";
     out += markup("<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
-                  Text(model_title(model.model)), model.parameters.size(), model.operations_per_sample, Text(besides));
+                  Text(model_title(model.model)), identified, model.operations_per_sample, Text(besides));
   }
   out += markup("</tbody></table>\n");
   return out;
@@ -174,8 +184,8 @@ Markup parameters_of_models(const ComparedTaxel& taxel, const ComparedSequence& 
           std::abs(parameter.value) < 1e-3 && parameter.value != 0.0
               ? Text(fmt::format("{}{:.3e}", parameter.value < 0.0 ? "−" : "", std::abs(parameter.value)))
               : html::fixed(parameter.value, 4);
-      out += markup("<td>{}{}</td>{}", Text(parameter.name), Text(parameter.at_bound() ? " (bound)" : ""),
-                    number_cell(value));
+      const char* mark = parameter.fixed ? " (fixed)" : parameter.at_bound() ? " (bound)" : "";
+      out += markup("<td>{}{}</td>{}", Text(parameter.name), Text(mark), number_cell(value));
     }
     out += markup("</tr>\n");
   }
@@ -192,12 +202,17 @@ Markup models_section(const ReportInput& input) {
     out += markup("<p>not available</p>\n");
     return out;
   }
+  const bool joint = comparison.taxels.front().sequences.front().models.back().joint;
   out += markup(
-      "<p>ELAM is the stored fit of this run: one set of parameters for all sequences. GPI, MPI and POLY were "
+      "<p>{} GPI, MPI and POLY were "
       "identified when this report was made, for the taxels shown here alone, with parameters of their own for each "
       "sequence, as in the publication. All models go along the set-points, the outputs of the repeats are averaged, "
       "and every branch starts at its measured output; free running it starts at the model’s own. GPI and MPI know the "
-      "inputs alone and are the same both ways.</p>\n");
+      "inputs alone and are the same both ways.</p>\n",
+      Text(joint
+               ? "ELAM is the stored fit of this run: one set of parameters for all sequences, which no sequence alone "
+                 "decides; it is therefore not ranked among the others."
+               : "ELAM has parameters of this sequence, as the others have."));
   out += sizes_of_models(comparison.taxels.front());
   for (const ComparedTaxel& taxel : comparison.taxels) {
     out += markup("<h3>The {}</h3>\n", Text(taxel.taxel.title));
@@ -212,7 +227,10 @@ Markup models_section(const ReportInput& input) {
       "<p class=\"note\">Best, median and worst: by the mean absolute error of the taxel. J: Eq. (1), the sum of "
       "squared differences; mean error: Eq. (49); the first sample of a branch, its turning point, is not counted. "
       "Operations: additions, multiplications, comparisons and look-ups of one sample between turns, counted by hand. "
-      "The parameters of the other taxels stand in the data of this file.</p>\n");
+      "Fixed parameters are set by convention and are not identified: in GPI a0 holds the factor e^a2 and b0 holds "
+      "e^b2, "
+      "and rho = 1 sets the common scale of the others. The parameters of the other taxels stand in the data of this "
+      "file.</p>\n");
   return out;
 }
 

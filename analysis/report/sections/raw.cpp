@@ -81,8 +81,8 @@ Markup hysteresis_table(const Behaviour& b, const Evaluation& evaluation, int co
   row(Text("published sensor, for orientation"), Text("25.3"), Text("10.0"), Text("–"));
   out += markup(
       "</tbody></table>\n<p class=\"note\">Hysteresis: difference of the outputs at one level between increasing and "
-      "decreasing pressure, maximum and mean over the levels of the external loop. FS: the highest output of that "
-      "loop. Published "
+      "decreasing pressure, maximum and mean over the levels of the external loop. FS: the highest of the "
+      "loop’s outputs at its levels, each the mean of the sweeps. Published "
       "sensor: Sánchez-Durán et al., Sensors 2015; it is not a limit.</p>\n");
   return out;
 }

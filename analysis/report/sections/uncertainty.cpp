@@ -247,8 +247,8 @@ Markup ranges(const Uncertainty& uncertainty, PressureUnit unit) {
   double full = 0.0;
   for (const LevelUncertainty& level : uncertainty.levels) full = std::max(full, level.pressure_psi);
   Markup out = markup(
-      "<table class=\"pairs\"><caption>Where U of 95 % of the taxels is within a share of the full pressure</caption>"
-      "<tbody>\n");
+      "<table class=\"pairs\"><caption>Measuring interval: where U of 95 % of the taxels is within a share of the full "
+      "pressure</caption><tbody>\n");
   for (const double share : {0.005, 0.01, 0.02}) {
     out += markup("<tr><th scope=\"row\">{} %: {}</th><td>{}; {}</td></tr>\n", html::percent(share, 1),
                   html::pressure(share * full, unit, 2), range_within(uncertainty, true, share * full, unit),

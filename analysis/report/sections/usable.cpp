@@ -28,13 +28,13 @@ Markup usable_charts(const UsableRange& range, PressureUnit unit) {
   Markup out = markup(
       "<div class=\"pair\">\n<figure>{}<figcaption>Taxels that meet the rule at a level.</figcaption></figure>\n",
       line_chart(pressure_along(
-          {.title = "Share of the fitted taxels that meet the rule of discrimination and of the measuring interval",
+          {.title = "Share of the fitted taxels that meet the rule by noise, and by noise and model error",
            .x_label = "gauge pressure",
            .y_label = "share of taxels in %",
-           .series = {series("incr., discrimination", in_percent(range.loading.resolved_share), 1),
-                      series("incr., interval", in_percent(range.loading.usable_share), 2),
-                      series("decr., discrimination", in_percent(range.unloading.resolved_share), 4),
-                      series("decr., interval", in_percent(range.unloading.usable_share), 3)},
+           .series = {series("incr., noise", in_percent(range.loading.resolved_share), 1),
+                      series("incr., noise and model", in_percent(range.loading.usable_share), 2),
+                      series("decr., noise", in_percent(range.unloading.resolved_share), 4),
+                      series("decr., noise and model", in_percent(range.unloading.usable_share), 3)},
            .width = 335,
            .height = 280,
            .y_from_zero = true},
@@ -61,23 +61,24 @@ Markup usable_charts(const UsableRange& range, PressureUnit unit) {
 
 Markup usable_part(const ReportInput& input) {
   const UsableRange& range = input.more.usable;
-  Markup out = markup("<h3>Measuring interval</h3>\n");
+  Markup out = markup("<h3>Condition of the inverse</h3>\n");
   if (range.pressure_psi.empty() || range.taxels == 0) {
     out += markup("<p>not available</p>\n");
     return out;
   }
   out += markup(
-      "<p>The rule: a taxel discriminates at a level of its external loop when an output that is off by {} standard "
-      "deviations of one sample’s noise moves the pressure of the inverse by at most {}. The level is in its measuring "
-      "interval when the same holds for an output off by the root sum of squares of that and the taxel’s mean model "
-      "error. An interval of the array is the longest row of levels at which at least {} % of the {} fitted taxels "
-      "meet the rule.</p>\n",
+      "<p>A property of the model alone, without its uncertainty: the measuring interval, in which U of 95 % of the "
+      "taxels is within a stated limit, stands in the section Uncertainty. The rule here: a taxel discriminates at a "
+      "level of its external loop when an output that is off by {} standard deviations of one sample’s noise moves the "
+      "pressure of the inverse by at most {}; in spite of the model’s error it does so when the same holds for an "
+      "output off by the root sum of squares of that and the taxel’s mean model error. Given are the longest rows of "
+      "levels at which at least {} % of the {} fitted taxels meet the rule.</p>\n",
       html::fixed(range.options.in_noises, 0), html::pressure(range.options.most_psi, input.unit, 1),
       html::percent(range.options.least_share, 0), range.taxels);
   out += markup(
-      "<table><caption>Interval in which the inverse is well-conditioned</caption><thead><tr><th "
-      "scope=\"col\">pressure</th><th scope=\"col\">discrimination (noise)</th><th scope=\"col\">measuring interval "
-      "(noise and model error)</th></tr></thead><tbody>\n");
+      "<table><caption>Pressures at which the inverse is well-conditioned</caption><thead><tr><th "
+      "scope=\"col\">pressure</th><th scope=\"col\">discrimination in spite of "
+      "noise</th><th scope=\"col\">in spite of noise and model error</th></tr></thead><tbody>\n");
   for (const bool up : {true, false}) {
     const UsableBranch& branch = up ? range.loading : range.unloading;
     out += markup("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td></tr>\n", Text(branch_in_words(up)),

@@ -16,7 +16,7 @@ namespace tactbench::analysis {
 struct RawLoop {
   std::string name;                                    // mean | best | median | worst
   int taxel = -1;                                      // -1: the mean
-  double full_scale_v = 0.0;                           // its highest output
+  double full_scale_v = 0.0;                           // highest output of a level, mean of the sweeps
   double hysteresis_max = 0.0, hysteresis_mean = 0.0;  // |up - down| over the levels, shares of its own full scale
   std::vector<double> up_v, down_v;
 };

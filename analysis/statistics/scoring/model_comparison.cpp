@@ -135,8 +135,10 @@ ModelComparison compare_models(const Dataset& measured, const SensorModel& fit, 
   for (std::size_t t = 0; t < out.taxels.size(); ++t) {
     for (std::size_t s = 0; s < common.size(); ++s) {
       ComparedSequence& sequence = out.taxels[t].sequences[s];
-      if (own_elam)
+      if (own_elam) {
         sequence.models.back() = walked(*fit_of(fit, out.taxels[t].taxel.taxel).fit.model, histories[t].fit[s]);
+        sequence.models.back().joint = common.size() > 1;
+      }
       if (fit.falling) negate_outputs(sequence);
     }
   }

@@ -20,6 +20,8 @@ struct ComparedModel {
   double mean_running_v = 0.0, max_running_v = 0.0;  // the same of the model free running, without measured ordinates
   int samples = 0;
   int operations_per_sample = 0;
+  bool joint =
+      false;  // one set of parameters for several sequences: on one of them it cannot be as close as one of its own
   std::vector<ModelParameter> parameters;
 };
 
@@ -32,7 +34,7 @@ inline constexpr const char* kComparedModels[] = {"gpi", "mpi", "poly", "elam"};
 
 struct ComparedTaxel {
   NamedTaxel taxel;
-  double full_scale_v = 0.0;  // highest output of its external loop, of all sequences
+  double full_scale_v = 0.0;  // ModelTaxel::full_scale() of its model
   std::vector<ComparedSequence> sequences;
 };
 

@@ -9,7 +9,7 @@ namespace tactbench::analysis {
 struct ModelScore {
   Score taxels;             // sums over all taxels that have a model
   Score mean;               // of the mean taxel; of the only one when there is one
-  double full_scale = 0.0;  // highest output of the mean taxel's loop
+  double full_scale = 0.0;  // what the mean taxel's loop spans (ModelFit::full_scale)
   int count = 0;            // taxels in the first
 };
 

@@ -207,10 +207,11 @@ TEST_CASE("markup in any text field stays text") {
     }
   }
   input.program_version = input.issued = input.reason = hostile;
+  input.method.assign(input.run.sequences.size(), hostile);
   Laboratory& lab = input.laboratory;
   for (std::string* field : {&lab.laboratory, &lab.address, &lab.place, &lab.accreditation, &lab.customer,
                              &lab.customer_address, &lab.order, &lab.received, &lab.condition, &lab.cable,
-                             &lab.mounting, &lab.environment, &lab.deviations, &lab.remarks, &lab.sha256})
+                             &lab.mounting, &lab.medium, &lab.environment, &lab.deviations, &lab.remarks, &lab.sha256})
     *field = hostile;
   lab.instruments = {{hostile, hostile, hostile, hostile, hostile, hostile}};
   RunHistory& history = input.history;

@@ -241,6 +241,24 @@ TEST_CASE("a report that replaces another states why on page 1 and in its data, 
   CHECK(contains(render_report(input).html, row("not stated")));
 }
 
+TEST_CASE("the method is in the page's unit with the other behind it, in the data in psi, with the pressure's medium") {
+  ReportInput input = example::example_input();
+  REQUIRE(!input.run.sequences.empty());
+  input.method = {"3 repeats of 2 sweeps; a level every 4 psi, from 0 to 60 to 0 psi"};
+  const auto page_in = [&](PressureUnit unit) {
+    input.unit = unit;
+    return render_report(input);
+  };
+  const Report kpa = page_in(PressureUnit::kKilopascal), psi = page_in(PressureUnit::kPsi);
+  CHECK(contains(kpa.html, "a level every 27.58 kPa (4 psi), from 0 to 413.7 to 0 kPa (0 to 60 to 0 psi)</span>"));
+  CHECK(contains(psi.html, "a level every 4 psi (27.58 kPa), from 0 to 60 to 0 psi (0 to 413.7 to 0 kPa)</span>"));
+  CHECK(kpa.number == psi.number);
+  CHECK(nlohmann::json::parse(psi.json)["identification"]["method"][0] == input.method[0]);
+  CHECK(contains(kpa.html, "<th scope=\"row\">pressure medium</th><td>not stated</td>"));
+  input.laboratory.medium = "dry air";
+  CHECK(contains(render_report(input).html, "<th scope=\"row\">pressure medium</th><td>dry air</td>"));
+}
+
 TEST_CASE("the cable is the one that was typed, else the one stored with the scanner") {
   ReportInput input = example::example_input();
   input.run.devices[2].calibration_json = R"({"volts_per_count":7.6e-05,"cable":"W-17"})";

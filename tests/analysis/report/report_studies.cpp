@@ -54,6 +54,64 @@ TEST_CASE("models compared: errors as shares of each taxel's own full scale, par
   CHECK(contains(page, "0.5000"));
 }
 
+TEST_CASE(
+    "models compared: the least error is marked among models alike, and what is fixed by convention is no finding") {
+  ReportInput input = full_input();
+  input.more.models.taxels.resize(1);
+  input.more.models.taxels[0].sequences.resize(1);
+  ComparedSequence& sequence = input.more.models.taxels[0].sequences[0];
+  sequence.name = "up";
+  const auto row_of = [&](const char* title) {
+    const std::string page = models_section(input).value;
+    const std::size_t at = page.find(std::string("<th scope=\"row\">up</th><td>") + title);
+    REQUIRE(at != std::string::npos);
+    return page.substr(at + std::string("<th scope=\"row\">up</th><td>").size(),
+                       page.find("</td>", at) - at - std::string("<th scope=\"row\">up</th><td>").size());
+  };
+  ComparedModel &gpi = sequence.models[0], &poly = sequence.models[2], &elam = sequence.models[3];
+  gpi.mean_error_v = 0.03;
+  poly.mean_error_v = 0.02;
+  elam.mean_error_v = 0.01;
+  CHECK(row_of("ELAM") == "ELAM (least mean error)");  // of one sequence all have a set of their own
+  CHECK(row_of("POLY") == "POLY");
+  elam.joint = true;
+  CHECK(row_of("ELAM") == "ELAM (one set for all sequences)");
+  CHECK(row_of("POLY") == "POLY (least mean error of the sets for this sequence alone)");
+  CHECK(row_of("GPI") == "GPI");
+  gpi.parameters = {{"a0", 2.0, "y", 0.0, 9.0}, {"a2", 0.0, "1", -9.0, 9.0, true}, {"rho", 1.0, "1", 1.0, 9.0, true}};
+  const std::string page = models_section(input).value;
+  CHECK(contains(page, "<td>a0</td>"));
+  CHECK(contains(page, "<td>a2 (fixed)</td>"));
+  CHECK(contains(page, "<td>rho (fixed)</td>"));
+  CHECK(contains(page, "<th scope=\"row\">GPI</th><td class=\"n\">1</td>"));  // of three one is identified
+  const auto data = nlohmann::json::parse(models_json(input));
+  CHECK(data[0]["sequences"][0]["models"][3]["joint"] == true);
+  CHECK(data[0]["sequences"][0]["models"][0]["parameters"][1]["fixed"] == true);
+}
+
+TEST_CASE("one measuring interval: by U in the section Uncertainty, the inverse's condition has another name") {
+  const ReportInput input = full_input();
+  const std::string single = compensation_section(input).value;
+  REQUIRE(contains(single, "<h3>Condition of the inverse</h3>"));
+  for (const char* title : {"<h2", "<h3>", "<caption>", "<title>", "<th scope=\"col\">"})
+    for (std::size_t at = single.find(title); at != std::string::npos; at = single.find(title, at + 1))
+      CHECK_FALSE(contains(single.substr(at, single.find("</", at) - at), "easuring interval"));
+  CHECK(contains(single,
+                 "the measuring interval, in which U of 95 % of the taxels is within a stated limit, stands in "
+                 "the section Uncertainty"));
+}
+
+TEST_CASE("full scale of a model: its loop's end, in the table of the mean taxel and beside the models compared") {
+  const ReportInput input = full_input();
+  const std::string words =
+      "the output at the end of the external loop where it is larger (of a rising sensor its highest pressure), mean "
+      "of "
+      "the sweeps there";
+  CHECK(contains(model_section(input).value, "<td>of the mean taxel: " + words + "</td>"));
+  CHECK(contains(models_section(input).value, "FS is 3.500 V, of this taxel’s external loop " + words));
+  CHECK_FALSE(contains(render_report(input).html, "highest output of the external loop"));
+}
+
 TEST_CASE("swapped lines: the run compared with, both limits and each pair's correlations by the letter") {
   ReportInput input = full_input();
   input.health.swaps_assessed = true;

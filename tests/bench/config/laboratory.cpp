@@ -10,19 +10,21 @@ using namespace tactbench::bench;
 TEST_CASE("the shipped laboratory file reads, and every field of it is empty") {
   const analysis::Laboratory lab = read_laboratory(find_config("lab.toml"));
   CHECK(lab.sha256.size() == 64);
-  for (const std::string* field :
-       {&lab.laboratory, &lab.address, &lab.place, &lab.accreditation, &lab.customer, &lab.customer_address, &lab.order,
-        &lab.received, &lab.condition, &lab.cable, &lab.mounting, &lab.environment, &lab.deviations, &lab.remarks})
+  for (const std::string* field : {&lab.laboratory, &lab.address, &lab.place, &lab.accreditation, &lab.customer,
+                                   &lab.customer_address, &lab.order, &lab.received, &lab.condition, &lab.cable,
+                                   &lab.mounting, &lab.medium, &lab.environment, &lab.deviations, &lab.remarks})
     CHECK(field->empty());
   CHECK(lab.instruments.empty());
 }
 
 TEST_CASE("a laboratory file's fields and certificates are read") {
   const analysis::Laboratory lab = parse_laboratory(
-      "schema = 1\nlaboratory = \"L\"\nreceived = \"2026-02-28\"\n[[instrument]]\nserial = \"P-1\"\ncertificate = "
+      "schema = 1\nlaboratory = \"L\"\nmedium = \"dry air\"\nreceived = \"2026-02-28\"\n[[instrument]]\nserial = "
+      "\"P-1\"\ncertificate = "
       "\"C-1\"\ndue = \"2027-01-31\"\n",
       "lab.toml");
   CHECK(lab.laboratory == "L");
+  CHECK(lab.medium == "dry air");
   CHECK(lab.received == "2026-02-28");
   REQUIRE(lab.instruments.size() == 1);
   CHECK(lab.instruments[0].certificate == "C-1");

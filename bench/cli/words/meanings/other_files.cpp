@@ -48,6 +48,7 @@ KeyMeanings laboratory_meanings() {
           {"condition", "Condition of the sensor when it came"},
           {"cable", "Cable between sensor and scanner: type, length, serial number"},
           {"mounting", "What lies on the sensor and below it"},
+          {"medium", "What the pressure is made with, and its state"},
           {"environment", "Temperature and humidity, where no instrument of the bench measured them"},
           {"deviations", "Deviations from the method, beside those that the run recorded itself"},
           {"remarks", "Remarks of the laboratory, printed on the report"},

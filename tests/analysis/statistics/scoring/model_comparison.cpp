@@ -96,6 +96,31 @@ TEST_CASE("models side by side: each identified model's errors are those of its 
   }
 }
 
+TEST_CASE(
+    "models side by side: ELAM's set is of all sequences where there are two, GPI's conventions are no findings") {
+  Dataset two = known_loop();
+  two.sequences.push_back(two.sequences[0]);
+  two.sequences[1].name = "again";
+  for (const bool several : {false, true}) {
+    const ModelComparison found = compare_models(several ? two : known_loop(), straight_fit(), kChosen, 1);
+    for (const ComparedTaxel& taxel : found.taxels)
+      for (const ComparedSequence& sequence : taxel.sequences)
+        for (const ComparedModel& model : sequence.models) CHECK(model.joint == (several && model.model == "elam"));
+    // a0 e^a2, b0 e^b2 and one common scale: 8 of 11 are independent.
+    std::vector<std::string> fixed;
+    for (const ModelParameter& parameter : found.taxels[0].sequences[0].models[0].parameters)
+      if (parameter.fixed) {
+        fixed.push_back(parameter.name);
+        CHECK(parameter.value == (parameter.name == "rho" ? 1.0 : 0.0));
+      }
+    CHECK(fixed == std::vector<std::string>{"a2", "b2", "rho"});
+    CHECK(found.taxels[0].sequences[0].models[0].parameters.size() == 11);
+    for (const std::size_t other : {1U, 2U, 3U})
+      for (const ModelParameter& parameter : found.taxels[0].sequences[0].models[other].parameters)
+        CHECK_FALSE(parameter.fixed);
+  }
+}
+
 TEST_CASE("models side by side: a falling sensor's outputs keep their sign, its errors are the same") {
   Dataset data = known_loop();
   for (Repeat& repeat : data.sequences[0].repeats)
