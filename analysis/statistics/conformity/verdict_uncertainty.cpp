@@ -77,12 +77,9 @@ class RepeatScatter {
 };
 
 std::vector<VarianceShare> shares_of(const ReferenceUncertainty& reference, double drift_psi) {
-  std::vector<VarianceShare> shares = {{reference.largest_certificate_u(), kInfiniteDof}};
-  if (reference.drift_missing.empty()) shares.push_back({drift_psi / std::numbers::sqrt3, kInfiniteDof});
-  if (reference.resolution_missing.empty())
-    shares.push_back({0.5 * reference.resolution_psi / std::numbers::sqrt3, kInfiniteDof});
-  for (const ReferenceLimit& limit : reference.limits)
-    if (limit.half_width_psi > 0.0) shares.push_back({limit.half_width_psi / std::numbers::sqrt3, kInfiniteDof});
+  std::vector<VarianceShare> shares;
+  for (const ReferenceRow& row : reference.rows(reference.largest_certificate_u(), drift_psi))
+    shares.push_back({row.u_psi, kInfiniteDof});
   return shares;
 }
 

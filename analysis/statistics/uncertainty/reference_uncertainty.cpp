@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "analysis/json_io.h"
+#include "analysis/statistics/numbers/coverage.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -140,11 +142,24 @@ double ReferenceUncertainty::largest_certificate_u() const {
   return expanded_psi.empty() ? 0.0 : *std::ranges::max_element(expanded_psi) / coverage_factor;
 }
 
+std::vector<ReferenceRow> ReferenceUncertainty::rows(double certificate_u_psi, double drift_limit_psi) const {
+  std::vector<ReferenceRow> rows;
+  const auto limit_of = [&](std::size_t source, double half_width_psi) {
+    rows.push_back({source, half_width_psi, std::numbers::sqrt3, half_width_psi / std::numbers::sqrt3});  // 4.3.7
+  };
+  if (certificate_missing.empty())
+    rows.push_back({0, coverage_factor * certificate_u_psi, coverage_factor, certificate_u_psi});  // 4.3.3
+  if (drift_missing.empty()) limit_of(1, drift_limit_psi);
+  if (resolution_missing.empty()) limit_of(2, 0.5 * resolution_psi);
+  for (std::size_t part = 0; part < kReferenceParts; ++part)
+    if (limits[part].half_width_psi > 0.0) limit_of(3 + part, limits[part].half_width_psi);
+  return rows;
+}
+
 double ReferenceUncertainty::combined_u(double pressure_psi) const {
-  double squares =
-      std::pow(certificate_u(pressure_psi), 2) + drift_psi * drift_psi / 3.0 + resolution_psi * resolution_psi / 12.0;
-  for (const ReferenceLimit& limit : limits) squares += limit.half_width_psi * limit.half_width_psi / 3.0;
-  return std::sqrt(squares);
+  std::vector<VarianceShare> shares;
+  for (const ReferenceRow& row : rows(certificate_u(pressure_psi), drift_psi)) shares.push_back({row.u_psi});
+  return combined_uncertainty(shares);
 }
 
 ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<const InstrumentNote> notes) {

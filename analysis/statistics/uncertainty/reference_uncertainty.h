@@ -22,6 +22,12 @@ struct ReferenceLimit {
   ChainPart part;
 };
 
+// One contribution of the reference's own error: u(x) = width / divisor, c = 1, without degrees of freedom to count.
+struct ReferenceRow {
+  std::size_t source = 0;  // as UncertaintySource: 0 certificate, 1 drift, 2 resolution, then by ReferencePart
+  double width_psi = 0.0, divisor = 1.0, u_psi = 0.0;
+};
+
 struct ReferenceUncertainty {
   InstrumentCalibration calibration;  // certificate, dates
   bool independent = false;           // false: the regulator's feedback is used
@@ -42,6 +48,9 @@ struct ReferenceUncertainty {
   // u(p) = U(p) / k in psi (JCGM 100, 4.3.3), between the certificate's points linear, beyond them the last one's.
   [[nodiscard]] double certificate_u(double pressure_psi) const;
   [[nodiscard]] double largest_certificate_u() const;
+  // What is stated, with the certificate's u and the drift's limit as given: the one sum that budgets, verdicts and
+  // combined_u() share.
+  [[nodiscard]] std::vector<ReferenceRow> rows(double certificate_u_psi, double drift_limit_psi) const;
   // Of all that is stated, at a pressure.
   [[nodiscard]] double combined_u(double pressure_psi) const;
 };

@@ -113,17 +113,11 @@ void BudgetMaker::add(Budget& budget, UncertaintySource source, double width, do
 }
 
 void BudgetMaker::add_reference(Budget& budget) const {
-  const double k = reference_.coverage_factor;
-  const auto add_common = [&](UncertaintySource source, double width, double divisor) {
-    add(budget, source, width, divisor, 1.0, kInfiniteDof, 1.0);
-  };
-  add_common(UncertaintySource::kCertificate, k * reference_.certificate_u(budget.pressure_psi), k);
-  add_common(UncertaintySource::kDrift, reference_.drift_psi, rectangular);
-  add_common(UncertaintySource::kReferenceDigit, 0.5 * reference_.resolution_psi, rectangular);
-  for (std::size_t part = 0; part < kReferenceParts; ++part)
-    if (const double half_width = reference_.limits[part].half_width_psi; half_width > 0.0)
-      add_common(static_cast<UncertaintySource>(index_of(UncertaintySource::kReferenceInput) + part), half_width,
-                 rectangular);
+  static_assert(static_cast<int>(UncertaintySource::kCertificate) == 0 &&
+                static_cast<int>(UncertaintySource::kReferenceDigit) == 2 &&
+                static_cast<int>(UncertaintySource::kReferenceTemperature) == 2 + kReferenceParts);  // ReferenceRow
+  for (const ReferenceRow& row : reference_.rows(reference_.certificate_u(budget.pressure_psi), reference_.drift_psi))
+    add(budget, static_cast<UncertaintySource>(row.source), row.width_psi, row.divisor, 1.0, kInfiniteDof, 1.0);
 }
 
 // What m returns show beyond the noise of their two frames: half of a mean return in the middle of a repeat, even

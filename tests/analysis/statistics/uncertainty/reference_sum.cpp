@@ -1,0 +1,76 @@
+// The reference's own error is one sum, by hand: that of a budget, of a verdict and of ReferenceUncertainty itself.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/statistics/uncertainty/budget_maker.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace tactbench;
+using namespace straight_array;
+
+namespace {
+
+ReferenceUncertainty whole_chain() {
+  ReferenceUncertainty reference;
+  reference.reading_psi = {0.0, 60.0};
+  reference.expanded_psi = {0.04, 0.16};  // 0.12 at 40 psi
+  reference.drift_stated_psi = reference.drift_psi = 0.05;
+  reference.resolution_psi = 0.02;
+  for (std::size_t part = 0; part < kReferenceParts; ++part)
+    reference.limits[part].half_width_psi = 0.1 * (1.0 + static_cast<double>(part));  // 0.1, 0.2, 0.3, 0.4
+  return reference;
+}
+
+// Certificate's U / 2; then rectangles: drift, half a digit, the four limits.
+double by_hand_psi(double certificate_psi) {
+  return std::sqrt(certificate_psi * certificate_psi / 4.0 +
+                   (0.05 * 0.05 + 0.01 * 0.01 + 0.01 + 0.04 + 0.09 + 0.16) / 3.0);
+}
+
+double of_reference(const ReferenceUncertainty& reference) {
+  const Dataset dataset = known_loop();
+  const SensorModel fit = straight_fit();
+  const SweepErrors errors = sweep_errors(dataset, fit);
+  const UncertaintyInputs none;
+  const Budget budget = BudgetMaker(dataset, fit, errors, reference, 0.0, none, 1).budget(0, 2);
+  REQUIRE(budget.pressure_psi == 40.0);
+  double squares = 0.0;
+  for (const Contribution& row : budget.contributions)
+    if (is_of_reference(row.source)) squares += row.u_psi * row.u_psi;
+  return std::sqrt(squares);
+}
+
+double of_verdict(const ReferenceUncertainty& reference) {
+  const auto combined = [](const ReferenceUncertainty& of) {
+    const Dataset dataset = known_loop();
+    const auto all = judged_uncertainties(dataset, dataset, straight_fit(), evaluate(dataset, straight_fit()), of);
+    const JudgedUncertainty* const found = find_uncertainty(all, "mean_compensation_error", "array");
+    REQUIRE(found != nullptr);
+    return found->combined;
+  };
+  ReferenceUncertainty none;
+  none.drift_missing = none.resolution_missing = "none";
+  return std::sqrt(std::pow(combined(reference), 2) - std::pow(combined(none), 2));
+}
+
+}  // namespace
+
+TEST_CASE("the reference's error by hand: of a reading at 40 psi, of a verdict with the certificate's largest U") {
+  const ReferenceUncertainty reference = whole_chain();
+  CHECK(reference.combined_u(40.0) == Approx(by_hand_psi(0.12)));
+  CHECK(of_reference(reference) == Approx(by_hand_psi(0.12)));
+  CHECK(of_verdict(reference) == Approx(by_hand_psi(0.16)).epsilon(1e-6));
+}
+
+TEST_CASE("what is not stated of the reference is in none of the three sums") {
+  ReferenceUncertainty reference = whole_chain();
+  reference.drift_missing = reference.resolution_missing = "not stated";
+  reference.limits[1].half_width_psi = 0.0;
+  const auto by_hand = [](double certificate_psi) {
+    return std::sqrt(certificate_psi * certificate_psi / 4.0 + (0.01 + 0.09 + 0.16) / 3.0);
+  };
+  CHECK(reference.combined_u(40.0) == Approx(by_hand(0.12)));
+  CHECK(of_reference(reference) == Approx(by_hand(0.12)));
+  CHECK(of_verdict(reference) == Approx(by_hand(0.16)).epsilon(1e-6));
+}
