@@ -103,6 +103,16 @@ analysis::HistoryRuns history_runs_of(analysis::Runs& runs, const analysis::Repo
 
 }  // namespace
 
+void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs) {
+  if (!found.assessed()) return;
+  const auto between_two = [](double share, int degrees) {
+    return analysis::GivenUncertainty{0.0, std::numbers::sqrt2 * share, double(degrees),
+                                      "runs of the sensor mounted anew"};
+  };
+  inputs.mounting = between_two(found.common_share, found.degrees);
+  inputs.mounting_own = between_two(found.own_share, found.own_degrees);
+}
+
 analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::ReportInput& input,
                                           const std::vector<std::int64_t>& further,
                                           const std::vector<std::string>& studies) {
@@ -112,15 +122,7 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
   if (found.uniformity.assessed())
     inputs.uniformity = {found.uniformity.u_offset_psi, found.uniformity.u_share, found.uniformity.degrees,
                          "runs of the sensor turned in the chamber"};
-  if (found.remount.assessed()) {
-    // Calibrated in one mount and used in another: the difference of two.
-    const auto between_two = [](double share, int degrees) {
-      return analysis::GivenUncertainty{0.0, std::numbers::sqrt2 * share, double(degrees),
-                                        "runs of the sensor mounted anew"};
-    };
-    inputs.mounting = between_two(found.remount.common_share, found.remount.degrees);
-    inputs.mounting_own = between_two(found.remount.own_share, found.remount.own_degrees);
-  }
+  add_mounts(found.remount, inputs);
   const analysis::Dataset& calibration = runs.dataset(input.run.run);
   std::vector<analysis::Dataset> datasets = datasets_of(runs, plain_runs(input, further, studies));
   inputs.temperature = temperature_of(runs, input, calibration, datasets);

@@ -17,6 +17,10 @@ analysis::UncertaintyInputs budget_inputs(analysis::Runs& runs, const analysis::
                                           const std::vector<std::int64_t>& further,
                                           const std::vector<std::string>& studies);
 
+// Rows of re-mounting, common and own: the sensor is calibrated in one mount and used in another, so that a reading
+// errs by the difference of two mounts, sqrt(2) times what one mount varies by. Nothing where mounts were not assessed.
+void add_mounts(const analysis::Remount& found, analysis::UncertaintyInputs& inputs);
+
 struct StateChange {
   bool later = false, mounted = false, unknown = false;  // another day or age; mounted anew; cannot be told
   std::string words;                                     // the first of them; empty: none

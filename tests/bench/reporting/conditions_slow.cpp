@@ -1,5 +1,6 @@
 // Under which conditions a verdict holds, and what follows from a sensor that does not conform as found: on runs of the
 // simulated rig whose mount, age, temperature and certificate are known.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -85,6 +86,47 @@ TEST_CASE("a verdict names the trajectories judged and what was not assessed, an
   CHECK_THAT(page, Catch::Contains("under repeatability conditions only") && Catch::Contains("random reversals: ") &&
                        Catch::Contains("no study holds the load for longer than the runs do"));
   for (const char* run : {"1", "2", "3", "4"}) CHECK(call(folder, {"verify", run}).code == 0);
+}
+
+TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a month later, and the pass says so") {
+  // The audit: 0.067 psi in the same mount, and the same sensor 0.690 psi re-mounted, 1.076 psi after a month.
+  const TemporaryFolder folder;
+  prepare_runs(folder);
+  write_file(folder.path("limits.toml"),
+             "schema = 1\nname = \"limits\"\nrule = \"default\"\nmean_compensation_error_psi = 0.6\n"
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+  measure(folder, "production", "1");
+  measure(folder, "production", "2");
+  measure(folder, "production", "3", {"simulation.effects.remount_variation=0.03", "simulation.mount_seed=4"});
+  measure(folder, "production", "4",
+          {"simulation.age_months=1", "simulation.temperature_c=28", "simulation.effects.gain_drift_per_month=0.01",
+           "simulation.effects.zero_drift_v_per_month=0.01"});
+  const json same = answer(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"}, 0)["judgement"];
+  CHECK(same["overall"] == "pass");
+  CHECK(same["statement"] == "pass, under repeatability conditions only");
+  const std::vector<std::string> missing = sources_of(same);
+  for (const char* source : {"re-mounting", "time"}) CHECK(std::ranges::find(missing, source) != missing.end());
+  (void)answer(
+      folder,
+      {"report", "1", "--held-out", "2", "3", "4", "--limits", "limits.toml", "--format", "json", "-o", "r.json"}, 1);
+  const json data = json::parse(read_file(folder.path("r.json")));
+  const auto of_run = [](const json& rows, const std::string& run, const char* key) {
+    for (const json& row : rows)
+      if (row["on"] == "held-out run " + run && row["criterion"] == "mean_compensation_error")
+        return row[key].get<double>();
+    return -1.0;
+  };
+  const json &verdicts = data["results"]["verdicts"], &figures = data["sections"]["uncertainty"]["judged_figures"];
+  const double value = of_run(verdicts, "2", "value"), expanded = of_run(figures, "2", "expanded");
+  CHECK(expanded > 0.05);
+  CHECK(expanded < 0.12);
+  CHECK(of_run(verdicts, "3", "value") > value + 3.0 * expanded);
+  CHECK(of_run(verdicts, "4", "value") > value + 6.0 * expanded);
+  // Judged, too, they decide, and are no longer missing.
+  CHECK(data["results"]["judgement"]["overall"] == "fail");
+  const std::vector<std::string> still = sources_of(data["results"]["judgement"]);
+  for (const char* source : {"re-mounting", "temperature", "time"})
+    CHECK(std::ranges::find(still, source) == still.end());
 }
 
 TEST_CASE("an overdue reference makes the statement inconclusive by name, a limit on readings included") {

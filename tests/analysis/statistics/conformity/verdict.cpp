@@ -103,6 +103,24 @@ TEST_CASE("simple, guarded, default and report-only at their edges") {
   CHECK_FALSE(needs_uncertainty(DecisionRule::kReportOnly));
 }
 
+TEST_CASE("two repeats pooled over the taxels of an array have no k of 13.97, and one figure of two repeats has") {
+  const synthetic::Array array({.rows = 8, .columns = 8, .sensor_seed = 4});
+  const Dataset judged = synthetic::run(array, {.seed = 9, .repeats = 2});
+  const SensorModel fit = fit_array(judged);
+  const Evaluation evaluation = evaluate(judged, fit);
+  const auto pooled = judged_uncertainties(judged, judged, fit, evaluation, certified(0.01));
+  const auto single = judged_uncertainties_by_repeats(judged, judged, fit, evaluation, certified(1e-9), 1);
+  for (const char* criterion : {"mean_compensation_error", "worst_taxel_error", "distance_of_mean"}) {
+    INFO(criterion);
+    const JudgedUncertainty* const own = find_uncertainty(pooled, criterion, "array");
+    const JudgedUncertainty* const before = find_uncertainty(single, criterion, "array");
+    REQUIRE((own != nullptr && before != nullptr));
+    CHECK(before->factor == Approx(13.97).margin(0.005));  // GUM, Table G.2: one degree of freedom
+    CHECK(own->dof > 3.0);
+    CHECK(own->factor < 3.31);  // three degrees of freedom
+  }
+}
+
 TEST_CASE(
     "U of judged figures by hand: the reference where it counts, the repeats where it cancels, none for a count") {
   // Three repeats, each with one full sweep up and down.

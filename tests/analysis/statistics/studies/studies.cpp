@@ -64,6 +64,8 @@ TEST_CASE("four quarter turns give the chamber's map back but for what a quarter
   REQUIRE(u.assessed());
   CHECK(u.pressure_psi == std::vector<double>{10.0, 20.0, 40.0});  // at 60 psi estimates come to the models' end
   CHECK(u.undetermined == 9);
+  // 36 cells less the 9 sets of four whose common part could be the sensor's: what a taxel differs by within a set.
+  CHECK(u.degrees == 27);
   CHECK(u.residual_rms_psi < 1e-9);
   double squares = 0.0, mean_of_taxels = 0.0, mean_of_bowl = 0.0;
   for (int i = 0; i < kSide * kSide; ++i) {
@@ -84,6 +86,21 @@ TEST_CASE("four quarter turns give the chamber's map back but for what a quarter
     CHECK(u.u_psi[level] == Approx(u.pressure_psi[level] * u.u_share).epsilon(1e-9));
   // Typed the other way round, the maps cannot explain the runs.
   CHECK(u.residual_other_sense_psi > 0.05);
+}
+
+TEST_CASE("two half turns leave half of the cells free, and a taxel without readings its cell") {
+  // 18 pairs of places.
+  const Uniformity half = uniformity_of(turned({0, 180}), kSide, kSide);
+  CHECK(half.undetermined == 18);
+  CHECK(half.degrees == 18);
+  // Without one taxel its set of four places is still one set.
+  std::vector<TurnedRun> runs = turned({0, 90, 180, 270});
+  for (TurnedRun& run : runs)
+    for (std::size_t at = 7; at < run.estimates.psi.size(); at += kSide * kSide)
+      run.estimates.psi[at] = std::numeric_limits<double>::quiet_NaN();
+  const Uniformity without = uniformity_of(runs, kSide, kSide);
+  CHECK(without.undetermined == 9);
+  CHECK(without.degrees == 27);
 }
 
 TEST_CASE("the chamber's constant part is separated from the part that grows with pressure") {
