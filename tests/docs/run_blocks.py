@@ -127,7 +127,7 @@ def marked(mark):
 
 def stop_all(mark):
     """Ends what still runs of a document; what that was."""
-    ended_by = time.monotonic() + 3
+    ended_by = time.monotonic() + 10
     while time.monotonic() < ended_by and any(marked(mark)):
         time.sleep(0.05)
     left = []
