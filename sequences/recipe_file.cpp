@@ -101,7 +101,7 @@ std::vector<Override> read_parameters(TomlDocument& document, Recipe& recipe, co
       continue;
     }
     const std::string unit = document.root().table("parameters").table(item.key).text("unit", "");
-    document.set({"parameters." + item.key + ".value", as_number_in(unit, item.value)}, kTypedPrefix);
+    document.set({"parameters." + item.key + ".value", as_number_in(unit, item.value), item.value}, kTypedPrefix);
   }
   const TomlTable tables = document.root().table("parameters");
   for (const std::string& name : declared) {
@@ -139,7 +139,7 @@ void apply_overrides(TomlDocument& document, const std::vector<Override>& overri
       if (item.key.ends_with("_psi")) value = as_number_in("psi", value);
       if (std::ranges::find(kInRecipesUnit, item.key) != kInRecipesUnit.end())
         value = as_number_in(document.root().text("unit", "psi"), value);
-      document.set({item.key, value}, kTypedPrefix);
+      document.set({item.key, value, item.value}, kTypedPrefix);
     }
   }
 }

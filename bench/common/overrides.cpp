@@ -22,7 +22,7 @@ SplitOverrides split_overrides(const std::vector<std::string>& set) {
       split.recipe.push_back({item.key.substr(prefix.size()), item.value});
     } else {
       const bool pressure = item.key.ends_with("_psi");
-      split.bench.push_back({item.key, pressure ? sequences::as_number_in("psi", item.value) : item.value});
+      split.bench.push_back({item.key, pressure ? sequences::as_number_in("psi", item.value) : item.value, item.value});
     }
   }
   return split;

@@ -27,9 +27,10 @@ class FileError : public std::runtime_error {
   std::string id_, where_, remedy_;
 };
 
-struct Override {     // --set key=value
-  std::string key;    // dotted
-  std::string value;  // a TOML value; a bare word counts as a string
+struct Override {          // --set key=value
+  std::string key;         // dotted
+  std::string value;       // a TOML value; a bare word counts as a string
+  std::string typed = {};  // as it was typed, where that was another unit's number: "9bar"
 };
 
 struct Setting {       // a key read, with its value

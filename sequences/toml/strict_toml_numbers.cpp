@@ -65,7 +65,7 @@ double TomlTable::number_in(const std::string& key, double fallback, double low,
                                      fmt::format("{:.6g} to {:.6g}", low, high), &standard);
   const double value = number(key, fallback);
   if (value < low || value > high) {
-    fail(key, fmt::format("'{}' is {:g}, outside {:g} to {:g}", key, value, low, high),
+    fail(key, fmt::format("'{}' is {}, outside {:g} to {:g}", key, view_->as_typed(key, value), low, high),
          fmt::format("use {:g} to {:g}", low, high));
   }
   return value;
@@ -77,7 +77,7 @@ double TomlTable::zero_or_in(const std::string& key, double fallback, double low
                                      fmt::format("0, or {:.6g} to {:.6g}", low, high), &standard);
   const double value = number(key, fallback);
   if (value != 0.0 && (value < low || value > high)) {
-    fail(key, fmt::format("'{}' is {:g}, neither 0 nor {:g} to {:g}", key, value, low, high),
+    fail(key, fmt::format("'{}' is {}, neither 0 nor {:g} to {:g}", key, view_->as_typed(key, value), low, high),
          fmt::format("use 0 for none, or {:g} to {:g}", low, high));
   }
   return value;

@@ -21,7 +21,8 @@ struct TomlDocument::Node {
   std::vector<Setting> settings = {};
   std::map<std::string, double> parameters = {};
   std::set<std::string> parameters_used = {};
-  std::string typed_prefix = {};  // of the keys that were set
+  std::string typed_prefix = {};                  // of the keys that were set
+  std::map<std::string, std::string> typed = {};  // by key: what was typed in another unit
 };
 
 // "a number", "text" and so on, for error texts.
@@ -45,6 +46,12 @@ struct TomlTable::View {
     const toml::node* shown = node != nullptr ? node : table;
     if (shown == nullptr || shown->source().begin.line == 0) return file + ", " + dotted;
     return fmt::format("{}:{}:{}, {}", file, shown->source().begin.line, shown->source().begin.column, dotted);
+  }
+  // "130.534 (typed: 9bar)" of a key that was set in another unit, else the number alone.
+  [[nodiscard]] std::string as_typed(const std::string& key, double value) const {
+    const auto found = owner->typed.find(path.empty() ? key : path + "." + key);
+    return found == owner->typed.end() ? fmt::format("{:g}", value)
+                                       : fmt::format("{:g} (typed: {})", value, found->second);
   }
   // A number, or the parameter that "$name" refers to; none for anything else. Throws for an undeclared parameter.
   [[nodiscard]] std::optional<double> number_of(const toml::node& node, const std::string& key) const;

@@ -50,6 +50,9 @@ UNSAID = {
     "TB-MERGE-SHARD": ("of a night in parts, one is missing or is there twice",
                        "carry the missing part out: tactbench nightly SUITE --shard K/N --db FILE; merge each night by itself"),
     "TB-MODBUS-PROTOCOL": ("an answer does not belong to the request", ""),
+    "TB-PAGE-CERTIFICATE": ("a file cannot be used for TLS: it cannot be read, is not in PEM, holds something else, has a passphrase, or the "
+                            "key is not the certificate's",
+                            "name a certificate and its private key, both in PEM, that belong together"),
     "TB-RECIPE-DEVICES": ("", "describe the device in the bench file, or choose a recipe that does without it"),
     "TB-REPORT-PDF": ("no PDF could be made: no browser or typesetter is there, or it failed; its own words",
                       "apt-get install chromium, or weasyprint; `--format html` needs neither"),

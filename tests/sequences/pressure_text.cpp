@@ -40,6 +40,7 @@ TEST_CASE("recipe: a parameter and a key of pressure take other units, a bare nu
   CHECK(with({{"conditioning.peak", "30 psi"}}).conditioning.peak.value() == Approx(30.0));
   CHECK(with({{"step", "50"}, {"unit", "psi"}, {"turning_points", "[0, 50, 0]"}, {"conditioning.peak", "200kPa"}})
             .conditioning.peak.value() == Approx(200.0 / 6.894757293168));
-  CHECK_THROWS_WITH(with({{"step", "5kPa"}}), Catch::Contains("outside 10 to 400"));
+  CHECK_THROWS_WITH(with({{"step", "5kPa"}}), Catch::Contains("step' is 5 (typed: 5kPa), outside 10 to 400"));
+  CHECK_THROWS_WITH(with({{"step", "5"}}), Catch::Contains("step' is 5, outside 10 to 400"));
   CHECK_THROWS_AS(with({{"dwell_s", "2kPa"}}), FileError);
 }

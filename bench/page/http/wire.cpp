@@ -1,7 +1,16 @@
 #include "bench/page/http/wire.h"
 
+#include <fmt/format.h>
+#include <openssl/err.h>
+#include <openssl/x509err.h>
+
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/write.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "bench/common/error.h"
 
@@ -60,20 +69,66 @@ std::unique_ptr<Wire> encrypted_wire(tcp::socket socket, boost::asio::ssl::conte
   return std::make_unique<TlsWire>(std::move(socket), context);
 }
 
+namespace {
+
+[[noreturn]] void refuse_for_tls(const std::string& file, const std::string& why, const std::string& remedy) {
+  throw Error(ExitCode::kUsage, "TB-PAGE-CERTIFICATE", "cannot be used for TLS: " + why, file, remedy);
+}
+
+// OpenSSL's words are about its own parts ("no start line"), and about a file that cannot be opened it has none.
+std::string pem_in(const std::string& file, const char* what) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown))
+    refuse_for_tls(file, "it is a folder", fmt::format("name the file with the {}", what));
+  std::ifstream stream(file, std::ios::binary);
+  const int number = errno;
+  if (!stream)
+    refuse_for_tls(file, fmt::format("it cannot be read: {}", std::strerror(number)),
+                   number == EACCES ? fmt::format("let the user who starts the page read it (ls -l {})", file)
+                                    : fmt::format("check the name: --tls takes the {} as a file in PEM", what));
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (text.find("-----BEGIN ") == std::string::npos)
+    refuse_for_tls(file, "it is not in PEM: it has no line -----BEGIN",
+                   fmt::format("of a {} in DER: openssl x509 or pkey -inform DER -in {} -out NAME.pem", what, file));
+  return text;
+}
+
+std::string reason_of(const error_code& error) {
+  const char* const reason = ERR_reason_error_string(static_cast<unsigned long>(error.value()));
+  return reason != nullptr ? reason : error.message();
+}
+
+}  // namespace
+
 std::unique_ptr<boost::asio::ssl::context> tls_context(const std::string& certificate, const std::string& key) {
   using boost::asio::ssl::context;
   auto made = std::make_unique<context>(context::tls_server);
   made->set_options(context::default_workarounds | context::no_sslv2 | context::no_sslv3 | context::no_tlsv1 |
                     context::no_tlsv1_1);
-  const auto refuse = [](const std::string& file, const error_code& error) {
-    throw Error(ExitCode::kUsage, "TB-PAGE-CERTIFICATE", "cannot be used for TLS: " + error.message(), file,
-                "name a certificate and its private key, both in PEM, that belong together");
-  };
+  const std::string chain = pem_in(certificate, "certificate"), secret = pem_in(key, "private key");
+  if (chain.find("-----BEGIN CERTIFICATE") == std::string::npos)
+    refuse_for_tls(certificate, "it holds no certificate", "--tls CERTIFICATE KEY: the certificate comes first");
+  if (secret.find("PRIVATE KEY-----") == std::string::npos)
+    refuse_for_tls(key, "it holds no private key", "--tls CERTIFICATE KEY: the private key comes second");
+  // Without this OpenSSL would ask at the terminal.
+  made->set_password_callback([](std::size_t, context::password_purpose) { return std::string(); });
+  if (secret.find("ENCRYPTED") != std::string::npos)
+    refuse_for_tls(key, "the private key has a passphrase",
+                   fmt::format("take it off, in a file that only you read: openssl pkey -in {} -out NAME.key", key));
   error_code error;
-  made->use_certificate_chain_file(certificate, error);
-  if (error) refuse(certificate, error);
-  made->use_private_key_file(key, context::pem, error);
-  if (error) refuse(key, error);
+  made->use_certificate_chain(boost::asio::buffer(chain), error);
+  if (error)
+    refuse_for_tls(certificate, reason_of(error),
+                   fmt::format("see what it holds: openssl x509 -in {} -noout -text", certificate));
+  made->use_private_key(boost::asio::buffer(secret), context::pem, error);
+  if (error)
+    refuse_for_tls(key,
+                   ERR_GET_REASON(static_cast<unsigned long>(error.value())) == X509_R_KEY_VALUES_MISMATCH
+                       ? fmt::format("the private key does not belong to the certificate {}", certificate)
+                       : reason_of(error),
+                   fmt::format("the two belong together when these print the same: openssl x509 -in {} -noout -pubkey, "
+                               "openssl pkey -in {} -pubout",
+                               certificate, key));
   return made;
 }
 
