@@ -65,11 +65,11 @@ class SlurmArray {
     auto answered = RealClock::now();
     std::size_t told = 0;
     for (auto pause = kFirstLook;; pause = std::min(pause * 2, kLongestLook)) {
-      const auto ended =
-          static_cast<std::size_t>(std::ranges::count_if(shards, [&](int shard) { return folder_.has_ended(shard); }));
+      const std::size_t ended = ended_of(shards);
       if (ended > told)
         tell_(fmt::format("job {}: {} of {} ended", job, ended, analysis::counted(shards.size(), "part")));
       told = ended;
+      if (ended == shards.size()) return;
       const std::optional<bool> left = is_queued(job);
       if (left) answered = RealClock::now();
       if (left && !*left) break;
@@ -77,11 +77,11 @@ class SlurmArray {
         throw Error(ExitCode::kInconclusive, "TB-FLEET-SLURM",
                     fmt::format("Slurm has not answered for 10 minutes; job {} may go on", job), squeue_,
                     "the same command waits for it again");
-      sleep(job, pause);
+      sleep(job, pause, shards, ended);
     }
     const auto last = RealClock::now() + kLateFiles;
     while (RealClock::now() < last && std::ranges::any_of(shards, [&](int shard) { return !folder_.has_ended(shard); }))
-      sleep(job, kFirstLook);
+      sleep(job, kFirstLook, shards, shards.size());
   }
 
  private:
@@ -93,8 +93,19 @@ class SlurmArray {
     return std::nullopt;
   }
 
-  void sleep(const std::string& job, std::chrono::milliseconds time) const {
+  [[nodiscard]] std::size_t ended_of(const std::vector<int>& shards) const {
+    return static_cast<std::size_t>(std::ranges::count_if(shards, [&](int shard) { return folder_.has_ended(shard); }));
+  }
+
+  // Not longer than until another part has ended than the `ended` ones.
+  void sleep(const std::string& job, std::chrono::milliseconds time, const std::vector<int>& shards,
+             std::size_t ended) const {
+    auto look = RealClock::now() + kFirstLook;
     for (const auto last = RealClock::now() + time; RealClock::now() < last;) {
+      if (RealClock::now() > look) {
+        if (ended_of(shards) > ended) return;
+        look = RealClock::now() + kFirstLook;
+      }
       if (options_.signals != nullptr && options_.signals->signal() != 0)
         throw Error(
             code_of_signal(options_.signals->signal()), "TB-FLEET-STOPPED",

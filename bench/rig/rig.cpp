@@ -214,6 +214,9 @@ std::vector<std::uint64_t> Rig::relay_operations() const {
   return relays == nullptr ? std::vector<std::uint64_t>() : relays->relay_operations();
 }
 
+std::string Rig::as_stored(const std::string& text) const {
+  return simulated_ ? simulated_->passing_names().lasting(text) : text;
+}
 Plant* Rig::plant() { return simulated_ ? &simulated_->plant() : nullptr; }
 
 std::uint64_t Rig::exchanges() const {

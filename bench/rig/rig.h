@@ -86,8 +86,9 @@ class Rig {
   [[nodiscard]] std::vector<db::DeviceRecord> devices() const;
   // How often each row's relay closed in this run; empty where the scanner does not count.
   [[nodiscard]] std::vector<std::uint64_t> relay_operations() const;
-  [[nodiscard]] std::uint64_t exchanges() const;  // on all wires so far
-  [[nodiscard]] Plant* plant();                   // null: not simulated in this process
+  [[nodiscard]] std::uint64_t exchanges() const;                       // on all wires so far
+  [[nodiscard]] Plant* plant();                                        // null: not simulated in this process
+  [[nodiscard]] std::string as_stored(const std::string& text) const;  // with names of simulated ends that last
 
  private:
   void make_guard();

@@ -107,6 +107,7 @@ class RunLifecycle {
     socket_ = std::make_unique<ControlSocket>(request_.bench, control_, result_.run, request_.bench_name);
     rig_ = std::make_unique<Rig>(with_object(request_.bench, request_.recipes));
     recorder_ = std::make_unique<Recorder>(store_, result_.run, rig_->clock(), offset_);
+    recorder_->name_by([this](const std::string& text) { return rig_->as_stored(text); });
     rig_->guard().set_run(result_.run);
     rig_->guard().set_log(
         [this](devices::Nanoseconds, const std::string& actuator, const std::string& text, bool let_through) {
@@ -226,7 +227,7 @@ class RunLifecycle {
       recorder_->state(RunState::kStopping, reason);
     }
     recorder_->event("safe", to_string(proof_.state), proof_.text);
-    store_.end_run(result_.run, result_.outcome, reason, proof_.state, utc_now());
+    store_.end_run(result_.run, result_.outcome, recorder_->as_stored(reason), proof_.state, utc_now());
     result_.content_sha256 = store_.run(result_.run).content_sha256;
   }
 

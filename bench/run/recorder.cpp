@@ -34,13 +34,13 @@ void Recorder::open_branch(const sequences::Step& step) {
 
 void Recorder::void_branch(const std::string& reason) {
   if (branch_ == 0) return;
-  store_.void_branch(std::exchange(branch_, 0), reason);
+  store_.void_branch(std::exchange(branch_, 0), as_stored(reason));
 }
 
 void Recorder::void_repeat(int sequence, int repeat, const std::string& reason) {
   for (const db::BranchRecord& branch : store_.branches(run_)) {
     if (!branch.is_void && branch.sequence == sequence && branch.repeat == repeat) {
-      store_.void_branch(branch.branch, reason);
+      store_.void_branch(branch.branch, as_stored(reason));
     }
   }
 }
@@ -86,7 +86,7 @@ void Recorder::frame(const sequences::Step& step, const StepReadings& readings) 
 }
 
 void Recorder::event(const std::string& kind, const std::string& id, const std::string& detail) {
-  store_.append_event(run_, {now_ns(), kind, id, detail});
+  store_.append_event(run_, {now_ns(), kind, id, as_stored(detail)});
 }
 
 void Recorder::check(const std::string& kind, const std::string& verdict, const std::string& detail_json,
@@ -98,8 +98,9 @@ void Recorder::state(RunState next, const std::string& reason) {
   if (!may_follow(state_, next)) {
     throw std::logic_error(std::string("run state ") + to_string(state_) + " -> " + to_string(next));
   }
-  store_.set_state(run_, to_string(next),
-                   {now_ns(), "state", "", std::string(to_string(state_)) + " -> " + to_string(next) + ": " + reason});
+  store_.set_state(
+      run_, to_string(next),
+      {now_ns(), "state", "", std::string(to_string(state_)) + " -> " + to_string(next) + ": " + as_stored(reason)});
   state_ = next;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/run/control/run_state.h"
@@ -31,6 +33,10 @@ class Recorder {
   // `offset` is added to the clock's time, so that the time of a resumed run continues. Counting of attempts continues
   // after the stored ones.
   Recorder(db::RunStore& store, std::int64_t run, const devices::Clock& clock, devices::Nanoseconds offset = {});
+
+  // What texts become before they are stored (bench/simulation/passing_names.h); they are stored as they are without.
+  void name_by(std::function<std::string(const std::string&)> names) { names_ = std::move(names); }
+  [[nodiscard]] std::string as_stored(const std::string& text) const { return names_ ? names_(text) : text; }
 
   void open_branch(const sequences::Step& step);                          // the next attempt at the step's branch
   void void_branch(const std::string& reason);                            // the open one; nothing when none is open
@@ -66,6 +72,7 @@ class Recorder {
   std::int64_t branch_ = 0;  // 0: none is open
   std::map<sequences::BranchKey, int> attempts_;
   std::vector<Poll> polls_;
+  std::function<std::string(const std::string&)> names_;
   int frames_ = 0, most_exchanges_ = 0;
   double store_seconds_ = 0.0;
 };

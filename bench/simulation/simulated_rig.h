@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/config/config.h"
+#include "bench/simulation/passing_names.h"
 #include "bench/simulation/plant.h"
 #include "bench/simulation/simulated_lines.h"
 #include "devices/force/simulated_digital_ft.h"
@@ -32,6 +33,7 @@ class SimulatedRig {
   SimulatedRig& operator=(const SimulatedRig&) = delete;
   [[nodiscard]] Plant& plant() { return plant_; }
   [[nodiscard]] const std::vector<Served>& served() const { return served_; }
+  [[nodiscard]] const PassingNames& passing_names() const { return passing_names_; }
 
  private:
   devices::FaultInjector injector_of(Instrument instrument);
@@ -43,6 +45,7 @@ class SimulatedRig {
   Plant plant_;
   std::string socket_folder_;
   std::vector<Served> served_;
+  PassingNames passing_names_;
   std::unique_ptr<SimulatedLines> lines_;
   std::unique_ptr<devices::SimulatedScanner> scanner_;
   std::unique_ptr<devices::SimulatedFrameSource> frame_source_;

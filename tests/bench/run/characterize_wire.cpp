@@ -52,6 +52,29 @@ TEST_CASE("the same seeds give the same canonical content, another noise seed an
   CHECK(run_small(small_request({}, {5, 8}), two).content_sha256 != first);
 }
 
+TEST_CASE("the same seeds give the same content where an instrument fails, though it had another address") {
+  const TemporaryFolder folder;
+  db::RunStore one = db::RunStore::open(folder.path("one.db"), db::Durability::kNormal);
+  db::RunStore two = db::RunStore::open(folder.path("two.db"), db::Durability::kNormal);
+  const auto [key, count, name] = GENERATE(table<std::string, std::string, std::string>({
+      {"scanner_silent_after_scans", "14", "packet socket SOCKET:"},
+      {"module_silent_after_requests", "150", "127.0.0.1:PORT"},
+  }));
+  const auto failed = [&, fault = "simulation.wire_faults." + key, after = count](db::RunStore& store) {
+    return run_small(
+        small_request({{fault, after}, {"scanner.frame_timeout_ms", "100"}, {"module.response_timeout_ms", "50"}}),
+        store);
+  };
+  const bench::RunResult first = failed(one), second = failed(two);
+  REQUIRE(first.error);
+  REQUIRE(second.error);
+  CHECK(std::string(first.error->what()) != second.error->what());  // a person is shown the address
+  INFO(one.run(first.run).reason);
+  CHECK_THAT(one.run(first.run).reason, Catch::Contains(name));
+  CHECK(one.run(first.run).reason == two.run(second.run).reason);
+  CHECK(first.content_sha256 == second.content_sha256);
+}
+
 TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, exit code 3") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
