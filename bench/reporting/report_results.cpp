@@ -12,6 +12,7 @@
 #include "analysis/statistics/uncertainty/temperature_effect.h"
 #include "bench/common/error.h"
 #include "bench/config/config.h"
+#include "bench/reporting/study_roles.h"
 #include "sequences/recipe.h"
 
 namespace tactbench::bench {
@@ -53,6 +54,7 @@ class StudyGatherer {
     if (own && study.role == "0") return;  // counted in any case
     if (own && !study.role.empty()) refuse_own(study);
     const db::RunRecord& record = runs_.record(study.run);
+    check_role(study, input_.run, record, purpose_of(record));
     if (study.role == "mount") {
       mounts_.push_back({study.run, analysis::sweep_estimates(runs_.dataset(study.run), input_.fit)});
       return;
@@ -125,13 +127,18 @@ class StudyGatherer {
   }
 
  private:
-  bool take_paces(const db::RunRecord& record) {
-    bool any = false;
+  static StudyPurpose purpose_of(const db::RunRecord& record) {
+    StudyPurpose purpose = StudyPurpose::kPlainLoops;
     for (const db::SequenceRecord& sequence : record.sequences) {
       const auto recipe = recipe_of(sequence, record.run);
-      any = any || (recipe && studies_pace(*recipe));
+      if (recipe && recipe->kind == sequences::RecipeKind::kPress) return StudyPurpose::kPresses;
+      if (recipe && studies_pace(*recipe)) purpose = StudyPurpose::kPaces;
     }
-    if (!any) return false;
+    return purpose;
+  }
+
+  bool take_paces(const db::RunRecord& record) {
+    if (purpose_of(record) != StudyPurpose::kPaces) return false;
     analysis::RateHold& study = input_.more.studies.rate_hold;
     study.not_assessed.clear();
     for (analysis::RateHoldRun& run : analysis::rate_hold_of(runs_.dataset(record.run), input_.fit))

@@ -248,7 +248,8 @@ TEST_CASE("earlier models as a document and as a fit of the store find the same"
   const Finished wrong = call(folder, {"report", "1", "--studies", "1:upside-down"});
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("RUN:90"));
-  carry_out(folder, "loops.toml", {"--set", "recipe.repeats=1", "--seed", "2"});
+  carry_out(folder, "loops.toml",
+            {"--set", "recipe.repeats=1", "--seed", "2", "--set", "simulation.turned_in_chamber_deg=90"});
   const Finished plain = call(folder, {"report", "1", "--studies", "2"});
   CHECK(plain.code == 2);
   CHECK_THAT(plain.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("2:mount"));

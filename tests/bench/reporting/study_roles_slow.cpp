@@ -1,0 +1,76 @@
+// Roles of further runs, held against what the runs record.
+#include "bench/reporting/study_roles.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+void role_run(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
+                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Finished run = call(folder, words);
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a role that a run's own record contradicts is refused with that record") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  write_file(
+      folder.path("loops.toml"),
+      "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 4\ndwell_s = 1.0\n");
+  const auto one = [&](const std::string& seed, std::vector<std::string> more) {
+    more.insert(more.end(), {"--seed", seed});
+    role_run(folder, "loops.toml", more);
+  };
+  one("1", {});
+  one("2", {});  // the same mount, not turned
+  one("3", {"--set", "simulation.turned_in_chamber_deg=90"});
+  one("4", {"--set", "simulation.mount_seed=1"});
+  one("5", {"--meta", "turned=180"});  // an operator's word, though the simulated one lies as before
+  role_run(folder, "ring", {"--set", "recipe.repeats=1"});  // 6
+  role_run(folder, "rate-ramp");                            // 7
+  REQUIRE(call(folder, {"fit", "1"}).code == 0);
+
+  const auto refused = [&](const std::string& study, const std::string& why, const std::string& remedy) {
+    const Finished done = call(folder, {"report", "1", "--studies", study, "-o", "r.html"});
+    INFO(study << ": " << done.err);
+    CHECK(done.code == 2);
+    CHECK_THAT(done.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("--studies " + study));
+    CHECK_THAT(done.err, Catch::Contains(why));
+    CHECK_THAT(done.err, Catch::Contains(remedy));
+  };
+  refused("2:mount", "run 2 was not mounted anew, by its own record: simulation.mount_seed = 0, as in run 1",
+          "--held-out 2");
+  refused("2:90", "run 2 was turned by 0 degrees against run 1", "2:0");
+  refused("3:180",
+          "run 3 was turned by 90 degrees against run 1, by its own record (simulation.turned_in_chamber_deg = 90), "
+          "not by 180",
+          "3:90");
+  refused("3:mount", "run 3 was turned by 90 degrees", "3:90");
+  refused("4:270", "run 4 was turned by 0 degrees", "4:0");
+  refused("5:90", "run 5 was turned by 180 degrees against run 1, by its own record (its tag turned=180)", "5:180");
+  refused("6:mount", "run 6 presses an object, by its own recipe", "--studies 6");
+  refused("7:90", "run 7 goes at several rates or holds levels, by its own recipe", "--studies 7");
+
+  const Finished right =
+      call(folder, {"report", "1", "--studies", "3:90", "4:mount", "6", "7", "--format", "json", "-o", "r.json"});
+  INFO(right.err);
+  REQUIRE((right.code == 0 || right.code == 6));
+  const auto data = nlohmann::json::parse(read_file(folder.path("r.json")));
+  CHECK(data["sections"]["studies"]["uniformity"]["angles_deg"] == nlohmann::json({0, 90}));
+  CHECK(data["sections"]["studies"]["remount"]["degrees"] == 1);
+}
