@@ -183,6 +183,10 @@ Json judgement_json(const ReportInput& input) {
 Json whole_evaluation_json(const Evaluation& evaluation, int fitted) {
   Json json = evaluation_json(evaluation), levels = Json::array();
   for (const LevelFigures& level : evaluation.levels) levels.push_back(level_json(level, fitted));
+  if (evaluation.max_error_taxel >= 0)
+    json["largest_error"] = {{"error_psi", evaluation.max_error_psi},
+                             {"taxel", evaluation.max_error_taxel},
+                             {"pressure_psi", evaluation.max_error_at_psi}};
   json["levels"] = std::move(levels);
   return json;
 }

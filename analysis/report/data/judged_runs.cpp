@@ -191,7 +191,6 @@ std::vector<JudgedRun> judged_runs(const ReportInput& input) {
 
 Markup overall_part(const ReportInput& input) {
   const JudgementNotes& notes = input.judgement;
-  const std::vector<JudgedRun> runs = judged_runs(input);
   const std::optional<Verdict> overall = overall_verdict(input.verdicts);
   Markup out;
   if (!notes.not_judged.empty()) {
@@ -207,9 +206,13 @@ Markup overall_part(const ReportInput& input) {
   if (input.more.previous && !input.more.previous->doubt.empty()) out += warning(input.more.previous->doubt);
   out += stored_part(input);
   for (const std::string& remark : notes.remarks) out += warning(remark);
-  if (!notes.not_judged.empty()) return out;
-  out += runs_table(input, runs);
-  out += conditions_part(notes);
+  return out;
+}
+
+Markup judged_runs_part(const ReportInput& input) {
+  if (!input.judgement.not_judged.empty()) return {};
+  Markup out = runs_table(input, judged_runs(input));
+  out += conditions_part(input.judgement);
   return out;
 }
 

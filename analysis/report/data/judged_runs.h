@@ -19,8 +19,10 @@ struct JudgedRun {
 std::vector<JudgedRun> judged_runs(const ReportInput& input);
 std::string title_of_judged(const ReportInput& input, std::int64_t run);
 
-// The part "All requirements together": the runs judged, the deciding run, and remarks on the judgement.
+// The part "All requirements together": the verdict, the deciding run, and remarks on the judgement.
 html::Markup overall_part(const ReportInput& input);
+// The runs judged, and what was not assessed.
+html::Markup judged_runs_part(const ReportInput& input);
 
 // Requirements with a column of value, U and verdict for each run; for two runs or more.
 html::Markup criteria_by_run(const ReportInput& input);

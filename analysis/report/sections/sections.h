@@ -30,6 +30,11 @@ html::Markup method_part(const ReportInput& input);
 html::Markup elam_parameters_part(const ReportInput& input);
 html::Markup conditions_part(const ReportInput& input);      // the table of conditions of use, beside the budgets
 html::Markup conditions_in_brief(const ReportInput& input);  // the same in two sentences, for page 1; empty without U
+html::Markup readings_in_brief(const ReportInput& input);    // for page 1: range of use, error and U at some levels
+std::vector<double> level_pressures(const Uncertainty& uncertainty);  // rising, each once
+// "−0.83 ± 2.3" of the median and of the worst taxel, `mark` before the latter.
+html::Markup error_cells(const LevelUncertainty& level, PressureUnit unit, const char* mark = "");
+html::Markup range_within(const Uncertainty& uncertainty, bool up, double most_psi, PressureUnit unit);
 html::Markup array_uncertainty_part(const ReportInput& input);  // needs U
 html::Markup usable_part(const ReportInput& input);
 html::Markup uniformity_part(const Uniformity& uniformity, int rows, int columns, PressureUnit unit);

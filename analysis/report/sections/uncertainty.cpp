@@ -16,8 +16,6 @@ using html::markup;
 using html::Markup;
 using html::Text;
 
-constexpr double kTaxelsWithin = 0.95;
-
 // As metrologists call a source; its own name is the key in the data.
 std::string quantity_in_words(const SourceText& source) {
   static const std::vector<std::pair<std::string_view, const char*>> words = {
@@ -183,8 +181,7 @@ Markup uncertainty_chart(const Uncertainty& uncertainty, PressureUnit unit) {
 Markup branch_cells(const LevelUncertainty* level, PressureUnit unit) {
   if (level == nullptr) return markup("<td colspan=\"4\">no reading</td>");
   Markup out = number_cell(markup("{}", level->median.readings));
-  for (const Budget* budget : {&level->median, &level->worst})
-    out += number_cell(gum_pressure(budget->error_psi, budget->expanded_psi, unit));
+  out += error_cells(*level, unit);
   out += level->not_linear > 0 ? number_cell(markup("▲ {}", level->not_linear)) : number_cell(Text("0"));
   return out;
 }
@@ -201,12 +198,7 @@ Markup levels_table(const Uncertainty& uncertainty, PressureUnit unit) {
         "<th scope=\"col\" class=\"n\">n</th><th scope=\"col\" class=\"n\">median taxel</th><th scope=\"col\" "
         "class=\"n\">worst taxel</th><th scope=\"col\" class=\"n\">not linear</th>");
   out += markup("</tr></thead><tbody>\n");
-  std::vector<double> pressures;
-  for (const LevelUncertainty& level : uncertainty.levels) pressures.push_back(level.pressure_psi);
-  std::ranges::sort(pressures);
-  const auto same = std::ranges::unique(pressures);
-  pressures.erase(same.begin(), same.end());
-  for (const double pressure : pressures) {
+  for (const double pressure : level_pressures(uncertainty)) {
     out +=
         markup("<tr>{}{}{}</tr>\n", level_cells(pressure, unit), branch_cells(uncertainty.level(pressure, true), unit),
                branch_cells(uncertainty.level(pressure, false), unit));
@@ -221,31 +213,8 @@ Markup levels_table(const Uncertainty& uncertainty, PressureUnit unit) {
   return out;
 }
 
-// The longest row of levels where U of 95 % of the taxels is within a share of the full pressure.
-Markup range_within(const Uncertainty& uncertainty, bool up, double most_psi, PressureUnit unit) {
-  double low = 0.0, high = 0.0, begin = 0.0, end = 0.0;
-  bool inside = false, any = false;
-  for (const LevelUncertainty& level : uncertainty.levels) {
-    if (level.up != up) continue;
-    const bool within = quantile_of(finite_of(level.expanded_psi), kTaxelsWithin) <= most_psi;
-    if (within) {
-      if (!inside) begin = level.pressure_psi;
-      end = level.pressure_psi;
-      if (!any || end - begin > high - low) {
-        low = begin;
-        high = end;
-      }
-      any = true;
-    }
-    inside = within;
-  }
-  if (!any) return markup("{}: at no level", Text(branch_in_words(up)));
-  return markup("{}: {} to {}", Text(branch_in_words(up)), html::pressure(low, unit, 1), html::pressure(high, unit, 1));
-}
-
 Markup ranges(const Uncertainty& uncertainty, PressureUnit unit) {
-  double full = 0.0;
-  for (const LevelUncertainty& level : uncertainty.levels) full = std::max(full, level.pressure_psi);
+  const double full = level_pressures(uncertainty).back();
   Markup out = markup(
       "<table class=\"pairs\"><caption>Measuring interval: where U of 95 % of the taxels is within a share of the full "
       "pressure</caption><tbody>\n");

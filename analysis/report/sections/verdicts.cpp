@@ -146,13 +146,16 @@ Markup verdict_section(const ReportInput& input) {
         markup("<p>No tolerance limits were given: the figures are reported without a statement of conformity.</p>\n");
     out += instruments_warning(input);
     out += findings_in_brief(input.health);
+    out += readings_in_brief(input);
     out += conditions_in_brief(input);
     return out;
   }
   out += overall_part(input);
-  out += conditions_in_brief(input);
   out += instruments_warning(input);
   out += findings_in_brief(input.health);
+  out += readings_in_brief(input);
+  out += conditions_in_brief(input);
+  out += judged_runs_part(input);
   if (input.verdicts.empty()) return out;
   out += judged_runs(input).size() > 1 ? criteria_by_run(input) : criteria_of_one_run(input);
   out += markup("<p class=\"note\">{}: {}. The limits file has the SHA-256 {}.</p>\n",

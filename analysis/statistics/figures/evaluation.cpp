@@ -50,7 +50,11 @@ void gather_errors(Evaluation& e, const std::vector<TaxelErrors>& errors) {
     frames += own.frames;
     observable += own.sum_observable_psi;
     observable_frames += own.observable;
-    e.max_error_psi = std::max(e.max_error_psi, own.max_psi);
+    if (e.max_error_taxel < 0 || own.max_psi > e.max_error_psi) {
+      e.max_error_taxel = static_cast<int>(i);
+      e.max_error_psi = own.max_psi;
+      e.max_error_at_psi = own.max_at_psi;
+    }
     e.max_error_observable_psi = std::max(e.max_error_observable_psi, own.max_observable_psi);
   }
   e.mean_error_psi = sum / static_cast<double>(frames);

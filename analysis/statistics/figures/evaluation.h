@@ -43,6 +43,8 @@ struct Evaluation {
   double mean_error_psi = 0.0, max_error_psi = 0.0, mean_error_observable_psi = 0.0, max_error_observable_psi = 0.0;
   double worst_taxel_mean_error_psi = 0.0;
   int worst_taxel = -1;
+  int max_error_taxel = -1;       // of max_error_psi; -1 where that is not known
+  double max_error_at_psi = 0.0;  // the reference then
   // Averages of the 31 levels, shares of full scale:
   double raw_distance = 0.0;              // mean of raw_mean_distance (about 0.10)
   double comp_distance_of_mean = 0.0;     // the 256 pressures averaged, mean over levels of |up - down| / full pressure

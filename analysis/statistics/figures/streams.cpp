@@ -21,10 +21,13 @@ CompensatedSequence empty_sequence(const SequenceData& data, int taxels) {
   return sequence;
 }
 
-void add_error(TaxelErrors& errors, double error, bool flat) {
+void add_error(TaxelErrors& errors, double error, double reference_psi, bool flat) {
   ++errors.frames;
   errors.sum_psi += error;
-  errors.max_psi = std::max(errors.max_psi, error);
+  if (error > errors.max_psi) {
+    errors.max_psi = error;
+    errors.max_at_psi = reference_psi;
+  }
   if (flat) return;
   ++errors.observable;
   errors.sum_observable_psi += error;
@@ -50,7 +53,8 @@ CompensatedStreams compensate_all(const Dataset& dataset, const SensorModel& fit
       sequence.unmoved_psi[at] += weight * now.pressure_psi;
       sequence.pressure.values[at] += weight * (now.pressure_psi + sample.setpoint_psi - sample.reference_psi);
       sequence.flat.values[at] += now.flat ? weight : 0.0;
-      add_error(streams.errors[taxel], std::abs(now.pressure_psi - sample.reference_psi), now.flat);
+      add_error(streams.errors[taxel], std::abs(now.pressure_psi - sample.reference_psi), sample.reference_psi,
+                now.flat);
     };
   });
   return streams;

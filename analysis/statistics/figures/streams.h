@@ -25,6 +25,7 @@ struct CompensatedSequence {
 // Sums of one taxel over all its frames.
 struct TaxelErrors {
   double sum_psi = 0.0, max_psi = 0.0;                        // |estimate - reference|
+  double max_at_psi = 0.0;                                    // the reference at max_psi
   double sum_observable_psi = 0.0, max_observable_psi = 0.0;  // without flat ones
   int frames = 0, observable = 0;
 };

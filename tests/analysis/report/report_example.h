@@ -148,6 +148,8 @@ inline Evaluation example_evaluation(const SensorModel& fit, const std::vector<d
   e.mean_error_observable_psi = 0.4021;
   e.max_error_observable_psi = 3.456;
   e.worst_taxel = 17;
+  e.max_error_taxel = 20;
+  e.max_error_at_psi = 56.0;
   e.worst_taxel_mean_error_psi = 1.2345;
   for (const ModelTaxel& taxel : fit.array()) {
     e.taxel_mean_error_psi.push_back(taxel.status == TaxelStatus::kFitted ? std::abs(0.5 + 0.12 * noise())
