@@ -108,7 +108,7 @@ TEST_CASE("two repeats pooled over the taxels of an array have no k of 13.97, an
   const Dataset judged = synthetic::run(array, {.seed = 9, .repeats = 2});
   const SensorModel fit = fit_array(judged);
   const Evaluation evaluation = evaluate(judged, fit);
-  const auto pooled = judged_uncertainties(judged, judged, fit, evaluation, certified(0.01));
+  const auto pooled = judged_uncertainties(judged, judged, fit, evaluation, certified(1e-9));
   const auto single = judged_uncertainties_by_repeats(judged, judged, fit, evaluation, certified(1e-9), 1);
   for (const char* criterion : {"mean_compensation_error", "worst_taxel_error", "distance_of_mean"}) {
     INFO(criterion);
