@@ -71,6 +71,7 @@ analysis::PressureUnit Session::page_unit() const {
 std::string figure_text(double value, const std::string& unit, analysis::PressureUnit shown) {
   if (!std::isfinite(value)) return "not measured";  // e.g. the run has no such level
   if (unit == "psi") return fmt::format("{:.3g} {}", shown.of(value), shown.symbol());
+  if (unit == "taxels" && value == 1.0) return "1 taxel";
   return unit == "FS" ? fmt::format("{:.3g} % FS", 100.0 * value) : fmt::format("{:.3g} {}", value, unit);
 }
 

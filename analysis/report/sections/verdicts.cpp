@@ -23,7 +23,7 @@ Markup with_unit(double value, const std::string& unit, PressureUnit shown, doub
     return known ? gum_pressure_value(value, expanded, shown) : markup("{}", html::pressure(value, shown, 3));
   if (unit == "FS" || unit == "fs" || unit == "share of FS")
     return markup("{}\u00A0%\u00A0FS", html::percent(value, known ? gum_decimals(100.0 * expanded) : 2));
-  return markup("{} {}", html::significant(value, 5), Text(unit));
+  return markup("{} {}", html::significant(value, 5), Text(unit == "taxels" && value == 1.0 ? "taxel" : unit));
 }
 
 std::string titles_judged(const ReportInput& input) {

@@ -188,10 +188,11 @@ class FleetFitting {
     if (session_.json || (session_.quiet && count != &failed_)) return;
     if (count == &up_to_date_) return;
     const std::string parent = task.parent ? fmt::format(", child of {}", task.parent->sha256.substr(0, 12)) : "";
-    tty::print(
-        "{}{}{}{}\n", cell(task.sensor, 20),
-        count == &made_ ? fmt::format("run {}: {}; ", task.run, options_.model) : "", one_line(task.why),
-        count == &made_ ? parent + (error_psi ? fmt::format("; {:.3f} psi on its own run", *error_psi) : "") : "");
+    tty::print("{}{}{}{}\n", cell(task.sensor, 20),
+               count == &made_ ? fmt::format("run {}: {}; ", task.run, options_.model) : "", one_line(task.why),
+               count == &made_
+                   ? parent + (error_psi ? fmt::format("; {} on its own run", session_.unit().text(*error_psi, 3)) : "")
+                   : "");
   }
 
   void print() const {
@@ -254,6 +255,7 @@ void add_fleet_fit(CLI::App& group, Session& session) {
       "model. The new fit is a row of its own that names the hash of the one it replaces; nothing is replaced in "
       "place.\n"
       "Exit codes: 0 all were fitted or are up to date, 6 one could not be fitted, 3 and 5 as for push.");
+  add_units(*verb, session);
   verb->add_flag("--json", session.json, "one JSON document on standard output");
   verb->add_flag("-q,--quiet", session.quiet, "only results");
   verb->callback([options, &session] { fit_fleet(*options, session); });

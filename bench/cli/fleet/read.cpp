@@ -107,6 +107,7 @@ void add_fleet_readers(CLI::App& group, Session& session) {
       add_reader(group, "show", "everything stored about a run of the fleet, as runs show", *options, session);
   show->add_option("run", options->run, "the fleet's number of the run, or its UUID or the beginning of it")
       ->required();
+  add_units(*show, session);
   show->callback([options, &session] { show_fleet(*options, session); });
   CLI::App* over_time = add_reader(group, "trend", "figures of the fleet over time, as trend", *options, session);
   add_choice(*over_time, *options);

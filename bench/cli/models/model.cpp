@@ -26,12 +26,23 @@ using analysis::ModelParameter;
 using analysis::ModelTaxel;
 using analysis::SensorModel;
 
-std::string range_text(const std::optional<analysis::Range>& range, const std::string& unit) {
-  return range ? fmt::format("{:.4g} .. {:.4g} {}", range->low, range->high, unit) : "not known";
+// The unit of the model's inputs as it is shown, and how many of it one of the model's own is: pressures alone change.
+struct ShownInput {
+  std::string unit;
+  double factor = 1.0;
+};
+
+ShownInput shown_input(const SensorModel& model, analysis::PressureUnit unit) {
+  if (model.input_unit != "psi") return {model.input_unit};
+  return {unit.symbol(), unit.of(1.0)};
+}
+
+std::string range_text(const std::optional<analysis::Range>& range, const std::string& unit, double factor = 1.0) {
+  return range ? fmt::format("{:.4g} .. {:.4g} {}", factor * range->low, factor * range->high, unit) : "not known";
 }
 
 // What the streams leave, for the uncertainty; empty where it is not known.
-std::string residual_text(const SensorModel& model) {
+std::string residual_text(const SensorModel& model, const ShownInput& input) {
   std::vector<double> residuals;
   for (const ModelTaxel& taxel : model.taxels)
     if (taxel.fitted() && taxel.residual_psi > 0.0 && (taxel.taxel != analysis::kMeanTaxel || model.taxels.size() == 1))
@@ -39,17 +50,25 @@ std::string residual_text(const SensorModel& model) {
   if (residuals.empty()) return {};
   std::ranges::sort(residuals);
   return fmt::format("{:.3g} {} (median taxel; worst {:.3g}), by level and direction in the uncertainty",
-                     residuals[residuals.size() / 2], model.input_unit, residuals.back());
+                     input.factor * residuals[residuals.size() / 2], input.unit, input.factor * residuals.back());
 }
 
 // "1/x" as "1/psi" where the model knows the units of its input x and its output y.
-std::string parameter_unit(const std::string& unit, const SensorModel& model) {
+std::string parameter_unit(const std::string& unit, const SensorModel& model, const ShownInput& input) {
   std::string text;
   for (const char c : unit) {
-    const bool known = (c == 'x' && !model.input_unit.empty()) || (c == 'y' && !model.output_unit.empty());
-    text += known ? (c == 'x' ? model.input_unit : model.output_unit) : std::string(1, c);
+    const bool known = (c == 'x' && !input.unit.empty()) || (c == 'y' && !model.output_unit.empty());
+    text += known ? (c == 'x' ? input.unit : model.output_unit) : std::string(1, c);
   }
   return text;
+}
+
+// What a parameter of the unit "x", "1/x" or "y/x^3" is multiplied by.
+double parameter_factor(const std::string& unit, const ShownInput& input) {
+  const std::size_t at = unit.find('x');
+  if (at == std::string::npos) return 1.0;
+  const int power = unit.compare(at, 2, "x^") == 0 ? std::stoi(unit.substr(at + 2)) : 1;
+  return std::pow(input.factor, unit.find('/') < at ? -power : power);
 }
 
 void show(const std::string& name, const Session& session) {
@@ -58,8 +77,10 @@ void show(const std::string& name, const Session& session) {
     tty::print("{}", analysis::to_text(model));
     return;
   }
-  const auto line = [](const char* what, const std::string& value) {
-    tty::print("  {:<14}{}\n", what, value.empty() ? "not stated" : one_line(value, kLongestText));
+  const ShownInput input = shown_input(model, session.unit());
+  const auto line = [&](const char* what, const std::string& value) {
+    tty::print("  {:<14}{}\n", what,
+               value.empty() ? "not stated" : one_line(session.unit().in_text(value), kLongestText));
   };
   tty::print("{} of {} ({}), sha256 {}\n", analysis::label_of(model), one_line(model.source), one_line(model.origin),
              analysis::sha256_of(model).substr(0, 12));
@@ -70,8 +91,9 @@ void show(const std::string& name, const Session& session) {
   line("units", fmt::format("{} to {}{}", analysis::or_not_stated(model.input_unit),
                             analysis::or_not_stated(model.output_unit), model.falling ? ", falling" : ""));
   line("valid for",
-       fmt::format("input {}; hold {}; rate {}; temperature {}", range_text(model.validity.input, model.input_unit),
-                   range_text(model.validity.hold_s, "s"), range_text(model.validity.rate, model.input_unit + "/s"),
+       fmt::format("input {}; hold {}; rate {}; temperature {}",
+                   range_text(model.validity.input, input.unit, input.factor), range_text(model.validity.hold_s, "s"),
+                   range_text(model.validity.rate, input.unit + "/s", input.factor),
                    range_text(model.validity.temperature_c, "degC")));
   line("mount", model.validity.mount);
   line("interface", model.validity.interface_material);
@@ -92,7 +114,7 @@ void show(const std::string& name, const Session& session) {
   line("taxels", fmt::format("{}{}", fmt::join(counts, ", "), with_mean && !alone ? "; and the mean taxel" : ""));
   if (const std::string open = undetermined_text(model); !open.empty())
     line("left open", open.substr(0, open.size() - 1));
-  if (const std::string left = residual_text(model); !left.empty()) line("stream leaves", left);
+  if (const std::string left = residual_text(model, input); !left.empty()) line("stream leaves", left);
   const ModelTaxel& shown = model.taxels.back();
   if (shown.fit.model == nullptr) return;
   tty::print("\n{}: J {:.6g}, mean error {:.3f} % FS, max {:.3f} % FS, full scale {:.4g} {}, noise {:.3g} {}\n",
@@ -102,8 +124,12 @@ void show(const std::string& name, const Session& session) {
   const auto parameters = shown.fit.model->parameters();
   constexpr std::size_t kMost = 24;  // Preisach has hundreds: --json has them all
   for (std::size_t i = 0; i < std::min(kMost, parameters.size()); ++i)
-    tty::print("  {:<14}{:<22}{}{}\n", parameters[i].name, parameters[i].value,
-               parameter_unit(parameters[i].unit, model), parameters[i].at_bound() ? "  at its bound" : "");
+    tty::print("  {:<14}{:<21} {}{}\n", parameters[i].name,
+               parameter_factor(parameters[i].unit, input) * parameters[i].value,
+               parameter_unit(parameters[i].unit, model, input),
+               parameters[i].fixed        ? "  set by convention, not identified"
+               : parameters[i].at_bound() ? "  at its bound"
+                                          : "");
   if (parameters.size() > kMost) tty::print("  and {} more (--json)\n", parameters.size() - kMost);
 }
 
@@ -117,13 +143,15 @@ void diff(const std::string& first, const std::string& second, Session& session)
     std::string name, unit;
     double sum = 0.0, worst = 0.0;
     int count = 0, worst_taxel = 0;
+    std::string other_unit;  // of the second model, where it is another
   };
+  const ShownInput input = shown_input(a, session.unit()), other_input = shown_input(b, session.unit());
   std::vector<Line> lines;
   // By name: a taxel may lack a weight of Preisach's that another has.
   std::map<std::string, std::size_t, std::less<>> places;
   const auto add = [&](const std::string& name, const std::string& unit, double off, int taxel) {
     const auto [place, fresh] = places.try_emplace(name, lines.size());
-    if (fresh) lines.push_back({name, unit, 0.0, 0.0, 0, 0});
+    if (fresh) lines.push_back({name, unit, 0.0, 0.0, 0, 0, {}});
     Line& line = lines[place->second];
     line.sum += off;
     ++line.count;
@@ -149,31 +177,46 @@ void diff(const std::string& first, const std::string& second, Session& session)
     const auto p = own.fit.model->parameters(), q = other->fit.model->parameters();
     for (const ModelParameter& mine : p) {
       const auto theirs = std::ranges::find(q, mine.name, &ModelParameter::name);
-      add(mine.name, parameter_unit(mine.unit, a), (theirs == q.end() ? 0.0 : theirs->value) - mine.value, own.taxel);
+      add(mine.name, parameter_unit(mine.unit, a, input),
+          parameter_factor(mine.unit, input) * ((theirs == q.end() ? 0.0 : theirs->value) - mine.value), own.taxel);
+      if (theirs == q.end()) continue;
+      const std::string unit = parameter_unit(theirs->unit, b, other_input);
+      if (Line& line = lines[places.find(mine.name)->second]; line.unit != unit) line.other_unit = unit;
     }
     for (const ModelParameter& theirs : q)
       if (std::ranges::find(p, theirs.name, &ModelParameter::name) == p.end())
-        add(theirs.name, parameter_unit(theirs.unit, b), theirs.value, own.taxel);
+        add(theirs.name, parameter_unit(theirs.unit, b, other_input),
+            parameter_factor(theirs.unit, other_input) * theirs.value, own.taxel);
   }
   const bool same = analysis::to_text(a) == analysis::to_text(b);
   session.code = same ? ExitCode::kPass : ExitCode::kCriterionFailed;
   if (session.json) {
     auto json = nlohmann::ordered_json::array();
-    for (const Line& line : lines)
+    for (const Line& line : lines) {
+      const auto figure = [&](double value) {  // null: of unlike quantities
+        return line.other_unit.empty() ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+      };
       json.push_back({{"name", line.name},
                       {"unit", line.unit},
-                      {"mean", line.sum / line.count},
-                      {"largest", line.worst},
+                      {"unit_of_second", line.other_unit.empty() ? line.unit : line.other_unit},
+                      {"mean", figure(line.sum / line.count)},
+                      {"largest", figure(line.worst)},
                       {"taxel", line.worst_taxel}});
+    }
     print_json("model.diff", {{"same", same}, {"taxels_of_first_alone", only}, {"parameters", json}});
     return;
   }
   tty::print("{} against {}: {}\n", second, first, same ? "the same, byte for byte" : "not the same");
   if (only > 0) tty::print("{} fitted in the first alone\n", analysis::counted(only, "taxel is", "taxels are"));
   tty::print("{:<16}{:>14}{:>14}{:>8}  {}\n", "parameter", "mean diff", "largest", "taxel", "unit");
-  for (const Line& line : lines)
-    tty::print("{:<16}{:>14.6g}{:>14.6g}{:>8}  {}\n", line.name, line.sum / line.count, line.worst, line.worst_taxel,
-               line.unit);
+  for (const Line& line : lines) {
+    if (line.other_unit.empty())
+      tty::print("{:<16}{:>14.6g}{:>14.6g}{:>8}  {}\n", line.name, line.sum / line.count, line.worst, line.worst_taxel,
+                 line.unit);
+    else
+      tty::print("{:<16}{:>14}{:>14}{:>8}  not compared: {} in the first, {} in the second\n", line.name, "-", "-", "-",
+                 line.unit, line.other_unit);
+  }
 }
 
 nlohmann::ordered_json drift_json(const analysis::Drift& drift) {
@@ -264,6 +307,7 @@ void add_model(CLI::App& app, Session& session) {
   CLI::App* show_verb = model->add_subcommand("show", "what a model is, and its parameters");
   show_verb->add_option("model", *first, what)->required();
   add_void_too(*show_verb, session);
+  add_units(*show_verb, session);
   add_common(*show_verb, session);
   show_verb->callback([first, &session] { show(*first, session); });
   CLI::App* diff_verb =
@@ -271,6 +315,7 @@ void add_model(CLI::App& app, Session& session) {
   diff_verb->add_option("first", *first, what)->required();
   diff_verb->add_option("second", *second, what)->required();
   add_void_too(*diff_verb, session);
+  add_units(*diff_verb, session);
   add_common(*diff_verb, session);
   diff_verb->callback([first, second, &session] { diff(*first, *second, session); });
   CLI::App* export_verb = model->add_subcommand("export", "write a model as its JSON document");

@@ -192,8 +192,9 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   for (const std::string& line : reader.assumed())
     tty::print(stderr, "{}: {}\n", options.file == "-" ? "standard input" : options.file, line);
   if (outside > 0)
-    tty::print(stderr, "{} of {} inputs lie outside the model's validity, {} to {} {}\n", outside, rows, range->low,
-               range->high, model.input_unit);
+    tty::print(stderr, "{}\n",
+               session.unit().in_text(fmt::format("{} of {} inputs lie outside the model's validity, {} to {} {}",
+                                                  outside, rows, range->low, range->high, model.input_unit)));
 }
 
 CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<PredictOptions>& options, const char* name,
@@ -207,6 +208,9 @@ CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<Predic
   verb->add_option("--taxel", options->taxel, "of a model of many, where the table has no column taxel: N, or mean")
       ->check(CLI::NonNegativeNumber | CLI::IsMember({"mean"}));
   add_void_too(*verb, session);
+  add_units(*verb, session);
+  verb->get_option("--units")->description(
+      "unit of the pressures in messages, all of them gauge: kPa, bar or psi; the table keeps its own");
   add_common(*verb, session);
   return verb;
 }

@@ -23,6 +23,7 @@ void write_night_page(const NightFiles& files, const Suite& suite, const NightPa
 // 1: a scenario is red or was not carried out, 6: one has moved.
 ExitCode code_of_night(const Suite& suite, const std::vector<ScenarioResult>& results);
 nlohmann::ordered_json night_json(const Suite& suite, const std::vector<ScenarioResult>& results);
-void print_night(const Suite& suite, const std::vector<ScenarioResult>& results);
+// Sentences of results in `unit`; names of figures have the unit that they are stored in.
+void print_night(const Suite& suite, const std::vector<ScenarioResult>& results, analysis::PressureUnit unit);
 
 }  // namespace tactbench::bench

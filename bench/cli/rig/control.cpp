@@ -74,7 +74,7 @@ void say(const ControlOptions& options, const Session& session, Command command,
                                     {"steps", answer.status.steps},
                                     {"answer", answer.text}});
   } else {
-    tty::print("{}\n", answer.text);
+    tty::print("{}\n", session.unit().in_text(answer.text));
   }
 }
 
@@ -126,6 +126,7 @@ void add_control(CLI::App& app, Session& session) {
   verb->add_option("--on-event", options->on_event,
                    "shell command for the events done, failed, waiting (see run --help)");
   verb->add_flag("--yes", options->assume_yes, "answer operator prompts with yes");
+  add_units(*verb, session);
   verb->callback([options, &session] { resume(*options, session); });
   plain(Command::kStop,
         "a live run ends now: vents, retracts, proves the safe state; outcome stopped (as Ctrl-C twice)");

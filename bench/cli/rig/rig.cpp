@@ -8,7 +8,7 @@
 #include "analysis/statistics/figures/rig_figures.h"
 #include "bench/cli/rig/run.h"
 #include "bench/cli/session.h"
-#include "bench/nightly/followed.h"
+#include "bench/nightly/followed_units.h"
 #include "bench/reporting/evaluation.h"
 
 namespace tactbench::bench {
@@ -130,7 +130,10 @@ void check_rig(const RigCheckOptions& options, Session& session) {
     return;
   }
   if (record.origin == "simulated") tty::print("SIMULATED DATA\n");
-  for (const CheckedSubject& subject : subjects) show_checked(subject);
+  for (CheckedSubject& subject : subjects) {
+    subject.followed = in_unit(std::move(subject.followed), session.unit());
+    show_checked(subject);
+  }
   tty::print("{}\n", said);
 }
 
@@ -156,6 +159,7 @@ void add_rig(CLI::App& app, Session& session) {
       ->take_all();
   verb->add_option("--seed", options->run.seeds.seed, "simulation: seed of noise and faults");
   verb->add_option("--sensor-seed", options->run.seeds.sensor_seed, "simulation: seed of the array");
+  add_units(*verb, session);
   add_common(*verb, session);
   verb->callback([options, &session] { check_rig(*options, session); });
 }

@@ -116,7 +116,12 @@ void list_baselines(const Session& session) {
                  analysis::counted(baseline.runs.size(), "run"), one_line(baseline.accepted_utc),
                  one_line(baseline.accepted_by), one_line(baseline.reason));
   }
-  if (session.json) print_json("baseline.list", {{"store", session.db}, {"baselines", json}});
+  if (session.json) return print_json("baseline.list", {{"store", session.db}, {"baselines", json}});
+  if (json.empty())
+    tty::print(
+        "no baseline is accepted: tactbench baseline accept RUNS --reason TEXT --by NAME accepts runs whose figures "
+        "tactbench trend lists, at least {}\n",
+        analysis::kLeastStartUp);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "bench/cli/session.h"
 #include "bench/common/output_file.h"
 #include "bench/nightly/followed_page.h"
+#include "bench/nightly/followed_units.h"
 
 namespace tactbench::bench {
 namespace {
@@ -130,7 +131,7 @@ void trend(const TrendOptions& options, Session& session) {
     return;
   }
   if (origin == "simulated") tty::print("SIMULATED DATA\n");
-  for (const Followed& followed : subjects) show_followed(followed);
+  for (const Followed& followed : subjects) show_followed(in_unit(followed, session.unit()));
   if (!options.html.empty()) tty::print("{}\n", options.html);
 }
 
@@ -142,6 +143,7 @@ void add_trend_options(CLI::App& verb, TrendOptions& options, Session& session) 
   add_replace(verb, session);
   verb.add_flag("--check", options.check,
                 "exit 1 when the newest value of a figure is outside its band, 6 when one has shifted");
+  add_units(verb, session);
 }
 
 void add_trend(CLI::App& app, Session& session) {

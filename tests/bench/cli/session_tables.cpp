@@ -41,6 +41,18 @@ TEST_CASE(
                       !Catch::Contains("psi"));
 }
 
+TEST_CASE("table of verdicts: one taxel is a taxel") {
+  db::VerdictRecord row;
+  row.run = 1;
+  row.criterion = "unfit_taxels";
+  row.scope = "array";
+  row.unit = "taxels";
+  row.value = 1.0;
+  row.limit = 2.0;
+  const std::string table = verdict_table({row}, "hardware", analysis::PressureUnit::kPsi);
+  CHECK_THAT(table, Catch::Contains(" 1 taxel ") && Catch::Contains(" 2 taxels "));
+}
+
 TEST_CASE("table of figures: hysteresis in percent of full scale, the mean absolute error in the unit asked for") {
   NamedEvaluation named;
   named.title = "run 2";

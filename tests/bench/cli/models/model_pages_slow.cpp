@@ -127,6 +127,48 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
               {"fewer.json against fewer.json: the same, byte for byte"});
 }
 
+TEST_CASE("model show and diff in kPa: ranges and parameters of pressures, and no others") {
+  const TemporaryFolder folder;
+  constexpr double kKpaOfPsi = 6.894757293168361;
+  SensorModel document = known_model(0.1, 0.0), other = known_model(0.04, 0.25);
+  for (SensorModel* model : {&document, &other}) model->input_unit = "psi";
+  write_model(folder, "m.json", document);
+  write_model(folder, "n.json", other);
+  write_model(folder, "newtons.json", known_model(0.1, 0.0));
+  const auto number_behind = [](const std::string& text, const std::string& name) {
+    const std::size_t at = text.find("\n" + name);
+    REQUIRE(at != std::string::npos);
+    return std::stod(text.substr(at + 1 + name.size()));
+  };
+  const Finished shown = call(folder, {"model", "show", "m.json", "--units", "kPa"});
+  CHECK_THAT(shown.out, Catch::Contains("input 0 .. 413.7 kPa; hold not known; rate 3.447 .. 13.79 kPa/s;") &&
+                            Catch::Contains(" V/kPa\n") && Catch::Contains(" V/kPa^2\n"));
+  CHECK(number_behind(shown.out, "  a1") == Approx(0.1 / kKpaOfPsi));
+  CHECK(number_behind(shown.out, "  a2") == Approx(-0.001 / (kKpaOfPsi * kKpaOfPsi)));
+  CHECK(number_behind(shown.out, "  rho") == Approx(3.0));
+  CHECK(call(folder, {"model", "show", "newtons.json", "--units", "kPa"}).out ==
+        call(folder, {"model", "show", "newtons.json"}).out);
+  const Finished differ = call(folder, {"model", "diff", "m.json", "n.json", "--units", "kPa"});
+  CHECK(number_behind(differ.out, "a1") == Approx(-0.02 / kKpaOfPsi).epsilon(1e-5));
+  CHECK(number_behind(differ.out, "zero") == Approx(0.25 / 3.0).epsilon(1e-5));
+}
+
+TEST_CASE("model diff: parameters of inputs in different units are not compared, and that is said") {
+  const TemporaryFolder folder;
+  SensorModel pressures = known_model(0.04, 0.25);
+  pressures.input_unit = "psi";
+  write_model(folder, "psi.json", pressures);
+  write_model(folder, "n.json", known_model(0.1, 0.0));
+  check_holds(
+      call(folder, {"model", "diff", "n.json", "psi.json"}),
+      {"a1                           -             -       -  not compared: V/N in the first, V/psi in the second",
+       "tau                          0             0       0  1"});
+  const json told = json::parse(call(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
+  CHECK((told["parameters"][2]["unit"] == "V/N" && told["parameters"][2]["unit_of_second"] == "V/psi"));
+  CHECK((told["parameters"][2]["mean"].is_null() && told["parameters"][2]["largest"].is_null()));
+  CHECK(told["parameters"][0]["mean"].get<double>() == Approx(0.25 / 3.0));
+}
+
 TEST_CASE("predict and compensate along a table: taxel by taxel, with zero and gain, reporting values outside") {
   const TemporaryFolder folder;
   SensorModel document = known_model(0.1, 0.0);
@@ -149,6 +191,11 @@ TEST_CASE("predict and compensate along a table: taxel by taxel, with zero and g
   INFO(predicted.out << predicted.err);
   CHECK_THAT(predicted.out, Catch::StartsWith("taxel,input,predicted\n0,8,1\n2,8,2.5\n0,16,2\n2,65,"));
   CHECK_THAT(predicted.err, Catch::Contains("1 of 5 inputs lie outside the model's validity, 0 to 64 N"));
+  document.input_unit = "psi";
+  write_model(folder, "psi.json", document);
+  const Finished in_kpa = call(folder, {"predict", "psi.json", "t.csv", "--units", "kPa"});
+  CHECK(in_kpa.out == predicted.out);
+  CHECK_THAT(in_kpa.err, Catch::Contains("1 of 5 inputs lie outside the model's validity, 0 to 441.3 kPa"));
   write_file(folder.path("y.csv"), "taxel;output\n0;1\n2;2.5\n0;8.5\n2;-1\n0;0.5\n");
   const Finished back = call(folder, {"compensate", "line.json", "y.csv"});
   CHECK(back.code == 0);

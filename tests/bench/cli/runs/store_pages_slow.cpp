@@ -101,7 +101,9 @@ TEST_CASE("baseline and trend print runs, ranges, repetitions and a row of block
                               Catch::Contains("rig/b-1 has 7 measurements among these runs, each counted once; a chart "
                                               "needs 8, and 20 are recommended") &&
                               Catch::Contains("measure 1 more"));
-  CHECK_THAT(call(folder, {"baseline", "list"}).out, !Catch::Contains("rig/b-1"));
+  CHECK_THAT(call(folder, {"baseline", "list"}).out,
+             Catch::StartsWith("no baseline is accepted: tactbench baseline accept RUNS --reason TEXT --by NAME"));
+  CHECK(json::parse(call(folder, {"baseline", "list", "--json"}).out)["baselines"].empty());
   const std::string few = "fewer than 20 runs: charts find small shifts later (docs/nights.md)\n";
   CHECK(accept({"1-10"}).out == subject +
                                     " 10 runs accepted, 8 of them counted once each\n"
@@ -116,6 +118,10 @@ TEST_CASE("baseline and trend print runs, ranges, repetitions and a row of block
                            Catch::Contains("\n   2  rig/b-1" + std::string(32, ' ') + "8 runs  2") &&
                            Catch::Contains("Z  me: as made\n"));
   check_told(call(folder, {"trend"}), {"rig/b-1: baseline of 8 runs (as made)"});
+  // 0.59375 psi = 4.0938 kPa; the data keep psi.
+  CHECK_THAT(call(folder, {"trend", "--units", "kPa"}).out,
+             Catch::Contains("\n  error_kpa ") && Catch::Contains("      4.0938  ") && !Catch::Contains("error_psi"));
+  CHECK(call(folder, {"trend", "--units", "kPa", "--json"}).out == call(folder, {"trend", "--json"}).out);
   const json told = json::parse(call(folder, {"trend", "--json"}).out);
   const json& figure = told["subjects"][0]["figures"][0];
   CHECK(figure["values"].size() == 11);
