@@ -10,7 +10,7 @@ TEST_CASE("U holds 93 to 98 % of the readings of the harsh specimen under each c
   options.sensor_seeds = {2901, 2902};
   options.table_1 = false;
   options.paper = false;
-  check_coverage(options, 8);
+  check_coverage(options, both(all_uses_of("harsh_production_dynamic"), all_uses_of("harsh_production_elam")));
 }
 
 TEST_CASE("U holds 93 to 98 % of the readings after Table 1 under each condition that it is stated for") {
@@ -18,5 +18,6 @@ TEST_CASE("U holds 93 to 98 % of the readings after Table 1 under each condition
   options.sensor_seeds = {2301, 2302};
   options.production = false;
   options.harsh = false;
-  check_coverage(options, 8);
+  // Of these two sensors the report says that runs of other reversals made alike differ too much.
+  check_coverage(options, both(repeated_uses_of("paper_table_1_dynamic"), repeated_uses_of("paper_table_1_elam")));
 }
