@@ -199,3 +199,15 @@ TEST_CASE("what a dynamic model lacks is said before anything is stored") {
   fails({"--rate", "2", "--creep", "3"}, 2, "TB-RUN-VOID");
   CHECK_THAT(call(folder, {"runs", "show", "1"}).out, !Catch::Contains("dynamic"));
 }
+
+TEST_CASE("the dynamic model of one run errs less than ELAM after the short recipe") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
+  REQUIRE(measure(folder, {"production"}, "1").code == 0);
+  REQUIRE(measure(folder, {"random-reversal"}, "2").code == 0);
+  const double elam = held_out_error(call(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--json"}));
+  const double dynamic = held_out_error(call(folder, {"fit", "1", "--model", "dynamic", "--held-out", "2", "--json"}));
+  INFO("psi: ELAM " << elam << ", dynamic " << dynamic);
+  CHECK(dynamic < 0.95 * elam);
+}

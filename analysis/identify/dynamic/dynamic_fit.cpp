@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "analysis/compensate/dynamic_compensator.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
@@ -157,6 +158,15 @@ void check_lowest(const Dataset& fitted) {
                         "the dynamic model counts from the unloaded film: fit a run whose levels begin at 0 psi");
 }
 
+// Cells that are finer than the levels lie between samples: weights there would be any that have the same sums.
+int intervals_between_levels(const Dataset& fitted) {
+  std::set<double> levels;
+  for (const SequenceData& sequence : fitted.sequences)
+    for (const Repeat& repeat : sequence.repeats)
+      for (const Sample& sample : repeat.steps) levels.insert(sample.setpoint_psi);
+  return std::max(1, static_cast<int>(levels.size()) - 1);
+}
+
 // Of all runs, since lag and creep are undone there; inputs are those of the first.
 Validity validity_of_runs(const Histories& fitted, const std::vector<Histories>& others) {
   const auto scored = [](const Histories& histories) {
@@ -206,7 +216,7 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
       for (const Sample& sample : repeat.steps) highest = std::max(highest, sample.setpoint_psi);
   FitOptions fit;
   fit.model = "preisach";
-  fit.identify.cells = options.cells;
+  fit.identify.cells = std::min(options.cells, intervals_between_levels(fitted));
   fit.identify.by_input = options.by_input;
   fit.identify.linearise = true;
   fit.threads = options.threads;
