@@ -36,6 +36,16 @@ void DynamicTaxelCompensator::reset() {
   last_factor_ = creep_factor(setup_->dynamics, dynamics_, {}, 0.0, taxel_->creep_scale);
 }
 
+void DynamicTaxelCompensator::rest(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0.0)
+    throw std::invalid_argument("dynamic compensator: a time is negative or not a finite number");
+  DynamicsState gone_on = dynamics_;
+  advance(setup_->dynamics, gone_on, {setup_->dynamics, seconds}, 0.0);
+  reset();
+  dynamics_ = gone_on;
+  last_factor_ = creep_factor(setup_->dynamics, dynamics_, {}, 0.0, taxel_->creep_scale);
+}
+
 void DynamicTaxelCompensator::reset_unknown() {
   reset();
   other_.start_high(everett_, 0.0);

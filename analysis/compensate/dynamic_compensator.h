@@ -21,6 +21,8 @@ class DynamicTaxelCompensator {
   // conditioning. Lag and creep follow. Throws std::invalid_argument when the time is negative or not finite.
   void work(double seconds);
   void reset();
+  // As reset(), but the film rested at the lowest pressure for only so long: creep and lag went on. Throws as work().
+  void rest(double seconds);
   void reset_unknown();  // as TaxelCompensator
   [[nodiscard]] double gain() const { return gain_; }
   [[nodiscard]] bool ascending() const { return ascending_; }

@@ -57,4 +57,9 @@ void TaxelStream::reset() {
   if (dynamic_) dynamic_->reset();
 }
 
+void TaxelStream::rest(double seconds) {
+  compensator_.reset();
+  if (dynamic_) dynamic_->rest(seconds);
+}
+
 }  // namespace tactbench::analysis

@@ -25,6 +25,8 @@ class TaxelStream {
   // and creep look at; 0: not known. Throws std::invalid_argument when a value is not finite, or seconds is negative.
   Compensated step(double output, double seconds = 0.0);
   void reset();
+  // The load was taken off, and the film rested for so long: the history is forgotten, creep and lag went on.
+  void rest(double seconds);
 
  private:
   const ModelTaxel* taxel_;

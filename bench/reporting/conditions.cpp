@@ -107,7 +107,9 @@ void note_conditions(analysis::Runs& runs, const analysis::SensorModel& fit,
   missing(shown.temperature || (inputs != nullptr && inputs->temperature.assessed()), "temperature",
           "no judged run and no study is at another temperature");
   missing(shown.time, "time", "no judged run is a day or more apart from that of the models");
-  missing(fit.dynamics.has_value() || (inputs != nullptr && inputs->creep.assessed()), "creep",
+  // What one dwell tells of creep is no evidence of longer holds.
+  const bool of_holds = fit.dynamics && fit.dynamics->creep.run != 0;
+  missing(of_holds || (inputs != nullptr && inputs->creep.assessed()), "creep",
           "no study holds the load for longer than the runs do");
   missing(shown.calibration_dated, "age of the reference's calibration",
           "neither its date nor its due date is stated: its drift cannot be scaled with time");

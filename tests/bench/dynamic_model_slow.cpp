@@ -112,10 +112,13 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   REQUIRE(alone.code == 0);
   const double compensated =
       json::parse(alone.out)["models"].at(0)["scores"].at(0)["all"]["compensated"]["mean"].get<double>();
-  INFO("psi: dynamic without lag and creep " << compensated);
-  CHECK(compensated < 0.7 * elam);
-  CHECK_THAT(call(folder, {"model", "show", "alone.json"}).out, Catch::Contains("lag and creep are left in"));
-  CHECK(call(folder, {"compensate", "alone.json", "timeless.csv", "--taxel", "mean"}).code == 0);
+  INFO("psi: dynamic, with the creep of the fitted run " << compensated);
+  CHECK(compensated < 0.45 * elam);
+  CHECK_THAT(call(folder, {"model", "show", "alone.json"}).out,
+             Catch::Contains("(from the fitted run); lag is left in"));
+  CHECK(call(folder, {"compensate", "alone.json", "timed.csv", "--taxel", "mean"}).code == 0);
+  CHECK_THAT(call(folder, {"compensate", "alone.json", "timeless.csv", "--taxel", "mean"}).err,
+             Catch::Contains("TB-TABLE-COLUMN"));
   CHECK(call(folder, {"verify", "1"}).code == 0);
 
   // A copy of the run alone lacks the others.
@@ -209,5 +212,5 @@ TEST_CASE("the dynamic model of one run errs less than ELAM after the short reci
   const double elam = held_out_error(call(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--json"}));
   const double dynamic = held_out_error(call(folder, {"fit", "1", "--model", "dynamic", "--held-out", "2", "--json"}));
   INFO("psi: ELAM " << elam << ", dynamic " << dynamic);
-  CHECK(dynamic < 0.95 * elam);
+  CHECK(dynamic < 0.85 * elam);
 }

@@ -86,6 +86,41 @@ void relative(const std::vector<Hold>& holds, const std::vector<double>& above, 
   }
 }
 
+// The mean output of a hold is the static one times its mean factor.
+double mean_factor(const Track& track, const std::vector<Hold>& holds, const Dynamics& d) {
+  const auto psi = walk_creep(track, d);
+  double factor = 0.0, count = 0.0;
+  for (const Hold& hold : holds)
+    for (std::size_t i = hold.first; i <= hold.last; ++i) {
+      double sum = 1.0;
+      for (std::size_t j = 0; j < kCreepElements; ++j) sum += d.creep_share[j] * (psi[i][j] - 1.0);
+      factor += sum;
+      count += 1.0;
+    }
+  return factor / count;
+}
+
+// Each taxel's creep over the array's; `shape`: a row a sample, the array's relative change within its hold.
+void find_scales(const Track& track, const std::vector<Hold>& holds, const Eigen::VectorXd& shape,
+                 const std::vector<double>& zero_v, const std::vector<bool>& usable, ArrayDynamics& result) {
+  const std::array<double, kCreepElements>& share = result.shared.creep_share;
+  const double total = share[0] + share[1] + share[2];
+  const double most = total > 0.0 ? std::min(kMostCreepScale, kMostCreep / total) : kMostCreepScale;
+  Eigen::VectorXd off(shape.size()), level(shape.size());
+  for (std::size_t t = 0; t < zero_v.size(); ++t) {
+    if (!usable[t]) continue;
+    std::vector<double> above;
+    for (const double* const row : track.volts) above.push_back(row[t] - zero_v[t]);
+    relative(holds, above, off, level);
+    const Eigen::VectorXd column = level.cwiseProduct(shape);
+    if (column.squaredNorm() <= 0.0) continue;
+    const double scale = column.dot(off) / column.squaredNorm();
+    const double doubt2 = (off - scale * column).squaredNorm() / static_cast<double>(off.size()) / column.squaredNorm();
+    constexpr double kSpread2 = 0.25 * 0.25;  // of taxels, as far as is known before
+    result.creep_scale[t] = std::clamp(1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2), 0.0, most);
+  }
+}
+
 }  // namespace
 
 void find_creep(const Dataset& data, const std::vector<double>& zero_v, const std::vector<bool>& usable,
@@ -98,6 +133,7 @@ void find_creep(const Dataset& data, const std::vector<double>& zero_v, const st
   double least = std::numeric_limits<double>::infinity();
   Eigen::VectorXd off, level;
   Eigen::MatrixXd best_columns;
+  Eigen::VectorXd share_found = Eigen::VectorXd::Zero(kCreepElements);
   for (double half = 1.0; half <= 64.0; half *= 1.2) {
     Dynamics d = result.shared;
     d.creep_half = half;
@@ -111,37 +147,23 @@ void find_creep(const Dataset& data, const std::vector<double>& zero_v, const st
     if (rest >= least) continue;
     least = rest;
     best_columns = rows.columns;
+    share_found = share;
     result.shared.creep_half = half;
     for (std::size_t j = 0; j < kCreepElements; ++j) result.shared.creep_share[j] = share[static_cast<Eigen::Index>(j)];
   }
-  // The mean output of a hold is the static one times its mean factor.
-  std::array<double, kCreepElements>& share = result.shared.creep_share;
-  const auto psi = walk_creep(track, result.shared);
-  double factor = 0.0, count = 0.0;
-  for (const Hold& hold : holds)
-    for (std::size_t i = hold.first; i <= hold.last; ++i) {
-      double sum = 1.0;
-      for (std::size_t j = 0; j < kCreepElements; ++j) sum += share[j] * (psi[i][j] - 1.0);
-      factor += sum;
-      count += 1.0;
-    }
-  const Eigen::Map<const Eigen::Vector3d> shares(share.data());
-  const Eigen::VectorXd shape = best_columns * shares;
-  for (double& k : share) k *= factor / count;
-  const double total = share[0] + share[1] + share[2];
-  const double most = total > 0.0 ? std::min(kMostCreepScale, kMostCreep / total) : kMostCreepScale;
-  for (std::size_t t = 0; t < zero_v.size(); ++t) {
-    if (!usable[t]) continue;
-    std::vector<double> above;
-    for (const double* const row : track.volts) above.push_back(row[t] - zero_v[t]);
-    relative(holds, above, off, level);
-    const Eigen::VectorXd column = level.cwiseProduct(shape);
-    if (column.squaredNorm() <= 0.0) continue;
-    const double scale = column.dot(off) / column.squaredNorm();
-    const double doubt2 = (off - scale * column).squaredNorm() / static_cast<double>(off.size()) / column.squaredNorm();
-    constexpr double kSpread2 = 0.25 * 0.25;  // of taxels, as far as is known before
-    result.creep_scale[t] = std::clamp(1.0 + (scale - 1.0) * kSpread2 / (kSpread2 + doubt2), 0.0, most);
-  }
+  const double factor = mean_factor(track, holds, result.shared);
+  for (double& k : result.shared.creep_share) k *= factor;
+  find_scales(track, holds, best_columns * share_found, zero_v, usable, result);
+}
+
+void find_creep_scales(const Dataset& data, const std::vector<double>& zero_v, const std::vector<bool>& usable,
+                       ArrayDynamics& result) {
+  const Track track = track_of(data);
+  const std::vector<Hold> holds = holds_of(track);
+  if (holds.empty()) return;
+  const Eigen::Map<const Eigen::Vector3d> share(result.shared.creep_share.data());
+  const Eigen::VectorXd shape = creep_rows(track, holds, result.shared).columns * share;
+  find_scales(track, holds, shape / mean_factor(track, holds, result.shared), zero_v, usable, result);
 }
 
 ArrayDynamics find_dynamics(const Dataset* rate, const Dataset* creep, const std::vector<double>& zero_v,

@@ -26,6 +26,9 @@ ArrayDynamics find_dynamics(const Dataset* rate, const Dataset* creep, const std
 // Their parts.
 void find_creep(const Dataset& data, const std::vector<double>& zero_v, const std::vector<bool>& usable,
                 ArrayDynamics& result);
+// Of creep that is known, the taxels' scales alone.
+void find_creep_scales(const Dataset& data, const std::vector<double>& zero_v, const std::vector<bool>& usable,
+                       ArrayDynamics& result);
 void find_lag(const Dataset& data, const std::vector<double>& zero_v, const std::vector<bool>& usable,
               ArrayDynamics& result);  // creep is known
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/report/page/figure.h"
 #include "analysis/report/parts.h"
 #include "analysis/report/sections/sections.h"
@@ -64,6 +65,11 @@ Markup mean_taxel_table(const ReportInput& input) {
 // What a dynamic model undoes beside hysteresis, and the runs that this was taken from.
 Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   if (!fit.dynamics) return {};
+  const bool one_run = fit.dynamics->rate.run == 0;
+  if (one_run && !undoes_creep(*fit.dynamics))
+    return markup(
+        "<p class=\"note\">Preisach's model on the linearised output u = v / (1 − c v), with an observer of the gain "
+        "at full pressure. Creep and lag are left in: the models come from one run, which tells no creep.</p>\n");
   const Dynamics& d = fit.dynamics->shared;
   Markup creep;
   for (std::size_t j = 0; j < kCreepElements; ++j)
@@ -72,13 +78,18 @@ Markup dynamics_table(const SensorModel& fit, PressureUnit unit) {
   const auto source = [](const SensorDynamics::Source& from) {
     return markup("run {}, content {}", from.run, code(from.content_sha256));
   };
-  return pairs_table(
-      "Lag and creep that the models undo: the array's",
-      {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
-                      html::fixed(d.lag_s, 2))},
-       {"lag taken from", source(fit.dynamics->rate)},
-       {"creep", markup("{} of the output; half of it at {}", creep, html::pressure(d.creep_half, unit, 1))},
-       {"creep taken from", source(fit.dynamics->creep)}});
+  const Markup creeps = markup("{} of the output; half of it at {}", creep, html::pressure(d.creep_half, unit, 1));
+  if (one_run)
+    return pairs_table("Creep that the models undo: the array's",
+                       {{"creep", creeps}, {"creep taken from", markup("the fitted run")}, {"lag", markup("left in")}});
+  return pairs_table("Lag and creep that the models undo: the array's",
+                     {{"lag", markup("{} % of a change of pressure comes late, in {} s", html::percent(d.lag_share, 1),
+                                     html::fixed(d.lag_s, 2))},
+                      {"lag taken from", source(fit.dynamics->rate)},
+                      {"creep", creeps},
+                      {"creep taken from", creep_of_fitted_run(*fit.dynamics)
+                                               ? markup("the fitted run; by taxel: {}", source(fit.dynamics->creep))
+                                               : source(fit.dynamics->creep)}});
 }
 
 std::vector<const ModelTaxel*> fitted(const SensorModel& fit) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 
@@ -145,7 +146,7 @@ std::string CreepEffect::in_words() const {
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs,
                             const SensorModel& measured_fit) {
   CreepEffect effect;
-  if (measured_fit.dynamics) {
+  if (measured_fit.dynamics && undoes_creep(*measured_fit.dynamics)) {
     for (const Dataset& run : runs) check_same_sensor(run, measured_fit);
     effect.not_assessed = "the model undoes creep; what it leaves of it is in the errors of held-out runs";
     return effect;

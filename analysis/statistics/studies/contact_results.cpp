@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "analysis/error.h"
 #include "analysis/identify/taxel_stream.h"
@@ -41,13 +42,14 @@ std::vector<ReadFrame> read_frames(const PressRun& run, const SensorModel& fit, 
   const double sign = fit.falling ? -1.0 : 1.0;
   std::vector<std::optional<TaxelStream>> compensators;
   for (const ModelTaxel& taxel : fit.array())
-    compensators.push_back(taxel.fitted() ? std::optional<TaxelStream>(taxel) : std::nullopt);
+    compensators.push_back(taxel.fitted() ? std::optional<TaxelStream>(std::in_place, fit, taxel) : std::nullopt);
   std::vector<ReadFrame> out;
   const PressFrame* before = nullptr;
   for (const PressFrame& frame : run.frames) {
     // Between two rises the object was lifted off.
     const bool new_rise = before == nullptr || frame.repeat != before->repeat || frame.position != before->position ||
                           (frame.rising && !before->rising);
+    const double seconds = before == nullptr ? 0.0 : std::max(0.0, frame.time_s - before->time_s);
     before = &frame;
     ReadFrame read{&frame, {}, {}, {}, {}, 0};
     for (std::size_t i = 0; i < frame.volts.size(); ++i) {
@@ -57,9 +59,9 @@ std::vector<ReadFrame> read_frames(const PressRun& run, const SensorModel& fit, 
         read.compensated_psi.push_back(kNan);
         continue;
       }
-      if (new_rise) compensators[i]->reset();
+      if (new_rise) compensators[i]->rest(seconds);
       read.raw_psi.push_back(mean.x0() + (volts - mean.y0()) * per_volt);
-      read.compensated_psi.push_back(compensators[i]->step(volts).pressure_psi);
+      read.compensated_psi.push_back(compensators[i]->step(volts, new_rise ? 0.0 : seconds).pressure_psi);
       read.clamped += read.compensated_psi.back() >= mean.xu() ? 1 : 0;
     }
     read.raw = contact_figures(read.raw_psi, run.rows, run.columns, geometry);
@@ -170,13 +172,6 @@ double mean_distance(const std::vector<double>& up, const std::vector<double>& d
 }  // namespace
 
 ContactResult contact_result(const PressRun& run, const SensorModel& fit, const ArrayGeometry& geometry) {
-  if (fit.dynamics)
-    throw AnalysisError(Cause::kUsage, "TB-MODEL-DYNAMIC",
-                        fmt::format("run {}: frames of a press have no times, and without them the dynamic model of {} "
-                                    "cannot undo lag and creep",
-                                    run.run, fit.source),
-                        "leave out the runs under an object, or use a model without lag and creep: tactbench fit RUN, "
-                        "then report with --model RUN:FIT");
   check_press(run, fit);
   ContactResult out;
   out.run = run.run;

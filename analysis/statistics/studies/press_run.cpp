@@ -69,6 +69,7 @@ std::vector<PressRun> load_press_runs(const StoredRun& run) {
     press.columns = frame.columns;
     const db::WrenchRecord& wrench = *frame.wrench;
     PressFrame own;
+    own.time_s = 1e-9 * static_cast<double>(frame.time_ns);
     own.repeat = branch->second.repeat;
     own.position = branch->second.ordinal / 2;  // a rising and a falling branch a place
     own.rising = branch->second.to_n.value_or(0.0) >= branch->second.from_n.value_or(0.0);

@@ -12,6 +12,7 @@
 namespace tactbench::analysis {
 
 struct PressFrame {
+  double time_s = 0.0;  // process time since the run's start
   int repeat = 0;
   int position = 0;                  // place of the stage, counted within the repeat
   bool rising = true;                // force on its way up, the peak included

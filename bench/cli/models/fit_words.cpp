@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "analysis/counted.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/linearised.h"
 #include "bench/cli/judgement_words.h"
@@ -114,15 +115,20 @@ std::string linearised_text(const analysis::SensorModel& fit) {
 
 std::string dynamics_text(const analysis::SensorModel& fit) {
   if (!fit.dynamics) return {};
-  if (fit.dynamics->rate.run == 0 && fit.dynamics->creep.run == 0)
-    return "lag and creep are left in: no runs of them were named";
+  const bool one_run = fit.dynamics->rate.run == 0 && fit.dynamics->creep.run == 0;
+  if (one_run && !analysis::undoes_creep(*fit.dynamics))
+    return "lag and creep are left in: no runs of them were named, and the fitted one tells no creep";
   const analysis::Dynamics& d = fit.dynamics->shared;
   std::vector<std::string> elements;
   for (std::size_t j = 0; j < analysis::kCreepElements; ++j)
-    elements.push_back(fmt::format("{:.2f} % in {:g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
-  return fmt::format("creep {}, half of it at {:.1f} {} (run {}); lag {:.1f} % in {:.2f} s (run {})",
-                     fmt::join(elements, ", "), d.creep_half, fit.input_unit, fit.dynamics->creep.run,
-                     100.0 * d.lag_share, d.lag_s, fit.dynamics->rate.run);
+    elements.push_back(fmt::format("{:.2f} % in {:.3g} s", 100.0 * d.creep_share[j], d.creep_s[j]));
+  if (one_run)
+    return fmt::format("creep {}, half of it at {:.1f} {} (from the fitted run); lag is left in",
+                       fmt::join(elements, ", "), d.creep_half, fit.input_unit);
+  return fmt::format("creep {}, half of it at {:.1f} {} ({}run {}); lag {:.1f} % in {:.2f} s (run {})",
+                     fmt::join(elements, ", "), d.creep_half, fit.input_unit,
+                     analysis::creep_of_fitted_run(*fit.dynamics) ? "from the fitted run, by taxel from " : "",
+                     fit.dynamics->creep.run, 100.0 * d.lag_share, d.lag_s, fit.dynamics->rate.run);
 }
 
 std::string fitted_text(const FittedRun& fitted, analysis::PressureUnit unit) {

@@ -28,7 +28,8 @@ TEST_CASE(
     INFO(condition << ": " << error << " psi, ELAM's stream " << elam << " psi, within 2 u " << within << " %");
     CHECK(error < share_of_elam * elam);
     CHECK(within > 90.0);
-    CHECK(within < 98.5);
+    // On the harsh specimen u is wide: the residual of a run in which zero and gain walk is more than others leave.
+    CHECK(within < (condition.starts_with("harsh") ? 99.5 : 98.5));
     const double of_elam = figures.at(condition + "_elam_stream_within_2_u");
     const double of_one_run = figures.at(condition + "_one_run_within_2_u");
     INFO("ELAM's stream " << of_elam << " %, the dynamic model of one run " << of_one_run << " %, which errs by "
@@ -38,11 +39,11 @@ TEST_CASE(
     CHECK(of_elam > (harsh ? (fast ? 50.0 : 80.0) : 90.0));
     CHECK(of_elam < 99.7);
     CHECK(of_one_run > (harsh && fast ? 70.0 : 85.0));
-    CHECK(figures.at(condition + "_one_run") < elam);
+    CHECK(figures.at(condition + "_one_run") < (harsh ? 0.8 : 0.95) * elam);
   };
   for (const char* const condition : {"random_1", "random_2", "dwell_0.2_s", "dwell_10_s"}) hold(condition, 0.35);
   for (const char* const condition : {"remounted", "remounted_random"}) hold(condition, 0.75);
-  for (const char* const condition : {"harsh_random_1", "harsh_random_2", "harsh_dwell_0.2_s"}) hold(condition, 0.5);
+  for (const char* const condition : {"harsh_random_1", "harsh_random_2", "harsh_dwell_0.2_s"}) hold(condition, 0.3);
   for (const char* const condition : {"harsh_dwell_10_s", "harsh_remounted", "harsh_remounted_random"})
-    hold(condition, 1.0);
+    hold(condition, 0.7);
 }

@@ -202,8 +202,11 @@ TEST_CASE("a dynamic model is scored, checked and adjusted with creep and lag un
   CHECK(after < 0.25);
 }
 
-TEST_CASE("without runs of lag and creep the dynamic model is made of one run, and needs no times", "[dynamic]") {
-  const DynamicArray array = dynamic_array(kTaxels, 0.0005);
+TEST_CASE(
+    "without runs of lag and creep the dynamic model is made of one run, which needs no times if it tells no creep",
+    "[dynamic]") {
+  DynamicArray array = dynamic_array(kTaxels, 0.0005);
+  array.setup.dynamics.creep_share = {};
   const Runs runs = runs_of(array);
   const SensorModel model = fit_dynamic_alone(runs.fitted);
   REQUIRE(model.dynamics);

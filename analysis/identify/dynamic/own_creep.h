@@ -1,0 +1,41 @@
+// Creep of an array as the run tells it that the models are fitted on: a run that passes the same levels again and
+// again shows the output rising from pass to pass.
+#pragma once
+
+#include <vector>
+
+#include "analysis/identify/dynamic/dynamics_search.h"
+#include "analysis/identify/sensor_model.h"
+
+namespace tactbench::analysis {
+
+// How badly one Preisach model on the linearised output describes the array's mean with the creep of `d` undone.
+class CreepMisfit {
+ public:
+  // `zero_v`, `usable`: per taxel. `fit`: as the models are fitted. Pressures from 0 to `highest`.
+  CreepMisfit(const Dataset& fitted, const std::vector<double>& zero_v, const std::vector<bool>& usable, double highest,
+              const FitOptions& fit);
+  // Sum of squares over the square of the full output; infinite where no model can be fitted.
+  [[nodiscard]] double operator()(const Dynamics& d) const;
+  // Slowest relaxation times to try, seconds: some within half of the run; none where it tells no times.
+  [[nodiscard]] const std::vector<double>& slowest_s() const { return slowest_s_; }
+
+ private:
+  Dataset mean_;
+  double zero_v_ = 0.0, highest_;
+  FitOptions fit_;
+  std::vector<double> slowest_s_;
+};
+
+// Relaxation times evenly spaced over the logarithm of time, the slowest as given.
+std::array<double, kCreepElements> creep_times(double slowest_s);
+
+// One share for all relaxation times, a straight line over the logarithm of time: one dwell tells no more. Share and
+// slowest time are those of the least misfit; none (0) where creep does not explain a good part of it.
+Dynamics creep_of_one_run(const CreepMisfit& misfit);
+
+// The outputs of a run with lag and creep undone, at the pressures that have arrived.
+Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,
+                             double span);
+
+}  // namespace tactbench::analysis
