@@ -1,0 +1,27 @@
+// The inputs of models in the unit of who reads them, and `model diff`.
+#pragma once
+
+#include <string>
+
+#include "analysis/identify/sensor_model.h"
+#include "bench/cli/session.h"
+
+namespace tactbench::bench {
+
+// The unit of a model's inputs as it is shown, and how many of it one of the model's own is: pressures alone change.
+struct ShownInput {
+  std::string unit;
+  double factor = 1.0;
+};
+ShownInput shown_input(const analysis::SensorModel& model, analysis::PressureUnit unit);
+
+// "1/x" as "1/psi" where the model knows the units of its input x and its output y.
+std::string parameter_unit(const std::string& unit, const analysis::SensorModel& model, const ShownInput& input);
+// What a parameter of the unit "x", "1/x" or "y/x^3" is multiplied by.
+double parameter_factor(const std::string& unit, const ShownInput& input);
+
+// Prints the differences of the parameters of two models (names as `model diff` takes them) and sets the exit code: 1
+// where they differ. Throws TB-MODEL-DIFF for models of two kinds.
+void diff_models(const std::string& first, const std::string& second, Session& session);
+
+}  // namespace tactbench::bench
