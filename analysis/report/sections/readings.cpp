@@ -64,9 +64,12 @@ Markup levels_in_brief(const Uncertainty& uncertainty, int columns, PressureUnit
 
 Markup range_of_use(const Uncertainty& uncertainty, PressureUnit unit) {
   const std::vector<double> levels = level_pressures(uncertainty);
-  const double most_psi = kShareOfUse * levels.back();
-  return markup("{} to {} was assessed. U of 95 % of the taxels is within {} % of the full pressure, {}: {}; {}",
-                html::pressure(levels.front(), unit, 1), html::pressure(levels.back(), unit, 1),
+  return markup("{} to {}", html::pressure(levels.front(), unit, 1), html::pressure(levels.back(), unit, 1));
+}
+
+Markup measuring_interval(const Uncertainty& uncertainty, PressureUnit unit) {
+  const double most_psi = kShareOfUse * level_pressures(uncertainty).back();
+  return markup("U of 95 % of the taxels is within {} % of the full pressure, {}: {}; {}",
                 html::percent(kShareOfUse, 0), html::pressure(most_psi, unit, 2),
                 range_within(uncertainty, true, most_psi, unit), range_within(uncertainty, false, most_psi, unit));
 }
@@ -126,10 +129,15 @@ Markup range_within(const Uncertainty& uncertainty, bool up, double most_psi, Pr
 Markup readings_in_brief(const ReportInput& input) {
   if (input.evaluation.levels.empty()) return {};
   const bool assessed = states_uncertainty(input);
-  Markup out = pairs_table("Use of the corrected indication",
-                           {{"range of use", assessed ? range_of_use(*input.uncertainty, input.unit)
-                                                      : markup("U was not assessed: no range can be stated")},
-                            {"largest |error| of one frame and taxel", largest_error(input)}});
+  std::vector<Pair> rows;
+  if (assessed) {
+    rows.push_back({"range of use", range_of_use(*input.uncertainty, input.unit)});
+    rows.push_back({"measuring interval", measuring_interval(*input.uncertainty, input.unit)});
+  } else {
+    rows.push_back({"range of use", markup("U was not assessed: no range can be stated")});
+  }
+  rows.push_back({"largest |error| of one frame and taxel", largest_error(input)});
+  Markup out = pairs_table("Use of the corrected indication", rows);
   if (assessed) out += levels_in_brief(*input.uncertainty, input.fit.columns, input.unit);
   return out;
 }
