@@ -83,10 +83,11 @@ void check_role(const StudyRun& study, const db::RunRecord& own, const db::RunRe
   const std::optional<double> degrees = turned ? turned_against(own, *turned) : std::nullopt;
   const double stated = study.role == "mount" ? 0.0 : std::stod(study.role);
   if (degrees && std::abs(*degrees - stated) > 1e-6)
-    refuse(study,
-           fmt::format("run {} was turned by {:g} degrees against run {}, by its own record ({}), not by {:g}",
-                       study.run, *degrees, own.run, turned->where, stated),
-           fmt::format("state what was done: {}:{:g}", study.run, *degrees));
+    refuse(
+        study,
+        fmt::format("run {} was turned by {:g} degrees against run {}, by its own record ({}){}", study.run, *degrees,
+                    own.run, turned->where, study.role == "mount" ? "" : fmt::format(", not by {:g}", stated)),
+        fmt::format("state what was done: {}:{:g}", study.run, *degrees));
   if (study.role != "mount") return;
   const std::optional<Recorded> ours = mount_of(own), theirs = mount_of(other);
   if (ours && theirs && ours->value == theirs->value)
