@@ -107,7 +107,7 @@ TEST_CASE("a signed report says so in its title, a draft with the same number do
   ReportInput input = judged_on({13});
   const Report draft = render_report(input);
   CHECK(draft.html.find(signed_title_mark(draft.number) + "</title>") == std::string::npos);
-  input.approvals.push_back({12, draft.number, draft.content_sha256, "C. Chief", "2024-06-01T00:00:00Z", ""});
+  input.approvals.push_back({12, draft.number, draft.content_sha256, "C. Chief", "2024-06-01T00:00:00Z", "", ""});
   const Report issued = render_report(input);
   CHECK(issued.number == draft.number);
   CHECK(issued.html.find(signed_title_mark(issued.number) + "</title>") != std::string::npos);

@@ -19,15 +19,15 @@ namespace {
 
 constexpr PressureUnit kPageUnit = PressureUnit::kKilopascal;
 
-struct Measured {
+struct MeasuredArray {
   Dataset dataset;
   ReportInput input;
 };
 
-Measured measured_array() {
-  Measured made{synthetic::run(synthetic::Array({.rows = 4, .columns = 4, .sensor_seed = 4}),
-                               {.seed = 12, .noise_v = 0.004, .repeats = 3}),
-                example::example_input()};
+MeasuredArray measured_array() {
+  MeasuredArray made{synthetic::run(synthetic::Array({.rows = 4, .columns = 4, .sensor_seed = 4}),
+                                    {.seed = 12, .noise_v = 0.004, .repeats = 3}),
+                     example::example_input()};
   ReportInput& input = made.input;
   input.fit = fit_array(made.dataset);
   input.evaluation = evaluate(made.dataset, input.fit);
@@ -38,7 +38,7 @@ Measured measured_array() {
 }
 
 // Of page 1: what stands before the section "Identification".
-std::string first_page(const ReportInput& input) {
+std::string statement_of(const ReportInput& input) {
   const std::string page = render_report(input).html;
   require_well_formed(page);
   const std::size_t from = page.find("id=\"verdicts\""), end = page.find("id=\"identification\"");
@@ -54,7 +54,7 @@ std::string shown_error(const Budget& budget) {
 }  // namespace
 
 TEST_CASE("page 1 has error and U at four levels and at the worst one, as the section on uncertainty has") {
-  Measured made = measured_array();
+  MeasuredArray made = measured_array();
   ReportInput& input = made.input;
   const Uncertainty& uncertainty = *input.uncertainty;
   const std::vector<double> levels = level_pressures(uncertainty);
@@ -69,7 +69,7 @@ TEST_CASE("page 1 has error and U at four levels and at the worst one, as the se
       limits.worst_taxel_error_psi = 60.0;
       input.verdicts = judge(input.evaluation, input.fit, limits);
     }
-    const std::string page = first_page(input);
+    const std::string page = statement_of(input);
     const std::size_t n = levels.size() - 1;
     for (const std::size_t i : {std::size_t{0}, n / 3, 2 * n / 3, n}) {
       INFO(levels[i]);
@@ -90,7 +90,7 @@ TEST_CASE("page 1 has error and U at four levels and at the worst one, as the se
 }
 
 TEST_CASE("the largest error is found with its taxel and pressure, and page 1 names both and the run") {
-  Measured made = measured_array();
+  MeasuredArray made = measured_array();
   ReportInput& input = made.input;
   Dataset spoilt = made.dataset;
   Repeat& repeat = spoilt.sequences.front().repeats[1];
@@ -107,9 +107,9 @@ TEST_CASE("the largest error is found with its taxel and pressure, and page 1 na
                        e.max_error_taxel / 4, e.max_error_taxel % 4,
                        html::pressure(e.max_error_at_psi, kPageUnit, 1).value, run);
   };
-  CHECK_THAT(first_page(input), Catch::Contains(named(input.evaluation, "own run (calibration data)")));
+  CHECK_THAT(statement_of(input), Catch::Contains(named(input.evaluation, "own run (calibration data)")));
   input.held_out.push_back(held_out);
-  const std::string page = first_page(input);
+  const std::string page = statement_of(input);
   CHECK_THAT(page, Catch::Contains(named(found, "held-out run")));
   CHECK_THAT(page, !Catch::Contains(named(input.evaluation, "own run (calibration data)")));
 }
@@ -117,7 +117,7 @@ TEST_CASE("the largest error is found with its taxel and pressure, and page 1 na
 TEST_CASE("without an assessment page 1 says so, and still has the largest error") {
   ReportInput input = example::example_input();
   input.uncertainty.reset();
-  const std::string page = first_page(input);
+  const std::string page = statement_of(input);
   CHECK_THAT(page, Catch::Contains("U was not assessed"));
   CHECK_THAT(page, !Catch::Contains("error and U at some levels"));
   CHECK_THAT(page, Catch::Contains("taxel row 1, column 4, at 386.1"));
