@@ -78,12 +78,14 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
         expect(status["waiting_runs"] == 2 and not status["reached"] and status["by"] == "note", status)
 
         # --- another schema
+        today = server.sql("SELECT version, program_version FROM fleet.migrations ORDER BY version")
         server.sql("INSERT INTO fleet.migrations VALUES (99, 'of tomorrow')")
         refused(push(bench, PGPASSWORD="right"), 5, "TB-FLEET-NEWER", "schema 99")
         refused(lab.run("fleet", "migrate", "--to", server.conninfo(), code=None), 5, "TB-FLEET-NEWER")
         server.sql("SET session_replication_role = replica; DELETE FROM fleet.migrations; INSERT INTO fleet.migrations VALUES (0, 'of yesterday')")
         server.sql("CREATE DATABASE older TEMPLATE tactile", "postgres")
-        server.sql("INSERT INTO fleet.migrations VALUES (1, 'of today')")
+        for version, program in today:
+            server.sql(f"INSERT INTO fleet.migrations VALUES ({version}, '{program}')")
         server.sql("DROP SCHEMA fleet CASCADE", "older")
         refused(push(server.conninfo("older")), 5, "TB-FLEET-EMPTY", "fleet migrate")
         server.sql("CREATE SCHEMA fleet; CREATE TABLE fleet.migrations (version bigint); INSERT INTO fleet.migrations VALUES (-1)", "older")
@@ -120,6 +122,17 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
         own = {run["uuid"]: run["content_sha256"] for run in lab.json("runs", "list")["runs"]}
         theirs = content_of(server, "tactile")
         expect(all(theirs[uuid] == own[uuid] for uuid in own), "both agree")
+
+        # --- a fleet of schema 1, with runs in it, is brought up to date and takes more
+        server.sql("SET session_replication_role = replica; DELETE FROM fleet.migrations WHERE version > 1; "
+                   "ALTER TABLE fleet.reports DROP COLUMN reason")
+        lab.run("runs", "note", 3, "after the migration")
+        refused(push(bench, PGPASSWORD="right"), 5, "TB-FLEET-OLDER", "fleet migrate")
+        lab.run("fleet", "migrate", "--to", server.conninfo())
+        expect(server.sql("SELECT max(version) FROM fleet.migrations") == [[today[-1][0]]], "the schema of today")
+        expect(push(bench, PGPASSWORD="right").returncode == 0, "a push to the migrated fleet")
+        expect(content_of(server, "tactile") == theirs, "every run is there as it was")
+        expect(lab.json("fleet", "status", "--to", bench, env={"PGPASSWORD": "right"})["waiting_runs"] == 0, "nothing waits")
     after = lab.json("runs", "list")
     expect(after["runs"][:2] == before["runs"], "the store is what it was")
     expect("sound" in lab.run("db", "check"), "and sound")

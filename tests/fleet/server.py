@@ -249,7 +249,7 @@ class Program:
 
     def json(self, *words, **more):
         done = subprocess.run([self.path, *map(str, words), "--json"], capture_output=True, text=True, cwd=self.folder,
-                              timeout=LONGEST_S, env=environment(), check=False)
+                              timeout=LONGEST_S, env={**environment(), **more.get("env", {})}, check=False)
         if done.returncode != more.get("code", 0):
             sys.exit(f"tactbench {' '.join(map(str, words))} --json ended with {done.returncode}\n{done.stdout}{done.stderr}")
         return json.loads(done.stdout)

@@ -71,8 +71,8 @@ TEST_CASE("reference chain: an error of the voltage input is within U by its row
     REQUIRE(row != budget.contributions.end());
     CHECK(row->width == Approx(0.6));
     for (db::DeviceRecord& device : record.devices) {
-      auto json = nlohmann::json::parse(device.calibration_json);
-      if (json.erase("input_limit_v") == 1) device.calibration_json = json.dump();
+      auto document = nlohmann::json::parse(device.calibration_json);
+      if (document.erase("input_limit_v") == 1) device.calibration_json = document.dump();
     }
     const Uncertainty lacking = assess_uncertainty(calibration.data, fit, record, inputs);
     with += share_held(again, fit, whole.condition(UseCondition::kFullSweeps)) / kRigs;
