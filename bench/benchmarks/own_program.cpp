@@ -15,7 +15,7 @@ namespace tactbench::bench {
 void OwnProgram::run(const std::vector<std::string>& words) const {
   std::string command =
       "cd " + shell_word(folder_) + " && exec " + shell_word(std::filesystem::read_symlink("/proc/self/exe").string());
-  for (const std::string& word : words) command += " " + shell_word(word);
+  for (const std::string& word : words) command += fmt::format(" {}", shell_word(word));
   const ToolResult done = run_tool({"/bin/sh", "-c", command}, 3600.0);
   if (done.code != 0 && done.code != 1 && done.code != 6)
     throw std::runtime_error(
