@@ -8,7 +8,7 @@ import sqlite3
 from .errors import TactbenchError, package
 
 _APPLICATION_ID = 0x54424348  # "TBCH" in the file's header
-_OLDEST, _NEWEST = 2, 8  # schema versions that are read; older ones: tactbench db migrate
+_OLDEST, _NEWEST = 2, 9  # schema versions that are read; older ones: tactbench db migrate
 _RUN_FRAMES = "f.frame BETWEEN :run * 1000000000 + 1 AND :run * 1000000000 + 999999999"
 
 # A frame's numbers: name, unit, meaning, SQL. NULL is NaN.
