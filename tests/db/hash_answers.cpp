@@ -79,7 +79,8 @@ TEST_CASE("sealed data hash to what another program finds") {
         "510a645bfde5fc752e4a2040de560ce4cc969d7cfc49fde3555611b0ee455f15");
   const db::VerdictRecord verdict{0, 2, "error", "array", 1.5, 2.5, "psi", "simple", "pass", "limits", "sha"};
   CHECK(db::hex(chain.verdicts({verdict, {}})) == "b64a834aef20507ab100cb962d338dcce2a877dc228136d24b99c09e90a3c8c0");
-  CHECK(db::hex(chain.approvals({{1, "1-a", "ca", "K. Lee", "2024", ""}, {1, "1-b", "cb", "M. Ito", "2025", "1-a"}})) ==
+  CHECK(db::hex(chain.approvals(
+            {{1, "1-a", "ca", "K. Lee", "2024", "", ""}, {1, "1-b", "cb", "M. Ito", "2025", "1-a", ""}})) ==
         "abe096aeb543994bd3cf721612465f65d3f1896f216dba8c82e4c28a7ea14fea");
   db::RunRecord run = example_run();
   run.void_reason = "gauge closed";
