@@ -194,8 +194,8 @@ TEST_CASE("excess row: what full sweeps of a repeated run err by beyond the cali
   CHECK(excess->common == Approx(common));
   CHECK(excess->dof == Approx(1.0 / (common * common + (1.0 - common) * (1.0 - common))));
   // The fitted branches: their own mean square beyond the rows, and the same excess; each frame counts.
-  const Contribution* const fitted =
-      row_of(maker.budget(0, kUpAt40, UseCondition::kFittedBranches), UncertaintySource::kHistory);
+  const Budget branches = maker.budget(0, kUpAt40, UseCondition::kFittedBranches);
+  const Contribution* const fitted = row_of(branches, UncertaintySource::kHistory);
   REQUIRE(fitted != nullptr);
   CHECK(fitted->u_psi == Approx(std::sqrt(0.36 - 0.03 + 0.13)));
   CHECK(fitted->dof == 1);
@@ -210,7 +210,8 @@ TEST_CASE("dwell row: the change between dwell times, an even distribution from 
              [](std::size_t repeat, std::size_t step) { return repeat == 1 && step == 2 ? 0.6 : 0.0; }, {1.0, 4.0})});
   made.inputs.history.paced = {&paced};
   const BudgetMaker maker = made.maker();
-  const Contribution* const row = row_of(maker.budget(0, kUpAt40), UncertaintySource::kDwell);
+  const Budget budget = maker.budget(0, kUpAt40);
+  const Contribution* const row = row_of(budget, UncertaintySource::kDwell);
   REQUIRE(row != nullptr);
   CHECK(row->u_psi == Approx(0.6 / std::sqrt(3.0)));
   CHECK(row->common == 1.0);
