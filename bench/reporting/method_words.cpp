@@ -38,7 +38,7 @@ std::string ramps_of(const sequences::Recipe& recipe) {
 
 // A sweep is a branch from one turning point to the next.
 std::string sweeps_of(const sequences::Recipe& recipe) {
-  const std::string repeats = analysis::counted(recipe.repeats, "repeat");
+  std::string repeats = analysis::counted(recipe.repeats, "repeat");
   if (recipe.kind == sequences::RecipeKind::kPress || recipe.turning_points.size() < 2) return repeats;
   return fmt::format("{} of {}", repeats, analysis::counted(recipe.turning_points.size() - 1, "sweep"));
 }
