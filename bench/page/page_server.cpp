@@ -23,7 +23,7 @@ namespace {
 
 enum EventKind { kReadings, kState, kPicture };
 
-constexpr std::chrono::milliseconds kTick{50}, kStateAtMost{250}, kStateAtLeast{1000};
+constexpr std::chrono::milliseconds kTick{100}, kStateAtMost{250}, kStateAtLeast{1000};
 constexpr std::chrono::milliseconds kLookForRuns{250};
 constexpr std::chrono::seconds kLeftAlone{60};  // beside a process that has ended
 

@@ -46,6 +46,7 @@ void RunFollower::look() {
 void RunFollower::let_go(bool ours) {
   watching_.reset();
   connection_.reset();
+  our_store_.clear();
   if (!ours) foreign_[name_] = RealClock::now();
   const bool was_live = live_.has_value();
   live_.reset();
@@ -55,7 +56,11 @@ void RunFollower::let_go(bool ours) {
 void RunFollower::receive() {
   if (!connection_) return;
   std::optional<LiveRun> newest = connection_->newest();
-  if (newest && (newest->denied || !same_file(newest->status.store, db_))) return let_go(false);
+  if (newest && newest->denied) return let_go(false);
+  if (newest && newest->status.store != our_store_) {  // asked of the file system once, not at each of its messages
+    if (!same_file(newest->status.store, db_)) return let_go(false);
+    our_store_ = newest->status.store;
+  }
   if (newest) {
     live_ = std::move(newest);
     last_ = RealClock::now();

@@ -34,7 +34,8 @@ class RunFollower {
   std::function<void()> heard_;
   std::unique_ptr<RunConnection> connection_;
   std::shared_ptr<void> watching_;
-  std::string name_;  // of the bench connected to
+  std::string name_;       // of the bench connected to
+  std::string our_store_;  // as the run on the connection names it; empty: not compared yet
   std::optional<LiveRun> live_;
   RealClock::time_point last_{};
   std::map<std::string, RealClock::time_point> foreign_;  // benches of other stores, and when they were asked

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kEvents = 12;
 constexpr std::chrono::milliseconds kReadAgain{3000};
-constexpr std::chrono::milliseconds kReadAtMost{250};
+constexpr std::chrono::milliseconds kReadAtMost{500};
 
 // Commands to actuators, readings and accounts tell nothing of how it goes.
 bool tells(const db::EventRecord& event) {
