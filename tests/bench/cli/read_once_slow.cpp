@@ -12,6 +12,7 @@
 #include "bench/cli/session.h"
 #include "db/schema.h"
 #include "tests/support/process.h"
+#include "tests/support/run_recipe.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -111,15 +112,6 @@ std::vector<std::string> frames_of(const std::vector<int>& runs) {
   return lines;
 }
 
-void store_read_run(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more) {
-  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
-                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
-  words.insert(words.end(), more.begin(), more.end());
-  const Finished run = call(folder, words);
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-}
-
 }  // namespace
 
 TEST_CASE("a verb reads the frames of each run once") {
@@ -130,11 +122,11 @@ TEST_CASE("a verb reads the frames of each run once") {
       folder.path("loops.toml"),
       "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 4\nrepeats = 2\n"
       "dwell_s = 1.0\n[conditioning]\ncycles = 1\npeak = 60\n");
-  store_read_run(folder, "loops.toml", {"--seed", "1"});
-  store_read_run(folder, "loops.toml", {"--seed", "2"});
-  store_read_run(folder, "loops.toml", {"--seed", "3", "--set", "simulation.mount_seed=1"});
-  store_read_run(folder, "ring", {"--set", "recipe.repeats=1"});
-  store_read_run(folder, "rate-ramp", {});
+  run_recipe(folder, "loops.toml", {"--seed", "1"});
+  run_recipe(folder, "loops.toml", {"--seed", "2"});
+  run_recipe(folder, "loops.toml", {"--seed", "3", "--set", "simulation.mount_seed=1"});
+  run_recipe(folder, "ring", {"--set", "recipe.repeats=1"});
+  run_recipe(folder, "rate-ramp", {});
   REQUIRE(call(folder, {"fit", "2"}).code == 0);
   const std::string page = folder.path("r.html"), limits = folder.path("limits.toml");
 

@@ -11,21 +11,13 @@
 #include "analysis/statistics/studies/contact_results.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/run_recipe.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 using nlohmann::json;
 
 namespace {
-
-void carry_out(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
-                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
-  words.insert(words.end(), more.begin(), more.end());
-  const Finished run = call(folder, words);
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-}
 
 const char* const kLoops =
     "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0, 60, 40, 60, 0]\nstep = 4\n"
@@ -186,13 +178,13 @@ TEST_CASE("models, compensation, studies and objects of a report are what the st
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   write_file(folder.path("loops.toml"), kLoops);
-  carry_out(folder, "loops.toml", {"--seed", "1"});
-  carry_out(folder, "loops.toml",
-            {"--seed", "2", "--set", "simulation.mount_seed=1", "--set", "simulation.effects.remount_variation=0.03"});
-  carry_out(folder, "register");
-  carry_out(folder, "ring", {"--set", "recipe.repeats=1"});
-  carry_out(folder, "point-grid", {"--set", "simulation.effects.row_crosstalk=0.1"});
-  carry_out(folder, "rate-ramp");
+  run_recipe(folder, "loops.toml", {"--seed", "1"});
+  run_recipe(folder, "loops.toml",
+             {"--seed", "2", "--set", "simulation.mount_seed=1", "--set", "simulation.effects.remount_variation=0.03"});
+  run_recipe(folder, "register");
+  run_recipe(folder, "ring", {"--set", "recipe.repeats=1"});
+  run_recipe(folder, "point-grid", {"--set", "simulation.effects.row_crosstalk=0.1"});
+  run_recipe(folder, "rate-ramp");
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
   REQUIRE(call(folder, {"fit", "2"}).code == 0);
 
@@ -234,7 +226,7 @@ TEST_CASE("earlier models as a document and as a fit of the store find the same"
   REQUIRE(call(folder, {"init"}).code == 0);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   write_file(folder.path("loops.toml"), kLoops);
-  carry_out(folder, "loops.toml", {"--set", "recipe.repeats=1"});
+  run_recipe(folder, "loops.toml", {"--set", "recipe.repeats=1"});
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
   REQUIRE(call(folder, {"model", "export", "1", "-o", "m.json"}).code == 0);
   const Reported from_store = report_of(folder, {"report", "1", "--previous", "1", "-o", "r.html"});
@@ -248,8 +240,8 @@ TEST_CASE("earlier models as a document and as a fit of the store find the same"
   const Finished wrong = call(folder, {"report", "1", "--studies", "1:upside-down"});
   CHECK(wrong.code == 2);
   CHECK_THAT(wrong.err, Catch::Contains("[TB-USAGE]") && Catch::Contains("RUN:90"));
-  carry_out(folder, "loops.toml",
-            {"--set", "recipe.repeats=1", "--seed", "2", "--set", "simulation.turned_in_chamber_deg=90"});
+  run_recipe(folder, "loops.toml",
+             {"--set", "recipe.repeats=1", "--seed", "2", "--set", "simulation.turned_in_chamber_deg=90"});
   const Finished plain = call(folder, {"report", "1", "--studies", "2"});
   CHECK(plain.code == 2);
   CHECK_THAT(plain.err, Catch::Contains("[TB-REPORT-STUDY]") && Catch::Contains("2:mount"));

@@ -8,22 +8,10 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/run_recipe.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
-
-namespace {
-
-void role_run(const TemporaryFolder& folder, const std::string& recipe, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> words{"run",        recipe,   "--bench", "bench.toml",   "--sensor", "S-1",
-                                 "--operator", "tester", "-q",      "--no-seating", "--yes"};
-  words.insert(words.end(), more.begin(), more.end());
-  const Finished run = call(folder, words);
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-}
-
-}  // namespace
 
 TEST_CASE("a role that a run's own record contradicts is refused with that record") {
   const TemporaryFolder folder;
@@ -34,15 +22,15 @@ TEST_CASE("a role that a run's own record contradicts is refused with that recor
       "schema = 1\nname = \"loops\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 4\ndwell_s = 1.0\n");
   const auto one = [&](const std::string& seed, std::vector<std::string> more) {
     more.insert(more.end(), {"--seed", seed});
-    role_run(folder, "loops.toml", more);
+    run_recipe(folder, "loops.toml", more);
   };
   one("1", {});
   one("2", {});  // the same mount, not turned
   one("3", {"--set", "simulation.turned_in_chamber_deg=90"});
   one("4", {"--set", "simulation.mount_seed=1"});
   one("5", {"--meta", "turned=180"});  // an operator's word, though the simulated one lies as before
-  role_run(folder, "ring", {"--set", "recipe.repeats=1"});  // 6
-  role_run(folder, "rate-ramp");                            // 7
+  run_recipe(folder, "ring", {"--set", "recipe.repeats=1"});  // 6
+  run_recipe(folder, "rate-ramp");                            // 7
   REQUIRE(call(folder, {"fit", "1"}).code == 0);
 
   const auto refused = [&](const std::string& study, const std::string& why, const std::string& remedy) {
