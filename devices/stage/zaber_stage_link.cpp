@@ -185,8 +185,9 @@ ZaberIdentity ZaberStage::identify(Axis axis) {
         fmt::format("{}: device id {} answers, {} is expected", title(axis), found.device_id, expected.device_id);
   } else if (found.firmware < expected.firmware_low || found.firmware > expected.firmware_high) {
     found.complaint =
-        fmt::format("{}: firmware {}.{:02} answers, {} to {} is expected", title(axis), found.firmware / 100,
-                    found.firmware % 100, expected.firmware_low, expected.firmware_high);
+        fmt::format("{}: firmware {}.{:02} answers, {}.{:02} to {}.{:02} is expected", title(axis),
+                    found.firmware / 100, found.firmware % 100, expected.firmware_low / 100,
+                    expected.firmware_low % 100, expected.firmware_high / 100, expected.firmware_high % 100);
   }
   return found;
 }
