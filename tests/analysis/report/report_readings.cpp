@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <string>
 
+#include "analysis/report/page/figure.h"
 #include "analysis/report/page/gum_numbers.h"
 #include "analysis/report/report.h"
 #include "analysis/report/sections/sections.h"
@@ -121,4 +123,34 @@ TEST_CASE("without an assessment page 1 says so, and still has the largest error
   CHECK_THAT(page, Catch::Contains("U was not assessed"));
   CHECK_THAT(page, !Catch::Contains("error and U at some levels"));
   CHECK_THAT(page, Catch::Contains("taxel row 1, column 4, at 386.1"));
+}
+
+TEST_CASE(
+    "hysteresis maps of indication and corrected indication each have a scale, up to the next 5 % of full scale") {
+  ReportInput input = example::example_input();
+  const double full_v = input.evaluation.full_scale_v, full_psi = input.evaluation.full_scale_psi;
+  for (LevelFigures& level : input.evaluation.levels) {
+    level.raw_up_v.assign(256, 1.0);
+    level.raw_down_v.assign(256, 1.0);
+    level.comp_up_psi.assign(256, 20.0);
+    level.comp_down_psi.assign(256, 20.0);
+    level.raw_down_v[9] += 0.62 * full_v;
+    level.comp_down_psi[9] += 0.07 * full_psi;
+  }
+  const std::string page = frames_section(input).value;
+  const auto high_end = [&page](const std::string& title) {
+    const std::size_t from = page.find("</svg>", page.find("<title>" + title + "</title>")) + 7;
+    return page.substr(from, page.find('<', from) - from);
+  };
+  CHECK(high_end("Colour scale of the hysteresis of the indication") == "65 % FS");
+  CHECK(high_end("Colour scale of the hysteresis of the corrected indication") == "10 % FS");
+  // The tenth cell of each hysteresis map: 62 of 65 %, 7 of 10 %. On one scale the second would be as blue as the rest.
+  const auto colour_of_tenth = [&page](const std::string& what) {
+    const std::size_t map = page.find("<title>" + what + ", hysteresis, "), cell = page.find("d=\"M9 0h", map);
+    REQUIRE(page.find("</svg>", map) > cell);
+    return page.substr(page.rfind("fill=\"", cell) + 6, 7);
+  };
+  const auto middle = [](double share) { return cividis((std::floor(32.0 * share) + 0.5) / 32.0); };  // of 32 colours
+  CHECK(colour_of_tenth("Indication") == middle(0.62 / 0.65));
+  CHECK(colour_of_tenth("Corrected indication") == middle(0.07 / 0.10));
 }

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <tuple>
 
 #include "analysis/report/page/gum_numbers.h"
@@ -126,6 +127,19 @@ TEST_CASE("the uncertainty section prints the assessment, and its data are the a
   for (const char* quantity : {"short-term repeatability (noise)", "resolution of the ADC", "lack of fit, corrected",
                                "measurement standard: certificate", "zero deviation", "kPa/mV"})
     CHECK_THAT(budget, Catch::Contains(quantity));
+  // x_i, behind name and type: what is taken off stands at the lack of fit, all other estimates are 0.
+  const auto estimate_of = [&budget](const std::string& quantity) {
+    std::istringstream behind(budget.substr(budget.find(quantity) + quantity.size()));
+    std::string type, estimate;
+    behind >> type >> estimate;
+    return type + " " + estimate;
+  };
+  const auto in_table = [&chosen](double psi) {
+    return "A " + html::fixed(kSectionUnit.of(psi), gum_decimals(kSectionUnit.of(chosen.worst.expanded_psi))).value;
+  };
+  REQUIRE(in_table(chosen.worst.error_psi) != in_table(0.0));
+  CHECK(estimate_of("lack of fit, corrected") == in_table(chosen.worst.error_psi));
+  CHECK(estimate_of("short-term repeatability (noise)") == in_table(0.0));
   CHECK_THAT(budget, Catch::Contains("U = " + html::fixed(chosen.worst.factor, 2).value + " u_c"));
   CHECK_THAT(budget, Catch::Contains("not assessed"));
   const std::string section = text_between(page, "id=\"uncertainty\"", "id=\"meaning\"");

@@ -84,3 +84,44 @@ TEST_CASE("units of the profile, a run, its verdicts and its report") {
   CHECK(refused.code == 2);
   CHECK_THAT(refused.err, Catch::Contains("use kPa, bar or psi"));
 }
+
+TEST_CASE("rig check, resume and predict print kPa, and numbers that are those in psi") {
+  const TemporaryFolder folder;
+  REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
+  REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
+  write_file(folder.path("small.toml"),
+             "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
+             "repeats = 2\ndwell_s = 1.0\n");
+  const auto check = [&](const char* unit) {
+    return call(folder, {"rig", "check", "--standard", "S-1", "--recipe", "small.toml", "-q", "--units", unit}).out;
+  };
+  // One number behind a figure's name.
+  const auto figure = [](const std::string& text, const std::string& name) {
+    const std::size_t at = text.find("  " + name + " ");
+    return at == std::string::npos ? -1.0 : std::stod(text.substr(at + name.size() + 3));
+  };
+  const std::string kpa = check("kPa"), psi = check("psi");
+  CHECK(kpa.find("psi") == std::string::npos);
+  for (const std::string name : {"overshoot_", "reference_minus_feedback_", "mean_error_", "worst_taxel_error_"}) {
+    INFO(name);
+    CHECK(figure(kpa, name + "kpa") == Approx(6.894757 * figure(psi, name + "psi")).epsilon(0.002));
+  }
+  CHECK(figure(kpa, "elam_alpha_a1_per_kpa") == Approx(figure(psi, "elam_alpha_a1_per_psi") / 6.894757).epsilon(0.002));
+
+  // Runs 1 to 4 are those of the two checks.
+  write_file(folder.path("table.csv"), "input\n70\n20\n");
+  REQUIRE(call(folder, {"fit", "2", "-q"}).code == 0);
+  const auto outside = [&](const char* unit) {
+    return call(folder, {"predict", "2", "table.csv", "--taxel", "3", "--units", unit}).err;
+  };
+  CHECK_THAT(outside("kPa"), Catch::Contains("1 of 2 inputs lie outside the model's validity, 0 to 413.7 kPa"));
+  CHECK_THAT(outside("psi"), Catch::Contains("0 to 60 psi"));
+
+  const std::string unplugged = R"(simulation.faults=[{kind="scanner_unplugged",at_s=45}])";
+  REQUIRE(call(folder, {"run", "small.toml", "--sensor", "S-1", "-q", "--no-seating", "--set", unplugged}).code == 3);
+  const Finished resumed = call(folder, {"resume", "5", "-q", "--units", "kPa"});
+  CHECK(resumed.code == 3);
+  CHECK(
+      std::regex_search(resumed.err, std::regex(R"(vented, verified \(feedback \d\.\d kPa, reference \d\.\d kPa\))")));
+  CHECK_FALSE(shows_psi(resumed.err));
+}

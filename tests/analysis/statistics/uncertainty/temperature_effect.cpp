@@ -73,7 +73,15 @@ TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, t
   CHECK(effect.resolution_c == kStepC);
   CHECK(effect.half_width_c() == Approx(0.15));
   // 2 V over the zero: 60 + 8 mV a kelvin, beside 4 and 4 mV of u and 28.3 and 5.66 mV between taxels.
-  CHECK(effect.width_v(2.0) == Approx(0.15 * 1e-3 * std::sqrt(68.0 * 68.0 + 16.0 + 16.0 + 800.0 + 32.0)));
+  const double volts_a_kelvin = 1e-3 * std::sqrt(68.0 * 68.0 + 16.0 + 16.0 + 800.0 + 32.0);
+  CHECK(effect.width_v(2.0) == Approx(0.15 * volts_a_kelvin));
+  // A thermometer that is itself known to u = 0.2 K: a rectangle of that variance is sqrt(3) 0.2 K to each side.
+  const TemperatureEffect wider =
+      temperature_effect_of(loops(23.0, 0.0), std::vector<Dataset>{loops(28.0, 1.0)}, fit, kStepC, 0.2);
+  CHECK(wider.half_width_c() == Approx(std::sqrt(0.15 * 0.15 + 3.0 * 0.04)));  // 0.377 K
+  CHECK(wider.width_v(2.0) == Approx(std::sqrt(0.15 * 0.15 + 0.12) * volts_a_kelvin));
+  CHECK_THAT(wider.in_words(), Catch::Contains("its own calibration with u = 0.200 K"));
+  CHECK_THAT(effect.in_words(), Catch::Contains("the thermometer's own calibration is not stated"));
 }
 
 TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the kelvins between two runs") {
