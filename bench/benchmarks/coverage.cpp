@@ -10,6 +10,7 @@
 #include "analysis/report/runs.h"
 #include "analysis/statistics/figures/step_kinds.h"
 #include "analysis/statistics/figures/streams.h"
+#include "analysis/statistics/numbers/moments.h"
 #include "bench/benchmarks/simulated_run.h"
 #include "bench/reporting/report_budget.h"
 #include "bench/reporting/report_results.h"
@@ -24,15 +25,9 @@ using namespace analysis;
 constexpr const char* kThermometer =
     "environment.sensor=[{quantity = 'temperature_c', unit = 9, address = 7, type = 'i16', raw_span = [-1000, 1000], "
     "span_c = [-100, 100]}]";
-constexpr const char* kRemounted = "simulation.effects.remount_variation=0.03";
-constexpr const char *kProduction = "production", *kRandom = "random-reversal";
-constexpr const char *kLongDwell = "recipe.dwell_s=10", *kHold = "recipe.dwell_s=25",
-                     *kWarm = "simulation.temperature_c=28";
+constexpr const char *kProduction = "production", *kWarm = "simulation.temperature_c=28";
 
-std::vector<std::string> month(const std::string& seed) {
-  return {seed, kWarm, "simulation.age_months=1", "simulation.effects.gain_drift_per_month=0.01",
-          "simulation.effects.zero_drift_v_per_month=0.01"};
-}
+constexpr int kGiven = 5, kUsed = 3;  // runs of each use of random reversals: given to the report, and counted
 
 enum class Steps { kFull, kInner, kAll };
 
@@ -40,25 +35,26 @@ enum class Steps { kFull, kInner, kAll };
 struct Use {
   const char* name;
   UseCondition condition;
-  std::vector<const char*> recipes;  // empty: those of the calibration
-  std::vector<std::string> set;
+  bool random;  // reversals; else the sequences of the calibration
+  std::vector<const char*> set;
   Steps steps;
 };
 
 const std::vector<Use>& uses() {
   static const std::vector<Use> list = {
-      {"full_sweeps", UseCondition::kFullSweeps, {}, {}, Steps::kFull},
-      {"inner_branches", UseCondition::kFittedBranches, {}, {}, Steps::kInner},
-      {"random_reversals", UseCondition::kAnyHistory, {kRandom}, {"recipe.seed=7"}, Steps::kInner},
-      {"other_dwell", UseCondition::kOtherDwell, {kRandom}, {"recipe.seed=8", kLongDwell}, Steps::kInner},
-      {"held", UseCondition::kHeld, {kRandom}, {"recipe.seed=11", kHold}, Steps::kInner},
-      {"other_temperature", UseCondition::kOtherTemperature, {kRandom}, {"recipe.seed=12", kWarm}, Steps::kInner},
-      {"remounted",
-       UseCondition::kRemounted,
-       {kRandom},
-       {"recipe.seed=9", "simulation.mount_seed=9", kRemounted},
+      {"full_sweeps", UseCondition::kFullSweeps, false, {}, Steps::kFull},
+      {"inner_branches", UseCondition::kFittedBranches, false, {}, Steps::kInner},
+      {"random_reversals", UseCondition::kAnyHistory, true, {}, Steps::kInner},
+      {"other_dwell", UseCondition::kOtherDwell, true, {"recipe.dwell_s=10"}, Steps::kInner},
+      {"held", UseCondition::kHeld, true, {"recipe.dwell_s=25"}, Steps::kInner},
+      {"other_temperature", UseCondition::kOtherTemperature, true, {kWarm}, Steps::kInner},
+      {"remounted", UseCondition::kRemounted, true, {"simulation.effects.remount_variation=0.03"}, Steps::kInner},
+      {"month_later",
+       UseCondition::kLater,
+       true,
+       {kWarm, "simulation.age_months=1", "simulation.effects.gain_drift_per_month=0.01",
+        "simulation.effects.zero_drift_v_per_month=0.01"},
        Steps::kInner},
-      {"month_later", UseCondition::kLater, {kRandom}, month("recipe.seed=10"), Steps::kInner},
   };
   return list;
 }
@@ -100,6 +96,11 @@ void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUnce
   }
 }
 
+void add_errors(const std::vector<KnownRun>& runs, const SensorModel& fit, const ConditionUncertainty& stated,
+                Steps steps, Covered& covered) {
+  for (const KnownRun& run : runs) add_errors(run, fit, stated, steps, covered);
+}
+
 using Coverages = std::map<std::string, Covered>;  // by specimen, calibration, model and use
 
 // One sensor: its calibrations, what a careful user gives beside them, and its uses.
@@ -115,25 +116,18 @@ class CoverageOfSensor {
   void add_to(Coverages& coverages) {
     rate_ = run({{"rate"}, {}}).data.run;
     creep_ = run({{"creep-levels"}, {}}).data.run;
-    for (const auto& set : std::vector<std::vector<std::string>>{{"recipe.seed=3"},
-                                                                 {"recipe.seed=4"},
-                                                                 {"recipe.seed=21", kLongDwell},
-                                                                 {"recipe.seed=22", kLongDwell},
-                                                                 {"recipe.seed=23", kHold},
-                                                                 {"recipe.seed=24", kHold},
-                                                                 {"recipe.seed=25", kWarm},
-                                                                 {"recipe.seed=26", kWarm},
-                                                                 month("recipe.seed=5"),
-                                                                 month("recipe.seed=6")})
-      held_out_.push_back(run({{kRandom}, set}).data.run);
-    for (int mount = 1; mount <= 5; ++mount)
-      studies_.push_back(fmt::format("{}:mount", run({{kRandom},
-                                                      {fmt::format("recipe.seed={}", 30 + mount), kRemounted,
-                                                       fmt::format("simulation.mount_seed={}", mount)}})
-                                                     .data.run));
     warm_ = run({{kProduction}, {kThermometer, "recipe.repeats=1", kWarm}}).data.run;
-    for (const Use& use : uses())
-      if (!use.recipes.empty()) used_[use.name] = run({use.recipes, use.set});
+    for (const Use& use : uses()) {
+      if (!use.random) continue;
+      for (int i = 0; i < kGiven; ++i) {
+        const std::int64_t given = random_reversals(use).data.run;
+        if (use.condition == UseCondition::kRemounted)
+          studies_.push_back(fmt::format("{}:mount", given));
+        else
+          held_out_.push_back(given);
+      }
+      for (int i = 0; i < kUsed; ++i) used_[use.name].push_back(random_reversals(use));
+    }
     if (options_.production) add_calibration({kProduction}, "production", coverages);
     if (options_.table_1) add_calibration({"descending", "ascending"}, "table_1", coverages);
   }
@@ -145,9 +139,18 @@ class CoverageOfSensor {
     return simulate_run(made, sensor_, noise_seed_++, store_);
   }
 
+  // No two go the same way, or are of one mount: the same way of all sensors would be one draw, however many they are.
+  KnownRun random_reversals(const Use& use) {
+    SimulatedRun made = {{"random-reversal"}, {use.set.begin(), use.set.end()}};
+    const unsigned drawn = 1000 * sensor_.seed + noise_seed_;
+    made.set.push_back(fmt::format("recipe.seed={}", drawn));
+    if (use.condition == UseCondition::kRemounted) made.set.push_back(fmt::format("simulation.mount_seed={}", drawn));
+    return run(std::move(made));
+  }
+
   void add_calibration(const std::vector<const char*>& recipes, const std::string& name, Coverages& coverages) {
     const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
-    const KnownRun again = run({recipes, {}});
+    const std::vector<KnownRun> again = {run({recipes, {}}), run({recipes, {}})};
     std::vector<std::int64_t> held_out = held_out_;
     held_out.push_back(run({recipes, {}}).data.run);
     const Dataset& fitted = runs_.dataset(calibration);
@@ -164,8 +167,7 @@ class CoverageOfSensor {
           coverages[prefix + use.name].not_valid += 1.0;
           continue;
         }
-        add_errors(use.recipes.empty() ? again : used_.at(use.name), fit, stated, use.steps,
-                   coverages[prefix + use.name]);
+        add_errors(use.random ? used_.at(use.name) : again, fit, stated, use.steps, coverages[prefix + use.name]);
       }
     }
   }
@@ -192,7 +194,7 @@ class CoverageOfSensor {
   std::int64_t rate_ = 0, creep_ = 0, warm_ = 0;
   std::vector<std::int64_t> held_out_;
   std::vector<std::string> studies_;
-  std::map<std::string, KnownRun> used_;
+  std::map<std::string, std::vector<KnownRun>> used_;
 };
 
 }  // namespace

@@ -67,9 +67,10 @@ class BudgetMaker {
   [[nodiscard]] const Evidence& made_in(UseCondition condition) const;
   // Runs made under the condition are enough to say what readings err by there; else its rows are put together.
   [[nodiscard]] bool told_by_runs(UseCondition condition) const;
+  [[nodiscard]] UseCondition scaled_by(UseCondition condition) const;  // whose runs tell the scale
   void find_scale(UseCondition condition, int threads);
-  // Standard deviation of what single runs need, as a logarithm, within the conditions, pooled over them; NaN of none.
-  [[nodiscard]] double scatter_of_runs() const;
+  // Standard deviation of the U that runs made under a condition need, as a logarithm; NaN where no two are alike.
+  [[nodiscard]] double scatter_of_runs(UseCondition condition) const;
   // All rows but that of the history, which `add_history` takes from `history`.
   [[nodiscard]] Budget without_history(std::size_t taxel, std::size_t level, UseCondition condition) const;
   [[nodiscard]] const HistoryErrors* history_of(UseCondition condition) const;  // null: none

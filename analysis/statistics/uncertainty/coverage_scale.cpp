@@ -14,6 +14,24 @@ namespace {
 
 constexpr std::size_t kMostTaxels = 64;  // of an array, evenly taken: a quantile of thousands of frames needs no more
 
+// A few runs tell little of how much they differ by, those of all conditions more, but conditions differ, too: all of
+// them count as this many degrees of freedom beside the condition's own.
+constexpr double kDofOfAll = 4.0;
+
+// Of what runs made alike need, as a logarithm: squares about the means of the conditions.
+struct Scatter {
+  double squares = 0.0, dof = 0.0;
+  void add(const Evidence& evidence) {
+    if (evidence.needed.size() < 2) return;
+    std::vector<double> logarithms;
+    for (const double needed : evidence.needed) logarithms.push_back(std::log(needed));
+    const auto runs = static_cast<double>(logarithms.size());
+    // Each is held against the others, whose mean lies on the other side of that of all.
+    squares += std::pow((runs - 1.0) / runs, 2) * squares_about(logarithms, mean_of(logarithms));
+    dof += runs - 1.0;
+  }
+};
+
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& fitted) {
   std::vector<std::size_t> chosen;
   const std::size_t count = std::min(kMostTaxels, fitted.size());
@@ -34,11 +52,14 @@ void add_ratios(const FrameErrors& run, std::size_t taxel, std::size_t width, co
 
 }  // namespace
 
-double BudgetMaker::scale_of(UseCondition condition) const {
-  if (condition == UseCondition::kStated) return 1.0;
+UseCondition BudgetMaker::scaled_by(UseCondition condition) const {
   const bool own =
       condition == UseCondition::kFullSweeps || condition == UseCondition::kFittedBranches || told_by_runs(condition);
-  return made_in(own ? condition : UseCondition::kAnyHistory).scale;
+  return own ? condition : UseCondition::kAnyHistory;
+}
+
+double BudgetMaker::scale_of(UseCondition condition) const {
+  return condition == UseCondition::kStated ? 1.0 : made_in(scaled_by(condition)).scale;
 }
 
 // U of each run is found from the others; where the calibration itself tells the most, from it and all of them.
@@ -82,22 +103,18 @@ void BudgetMaker::find_scale(UseCondition condition, int threads) {
     std::vector<double> own;
     for (const auto& of_taxel : ratios) own.insert(own.end(), of_taxel[run].begin(), of_taxel[run].end());
     all.insert(all.end(), own.begin(), own.end());
-    if (!own.empty() && evidence.runs.size() > 1)
-      evidence.needed.push_back(quantile_of(std::move(own), kCoverageProbability));
+    if (!own.empty() && !fitted) evidence.needed.push_back(quantile_of(std::move(own), kCoverageProbability));
   }
   if (!all.empty()) evidence.scale = quantile_of(std::move(all), kCoverageProbability);
 }
 
-double BudgetMaker::scatter_of_runs() const {
-  double squares = 0.0, dof = 0.0;
-  for (const Evidence& evidence : histories_.made_in) {
-    if (evidence.needed.size() < 2) continue;
-    std::vector<double> logarithms;
-    for (const double needed : evidence.needed) logarithms.push_back(std::log(needed));
-    squares += squares_about(logarithms, mean_of(logarithms));
-    dof += static_cast<double>(logarithms.size()) - 1.0;
-  }
-  return dof > 0.0 ? std::sqrt(squares / dof) : kNan;
+double BudgetMaker::scatter_of_runs(UseCondition condition) const {
+  Scatter all;
+  for (const Evidence& evidence : histories_.made_in) all.add(evidence);
+  if (!(all.dof > 0.0)) return kNan;
+  Scatter own{kDofOfAll * all.squares / all.dof, kDofOfAll};
+  own.add(made_in(condition));
+  return std::sqrt(own.squares / own.dof);
 }
 
 void BudgetMaker::find_scales(int threads) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/benchmarks/coverage.h"
-#include "tests/support/paths.h"
+#include "tests/support/process.h"
 
 namespace tactbench::tests {
 

@@ -247,18 +247,45 @@ TEST_CASE("coverage scale: each run against U of the other, by hand, and U of bo
   CHECK(k == Approx(2.25).margin(0.15));  // between eight degrees of freedom, 2.37, and very many, 2.00
 }
 
-TEST_CASE("runs made alike that need U to differ by more than 17 % make U invalid for any history") {
-  // Two runs need ln(a / b) more and less than their mean: a standard deviation of sqrt(2) ln(b / a).
-  for (const double ratio : {1.12, 1.14}) {
+TEST_CASE("runs made alike that leave U open by more than 6 % make it invalid for any history, and more runs help") {
+  // Runs that err by 0.5 psi and by `ratio` times that. Of two the standard deviation is ln(ratio) / sqrt(2), and their
+  // mean is known to ln(ratio) / 2. Of two of each kind: of the logarithms ln(ratio) / sqrt(3), and half of it.
+  for (const double ratio : {1.12, 1.14, 1.21, 1.25}) {
     INFO("ratio " << ratio);
-    const double percent = 100.0 * std::sqrt(2.0) * std::log(ratio);  // 16.0, 18.5
     Made made({calibrated(0.0)});
-    const Dataset one = held_out_run(5, 0.5), two = held_out_run(6, 0.5 * ratio);
-    made.inputs.history.same = {&one, &two};
-    const std::string why = made.maker().not_valid(UseCondition::kAnyHistory);
-    if (percent < 17.0)
-      CHECK(why.empty());
-    else
-      CHECK_THAT(why, Catch::Contains("runs made alike differ too much: by a standard deviation of 19 %"));
+    std::vector<Dataset> runs;
+    for (const double off : {0.5, 0.5 * ratio, 0.5, 0.5 * ratio})
+      runs.push_back(held_out_run(static_cast<std::int64_t>(5 + runs.size()), off));
+    made.inputs.history.same = {&runs[0], &runs[1]};
+    const std::string of_two = made.maker().not_valid(UseCondition::kAnyHistory);
+    made.inputs.history.same = {&runs[0], &runs[1], &runs[2], &runs[3]};
+    const std::string of_four = made.maker().not_valid(UseCondition::kAnyHistory);
+    CHECK(of_two.empty() == (ratio < 1.13));   // 5.7, 6.6, 9.5, 11.2 %
+    CHECK(of_four.empty() == (ratio < 1.23));  // 3.3, 3.8, 5.5, 6.4 %
+    if (ratio == 1.14)
+      CHECK_THAT(of_two, Catch::Contains("by a standard deviation of 9 % in what U would have to be: 2 runs leave U "
+                                         "open by 6.6 %; name 3 or more"));
   }
+}
+
+TEST_CASE("runs that differ under one condition count there above all") {
+  Made made({calibrated(0.0)});
+  std::vector<Dataset> runs;
+  for (const double off : {0.5, 0.5, 0.5, 0.5, 0.5, 0.65})
+    runs.push_back(held_out_run(static_cast<std::int64_t>(5 + runs.size()), off));
+  made.inputs.history.same = {&runs[0], &runs[1]};
+  made.inputs.history.warm = {&runs[2], &runs[3]};
+  made.inputs.history.later = {&runs[4], &runs[5]};
+  // ln(1.3) = 0.262: a square of 0.0344 with one degree of freedom, pooled with two of none 0.0115. Of the pair that
+  // differs sqrt((4 0.0115 + 0.0344) / 5) = 12.7 %, of the others sqrt(4 0.0115 / 5) = 9.6 %; over sqrt(2) 9.0, 6.8 %.
+  const BudgetMaker maker = made.maker();
+  CHECK_THAT(maker.not_valid(UseCondition::kLater), Catch::Contains("of 13 %") && Catch::Contains("open by 9.0 %"));
+  CHECK_THAT(maker.not_valid(UseCondition::kAnyHistory), Catch::Contains("open by 6.8 %"));
+  // Twice as many of the others make them valid, and less of the pair.
+  made.inputs.history.same = {&runs[0], &runs[1], &runs[2], &runs[3]};
+  made.inputs.history.warm = {&runs[0], &runs[1], &runs[2], &runs[3]};
+  const BudgetMaker more = made.maker();
+  CHECK(more.not_valid(UseCondition::kAnyHistory).empty());
+  CHECK(more.not_valid(UseCondition::kOtherTemperature).empty());
+  CHECK_THAT(more.not_valid(UseCondition::kLater), Catch::Contains("open by 7.4 %"));
 }
