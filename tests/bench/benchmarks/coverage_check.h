@@ -43,9 +43,11 @@ inline std::vector<std::string> all_uses_of(const std::string& which) {
   return conditions;
 }
 
-// Those of `which` that rest on the calibration's own sequences.
-inline std::vector<std::string> repeated_uses_of(const std::string& which) {
-  return {which + "_full_sweeps", which + "_inner_branches"};
+// All of them but those that end so.
+inline std::vector<std::string> all_but(const std::string& which, const std::vector<std::string>& left_out) {
+  std::vector<std::string> conditions = all_uses_of(which);
+  for (const std::string& use : left_out) std::erase(conditions, which + "_" + use);
+  return conditions;
 }
 
 inline std::vector<std::string> both(std::vector<std::string> conditions, const std::vector<std::string>& more) {
