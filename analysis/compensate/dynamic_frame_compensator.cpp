@@ -22,6 +22,8 @@ void DynamicFrameCompensator<Real>::State::start(std::size_t taxel, bool is_unkn
   t.first_weight = 1;
   t.highest = 0;
   t.gain = 1;
+  const auto share = static_cast<Real>(observer.share);
+  t.top_from = share > Real(0) ? (Real(1) - share) * t.top : std::numeric_limits<Real>::max();
   t.back_known = false;
   t.memory.start_low(Real(0));
   b.gain[i] = t.plain_gain;
@@ -39,7 +41,7 @@ void DynamicFrameCompensator<Real>::State::start(std::size_t taxel, bool is_unkn
   b.last_share[i] = Real(1) / (Real(1) + b.creep_scale[i] * sum);
   b.pressure[i] = shared.lowest;
   b.uncertainty[i] = is_unknown ? shared.span : Real(0);
-  b.residual[i] = 0;
+  b.residual[i] = b.doubted[i] = 0;
   // Nothing holds: an event in the next frame, of an unknown history in each.
   b.low[i] = std::numeric_limits<Real>::max();
   b.high[i] = -std::numeric_limits<Real>::max();
@@ -111,14 +113,14 @@ void DynamicFrameCompensator<Real>::State::frame(std::span<const Sample> from, c
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const std::size_t at = k * kLanes;
     if (any_lost && lost[k] != 0) kept = blocks[k];
-    const DynamicBits bits = pass(blocks[k], &samples[at], shared, &outputs[at]);
+    const unsigned events = pass(blocks[k], &samples[at], shared, &outputs[at], marks);
     if (any_lost && lost[k] != 0) {
       auto* const rows = reinterpret_cast<Real*>(&blocks[k]);
       const auto* const before = reinterpret_cast<const Real*>(&kept);
       for (std::size_t i = 0; i < sizeof(kept) / sizeof(Real); ++i)
         if ((lost[k] >> i % kLanes & 1U) != 0) rows[i] = before[i];
     }
-    if (bits.events != 0) attend(k, bits);
+    if (events != 0) attend(k, events);
     const FrameResults<Real> to =
         at + kLanes <= count
             ? FrameResults<Real>{&output.pressure_psi[at], &output.uncertainty_psi[at], &output.status[at]}

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -68,9 +67,8 @@ typename DynamicFrameCompensator<Real>::State::Reading DynamicFrameCompensator<R
   const Reading here{per_interval * x, b.slope[i] * per * per};
   if (residuals.empty()) return here;
   const std::size_t at = std::min(intervals - 1, static_cast<std::size_t>(std::max(x, Real(0))));
-  const Real residual = t.residual_scale * residuals[b.rising[i] > Real(0) ? at : intervals + at];
-  const Real changed = static_cast<Real>(observer.doubt) * std::abs(Real(1) - t.gain) *
-                       (static_cast<Real>(at) + Real(0.5)) * per_interval;
+  const Real residual = b.residual_scale[i] * residuals[b.rising[i] > Real(0) ? at : intervals + at];
+  const Real changed = b.doubted[i] * (static_cast<Real>(at) + Real(0.5));
   b.residual[i] = changed > Real(0) ? std::sqrt(residual * residual + changed * changed) : residual;
   return here;
 }
@@ -116,13 +114,15 @@ void DynamicFrameCompensator<Real>::State::observe_top(std::size_t taxel) {
   const std::size_t i = taxel % kLanes;
   Taxel& t = taxels[taxel];
   const auto share = static_cast<Real>(observer.share);
-  if (share <= Real(0) || b.turn[i] < (Real(1) - share) * t.top * t.gain) return;
+  if (b.turn[i] < t.top_from) return;
   const Real measured = b.turn[i] / t.gain;
   t.highest = std::max(measured, t.highest - static_cast<Real>(observer.forget) * (t.highest - measured));
   const Real gain = std::clamp(t.top / t.highest, Real(1) / (Real(1) + Real(5) * share), Real(1) / (Real(1) - share));
   const Real change = gain / t.gain;
   t.gain = gain;
+  t.top_from = (Real(1) - share) * t.top * gain;
   b.gain[i] = t.plain_gain * gain;
+  b.doubted[i] = static_cast<Real>(observer.doubt) * std::abs(Real(1) - gain) * per_interval;
   for (Real* const row : {b.mean, b.extreme, b.turn, b.last_mean}) row[i] *= change;
 }
 
@@ -207,49 +207,30 @@ void DynamicFrameCompensator<Real>::State::attend_unknown(std::size_t taxel, boo
   show(taxel, here, std::max(sensitivity, low_sensitivity), std::sqrt(both * both + Real(0.25) * apart * apart));
 }
 
+// A taxel that did not turn, once its piece is known.
 template <class Real>
-void DynamicFrameCompensator<Real>::State::attend(std::size_t at, DynamicBits bits) {
-  DynamicBlock<Real>& b = blocks[at];
-  for (unsigned left = bits.events & ~lost[at]; left != 0; left &= left - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(left));
-    const std::size_t taxel = at * kLanes + i;
-    Taxel& t = taxels[taxel];
-    const Real ahead = b.rising[i] * (b.mean[i] - b.extreme[i]);
-    const Real behind = std::max(Real(0), b.rising[i] * (b.turn[i] - b.mean[i])), behind2 = behind * behind;
-    const Real wider = std::max(b.weight[i], b.extreme_weight[i]);
-    const bool turned = ahead < Real(0) && behind2 > shared.band2 * wider;
-    const bool back = behind2 > shared.hold2 * wider;
-    const bool is_held = (bits.held >> i & 1U) != 0;
-    if (t.unknown) {
-      attend_unknown(taxel, turned, t.decided && back, t.decided && is_held);
-      continue;
-    }
-    if (turned) {
-      attend_turned(taxel);
-      const Reading here = locate(taxel);
-      show(taxel, here, here.slope, Real(0));
-      continue;
-    }
+void DynamicFrameCompensator<Real>::State::rest(std::size_t taxel, bool is_held, bool back) {
+  DynamicBlock<Real>& b = block(taxel);
+  const std::size_t i = taxel % kLanes;
+  Taxel& t = taxels[taxel];
+  if (is_held && std::isnan(b.reverse[i])) b.reverse[i] = reverse_sensitivity(taxel, t.memory);
+  Reading here = located(taxel);
+  Real sensitivity = here.slope, doubt = Real(0);
+  if (is_held) sensitivity = std::max(sensitivity, b.reverse[i]);
+  if (back) {
     const Real u = linear(taxel, b.mean[i]);
-    if (!(b.low[i] <= u && u <= b.high[i])) (void)locate(taxel);
-    if (is_held && std::isnan(b.reverse[i])) b.reverse[i] = reverse_sensitivity(taxel, t.memory);
-    Reading here = located(taxel);
-    Real sensitivity = here.slope, doubt = Real(0);
-    if (is_held) sensitivity = std::max(sensitivity, b.reverse[i]);
-    if (back) {
-      if (!t.back_known || t.back_turn != b.turn[i] || !t.back.holds(u)) {
-        Staircase<Real> tentative = t.memory;
-        tentative.turn(everett(taxel), linear(taxel, b.turn[i]));
-        t.back = tentative.piece(everett(taxel), u);
-        t.back_turn = b.turn[i];
-        t.back_known = true;
-      }
-      const Reading there = reading(taxel, t.back, b.mean[i]);
-      doubt = static_cast<Real>(kUniform) * std::abs(there.x - here.x);
-      here = there;
+    if (!t.back_known || t.back_turn != b.turn[i] || !t.back.holds(u)) {
+      Staircase<Real> tentative = t.memory;
+      tentative.turn(everett(taxel), linear(taxel, b.turn[i]));
+      t.back = tentative.piece(everett(taxel), u);
+      t.back_turn = b.turn[i];
+      t.back_known = true;
     }
-    show(taxel, here, sensitivity, doubt);
+    const Reading there = reading(taxel, t.back, b.mean[i]);
+    doubt = static_cast<Real>(kUniform) * std::abs(there.x - here.x);
+    here = there;
   }
+  show(taxel, here, sensitivity, doubt);
 }
 
 template struct DynamicFrameCompensator<float>::State;

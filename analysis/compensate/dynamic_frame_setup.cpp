@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -63,6 +64,13 @@ DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
   lost.assign(whole, std::uint16_t{0});
   taxels.resize(count);
   tables.assign(count * table_size, Real(0));
+  const auto n = static_cast<std::uint32_t>(intervals);
+  searched = {tables.data(),
+              residuals.empty() ? nullptr : residuals.data(),
+              static_cast<std::int32_t>(n),
+              static_cast<std::int32_t>(std::bit_floor(n)),
+              per_interval,
+              shared.span};
   for (std::size_t t = 0; t < whole * kLanes; ++t) {
     DynamicBlock<Real>& b = blocks[t / kLanes];
     const std::size_t i = t % kLanes;
@@ -86,7 +94,6 @@ DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
     const double sign = taxel.falling ? -1.0 : 1.0;
     Taxel& own = taxels[t];
     own.usable = true;
-    own.residual_scale = static_cast<Real>(taxel.residual_scale);
     own.plain_gain = static_cast<Real>(sign * setup.volts_per_count / noise);
     for (std::size_t k = 0; k < table_size; ++k)
       tables[t * table_size + k] = static_cast<Real>(taxel.everett[k] / noise);
@@ -97,6 +104,7 @@ DynamicFrameCompensator<Real>::State::State(const DynamicSetup& setup) {
     b.highest[i] = own.top + shared.band;
     b.steepest[i] = static_cast<Real>(kSteepestGuess) * shared.span / own.top;
     b.creep_scale[i] = static_cast<Real>(taxel.creep_scale);
+    b.residual_scale[i] = static_cast<Real>(taxel.residual_scale);
     b.lag_share[i] = static_cast<Real>(taxel.lag_share);
     start(t, setup.start_unknown);
   }

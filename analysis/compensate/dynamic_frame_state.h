@@ -14,11 +14,11 @@ struct DynamicFrameCompensator<Real>::State {
 
   struct Taxel {
     bool usable = false, unknown = false;
-    bool started = true, decided = true;  // of an unknown history
-    Real first = 0, first_weight = 1;     // its extreme until the direction is known
-    Real top = 0;                         // full output
-    Real residual_scale = 0;
+    bool started = true, decided = true;         // of an unknown history
+    Real first = 0, first_weight = 1;            // its extreme until the direction is known
+    Real top = 0;                                // full output
     Real highest = 0, gain = 1, plain_gain = 1;  // of the observer; the lane's gain without it
+    Real top_from = 0;                           // a turn from here on tells of the gain
     Staircase<Real> memory, other;
     BranchPiece<Real> back;  // of the branch back from the extreme `back_turn`
     Real back_turn = 0;
@@ -35,8 +35,11 @@ struct DynamicFrameCompensator<Real>::State {
   void mark(const Output& output);
   void check(std::size_t size, const Output& output) const;
 
+  // dynamic_frame_turns.cpp.
+  void attend(std::size_t block, unsigned events);
+  void attend_many(std::size_t block, unsigned events);
   // dynamic_frame_events.cpp.
-  void attend(std::size_t block, DynamicBits bits);
+  void rest(std::size_t taxel, bool is_held, bool back);
   void attend_turned(std::size_t taxel);
   void attend_unknown(std::size_t taxel, bool turned, bool back, bool is_held);
   void observe_top(std::size_t taxel);
@@ -59,6 +62,9 @@ struct DynamicFrameCompensator<Real>::State {
   AlignedVector<Real> pressures, uncertainties;
   AlignedVector<std::uint16_t> status;
   std::vector<std::uint16_t> lost;  // bits a block
+  alignas(64) DynamicMark<Real> marks[kLanes] = {};
+  DynamicSearch<Real> search;
+  DynamicTables<Real> searched = {};
   DynamicBlock<Real> kept;
   DynamicFrame<Real> shared;
   Dynamics dynamics;

@@ -103,12 +103,21 @@ struct Staircase {
     return left;
   }
   void go(Real at) { count = left_at(at); }
-  [[nodiscard]] BranchPiece<Real> piece(const Everett<Real>& e, Real at) const {
+  // The branch that has output `at`: its corner, and where the next one wipes it out.
+  struct Branch {
+    Real x, u, end;
+  };
+  [[nodiscard]] Branch branch(Real at) const {
+    constexpr Real kFar = std::numeric_limits<Real>::max();
     const std::uint8_t left = left_at(at);
-    BranchPiece<Real> piece = piece_of(e, rises(), x[left - 1], u[left - 1], at);
-    // It ends where the next corner wipes out.
-    if (rises() && left >= 3) piece.u_high = std::min(piece.u_high, u[left - 2]);
-    if (!rises() && left >= 4) piece.u_low = std::max(piece.u_low, u[left - 2]);
+    const bool ends = left >= (rises() ? 3 : 4);
+    return {x[left - 1], u[left - 1], ends ? u[left - 2] : rises() ? kFar : -kFar};
+  }
+  [[nodiscard]] BranchPiece<Real> piece(const Everett<Real>& e, Real at) const {
+    const Branch from = branch(at);
+    BranchPiece<Real> piece = piece_of(e, rises(), from.x, from.u, at);
+    (rises() ? piece.u_high : piece.u_low) =
+        rises() ? std::min(piece.u_high, from.end) : std::max(piece.u_low, from.end);
     return piece;
   }
   void turn(const Everett<Real>& e, Real at) {

@@ -101,6 +101,40 @@ TEST_CASE("dynamic frames in double are those of the plain form, known or unknow
     }
 }
 
+// A block with few events attends them one by one, one with many in vectors: 3 of 19 taxels are in a block of their
+// own.
+TEST_CASE("dynamic frames have the residual of the level, direction and gain that the plain form has", "[dynamic]") {
+  constexpr std::size_t kTaxels = 19;
+  DynamicFrames frames = frames_of(kTaxels, 900, 0.0, kSeconds);
+  DynamicSetup& setup = frames.array.setup;
+  for (std::size_t k = 0; k < 40; ++k) setup.residual_psi.push_back(5.0 + static_cast<double>(k));
+  for (DynamicTaxel& taxel : setup.taxels) taxel.divider.zero += 0.01;  // a gain to correct
+  setup.taxels[2].residual_scale = setup.taxels[18].residual_scale = 0.5;
+  setup.start_unknown = false;
+  const DynamicSetup plain_setup = with_rounding(setup);
+  for (const Dispatch level : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {
+    DynamicFrameCompensator<double> fast(setup);
+    fast.set_interval(kSeconds);
+    fast.set_dispatch(level);
+    std::vector<DynamicTaxelCompensator> plain;
+    for (std::size_t t = 0; t < kTaxels; ++t) plain.emplace_back(plain_setup, t);
+    Outputs<double> out(kTaxels);
+    int compared = 0, apart = 0, corrected = 0;
+    for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
+      fast.frame(frames.at(f), out.output());
+      for (std::size_t t = 0; t < kTaxels; ++t) {
+        const Compensated now = plain[t].step(frames.at(f)[t] * setup.volts_per_count, kSeconds);
+        ++compared;
+        apart += std::abs(now.uncertainty_psi - out.uncertainty[t]) > 0.2 ? 1 : 0;
+        corrected += plain[t].gain() != 1.0 ? 1 : 0;
+      }
+    }
+    INFO(apart << " of " << compared << " apart, " << corrected << " with a gain");
+    CHECK(corrected > compared / 4);
+    CHECK(200 * apart < compared);
+  }
+}
+
 TEST_CASE("dynamic frames in float are no further from the truth", "[dynamic]") {
   constexpr std::size_t kTaxels = 32;
   DynamicFrames frames = frames_of(kTaxels, 1500, 0.002, kSeconds);
