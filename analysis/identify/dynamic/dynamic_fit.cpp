@@ -4,23 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 
-#include "analysis/compensate/dynamic_compensator.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/dynamic/dynamic_residuals.h"
 #include "analysis/identify/dynamic/own_creep.h"
 #include "analysis/identify/dynamic/track.h"
-#include "analysis/identify/dynamic_setup_of.h"
-#include "analysis/identify/taxel_stream.h"
-#include "analysis/workers.h"
 
 namespace tactbench::analysis {
 namespace {
 
-// What the stream leaves on paths that were not fitted, over what it leaves on the fitted ones: so that twice the
-// uncertainty holds 90 to 98 % of the samples of random reversals. Chosen on sensor seed 1 of both specimens.
-constexpr double kNotFitted = 2.0;
 constexpr double kClearlyLess = 0.8;  // of a misfit; on sensor seeds 1, 2, 11 and 12 it is below 0.7 or about 1
 
 // The mean output at the lowest set-point.
@@ -40,64 +33,6 @@ std::vector<double> zeros_of(const Dataset& data) {
       }
   for (double& zero : zeros) zero /= count;
   return zeros;
-}
-
-// Squares of what a stream leaves of the fitted data, by interval of the estimate: rising, then falling.
-struct Residuals {
-  std::vector<double> squares, count;
-  [[nodiscard]] double mean_square() const {
-    return std::accumulate(squares.begin(), squares.end(), 0.0) / std::accumulate(count.begin(), count.end(), 0.0);
-  }
-};
-
-template <class Volts>
-Residuals residuals_of(const Dataset& data, const DynamicSetup& setup, std::size_t taxel, const Volts& volts) {
-  const std::size_t n = setup.intervals;
-  Residuals sums{std::vector<double>(2 * n, 0.0), std::vector<double>(2 * n, 0.0)};
-  DynamicTaxelCompensator stream(setup, taxel);
-  stream_samples(data, stream, volts, [&](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
-    const double place = (now.pressure_psi - setup.x_low) / (setup.x_high - setup.x_low) * static_cast<double>(n);
-    const std::size_t at = std::min(n - 1, static_cast<std::size_t>(std::max(place, 0.0)));
-    const std::size_t k = stream.ascending() ? at : n + at;
-    sums.squares[k] += std::pow(now.pressure_psi - data.sequences[s].repeats[r].steps[i].reference_psi, 2);
-    sums.count[k] += 1.0;
-  });
-  return sums;
-}
-
-// One shape over levels and directions, a scale a taxel, the mean taxel's with them.
-void find_residuals(const Dataset& data, int threads, SensorModel& model) {
-  const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.0);
-  const auto width = static_cast<std::size_t>(data.taxels());
-  std::vector<Residuals> residuals(setup.taxels.size());
-  for_each_index(residuals.size(), threads, [&](std::size_t t) {
-    if (!setup.taxels[t].usable) return;
-    residuals[t] = residuals_of(data, setup, t, [&](const Repeat& repeat, std::size_t i) {
-      const double* const row = &repeat.volts[i * width];
-      if (t < width) return row[t];
-      double sum = 0.0, count = 0.0;
-      for (std::size_t own = 0; own < width; ++own) {
-        if (!model.taxels[own].fitted()) continue;
-        sum += row[own];
-        count += 1.0;
-      }
-      return sum / count;
-    });
-  });
-  const std::size_t n = 2 * setup.intervals;
-  std::vector<double> shape(n, 0.0), count(n, 0.0);
-  for (std::size_t t = 0; t < residuals.size(); ++t) {
-    const Residuals& own = residuals[t];
-    if (own.squares.empty()) continue;
-    const double mean = own.mean_square();
-    model.taxels[t].residual_psi = kNotFitted * std::sqrt(mean);
-    for (std::size_t k = 0; k < n && mean > 0.0 && t < width; ++k) {
-      shape[k] += own.squares[k] / mean;
-      count[k] += own.count[k];
-    }
-  }
-  for (std::size_t k = 0; k < n; ++k)
-    model.dynamics->residual_shape.push_back(count[k] > 0.0 ? std::sqrt(shape[k] / count[k]) : 1.0);
 }
 
 void check_same_array(const Dataset& fitted, const Dataset& other) {
@@ -223,7 +158,8 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
   fit.identify.linearise = true;
   fit.threads = options.threads;
   const ArrayDynamics found = dynamics_of(fitted, rate, creep, zeros, usable, highest, fit);
-  SensorModel model = fit_array(lag_and_creep_undone(fitted, found, zeros, highest), fit);
+  const Dataset undone = lag_and_creep_undone(fitted, found, zeros, highest);
+  SensorModel model = fit_array(undone, fit);
   model.model = kDynamicModel;
   model.validity = validity_of_runs(before, of_others);
   model.repeats = repeat_drifts(fitted, model.fitted(), fit.common);
@@ -234,7 +170,7 @@ SensorModel fit_from(const Dataset& fitted, const Dataset* rate, const Dataset* 
     model.taxels[t].lag_share = found.lag_share[t];
   }
   if (model.taxels.size() > width) model.taxels.back().lag_share = found.shared.lag_share;  // the mean taxel
-  find_residuals(fitted, options.threads, model);
+  find_dynamic_residuals(fitted, undone, fit, model);
   return model;
 }
 
