@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/dynamic/own_creep.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 
@@ -100,6 +102,19 @@ HeldLevel level_of_hold(const Dataset& dataset, const HeldFrames& hold, const Se
   return level;
 }
 
+// As the model's stream reads it.
+Dataset with_own_creep_undone(Dataset run, const SensorModel& fit) {
+  ArrayDynamics own{fit.dynamics->shared, {}, {}};
+  own.shared.lag_share = 0.0;
+  std::vector<double> zero_v;
+  for (const ModelTaxel& taxel : fit.array()) {
+    own.creep_scale.push_back(taxel.creep_scale);
+    own.lag_share.push_back(0.0);
+    zero_v.push_back(taxel.fitted() ? taxel.y0() : 0.0);
+  }
+  return lag_and_creep_undone(std::move(run), own, zero_v, fit.pressure_psi.back());
+}
+
 void keep_larger(HeldLevel& kept, const HeldLevel& other) {
   for (std::size_t taxel = 0; taxel < kept.share.size(); ++taxel)
     kept.share[taxel] = std::fmax(kept.share[taxel], other.share[taxel]);
@@ -132,13 +147,14 @@ std::string CreepEffect::in_words() const {
                         level.up ? "loading" : "unloading", level.to_s, 100.0 * level.median_share);
   const bool both = levels.front().up != levels.back().up;
   return fmt::format(
-      "change of the median taxel's output over its zero in holds of {} ({}). Assumed: a reading is taken at any time "
+      "change of the median taxel's output over its zero in holds of {}{} ({}). Assumed: a reading is taken at any "
+      "time "
       "from {:.1f} s, after which this run reads its levels, to {:.0f} s after the level was commanded, on a way to "
       "the "
       "level like that of the holds, and half of the whole change is taken off; what is read earlier or later is not "
       "covered. Each "
       "taxel counts with its own change; levels that were not held take the same share of the output over the zero{}{}",
-      levels.front().sequence, held, read_after_s, to_s,
+      levels.front().sequence, undone ? ", beyond the creep that the models undo" : "", held, read_after_s, to_s,
       both ? "" : ", and so does the other branch, which was not held (creep-levels holds both)",
       extrapolated_back ? ". The holds' first frame is later than the dwell: extended on the logarithm of time" : "");
 }
@@ -146,7 +162,8 @@ std::string CreepEffect::in_words() const {
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs,
                             const SensorModel& measured_fit) {
   CreepEffect effect;
-  if (measured_fit.dynamics && undoes_creep(*measured_fit.dynamics)) {
+  effect.undone = measured_fit.dynamics && undoes_creep(*measured_fit.dynamics);
+  if (effect.undone && measured_fit.dynamics->creep.run != 0) {
     for (const Dataset& run : runs) check_same_sensor(run, measured_fit);
     effect.not_assessed = "the model undoes creep; what it leaves of it is in the errors of held-out runs";
     return effect;
@@ -157,7 +174,8 @@ CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset>
   bool few = false, brief = false;
   for (const Dataset& run : runs) {
     check_same_sensor(run, measured_fit);
-    const Dataset dataset = as_modelled(run, measured_fit);
+    Dataset dataset = as_modelled(run, measured_fit);
+    if (effect.undone) dataset = with_own_creep_undone(std::move(dataset), fit);
     few = few || !held_frames_of(dataset, 3).empty();
     for (const HeldFrames& hold : held_frames_of(dataset)) {
       const Repeat& repeat = dataset.sequences[hold.sequence].repeats[hold.repeat];

@@ -45,6 +45,7 @@ struct CreepEffect {
   double read_after_s = 0.0;  // median time from command to frame in the calibration, at levels above kHeldAbovePsi
   double to_s = 0.0;          // the shortest of the holds: readings up to here are covered
   bool extrapolated_back = false;  // a hold's first frame is later than read_after_s: extended on the logarithm of time
+  bool undone = false;             // outputs are those with the model's creep, of the fitted run, undone
   std::vector<HeldLevel> levels;   // by branch, then pressure
   [[nodiscard]] bool assessed() const { return not_assessed.empty(); }
   // Share of a taxel's output over its zero. Linear between held levels, constant beyond them; a branch without a held
@@ -53,8 +54,9 @@ struct CreepEffect {
   [[nodiscard]] std::string in_words() const;  // data and assumptions in words; empty when not assessed
 };
 
-// `runs`: of the same sensor, the calibration itself among them where it holds levels. Not assessed for a model that
-// undoes creep: the output's whole change is not what is left in its readings. Throws AnalysisError
+// `runs`: of the same sensor, the calibration itself among them where it holds levels. Of a model with the creep
+// of its fitted run, which is of one dwell, the change with that creep undone counts. Not assessed for a model with the
+// creep of holds: what that leaves is not seen in holds alike. Throws AnalysisError
 // TB-ANALYSIS-OTHER-SENSOR, TB-ANALYSIS-ORIGIN.
 CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset> runs, const SensorModel& fit);
 
