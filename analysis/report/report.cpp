@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "analysis/report/data/data.h"
 #include "analysis/report/data/section_data.h"
@@ -96,6 +97,12 @@ constexpr ReportPart kReportParts[] = {
     {"uncertainty", "Uncertainty", uncertainty_section, false, uncertainty_json, true},
     {"meaning", "Terms and limits", meaning_section, false},
 };
+
+// The models are called ELAM only where they are.
+const char* title_of(const ReportPart& part, const ReportInput& input) {
+  const bool others = !input.fit.taxels.empty() && elam_of(input.fit.mean_taxel()) == nullptr;
+  return others && std::string_view(part.id) == "model" ? "Models" : part.title;
+}
 
 Markup write_part(const ReportPart& part, const ReportInput& input) {
   if (!part.needs_evaluation || !input.evaluation.levels.empty()) return part.write(input);
@@ -233,7 +240,7 @@ Report render_report(const ReportInput& input) {
   page.simulated = is_simulated(input);
   page.paper = input.paper;
   page.opening = opening(input, number);
-  for (const ReportPart& part : kReportParts) page.contents.emplace_back(part.id, part.title);
+  for (const ReportPart& part : kReportParts) page.contents.emplace_back(part.id, title_of(part, input));
   page.main = std::move(parts);
   page.json = report.json;
   report.html = page_of(page);

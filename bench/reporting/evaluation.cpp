@@ -9,6 +9,7 @@
 
 #include "analysis/compensate/dispatch.h"
 #include "analysis/counted.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/report/gather.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
@@ -41,6 +42,14 @@ std::int64_t keep_fit(db::RunStore& store, const analysis::SensorModel& fit) {
 
 analysis::SensorModel fit_run(db::RunStore& store, const analysis::Dataset& dataset) {
   analysis::SensorModel fit = analysis::fit_array(dataset);
+  fit.fit = keep_fit(store, fit);
+  return fit;
+}
+
+analysis::SensorModel fit_run_dynamic(db::RunStore& store, analysis::Runs& runs, std::int64_t run) {
+  analysis::SensorModel fit = analysis::fit_dynamic_alone(runs.dataset(run));
+  fit.content_sha256 = runs.record(run).content_sha256;
+  fit.program_version = build_info().version;
   fit.fit = keep_fit(store, fit);
   return fit;
 }
@@ -79,6 +88,19 @@ std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const a
   std::string subject = fmt::format("sensor/{}/{}", run.sensor_serial, recipes);
   store.replace_figures(fit.run, subject, analysis::figures_of(fit, own));
   return subject;
+}
+
+void follow_fit(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
+                const analysis::Evaluation& own) {
+  const std::string kind = store.fit(fit.fit).model;
+  const db::RunRecord& run = runs.record(fit.run);
+  if (kind == analysis::kElamFit) {
+    (void)follow_sensor(store, run, fit, own);
+  } else if (kind == analysis::kDynamicModel && !run.sensor_serial.empty()) {
+    const analysis::Dataset& dataset = runs.dataset(fit.run);
+    const analysis::SensorModel elam = analysis::fit_array(dataset);
+    if (!elam.fitted().empty()) (void)follow_sensor(store, run, elam, analysis::evaluate(dataset, elam));
+  }
 }
 
 namespace {

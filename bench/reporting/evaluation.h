@@ -20,8 +20,10 @@ std::string this_build();
 
 // Stores the models and this program's build. Returns the fit's number.
 std::int64_t keep_fit(db::RunStore& store, const analysis::SensorModel& fit);
-// Fits all taxels of a run's dataset and stores the models.
+// Fits ELAM to all taxels of a run's dataset and stores the models: what nights and checks of the rig are charted by.
 analysis::SensorModel fit_run(db::RunStore& store, const analysis::Dataset& dataset);
+// The same with the dynamic model of that one run.
+analysis::SensorModel fit_run_dynamic(db::RunStore& store, analysis::Runs& runs, std::int64_t run);
 
 // The run's own figures with its stored fit, then those of `held_out` runs with the same models.
 std::vector<NamedEvaluation> evaluate_runs(analysis::Runs& runs, const analysis::SensorModel& fit,
@@ -40,6 +42,11 @@ void warn_of_conditional(const std::vector<db::VerdictRecord>& verdicts);
 // that subject; empty for an imported run, which has no sensor.
 std::string follow_sensor(db::RunStore& store, const db::RunRecord& run, const analysis::SensorModel& fit,
                           const analysis::Evaluation& own);
+
+// The figures of a stored fit that stands for its run. Of the dynamic model ELAM's, which charts follow whichever of
+// the two is made; of other fits none.
+void follow_fit(db::RunStore& store, analysis::Runs& runs, const analysis::SensorModel& fit,
+                const analysis::Evaluation& own);
 
 // Fills in `uncertainty` of a reading, and `judged`: U of the figures in `input.verdicts`, which must be filled in.
 // `known`: the part already computed while judging.

@@ -139,7 +139,7 @@ def make_files(program, folder):
     common = ["--bench", "bench.toml", "--sensor", "S-1", "--operator", "me", "-q", "--yes", "--no-seating"]
     run("run", "small.toml", *common)
     run("run", "touch.toml", *common)
-    run("fit", "1", "-o", "model.json")
+    run("fit", "1", "--model", "elam", "-o", "model.json")
     for kind in ("csv", "json", "hdf5"):
         if kind != "hdf5" or shutil.which("h5dump"):
             run("runs", "export", "2", "--format", kind, "-o", "run." + kind)
@@ -242,7 +242,7 @@ def page(program, folder):
         stands(column, "CSV")
     trees = ""
     for title, file in (("A run: `runs export N --format json -o run.json`", "run.json"),
-                        ("A model: `fit -o model.json`, `model export`", "model.json")):
+                        ("ELAM as a document: `fit --model elam -o model.json`, `model export`", "model.json")):
         with open(os.path.join(folder, file)) as text:
             paths = json_tree(json.load(text))
         short = "JSON" if file == "run.json" else "model"

@@ -54,7 +54,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, server_fo
     expect(len(rows) == 2 and rows[1][0] == parent, rows)
     expect(fitted()[0]["fitted"] == 0, "it is up to date now")
     # The bench makes the same of the run: bit for bit. Of the same second it would be the same fit, which is not sent twice.
-    lab.run("fit", 4)
+    lab.run("fit", 4, "--model", "elam")
     with sqlite3.connect(os.path.join(folder, "runs.db")) as store:
         store.execute("UPDATE fits SET created_utc = strftime('%Y-%m-%dT%H:%M:%SZ', created_utc, '+1 minute') WHERE run = 4")
     lab.run("fleet", "push", "--to", to)
@@ -69,7 +69,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, server_fo
     # --- a model by another version of the program
     lab.run("sensors", "add", "S-3", "--type", "sensor.toml")
     measure("loops", "S-3", 9)  # run 5
-    lab.run("fit", 5)
+    lab.run("fit", 5, "--model", "elam")
     with sqlite3.connect(os.path.join(folder, "runs.db")) as store:
         store.execute("UPDATE fits SET program_version = '0.0.1' WHERE run = 5")
     lab.run("fleet", "push", "--to", to)

@@ -285,7 +285,7 @@ def make_store(program, runs, store="runs.db"):
     for i in range(runs):
         program.run("run", "loops.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "--db", store,
                     "--seed", 100 + i, "--no-seating", "-q")
-    program.run("fit", 1, "--db", store)
+    program.run("fit", 1, "--model", "elam", "--db", store)
     program.run("runs", "tag", 1, "first", "--db", store)
     return os.path.join(program.folder, store)
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/counted.h"
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/json_io.h"
@@ -261,10 +262,17 @@ std::int64_t store_fit(db::RunStore& store, const SensorModel& model, const std:
   return store.add_fit(rows.fit, rows.taxels);
 }
 
+std::optional<db::FitRecord> standing_fit(const db::RunStore& store, std::int64_t run) {
+  std::optional<db::FitRecord> elam = store.latest_fit(run, kElamFit), dynamic = store.latest_fit(run, kDynamicModel);
+  if (elam && dynamic) return elam->fit > dynamic->fit ? elam : dynamic;
+  if (elam || dynamic) return elam ? elam : dynamic;
+  return store.latest_fit(run);
+}
+
 SensorModel load_fit(const db::RunStore& store, std::int64_t run) {
-  const std::optional<db::FitRecord> record = store.latest_fit(run, kElamFit);
+  const std::optional<db::FitRecord> record = standing_fit(store, run);
   if (!record)
-    throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored ELAM fit", run),
+    throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored fit", run),
                         fmt::format("make one: tactbench fit {}", run));
   return load_fit(store, *record);
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "analysis/compensate/frame_setup.h"
@@ -29,7 +30,11 @@ SensorModel load_model(const std::string& model, const db::RunStore* store);
 // The model with its options, as tables name it: "elam", "elam, free run".
 std::string label_of(const SensorModel& model);
 
-// To and from the store. load_fit: the run's newest ELAM fit of all sequences, TB-ANALYSIS-NO-FIT when it has none; or
+// The fit that stands for a run where none is named: the newest by the dynamic model, or by ELAM in the paper's mode on
+// all sequences; of others the newest, and none where the run was not fitted.
+std::optional<db::FitRecord> standing_fit(const db::RunStore& store, std::int64_t run);
+
+// To and from the store. load_fit: the run's standing fit, TB-ANALYSIS-NO-FIT when it has none; or
 // the fit of a record; a fit in rows comes without the run's sequences, hash and scans, which load_model adds.
 // `made_by`: build and class of processor, kept for who recomputes the fit. Returns the fit's number.
 std::int64_t store_fit(db::RunStore& store, const SensorModel& model, const std::string& program_version,

@@ -43,7 +43,7 @@ FrameSetup frame_setup_of(const SensorModel& document, double volts_per_count) {
   const auto refuse = [&](const std::string& why) -> AnalysisError {
     return {Cause::kUsage, "TB-MODEL-COMPENSATOR",
             fmt::format("{} of {} cannot compensate frames: {}", label_of(document), document.source, why),
-            "fit ELAM on a run of the array: tactbench fit RUN"};
+            "fit ELAM on a run of the array: tactbench fit RUN --model elam"};
   };
   FrameSetup setup;
   setup.volts_per_count = volts_per_count;
@@ -98,8 +98,7 @@ SensorModel load_model(const std::string& model, const db::RunStore* store) {
                         fmt::format("run {} has no fit \"{}\"", *run, model.substr(colon + 1)),
                         "tactbench runs show RUN lists its fits");
   }
-  std::optional<db::FitRecord> record = store->latest_fit(*run, kElamFit);
-  if (!record) record = store->latest_fit(*run);
+  const std::optional<db::FitRecord> record = standing_fit(*store, *run);
   if (!record)
     throw AnalysisError("TB-ANALYSIS-NO-FIT", fmt::format("run {} has no stored fit", *run),
                         fmt::format("make one: tactbench fit {}", *run));

@@ -58,7 +58,7 @@ class Compensator(_streams.Compensator):
         """The stream of a stored model: of ELAM as in the paper, or of the dynamic model (which set_interval tells the time).
 
         path: a model's document, or a store with the number of a run; fit: of that run, as `tactbench model list` shows (None:
-        the newest ELAM, else the newest). volts_per_count: of the scanner that the frames come from; None: that of the run's,
+        the newest dynamic model or ELAM, else the newest). volts_per_count: of the scanner that the frames come from; None: that of the run's,
         which a document does not state. scans: how many are averaged into a frame that is given (None: as many as in those
         that were fitted); a frame of fewer has more noise. options: of Compensator, as double=True, at_rest=True, longest_gap.
         The result has `about`, a dict: model, input_unit, rows, columns, scans, volts_per_count, sensor_serial,
@@ -103,7 +103,7 @@ def _checked(document, name):
 def _document_of(store, run, fit, void_too):
     """A fit of a store as the document that `model export` writes: what streaming needs of it."""
     store.usable_run(run, void_too)
-    found = store.query("SELECT * FROM fits WHERE run = ? ORDER BY (model = 'elam') DESC, fit DESC", (run,))
+    found = store.query("SELECT * FROM fits WHERE run = ? ORDER BY model IN ('elam', 'dynamic') DESC, fit DESC", (run,))
     found = [row for row in found if fit is None or row["fit"] == fit]
     if not found:
         which = "fit" if fit is None else f"fit {fit}"
@@ -178,8 +178,8 @@ def _elam_stream(document, taxels, name, volts_per_count, noisier, options):
             continue
         model = taxel["model"]
         if model["model"] != "elam" or model["options"]["memory"] or model["options"]["splits"] > 1:
-            raise _refusal(name, f"it is {document['model']}, and only ELAM as in the paper (tactbench fit RUN) and the dynamic "
-                                 "model (--model dynamic --rate RUN --creep RUN) are streamed")
+            raise _refusal(name, f"it is {document['model']}, and only the dynamic model (tactbench fit RUN) and ELAM as in "
+                                 "the paper (--model elam) are streamed")
         if grid is None:
             grid, exact_outer = model["x"], model["options"]["exact_outer"]
         if model["x"] != grid:

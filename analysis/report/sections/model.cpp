@@ -244,7 +244,10 @@ Markup model_section(const ReportInput& input) {
       "pressure is saturated are weakly determined: judge the error, not the parameter.</p>\n",
       Text(kFullScaleOfModel));
   out += unfitted_table(input.fit);
-  if (is_elam(input.fit)) out += elam_parameters_part(input);
+  out += is_elam(input.fit) ? elam_parameters_part(input)
+                            : markup(
+                                  "<p class=\"note\">ELAM’s five parameters are not here: these models are of another "
+                                  "kind. “tactbench fit RUN --model elam” makes ELAM’s.</p>\n");
   return out;
 }
 

@@ -1,6 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/calibrate/calibration.h"
 
@@ -30,9 +35,11 @@ void add_calibrate(CLI::App& app, Session& session) {
   profile.add(*verb, "--limits", ProfileKey::kLimits, options->limits, "limits file that judges")
       ->capture_default_str();
   verb->add_option("--lab", options->lab, "laboratory file: facts for the report that no instrument knows");
-  verb->add_option("--model", options->model, "kind of model")
-      ->check(CLI::IsMember(std::vector<std::string>(analysis::model_names().begin(), analysis::model_names().end())))
-      ->capture_default_str();
+  std::vector<std::string> models = {analysis::kDynamicModel};
+  std::ranges::copy(analysis::model_names(), std::back_inserter(models));
+  verb->add_option("--model", options->model,
+                   "kind of model; elam is the paper's [dynamic; elam of what that does not take]")
+      ->check(CLI::IsMember(models));
   verb->add_option("--type", options->type, "sensor type file, for a sensor that is new")->capture_default_str();
   verb->add_option("--run", options->run, "make the models from this completed run of the sensor, measure none")
       ->check(CLI::PositiveNumber);

@@ -187,7 +187,7 @@ class Calibration {
   std::string fitted() {
     FitModelsOptions fit;
     fit.source = std::to_string(result_.run);
-    fit.models = {options_.model};
+    if (!options_.model.empty()) fit.models = {options_.model};
     fit.held_out = {result_.held_out};
     fit.limits = options_.limits;
     fit.lab = options_.lab;

@@ -15,7 +15,7 @@ namespace tactbench::bench {
 
 struct CalibrateOptions {
   std::string serial, bench, operator_name, lab, on_event;
-  std::string limits = "limits.toml", type = "sensor.toml", model = "elam";
+  std::string limits = "limits.toml", type = "sensor.toml", model;  // model: empty: as fit chooses
   std::vector<std::string> recipes = {"production"}, held_out_recipes = {"random-reversal"};
   std::vector<std::string> set;        // recipe.key=value: of `recipes` alone
   std::int64_t run = 0, held_out = 0;  // completed runs of the sensor to continue from; 0: measured now

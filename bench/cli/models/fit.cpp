@@ -62,7 +62,7 @@ void check_dynamic(const FitOptions& options) {
 
 // The profile's limits count where there is something to judge: held-out runs, and one model of the whole array.
 void take_limits_of_profile(FitModelsOptions& models, Session& session) {
-  if (!models.limits.empty() || models.held_out.empty() || models.models.size() != 1) return;
+  if (!models.limits.empty() || models.held_out.empty() || models.models.size() > 1) return;
   const auto given = session.profile.values().find(ProfileKey::kLimits);
   if (given == session.profile.values().end()) return;
   models.limits = given->second.values.front();
@@ -70,12 +70,21 @@ void take_limits_of_profile(FitModelsOptions& models, Session& session) {
     tty::print(stderr, "judged by {} ({})\n", one_line(models.limits), given->second.origin);
 }
 
+// Where none is named: fit_models() looks at the data, unless ELAM alone can do what is asked.
+void choose_model(const FitOptions& options, FitModelsOptions& models) {
+  if (!options.model_list.empty())
+    models.models = models_of(options.model_list);
+  else if (models.rate_run != 0 || models.creep_run != 0)
+    models.models = {analysis::kDynamicModel};
+  else if (options.for_others)
+    models.elam_since = "options of other models are given";
+  else if (!models.fit.empty() || models.mean_taxel)
+    models.elam_since = "that is of all sequences and of the whole array";
+}
+
 void fit(FitOptions options, Session& session) {
-  if (options.model_list.empty())
-    options.model_list =
-        options.models.rate_run != 0 || options.models.creep_run != 0 ? analysis::kDynamicModel : "elam";
-  options.models.models = models_of(options.model_list);
   options.models.fit = split_list(options.fit_list);
+  choose_model(options, options.models);
   options.models.score = split_list(options.score_list);
   options.models.identify.free_run = options.mode == "free-run";
   options.models.identify.genetic = options.way == "ga";
@@ -108,8 +117,7 @@ void add_fit(CLI::App& app, Session& session) {
       "--model", options->model_list,
       "some of elam, gpi, mpi, poly, preisach, monotone with commas between, or all; or dynamic: Preisach "
       "on the linearised output, with the fitted run's creep undone, and lag where --rate and --creep name runs (ours) "
-      "[dynamic with --rate and --creep, elam "
-      "without]");
+      "[dynamic; elam of tables and of what the dynamic model does not take]");
   verb->add_option("--fit", options->fit_list, "fit these sequences alone (names with commas between)");
   verb->add_option("--score", options->score_list,
                    "score on these: sequences, runs or tables with commas between (default: what was not fitted)");

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "analysis/counted.h"
+#include "analysis/identify/stored/model_document.h"
 #include "bench/cli/session.h"
 #include "db/run_store.h"
 
@@ -67,7 +68,7 @@ bool names_runs(const std::string& source) {
 }
 
 void fit_many(const FitModelsOptions& options, const Shard& shard, const std::string& into, Session& session) {
-  if (options.models.size() != 1 || !options.output.empty() || !options.score.empty() || !options.held_out.empty() ||
+  if (options.models.size() > 1 || !options.output.empty() || !options.score.empty() || !options.held_out.empty() ||
       options.rate_run != 0)
     throw Error(ExitCode::kUsage, "TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
                 "leave out --score, --held-out, --rate, --creep, --output, and name one --model; or name one run");
@@ -89,7 +90,8 @@ void fit_many(const FitModelsOptions& options, const Shard& shard, const std::st
       row.update({{"fit", fit.model.fit}, {"taxels", fit.model.fitted().size()}, {"mean_error_psi", e.mean_error_psi}});
       if (!session.json)
         tty::print("run {:>5}: fit {}, {}, {}; mean error on the run itself {:.3f} psi\n", run, fit.model.fit,
-                   options.models.front(), analysis::counted(fit.model.fitted().size(), "taxel"), e.mean_error_psi);
+                   analysis::label_of(fit.model), analysis::counted(fit.model.fitted().size(), "taxel"),
+                   e.mean_error_psi);
     } catch (...) {
       const Error error = as_error(std::current_exception());
       if (error.code() == ExitCode::kStore || error.code() == ExitCode::kInternal) throw;

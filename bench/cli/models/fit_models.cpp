@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <tuple>
@@ -13,6 +12,7 @@
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/judgement_words.h"
+#include "bench/cli/models/fit_choice.h"
 #include "bench/cli/models/fit_words.h"
 #include "bench/cli/models/model_table.h"
 #include "bench/common/build_info.h"
@@ -62,23 +62,6 @@ void check_scored(const FitModelsOptions& options, const analysis::Histories& hi
   }
 }
 
-constexpr const char* kFigures = "figures";  // the last stage: cross-validation, evaluation, judgement
-
-// Shares of the time as on the demonstration's runs, 256 taxels, two cores; they only divide the time left.
-std::vector<WorkStage> fit_stages(const std::vector<std::string>& models) {
-  const std::map<std::string, double> shares = {{"elam", 1.0},
-                                                {"gpi", 85.0},
-                                                {"mpi", 4.0},
-                                                {"poly", 4.0},
-                                                {"preisach", 5.0},
-                                                {"monotone", 0.5},
-                                                {analysis::kDynamicModel, 10.0}};
-  std::vector<WorkStage> stages = {{"reading the data", 1.0}};
-  for (const std::string& model : models) stages.push_back({model, shares.contains(model) ? shares.at(model) : 1.0});
-  stages.push_back({kFigures, 1.0, false});
-  return stages;
-}
-
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
   throw Error(ExitCode::kUsage, "TB-USAGE", what, "fit", remedy);
 }
@@ -87,14 +70,14 @@ std::vector<WorkStage> fit_stages(const std::vector<std::string>& models) {
 class Fit {
  public:
   Fit(const FitModelsOptions& options, Session& session) : options_(options), session_(session) {
-    if (!options.output.empty() && options.models.size() != 1)
+    if (!options.output.empty() && options.models.size() > 1)
       throw Error(ExitCode::kUsage, "TB-USAGE", "--output takes one model, and several are named", "fit --output",
                   "name one with --model");
     // Before an hour of anything.
     if (!options.output.empty()) check_output(options.output, kModelFile, session.replace);
     if (!options.limits.empty()) (void)read_limits(find_config(options.limits));
     if (!options.lab.empty()) laboratory_ = read_laboratory(find_config(options.lab));
-    if (!options.limits.empty() && options.models.size() != 1)
+    if (!options.limits.empty() && options.models.size() > 1)
       refuse("--limits judges one model, and several are named", "name one with --model");
     if (!names_run(options.source)) return;
     (void)db::RunStore::open_read_only(session.db)
@@ -125,13 +108,19 @@ class Fit {
     if (on_bench_) (void)named_runs(*runs_, options_.held_out, {"--held-out", histories_.run}, session_.void_too);
     check_scored(options_, histories_);
     find_targets();
+    const bool named = !options_.models.empty();
+    if (!named) options_.models = {analysis::kDynamicModel};
+    if (const std::string why = named ? "" : why_elam(options_, histories_); !why.empty()) keep_to_elam(why);
     progress.begin(options_.models.front());
-    if (options_.models.front() == analysis::kDynamicModel)
-      fit_dynamic();
-    else
+    if (options_.models.front() == analysis::kDynamicModel) fit_dynamic();
+    if (!named && !rows_.empty() && without_inner_branches(rows_.front().document)) {
+      keep_to_elam(fmt::format("{} has no inner branches", histories_.source));
+      rows_.clear();
+    }
+    if (rows_.empty())
       rows_ = model_rows(options_.models, histories_, options_.fit, options_.identify, targets_, &refusals_,
                          [&](const std::string& model) { progress.begin(model); });
-    progress.begin(kFigures);
+    progress.begin(kFiguresStage);
     for (const ModelRefusal& refusal : refusals_)
       tty::print(stderr, "warning: {} is left out: {}\n", refusal.model, refusal.why);
     for (ModelRow& row : rows_) {
@@ -172,6 +161,12 @@ class Fit {
     if (!own.empty())
       targets_.insert(targets_.begin(),
                       {fmt::format("{} of {}", fmt::join(own, ", "), histories_.source), &histories_, own});
+  }
+
+  void keep_to_elam(const std::string& why) {
+    options_.models = {analysis::kElamFit};
+    if (!session_.quiet && !session_.json)
+      tty::print(stderr, "ELAM is made, not the dynamic model: {}\n", one_line(why));
   }
 
   void fit_dynamic() {
@@ -220,9 +215,7 @@ class Fit {
     if (!options_.output.empty())
       write_output(options_.output, analysis::to_text(rows_.front().document), session_.replace);
     for (FittedRun& fitted : fitted_) {
-      if (store_->fit(fitted.model->fit).model == analysis::kElamFit)  // stands for the run
-        (void)follow_sensor(*store_, runs_->record(histories_.run), *fitted.model,
-                            fitted.evaluations.front().evaluation);
+      follow_fit(*store_, *runs_, *fitted.model, fitted.evaluations.front().evaluation);
       if (options_.limits.empty()) continue;
       fitted.judgement = judge_and_store(*store_, *runs_, *fitted.model, fitted.evaluations, options_.limits,
                                          session_.void_too, laboratory_.instruments);
@@ -274,7 +267,7 @@ class Fit {
       tty::print("{}{}", in_table_ ? "\n" : undetermined_text(*fitted.model), fitted_text(fitted, session_.unit()));
   }
 
-  const FitModelsOptions& options_;
+  FitModelsOptions options_;
   Session& session_;
   analysis::Laboratory laboratory_;
   std::optional<db::RunStore> store_;

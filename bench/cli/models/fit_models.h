@@ -16,8 +16,10 @@ namespace tactbench::bench {
 
 struct FitModelsOptions {
   std::string source;  // run or table
-  std::vector<std::string> models, fit,
-      score;                                 // score: sequences of the source, runs, tables; empty: what was not fitted
+  // models: empty: the dynamic model, or ELAM of what that does not take. score: sequences of the source, runs, tables;
+  // empty: what was not fitted.
+  std::vector<std::string> models, fit, score;
+  std::string elam_since;                    // why ELAM is made where none is named; empty: the data decide
   std::vector<std::int64_t> held_out;        // runs that figures are taken on, too
   std::int64_t rate_run = 0, creep_run = 0;  // of the dynamic model; 0: not named
   std::string limits, lab;                   // files
@@ -36,8 +38,8 @@ struct JudgedFit {
   std::vector<NamedEvaluation> evaluations;  // the first is the run's own, then the held-out runs in turn
   Judgement judgement;                       // empty without limits
 };
-// As fit_models(), stores the same, and prints only warnings. `options` names one model and a run of the bench; nothing
-// to score. Sets session.code by the judgement.
+// As fit_models(), stores the same, and prints only warnings. `options` names one model or none, and a run of the
+// bench; nothing to score. Sets session.code by the judgement.
 JudgedFit fit_and_judge(const FitModelsOptions& options, Session& session);
 
 // fit --check MODEL: how well the model describes a later run.

@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/identify/dynamic/dynamic_fit.h"
+#include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "bench/cli/judgement_words.h"
 #include "bench/cli/models/model_table.h"
@@ -28,7 +30,7 @@ namespace {
 
 struct DemoOptions {
   std::uint64_t seed = 1, sensor_seed = 1;
-  std::string specimen = "paper", output;
+  std::string specimen = "paper", model = analysis::kDynamicModel, output;
   bool timing = false, page = false;
   double rate = 0.0;  // process seconds in a real one; 0: as fast as it goes
 };
@@ -168,7 +170,9 @@ void demo(const DemoOptions& options, Session& session) {
     end_if_asked(signals, numbers.front());
   };
   analysis::Runs runs(store);
-  const analysis::SensorModel fit = fit_run(store, runs.dataset(numbers.front()));
+  const bool elam = options.model == analysis::kElamFit;
+  const analysis::SensorModel fit =
+      elam ? fit_run(store, runs.dataset(numbers.front())) : fit_run_dynamic(store, runs, numbers.front());
   lap("identification");
   const std::vector<NamedEvaluation> evaluations =
       evaluate_runs(runs, fit, {numbers.begin() + 1, numbers.end()}, titles);
@@ -184,7 +188,7 @@ void demo(const DemoOptions& options, Session& session) {
   const auto names = analysis::model_names();
   const std::vector<ModelRow> models = model_rows({names.begin(), names.end()}, fitted, {}, {}, targets);
   lap("other models, mean taxel");
-  (void)follow_sensor(store, runs.record(numbers.front()), fit, evaluations.front().evaluation);
+  follow_fit(store, runs, fit, evaluations.front().evaluation);
   const Judgement judgement = judge_and_store(store, runs, fit, evaluations, "limits.toml");
   std::string number;
   ReportExtras extras;
@@ -194,11 +198,9 @@ void demo(const DemoOptions& options, Session& session) {
   watch.lap("report");
   const std::string origin = runs.record(numbers.front()).origin;
   if (session.json) {
-    nlohmann::ordered_json json = {{"origin", origin},
-                                   {"specimen", options.specimen},
-                                   {"runs", numbers},
-                                   {"report", path},
-                                   {"report_number", number}};
+    nlohmann::ordered_json json = {{"origin", origin},       {"specimen", options.specimen},
+                                   {"model", options.model}, {"runs", numbers},
+                                   {"report", path},         {"report_number", number}};
     json["evaluations"] = nlohmann::ordered_json::array();
     for (const NamedEvaluation& named : evaluations) json["evaluations"].push_back(evaluation_json(named));
     json["models"] = nlohmann::ordered_json::array();
@@ -212,10 +214,11 @@ void demo(const DemoOptions& options, Session& session) {
   }
   tty::print(
       "\nSIMULATED DATA, specimen {}. Hysteresis of the mean taxel, indication: {:.1f} % FS max, {:.1f} % mean (paper: "
-      "25.3, "
-      "10.0)\n\n{}\n{}\n\n",
+      "25.3, 10.0)\nThe models: {}\n\n{}\n{}\n\n",
       options.specimen, 100.0 * evaluations[0].evaluation.hysteresis_max_fs,
-      100.0 * evaluations[0].evaluation.hysteresis_mean_fs, figures_table(evaluations, session.unit()), kTrajectories);
+      100.0 * evaluations[0].evaluation.hysteresis_mean_fs,
+      elam ? "ELAM, the paper's" : "dynamic, ours; the paper's with --model elam",
+      figures_table(evaluations, session.unit()), kTrajectories);
   tty::print("{}\n", scores_table(models, targets, "psi", session.unit()));
   tty::print("verdicts on the held-out runs:\n{}{}\n", verdict_table(judgement.verdicts, origin, session.unit()),
              judgement_text(judgement, origin));
@@ -243,6 +246,9 @@ void add_demo(CLI::App& app, Session& session) {
   verb->add_option("--sensor-seed", options->sensor_seed, "makes the array")->capture_default_str();
   verb->add_option("--specimen", options->specimen, "the paper's simulated sensor, or a harsh one")
       ->type_name("TEXT:{paper,harsh}")
+      ->capture_default_str();
+  verb->add_option("--model", options->model, "kind of model; elam is the paper's")
+      ->check(CLI::IsMember({analysis::kDynamicModel, analysis::kElamFit}))
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "report file (default: reports/run-N.html beside the store)");
   add_replace(*verb, session);

@@ -29,8 +29,8 @@ namespace tactbench::bench {
 
 namespace {
 
-// The models named: of a run ELAM where it was fitted, else the newest of the whole array; none where it has none: then
-// the report says what it does not show.
+// The models named: of a run its standing fit, if that is of the whole array; none where it has none: then the report
+// says what it does not show.
 analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) {
   const db::RunStore& store = runs.store();
   const std::int64_t model_run = named.run;
@@ -39,8 +39,7 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) 
     check_models_of_array(runs, fit, named);
     return fit;
   }
-  if (store.latest_fit(model_run, analysis::kElamFit)) return analysis::load_fit(store, model_run);
-  const std::optional<db::FitRecord> record = store.latest_fit(model_run);
+  const std::optional<db::FitRecord> record = analysis::standing_fit(store, model_run);
   if (!record || runs.record(model_run).origin == "imported") return {};
   analysis::SensorModel fit = analysis::load_fit(store, *record);
   return fit.fitted().empty() ? analysis::SensorModel{} : fit;

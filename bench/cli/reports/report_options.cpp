@@ -111,7 +111,7 @@ void add_report_options(CLI::App& verb, ReportOptions& options) {
                   "chamber (RUN:90, RUN:180, RUN:270); held levels and temperature enter the uncertainty")
       ->take_all();
   verb.add_option("--model", options.model,
-                  "use the models of this run, or RUN:FIT (default: the run's own: ELAM where it was fitted)");
+                  "use the models of this run, or RUN:FIT (default: the run's own: its newest dynamic model or ELAM)");
   verb.add_option("--format", options.format, "html, pdf (needs chromium or weasyprint), or json: the data alone")
       ->check(CLI::IsMember({"html", "pdf", "json"}))
       ->capture_default_str();

@@ -22,7 +22,8 @@ struct ReportOptions {
 // parsing.
 void add_report_options(CLI::App& verb, ReportOptions& options);
 
-// The run and fit (0: ELAM where it was fitted, else the newest) whose models are used; {`run`, 0} where none is named.
+// The run and fit (0: the standing one, of its dynamic model and ELAM the newer) whose models are used; {`run`, 0}
+// where none is named.
 struct ModelNamed {
   std::int64_t run = 0, fit = 0;
 };

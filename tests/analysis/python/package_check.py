@@ -107,10 +107,12 @@ def check_stream(data, stream, model):
 def check_models(store):
     options = {"double": True, "at_rest": True}
     data = store.frames(2, "numpy")
-    figures = [check_stream(data, Compensator.load("runs.db", 1, **options), "1"),
+    figures = [check_stream(data, Compensator.load("runs.db", 1, fit=1, **options), "1:1"),
                check_stream(data, Compensator.load("model.json", **options), "model.json"),
-               check_stream(data, Compensator.load("runs.db", 1, fit=2, **options), "1:2")]
-    assert abs(figures[0] - figures[1]) < 1e-6, figures
+               check_stream(data, Compensator.load("runs.db", 1, fit=2, **options), "1:2"),
+               check_stream(data, Compensator.load("runs.db", 1, **options), "1")]
+    assert abs(figures[0] - figures[1]) < 1e-6 and figures[3] < 0.9 * figures[0], figures
+    assert Compensator.load("runs.db", 1).about["model"] == "dynamic"  # of ELAM and the dynamic model the newest
     # A child: each taxel's zero and gain moved, so that both have to be taken.
     with open("model.json") as file:
         document = json.load(file)
@@ -187,9 +189,10 @@ try:
     call("sensors", "add", "MY-1", "--type", "sensor.toml")
     for words in (["production"], ["random-reversal", "--seed", "2"], ["rate"], ["creep-levels"], ["ring"]):
         call("run", *words, "--bench", "bench.toml", "--sensor", "MY-1", "--operator", "test", "-q", "--yes")
-    call("fit", "1", "-q")
+    call("fit", "1", "--model", "elam", "-q")
     call("fit", "1", "--model", "dynamic", "--rate", "3", "--creep", "4", "-q")
-    call("model", "export", "1", "-o", "model.json")
+    call("fit", "1", "-q")
+    call("model", "export", "1:1", "-o", "model.json")
     call("fit", "1", "--model", "monotone", "-o", "monotone.json", "-q")
     with open("1.toml", "w") as file:
         file.write("a = 1\n")

@@ -23,8 +23,12 @@ one = tactbench.models._streams.Compensator([0, 20, 40, 60], [Taxel([0, 1, 2, 3]
 assert abs(one.counts([13107]).pressure[0] - 20) < 0.01
 assert [run["recipes"] for run in Store("runs.db").runs()] == ["descending", "random-reversal"]
 stream = Compensator.load("runs.db", 1, at_rest=True)
-errors = []
-for row in Store("runs.db").query("SELECT counts, scans, reference_psi FROM frames WHERE frame > 2000000000 ORDER BY frame"):
+assert stream.about["model"] == "dynamic"
+errors, before = [], None
+for row in Store("runs.db").query("SELECT counts, scans, reference_psi, time_ns FROM frames WHERE frame > 2000000000 ORDER BY frame"):
+    if before is not None:
+        stream.set_interval((row["time_ns"] - before) * 1e-9)
+    before = row["time_ns"]
     counts = array.array("H", row["counts"])
     size = len(counts) // row["scans"]
     frame = stream.volts([sum(counts[i::size]) / row["scans"] * stream.about["volts_per_count"] for i in range(size)])

@@ -92,7 +92,7 @@ TEST_CASE("model list and reports list: nothing yet, then what fit and a signatu
   CHECK(models.at(1).at("fitted_taxels") == 256);
   CHECK(call(folder, {"model", "show", "1:2"}).code == 0);
   const Finished one = call(folder, {"model", "list", "2"});
-  CHECK_THAT(one.out, Catch::Contains("2:1       elam") && !Catch::Contains("poly"));
+  CHECK_THAT(one.out, Catch::Contains("2:1       dynamic") && !Catch::Contains("poly"));
   CHECK(call(folder, {"model", "list", "7"}).code == 2);
   REQUIRE(call(folder, {"report", "2", "--approve-by", "C. Chief", "--without-verdict"}).code == 0);
   const json reports = json::parse(call(folder, {"reports", "list", "--json"}).out).at("reports");

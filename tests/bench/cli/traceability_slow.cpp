@@ -214,7 +214,7 @@ TEST_CASE("a stored pass on an overdue reference verifies on a run of before, an
   }
   for (const std::string name : {"runs.db", "before.db"}) {
     INFO(name);
-    REQUIRE(call(folder, {"fit", "1", "--limits", "far.toml", "--db", name}).code == 6);
+    REQUIRE(call(folder, {"fit", "1", "--model", "elam", "--limits", "far.toml", "--db", name}).code == 6);
     REQUIRE(call(folder, {"verify", "1", "--db", name}).code == 0);
     {
       db::RunStore store = db::RunStore::open(folder.path(name));

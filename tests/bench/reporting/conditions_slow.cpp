@@ -101,7 +101,9 @@ TEST_CASE("U of an error in one mount is no U of the sensor mounted anew or a mo
   measure(folder, "production", "4",
           {"simulation.age_months=1", "simulation.temperature_c=28", "simulation.effects.gain_drift_per_month=0.01",
            "simulation.effects.zero_drift_v_per_month=0.01"});
-  const json same = answer(folder, {"fit", "1", "--held-out", "2", "--limits", "limits.toml"}, 0)["judgement"];
+  // ELAM: the dynamic model's observer of the gain makes up for much of the month.
+  const json same =
+      answer(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "limits.toml"}, 0)["judgement"];
   CHECK(same["overall"] == "pass");
   CHECK(same["statement"] == "pass, under repeatability conditions only");
   const std::vector<std::string> missing = sources_of(same);

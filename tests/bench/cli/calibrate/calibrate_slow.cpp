@@ -35,7 +35,7 @@ TEST_CASE("calibrate: a good sensor passes by the shipped limits, with a report 
                            Catch::Contains("1/5 sensor    MY-1 (PCB piezoresistive 16x16) is new, registered") &&
                            Catch::Contains("2/5 measure   production: run 1: completed, 303 frames") &&
                            Catch::Contains("3/5 held out  random-reversal: run 2: completed, 463 frames") &&
-                           Catch::Contains("4/5 fit       elam on run 1: 256 of 256 taxels fitted; on run 2 mean") &&
+                           Catch::Contains("4/5 fit       dynamic on run 1: 256 of 256 taxels fitted; on run 2 mean") &&
                            Catch::Contains("5/5 report    1-") &&
                            Catch::Contains("SIMULATED  ####   ###   ####  ####\n") &&
                            Catch::Contains("sensor MY-1: simulated pass, under repeatability conditions only: all ") &&

@@ -31,7 +31,7 @@ void prepare_store(const TemporaryFolder& folder) {
   write_file(folder.path("wide.toml"),
              "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
              "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
-  REQUIRE(call(folder, {"fit", "1", "--held-out", "2", "--limits", "wide.toml"}).code == 0);
+  REQUIRE(call(folder, {"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "wide.toml"}).code == 0);
 }
 
 void change(const TemporaryFolder& folder, const std::string& sql) {
