@@ -192,9 +192,10 @@ void apply(const PredictOptions& options, const Session& session, analysis::Tabl
   for (const std::string& line : reader.assumed())
     tty::print(stderr, "{}: {}\n", options.file == "-" ? "standard input" : options.file, line);
   if (outside > 0)
-    tty::print(stderr, "{}\n",
-               session.unit().in_text(fmt::format("{} of {} inputs lie outside the model's validity, {} to {} {}",
-                                                  outside, rows, range->low, range->high, model.input_unit)));
+    tty::print(
+        stderr, "{}\n",
+        session.unit().in_text(fmt::format("{} of {} inputs lie outside the model's validity, {:.4g} to {:.4g} {}",
+                                           outside, rows, range->low, range->high, model.input_unit)));
 }
 
 CLI::App* add_verb(CLI::App& app, Session& session, const std::shared_ptr<PredictOptions>& options, const char* name,
