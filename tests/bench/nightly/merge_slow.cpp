@@ -196,9 +196,13 @@ TEST_CASE("several runs are fitted in parts, and merging brings the fits of one 
                           "-q", "--seed", seed})
                 .code == 0);
   std::filesystem::copy_file(folder.path("runs.db"), folder.path("whole.db"));
-  REQUIRE(call(folder, {"fit", "1-3", "--db", "whole.db"}).code == 0);
-  CHECK(json_of(call(folder, {"fit", "1-3", "--shard", "1/2", "--into", "p1.db", "--json"})).at("runs").size() == 2);
-  CHECK(json_of(call(folder, {"fit", "1-2,3", "--shard", "2/2", "--into", "p2.db", "--json"})).at("runs").size() == 1);
+  REQUIRE(call(folder, {"fit", "1-3", "--model", "elam", "--db", "whole.db"}).code == 0);
+  CHECK(json_of(call(folder, {"fit", "1-3", "--model", "elam", "--shard", "1/2", "--into", "p1.db", "--json"}))
+            .at("runs")
+            .size() == 2);
+  CHECK(json_of(call(folder, {"fit", "1-2,3", "--model", "elam", "--shard", "2/2", "--into", "p2.db", "--json"}))
+            .at("runs")
+            .size() == 1);
   CHECK(db::RunStore::open_read_only(folder.path("runs.db")).fits(1).empty());
   CHECK(json_of(call(folder, {"runs", "merge", "p1.db", "p2.db", "--db", "runs.db", "--json"})).at("fits") == 3);
   const db::RunStore whole = db::RunStore::open_read_only(folder.path("whole.db"));
