@@ -1,5 +1,6 @@
 // What the simulated chain is told to do wrong, and which firmware the driver takes from it.
 #include <catch2/catch.hpp>
+#include <mutex>
 
 #include "tests/devices/stage/zaber_rig.h"
 
@@ -8,10 +9,17 @@ using namespace std::chrono_literals;
 
 TEST_CASE("a stall holds its axis alone, from its time until it ends, and the position counted is off from then on") {
   ChainStall stall;
-  ZaberRig rig({}, {.stall = [&] { return stall; }});
+  std::mutex mutex;  // the chain asks on its own thread
+  ZaberRig rig({}, {.stall = [&] {
+                 const std::lock_guard lock(mutex);
+                 return stall;
+               }});
   rig.arm_and_home();
   const Nanoseconds begin = rig.clock.now();
-  stall = {begin + 1s, begin + 4s, Axis::kY};
+  {
+    const std::lock_guard lock(mutex);
+    stall = {begin + 1s, begin + 4s, Axis::kY};
+  }
   for (const Axis axis : {Axis::kX, Axis::kY})
     rig.stage.start_move_to(axis, Millimetres(10.0), MillimetresPerSecond(2.0));  // 5 s
   const auto y_at = [&](Nanoseconds after) {
