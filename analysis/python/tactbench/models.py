@@ -58,9 +58,10 @@ class Compensator(_streams.Compensator):
         """The stream of a stored model: of ELAM as in the paper, or of the dynamic model (which set_interval tells the time).
 
         path: a model's document, or a store with the number of a run; fit: of that run, as `tactbench model list` shows (None:
-        the newest dynamic model or ELAM, else the newest). volts_per_count: of the scanner that the frames come from; None: that of the run's,
-        which a document does not state. scans: how many are averaged into a frame that is given (None: as many as in those
-        that were fitted); a frame of fewer has more noise. options: of Compensator, as double=True, at_rest=True, longest_gap.
+        the newest dynamic model or ELAM, else the newest). volts_per_count: of the scanner that the frames come from; None: that
+        of the run's, which a document does not state. scans: how many are averaged into a frame that is given (None: as many as
+        in those that were fitted); a frame of fewer has more noise. options: of Compensator, as double=True, at_rest=True,
+        longest_gap.
         The result has `about`, a dict: model, input_unit, rows, columns, scans, volts_per_count, sensor_serial,
         scanner_serial, origin, simulated, validity. Raises TactbenchError, CompensatorError.
         """

@@ -7,7 +7,7 @@
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
 
-TEST_CASE("a stall holds its axis alone, from its time until it ends, and the position counted is off from then on") {
+TEST_CASE("a stall holds its axis alone, from its time until it ends, and the axis ends short by what it missed") {
   ChainStall stall;
   std::mutex mutex;  // the chain asks on its own thread
   ZaberRig rig({}, {.stall = [&] {
