@@ -37,15 +37,16 @@ double volts_of(const Repeat& repeat, std::size_t i, std::size_t taxel, const Se
   return sum / count;
 }
 
-// Of the sequences that `taken` names, into `residuals`, one a taxel.
-void add_residuals(const Dataset& data, const SensorModel& model, const std::vector<bool>& taken, int threads,
-                   std::vector<StreamResiduals>& residuals) {
+// Of the sequences that `taken` names, into those `residuals`, one a taxel, that have not all `samples` of the data
+// yet.
+void add_residuals(const Dataset& data, const SensorModel& model, const std::vector<bool>& taken, double samples,
+                   int threads, std::vector<StreamResiduals>& residuals) {
   const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.0);
   const auto width = static_cast<std::size_t>(data.taxels());
   const std::size_t n = setup.intervals;
   for_each_index(std::min(residuals.size(), setup.taxels.size()), threads, [&](std::size_t t) {
-    if (!setup.taxels[t].usable) return;
     StreamResiduals& own = residuals[t];
+    if (!setup.taxels[t].usable || own.samples() == samples) return;
     own.squares.resize(2 * n, 0.0);
     own.count.resize(2 * n, 0.0);
     DynamicTaxelCompensator stream(setup, t);
@@ -95,40 +96,52 @@ SensorModel model_of_half(const Dataset& undone, const std::vector<bool>& taken,
 }
 
 // Of sequences that the model in use did not see; empty where none can be held out.
-std::vector<StreamResiduals> held_out(const Dataset& fitted, const Dataset& undone, const FitOptions& fit,
-                                      const SensorModel& model) {
+std::vector<StreamResiduals> held_out(const Dataset& fitted, const Dataset& undone, double samples,
+                                      const FitOptions& fit, const SensorModel& model) {
+  std::vector<StreamResiduals> residuals(model.taxels.size());
   const auto first = half_of(fitted);
-  if (!first) return {};
+  if (!first) return residuals;
   std::vector<bool> second = *first;
   second.flip();
-  std::vector<StreamResiduals> residuals(model.taxels.size());
   try {
-    add_residuals(fitted, model_of_half(undone, *first, fit, model), second, fit.threads, residuals);
-    add_residuals(fitted, model_of_half(undone, second, fit, model), *first, fit.threads, residuals);
+    const SensorModel of_first = model_of_half(undone, *first, fit, model);
+    const SensorModel of_second = model_of_half(undone, second, fit, model);
+    add_residuals(fitted, of_first, second, samples, fit.threads, residuals);
+    add_residuals(fitted, of_second, *first, samples, fit.threads, residuals);
   } catch (const AnalysisError&) {  // a half that no taxel can be fitted to
-    return {};
   }
   return residuals;
+}
+
+double samples_of(const Dataset& data) {
+  double count = 0.0;
+  for (const SequenceData& sequence : data.sequences)
+    for (const Repeat& repeat : sequence.repeats) count += static_cast<double>(repeat.steps.size());
+  return count;
 }
 
 }  // namespace
 
 void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const FitOptions& fit, SensorModel& model) {
-  const std::size_t n = 2 * dynamic_setup_of(model, model.taxels, 0.0).intervals;
+  const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.0);
+  const std::size_t n = 2 * setup.intervals;
   const auto width = static_cast<std::size_t>(fitted.taxels());
-  std::vector<StreamResiduals> own(model.taxels.size());
-  add_residuals(fitted, model, std::vector<bool>(fitted.sequences.size(), true), fit.threads, own);
-  const std::vector<StreamResiduals> held = held_out(fitted, undone, fit, model);
+  const double samples = samples_of(fitted);
+  const std::vector<StreamResiduals> held = held_out(fitted, undone, samples, fit, model);
+  std::vector<StreamResiduals> residuals(held.size());
+  for (std::size_t t = 0; t < held.size(); ++t)
+    if (setup.taxels[t].usable && held[t].samples() == samples) residuals[t] = held[t];
+  add_residuals(fitted, model, std::vector<bool>(fitted.sequences.size(), true), samples, fit.threads, residuals);
   std::vector<double> shape(n, 0.0), count(n, 0.0);
-  for (std::size_t t = 0; t < own.size(); ++t) {
-    if (own[t].squares.empty()) continue;
-    const bool told = t < held.size() && held[t].squares.size() == n && held[t].samples() == own[t].samples();
-    const StreamResiduals& from = told ? held[t] : own[t];
-    const double mean = from.sum() / from.samples();
+  for (std::size_t t = 0; t < residuals.size(); ++t) {
+    const StreamResiduals& own = residuals[t];
+    if (own.squares.size() != n) continue;
+    const bool told = held[t].samples() == samples;
+    const double mean = own.sum() / samples;
     model.taxels[t].residual_psi = (told ? 1.0 : kNotFitted) * std::sqrt(mean);
     for (std::size_t k = 0; k < n && mean > 0.0 && t < width; ++k) {
-      shape[k] += from.squares[k] / mean;
-      count[k] += from.count[k];
+      shape[k] += own.squares[k] / mean;
+      count[k] += own.count[k];
     }
   }
   for (std::size_t k = 0; k < n; ++k)

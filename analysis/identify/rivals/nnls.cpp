@@ -10,10 +10,12 @@ namespace {
 constexpr double kSame = 1e-10;  // what is new in a column, of its square
 constexpr double kFlat = 1e-10;  // a gradient, of the largest at the start
 
-// The columns that are not held at 0, and Cholesky's factor of their Gram matrix, grown by one row a column.
+// The columns that are not held at 0, and Cholesky's factor of their Gram matrix, grown by one row a column; with it
+// the right side, solved forward.
 class Free {
  public:
-  explicit Free(const Eigen::MatrixXd& gram) : gram_(gram), factor_(gram.rows(), gram.rows()) {}
+  Free(const Eigen::MatrixXd& gram, const Eigen::VectorXd& along)
+      : gram_(gram), along_(along), factor_(gram.rows(), gram.rows()), solved_(gram.rows()) {}
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(columns_.size()); }
   [[nodiscard]] Eigen::Index column(Eigen::Index k) const { return columns_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] bool add(Eigen::Index column) {
@@ -25,6 +27,7 @@ class Free {
     if (rest <= kSame * gram_(column, column)) return false;
     factor_.row(k).head(k) = row.transpose();
     factor_(k, k) = std::sqrt(rest);
+    solved_[k] = (along_[column] - row.dot(solved_.head(k))) / factor_(k, k);
     columns_.push_back(column);
     return true;
   }
@@ -37,10 +40,8 @@ class Free {
     for (; k < before.size(); ++k)
       if (!dropped(before[k])) static_cast<void>(add(before[k]));
   }
-  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& along) const {
-    Eigen::VectorXd z(size());
-    for (Eigen::Index i = 0; i < size(); ++i) z[i] = along[column(i)];
-    forward(z);
+  [[nodiscard]] Eigen::VectorXd solve() const {
+    Eigen::VectorXd z = solved_.head(size());
     for (Eigen::Index k = size(); k-- > 0;) {
       const Eigen::Index below = size() - k - 1;
       z[k] = (z[k] - factor_.col(k).segment(k + 1, below).dot(z.tail(below))) / factor_(k, k);
@@ -57,7 +58,9 @@ class Free {
     }
   }
   const Eigen::MatrixXd& gram_;
+  const Eigen::VectorXd& along_;
   Eigen::MatrixXd factor_;
+  Eigen::VectorXd solved_;
   std::vector<Eigen::Index> columns_;
 };
 
@@ -68,7 +71,7 @@ Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& gram, const Ei
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n), gradient = along;
   const double flat = kFlat * std::max(along.cwiseAbs().maxCoeff(), 0.0);
   std::vector<bool> out(static_cast<std::size_t>(n), false);  // free, or not to be tried now
-  Free free(gram);
+  Free free(gram, along);
   for (Eigen::Index entered = 0; entered < 3 * n; ++entered) {
     Eigen::Index best = -1;
     for (Eigen::Index j = 0; j < n; ++j)
@@ -77,7 +80,7 @@ Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& gram, const Ei
     if (best < 0) break;
     out[static_cast<std::size_t>(best)] = true;
     if (!free.add(best)) continue;
-    Eigen::VectorXd z = free.solve(along);
+    Eigen::VectorXd z = free.solve();
     // As far towards the unconstrained minimum as no value turns negative; those that meet 0 stay there.
     while (free.size() > 0 && z.minCoeff() <= 0.0) {
       double share = 1.0;
@@ -92,7 +95,7 @@ Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& gram, const Ei
       for (Eigen::Index k = 0; k < free.size(); ++k)
         if (met(free.column(k))) out[static_cast<std::size_t>(free.column(k))] = false;
       free.drop(met);
-      z = free.solve(along);
+      z = free.solve();
     }
     if (x[best] == 0.0 && free.size() == 0) break;
     gradient = along;

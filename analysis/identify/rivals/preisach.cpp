@@ -60,11 +60,9 @@ class PreisachIdentifier final : public Identifier {
       if (row < cells_.cols() && samples_.fitted[static_cast<std::size_t>(row)] == i)
         state.moved(samples_.x[i], cells_.col(row++).data());
     });
-    gram_ = Eigen::MatrixXd::Zero(count, count);
-    gram_.selfadjointView<Eigen::Lower>().rankUpdate(cells_);
-    gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
+    find_changes();
     external_only_ = external_only(samples_);
-    if (external_only_) gram_.diagonal().array() += kRidge * gram_.diagonal().mean();
+    if (!by_input_) gram_ = gram_of(Eigen::VectorXd::Ones(cells_.cols()));
   }
 
   [[nodiscard]] ModelFit fit(const FitData& data) const override {
@@ -75,12 +73,8 @@ class PreisachIdentifier final : public Identifier {
       target[r] = y[samples_.fitted[static_cast<std::size_t>(r)]] - y_low;
     Eigen::VectorXd weights;
     if (by_input_) {
-      const Eigen::VectorXd scale = inputs_an_output(y);
-      const Eigen::MatrixXd scaled = cells_ * scale.asDiagonal();
-      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(gram_.rows(), gram_.cols());
-      gram.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
-      gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
-      weights = non_negative_least_squares(gram, scaled * scale.cwiseProduct(target));
+      const Eigen::VectorXd squares = inputs_an_output(y).array().square();
+      weights = non_negative_least_squares(gram_of(squares), cells_ * squares.cwiseProduct(target));
     } else {
       weights = non_negative_least_squares(gram_, cells_ * target);
     }
@@ -93,6 +87,48 @@ class PreisachIdentifier final : public Identifier {
   }
 
  private:
+  struct Change {
+    Eigen::Index cell;
+    double by;
+  };
+
+  // Of each sample against the one before; of a branch's first against no cell on.
+  void find_changes() {
+    std::size_t part = 0, before = samples_.parts.size();
+    for (Eigen::Index r = 0; r < cells_.cols(); ++r) {
+      const std::size_t i = samples_.fitted[static_cast<std::size_t>(r)];
+      while (samples_.parts[part].last < i) ++part;
+      first_.push_back(part != before);
+      before = part;
+      begin_.push_back(changes_.size());
+      for (Eigen::Index c = 0; c < cells_.rows(); ++c)
+        if (const double by = cells_(c, r) - (first_.back() ? 0.0 : cells_(c, r - 1)); by != 0.0)
+          changes_.push_back({c, by});
+    }
+    begin_.push_back(changes_.size());
+  }
+
+  // The sum over samples of weight c c', c being a sample's cells. Along a branch few cells change by d from one sample
+  // to the next, and c c' by d (c + before)' / 2 and its transpose, which all samples to the branch's end share.
+  [[nodiscard]] Eigen::MatrixXd gram_of(const Eigen::VectorXd& weight) const {
+    const Eigen::Index cells = cells_.rows();
+    Eigen::MatrixXd half = Eigen::MatrixXd::Zero(cells, cells);
+    Eigen::VectorXd both(cells);
+    double to_end = 0.0;
+    for (Eigen::Index r = cells_.cols(); r-- > 0;) {
+      const auto at = static_cast<std::size_t>(r);
+      to_end += weight[r];
+      both = cells_.col(r);
+      if (!first_[at]) both += cells_.col(r - 1);
+      for (std::size_t k = begin_[at]; k < begin_[at + 1]; ++k)
+        half.col(changes_[k].cell) += (0.5 * to_end * changes_[k].by) * both;
+      if (first_[at]) to_end = 0.0;
+    }
+    Eigen::MatrixXd gram = half + half.transpose();
+    if (external_only_) gram.diagonal().array() += kRidge * gram.diagonal().mean();
+    return gram;
+  }
+
   // dx / dy at each fitted sample, of its branch; where that is flat no more than of a tenth of the mean slope.
   [[nodiscard]] Eigen::VectorXd inputs_an_output(const std::vector<double>& y) const {
     std::vector<double> slopes(y.size(), 0.0);
@@ -115,7 +151,12 @@ class PreisachIdentifier final : public Identifier {
   FitSamples samples_;
   bool by_input_;
   Eigen::MatrixXd cells_;  // a column a sample
-  Eigen::MatrixXd gram_;
+  // What changes from sample to sample: those of sample r from begin_[r] to begin_[r + 1], and whether it opens a
+  // branch.
+  std::vector<Change> changes_;
+  std::vector<std::size_t> begin_;
+  std::vector<bool> first_;
+  Eigen::MatrixXd gram_;  // of errors that count as outputs
   bool external_only_ = false;
 };
 
