@@ -16,7 +16,7 @@ void DynamicFrameCompensator<Real>::State::start(std::size_t taxel, bool is_unkn
   const std::size_t i = taxel % kLanes;
   Taxel& t = taxels[taxel];
   constexpr auto kMany = static_cast<Real>(1e15);  // a mean that any sample is far from
-  t.unknown = is_unknown;
+  set_unknown(t, is_unknown);
   t.started = t.decided = !is_unknown;
   t.first = 0;
   t.first_weight = 1;
@@ -78,7 +78,7 @@ void DynamicFrameCompensator<Real>::State::mark(const Output& output) {
   for (std::size_t k = 0; k < blocks.size(); ++k)
     for (std::size_t taxel = k * kLanes; lost[k] != 0 && taxel < std::min(count, (k + 1) * kLanes); ++taxel)
       if ((lost[k] >> taxel % kLanes & 1U) != 0) output.status[taxel] = kTaxelLost;
-  for (std::size_t taxel = 0; taxel < count; ++taxel)
+  for (std::size_t taxel = 0; unknowns != 0 && taxel < count; ++taxel)
     if (taxels[taxel].unknown) output.status[taxel] |= kTaxelUnknown;
   if (outside)
     for (std::uint16_t& bits : output.status) bits = static_cast<std::uint16_t>((bits & ~kTaxelValid) | kTaxelOutside);

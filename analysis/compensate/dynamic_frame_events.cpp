@@ -195,7 +195,7 @@ void DynamicFrameCompensator<Real>::State::attend_unknown(std::size_t taxel, boo
   const Reading there = read_one(t.other, low_sensitivity, low_doubt);
   const Real apart = std::abs(here.x - there.x);
   if (apart <= static_cast<Real>(options.known_psi)) {
-    t.unknown = false;
+    set_unknown(t, false);
     if (!t.decided) take_extreme(taxel);
     t.decided = true;
     (void)locate(taxel);

@@ -29,6 +29,10 @@ struct DynamicFrameCompensator<Real>::State {
   };
 
   void start(std::size_t taxel, bool is_unknown);
+  void set_unknown(Taxel& taxel, bool is_unknown) {
+    unknowns = unknowns - (taxel.unknown ? 1 : 0) + (is_unknown ? 1 : 0);
+    taxel.unknown = is_unknown;
+  }
   template <class Sample>
   void frame(std::span<const Sample> from, const Output& output);
   void set_step(double seconds);
@@ -75,7 +79,7 @@ struct DynamicFrameCompensator<Real>::State {
   std::vector<Real> tables;
   std::vector<Real> residuals;  // by interval, rising and falling
   std::vector<std::size_t> dead;
-  std::size_t count = 0, intervals = 0, table_size = 0;
+  std::size_t count = 0, intervals = 0, table_size = 0, unknowns = 0;
   Real per_interval = 1, intervals_per = 1, counts_per_volt = 1;  // psi, and its reciprocal
   double interval_s = 0.0, tare_share = 0.0;
   int gap = 0, longest_gap = 0;

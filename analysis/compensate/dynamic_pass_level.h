@@ -23,6 +23,9 @@ TACTBENCH_PASS_TARGET unsigned DynamicPasses<Real>::TACTBENCH_PASS_LEVEL(Dynamic
     const Real share = one / (one + b.creep_scale[i] * sum), y = above * share;
     b.last_share[i] = share;
     outputs[i] = y;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Real one = 1, zero = 0, y = outputs[i];
     const Real weight0 = b.weight[i], mean0 = b.mean[i], steps0 = b.steps[i];
     const Real off = y - mean0, off2 = off * off;
     const Real step = off2 * (one - Real(0.5) * weight0);
