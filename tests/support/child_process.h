@@ -9,12 +9,32 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace tactbench::tests {
+
+// SIGSTOP, and waits until no thread of the process runs on: one whose turn the busy machine puts off delays the stop
+// of all.
+inline void stop_process(pid_t process) {
+  kill(process, SIGSTOP);
+  const auto runs = [](const std::filesystem::path& stat) {
+    std::string line;
+    std::getline(std::ifstream(stat), line);  // "ID (name) STATE ..."; nothing when the thread has ended meanwhile
+    const std::size_t at = line.rfind(')');
+    return at != std::string::npos && std::string("TtZX").find(line.at(at + 2)) == std::string::npos;
+  };
+  for (bool any = true; any; usleep(1000)) {
+    any = false;
+    std::error_code gone;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone))
+      any = any || runs(thread.path() / "stat");
+  }
+}
 
 class ChildProcess {
  public:
@@ -49,7 +69,11 @@ class ChildProcess {
 
   [[nodiscard]] pid_t pid() const { return child_; }
   void signal(int number) const {
-    if (child_ > 0) kill(child_, number);
+    if (child_ <= 0) return;
+    if (number == SIGSTOP)
+      stop_process(child_);
+    else
+      kill(child_, number);
   }
   // Its exit code, -signal when one ended it; none when it lives on for `timeout`.
   std::optional<int> ended_within(std::chrono::milliseconds timeout) {

@@ -143,7 +143,7 @@ TEST_CASE("dead-man watched: a frozen one ends the run with its own error, and t
   Watched rig;
   rig.start_long();
   const auto frozen = std::chrono::steady_clock::now();
-  kill(rig.dead_man(), SIGSTOP);
+  stop_process(rig.dead_man());
   REQUIRE(Watched::wait_for([&] { return rig.psi() < 1.0; }));
   const double vented_s = seconds_since(frozen);
   WARN(fmt::format("FIGURE vented_after_dead_man_froze {:.2f} s, its time {:g} s", vented_s, kTimeout));
@@ -157,7 +157,7 @@ TEST_CASE("dead-man watched: one that was stopped for less than its timeout cont
   rig.start_long();
   const pid_t dead_man = rig.dead_man();
   for (int i = 0; i < 3; ++i) {
-    kill(dead_man, SIGSTOP);
+    stop_process(dead_man);
     usleep(static_cast<useconds_t>(0.2 * kTimeout * 1e6));
     kill(dead_man, SIGCONT);
     usleep(static_cast<useconds_t>(0.5 * kTimeout * 1e6));
@@ -174,7 +174,7 @@ TEST_CASE("dead-man watched: one that is frozen until its run has ended does not
   Watched rig;
   rig.start_long();
   const pid_t dead_man = rig.dead_man();
-  kill(dead_man, SIGSTOP);
+  stop_process(dead_man);
   REQUIRE(Watched::wait_for([&] { return rig.psi() < 2.0; }));  // the run is on its way out
   kill(dead_man, SIGCONT);
   rig.check_ended_by("TB-DEADMAN-SILENT");
@@ -231,7 +231,7 @@ TEST_CASE("dead-man watched: calibrate-reference ends when it is lost while the 
     CHECK_THAT(rig.log(), Catch::Contains("[TB-DEADMAN-ENDED]"));
   }
   SECTION("frozen") {
-    kill(dead_man, SIGSTOP);
+    stop_process(dead_man);
     CHECK(rig.program->wait() == 4);
     CHECK_THAT(rig.log(), Catch::Contains("[TB-DEADMAN-SILENT]"));
   }
