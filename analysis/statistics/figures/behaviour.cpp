@@ -146,9 +146,9 @@ std::optional<ZeroReturn> zero_return_of(const SequenceData& data, std::size_t w
     if (steps[i].setpoint_psi != lowest) away = away || first < steps.size();
     if (steps[i].setpoint_psi != lowest) continue;
     first = std::min(first, i);
-    last = i;
+    if (away) last = i;
   }
-  if (!away || last <= first) return std::nullopt;
+  if (last == 0) return std::nullopt;
   ZeroReturn result;
   result.sequence = data.name;
   result.repeats = static_cast<int>(data.repeats.size());

@@ -107,6 +107,43 @@ TEST_CASE("zero return by hand: the mean of the repeats, the largest of one, the
   CHECK(b.zero_returns[0].worst_taxel_v == Approx(-0.004 / 3));
 }
 
+TEST_CASE("zero return by hand: from the first time at the lowest pressure to the last, wherever the sequence begins") {
+  // Both taxels' outputs are 1 V and 2 V at the lowest pressure; each time there has its own excess in mV.
+  struct Way {
+    const char* what;
+    std::vector<double> setpoints, first_mv, second_mv;
+    double mean_mv;  // nothing: not a number
+    int worst;
+    double worst_mv;
+  };
+  const std::vector<Way> ways = {
+      {"begins above it", {30, 0, 30, 60, 30, 0}, {50, 1, 50, 50, 50, 4}, {70, 2, 70, 70, 70, 1}, 1.0, 0, 3.0},
+      {"ends above it", {0, 60, 0, 40}, {1, 50, 3, 50}, {1, 70, 7, 70}, 4.0, 1, 6.0},
+      {"three times", {20, 0, 60, 0, 60, 0, 20}, {9, 1, 9, 50, 9, 2, 9}, {9, 1, 9, 70, 9, -4, 9}, -2.0, 1, -5.0},
+      {"rests there first", {0, 0, 60, 0}, {1, 50, 9, 2}, {1, 70, 9, 2}, 1.0, 0, 1.0},
+      {"the lowest is not 0", {40, 20, 60, 20}, {9, 5, 9, 2}, {9, 5, 9, 1}, -3.5, 1, -4.0},
+      {"never goes away", {0, 0, 0}, {1, 2, 3}, {1, 2, 3}, std::nan(""), 0, 0},
+      {"does not come back", {40, 0, 0, 40}, {1, 2, 3, 4}, {1, 2, 3, 4}, std::nan(""), 0, 0},
+      {"is there once", {40, 0, 40}, {1, 2, 3}, {1, 2, 3}, std::nan(""), 0, 0}};
+  for (const Way& way : ways) {
+    INFO(way.what);
+    Repeat repeat;
+    for (std::size_t i = 0; i < way.setpoints.size(); ++i) {
+      repeat.steps.push_back({way.setpoints[i], way.setpoints[i]});
+      repeat.volts.insert(repeat.volts.end(), {1 + 1e-3 * way.first_mv[i], 2 + 1e-3 * way.second_mv[i], 9.0});
+    }
+    const Behaviour b = behaviour_of(dataset_of({{"way", {repeat}}}), {0, 1});
+    REQUIRE(b.zero_returns.size() == (std::isnan(way.mean_mv) ? 0 : 1));
+    if (b.zero_returns.empty()) continue;
+    CHECK(b.zero_returns[0].sequence == "way");
+    CHECK(b.zero_returns[0].repeats == 1);
+    CHECK(b.zero_returns[0].mean_v == Approx(1e-3 * way.mean_mv));
+    CHECK(b.zero_returns[0].largest_v == Approx(1e-3 * way.mean_mv));
+    CHECK(b.zero_returns[0].worst_taxel == way.worst);
+    CHECK(b.zero_returns[0].worst_taxel_v == Approx(1e-3 * way.worst_mv));
+  }
+}
+
 TEST_CASE("repeatability by hand: of the mean taxel and of single taxels, each branch for itself") {
   // Three repeats. Up at 20 psi the live taxels have -1 0 1 and 1 0 -1 mV beside their output: 1 mV each, none in the
   // mean. Down they have -1 0 1 and -3 0 3 mV: 1 and 3 mV, 2 in the mean.

@@ -1,0 +1,133 @@
+// When the scale of U is found from runs, condition by condition: on taxels that are straight lines, by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/uncertainty/budget_maker.h"
+#include "tests/analysis/support/straight_array.h"
+#include "tests/analysis/support/uncertainty_example.h"
+
+using namespace tactbench;
+using namespace straight_array;
+
+namespace {
+
+// Both taxels read `off` too much at every step between the two ends.
+Repeat offset_way(const std::vector<double>& setpoints, double off) {
+  std::vector<Sample> steps;
+  Readings readings;
+  for (std::size_t i = 0; i < setpoints.size(); ++i) {
+    steps.push_back({setpoints[i], setpoints[i], 0.0, 1.0});
+    readings.first_psi.push_back(setpoints[i] + (setpoints[i] == 0.0 || setpoints[i] == 60.0 ? 0.0 : off));
+  }
+  readings.second_psi = readings.first_psi;
+  return repeat_of(steps, readings);
+}
+
+const std::vector<double> kWholeWay{0, 20, 40, 60, 40, 20, 0}, kPartWay{0, 20, 40, 20};
+
+// The calibration reads 0.1 psi too much and too little: 0.1 sqrt 2 of scatter, and half its square of the mean.
+Dataset scattered_calibration(bool inner) {
+  std::vector<SequenceData> sequences{{"loop", {offset_way(kWholeWay, 0.1), offset_way(kWholeWay, -0.1)}}};
+  if (inner) sequences.push_back({"inner", {offset_way(kPartWay, 0.2)}});
+  return dataset_of(std::move(sequences));
+}
+
+Dataset run_that_errs(std::int64_t number, const std::string& sequence, const std::vector<double>& way, double off) {
+  Dataset run = dataset_of({{sequence, {offset_way(way, off)}}});
+  run.run = number;
+  return run;
+}
+
+struct ScaleCase {
+  Dataset calibration;
+  SensorModel fit = straight_fit();
+  SweepErrors errors;
+  ReferenceUncertainty reference;
+  UncertaintyInputs inputs;
+  explicit ScaleCase(bool inner = false) : calibration(scattered_calibration(inner)) {
+    reference.certificate_missing = reference.drift_missing = reference.resolution_missing = "none";
+    errors = sweep_errors(calibration, fit);
+  }
+  [[nodiscard]] BudgetMaker maker() const { return {calibration, fit, errors, reference, 0.0, inputs, 1}; }
+};
+
+constexpr std::size_t kAt40Up = 2;  // of the levels: 0, 20, 40, 60 up, then down
+
+constexpr UseCondition kAllConditions[] = {
+    UseCondition::kStated,           UseCondition::kFullSweeps, UseCondition::kFittedBranches,
+    UseCondition::kAnyHistory,       UseCondition::kOtherDwell, UseCondition::kHeld,
+    UseCondition::kOtherTemperature, UseCondition::kRemounted,  UseCondition::kLater};
+
+}  // namespace
+
+TEST_CASE("coverage scale: without runs, and of one held-out run alone, U is not scaled under any condition") {
+  ScaleCase made(true);
+  const Dataset one = run_that_errs(5, "other", kPartWay, 0.5);
+  const std::vector<const Dataset*> none, alone{&one};
+  for (int which = 0; which < 7; ++which) {
+    made.inputs.history = {};
+    if (which == 1) made.inputs.history.same = alone;
+    if (which == 2) made.inputs.history.dwelt = alone;
+    if (which == 3) made.inputs.history.warm = alone;
+    if (which == 4) made.inputs.history.mounted = alone;
+    if (which == 5) made.inputs.history.later = alone;
+    if (which == 6) made.inputs.history.paced = alone;
+    const BudgetMaker maker = made.maker();
+    for (const UseCondition condition : kAllConditions) {
+      CAPTURE(which, static_cast<int>(condition));
+      CHECK(maker.scale_of(condition) == 1.0);
+      CHECK_THAT(maker.basis(condition == UseCondition::kRemounted ? UseCondition::kLater : condition),
+                 !Catch::Contains("times"));
+    }
+  }
+}
+
+TEST_CASE("coverage scale: one run of the calibration's own sequences tells it for full sweeps and fitted branches") {
+  ScaleCase made(true);
+  // It errs by 0.4 psi at each step between the ends. Own rows: 0.02 and 0.01; the excess row holds what 0.16 has
+  // beyond them, so that u of full sweeps is 0.4 psi. U of that would be k times the errors, which it is scaled down
+  // to.
+  Dataset again = run_that_errs(7, "loop", kWholeWay, 0.4);
+  again.sequences.push_back({"inner", {offset_way(kPartWay, 0.4)}});
+  made.inputs.history.same = {&again};
+  const BudgetMaker maker = made.maker();
+  CHECK(maker.scale_of(UseCondition::kStated) == 1.0);
+  CHECK(maker.scale_of(UseCondition::kAnyHistory) == 1.0);
+  const Budget sweeps = maker.budget(0, kAt40Up, UseCondition::kFullSweeps);
+  CHECK(sweeps.expanded_psi == Approx(0.4).epsilon(0.03));
+  CHECK(maker.scale_of(UseCondition::kFittedBranches) != 1.0);
+  // Of the fitted branches every error is 0.4 psi, too: U holds it.
+  CHECK(maker.budget(0, kAt40Up, UseCondition::kFittedBranches).expanded_psi >= 0.4 * 0.98);
+}
+
+TEST_CASE("coverage scale: two runs that err alike tell each condition its own, others take that of any history") {
+  ScaleCase made;
+  const Dataset one = run_that_errs(5, "other", kPartWay, 0.5), two = run_that_errs(6, "other", kPartWay, 0.5);
+  const std::vector<const Dataset*> both{&one, &two};
+  // Of each condition in turn: whether U is scaled.
+  const auto scaled = [&] {
+    const BudgetMaker maker = made.maker();
+    std::string found;
+    for (const UseCondition condition :
+         {UseCondition::kStated, UseCondition::kAnyHistory, UseCondition::kOtherDwell, UseCondition::kHeld,
+          UseCondition::kOtherTemperature, UseCondition::kRemounted, UseCondition::kLater})
+      found += maker.scale_of(condition) == 1.0 ? "-" : "s";
+    return found;
+  };
+  made.inputs.history.same = both;
+  CHECK(scaled() == "-ssssss");
+  made.inputs.history = {};
+  made.inputs.history.dwelt = both;
+  CHECK(scaled() == "--s----");
+  made.inputs.history = {};
+  made.inputs.history.warm = both;
+  CHECK(scaled() == "----s--");
+  made.inputs.history = {};
+  made.inputs.history.mounted = both;
+  CHECK(scaled() == "-----s-");
+  made.inputs.history = {};
+  made.inputs.history.later = both;
+  CHECK(scaled() == "------s");
+}
