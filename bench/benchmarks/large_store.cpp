@@ -62,7 +62,9 @@ void add_bulk(db::RunStore& store, int number, int runs, std::vector<db::FrameRe
   store.replace_verdicts(run, models, verdicts);
 }
 
-void make_store(const std::string& path, int runs, const std::string& real) {
+}  // namespace
+
+void make_large_store(const std::string& path, int runs, const std::string& real) {
   db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
   store.add_sensor({"B-1", "synthetic", "", db::sha256_hex(""), "", "", ""});
   std::vector<db::FrameRecord> frames;
@@ -80,8 +82,6 @@ void make_store(const std::string& path, int runs, const std::string& real) {
   store.copy_runs_from(db::RunStore::open_read_only(real), {1, 2});
 }
 
-}  // namespace
-
 std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int rounds, const std::string& folder) {
   FigureList figures("large-store");
   const OwnProgram program(folder);
@@ -93,7 +93,7 @@ std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int roun
   program.run({"fit", "1", "--held-out", "2", "--limits", "limits.toml", "--db", "real.db"});
   for (const int count : runs) {
     const std::string store = fmt::format("{}.db", count), path = fmt::format("{}/{}", folder, store);
-    make_store(path, count, folder + "/real.db");
+    make_large_store(path, count, folder + "/real.db");
     const std::string real = std::to_string(count - 1);
     const auto add = [&](const char* name, const std::vector<std::string>& words) {
       std::vector<std::string> all = words;

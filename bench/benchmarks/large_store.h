@@ -13,4 +13,7 @@ namespace tactbench::bench {
 // wall clock. Throws std::runtime_error when a verb fails.
 std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int rounds, const std::string& folder);
 
+// Such a store at `path`: as many runs, the last two of them runs 1 and 2 of the store `real`.
+void make_large_store(const std::string& path, int runs, const std::string& real);
+
 }  // namespace tactbench::bench
