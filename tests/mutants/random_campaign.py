@@ -4,8 +4,8 @@
     random_campaign.py BUILD_DIR [--seed N] [--mutants N] [--room R...] [--jobs N] [--table FILE.md] [--only ID...]
 
 Draws mutants at random, as many in each room, and tries each against those tests of its room that reach it: unit tests, then
-wire tests, then slow and realtime ones, of those that are built in BUILD_DIR. The same seed on the same sources draws the
-same mutants.
+wire tests, then slow and realtime ones, then for the fleet's sources its scripts, of those that are
+built in BUILD_DIR. The same seed on the same sources draws the same mutants.
 Exit code 0: of the killable mutants of each room at least the goal's share was killed; 1: fewer; 2: usage, or the build
 cannot be used. README.md tells the rest.
 """

@@ -8,7 +8,7 @@ import sys
 import tempfile
 
 import random_campaign
-from random_parts import build_tree, changes, equivalents, syntax, test_runs, trial, weave, woven_room
+from random_parts import build_tree, changes, equivalents, fleet_tests, measured, syntax, test_runs, trial, weave
 
 OPTIONS = ["-xc++", "-w", "-std=c++20"]
 SOURCE = '''// a < b && c + 1 in a comment; note(4);
@@ -127,10 +127,9 @@ def check_woven(folder):
     parts = pathlib.Path(weave.__file__).parent
     subprocess.run(["c++", "-std=c++20", f"-I{parts.parents[2]}", f'-DTACTBENCH_MUTANT_CONTROL="{control}"', copy, parts / "woven_control.cpp", "-o",
                     folder / "woven"], check=True)
-    woven_room.choose(folder, 0)
 
     def result_of(number):
-        woven_room.choose(folder, number)
+        measured.choose(folder, number)
         return subprocess.run([folder / "woven"], check=False).returncode
     assert result_of(0) == 32, result_of(0)
     for number, change in enumerate(found, 1):
@@ -138,8 +137,44 @@ def check_woven(folder):
         plain.write_text(changes.changed(WOVEN, change))
         subprocess.run(["c++", "-std=c++20", plain, "-o", folder / "plain"], check=True)
         assert result_of(number) == subprocess.run([folder / "plain"], check=False).returncode, changes.shown(change)
-    reached = (folder / "control").read_bytes()[4:]
-    assert all(reached[number] for number in weaves), reached[:40]
+    assert result_of(0) == 32
+    missed = set(weaves) - measured.reached_since_chosen(folder)
+    assert [found[number - 1].old for number in missed] == ["100"], missed  # which the condition before it leaves out
+    measured.choose(folder, 0)
+    assert not measured.reached_since_chosen(folder)
+
+
+TESTS = """
+set(python /usr/bin/python3 -c "exit(__import__('subprocess').call(__import__('sys').argv[1]) != 32)")
+add_test("common starts" ${python} FOLDER/tactbench)
+set_tests_properties("common starts" PROPERTIES LABELS fleet FIXTURES_SETUP common)
+add_test("runs" ${python} FOLDER/tactbench)
+add_test("skips" /bin/sh -c "exit 77" FOLDER/tactbench)
+add_test("fails" /bin/false FOLDER/tactbench)
+add_test("starts nothing" /bin/true)
+set_tests_properties("runs" "skips" "fails" "starts nothing" PROPERTIES LABELS fleet FIXTURES_REQUIRED common)
+add_test("of another label" ${python} FOLDER/tactbench)
+"""
+
+
+def check_fleet(folder):
+    """Of the scripts those count that pass with the woven program; what they reach is known, and a mutant fails in them."""
+    build = folder / "fleet"
+    build.mkdir()
+    (build / "CTestTestfile.cmake").write_text(TESTS.replace("FOLDER", str(build)))
+    assert list(fleet_tests.scripts(build)) == ["runs", "skips", "fails", "starts nothing"], fleet_tests.scripts(build)
+    said = []
+    script, = fleet_tests.measured(build, folder / "woven", folder, said.append)
+    assert ["left out" in line for line in said] == [False, True, True] and "skipped" in said[1], said
+    assert script.name == "runs" and set(script.reached) == set(script.seconds) == {"runs"} and script.reached["runs"], script
+    for number in (0, *script.reached["runs"]):
+        measured.choose(folder, number)
+        as_it_was = subprocess.call([folder / "woven"]) == 32
+        assert as_it_was or number != 0
+        outcome = script.run(lambda name: folder / "woven", ["runs"])
+        assert (outcome.passed, outcome.failed, outcome.ran) == (as_it_was, [] if as_it_was else ["runs"], 1), number
+    assert fleet_tests.may_tell("bench/cli/fleet/push.cpp") and not fleet_tests.may_tell("db/run_store.cpp")
+    assert fleet_tests.scripts(folder / "no build folder") == {}
 
 
 def build_folder(folder):
@@ -242,6 +277,7 @@ def read(path):
 with tempfile.TemporaryDirectory(prefix="tactbench-mutants-") as name:
     check_positions(pathlib.Path(name))
     check_woven(pathlib.Path(name))
+    check_fleet(pathlib.Path(name))
     built = build_folder(pathlib.Path(name))
     check_draw(built)
     check_equivalents(built, pathlib.Path(name))

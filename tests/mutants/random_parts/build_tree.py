@@ -19,8 +19,10 @@ import threading
 from . import test_runs
 
 ROOMS = ("analysis", "bench", "db", "devices", "sequences")
-# In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own.
-STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"))
+# In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own. Those of
+# the label fleet are scripts, and of all rooms.
+FLEET = ("fleet",)
+STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"), FLEET)
 COMPILER = re.compile(r"(.*/)?(g\+\+|c\+\+|clang\+\+)(-\d+)?")
 DROPPED = re.compile(r"-O.*|-g.*|-flto.*|-Werror.*|-MD|-MMD")
 COMPUTING = ("analysis/", "bench/benchmarks/", "bench/simulation/")  # whose tests would take long without optimization

@@ -18,6 +18,7 @@ MARK = "TACTBENCH_MUTANT_TRIAL"  # in the environment of what one run of tests s
 CAMPAIGN = "TACTBENCH_MUTANT_CAMPAIGN"  # in that of all that the campaign starts
 MEMORY_BYTES = 6 << 30  # of address space, a process; the unchanged tests keep within it
 FILE_BYTES = 1 << 30
+REPORT = "tests.xml"  # of Catch2, in the folder of the run
 LONGEST_OUTPUT = 8 << 20  # bytes of the executable's report that are read, from its end
 
 
@@ -43,6 +44,7 @@ class Outcome:
     ran: int  # tests that were begun
     wall_s: float
     cpu_s: float
+    code: int = 0  # as wait4() tells it
 
 
 def spec(name):
@@ -71,6 +73,17 @@ def end_all(mark, value):
                 pass  # it has ended, or is another user's
 
 
+def end_below(folder):
+    """Ends every process that works below the folder: PostgreSQL's own overwrite their environment."""
+    for entry in pathlib.Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                if pathlib.Path(os.readlink(entry / "cwd")).is_relative_to(folder):
+                    os.kill(int(entry.name), signal.SIGKILL)
+            except OSError:
+                pass  # it has ended
+
+
 def begin_campaign():
     """From here on SIGINT and SIGTERM end what was started, and let each thread clean up behind itself."""
     os.environ[CAMPAIGN] = uuid.uuid4().hex
@@ -85,20 +98,31 @@ def begin_campaign():
 
 def run(executable, words, limit, more=None):
     """The outcome of the executable with more words, e.g. names of tests; `more`: what else its environment holds."""
+    status, timed_out, text, wall_s, cpu_s = bounded([str(executable), *words, "-r", "xml", "-o", REPORT], limit, more or {})
+    return Outcome(status == 0, timed_out, failed_tests(text, status != 0), text.count("<TestCase "), wall_s, cpu_s, status)
+
+
+def run_script(name, command, limit, more):
+    """The outcome of a script that is one test, of this name."""
+    status, timed_out, _, wall_s, cpu_s = bounded(command, limit, more)
+    return Outcome(status == 0, timed_out, [name] if status != 0 else [], 1, wall_s, cpu_s, status)
+
+
+def bounded(command, limit, more):
+    """Carries out a command in a folder that goes with it: status, whether it took too long, its report, and its times."""
     if stopping.is_set():
         raise Stopped
     mark = uuid.uuid4().hex
     folder = tempfile.mkdtemp(prefix="tbm-")  # short: paths of sockets lie in it
     os.chmod(folder, 0o755)  # as /tmp is for tests that give up root's rights
-    places = {name: folder for name in ("TMPDIR", "HOME", "XDG_STATE_HOME")}
+    places = {name: folder for name in ("TMPDIR", "HOME", "XDG_STATE_HOME", "TACTBENCH_TEST_PLACE")}
     bounds = [f"--as={MEMORY_BYTES}", f"--fsize={FILE_BYTES}", "--core=0", f"--cpu={int(limit.cpu_s) + 1}"]
-    report = pathlib.Path(folder, "tests.xml")
+    report = pathlib.Path(folder, REPORT)
     begun = time.monotonic()
     try:
         with open(os.path.join(folder, "said"), "wb") as said:
-            process = subprocess.Popen(["prlimit", *bounds, str(executable), *words, "-r", "xml", "-o", report], cwd=folder,
-                                       env={**os.environ, **(more or {}), **places, MARK: mark}, stdin=subprocess.DEVNULL, stdout=said,
-                                       stderr=said, start_new_session=True)
+            process = subprocess.Popen(["prlimit", *bounds, *command], cwd=folder, env={**os.environ, **more, **places, MARK: mark},
+                                       stdin=subprocess.DEVNULL, stdout=said, stderr=said, start_new_session=True)
         status, usage = waited(process, begun + limit.wall_s)
         timed_out = status is None
         if timed_out:
@@ -110,10 +134,10 @@ def run(executable, words, limit, more=None):
         end_all(MARK, mark)
         text = report.read_bytes()[-LONGEST_OUTPUT:].decode("utf-8", "replace") if report.exists() else ""
     finally:
+        end_below(folder)
         shutil.rmtree(folder, ignore_errors=True)
     timed_out |= os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL)
-    return Outcome(status == 0, timed_out, failed_tests(text, status != 0), text.count("<TestCase "), time.monotonic() - begun,
-                   usage.ru_utime + usage.ru_stime)
+    return status, timed_out, text, time.monotonic() - begun, usage.ru_utime + usage.ru_stime
 
 
 def waited(process, deadline):

@@ -7,7 +7,7 @@ executable. So neither a flaky test nor one that the way of building breaks can 
 """
 import dataclasses
 
-from . import build_tree, test_runs, woven_room
+from . import build_tree, fleet_tests, woven_room
 from .changes import changed
 
 # For each room a function of internal linkage that its unit tests surely enter: its first statement becomes a throw. The
@@ -94,6 +94,8 @@ class Room:
         return Verdict("survived", "", reached)
 
     def try_change(self, change, slot, stages=build_tree.STAGES):
+        if not fleet_tests.may_tell(change.file):
+            stages = [stage for stage in stages if stage != build_tree.FLEET]
         number = self.woven.numbers.get(change.id)
         if number is not None:
             return self.try_subject(woven_room.Woven(self.woven, slot, number), stages)

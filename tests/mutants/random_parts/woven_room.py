@@ -3,40 +3,16 @@ import dataclasses
 import pathlib
 import re
 import shutil
-import struct
-import tempfile
 import threading
 
-from . import build_tree, test_runs, weave
+from . import build_tree, fleet_tests, test_runs, weave
+from .measured import Measured, choose
 
 HERE = pathlib.Path(__file__).resolve().parent
 SELF_CHECK = 1  # number of the mutant that has to be killed
-CONTROL_BYTES = 1 << 16  # woven.h
 ERROR = re.compile(r"^(/[^:\n]*\.cpp):(\d+):(?:\d+:)? (?:fatal )?error", re.MULTILINE)
 ATTEMPTS = 8  # to compile a unit, each without what failed
-
-
-@dataclasses.dataclass
-class Measured:
-    """An executable of tests without a mutant."""
-    name: str
-    wall_s: float
-    cpu_s: float
-    seconds: dict  # of each test that passes, in their order
-    reached: dict  # test -> numbers of the places that it reaches
-    before: set  # numbers reached before the first test
-
-    def limit(self, names):
-        """What a mutant of these tests may take. Waits stretch on a busy machine, computation does not."""
-        wall = sum(self.seconds[name] for name in names)
-        return test_runs.Limit(6 * wall + 30, 3 * wall * max(1.0, self.cpu_s / self.wall_s) + 10)
-
-    def batches(self, names):
-        """The names, quick tests first."""
-        for low, high in ((0.0, 0.2), (0.2, 2.0), (2.0, float("inf"))):
-            batch = [name for name in names if low <= self.seconds[name] < high]
-            if batch:
-                yield batch
+PROGRAM = "tactbench"
 
 
 class WovenRoom:
@@ -122,7 +98,9 @@ class WovenRoom:
         """Measures the executables of a stage once, without a mutant."""
         with self.lock:
             if stage not in self.measured:
-                found = [self.measure(name, slot) for name in self.tree.executables(self.name, stage)]
+                found = [self.measure(name, slot) for name in self.tree.executables(self.name, stage)] \
+                    if stage != build_tree.FLEET else \
+                    fleet_tests.measured(self.tree.folder, self.linked(PROGRAM, slot), slot, self.say)
                 self.measured[stage] = sorted(found, key=lambda m: m.wall_s)
                 if not found and stage != build_tree.STAGES[1]:
                     self.say(f"{self.name}: no tests of the label {stage[0]} are built")
@@ -167,11 +145,11 @@ class WovenRoom:
 
     def link(self, target, objects, more, folder):
         """Links an executable; where the tests start the program, a program of the same objects, too."""
-        if self.program:
-            if not (folder / "tactbench").exists():
-                self.tree.link("tactbench", objects, folder / "tactbench")
-            more = [*more, self.paths(folder)]
-        self.tree.link(target, [*objects, *more], folder / target)
+        if (self.program or target == PROGRAM) and not (folder / PROGRAM).exists():
+            self.tree.link(PROGRAM, objects, folder / PROGRAM)
+        if target != PROGRAM:
+            more = [*more, self.paths(folder)] if self.program else more
+            self.tree.link(target, [*objects, *more], folder / target)
 
     def paths(self, folder):
         """The object that tells the tests where the program lies: in `folder`."""
@@ -179,7 +157,7 @@ class WovenRoom:
         if not output.exists():
             recipe = self.tree.paths
             words = [w for w in recipe.words if not w.startswith("-DTACTBENCH_PROGRAM=")]
-            words.append(f'-DTACTBENCH_PROGRAM="{folder / "tactbench"}"')
+            words.append(f'-DTACTBENCH_PROGRAM="{folder / PROGRAM}"')
             source = self.tree.source / "tests/support/paths.cpp"
             if self.tree.compile(dataclasses.replace(recipe, words=words), source, output):
                 raise build_tree.Unusable("tests/support/paths.cpp cannot be compiled")
@@ -192,24 +170,6 @@ def weavable(text, chosen, path):
     except weave.Unwoven:
         return False
     return True
-
-
-def choose(slot, number):
-    """From here on the slot's executables are this mutant; 0: none."""
-    path = slot / "control"
-    if not path.exists():
-        path.write_bytes(bytes(CONTROL_BYTES))
-        path.chmod(0o666)  # as tests write it that gave up root's rights
-    with open(path, "r+b") as file:
-        file.write(struct.pack("=i", number))
-
-
-def run_named(executable, names, limit):
-    """Runs the tests of these names up to the first failure."""
-    with tempfile.NamedTemporaryFile("w", prefix="tbm-", suffix=".names", encoding="utf-8") as file:
-        file.write("".join(test_runs.spec(name) + "\n" for name in names))
-        file.flush()
-        return test_runs.run(executable, ["-a", "-w", "NoTests", "-f", file.name], limit)
 
 
 class Woven:
@@ -228,13 +188,13 @@ class Woven:
     def run(self, measured, names):
         choose(self.slot, self.number)
         try:
-            return run_named(self.room.linked(measured.name, self.slot), names, measured.limit(names))
+            return self.run_unmutated(measured, names)
         finally:
             choose(self.slot, 0)
 
     def run_unmutated(self, measured, names):
-        choose(self.slot, 0)
-        return run_named(self.room.linked(measured.name, self.slot), names, measured.limit(names))
+        """Outside of run(), where no mutant is chosen."""
+        return measured.run(lambda name: self.room.linked(name, self.slot), names)
 
 
 class Alone:
@@ -257,9 +217,11 @@ class Alone:
         return list(measured.seconds)
 
     def run_of(self, folder, unit_object, measured, names):
-        if not (folder / measured.name).exists():
-            self.room.link(measured.name, [unit_object()], [], folder)
-        return run_named(folder / measured.name, names, measured.limit(names))
+        def linked(name):
+            if not (folder / name).exists():
+                self.room.link(name, [unit_object()], [], folder)
+            return folder / name
+        return measured.run(linked, names)
 
     def run(self, measured, names):
         return self.run_of(self.slot / "alone", lambda: self.slot / "alone" / "unit.o", measured, names)
