@@ -33,6 +33,10 @@ void Link::State::flush() const {
   }
 }
 
+void Link::State::send(const std::string& sql) const {
+  if (libpq().PQsendQuery(handle, sql.c_str()) != 1) fail_link();
+}
+
 Result Link::State::next() const {
   flush();
   while (libpq().PQisBusy(handle) != 0) {
@@ -88,12 +92,12 @@ std::vector<TextRow> Link::query(const std::string& sql, const std::vector<std::
 }
 
 void Link::execute(const std::string& script) {
-  if (libpq().PQsendQuery(state_->handle, script.c_str()) != 1) state_->fail_link();
+  state_->send(script);
   (void)state_->finish(PGRES_COMMAND_OK);
 }
 
 void Link::copy_in(const std::string& sql, const std::function<bool(std::string&)>& more) {
-  if (libpq().PQsendQuery(state_->handle, sql.c_str()) != 1) state_->fail_link();
+  state_->send(sql);
   if (libpq().PQresultStatus(state_->finish(PGRES_COPY_IN).get()) != PGRES_COPY_IN) state_->fail(nullptr);
   std::string buffer;
   try {
@@ -121,7 +125,7 @@ void Link::copy_in(const std::string& sql, const std::function<bool(std::string&
 }
 
 void Link::copy_out(const std::string& sql, const std::function<void(std::string_view)>& take) {
-  if (libpq().PQsendQuery(state_->handle, sql.c_str()) != 1) state_->fail_link();
+  state_->send(sql);
   if (libpq().PQresultStatus(state_->finish(PGRES_COPY_OUT).get()) != PGRES_COPY_OUT) state_->fail(nullptr);
   struct Piece {
     char* bytes = nullptr;

@@ -61,6 +61,7 @@ struct Link::State {
 
   void wait(bool also_write, Time::time_point deadline) const;  // until the socket can be read, or also written
   void flush() const;
+  void send(const std::string& sql) const;       // statements without parameters
   [[nodiscard]] Result next() const;             // of the statement under way; none: it is over
   Result finish(ExecStatusType expected) const;  // its last result; an error of any is thrown after all were read
   [[noreturn]] void fail_link() const;

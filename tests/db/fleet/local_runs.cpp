@@ -2,6 +2,8 @@
 #include "db/fleet/local_runs.h"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "db/fleet/remarks.h"
@@ -134,4 +136,23 @@ TEST_CASE("fleet: the note keeps what was pushed by fleet, and a store without o
   fleet::PushedNote nowhere(folder.path("no/such/folder.db"), "a");
   nowhere.keep(run, "t");
   CHECK(nowhere.fingerprints().empty());
+}
+
+TEST_CASE("fleet: a note that is damaged, or loses its tables, is as if nothing was pushed") {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
+  const fleet::LocalRun run{1, "uuid-1", "content", "2026-01-01", "print"};
+  std::ofstream(path + "-fleet") << std::string(4096, 'x');
+  CHECK(fleet::PushedNote(path, "a").fingerprints().empty());
+  CHECK(fleet::PushedNote(path, "a").last().error.empty());
+  std::filesystem::remove(path + "-fleet");
+
+  fleet::PushedNote pushing(path, "a"), trying(path, "a");
+  pushing.keep(run, "2026-01-02T00:00:00Z");
+  CHECK(trying.fingerprints().size() == 1);
+  sqlite::Connection(path + "-fleet", sqlite::Access::kReadWrite).execute("DROP TABLE pushed; DROP TABLE fleets");
+  pushing.keep(run, "2026-01-03T00:00:00Z");
+  CHECK(pushing.fingerprints().empty());
+  trying.keep_try("2026-01-03T00:00:00Z", "away");
+  CHECK(trying.last().error.empty());
 }
