@@ -71,6 +71,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, \
         refused(push(bench), 3, "TB-FLEET-LOGIN", ".pgpass")
         trusting = bench.replace("127.0.0.1", "localhost") + f" hostaddr=127.0.0.1 sslmode=verify-full sslrootcert={keys}/server.crt"
         refused(push(trusting, PGPASSWORD="right"), 3, "TB-FLEET-TLS", "expired")
+        refused(push(trusting.replace("server.crt", "none.crt"), PGPASSWORD="right"), 3, "TB-FLEET-TLS", "none.crt")
         refused(push(server.conninfo("no_such")), 3, "TB-FLEET-CONNECT", "no_such")
         refused(push(bench.replace(f"port={server.port}", "port=1"), PGPASSWORD="right"), 3, "TB-FLEET-CONNECT", "refused")
         refused(push("nonsense"), 2, "TB-FLEET-CONNINFO")

@@ -1,4 +1,4 @@
-"""A server that falls silent, cannot keep a text, or holds something else than was sent; and runs of one serial with two
+"""A server that does not answer, or has no TLS, falls silent, cannot keep a text, or holds something else than was sent; and runs of one serial with two
 registrations. What the bench is told, by which exit code, and that nothing is lost, doubled or kept by half.
 
     server_errors.py PROGRAM
@@ -7,9 +7,11 @@ registrations. What the bench is told, by which exit code, and that nothing is l
 import os
 import shutil
 import signal
+import socket
 import sqlite3
 import sys
 import tempfile
+import time
 
 from libpq import Session
 from server import LONGEST_S, Program, comes_true, content_of, expect, make_store, server_for, skip_unless_possible
@@ -44,6 +46,22 @@ def nothing_of(server, database, uuid):
     expect(server.sql(f"SELECT count(*) FROM fleet.runs WHERE uuid = '{uuid}'", database) == [["0"]], "no half of a run")
     expect(server.sql("SELECT count(*) FROM fleet.frames f WHERE NOT EXISTS (SELECT 1 FROM fleet.runs r WHERE r.run = f.run)",
                       database) == [["0"]], "no frame of no run")
+
+
+def at_the_door(server, lab):
+    """A server without TLS for a bench that asks for it; and one that does not answer, which a bench is told to leave."""
+    server.new_fleet(lab, "door")
+    told(lab.run("fleet", "push", "--to", server.conninfo("door", sslmode="require"), code=None), 3, "TB-FLEET-TLS", "does not support SSL")
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        pushing = lab.start("fleet", "push", "--follow", "--to", f"host=127.0.0.1 port={door.getsockname()[1]} dbname=x user=y")
+        link, _ = door.accept()
+        expect(link.recv(8) != b"", "the bench speaks first")
+        time.sleep(0.5)  # it waits for the answer now
+        pushing.send_signal(signal.SIGTERM)
+        time.sleep(0.5)
+    link.close()
+    said = pushing.communicate(timeout=30)[0]
+    expect(pushing.returncode == 0 and "TB-FLEET-CONNECT" in said, (pushing.returncode, said))
 
 
 def waiting_backend(server, database):
@@ -173,7 +191,7 @@ def conflict(server, lab):
 with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as laboratory, server_for("errors") as shared:
     bench = Program(path, laboratory)
     make_store(bench, RUNS)
-    for case in (conflict, text, differs, silent):
+    for case in (at_the_door, conflict, text, differs, silent):
         case(shared, bench)
     expect("sound" in bench.run("db", "check"), "the store is sound")
 print("silence, texts, differences and conflicts are clear, and nothing was lost")
