@@ -127,18 +127,19 @@ void find_dynamic_residuals(const Dataset& fitted, const Dataset& undone, const 
   const std::size_t n = 2 * setup.intervals;
   const auto width = static_cast<std::size_t>(fitted.taxels());
   const double samples = samples_of(fitted);
-  const std::vector<StreamResiduals> held = held_out(fitted, undone, samples, fit, model);
-  std::vector<StreamResiduals> residuals(held.size());
-  for (std::size_t t = 0; t < held.size(); ++t)
-    if (setup.taxels[t].usable && held[t].samples() == samples) residuals[t] = held[t];
+  std::vector<StreamResiduals> residuals = held_out(fitted, undone, samples, fit, model);
+  std::vector<bool> told(residuals.size());
+  for (std::size_t t = 0; t < residuals.size(); ++t) {
+    told[t] = setup.taxels[t].usable && residuals[t].samples() == samples;
+    if (!told[t]) residuals[t] = {};
+  }
   add_residuals(fitted, model, std::vector<bool>(fitted.sequences.size(), true), samples, fit.threads, residuals);
   std::vector<double> shape(n, 0.0), count(n, 0.0);
   for (std::size_t t = 0; t < residuals.size(); ++t) {
     const StreamResiduals& own = residuals[t];
     if (own.squares.size() != n) continue;
-    const bool told = held[t].samples() == samples;
     const double mean = own.sum() / samples;
-    model.taxels[t].residual_psi = (told ? 1.0 : kNotFitted) * std::sqrt(mean);
+    model.taxels[t].residual_psi = (told[t] ? 1.0 : kNotFitted) * std::sqrt(mean);
     for (std::size_t k = 0; k < n && mean > 0.0 && t < width; ++k) {
       shape[k] += own.squares[k] / mean;
       count[k] += own.count[k];

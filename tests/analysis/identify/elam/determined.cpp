@@ -83,11 +83,14 @@ TEST_CASE("determined: Preisach on external loops alone spreads its weights, whe
   std::ranges::reverse(down);
   const FitData data{
       {loops}, PatternCurve(grid, up, up.front(), up.back()), PatternCurve(grid, down, up.front(), up.back())};
-  const ModelFit fit = identify("preisach", data);
-  CHECK(fit.undetermined == std::vector<std::string>{"w"});
-  CHECK(fit.mean_error < 0.002 * fit.full_scale);
-  // Weights above 0: the sparse vertex that non-negative least squares ends in has at most one a row and a column.
-  CHECK(fit.model->parameters().size() > 2 * 30);
+  for (const bool by_input : {false, true}) {
+    CAPTURE(by_input);
+    const ModelFit fit = identify("preisach", data, {.by_input = by_input});
+    CHECK(fit.undetermined == std::vector<std::string>{"w"});
+    CHECK(fit.mean_error < 0.002 * fit.full_scale);
+    // Weights above 0: the sparse vertex that non-negative least squares ends in has at most one a row and a column.
+    CHECK(fit.model->parameters().size() > 2 * 30);
+  }
 
   // A recording that begins in mid-range has no inner branch either.
   FitData late = data;

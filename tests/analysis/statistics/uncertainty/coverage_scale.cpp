@@ -1,11 +1,12 @@
 // When the scale of U is found from runs, condition by condition: on taxels that are straight lines, by hand.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/uncertainty/budget_maker.h"
-#include "tests/analysis/support/straight_array.h"
+#include "tests/analysis/support/straight_budget.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
@@ -28,10 +29,10 @@ Repeat offset_way(const std::vector<double>& setpoints, double off) {
 const std::vector<double> kWholeWay{0, 20, 40, 60, 40, 20, 0}, kPartWay{0, 20, 40, 20};
 
 // The calibration reads 0.1 psi too much and too little: 0.1 sqrt 2 of scatter, and half its square of the mean.
-Dataset scattered_calibration(bool inner) {
+std::vector<SequenceData> scattered_calibration(bool inner) {
   std::vector<SequenceData> sequences{{"loop", {offset_way(kWholeWay, 0.1), offset_way(kWholeWay, -0.1)}}};
   if (inner) sequences.push_back({"inner", {offset_way(kPartWay, 0.2)}});
-  return dataset_of(std::move(sequences));
+  return sequences;
 }
 
 Dataset run_that_errs(std::int64_t number, const std::string& sequence, const std::vector<double>& way, double off) {
@@ -39,19 +40,6 @@ Dataset run_that_errs(std::int64_t number, const std::string& sequence, const st
   run.run = number;
   return run;
 }
-
-struct ScaleCase {
-  Dataset calibration;
-  SensorModel fit = straight_fit();
-  SweepErrors errors;
-  ReferenceUncertainty reference;
-  UncertaintyInputs inputs;
-  explicit ScaleCase(bool inner = false) : calibration(scattered_calibration(inner)) {
-    reference.certificate_missing = reference.drift_missing = reference.resolution_missing = "none";
-    errors = sweep_errors(calibration, fit);
-  }
-  [[nodiscard]] BudgetMaker maker() const { return {calibration, fit, errors, reference, 0.0, inputs, 1}; }
-};
 
 constexpr std::size_t kAt40Up = 2;  // of the levels: 0, 20, 40, 60 up, then down
 
@@ -63,20 +51,22 @@ constexpr UseCondition kAllConditions[] = {
 }  // namespace
 
 TEST_CASE("coverage scale: without runs, and of one held-out run alone, U is not scaled under any condition") {
-  ScaleCase made(true);
+  StraightBudget made(scattered_calibration(true));
   const Dataset one = run_that_errs(5, "other", kPartWay, 0.5);
-  const std::vector<const Dataset*> none, alone{&one};
-  for (int which = 0; which < 7; ++which) {
+  using Kind = std::vector<const Dataset*> HistoryRuns::*;
+  const Kind kinds[] = {nullptr,
+                        &HistoryRuns::same,
+                        &HistoryRuns::dwelt,
+                        &HistoryRuns::warm,
+                        &HistoryRuns::mounted,
+                        &HistoryRuns::later,
+                        &HistoryRuns::paced};
+  for (const Kind kind : kinds) {
     made.inputs.history = {};
-    if (which == 1) made.inputs.history.same = alone;
-    if (which == 2) made.inputs.history.dwelt = alone;
-    if (which == 3) made.inputs.history.warm = alone;
-    if (which == 4) made.inputs.history.mounted = alone;
-    if (which == 5) made.inputs.history.later = alone;
-    if (which == 6) made.inputs.history.paced = alone;
+    if (kind != nullptr) made.inputs.history.*kind = {&one};
     const BudgetMaker maker = made.maker();
     for (const UseCondition condition : kAllConditions) {
-      CAPTURE(which, static_cast<int>(condition));
+      CAPTURE(std::find(std::begin(kinds), std::end(kinds), kind) - std::begin(kinds), static_cast<int>(condition));
       CHECK(maker.scale_of(condition) == 1.0);
       CHECK_THAT(maker.basis(condition == UseCondition::kRemounted ? UseCondition::kLater : condition),
                  !Catch::Contains("times"));
@@ -85,7 +75,7 @@ TEST_CASE("coverage scale: without runs, and of one held-out run alone, U is not
 }
 
 TEST_CASE("coverage scale: one run of the calibration's own sequences tells it for full sweeps and fitted branches") {
-  ScaleCase made(true);
+  StraightBudget made(scattered_calibration(true));
   // It errs by 0.4 psi at each step between the ends. Own rows: 0.02 and 0.01; the excess row holds what 0.16 has
   // beyond them, so that u of full sweeps is 0.4 psi. U of that would be k times the errors, which it is scaled down
   // to.
@@ -103,7 +93,7 @@ TEST_CASE("coverage scale: one run of the calibration's own sequences tells it f
 }
 
 TEST_CASE("coverage scale: two runs that err alike tell each condition its own, others take that of any history") {
-  ScaleCase made;
+  StraightBudget made(scattered_calibration(false));
   const Dataset one = run_that_errs(5, "other", kPartWay, 0.5), two = run_that_errs(6, "other", kPartWay, 0.5);
   const std::vector<const Dataset*> both{&one, &two};
   // Of each condition in turn: whether U is scaled.
@@ -116,18 +106,15 @@ TEST_CASE("coverage scale: two runs that err alike tell each condition its own, 
       found += maker.scale_of(condition) == 1.0 ? "-" : "s";
     return found;
   };
-  made.inputs.history.same = both;
-  CHECK(scaled() == "-ssssss");
-  made.inputs.history = {};
-  made.inputs.history.dwelt = both;
-  CHECK(scaled() == "--s----");
-  made.inputs.history = {};
-  made.inputs.history.warm = both;
-  CHECK(scaled() == "----s--");
-  made.inputs.history = {};
-  made.inputs.history.mounted = both;
-  CHECK(scaled() == "-----s-");
-  made.inputs.history = {};
-  made.inputs.history.later = both;
-  CHECK(scaled() == "------s");
+  struct Case {
+    std::vector<const Dataset*> HistoryRuns::*kind;
+    const char* scaled;
+  };
+  for (const Case& each :
+       {Case{&HistoryRuns::same, "-ssssss"}, Case{&HistoryRuns::dwelt, "--s----"}, Case{&HistoryRuns::warm, "----s--"},
+        Case{&HistoryRuns::mounted, "-----s-"}, Case{&HistoryRuns::later, "------s"}}) {
+    made.inputs.history = {};
+    made.inputs.history.*each.kind = both;
+    CHECK(scaled() == each.scaled);
+  }
 }

@@ -6,8 +6,7 @@
 #include <functional>
 #include <random>
 
-#include "analysis/statistics/uncertainty/budget_maker.h"
-#include "tests/analysis/support/straight_array.h"
+#include "tests/analysis/support/straight_budget.h"
 #include "tests/analysis/support/uncertainty_example.h"
 
 using namespace tactbench;
@@ -49,12 +48,6 @@ SequenceData calibrated(double off) {
   });
 }
 
-ReferenceUncertainty no_reference() {
-  ReferenceUncertainty reference;
-  reference.certificate_missing = reference.drift_missing = reference.resolution_missing = "none";
-  return reference;
-}
-
 // A held-out run of four sequences, each once along kInnerWay; every reading of the first taxel errs by `off`.
 Dataset held_out_run(std::int64_t number, double off) {
   std::vector<SequenceData> sequences;
@@ -64,18 +57,6 @@ Dataset held_out_run(std::int64_t number, double off) {
   run.run = number;
   return run;
 }
-
-struct Made {
-  Dataset calibration;
-  SensorModel fit = straight_fit();
-  SweepErrors errors;
-  ReferenceUncertainty reference = no_reference();
-  UncertaintyInputs inputs;
-  explicit Made(std::vector<SequenceData> sequences) : calibration(dataset_of(std::move(sequences))) {
-    errors = sweep_errors(calibration, fit);
-  }
-  [[nodiscard]] BudgetMaker maker() const { return {calibration, fit, errors, reference, 0.0, inputs, 1}; }
-};
 
 // 30 readings of each taxel at each level, of one group: this mean, and exactly this standard deviation.
 SweepErrors thirty_readings(const SweepErrors& like, double mean, double s) {
@@ -96,7 +77,7 @@ SweepErrors thirty_readings(const SweepErrors& like, double mean, double s) {
 
 TEST_CASE(
     "the audit's worst taxel: its known error is taken off, 1.8 psi to each side are left, from -0.2 to 3.4 psi") {
-  Made made({calibrated(0.0)});
+  StraightBudget made({calibrated(0.0)});
   made.errors = thirty_readings(made.errors, 1.6, 0.8614);
   const Budget budget = made.maker().budget(0, kUpAt40, UseCondition::kFullSweeps);
   // One reading, and the mean of 30 that is taken off: s sqrt(1 + 1/30), about 30 degrees of freedom, k = 2.087.
@@ -111,7 +92,7 @@ TEST_CASE(
     "the audit's creeping taxel: half of its creep is taken off, and U is that of drawn creep, 1.64 psi, or a tenth "
     "more") {
   // 30 psi loading in the audit, 40 psi here: creep of up to 2.64 psi, a known error of 0.23, the rest 0.45 psi.
-  Made made({calibrated(0.0)});
+  StraightBudget made({calibrated(0.0)});
   made.errors = thirty_readings(made.errors, 0.23, 0.45 / std::sqrt(31.0 / 30.0));
   HeldLevel held;
   held.sequence = "hold";
@@ -136,7 +117,7 @@ TEST_CASE(
 }
 
 TEST_CASE("history row: mean square of held-out errors less what the own rows have, by hand, its ways as degrees") {
-  Made made({calibrated(0.1)});
+  StraightBudget made({calibrated(0.1)});
   // At 40 psi upward two ways a run: the branch up to 40 of either sequence.
   const auto run_with = [](std::int64_t number, double first, double second) {
     std::vector<SequenceData> sequences;
@@ -174,7 +155,7 @@ TEST_CASE("excess row: what full sweeps of a repeated run err by beyond the cali
   const auto inner = [](double at_40) {
     return going("inner", kInnerWay, 1, [at_40](std::size_t, std::size_t step) { return step == 2 ? at_40 : 0.0; });
   };
-  Made made({calibrated(0.1), inner(0.6)});
+  StraightBudget made({calibrated(0.1), inner(0.6)});
   const Dataset again = [&] {
     Dataset run = dataset_of(
         {going("loop", kFullLoop, 1, [](std::size_t, std::size_t step) { return step == 0 || step == 6 ? 0.0 : 0.4; }),
@@ -203,7 +184,7 @@ TEST_CASE("excess row: what full sweeps of a repeated run err by beyond the cali
 }
 
 TEST_CASE("dwell row: the change between dwell times, an even distribution from none to the whole, by hand") {
-  Made made({calibrated(0.1)});
+  StraightBudget made({calibrated(0.1)});
   // The repeat at 1 s, as in the calibration, is the base; at 4 s the first taxel reads 0.6 psi more at 40 psi upward.
   const Dataset paced = dataset_of(
       {going("rate", kFullLoop, 2,
@@ -222,7 +203,7 @@ TEST_CASE("dwell row: the change between dwell times, an even distribution from 
 TEST_CASE("coverage scale: each run against U of the other, by hand, and U of both times it") {
   // A calibration without scatter: the history is all there is. Each run has four ways, k of four degrees of freedom is
   // 2.87 (GUM, Table G.2, for 95.45 %).
-  Made made({calibrated(0.0)});
+  StraightBudget made({calibrated(0.0)});
   const double a = 0.50, b = 0.55;
   const Dataset one = held_out_run(5, a), two = held_out_run(6, b);
   made.inputs.history.same = {&one, &two};
@@ -252,7 +233,7 @@ TEST_CASE("runs made alike that leave U open by more than 6 % make it invalid fo
   // mean is known to ln(ratio) / 2. Of two of each kind: of the logarithms ln(ratio) / sqrt(3), and half of it.
   for (const double ratio : {1.12, 1.14, 1.21, 1.25}) {
     INFO("ratio " << ratio);
-    Made made({calibrated(0.0)});
+    StraightBudget made({calibrated(0.0)});
     std::vector<Dataset> runs;
     for (const double off : {0.5, 0.5 * ratio, 0.5, 0.5 * ratio})
       runs.push_back(held_out_run(static_cast<std::int64_t>(5 + runs.size()), off));
@@ -269,7 +250,7 @@ TEST_CASE("runs made alike that leave U open by more than 6 % make it invalid fo
 }
 
 TEST_CASE("runs that differ under one condition count there above all") {
-  Made made({calibrated(0.0)});
+  StraightBudget made({calibrated(0.0)});
   std::vector<Dataset> runs;
   for (const double off : {0.5, 0.5, 0.5, 0.5, 0.5, 0.65})
     runs.push_back(held_out_run(static_cast<std::int64_t>(5 + runs.size()), off));
