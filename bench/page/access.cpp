@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <stdexcept>
 
 namespace tactbench::bench {
@@ -29,11 +28,6 @@ bool is_own_origin(const std::string& origin, const PageAccess& access) {
                              [&](const std::string& host) { return origin == access.scheme + "://" + host; });
 }
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 }  // namespace
 
 bool may_command(const HttpRequest& request, const PageAccess& access) {
@@ -41,7 +35,7 @@ bool may_command(const HttpRequest& request, const PageAccess& access) {
 }
 
 std::optional<HttpResponse> refusal(const HttpRequest& request, PageNeeds needs, const PageAccess& access) {
-  if (std::ranges::find(access.hosts, lower(request.field("host"))) == access.hosts.end())
+  if (std::ranges::find(access.hosts, lower_case(request.field("host"))) == access.hosts.end())
     return text_response(421, "this server has no such name: open the address that tactbench printed\n");
   if (request.has("origin") && !is_own_origin(request.field("origin"), access))
     return text_response(403, "another site's page asks\n");

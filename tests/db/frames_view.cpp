@@ -21,13 +21,13 @@ namespace {
 constexpr std::array<const char*, 9> kNumbers = {"fx_n",   "fy_n", "fz_n", "tx_nmm", "ty_nmm",
                                                  "tz_nmm", "x_mm", "y_mm", "z_mm"};
 
-struct Row {
+struct FrameRow {
   std::array<double, 9> value{};
   std::array<bool, 9> known{};
 };
 
-Row row_of(Connection& raw, std::int64_t position) {
-  Row row;
+FrameRow row_of(Connection& raw, std::int64_t position) {
+  FrameRow row;
   for (std::size_t i = 0; i < kNumbers.size(); ++i) {
     const std::string where = " FROM v_frames WHERE run = 1 AND position = " + std::to_string(position);
     row.known[i] = raw.integer(std::string("SELECT ") + kNumbers[i] + " IS NOT NULL" + where) == 1;
@@ -47,10 +47,10 @@ TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
   std::mt19937_64 random(20);  // NOLINT(bugprone-random-generator-seed): the same each time
   std::uniform_real_distribution<double> mantissa(-1.0, 1.0);
   std::uniform_int_distribution<int> exponent(-70, 40);
-  std::vector<Row> stored;
+  std::vector<FrameRow> stored;
   for (int i = 0; i < 40; ++i) {
     db::FrameRecord frame = example_frame(begun.branch, i);
-    Row row;
+    FrameRow row;
     for (std::size_t k = 0; k < row.value.size(); ++k) row.value[k] = std::ldexp(mantissa(random), exponent(random));
     if (i == 0) row.value = {0.0, -0.0, 1.0, -1.0, 60.0, 0.1, -6.2, std::ldexp(1.0, 60), std::ldexp(1.0, -120)};
     for (std::size_t k = 0; k < 6; ++k) frame.wrench->wrench.at(k) = row.value[k];
@@ -68,14 +68,14 @@ TEST_CASE("v_frames has each wrench and place as stored, bit for bit") {
 
   Connection raw(folder.path("runs.db"), Access::kReadOnly);
   for (std::size_t i = 0; i < stored.size(); ++i) {
-    const Row row = row_of(raw, static_cast<std::int64_t>(i) + 1);
+    const FrameRow row = row_of(raw, static_cast<std::int64_t>(i) + 1);
     for (std::size_t k = 0; k < row.value.size(); ++k) {
       CAPTURE(i, kNumbers[k]);
       CHECK(row.known[k]);
       CHECK(row.value[k] == stored[i].value[k]);
     }
   }
-  const Row none = row_of(raw, 41), half = row_of(raw, 42);
+  const FrameRow none = row_of(raw, 41), half = row_of(raw, 42);
   for (const bool known : none.known) CHECK_FALSE(known);
   CHECK((half.known[0] && !half.known[2] && !half.known[3] && half.known[8]));
 }

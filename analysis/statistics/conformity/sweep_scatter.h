@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/sweep_errors.h"
 #include "analysis/statistics/numbers/coverage.h"
 #include "analysis/statistics/numbers/moments.h"

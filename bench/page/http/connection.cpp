@@ -6,7 +6,6 @@
 #include <boost/asio/post.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
-#include <cctype>
 
 namespace tactbench::bench {
 
@@ -21,11 +20,6 @@ constexpr int kUnsentBytes = 16 * 1024;  // that the kernel keeps of a viewer's 
 
 constexpr std::chrono::milliseconds kParting{1000};
 constexpr std::size_t kMostDropped = 256 * 1024;
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string text_of(boost::beast::string_view view) { return {view.data(), view.size()}; }
 
@@ -101,7 +95,7 @@ void Connection::handle() {
   request.method = text_of(message.method_string());
   read_target(text_of(message.target()), request);
   for (const auto& field : message) {
-    std::string& text = request.fields[lower(text_of(field.name_string()))];
+    std::string& text = request.fields[lower_case(text_of(field.name_string()))];
     text += (text.empty() ? "" : ", ") + text_of(field.value());
   }
   request.body = message.body();

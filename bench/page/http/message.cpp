@@ -1,5 +1,8 @@
 #include "bench/page/http/message.h"
 
+#include <algorithm>
+#include <cctype>
+
 namespace tactbench::bench {
 
 namespace {
@@ -12,6 +15,11 @@ int digit_of(char c) {
 }
 
 }  // namespace
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
 
 std::string url_decoded(const std::string& text) {
   std::string out;

@@ -41,6 +41,8 @@ inline HttpResponse text_response(int status, std::string text) {
 // Called once, at once or later, on the server's thread.
 using Reply = std::function<void(HttpResponse)>;
 
+// Names of fields and hosts mean the same in any case: "Host" -> "host".
+std::string lower_case(std::string text);
 // "a%20b" -> "a b"; a broken escape stays as it is.
 std::string url_decoded(const std::string& text);
 // Path and query of a request's target.

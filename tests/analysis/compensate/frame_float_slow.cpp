@@ -10,21 +10,21 @@
 using namespace synthetic;
 
 TEST_CASE("float frames: some observable samples differ from the plain form, with no larger error against the truth") {
-  constexpr int kTaxels = 64;
+  constexpr int kFrameTaxels = 64;
   std::string table =
       "noise, mV; psi a sample; observable; off by > 0.001 psi, %; > 0.01; > 0.1; worst, psi; mean error of plain and "
       "float\n";
   double all = 0.0, parted = 0.0, far = 0.0;
   for (const double noise : {0.0, 0.0015, 0.004, 0.012, 0.032})
     for (const double step : {2.0, 0.5, 0.1}) {
-      const Frames frames = random_reversals(kTaxels, 6000, noise, step, 0.0, 101, 23);
+      const Frames frames = random_reversals(kFrameTaxels, 6000, noise, step, 0.0, 101, 23);
       FrameCompensator<float> fast(frames.setup);
       std::vector<TaxelCompensator> plain = plain_of(frames, false);
-      Results<float> results(kTaxels);
+      Results<float> results(kFrameTaxels);
       double observable = 0.0, thousandth = 0.0, hundredth = 0.0, tenth = 0.0, worst = 0.0, own = 0.0, true_plain = 0.0;
       for (std::size_t f = 0; f < frames.pressure.size(); ++f) {
         fast.frame(frames.at(f), results.output());
-        for (std::size_t t = 0; t < kTaxels; ++t) {
+        for (std::size_t t = 0; t < kFrameTaxels; ++t) {
           const Compensated one = plain[t].step(frames.at(f)[t] * frames.setup.volts_per_count);
           if (one.flat || (results.status[t] & kTaxelFlat) != 0) continue;
           const double off = std::abs(one.pressure_psi - static_cast<double>(results.pressure[t]));

@@ -14,12 +14,12 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kRate = 10.0;
+constexpr double kStatusRate = 10.0;
 
 const std::vector<std::string> kRun = {"--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "--no-seating"};
 
 struct StatusRig : ServedRig {
-  StatusRig() : ServedRig(kRate) {
+  StatusRig() : ServedRig(kStatusRate) {
     const std::string begin = "schema = 1\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\ndwell_s = 4\n";
     // Conditioning takes 8 s of real time, so that programs started on a busy machine still see it.
     write_file(
@@ -76,7 +76,7 @@ TEST_CASE("status: what a run does is told while it conditions, measures and ask
   CHECK(conditioning["bench"] == rig.bench_id);
   CHECK(conditioning["frames"] == 0);
   CHECK(conditioning["frames_planned"] == 15);
-  CHECK(conditioning["rate"] == kRate);
+  CHECK(conditioning["rate"] == kStatusRate);
   CHECK(conditioning["sensor"] == "S-1");
   CHECK(conditioning["recipes"][1]["name"] == "asked");
   CHECK(conditioning["left_low_s"] > 0.0);

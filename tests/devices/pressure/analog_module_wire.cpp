@@ -49,7 +49,7 @@ void write_one(ModbusLink& link, int address, std::uint16_t value) {
   link.write_registers(address, std::span(&value, 1));
 }
 
-std::uint16_t read_one(ModbusLink& link, int address) {
+std::uint16_t register_at(ModbusLink& link, int address) {
   std::uint16_t value = 0;
   link.read_holding_registers(address, std::span(&value, 1));
   return value;
@@ -61,10 +61,10 @@ TEST_CASE("analog module: bring-up sets lock, type and time") {
   ModuleRig rig;
   rig.regulator.arm();
   auto other = rig.foreign();
-  CHECK(read_one(other, 0x1120) == 1000);
-  CHECK(read_one(other, 0x1122) == 0);
-  CHECK(read_one(other, 0x1124) == 0);
-  CHECK(read_one(other, 0x1022) == 2);
+  CHECK(register_at(other, 0x1120) == 1000);
+  CHECK(register_at(other, 0x1122) == 0);
+  CHECK(register_at(other, 0x1124) == 0);
+  CHECK(register_at(other, 0x1022) == 2);
 }
 
 TEST_CASE("analog module: a watchdog time that the module does not take is refused") {
@@ -198,12 +198,12 @@ TEST_CASE("analog module: with the lock on only the first writer writes") {
   auto second = rig.foreign();
   write_one(first, 0x0800, 500);
   CHECK(fault_id_of([&] { write_one(second, 0x0800, 600); }) == "TB-MODBUS-EXCEPTION");
-  CHECK(read_one(second, 0x0800) == 500);
+  CHECK(register_at(second, 0x0800) == 500);
   CHECK(fault_id_of([&] { rig.module.write(0, 700); }) == "TB-MODBUS-EXCEPTION");
   CHECK_FALSE(rig.module.zero_outputs());  // and reports it, rather than claim a vented chamber
   first.close();
   write_one(second, 0x0800, 600);
-  CHECK(read_one(second, 0x0800) == 600);
+  CHECK(register_at(second, 0x0800) == 600);
 }
 
 TEST_CASE("regulator: vents, twice") {

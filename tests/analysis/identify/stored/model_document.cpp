@@ -12,7 +12,7 @@ using namespace synthetic;
 
 namespace {
 
-Dataset array_run(unsigned seed = 1, double gain = 1.0, double zero = 0.0) {
+Dataset run_of_two(unsigned seed = 1, double gain = 1.0, double zero = 0.0) {
   ArrayOptions options;
   options.rows = 1;
   options.columns = 2;
@@ -40,7 +40,7 @@ std::string refusal(const std::string& text) {
 }  // namespace
 
 TEST_CASE("a model of every kind goes to text and back bit for bit, and predicts the same bits") {
-  Histories histories = histories_of(array_run());
+  Histories histories = histories_of(run_of_two());
   histories.content_sha256 = "0123456789abcdef";
   for (const std::string name : model_names()) {
     INFO(name);
@@ -56,12 +56,12 @@ TEST_CASE("a model of every kind goes to text and back bit for bit, and predicts
 }
 
 TEST_CASE("the result does not depend on the number of threads") {
-  const Histories histories = histories_of(array_run());
+  const Histories histories = histories_of(run_of_two());
   CHECK(to_text(fit_models("poly", histories, {}, {}, 1)) == to_text(fit_models("poly", histories, {}, {}, 3)));
 }
 
 TEST_CASE("an incomplete document is refused, naming the missing or wrong member") {
-  const std::string text = to_text(fit_models("monotone", histories_of(array_run()), {}, {}));
+  const std::string text = to_text(fit_models("monotone", histories_of(run_of_two()), {}, {}));
   auto json = nlohmann::ordered_json::parse(text);
   CHECK_THAT(refusal("{"), Catch::Contains("m.json is no model"));
   CHECK_THAT(refusal("[]"), Catch::Contains("\"schema\""));
@@ -82,7 +82,7 @@ TEST_CASE("an incomplete document is refused, naming the missing or wrong member
 }
 
 TEST_CASE("without noise the inverse stream gives the inputs back, with a dead band it ignores small wiggles") {
-  const Histories histories = histories_of(array_run());
+  const Histories histories = histories_of(run_of_two());
   const SensorModel document = fit_models("elam", histories, {}, {});
   const HysteresisModel& model = *document.taxels[0].fit.model;
   const std::vector<double> inputs = levels_of({0, 60, 10, 50, 20, 40, 0});
@@ -96,8 +96,8 @@ TEST_CASE("without noise the inverse stream gives the inputs back, with a dead b
 }
 
 TEST_CASE("a score counts every sample but turning points, by hold time and rate where times are known") {
-  const SensorModel document = fit_models("elam", histories_of(array_run()), {"descending"}, {});
-  Histories later = histories_of(array_run(2));
+  const SensorModel document = fit_models("elam", histories_of(run_of_two()), {"descending"}, {});
+  Histories later = histories_of(run_of_two(2));
   for (TaxelHistories& taxel : later.taxels)
     for (History& history : taxel.score)
       for (std::size_t i = 0; i < history.x.size(); ++i) {
@@ -115,9 +115,9 @@ TEST_CASE("a score counts every sample but turning points, by hold time and rate
 }
 
 TEST_CASE("origins, sensors and units never mix") {
-  const SensorModel document = fit_models("monotone", histories_of(array_run()), {}, {});
+  const SensorModel document = fit_models("monotone", histories_of(run_of_two()), {}, {});
   const auto refused = [&](auto change) -> std::string {
-    Histories other = histories_of(array_run(2));
+    Histories other = histories_of(run_of_two(2));
     change(other);
     try {
       (void)score_model(document, other, {});
@@ -134,7 +134,7 @@ TEST_CASE("origins, sensors and units never mix") {
 }
 
 TEST_CASE("cross-validation of ELAM on data of its own kind is nearly as good as its fit") {
-  const Histories histories = histories_of(array_run());
+  const Histories histories = histories_of(run_of_two());
   const FitData data = fit_data_of(histories.taxels[0], {});
   const ModelFit fit = identify("elam", data);
   const ErrorSum crossed = cross_validate("elam", data, {});
@@ -144,16 +144,16 @@ TEST_CASE("cross-validation of ELAM on data of its own kind is nearly as good as
 }
 
 TEST_CASE("a later run shows whether zero, gain or a new fit is needed, and an adjusted model corrects it") {
-  const Histories first = histories_of(array_run());
+  const Histories first = histories_of(run_of_two());
   const SensorModel document = fit_models("elam", first, {}, {});
   const auto verdict = [&](double gain, double zero) {
-    return to_string(drift_of(document, histories_of(array_run(2, gain, zero))).verdict);
+    return to_string(drift_of(document, histories_of(run_of_two(2, gain, zero))).verdict);
   };
   CHECK(std::string("good") == verdict(1.0, 0.0));
   CHECK(std::string("re-zero enough") == verdict(1.0, 0.1));
   CHECK(std::string("gain adjustment enough") == verdict(0.9, 0.05));
 
-  Histories later = histories_of(array_run(2, 0.9, 0.05));
+  Histories later = histories_of(run_of_two(2, 0.9, 0.05));
   later.content_sha256 = "fedcba9876543210";
   const Drift drift = drift_of(document, later);
   CHECK(drift.taxels.front().gain == Approx(0.9).margin(0.005));
@@ -168,7 +168,7 @@ TEST_CASE("a later run shows whether zero, gain or a new fit is needed, and an a
   const ModelScore before = score_model(document, later, {}), after = score_model(child, later, {});
   CHECK(after.taxels.compensated.mean() < 0.5 * before.taxels.compensated.mean());
 
-  Histories warped = histories_of(array_run(3));
+  Histories warped = histories_of(run_of_two(3));
   for (TaxelHistories& taxel : warped.taxels)
     for (History& history : taxel.score)
       for (std::size_t i = 0; i < history.y.size(); ++i) history.y[i] += 0.4 * std::sin(history.x[i] / 5.0);

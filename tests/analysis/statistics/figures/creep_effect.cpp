@@ -19,7 +19,7 @@ double end_decades(double end_s) {
   return sum;
 }
 
-CreepEffect effect_of(const Example& example, const std::vector<Dataset>& runs, double read_after_s = 2.0) {
+CreepEffect creep_effect_in(const Example& example, const std::vector<Dataset>& runs, double read_after_s = 2.0) {
   return creep_effect_of(read_after(example.dataset, read_after_s), runs, example.fit);
 }
 
@@ -27,7 +27,7 @@ CreepEffect effect_of(const Example& example, const std::vector<Dataset>& runs, 
 
 TEST_CASE("creep is the change of the output from the calibration's time to the end of the hold, by hand") {
   const Example example;
-  const CreepEffect effect = effect_of(example, {hold_run(example, {})});
+  const CreepEffect effect = creep_effect_in(example, {hold_run(example, {})});
   REQUIRE(effect.assessed());
   REQUIRE(effect.levels.size() == 1);
   CHECK(effect.read_after_s == 2.0);
@@ -49,17 +49,17 @@ TEST_CASE("creep is the change of the output from the calibration's time to the 
 TEST_CASE("a reading between two frames, a moving reference and a hold that begins late are allowed for") {
   const Example example;
   const double first = 0.01 * 0.5 * (std::log10(2.0) + std::log10(4.0));
-  CHECK(effect_of(example, {hold_run(example, {})}, 3.0).share(0, 40.0, true) ==
+  CHECK(creep_effect_in(example, {hold_run(example, {})}, 3.0).share(0, 40.0, true) ==
         Approx((0.01 * end_decades(200.0) - first) / (1.0 + first)).epsilon(1e-9));
   // The regulator creeps by 0.2 psi: the model's slope takes off what that pushes.
-  const double still = effect_of(example, {hold_run(example, {})}).share(1, 40.0, true);
+  const double still = creep_effect_in(example, {hold_run(example, {})}).share(1, 40.0, true);
   HoldOptions pushed;
   pushed.reference_drift_psi = 0.2;
-  CHECK(effect_of(example, {hold_run(example, pushed)}).share(1, 40.0, true) == Approx(still).epsilon(0.03));
+  CHECK(creep_effect_in(example, {hold_run(example, pushed)}).share(1, 40.0, true) == Approx(still).epsilon(0.03));
   HoldOptions late;
   late.from_s = 20.0;
   late.frames = 91;  // to 200 s
-  const CreepEffect carried = effect_of(example, {hold_run(example, late)});
+  const CreepEffect carried = creep_effect_in(example, {hold_run(example, late)});
   CHECK(carried.extrapolated_back);
   const double seen = 0.01 * (end_decades(200.0) - std::log10(20.0)) / (1.0 + 0.01 * std::log10(20.0));
   CHECK(carried.share(2, 40.0, true) == Approx(2.0 * seen).epsilon(1e-9));  // two decades, one of them seen
@@ -73,7 +73,7 @@ TEST_CASE("levels between held ones are interpolated, and of two holds of a leve
   high.per_decade = 0.02;
   weak.per_decade = 0.005;
   const CreepEffect effect =
-      effect_of(example, {hold_run(example, high), hold_run(example, low), hold_run(example, weak)});
+      creep_effect_in(example, {hold_run(example, high), hold_run(example, low), hold_run(example, weak)});
   REQUIRE(effect.levels.size() == 2);
   const double at_20 = effect.share(0, 20.0, true), at_40 = effect.share(0, 40.0, true);
   CHECK(at_20 == Approx(0.01 * (end_decades(200.0) - std::log10(2.0)) / (1.0 + 0.01 * std::log10(2.0))));
@@ -87,29 +87,30 @@ TEST_CASE("creep is not assessed from other sensors, few frames, short holds, or
   const Example example;
   Dataset other = hold_run(example, {});
   other.sensor_serial = "S2";
-  CHECK_THROWS_AS(effect_of(example, {other}), AnalysisError);
+  CHECK_THROWS_AS(creep_effect_in(example, {other}), AnalysisError);
 
   HoldOptions options;
   options.frames = 19;
-  const CreepEffect few = effect_of(example, {hold_run(example, options)});
+  const CreepEffect few = creep_effect_in(example, {hold_run(example, options)});
   CHECK_FALSE(few.assessed());
   CHECK_THAT(few.not_assessed, Catch::Contains("fewer than 20 frames"));
   CHECK(few.in_words().empty());
   options.frames = 20;
-  CHECK(effect_of(example, {hold_run(example, options)}).assessed());
-  CHECK_THAT(effect_of(example, {hold_run(example, options)}, 25.0).not_assessed,
+  CHECK(creep_effect_in(example, {hold_run(example, options)}).assessed());
+  CHECK_THAT(creep_effect_in(example, {hold_run(example, options)}, 25.0).not_assessed,
              Catch::Contains("end before twice the 25.0 s"));
-  CHECK_THAT(effect_of(example, {hold_run(example, options)}, 0.0).not_assessed,
+  CHECK_THAT(creep_effect_in(example, {hold_run(example, options)}, 0.0).not_assessed,
              Catch::Contains("does not record how long"));
   options.level_psi = 0.4;
-  CHECK_THAT(effect_of(example, {hold_run(example, options)}).not_assessed, Catch::Contains("a run of creep-hold"));
-  CHECK_THAT(effect_of(example, {}).not_assessed, Catch::Contains("one frame is taken a dwell"));
+  CHECK_THAT(creep_effect_in(example, {hold_run(example, options)}).not_assessed,
+             Catch::Contains("a run of creep-hold"));
+  CHECK_THAT(creep_effect_in(example, {}).not_assessed, Catch::Contains("one frame is taken a dwell"));
 }
 
 TEST_CASE("creep enters the budget as volts of a rectangle, times the inverse's slope") {
   const Example example;
   UncertaintyInputs inputs;
-  inputs.creep = effect_of(example, {hold_run(example, {})});
+  inputs.creep = creep_effect_in(example, {hold_run(example, {})});
   const Uncertainty with =
       assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate), inputs);
   const Uncertainty without = assess_uncertainty(example.dataset, example.fit, record_with_reference(kWithCertificate));

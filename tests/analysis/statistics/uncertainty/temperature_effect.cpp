@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kStepC = 0.1;
 
-TemperatureEffect effect_of(const Example& example, const std::vector<Dataset>& others, double own_share = 0.0) {
+TemperatureEffect temperature_effect_in(const Example& example, const std::vector<Dataset>& others,
+                                        double own_share = 0.0) {
   return temperature_effect_of(at_temperature(example, 23.0, 0.0, 0.0, own_share), others, example.fit, kStepC);
 }
 
@@ -89,8 +90,9 @@ TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the ke
   constexpr double kRepeat = 0.004;
   // Repeats at 0, +r and -r: standard deviation r about their mean, in both runs; r sqrt(1/3 + 1/3) / 5 K. What the
   // synthetic repeats differ by anyway (their pressures) is found without r.
-  const double before = effect_of(example, {at_temperature(example, 28.0, -0.01, 0.0)}).u.share;
-  const TemperatureEffect effect = effect_of(example, {at_temperature(example, 28.0, -0.01, 0.0, kRepeat)}, kRepeat);
+  const double before = temperature_effect_in(example, {at_temperature(example, 28.0, -0.01, 0.0)}).u.share;
+  const TemperatureEffect effect =
+      temperature_effect_in(example, {at_temperature(example, 28.0, -0.01, 0.0, kRepeat)}, kRepeat);
   CHECK(before < 2e-5);
   CHECK(effect.u.share == Approx(kRepeat * std::sqrt(2.0 / 3.0) / 5.0).epsilon(0.05));
   CHECK(effect.per_kelvin.share == Approx(-0.002).epsilon(0.01));
@@ -98,7 +100,7 @@ TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the ke
   // Three runs off a line by e, -2 e, e: residual standard deviation sqrt(6) e with one degree of freedom, over the
   // root of the temperatures' squares about their mean.
   constexpr double kOff = 0.003;
-  const TemperatureEffect bent = effect_of(
+  const TemperatureEffect bent = temperature_effect_in(
       example, {at_temperature(example, 28.0, -0.01 - 3.0 * kOff, 0.0), at_temperature(example, 33.0, -0.02, 0.0)});
   CHECK_FALSE(bent.from_repeats);
   CHECK(bent.dof == 1.0);
@@ -111,16 +113,16 @@ TEST_CASE("temperature is not assessed from other sensors, one temperature, no r
   const Example example;
   Dataset other = at_temperature(example, 28.0, -0.01, 0.0);
   other.sensor_serial = "S2";
-  CHECK_THROWS_AS(effect_of(example, {other}), AnalysisError);
+  CHECK_THROWS_AS(temperature_effect_in(example, {other}), AnalysisError);
 
-  CHECK_THAT(effect_of(example, {}).not_assessed, Catch::Contains("another temperature"));
-  CHECK_THAT(effect_of(example, {at_temperature(example, 24.9, -0.01, 0.0)}).not_assessed,
+  CHECK_THAT(temperature_effect_in(example, {}).not_assessed, Catch::Contains("another temperature"));
+  CHECK_THAT(temperature_effect_in(example, {at_temperature(example, 24.9, -0.01, 0.0)}).not_assessed,
              Catch::Contains("at one temperature: 23.0 to 24.9"));
-  CHECK(effect_of(example, {at_temperature(example, 25.0, -0.01, 0.0)}).assessed());
+  CHECK(temperature_effect_in(example, {at_temperature(example, 25.0, -0.01, 0.0)}).assessed());
   Dataset silent = at_temperature(example, 28.0, -0.01, 0.0);
   silent.temperatures_c.clear();
-  CHECK_THAT(effect_of(example, {silent}).not_assessed, Catch::Contains("have no temperature readings"));
-  CHECK(effect_of(example, {silent}).in_words().empty());
+  CHECK_THAT(temperature_effect_in(example, {silent}).not_assessed, Catch::Contains("have no temperature readings"));
+  CHECK(temperature_effect_in(example, {silent}).in_words().empty());
   CHECK_FALSE(at_another_temperature(example.dataset.temperatures_c, silent.temperatures_c));
   const Dataset warm = at_temperature(example, 28.0, -0.01, 0.0);
   CHECK_THAT(temperature_effect_of(example.dataset, std::vector<Dataset>{warm}, example.fit, kStepC).not_assessed,
@@ -134,7 +136,7 @@ TEST_CASE("temperature is not assessed from other sensors, one temperature, no r
   // A run that holds its levels is no loop to compare with.
   Dataset held = hold_run(example, {});
   held.temperatures_c = {28.0};
-  CHECK_THAT(effect_of(example, {held}).not_assessed, Catch::Contains("five levels"));
+  CHECK_THAT(temperature_effect_in(example, {held}).not_assessed, Catch::Contains("five levels"));
 }
 
 TEST_CASE("temperature enters the budget as volts of a rectangle, along the whole loop") {

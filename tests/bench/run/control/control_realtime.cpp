@@ -18,12 +18,12 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kRate = 10.0;
+constexpr double kWordRate = 10.0;
 constexpr int kFrames = 11, kRepeats = 2;
 constexpr double kQuickAnswer = 0.2, kMost = 10.0, kPatience = 30.0;
 
 struct WordRig : ServedRig {
-  WordRig() : ServedRig(kRate) {
+  WordRig() : ServedRig(kWordRate) {
     write_file(folder.path("small.toml"),
                "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 12, 4, 12, 0]\nstep = 4\n"
                "repeats = 2\ndwell_s = 2\n[dwell]\ntolerance_s = 5\n");
@@ -139,7 +139,7 @@ TEST_CASE("control: stop, abort and panic end a run at once, and a panic latches
   INFO(row.word);
   CHECK(rig.say(row.word).code == 0);
   const double safe_s = rig.seconds_until_safe(kPatience);
-  WARN(fmt::format("FIGURE safe_after_{} {:.3f} s, process time at {:g} x", row.word, safe_s, kRate));
+  WARN(fmt::format("FIGURE safe_after_{} {:.3f} s, process time at {:g} x", row.word, safe_s, kWordRate));
   CHECK(safe_s < kPatience);
   CHECK(run->wait() == 4);
   INFO(rig.log());

@@ -23,8 +23,8 @@ using std::chrono::milliseconds;
 namespace {
 
 // A run as far as words go.
-struct Answering {
-  explicit Answering(const std::string& id, std::int64_t run) {
+struct AnsweringRun {
+  explicit AnsweringRun(const std::string& id, std::int64_t run) {
     config.id = id;
     RunStatus status;
     status.run = run;
@@ -64,7 +64,7 @@ TEST_CASE("commands: a stopped run does not delay commands to another run, with 
   const bool full = GENERATE(false, true);
   Frozen frozen("a-frozen");
   if (full) frozen.fill();
-  Answering live("live", 3);
+  AnsweringRun live("live", 3);
   ListenOptions options;
   options.longest = std::chrono::seconds(60);
   Heard heard;
@@ -83,7 +83,7 @@ TEST_CASE("commands: a stopped run does not delay commands to another run, with 
 
 TEST_CASE("commands: a single run is waited for no longer than its timeout, and only the named bench is asked") {
   Frozen frozen("a-frozen");
-  Answering live("live", 3);
+  AnsweringRun live("live", 3);
   ListenOptions options;
   options.longest = milliseconds(200);
   double took = seconds_of([&] { CHECK(say_to({"a-frozen"}, Command::kPanic, options).silent.size() == 1); });
@@ -99,7 +99,7 @@ TEST_CASE("commands: a single run is waited for no longer than its timeout, and 
 }
 
 TEST_CASE("commands: silent clients delay no command, whatever their number") {
-  Answering live("live", 3);
+  AnsweringRun live("live", 3);
   std::vector<int> idle;
   for (int i = 0; i < 200; ++i) {
     const int one = connect_to_name("live");
@@ -171,7 +171,7 @@ TEST_CASE("commands: a resume whose sender has hung up is ignored, a panic still
 }
 
 TEST_CASE("commands: a bench whose id cannot be a file name is found by that id only") {
-  Answering odd("../odd rig/7", 1), plain(".._odd_rig_7", 2);
+  AnsweringRun odd("../odd rig/7", 1), plain(".._odd_rig_7", 2);
   const auto names = run_names("../odd rig/7");
   REQUIRE(names.size() == 1);
   const auto answer = send_command(names.front(), Command::kStatus);
