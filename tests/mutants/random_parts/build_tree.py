@@ -19,6 +19,8 @@ import threading
 from . import test_runs
 
 ROOMS = ("analysis", "bench", "db", "devices", "sequences")
+# What tests link: neither the program's main.cpp nor a module that is loaded when it is asked for.
+ROOM_TARGETS = tuple(f"tactbench_{room}" for room in (*ROOMS, "compensator_objects"))
 # In the order in which they are tried. Tests of the label unit that start threads lie in an executable of their own. Those of
 # the label fleet are scripts, and of all rooms.
 FLEET = ("fleet",)
@@ -80,6 +82,8 @@ class BuildTree:
     def read(self, entry):
         file = pathlib.Path(entry["directory"], entry["file"])
         parts = taken_apart(entry["command"], entry["directory"])
+        target = re.search(r" -o \S*CMakeFiles/(\w+)\.dir/", entry["command"])
+        of_a_room = target and target.group(1) in ROOM_TARGETS
         if file.is_relative_to(self.folder):  # a group
             if not file.exists():
                 return
@@ -92,7 +96,7 @@ class BuildTree:
         if sources == ["tests/support/paths.cpp"]:
             self.paths = Recipe(*parts, ())
         for source in sources:
-            if source.split("/")[0] in ROOMS and source != "bench/main.cpp":
+            if of_a_room and source.split("/")[0] in ROOMS:
                 self.recipes.setdefault(source, Recipe(*parts, tuple(sources)))
 
     def sources(self, room):
