@@ -98,7 +98,8 @@ TEST_CASE("page beside a run: stopped and killed in mid-run, the run's content i
     RawClient viewer(link.port);
     REQUIRE(viewer.send(get_events(link)));
     const auto run = here.start(here.run_words(db, "20"), "run");
-    REQUIRE(viewer.read(60'000, "event: picture").find("\"live\":true") != std::string::npos);
+    REQUIRE(viewer.read(60'000, "event: picture").find("event: picture") != std::string::npos);
+    REQUIRE(viewer.read(60'000, "\"live\":true").find("\"live\":true") != std::string::npos);
     page->signal(number);
     CHECK(run->wait() == 0);
     CHECK(here.hash(db) == alone);
@@ -112,10 +113,11 @@ TEST_CASE("page beside a run: started by the run it shows it, and ends when the 
   const auto run = here.start(words, "run");
   Link link;
   REQUIRE(comes_true([&] { return (link = link_in(read_file(here.folder.path("run")))).port != 0; }));
-  // The page can be there before the run is.
+  // The page can be there before the run is; each answer ends its connection, so that none is waited for in vain.
   CHECK(comes_true([&] {
     RawClient asks(link.port);
-    return asks.send(fmt::format("GET /runs HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\r\n",
+    return asks.send(fmt::format("GET /runs HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n"
+                                 "Connection: close\r\n\r\n",
                                  link.port, link.token)) &&
            asks.read(60'000, "\"lives\":true").find("\"lives\":true") != std::string::npos;
   }));
