@@ -107,7 +107,7 @@ TEST_CASE("as found by hand: without earlier models or another run their columns
   check_once(page, "class=\"n\">as left, held-out run</th></tr>");
   check_once(page, "no earlier models were named");
   check_none(page, "models used before");
-  check_once(page, level("40.0", "275.8") +
+  check_once(page, level_head("40.0", "275.8") +
                        numbers({"40.00", "–", "4.00", "90.00", "–", "5.00", "90.00", "–", "6.00"}) +
                        "<td>no worse</td></tr>");
   ReportInput none = left_alone();
@@ -121,15 +121,15 @@ TEST_CASE("as found by hand: each level beside the earlier one within 0.05 psi, 
   const std::string worse = "<span class=\"worse\"><span class=\"sign\">▲</span> worse than ";
   std::string page = as_found_section(input).value;
   // 0.05 psi off is another level.
-  check_once(page, level("0.0", "0.0") +
+  check_once(page, level_head("0.0", "0.0") +
                        numbers({"12.34", "not available", "1.23", "23.45", "not available", "2.34", "34.56",
                                 "not available", "3.45"}) +
                        "<td>no worse</td></tr>");
   // Alike (0.3) is not worse than as found.
-  check_once(page, level("20.0", "137.9") +
+  check_once(page, level_head("20.0", "137.9") +
                        numbers({"22.22", "30.00", "30.00", "90.00", "7.12", "40.00", "90.00", "8.23", "50.00"}) +
                        "<td>" + worse + "the indication</span></td></tr>");
-  check_once(page, level("40.0", "275.8") +
+  check_once(page, level_head("40.0", "275.8") +
                        numbers({"40.00", "3.99", "4.00", "90.00", "7.34", "5.00", "90.00", "8.45", "6.00"}) + "<td>" +
                        worse + "as found</span></td></tr>");
   CHECK(count(page, "<th scope=\"col\" class=\"n\">indic.</th><th scope=\"col\" class=\"n\">found</th>") == 3);

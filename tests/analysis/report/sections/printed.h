@@ -30,7 +30,7 @@ inline std::string row(const std::string& head, const std::vector<std::string>& 
 }
 
 // A level of a table: its pressure in psi and in kPa, as printed.
-inline std::string level(const std::string& in_psi, const std::string& in_kpa) {
+inline std::string level_head(const std::string& in_psi, const std::string& in_kpa) {
   return "<tr><th scope=\"row\" class=\"n\">" + in_psi + "</th><td class=\"n\">" + in_kpa + "</td>";
 }
 
