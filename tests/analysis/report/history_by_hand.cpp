@@ -9,7 +9,7 @@ using namespace tactbench::analysis;
 
 namespace {
 
-RunHistory history_of(std::vector<db::EventRecord> events) {
+RunHistory history_of_events(std::vector<db::EventRecord> events) {
   StoredRun run;
   run.events = std::move(events);
   return load_history(run);
@@ -17,11 +17,11 @@ RunHistory history_of(std::vector<db::EventRecord> events) {
 
 // The kind that one event is told as; empty: it is not.
 std::string told_as(const char* kind, const char* detail) {
-  const RunHistory history = history_of({{7, kind, "", detail}});
+  const RunHistory history = history_of_events({{7, kind, "", detail}});
   return history.events.empty() ? std::string() : history.events.front().kind;
 }
 
-RunHistory seated(const char* detail, std::vector<double> data) {
+RunHistory seating_check(const char* detail, std::vector<double> data) {
   StoredRun run;
   run.checks = {{1, 0, "seating", "pass", detail, std::move(data)}};
   return load_history(run);
@@ -39,9 +39,9 @@ TEST_CASE("a run's events by hand: which are told, as what, and when") {
   CHECK(told_as("state", "paused -> running") == "");
   CHECK(told_as("seating", "left out") == "note");
   for (const char* kind : {"note", "safe", "conditioning"}) CHECK(told_as(kind, "x") == "");
-  const RunHistory history = history_of({{2'500'000'000, "fault", "TB-X", "no air"},
-                                         {1, "time", "", "settling 40 %"},
-                                         {3'000'000'000, "prompt", "", "ready?"}});
+  const RunHistory history = history_of_events({{2'500'000'000, "fault", "TB-X", "no air"},
+                                                {1, "time", "", "settling 40 %"},
+                                                {3'000'000'000, "prompt", "", "ready?"}});
   REQUIRE(history.events.size() == 2);
   CHECK((history.events[0].time_s == Approx(2.5) && history.events[0].text == "no air"));
   CHECK(history.events[1].time_s == Approx(3.0));
@@ -50,13 +50,13 @@ TEST_CASE("a run's events by hand: which are told, as what, and when") {
 }
 
 TEST_CASE("a run's surroundings by hand: lowest, highest and number of readings of each quantity") {
-  const RunHistory history = history_of({{1, "environment", "temperature_c", "23.0"},
-                                         {2, "environment", "supply_bar", "6.5"},
-                                         {3, "environment", "temperature_c", "22.5"},
-                                         {4, "environment", "temperature_c", "24 C"},
-                                         {5, "environment", "temperature_c", "warm"},
-                                         {6, "environment", "temperature_c", "inf"},
-                                         {7, "environment", "temperature_c", ""}});
+  const RunHistory history = history_of_events({{1, "environment", "temperature_c", "23.0"},
+                                                {2, "environment", "supply_bar", "6.5"},
+                                                {3, "environment", "temperature_c", "22.5"},
+                                                {4, "environment", "temperature_c", "24 C"},
+                                                {5, "environment", "temperature_c", "warm"},
+                                                {6, "environment", "temperature_c", "inf"},
+                                                {7, "environment", "temperature_c", ""}});
   REQUIRE(history.surroundings.size() == 2);
   CHECK((history.surroundings[0].quantity == "temperature_c" && history.surroundings[0].readings == 3));
   CHECK((history.surroundings[0].low == 22.5 && history.surroundings[0].high == 24.0));
@@ -106,9 +106,9 @@ TEST_CASE("a run's branches by hand: void ones with sequence, repeat, branch and
 }
 
 TEST_CASE("a run's seating by hand: loaded less unloaded in volts, of the newest check, none of another shape") {
-  CHECK(seated(R"({"volts_per_count":0.5})", {1, 2, 4, 8}).seating_v == std::vector<double>{1.5, 3.0});
+  CHECK(seating_check(R"({"volts_per_count":0.5})", {1, 2, 4, 8}).seating_v == std::vector<double>{1.5, 3.0});
   for (const char* other : {"", "[]", "{}", R"({"volts_per_count":"0.5"})"})
-    CHECK(seated(other, {1, 2, 4, 8}).seating_v.empty());
+    CHECK(seating_check(other, {1, 2, 4, 8}).seating_v.empty());
   StoredRun run;
   run.checks = {{1, 0, "seating", "pass", R"({"volts_per_count":1})", {1, 2}},
                 {1, 1, "seating", "fail", R"({"volts_per_count":1})", {1, 7}},

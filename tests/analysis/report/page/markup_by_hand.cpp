@@ -1,6 +1,7 @@
 // The page's characters, paths and frame by hand: which characters are shown, numbers of paths, title, banner,
 // contents.
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 

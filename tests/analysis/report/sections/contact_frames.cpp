@@ -96,6 +96,9 @@ TEST_CASE("frames under an object by hand: heads, spreads, means of hysteresis a
   CHECK(contains(page(), "indication</span> at 2 N, 6 N.</p>"));
   contact.compensated_distance = contact.raw_distance;  // alike is not larger
   CHECK_FALSE(contains(page(), "larger than"));
+  // Below 1 V the highest output ends the scale, too.
+  for (ContactLevel& level : contact.levels) level.raw_v = {0.25, 0.5};
+  CHECK(contains(page(), "</svg> 0.50 V</p>"));
   // Nothing above 0: the scale has a length all the same.
   for (ContactLevel& level : contact.levels) level.raw_v = level.compensated_psi = {0.0, kNoReading};
   CHECK(contains(page(), "</svg> 1.00 V</p>"));

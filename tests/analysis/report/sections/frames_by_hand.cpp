@@ -132,6 +132,10 @@ TEST_CASE("frames by hand: scales of nothing have a length, and the hysteresis s
   check_once(
       page,
       pressure_bar({0.0, 0.5}, "Colour scale of the frames of the corrected indication", PressureUnit::kPsi, 0).value);
+  // Below 1 V the highest output ends the scale, too.
+  input.evaluation.levels[1].raw_down_v = {0.25, 0.5};
+  check_once(frames_section(input).value,
+             colour_bar({0.0, 0.5}, "Colour scale of the frames of the indication", "V", 2).value);
   input.evaluation.levels.clear();
   check_once(frames_section(input).value, "<p>not available</p>");
 }

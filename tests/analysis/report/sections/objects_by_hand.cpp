@@ -65,6 +65,16 @@ TEST_CASE("objects by hand: force of the array over the sensor's, each way, besi
                   .height = 260,
                   .y_from_zero = true};
   check_once(page, line_chart(chart).value);
+  ReportInput light = under_an_object();
+  light.more.contacts[0].levels.resize(1);
+  light.more.contacts[0].levels[0] = pressed_level(0.5, true, 0.6, 0.7, 0.65);
+  LineChart lighter = chart;
+  lighter.series = {{"force sensor", {0.0, 0.6}, {0.0, 0.6}, 0},
+                    {"indication, incr.", {0.6}, {0.7}, 1},
+                    {"indication, decr.", {}, {}, 4},
+                    {"corrected, incr.", {0.6}, {0.65}, 2},
+                    {"corrected, decr.", {}, {}, 3}};
+  check_once(objects_section(light).value, line_chart(lighter).value);
   const std::vector<double> x = {1.1, 2.2, 0.9, 0.4};
   chart.title = "Contact area over the force, ring";
   chart.y_label = "area, mm²";

@@ -226,6 +226,8 @@ TEST_CASE(
                       .width = 682,
                       .height = 225,
                       .y_from_zero = true});
+  u.sensor_share = {0.0025, -0.001, kNone};
+  check_once(page(), colour_bar({-0.25, 0.25}, "Colour scale of the sensor’s part", "%", 2).value);
   u.sensor_share = {0.0, 0.0, kNone};
   check_once(page(), colour_bar({0.0, 1.0}, "Colour scale of the sensor’s part", "%", 2).value);
   u.not_assessed = "one angle alone";
