@@ -1,0 +1,162 @@
+// What every identification is given, by hand: parts, scored samples, refusals; figures of a fit; the validity box.
+#include "analysis/identify/fit_samples.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "analysis/identify/sensor_model.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+FitData up_and_down() {
+  const std::vector<double> x{0.0, 30.0, 60.0}, up{0.0, 1.0, 3.0}, down{0.0, 2.0, 3.0};
+  FitData data;
+  data.ascending = PatternCurve(x, up, 0.0, 3.0);
+  data.descending = PatternCurve(x, down, 0.0, 3.0);
+  data.histories = {{"loop", {-1.0, 30.0, 61.0, 30.0, 0.0}, {0.0, 1.0, 3.0, 2.0, 0.0}, {{0, 2, true}, {2, 4, false}}},
+                    {"back", {60.0, 40.0, 20.0}, {3.0, 2.4, 1.5}, {{0, 2, false}}}};
+  return data;
+}
+
+std::string samples_refused(const FitData& data, bool one_way = false) {
+  try {
+    const FitSamples samples(data, one_way);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE(
+    "samples of a fit by hand: inputs within the loop, branches with their beginnings, all but first ones scored") {
+  const FitSamples samples(up_and_down());
+  CHECK((samples.x_low == 0.0 && samples.x_high == 60.0));
+  CHECK(samples.x == std::vector<double>{0.0, 30.0, 60.0, 30.0, 0.0, 60.0, 40.0, 20.0});
+  REQUIRE(samples.parts.size() == 3);
+  const auto part = [&](std::size_t i) {
+    const FitSamples::Part& own = samples.parts[i];
+    return std::vector<std::size_t>{own.ascending ? 1U : 0U, own.opens_history ? 1U : 0U, own.from_top ? 1U : 0U,
+                                    own.first, own.last};
+  };
+  CHECK(part(0) == std::vector<std::size_t>{1, 1, 0, 0, 2});
+  CHECK(part(1) == std::vector<std::size_t>{0, 0, 0, 2, 4});
+  CHECK(part(2) == std::vector<std::size_t>{0, 1, 1, 5, 7});
+  CHECK(samples.scored == std::vector<std::size_t>{1, 2, 3, 4, 6, 7});
+  CHECK(samples.fitted == samples.scored);
+  CHECK(samples.outputs(up_and_down()) == std::vector<double>{0.0, 1.0, 3.0, 2.0, 0.0, 3.0, 2.4, 1.5});
+}
+
+TEST_CASE("samples of a fit by hand: what cannot be fitted is refused, each for its reason") {
+  CHECK(samples_refused(up_and_down()).empty());
+  const auto spoilt = [](const auto& change) {
+    FitData data = up_and_down();
+    change(data);
+    return samples_refused(data);
+  };
+  const double none = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
+  for (const double bad : {none, endless, -endless}) {
+    CHECK_THAT(spoilt([&](FitData& d) { d.histories[0].x[3] = bad; }), Catch::Contains("\"loop\": a value is not"));
+    CHECK_THAT(spoilt([&](FitData& d) { d.histories[1].y[2] = bad; }), Catch::Contains("\"back\": a value is not"));
+  }
+  CHECK(spoilt([&](FitData& d) { d.histories[1].y[2] = std::numeric_limits<double>::max(); }).empty());
+  CHECK_THAT(spoilt([](FitData& d) { d.histories[0].y.pop_back(); }), Catch::Contains("not as many outputs"));
+  for (const auto& [first, last] : {std::pair{1, 4}, {3, 3}, {4, 2}, {2, 5}}) {
+    INFO(first << " to " << last);
+    CHECK_THAT(spoilt([&, from = first, to = last](FitData& d) {
+                 d.histories[0].branches[1] = {from, to, false};
+               }),
+               Catch::Contains("a branch lies outside"));
+  }
+  CHECK(spoilt([](FitData& d) { d.histories[0].branches[1] = {3, 4, false}; }).empty());  // samples between two
+  CHECK_THAT(spoilt([](FitData& d) { d.ascending = {}; }), Catch::Contains("no external loop"));
+  CHECK_THAT(spoilt([](FitData& d) { d.descending = {}; }), Catch::Contains("no external loop"));
+  const std::vector<double> x{0.0, 60.0}, y{0.0, 3.0};
+  const auto other_curve = [&](std::vector<double> at, std::vector<double> out) {
+    return spoilt([&](FitData& d) { d.descending = PatternCurve(at, out, out.front(), out.back()); });
+  };
+  CHECK(other_curve(x, y).empty());
+  for (const auto& [at, out] : {std::pair{std::vector{1.0, 60.0}, y},
+                                {std::vector{0.0, 59.0}, y},
+                                {x, std::vector{0.1, 3.0}},
+                                {x, std::vector{0.0, 2.9}}})
+    CHECK_THAT(other_curve(at, out), Catch::Contains("do not meet at both ends"));
+}
+
+TEST_CASE("samples of a fit by hand: both directions are needed, or one where that is enough") {
+  FitData data = up_and_down();
+  data.histories.erase(data.histories.begin());
+  CHECK_THAT(samples_refused(data), Catch::Contains("both directions"));
+  CHECK(samples_refused(data, true).empty());
+  data.histories[0] = {"up", {0.0, 30.0}, {0.0, 1.0}, {{0, 1, true}}};
+  CHECK_THAT(samples_refused(data), Catch::Contains("both directions"));
+  CHECK(samples_refused(data, true).empty());
+  data.histories[0].branches.clear();
+  CHECK_THAT(samples_refused(data, true), Catch::Contains("both directions"));
+}
+
+TEST_CASE("samples of a fit by hand: outputs are taken of the same inputs and branches alone") {
+  const FitSamples samples(up_and_down());
+  const auto refused = [&](const auto& change) {
+    FitData data = up_and_down();
+    change(data);
+    try {
+      return samples.outputs(data).size() == 8 ? std::string() : std::string("another number");
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+  };
+  CHECK(refused([](FitData& d) { d.histories[0].y[1] = 7.0; }).empty());
+  const auto others = Catch::Contains("not those that the fit was prepared for");
+  CHECK_THAT(refused([](FitData& d) { d.histories.pop_back(); }), others);
+  CHECK_THAT(refused([](FitData& d) { d.histories[1].x[2] = 20.5; }), others);
+  CHECK_THAT(refused([](FitData& d) { d.histories[1].x.push_back(10.0); }), others);
+  CHECK_THAT(refused([](FitData& d) { d.histories[0].branches[0].last = 1; }), others);
+  CHECK_THAT(refused([](FitData& d) { d.histories[0].branches[1].first = 3; }), others);
+  CHECK_THAT(refused([](FitData& d) { d.histories[1].branches[0].ascending = true; }), others);
+  const std::vector<double> wider{0.0, 30.0, 61.0}, lower{-1.0, 30.0, 60.0}, y{0.0, 1.0, 3.0};
+  for (const std::vector<double>& x : {wider, lower})
+    CHECK_THAT(refused([&](FitData& d) {
+                 d.ascending = PatternCurve(x, y, 0.0, 3.0);
+                 d.descending = d.ascending;
+               }),
+               others);
+  const auto missing = Catch::Contains("\"back\": an output is missing or not finite");
+  CHECK_THAT(refused([](FitData& d) { d.histories[1].y.pop_back(); }), missing);
+  CHECK_THAT(refused([](FitData& d) { d.histories[1].y[0] = std::numeric_limits<double>::quiet_NaN(); }), missing);
+}
+
+TEST_CASE("figures of a fit by hand: sum of squares, mean and largest error of any number of samples") {
+  const FitData data = up_and_down();
+  const std::vector<double> errors = {0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7, -0.8, 0.9};
+  for (std::size_t n = 1; n <= errors.size(); ++n) {
+    INFO(n);
+    ModelFit fit;
+    score(fit, data, std::span(errors).first(n));
+    const auto count = static_cast<double>(n);
+    CHECK(fit.j == Approx(0.01 * count * (count + 1.0) * (2.0 * count + 1.0) / 6.0));
+    CHECK(fit.mean_error == Approx(0.1 * (count + 1.0) / 2.0));
+    CHECK(fit.max_error == Approx(0.1 * count));
+    CHECK((fit.samples == static_cast<int>(n) && fit.full_scale == 3.0));
+  }
+}
+
+TEST_CASE("the validity box by hand: inputs, holds, rates between samples, temperatures; its ends are within it") {
+  const Range range{1.0, 3.0};
+  for (const double in : {0.5, 1.0, 3.0, 3.5}) CHECK(range.contains(in, 0.5));
+  for (const double out : {0.49, 3.51}) CHECK_FALSE(range.contains(out, 0.5));
+  CHECK_FALSE(validity_of({}, {}).input);
+  History timed{"up", {0.0, 10.0, 4.0, 4.0}, {0, 0, 0, 0}, {}, {0.0, 2.0, 5.0, 5.0}, {9.0, 1.0, 0.5, 0.75}};
+  History untimed{"down", {-5.0, 70.0}, {0, 0}, {}};
+  const Validity box = validity_of({timed, untimed}, {22.5, 21.0, 23.0});
+  CHECK((box.input->low == -5.0 && box.input->high == 70.0));
+  CHECK((box.hold_s->low == 0.5 && box.hold_s->high == 1.0));  // the first sample had no hold before it
+  CHECK((box.rate->low == 2.0 && box.rate->high == 5.0));      // 6 in 3 s, 10 in 2 s; no time passed at the end
+  CHECK((box.temperature_c->low == 21.0 && box.temperature_c->high == 23.0));
+  CHECK_FALSE(validity_of({untimed}, {}).rate);
+}
