@@ -1,0 +1,157 @@
+// The pressure reference as it is read from a run's devices: certificate, converter, limits and their words, by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/uncertainty/reference_uncertainty.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+// Members of the reference's calibration beside its span: 0 to 10 V are -20 to 180 psi, 20 psi a volt.
+db::RunRecord read_by(const std::string& members, const std::string& module = R"({"raw_low":0,"raw_high":40000,)"
+                                                                              R"("low":0,"high":10})") {
+  db::RunRecord run;
+  run.started_utc = "2026-05-06T07:08:09Z";
+  run.devices = {{"analog module", "M", "1", "", "simulated", R"({"input_volts":)" + module + "}"},
+                 {"pressure reference", "P", "2", "", "simulated",
+                  R"({"volts_low":0,"volts_high":10,"psi_low":-20,"psi_high":180)" +
+                      (members.empty() ? "" : "," + members) + "}"}};
+  return run;
+}
+
+ReferenceUncertainty reference_of(const std::string& members) { return reference_uncertainty(read_by(members)); }
+
+std::string correction(const std::string& readings, const std::string& expanded, const std::string& more = "") {
+  return R"("correction":{"reading_psi":)" + readings + R"(,"expanded_uncertainty_psi":)" + expanded + more + "}";
+}
+
+}  // namespace
+
+TEST_CASE("reference: the certificate's points, its factor, and what lies between and beyond them") {
+  const ReferenceUncertainty found = reference_of(correction("[10,20,40]", "[0.3,0.6,0.3]", R"(,"coverage_factor":3)"));
+  CHECK(found.coverage_factor == 3.0);
+  CHECK(found.certificate_u(-5) == Approx(0.1));
+  CHECK(found.certificate_u(10) == Approx(0.1));
+  CHECK(found.certificate_u(12.5) == Approx(0.125));
+  CHECK(found.certificate_u(20) == Approx(0.2));
+  CHECK(found.certificate_u(35) == Approx(0.125));
+  CHECK(found.certificate_u(40) == Approx(0.1));
+  CHECK(found.certificate_u(41) == Approx(0.1));
+  CHECK(found.largest_certificate_u() == Approx(0.2));
+  CHECK(found.rows(0.1, 0.0).front().width_psi == Approx(0.3));
+  CHECK(found.rows(0.1, 0.0).front().divisor == 3.0);
+  const ReferenceUncertainty one = reference_of(R"("expanded_uncertainty_psi":0.1)");
+  CHECK((one.certificate_u(0) == 0.05 && one.certificate_u(60) == 0.05));
+  CHECK(ReferenceUncertainty().certificate_u(10) == 0.0);
+  CHECK(ReferenceUncertainty().largest_certificate_u() == 0.0);
+}
+
+TEST_CASE("reference: a correction whose points do not rise, do not match or are not positive is none") {
+  CHECK(reference_of(correction("[10]", "[0.3]")).certificate_missing.empty());
+  for (const std::string& odd :
+       {correction("[10,10]", "[0.3,0.3]"), correction("[20,10]", "[0.3,0.3]"), correction("[10,20]", "[0.3]"),
+        correction("[10,20]", "[0.3,0]"), correction("[10,20]", "[0.3,-1]"), correction("[10,\"x\"]", "[0.3,0.3]"),
+        correction("7", "[0.3]"), correction("[]", "[]")}) {
+    INFO(odd);
+    const ReferenceUncertainty found = reference_of(odd);
+    CHECK((found.reading_psi.empty() && found.expanded_psi.empty()));
+    CHECK_THAT(found.certificate_missing, Catch::Contains("expanded_uncertainty_psi"));
+  }
+  CHECK(reference_of(correction("[10]", "[0.3]", R"(,"coverage_factor":-1)")).coverage_factor == 2.0);
+}
+
+TEST_CASE("reference: one step of the converter that reads it is its volts times the span's psi a volt") {
+  const auto step = [](const std::string& module, const std::string& members = "") {
+    return reference_uncertainty(read_by(members, module)).resolution_psi;
+  };
+  CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":0,"high":10})") == Approx(20.0 * 10.0 / 40000.0));
+  CHECK(step(R"({"raw_low":-10000,"raw_high":30000,"low":-2,"high":8})") == Approx(20.0 * 10.0 / 40000.0));
+  CHECK(step(R"({"raw_low":100,"raw_high":100,"low":0,"high":10})") == 0.0);
+  CHECK(step(R"({"raw_low":0,"raw_high":100,"low":10,"high":0})") == 0.0);
+  CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":0,"high":10})", R"("resolution_psi":0.25)") == 0.25);
+  CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":0,"high":10})", R"("volts_high":0)") == 0.0);
+  // Of two modules the later one reads.
+  db::RunRecord two = read_by("");
+  two.devices.push_back({"input module", "N", "3", "", "simulated",
+                         R"({"input_volts":{"raw_low":0,"raw_high":1000,"low":0,"high":10}})"});
+  CHECK(reference_uncertainty(two).resolution_psi == Approx(0.2));
+  two.devices[0].calibration_json = two.devices[2].calibration_json = "{}";
+  CHECK_THAT(reference_uncertainty(two).resolution_missing, Catch::Contains("neither [reference] resolution_psi"));
+}
+
+TEST_CASE("reference: limits of the chain, the input's in volts, each with the word for what is missing") {
+  const ReferenceUncertainty all = reference_of(
+      R"("expanded_uncertainty_psi":0.1,"input_limit_v":0.005,"hysteresis_psi":0.2,"zero_psi":0.3,"temperature_psi":0.4)");
+  CHECK(all.limit(ReferencePart::kVoltageInput).half_width_psi == Approx(0.1));  // 20 psi a volt
+  CHECK(all.limit(ReferencePart::kHysteresis).half_width_psi == 0.2);
+  CHECK(all.limit(ReferencePart::kZero).half_width_psi == 0.3);
+  CHECK(all.limit(ReferencePart::kTemperature).half_width_psi == 0.4);
+  for (const ReferenceLimit& limit : all.limits) CHECK((limit.part.missing.empty() && limit.part.from.empty()));
+  // Rows: certificate, no drift, the digit of 5 mpsi, then the four limits in their order.
+  const std::vector<ReferenceRow> rows = all.rows(0.05, 0.0);
+  REQUIRE(rows.size() == 6);
+  CHECK((rows[0].source == 0 && rows[0].u_psi == 0.05));
+  CHECK((rows[1].source == 2 && rows[1].width_psi == Approx(0.0025)));
+  for (std::size_t part = 0; part < 4; ++part) {
+    CHECK(rows[2 + part].source == 3 + part);
+    CHECK(rows[2 + part].u_psi == Approx(0.1 * static_cast<double>(part + 1) / std::sqrt(3.0)));
+    CHECK(rows[2 + part].divisor == Approx(std::sqrt(3.0)));
+  }
+  const ReferenceUncertainty transducer =
+      reference_of(R"("expanded_uncertainty_psi":0.1,"certificate_covers":"transducer","zero_psi":-1)");
+  CHECK(transducer.covers == CertificateCovers::kTransducer);
+  CHECK(transducer.limit(ReferencePart::kVoltageInput).part.missing ==
+        "the bench file gives no limit for it: [reference] input_limit_v");
+  CHECK(transducer.limit(ReferencePart::kZero).part.missing ==
+        "the bench file gives no limit for it: [reference] zero_psi");
+  const ReferenceUncertainty bare = reference_of(R"("hysteresis_psi":0.2)");
+  CHECK(bare.limit(ReferencePart::kHysteresis).part.missing.empty());
+  CHECK(bare.limit(ReferencePart::kTemperature).part.missing == bare.certificate_missing);
+}
+
+TEST_CASE("reference: the drift's words, in date, overdue with both dates and with one, without a limit") {
+  const auto basis = [](const std::string& dates) { return reference_of(R"("drift_psi":0.05)" + dates).drift_basis; };
+  CHECK(basis("") == "stated limit of 0.05 psi, whole; due date not stated");
+  CHECK(basis(R"(,"due":"2026-05-06")") == "stated limit of 0.05 psi, whole; until the due date, 2026-05-06");
+  CHECK(basis(R"(,"calibrated":"2024-05-06","due":"2025-05-06")") ==
+        "stated limit of 0.05 psi times 2.000, the time since the calibration over the interval that it is stated for "
+        "(2024-05-06 to 2025-05-06); overdue since 2025-05-06");
+  CHECK_THAT(
+      basis(R"(,"due":"2025-05-06")"),
+      Catch::Contains("times 1.999") && Catch::Contains("taken as a year: calibration date and due date are not"));
+  CHECK_THAT(basis(R"(,"calibrated":"2024-05-06")"),
+             Catch::Contains("taken as a year") && Catch::Contains("; due date not stated"));
+  const ReferenceUncertainty none = reference_of(R"("due":"2025-05-06")");
+  CHECK(none.drift_basis.empty());
+  CHECK(none.overdue);
+  CHECK(none.drift_missing ==
+        "the bench file gives no limit for it: [reference] drift_psi; the reference was overdue since 2025-05-06");
+  CHECK(reference_of("").drift_missing == "the bench file gives no limit for it: [reference] drift_psi");
+  const ReferenceUncertainty earlier = by_earlier_rules(reference_of(R"("drift_psi":0.05,"due":"2025-05-06")"));
+  CHECK((earlier.drift_psi == 0.05 && !earlier.overdue && earlier.drift_missing == "the reference was overdue"));
+  const ReferenceUncertainty same = by_earlier_rules(reference_of(R"("drift_psi":0.05)"));
+  CHECK(same.drift_missing.empty());
+}
+
+TEST_CASE("reference: which device it is, and the scanner's volts a count") {
+  db::RunRecord run = read_by(R"("expanded_uncertainty_psi":0.1)");
+  run.devices[1].role = "force reference";
+  CHECK_FALSE(reference_uncertainty(run).certificate_missing.empty());
+  run.devices[1].role = "pressure regulator";
+  CHECK_FALSE(reference_uncertainty(run).certificate_missing.empty());
+  run.devices[1].role = "chamber pressure, reference";
+  CHECK(reference_uncertainty(run).certificate_missing.empty());
+  // The first that says anything counts.
+  run.devices.insert(run.devices.begin(), {"pressure reference", "", "", "", "", "broken"});
+  run.devices.push_back({"pressure reference", "", "", "", "", R"({"expanded_uncertainty_psi":9})"});
+  CHECK(reference_uncertainty(run).certificate_u(0) == 0.05);
+  run.devices = {{"tactile scanner 2", "", "", "", "", R"({"volts_per_count":0.5})"},
+                 {"tactile scanner", "", "", "", "", "x"},
+                 {"tactile scanner", "", "", "", "", R"({"volts_per_count":0.25})"}};
+  CHECK(scanner_step_v(run) == 0.25);
+  run.devices[2].calibration_json = R"({"volts_per_count":-1})";
+  CHECK(scanner_step_v(run) == 0.0);
+  CHECK(scanner_step_v({}) == 0.0);
+}

@@ -1,0 +1,151 @@
+// U of a reading between levels, and what temperature adds, as functions of their own: by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/numbers/moments.h"
+#include "analysis/statistics/uncertainty/temperature_effect.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace straight_array;
+
+TEST_CASE("U of a reading by hand: linear between levels of its branch, constant beyond them, none where none is") {
+  ConditionUncertainty condition;
+  condition.pressure_psi = {20, 40, 60, 30, 50};
+  condition.up = {true, true, true, false, false};
+  condition.expanded_psi = {1, 10, 3, 30, 4, 40, 5, 50, 9, 90};  // two taxels
+  condition.error_psi = {0.1, 1, 0.2, 2, 0.4, 4, -0.5, -5, -0.7, -7};
+  const auto at = [&](double psi, bool up, std::size_t taxel = 0) {
+    return reading_uncertainty(condition, taxel, psi, up);
+  };
+  CHECK((at(10, true).expanded_psi == 1.0 && at(10, true).error_psi == 0.1));
+  CHECK((at(20, true).expanded_psi == 1.0 && at(40, true).expanded_psi == 3.0));
+  CHECK(at(25, true).expanded_psi == Approx(1.5));
+  CHECK(at(25, true).error_psi == Approx(0.125));
+  CHECK(at(55, true, 1).expanded_psi == Approx(37.5));
+  CHECK(at(55, true, 1).error_psi == Approx(3.5));
+  CHECK(at(70, true).expanded_psi == 4.0);
+  CHECK(at(35, false).expanded_psi == Approx(6.0));
+  CHECK((at(20, false, 1).expanded_psi == 50.0 && at(55, false, 1).error_psi == -7.0));
+  condition.pressure_psi.resize(3);
+  condition.up.resize(3);
+  condition.expanded_psi.resize(6);
+  condition.error_psi.resize(6);
+  CHECK(std::isnan(at(30, false).expanded_psi));
+  CHECK(std::isnan(at(30, false).error_psi));
+  CHECK(std::isnan(reading_uncertainty({}, 0, 30, true).expanded_psi));
+}
+
+TEST_CASE("conditions of use and sources by their names, and which sources are the reference's own") {
+  CHECK(std::string(name_of(UseCondition::kStated)) == "all that was assessed, together");
+  CHECK(std::string(name_of(UseCondition::kFullSweeps)) == "full sweeps, as calibrated");
+  CHECK(std::string(name_of(UseCondition::kLater)) == "any reversals, another day");
+  int of_reference = 0;
+  for (std::size_t source = 0; source < kUncertaintySources; ++source)
+    of_reference += is_of_reference(static_cast<UncertaintySource>(source)) ? 1 : 0;
+  CHECK(of_reference == 7);
+  CHECK(is_of_reference(UncertaintySource::kReferenceTemperature));
+  CHECK_FALSE(is_of_reference(UncertaintySource::kUniformity));
+  CHECK(std::string(text_of(UncertaintySource::kUniformity).name) == "chamber uniformity");
+  CHECK(std::string(text_of(UncertaintySource::kHistory).name) == "history (inner branches)");
+}
+
+TEST_CASE("temperature by hand: half-widths of the run's own range and of the runs', with the thermometer's error") {
+  TemperatureEffect effect;
+  effect.temperature_c = {23.0, 19.0, 25.0};
+  effect.low_c = 22.0;
+  effect.high_c = 23.5;
+  effect.resolution_c = 0.5;
+  CHECK(effect.half_width_c() == Approx(1.0));
+  CHECK(effect.half_width_of_runs_c() == Approx(4.25));  // 4 K and half a step
+  effect.thermometer_u_c = 0.4;
+  CHECK(effect.half_width_c() == Approx(std::hypot(1.0, 0.4 * std::sqrt(3.0))));
+  CHECK(effect.half_width_of_runs_c() == Approx(std::hypot(4.25, 0.4 * std::sqrt(3.0))));
+  effect.low_c = 13.0;  // wider than the runs
+  CHECK(effect.half_width_of_runs_c() == Approx(std::hypot(5.5, 0.4 * std::sqrt(3.0))));
+  effect.thermometer_u_c = 0.0;
+  effect.per_kelvin = {0.002, 0.01};
+  effect.u = {0.001, 0.003};
+  effect.deviation = {0.002, 0.004};
+  // 2 V over the zero, mV: (2 + 20)^2 + 1 + 4 + 4 (9 + 16) = 589, for 5.5 K.
+  CHECK(effect.width_v(2.0) == Approx(5.5e-3 * std::sqrt(589.0)));
+  CHECK(effect.in_words().empty());
+  effect.not_assessed.clear();
+  effect.dof = 3.0;
+  CHECK_THAT(
+      effect.in_words(),
+      Catch::StartsWith("3 runs at 19.0 to 25.0 °C: output over its zero (+1.0000 ± 0.3000) % a kelvin, zero "
+                        "(+2.000 ± 1.000) mV a kelvin (standard uncertainties from the scatter of the repeats, 3 "
+                        "degrees of freedom); single taxels ± 0.4000 % a kelvin; taken over 13.00 to 23.50 °C"));
+}
+
+namespace {
+
+// Up and down over the levels at a temperature: 0.1 V a psi and `share` more of it, `zero` higher; of the repeats one
+// has `off` less, the other more.
+Dataset loop_at(double celsius, double share, double zero, const std::vector<double>& rising, double off = 0.0) {
+  Dataset data = dataset_of({});
+  data.temperatures_c = {celsius};
+  SequenceData sequence{"loop", {}};
+  for (const double side : {-off, off}) {
+    std::vector<double> psi = rising;
+    for (std::size_t i = rising.size() - 1; i-- > 0;) psi.push_back(rising[i]);
+    Repeat repeat;
+    for (const double level : psi) {
+      repeat.steps.push_back({level, level});
+      const double volts = 0.5 + zero + 0.1 * level * (1.0 + share + side);
+      repeat.volts.insert(repeat.volts.end(), {volts, volts, 9.0});
+    }
+    sequence.repeats.push_back(repeat);
+  }
+  data.sequences = {sequence};
+  return data;
+}
+const std::vector<double> kFive{0, 15, 30, 45, 60};
+
+TemperatureEffect of_runs(const Dataset& calibration, const std::vector<Dataset>& others) {
+  return temperature_effect_of(calibration, others, straight_fit(), 0.1);
+}
+
+}  // namespace
+
+TEST_CASE("temperature by hand: three runs about a line, the scatter of the repeats against that of the runs") {
+  // Shares of 0, 2 and 1 % at 20, 24 and 28 degC: slope 1 % / 8 K; off the line by -0.5, 1 and -0.5 %: squares 1.5e-4
+  // with one degree of freedom, over 32 K^2.
+  const TemperatureEffect effect =
+      of_runs(loop_at(20, 0, 0, kFive), {loop_at(24, 0.02, 0.04, kFive), loop_at(28, 0.01, 0.08, kFive)});
+  REQUIRE(effect.assessed());
+  CHECK(effect.per_kelvin.share == Approx(0.00125));
+  CHECK(effect.u.share == Approx(std::sqrt(1.5e-4 / 32)));
+  CHECK_FALSE(effect.from_repeats);
+  CHECK(effect.dof == 1.0);
+  CHECK(effect.per_kelvin.zero_v == Approx(0.01));
+  CHECK(effect.u.zero_v == Approx(0.0).margin(1e-9));
+  // Repeats 5 % to either side: 2 x 0.0025 a run, of six with three degrees of freedom 0.005; of means of two, over the
+  // two runs at 4 K from the middle: (4 / 32)^2 / 2 each.
+  const TemperatureEffect wide = of_runs(loop_at(20, 0, 0, kFive, 0.05),
+                                         {loop_at(24, 0.02, 0.04, kFive, 0.05), loop_at(28, 0.01, 0.08, kFive, 0.05)});
+  CHECK(wide.from_repeats);
+  CHECK(wide.dof == 3.0);
+  CHECK(wide.u.share == Approx(std::sqrt(0.005 / 64)));
+}
+
+TEST_CASE("temperature bounds: five levels in common within a millionth, and two kelvin between the means") {
+  const auto assessed = [](double celsius, const std::vector<double>& rising) {
+    return of_runs(loop_at(20, 0, 0, kFive, 0.01), {loop_at(celsius, 0.02, 0, rising, 0.01)}).assessed();
+  };
+  CHECK(assessed(22, kFive));
+  CHECK_FALSE(assessed(21.99, kFive));
+  CHECK(assessed(18, kFive));
+  CHECK_FALSE(assessed(18.01, kFive));
+  CHECK_FALSE(assessed(25, {0, 20, 40, 60}));
+  CHECK(assessed(25, {0, 15 + 5e-7, 30, 45, 60}));
+  CHECK_FALSE(assessed(25, {0, 15 + 2e-6, 30, 45, 60}));
+  CHECK_THAT(of_runs(loop_at(20, 0, 0, {0, 20, 40, 60}), {loop_at(25, 0, 0, kFive)}).not_assessed,
+             Catch::Contains("no full loop of at least five levels"));
+  const std::vector<double> cold{19.0, 21.0}, warm{22.0}, close{21.9};
+  CHECK(at_another_temperature(cold, warm));
+  CHECK(at_another_temperature(warm, cold));
+  CHECK_FALSE(at_another_temperature(cold, close));
+  CHECK_FALSE(at_another_temperature(cold, {}));
+}
