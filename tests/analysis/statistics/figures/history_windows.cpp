@@ -1,0 +1,249 @@
+// Errors over histories and between dwell times, window by window, on straight taxels: by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/figures/dwell_effect.h"
+#include "analysis/statistics/figures/history_errors.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace straight_array;
+
+namespace {
+
+// The first taxel errs by `error` at each step, the second by half of it.
+SequenceData way_along(const std::string& name, const std::vector<double>& setpoints,
+                       const std::vector<std::vector<double>>& error_by_repeat,
+                       const std::vector<double>& held_s = {}) {
+  SequenceData sequence{name, {}};
+  for (std::size_t repeat = 0; repeat < error_by_repeat.size(); ++repeat) {
+    std::vector<Sample> steps;
+    Readings readings;
+    for (std::size_t i = 0; i < setpoints.size(); ++i) {
+      Sample sample{setpoints[i], setpoints[i], 0.0, 0.0};
+      sample.held_s = held_s.empty() ? 1.0 + static_cast<double>(i) : held_s[repeat];
+      steps.push_back(sample);
+      readings.first_psi.push_back(setpoints[i] + error_by_repeat[repeat][i]);
+      readings.second_psi.push_back(setpoints[i] + 0.5 * error_by_repeat[repeat][i]);
+    }
+    sequence.repeats.push_back(repeat_of(steps, readings));
+  }
+  return sequence;
+}
+
+const WindowErrors& window_of(const HistoryErrors& errors, double pressure, bool up) {
+  for (const WindowErrors& window : errors.windows)
+    if (window.pressure_psi == pressure && window.up == up) return window;
+  throw std::runtime_error("no such window");
+}
+
+HistoryErrors pooled_of(const FrameErrors& one, const LevelCorrections& corrections = {}) {
+  return pooled_errors({&one, 1}, straight_fit(), corrections);
+}
+
+// Full up, to 36 psi down, to 44 up and back to 0 down. The last frame but one at 30 psi is in no window.
+const std::vector<double> kWandering{0, 20, 40, 60, 36, 44, 30, 0};
+
+}  // namespace
+
+TEST_CASE("frame errors by hand: which branches count, and sequences that are left out") {
+  const Dataset data =
+      dataset_of({way_along("a", kWandering, {{0, 1, 2, -3, 4, 5, 6, 1}}), way_along("b", {0, 20, 0}, {{0, 7, 0}})});
+  const SensorModel fit = straight_fit();
+  const auto set_points = [&](BranchesOf which, std::vector<std::string> left_out = {}) {
+    std::vector<double> out;
+    const FrameErrors errors = frame_errors(data, fit, which, 1, left_out);
+    for (const FrameErrors::Frame& frame : errors.frames) out.push_back(frame.setpoint_psi);
+    CHECK(errors.run == 2);
+    CHECK(errors.held_s.size() == 11);
+    return out;
+  };
+  CHECK(set_points(BranchesOf::kAll) == std::vector<double>{0, 20, 40, 60, 36, 44, 0, 0, 20, 0});
+  CHECK(set_points(BranchesOf::kFullSweeps) == std::vector<double>{0, 20, 40, 60});
+  CHECK(set_points(BranchesOf::kInnerBranches) == std::vector<double>{36, 44, 0, 0, 20, 0});
+  CHECK(set_points(BranchesOf::kAll, {"a"}) == std::vector<double>{0, 20, 0});
+  CHECK(set_points(BranchesOf::kAll, {"b", "c"}) == std::vector<double>{0, 20, 40, 60, 36, 44, 0});
+  const FrameErrors inner = frame_errors(data, fit, BranchesOf::kInnerBranches, 1);
+  REQUIRE(inner.frames.size() == 6);
+  CHECK((inner.frames[0].sequence == 0 && inner.frames[0].branch == 1 && !inner.frames[0].up));
+  CHECK((inner.frames[1].branch == 2 && inner.frames[1].up));
+  CHECK((inner.frames[4].sequence == 1 && inner.frames[4].branch == 0));
+  CHECK(inner.error_psi[0] == Approx(4.0));
+  CHECK(inner.error_psi[4] == Approx(2.5));
+  CHECK(inner.error_psi[12] == Approx(7.0));
+  CHECK(std::isnan(inner.error_psi[2]));
+}
+
+TEST_CASE("windows by hand: 4 psi to each side, the very edge included, frames and ways, means and mean squares") {
+  const FrameErrors all =
+      frame_errors(dataset_of({way_along("a", {0, 15.9, 16, 24, 24.1, 60}, {{0, 9, 1, 3, 9, 0}, {0, 9, 5, 3, 9, 0}})}),
+                   straight_fit(), BranchesOf::kAll, 1);
+  CHECK(all.frames.size() == 2 * 4);  // 15.9 and 24.1 are in no window
+  const HistoryErrors errors = pooled_of(all);
+  REQUIRE(errors.windows.size() == 8);
+  CHECK((errors.known() && errors.any_way()));
+  CHECK(errors.runs == std::vector<std::int64_t>{2});
+  const WindowErrors& twenty = window_of(errors, 20, true);
+  CHECK(twenty.frames == 4.0);
+  CHECK(twenty.branches == 1.0);  // the repeats go the same way
+  CHECK(twenty.mean_psi[0] == Approx((1.0 + 3.0 + 5.0 + 3.0) / 4));
+  CHECK(twenty.square_psi[0] == Approx((1.0 + 9.0 + 25.0 + 9.0) / 4));
+  CHECK(twenty.mean_psi[1] == Approx(1.5));
+  CHECK(twenty.square_psi[1] == Approx(11.0 / 4));
+  CHECK(std::isnan(twenty.mean_psi[2]));
+  // The two taxels' mean errs by 3/4 of the first.
+  CHECK(twenty.common_square_psi == Approx(11.0 * 0.5625));
+  const WindowErrors& down = window_of(errors, 20, false);
+  CHECK((down.frames == 0.0 && down.branches == 0.0));
+  CHECK((std::isnan(down.mean_psi[0]) && std::isnan(down.common_square_psi)));
+  const HistoryErrors nothing = pooled_errors({}, straight_fit());
+  CHECK_FALSE(nothing.known());
+  CHECK_FALSE(nothing.any_way());
+  CHECK((nothing.dwell_low_s == 0.0 && nothing.dwell_high_s == 0.0));
+}
+
+TEST_CASE(
+    "windows by hand: ways of several branches, sequences and runs add up, a run is left out, errors are corrected") {
+  const Dataset data = dataset_of(
+      {way_along("a", {0, 20, 40, 20, 40, 0}, {{0, 1, 2, 1, 3, 0}}), way_along("b", {0, 20, 0}, {{0, 5, 0}})});
+  std::vector<FrameErrors> runs{frame_errors(data, straight_fit(), BranchesOf::kAll, 1)};
+  const WindowErrors once = window_of(pooled_of(runs[0]), 20, true);
+  CHECK((once.frames == 2.0 && once.branches == 2.0));  // the ways of a and of b
+  const WindowErrors twice = window_of(pooled_of(runs[0]), 40, true);
+  CHECK((twice.frames == 2.0 && twice.branches == 2.0));  // both of a
+  runs.push_back(runs[0]);
+  runs[1].run = 3;
+  const HistoryErrors both = pooled_errors(runs, straight_fit());
+  CHECK(both.runs == std::vector<std::int64_t>{2, 3});
+  CHECK((window_of(both, 20, true).frames == 4.0 && window_of(both, 20, true).branches == 4.0));
+  const HistoryErrors other = pooled_errors(runs, straight_fit(), {}, 0);
+  CHECK(other.runs == std::vector<std::int64_t>{3});
+  CHECK(window_of(other, 20, true).frames == 2.0);
+  // 0.5 psi less at 20 psi up of the first taxel: errors of 0.5 and 4.5.
+  LevelCorrections corrections(2 * 4 * 3, 0.0);
+  corrections[1 * 3] = 0.5;
+  const WindowErrors less = window_of(pooled_of(runs[0], corrections), 20, true);
+  CHECK(less.mean_psi[0] == Approx(2.5));
+  CHECK(less.square_psi[0] == Approx((0.25 + 20.25) / 2));
+  CHECK(less.mean_psi[1] == Approx(1.5));
+}
+
+TEST_CASE("dwell times of a history are its 5 and 95 % quantiles") {
+  std::vector<double> setpoints(20, 20.0), none(20, 0.0);
+  setpoints.front() = 0.0;
+  const FrameErrors errors =
+      frame_errors(dataset_of({way_along("a", setpoints, {none})}), straight_fit(), BranchesOf::kAll, 1);
+  const HistoryErrors pooled = pooled_of(errors);  // held for 1, 2, ... 20 s
+  CHECK(pooled.dwell_low_s == 2.0);
+  CHECK(pooled.dwell_high_s == 20.0);
+}
+
+TEST_CASE("corrections by hand: linear between levels, constant beyond them, of the direction asked for, none is 0") {
+  const SensorModel fit = straight_fit();
+  CHECK(correction_at({}, fit, 0, 30.0, true) == 0.0);
+  LevelCorrections corrections(2 * 4 * 3, 0.0);
+  const auto set = [&](std::size_t row, double first, double second) {
+    corrections[3 * row] = first;
+    corrections[3 * row + 1] = second;
+  };
+  set(0, 1, 10);
+  set(1, 2, 20);
+  set(2, 6, 60);
+  set(3, -2, kNan);  // up
+  set(4, -1, 0);
+  set(5, -5, 0);
+  set(6, -7, 0);
+  set(7, -9, 0);  // down
+  const auto at = [&](double psi, bool up = true, std::size_t taxel = 0) {
+    return correction_at(corrections, fit, taxel, psi, up);
+  };
+  CHECK(at(-3) == 1.0);
+  CHECK(at(0) == 1.0);
+  CHECK(at(5) == Approx(1.25));
+  CHECK(at(20) == Approx(2.0));
+  CHECK(at(30) == Approx(4.0));
+  CHECK(at(55) == Approx(0.0).margin(1e-12));
+  CHECK(at(60) == Approx(-2.0));
+  CHECK(at(61) == -2.0);
+  CHECK(at(kNan) == 1.0);
+  CHECK(at(5, false) == Approx(-2.0));
+  CHECK(at(61, false) == -9.0);
+  CHECK(at(30, true, 1) == Approx(40.0));
+  CHECK(at(50, true, 1) == Approx(30.0));  // half way to one that is not known
+  CHECK(at(61, true, 1) == 0.0);
+}
+
+namespace {
+
+const std::vector<double> kPacedLoop{0, 16, 20, 24, 60, 40, 0};
+
+DwellEffect dwell_of(const Dataset& paced, double usual_s) {
+  const Dataset calibration = dataset_of({way_along("loop", {0, 20, 60}, {{0, 0, 0}}, {usual_s})});
+  const Dataset* runs[] = {&paced};
+  return dwell_effect_of(calibration, runs, straight_fit(), 1);
+}
+
+Dataset paced_at_dwells(const std::vector<double>& dwell_s) {
+  std::vector<std::vector<double>> errors(dwell_s.size(), std::vector<double>(7, 0.0));
+  return dataset_of({way_along("rate", kPacedLoop, errors, dwell_s)});
+}
+
+}  // namespace
+
+TEST_CASE("dwell effect by hand: mean squares in the windows, the largest of the repeats, against the nearest pace") {
+  // Dwell times of 1, 3 and 8 s; the calibration's 2 s are nearer to 3 s by factor. Against that the repeats differ by
+  // (1, 2, 3) and (-2, -2, 0) psi at 16, 20, 24 psi upward: mean squares 14/3 and 8/3; at 40 psi downward by 0 and 1.
+  const Dataset paced = dataset_of({way_along(
+      "rate", kPacedLoop, {{0, 1.5, 2.5, 3.5, 0, 0, 0}, {0, 0.5, 0.5, 0.5, 0, 0, 0}, {0, -1.5, -1.5, 0.5, 0, 1, 0}},
+      {1, 3, 8})});
+  const DwellEffect effect = dwell_of(paced, 2.0);
+  REQUIRE(effect.assessed());
+  CHECK(effect.run == 2);
+  CHECK(effect.low_s == 1.0);
+  CHECK(effect.high_s == 8.0);
+  CHECK(effect.base_s == 3.0);
+  REQUIRE(effect.square_psi.size() == 2 * 4 * 3);
+  const auto square = [&](std::size_t level, bool up, std::size_t taxel) {
+    return effect.square_psi[((up ? 0 : 4) + level) * 3 + taxel];
+  };
+  CHECK(square(1, true, 0) == Approx(14.0 / 3));
+  CHECK(square(1, true, 1) == Approx(14.0 / 12));
+  CHECK(std::isnan(square(1, true, 2)));
+  CHECK(square(3, true, 0) == Approx(0.0).margin(1e-12));
+  CHECK(square(2, false, 0) == Approx(1.0));
+  CHECK(std::isnan(square(2, true, 0)));      // no step within 4 psi of 40 psi on the way up
+  CHECK(std::isnan(square(1, false, 0)));     // nor of 20 psi on the way down
+  CHECK(dwell_of(paced, 1.7).base_s == 1.0);  // 1.7 times as long as one, 1.76 times as short as the other
+  CHECK(dwell_of(paced, 1.8).base_s == 3.0);
+  CHECK(dwell_of(paced, 5.0).base_s == 8.0);  // 1.6 and 1.67 times
+  CHECK(dwell_of(paced, 4.8).base_s == 3.0);
+}
+
+TEST_CASE("dwell effect: paces differ by a factor of two, each repeat has to state its dwell, one repeat is none") {
+  CHECK(dwell_of(paced_at_dwells({1, 2}), 1.0).assessed());
+  CHECK_FALSE(dwell_of(paced_at_dwells({1, 1.99}), 1.0).assessed());
+  CHECK_FALSE(dwell_of(paced_at_dwells({4}), 1.0).assessed());
+  CHECK_FALSE(dwell_of(paced_at_dwells({1, 4, 0}), 1.0).assessed());
+  CHECK_FALSE(dwell_of(paced_at_dwells({1, 4}), 0.0).assessed());
+  CHECK_THAT(dwell_of(paced_at_dwells({4}), 1.0).not_assessed, Catch::Contains("no run of recipe rate"));
+  // The first run, and in it the first sequence, that tells.
+  Dataset first = paced_at_dwells({1, 1}), second = paced_at_dwells({1, 4}), third = paced_at_dwells({1, 9});
+  second.sequences.insert(second.sequences.begin(), first.sequences.front());
+  second.run = 8;
+  const Dataset* runs[] = {&first, &second, &third};
+  const DwellEffect effect = dwell_effect_of(second, runs, straight_fit(), 1);
+  CHECK(effect.run == 8);
+  CHECK(effect.high_s == 4.0);
+}
+
+TEST_CASE("a run's dwell is the median of its repeats' medians, above half a psi and where it is stated") {
+  Dataset data = dataset_of({way_along("a", {0, 0.5, 0.51, 20, 40}, {{0, 0, 0, 0, 0}}, {1})});
+  std::vector<Sample>& steps = data.sequences[0].repeats[0].steps;
+  for (std::size_t i = 0; i < 5; ++i) steps[i].held_s = 100.0 / static_cast<double>(i + 1);  // 100 50 33.3 25 20
+  CHECK(median_dwell_s(data) == Approx(25.0));
+  steps[4].held_s = 0.0;
+  CHECK(median_dwell_s(data) == Approx((100.0 / 3 + 25.0) / 2));
+  data.sequences.push_back(way_along("b", {20, 40}, {{0, 0}, {0, 0}}, {7, 9}));
+  CHECK(median_dwell_s(data) == 9.0);  // of 29.2, 7 and 9
+  CHECK(std::isnan(median_dwell_s(dataset_of({way_along("c", {0, 0.5}, {{0, 0}}, {3})}))));
+}
