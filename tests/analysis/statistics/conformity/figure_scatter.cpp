@@ -1,0 +1,151 @@
+// What judged figures scatter by where sweeps and repeats are few or unequal, and the words of each U: by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/conformity/verdict.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace tactbench;
+using namespace straight_array;
+
+namespace {
+
+// One way; the first taxel reads `apart` more than the second, which reads the reference.
+Repeat apart_by(const std::vector<double>& setpoints, const std::vector<double>& apart) {
+  std::vector<Sample> steps;
+  Readings readings;
+  for (std::size_t i = 0; i < setpoints.size(); ++i) {
+    steps.push_back({setpoints[i], setpoints[i]});
+    readings.first_psi.push_back(setpoints[i] + apart[i]);
+    readings.second_psi.push_back(setpoints[i]);
+  }
+  return repeat_of(steps, readings);
+}
+const std::vector<double> kWhole{0, 20, 40, 60, 40, 20, 0}, kCoarse{0, 40, 60, 40, 0};
+
+ReferenceUncertainty with_parts(bool drift, bool digit, std::vector<std::size_t> parts = {}) {
+  ReferenceUncertainty reference;
+  reference.reading_psi = {0.0};
+  reference.expanded_psi = {0.2};
+  if (drift)
+    reference.drift_psi = reference.drift_stated_psi = 0.1;
+  else
+    reference.drift_missing = "none";
+  if (digit)
+    reference.resolution_psi = 0.1;
+  else
+    reference.resolution_missing = "none";
+  for (const std::size_t part : parts) reference.limits[part].half_width_psi = 0.1;
+  return reference;
+}
+
+JudgedUncertainty found_in(const std::vector<JudgedUncertainty>& all, const char* criterion, const char* scope) {
+  const JudgedUncertainty* const found = find_uncertainty(all, criterion, scope);
+  REQUIRE(found != nullptr);
+  return *found;
+}
+
+std::vector<JudgedUncertainty> judged_of(const Dataset& judged, const Dataset& models,
+                                         const ReferenceUncertainty& reference = with_parts(false, false)) {
+  return judged_uncertainties(judged, models, straight_fit(), evaluate(judged, straight_fit(), 1), reference, 1);
+}
+
+}  // namespace
+
+TEST_CASE("scatter of a level that not every sweep passes: that of the levels they have in common, pooled") {
+  // At 40 psi upward the taxels are 2 and 4 psi apart: standard deviations of sqrt 2 and 2 sqrt 2, a variance of 1
+  // between them; none at 0 and 60 psi. Pooled over three levels 1/3; in common 1/9; dof 1 / (1/9 + (4/9) / 2) = 3.
+  const Dataset data =
+      dataset_of({{"a", {apart_by(kWhole, {0, 5, 2, 0, 0, 0, 0})}}, {"b", {apart_by(kCoarse, {0, 4, 0, 0, 0})}}});
+  const auto all = judged_of(data, data);
+  const JudgedUncertainty twenty = found_in(all, "mismatch", "20 psi up"),
+                          forty = found_in(all, "mismatch", "40 psi up");
+  CHECK(twenty.combined == Approx(std::sqrt(1.0 / 3.0 / 2.0) / 60.0));  // of two sweeps
+  CHECK(twenty.dof == Approx(3.0));
+  CHECK(twenty.basis ==
+        "the reference's error cancels; scatter of the figure over 2 full sweeps of the run judged, pooled over their "
+        "common levels, divided by √2");
+  CHECK(forty.combined == Approx(std::sqrt(0.5) / 60.0));
+  CHECK(forty.dof == 1.0);
+  CHECK(forty.basis ==
+        "the reference's error cancels; scatter of the figure over 2 full sweeps of the run judged, divided by √2");
+  CHECK(forty.run == 2);
+}
+
+TEST_CASE("scatter of one sweep judged is that of the models' run, whole; without two sweeps there nothing is known") {
+  const Dataset one = dataset_of({{"a", {apart_by(kWhole, {0, 0, 3, 0, 0, 0, 0})}}});
+  const Dataset two =
+      dataset_of({{"a", {apart_by(kWhole, {0, 0, 2, 0, 0, 0, 0}), apart_by(kWhole, {0, 0, 4, 0, 0, 0, 0})}}});
+  const auto all = judged_of(one, two);
+  const JudgedUncertainty forty = found_in(all, "mismatch", "40 psi up");
+  CHECK(forty.combined == Approx(1.0 / 60.0));
+  CHECK(forty.basis ==
+        "the reference's error cancels; scatter of the figure over 2 full sweeps of the run of the models");
+  const JudgedUncertainty distance = found_in(all, "distance_of_mean", "array");
+  // The mean of both taxels 1 and 2 psi: a variance of 1/2 at one of four levels upward, pooled 1/8, in common 1/32.
+  CHECK(distance.combined == Approx(std::sqrt(1.0 / 8.0) / 60.0));
+  CHECK_THAT(distance.basis,
+             Catch::Contains("over 2 loading and 2 unloading full sweeps of the run of the models, pooled "
+                             "over the levels (4.0 degrees of freedom); the run judged has 1 and 1"));
+  const JudgedUncertainty error = found_in(all, "mean_compensation_error", "array");
+  CHECK_THAT(error.basis,
+             Catch::Contains("2 repeats of the run of the models, for the run judged has one repeat, pooled "
+                             "over 2 taxels"));
+  const auto nothing = judged_of(one, one);
+  CHECK(std::isnan(found_in(nothing, "mismatch", "40 psi up").expanded));
+  CHECK(found_in(nothing, "mismatch", "40 psi up").missing ==
+        "neither the run judged nor that of the models has two full sweeps at its levels");
+  CHECK(found_in(nothing, "mean_compensation_error", "array").missing ==
+        "neither the run judged nor that of the models has two repeats");
+  CHECK(std::isnan(found_in(nothing, "distance_of_mean", "array").combined));
+}
+
+TEST_CASE("U of an error names what is stated of the reference, in their order") {
+  const Dataset data =
+      dataset_of({{"a", {apart_by(kWhole, {0, 0, 2, 0, 0, 0, 0}), apart_by(kWhole, {0, 0, 4, 0, 0, 0, 0})}}});
+  const auto basis = [&](const ReferenceUncertainty& reference) {
+    const std::string words = found_in(judged_of(data, data, reference), "mean_compensation_error", "array").basis;
+    return words.substr(0, words.find(", which moves"));
+  };
+  CHECK(basis(with_parts(false, false)) == "reference (certificate)");
+  CHECK(basis(with_parts(true, false)) == "reference (certificate, drift)");
+  CHECK(basis(with_parts(false, true)) == "reference (certificate, resolution)");
+  CHECK(basis(with_parts(true, true, {0, 1, 2, 3})) ==
+        "reference (certificate, drift, resolution, voltage input, hysteresis, zero, temperature)");
+  CHECK(basis(with_parts(false, false, {2})) == "reference (certificate, zero)");
+  ReferenceUncertainty grown = with_parts(true, false);
+  grown.drift_psi = 0.2;
+  CHECK(basis(grown) == "reference (certificate, drift beyond its stated limit)");
+  CHECK_THAT(
+      found_in(judged_of(data, data), "mean_compensation_error", "array").basis,
+      Catch::EndsWith("scatter of a taxel over 2 repeats of the run judged, pooled over 2 taxels (2.0 degrees of "
+                      "freedom), divided by √2"));
+}
+
+TEST_CASE("the largest error of a run: whose it is, and at which pressure") {
+  const Evaluation e = evaluate(known_loop(), straight_fit(), 1);
+  CHECK(e.max_error_taxel == 0);
+  CHECK(e.max_error_at_psi == 20.0);
+  CHECK((e.run == 2 && e.model_run == 1));
+  const auto refused = [](auto change) {
+    Dataset other = known_loop();
+    change(other);
+    try {
+      (void)evaluate(other, straight_fit(), 1);
+    } catch (const AnalysisError& error) {
+      return error.id() + " " + error.what();
+    }
+    return std::string();
+  };
+  CHECK(refused([](Dataset&) {}).empty());
+  CHECK(refused([](Dataset& data) { data.rows = 3; }) ==
+        "TB-ANALYSIS-OTHER-SENSOR run 2 has 3 x 3 taxels, the models of run 1 1 x 3");
+  CHECK(refused([](Dataset& data) { data.columns = 1; }) ==
+        "TB-ANALYSIS-OTHER-SENSOR run 2 has 1 x 1 taxels, the models of run 1 1 x 3");
+  CHECK_THAT(refused([](Dataset& data) { data.sensor_serial = "T"; }),
+             Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR run 2 is of sensor T on scanner"));
+  CHECK_THAT(refused([](Dataset& data) { data.scanner_serial = "C"; }), Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR"));
+  CHECK(refused([](Dataset& data) { data.origin = "hardware"; }) ==
+        "TB-ANALYSIS-ORIGIN run 2 is hardware, the models of run 1 are simulated");
+}

@@ -1,0 +1,97 @@
+// The noise of differences, few samples by hand: which order counts, of how many differences.
+#include "analysis/statistics/numbers/difference_noise.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/numbers/coverage.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "analysis/statistics/numbers/pooled_scatter.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+using Samples = std::vector<double>;
+
+// A difference of unit norm is as large as the noise; the median of a normal one is 0.67449 of it.
+double as_noise(double difference) { return difference / 0.67449; }
+
+double noise_of(const Samples& y) { return difference_noise(std::vector<Stretch>{{{}, y}}); }
+double placed_noise(const Samples& x, const Samples& y) { return difference_noise(std::vector<Stretch>{{x, y}}); }
+
+Samples ramp(std::size_t count) {
+  Samples y;
+  for (std::size_t i = 0; i < count; ++i) y.push_back(static_cast<double>(i));
+  return y;
+}
+
+}  // namespace
+
+TEST_CASE("difference noise by hand: one difference, two of the first order, the median of three") {
+  CHECK(noise_of({5.0, 6.0}) == Approx(as_noise(1.0 / std::sqrt(2.0))));
+  CHECK(noise_of({0.0, 1.0, 2.0}) == Approx(as_noise(1.0 / std::sqrt(2.0))));  // the second order is one difference
+  // First differences 4, -1, 6, -6; second -5, 7, -12: of sqrt 6 the middle one 7; first of sqrt 2 the upper middle 6.
+  // Third 12, -19 over sqrt 20: the larger, 4.25.
+  CHECK(noise_of({0.0, 4.0, 3.0, 9.0, 3.0}) == Approx(as_noise(7.0 / std::sqrt(6.0))));
+  CHECK(noise_of({}) == 0.0);
+  CHECK(noise_of({3.0}) == 0.0);
+}
+
+TEST_CASE("difference noise by hand: an order counts from twenty differences on, else from two") {
+  CHECK(noise_of(ramp(4)) == Approx(0.0).margin(1e-12));  // two of the second order
+  CHECK(noise_of(ramp(20)) == Approx(0.0).margin(1e-12));
+  CHECK(noise_of(ramp(21)) == Approx(as_noise(1.0 / std::sqrt(2.0))));  // twenty of the first, nineteen of the second
+  CHECK(noise_of(ramp(22)) == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("difference noise by hand: orders up to the sixth, of alternate samples") {
+  // 1 -1 1 -1 ...: the difference of order k is the sum of its weights' sizes, 2^k over the root of the sum of squares,
+  // C(2k, k): 1.41, 1.63, 1.79, 1.91, 2.02, 2.11. The first is least.
+  Samples y;
+  for (int i = 0; i < 40; ++i) y.push_back(i % 2 == 0 ? 1.0 : -1.0);
+  CHECK(noise_of(y) == Approx(as_noise(2.0 / std::sqrt(2.0))));
+  // A parabola, and a curve of the fifth degree, which the sixth order alone takes away.
+  Samples fifth, sixth;
+  for (int i = 0; i < 40; ++i) {
+    fifth.push_back(std::pow(i - 20.0, 5));
+    sixth.push_back(std::pow(i - 20.0, 6));
+  }
+  CHECK(noise_of(fifth) == Approx(0.0).margin(1e-3));
+  CHECK(noise_of(sixth) == Approx(as_noise(720.0 / std::sqrt(924.0))));  // 6! of C(12, 6)
+}
+
+TEST_CASE(
+    "difference noise by hand: with inputs, differences are divided where that is less; equal inputs are passed") {
+  CHECK(placed_noise({0, 1, 3, 7}, {0, 1, 3, 7}) == Approx(0.0).margin(1e-12));
+  CHECK(noise_of({0, 1, 3, 7}) == Approx(as_noise(2.0 / std::sqrt(6.0))));  // 1 and 2; the third order is one, 1
+  CHECK(placed_noise({0, 0, 1, 3, 7}, {5, 0, 1, 3, 7}) == Approx(0.0).margin(1e-12));
+  CHECK(placed_noise({2, 2}, {0, 1}) == Approx(as_noise(1.0 / std::sqrt(2.0))));  // as if evenly placed
+  // Several stretches together; one without inputs, and none is divided: of the third order there are two now, of 1.
+  const Samples x{0, 1, 3, 7}, y{0, 1, 3, 7};
+  CHECK(difference_noise(std::vector<Stretch>{{x, y}, {{}, y}}) == Approx(as_noise(1.0 / std::sqrt(20.0))));
+  CHECK(difference_noise(std::vector<Stretch>{{{}, Samples{0.0, 1.0}}, {{}, Samples{0.0, 3.0}}, {{}, Samples{0, 2}}}) ==
+        Approx(as_noise(2.0 / std::sqrt(2.0))));
+}
+
+TEST_CASE("pooled scatter by hand: what parts have in common and their own, three rows of two parts") {
+  // 1 2 3 and 2 1 6: variances 1 and 7, mean 4; their means 1.5 1.5 4.5: 3, so that 1 is own.
+  const std::vector<std::vector<double>> rows{{1, 2}, {2, 1}, {3, 6}};
+  const PooledScatter scatter = pooled_scatter(rows);
+  CHECK((scatter.rows == 3 && scatter.parts == 2));
+  CHECK(scatter.s == Approx(2.0));
+  CHECK(scatter.dof == Approx(2.0 * 16.0 / (9.0 + 1.0)));
+  CHECK(pooled_scatter(std::vector<std::vector<double>>{{1}, {2}, {3}}).dof == 2.0);
+}
+
+TEST_CASE("coverage by hand: effective degrees of freedom of two shares, those of no size left out") {
+  // u 1 and 2 with 3 and 12 degrees: 25 / (1 / 3 + 16 / 12).
+  CHECK(effective_dof(std::vector<VarianceShare>{{1.0, 3.0}, {2.0, 12.0}}) == Approx(15.0));
+  CHECK(effective_dof(std::vector<VarianceShare>{{1.0, 3.0}, {0.0, 1.0}, {2.0}}) == Approx(75.0));
+  CHECK(std::isinf(effective_dof(std::vector<VarianceShare>{{0.0, 3.0}})));
+  CHECK(combined_uncertainty(std::vector<VarianceShare>{{3.0}, {4.0}, {12.0}}) == Approx(13.0));
+  CHECK(coverage_factor(2.9999999999) == coverage_factor(3.0));  // three, but for rounding
+  CHECK(coverage_factor(2.99) == coverage_factor(2.0));
+  CHECK_THROWS_AS(coverage_factor(0.99), std::invalid_argument);
+  CHECK_THROWS_AS(coverage_factor(3.0, 0.0), std::invalid_argument);
+}

@@ -1,0 +1,175 @@
+// Errors gathered by hold and by rate, and what keeps a model from being scored: by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+
+#include "analysis/models/monotone.h"
+#include "analysis/statistics/scoring/model_score.h"
+#include "analysis/statistics/scoring/score.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+double lower_bound_of(double hold_s) {
+  Score score;
+  score.add_sample(1.0, hold_s, 0.0);
+  return score.by_hold.empty() ? -1.0 : score.by_hold.front().low;
+}
+
+SensorModel line_of(const std::string& source, int taxels = 1) {
+  SensorModel document;
+  document.source = source;
+  document.origin = "simulated";
+  document.sensor_serial = "S";
+  document.scanner_serial = "C";
+  document.input_unit = "psi";
+  document.output_unit = "V";
+  const std::vector<double> ends{0.0, 10.0};
+  for (int i = 0; i < taxels; ++i) {
+    ModelTaxel taxel;
+    taxel.taxel = i + 1 == taxels && taxels > 1 ? -1 : i;
+    taxel.status = TaxelStatus::kFitted;
+    taxel.fit.model = std::make_unique<MonotoneModel>(PatternCurve(ends, ends, 0.0, 10.0));
+    taxel.fit.full_scale = 10.0 + i;
+    document.taxels.push_back(std::move(taxel));
+  }
+  return document;
+}
+
+Histories measured_as(const SensorModel& document) {
+  Histories histories;
+  histories.source = "run 5";
+  histories.origin = document.origin;
+  histories.sensor_serial = document.sensor_serial;
+  histories.scanner_serial = document.scanner_serial;
+  histories.input_unit = document.input_unit;
+  histories.output_unit = document.output_unit;
+  return histories;
+}
+
+std::string refused(const SensorModel& document, const Histories& histories) {
+  try {
+    check_same_source(document, histories);
+  } catch (const AnalysisError& error) {
+    return error.id() + " " + error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("bins by hand: 1, 2 and 5 of each decade, the lower bound included but for a millionth") {
+  for (const auto& [hold_s, low] :
+       {std::pair{0.1, 0.1}, std::pair{0.15, 0.1}, std::pair{0.1999, 0.1}, std::pair{0.2, 0.2}, std::pair{0.4999, 0.2},
+        std::pair{0.5, 0.5}, std::pair{0.9999, 0.5}, std::pair{1.0, 1.0}, std::pair{1.9999999, 2.0},
+        std::pair{1.99999, 1.0}, std::pair{4.9999999, 5.0}, std::pair{4.9999, 2.0}, std::pair{9.99, 5.0},
+        std::pair{10.0, 10.0}, std::pair{2000.0, 2000.0}, std::pair{0.003, 0.002}}) {
+    INFO(hold_s);
+    CHECK(lower_bound_of(hold_s) == Approx(low));
+  }
+  CHECK(lower_bound_of(0.0) == -1.0);
+  CHECK(lower_bound_of(-1.0) == -1.0);
+}
+
+TEST_CASE("bins by hand: in their order with sum, largest and number, and two scores together") {
+  Score score;
+  score.add_sample(3.0, 7.0, 0.0);
+  score.add_sample(1.0, 0.3, 20.0);
+  score.add_sample(2.0, 1.5, 30.0);
+  score.add_sample(5.0, 8.0, 0.4);
+  CHECK(score.compensated.samples == 4);
+  CHECK(score.compensated.sum == 11.0);
+  CHECK(score.compensated.max == 5.0);
+  REQUIRE(score.by_hold.size() == 3);
+  CHECK((score.by_hold[0].low == Approx(0.2) && score.by_hold[0].high == Approx(0.5)));
+  CHECK((score.by_hold[1].low == Approx(1.0) && score.by_hold[1].high == Approx(2.0)));
+  CHECK((score.by_hold[2].low == Approx(5.0) && score.by_hold[2].high == Approx(10.0)));
+  CHECK((score.by_hold[2].error.samples == 2 && score.by_hold[2].error.mean() == 4.0));
+  REQUIRE(score.by_rate.size() == 2);
+  CHECK((score.by_rate[1].low == Approx(20.0) && score.by_rate[1].error.sum == 3.0));
+  Score both;
+  both.add_sample(9.0, 6.0, 0.0);
+  both.direct.add(0.5);
+  both.raw.add(0.25);
+  both.free_running.add(0.75);
+  both.add(score);
+  CHECK((both.compensated.samples == 5 && both.compensated.sum == 20.0 && both.compensated.max == 9.0));
+  CHECK((both.by_hold.size() == 3 && both.by_hold[2].error.samples == 3 && both.by_hold[2].error.max == 9.0));
+  CHECK((both.direct.samples == 1 && both.raw.sum == 0.25 && both.free_running.max == 0.75));
+  CHECK(ErrorSum().mean() == 0.0);
+}
+
+TEST_CASE("a score by hand: samples without time between them have no rate, histories without times no bins") {
+  const SensorModel line = line_of("model");
+  const HysteresisModel& model = *line.taxels[0].fit.model;
+  ScoreOptions options;
+  options.x_high = options.y_high = 10.0;
+  History history{"h", {0, 4, 8}, {0, 5, 8.5}, {{0, 2, true}}, {0, 2, 2}, {0, 1, 0}};
+  const Score timed = score(model, std::vector<History>{history}, options);
+  CHECK((timed.direct.samples == 2 && timed.direct.sum == Approx(1.5) && timed.direct.max == Approx(1.0)));
+  CHECK(timed.free_running.sum == Approx(1.5));
+  CHECK(timed.compensated.sum == Approx(1.5));
+  CHECK(timed.raw.sum == Approx(1.5));
+  REQUIRE((timed.by_hold.size() == 1 && timed.by_rate.size() == 1));
+  CHECK((timed.by_hold[0].error.samples == 1 && timed.by_hold[0].error.sum == Approx(1.0)));
+  CHECK((timed.by_rate[0].low == Approx(2.0) && timed.by_rate[0].error.sum == Approx(1.0)));  // 4 in 2 s
+  history.time_s.clear();
+  history.held_s.clear();
+  const Score untimed = score(model, std::vector<History>{history}, options);
+  CHECK((untimed.by_hold.empty() && untimed.by_rate.empty() && untimed.direct.samples == 2));
+}
+
+TEST_CASE("a model is not scored on data of another origin, sensor, scanner, unit or sign, each in words") {
+  const SensorModel document = line_of("model");
+  const Histories same = measured_as(document);
+  CHECK(refused(document, same).empty());
+  Histories other = same;
+  other.origin = "hardware";
+  CHECK(refused(document, other) == "TB-ANALYSIS-ORIGIN the model is of simulated data and run 5 is hardware");
+  other = same;
+  other.sensor_serial = "T";
+  CHECK_THAT(refused(document, other),
+             Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR the model belongs to sensor S on scanner C, run 5 to T on C"));
+  other = same;
+  other.scanner_serial.clear();
+  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-ANALYSIS-OTHER-SENSOR"));
+  other = same;
+  other.input_unit = "kPa";
+  CHECK_THAT(refused(document, other),
+             Catch::StartsWith("TB-MODEL-UNITS the model has the input unit psi and the output unit V, run 5 has the "
+                               "input unit kPa and"));
+  other.input_unit.clear();
+  other.output_unit.clear();
+  CHECK_THAT(refused(document, other), Catch::EndsWith("run 5 has no units stated"));
+  other = same;
+  other.output_unit = "mV";
+  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-MODEL-UNITS"));
+  other = same;
+  other.falling = true;
+  CHECK_THAT(refused(document, other), Catch::StartsWith("TB-ANALYSIS-FALLING the output of the model rises with the "
+                                                         "input, that of run 5 does not"));
+}
+
+TEST_CASE("a stored model's score by hand: the array's taxels are summed, their mean stands beside them") {
+  const SensorModel document = line_of("model", 3);  // taxels 0 and 1, and their mean
+  Histories histories = measured_as(document);
+  for (const auto& [taxel, off] : {std::pair{0, 1.0}, std::pair{1, 2.0}, std::pair{-1, 0.5}}) {
+    TaxelHistories own;
+    own.taxel = taxel;
+    own.score = own.fit = {History{"h", {0, 4, 8}, {0, 4 + off, 8 - off}, {{0, 2, true}}, {}, {}}};
+    histories.taxels.push_back(own);
+  }
+  const ModelScore found = score_model(document, histories, {}, 1);
+  CHECK(found.count == 2);
+  CHECK((found.taxels.direct.samples == 4 && found.taxels.direct.sum == Approx(6.0)));
+  CHECK((found.mean.direct.samples == 2 && found.mean.direct.sum == Approx(1.0)));
+  CHECK(found.full_scale == 12.0);
+  // Of one taxel alone that is the mean, too.
+  const SensorModel single = line_of("model");
+  const ModelScore alone = score_model(single, histories, {}, 1);
+  CHECK((alone.count == 1 && alone.full_scale == 10.0 && alone.mean.direct.sum == Approx(2.0)));
+  CHECK(alone.taxels.direct.sum == Approx(2.0));
+  histories.taxels.clear();
+  CHECK_THROWS_AS(score_model(single, histories, {}, 1), AnalysisError);
+}
