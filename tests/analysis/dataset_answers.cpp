@@ -1,0 +1,201 @@
+// What a run's record becomes, sample by sample: scales, noise, times, temperatures, and records that do not fit.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "analysis/dataset.h"
+#include "analysis/scanner_scale.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+db::FrameRecord frame_of_two(std::int64_t branch, int ordinal, std::vector<std::uint16_t> counts) {
+  db::FrameRecord frame;
+  frame.branch = branch;
+  frame.ordinal = ordinal;
+  frame.setpoint_psi = 10.0 * ordinal;
+  frame.reference_psi = 10.0 * ordinal + 0.5;
+  frame.time_ns = 1'500'000'000 + 1'000'000'000LL * ordinal;
+  frame.since_command_ns = 250'000'000;
+  frame.rows = 1;
+  frame.columns = 2;
+  frame.scans = static_cast<int>(counts.size() / 2);
+  frame.counts = std::move(counts);
+  return frame;
+}
+
+// One sequence of two frames a repeat, two repeats; a scan has two taxels.
+StoredRun record_of_four() {
+  StoredRun run;
+  run.record.run = 6;
+  run.record.sequences = {{0, "s", "", "", 2, 2}};
+  run.record.devices = {{"force sensor", "", "", "", "", "{}"},
+                        {"tactile scanner", "", "", "", "", R"({"volts_per_count":0.001})"}};
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    db::BranchRecord branch;
+    branch.branch = 11 + repeat;
+    branch.repeat = repeat;
+    run.branches.push_back(branch);
+  }
+  run.frames = {frame_of_two(11, 0, {100, 7, 104, 7, 108, 7}), frame_of_two(11, 1, {200, 7, 200, 7, 200, 7}),
+                frame_of_two(12, 1, {300, 7, 300, 7, 300, 7}), frame_of_two(12, 0, {150, 7, 150, 7, 150, 7})};
+  return run;
+}
+
+constexpr const char* kUnfit = "TB-ANALYSIS-FRAME run 6: frame";
+
+std::string refusal_of(const StoredRun& run) {
+  try {
+    (void)load_dataset(run);
+  } catch (const AnalysisError& error) {
+    return error.id() + " " + error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a dataset by hand: times, references, means of the scans in volts, in the order of the steps") {
+  const Dataset data = load_dataset(record_of_four());
+  CHECK((data.run == 6 && data.rows == 1 && data.columns == 2 && data.scans == 3));
+  REQUIRE(data.sequences.size() == 1);
+  REQUIRE(data.sequences[0].repeats.size() == 2);
+  const Repeat &first = data.sequences[0].repeats[0], &second = data.sequences[0].repeats[1];
+  CHECK((first.steps[1].setpoint_psi == 10.0 && first.steps[1].reference_psi == 10.5));
+  CHECK(first.steps[1].time_s == Approx(2.5));
+  CHECK(first.steps[1].held_s == Approx(0.25));
+  CHECK(first.volts[0] == Approx(0.104));
+  CHECK(first.volts[2] == Approx(0.2));
+  CHECK(second.volts[0] == Approx(0.15));  // stored last, and the first step
+  CHECK(second.volts[2] == Approx(0.3));
+  // One frame of four has squares of 16 + 16 about its mean: 32 over 4 x 2 degrees of freedom, of a mean of three.
+  CHECK(data.noise_v[0] == Approx(0.001 * std::sqrt(4.0 / 3.0)));
+  CHECK(data.noise_v[1] == Approx(0.001 * std::sqrt(1.0 / 12.0 / 3.0)));  // the converter's own rounding
+  CHECK((!data.at_limit[0] && !data.at_limit[1]));
+}
+
+TEST_CASE("a dataset: scans that differ in number, one scan a frame, and the converter's limit") {
+  StoredRun run = record_of_four();
+  run.frames[3] = frame_of_two(12, 0, {150, 65535});
+  const Dataset data = load_dataset(run);
+  // 3 + 3 + 3 + 1 scans of four frames: 2.5 in the mean, six degrees of freedom.
+  CHECK(data.noise_v[0] == Approx(0.001 * std::sqrt(32.0 / 6.0 / 2.5)));
+  CHECK((!data.at_limit[0] && data.at_limit[1]));
+  for (int i = 0; i < 4; ++i) run.frames[static_cast<std::size_t>(i)] = frame_of_two(11 + i / 2, i % 2, {5, 65534});
+  const Dataset single = load_dataset(run);
+  CHECK(single.noise_v == std::vector<double>{0.0, 0.0});
+  CHECK(single.scans == 1);
+  CHECK_FALSE(single.at_limit[1]);
+}
+
+TEST_CASE("a dataset: repeats that are not complete are left out, without one the best says what is missing") {
+  StoredRun run = record_of_four();
+  run.frames.erase(run.frames.begin());
+  CHECK(load_dataset(run).sequences[0].repeats.size() == 1);
+  CHECK(load_dataset(run).sequences[0].repeats[0].volts[0] == Approx(0.15));
+  run.frames.pop_back();
+  run.record.sequences.push_back({1, "t", "", "", 1, 5});
+  CHECK(refusal_of(run) ==
+        "TB-ANALYSIS-EMPTY run 6 has no complete repeat (s: 1 of 2 frames missing in the best repeat; t: 5 of 5 frames "
+        "missing in the best repeat)");
+  run.record.sequences.clear();
+  run.frames.clear();
+  CHECK(refusal_of(run) == "TB-ANALYSIS-EMPTY run 6 has no complete repeat (it has no sequence)");
+}
+
+TEST_CASE("a dataset: frames that do not fit the run are refused, each for what it is") {
+  const auto with = [](auto change) {
+    StoredRun run = record_of_four();
+    change(run);
+    return refusal_of(run);
+  };
+  CHECK(with([](StoredRun&) {}).empty());
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].rows = 2; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].columns = 1; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].scans = 0; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].counts.pop_back(); }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].ordinal = 2; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].ordinal = -1; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  const double none = std::numeric_limits<double>::infinity();
+  CHECK_THAT(with([&](StoredRun& run) { run.frames[1].setpoint_psi = none; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([&](StoredRun& run) { run.frames[1].reference_psi = none; }),
+             Catch::StartsWith(kUnfit) && Catch::Contains("does not fit the run"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].branch = 99; }), Catch::Contains("does not belong to any branch"));
+  CHECK_THAT(with([](StoredRun& run) { run.branches[1].sequence = 5; }),
+             Catch::Contains("does not belong to any branch"));
+  CHECK_THAT(with([](StoredRun& run) { run.frames[1].ordinal = 0; }),
+             Catch::Contains("step 0 of repeat 0 is stored in two branches, neither of which is void"));
+  CHECK(with([](StoredRun& run) { run.record.sequences[0].frames_per_repeat = 10'000'001; }) ==
+        "TB-ANALYSIS-FRAME run 6: sequence s states a repeat of 10000001 frames");
+  CHECK_THAT(with([](StoredRun& run) { run.record.sequences[0].frames_per_repeat = -1; }),
+             Catch::Contains("a repeat of -1 frames"));
+  // A void branch of unknown frames is not looked at.
+  CHECK(with([](StoredRun& run) {
+          run.branches[1].is_void = true;
+          run.frames[2].rows = 9;
+        }).empty());
+}
+
+TEST_CASE("the scanner's scale: of the first scanner, a positive number, else an error that says which is missing") {
+  const auto scale = [](const std::string& role, const std::string& json) {
+    db::RunRecord run;
+    run.run = 6;
+    run.devices = {{"tactile array", "", "", "", "", R"({"volts_per_count":9})"}, {role, "", "", "", "", json}};
+    try {
+      return std::to_string(volts_per_count(run));
+    } catch (const AnalysisError& error) {
+      CHECK(error.id() == "TB-ANALYSIS-NO-CALIBRATION");
+      return std::string(error.what());
+    }
+  };
+  CHECK(scale("tactile scanner", R"({"volts_per_count":0.25})") == "0.250000");
+  for (const char* odd :
+       {R"({"volts_per_count":0})", R"({"volts_per_count":-1})", R"({"volts_per_count":"1"})", "{}", "[]"})
+    CHECK(scale("tactile scanner", odd) ==
+          "run 6: the scanner's calibration \"" + std::string(odd) + "\" has no positive volts_per_count");
+  CHECK(scale("scanner", "{}") == "run 6 stores no device of role \"tactile scanner\"");
+}
+
+TEST_CASE("temperatures of a run: of its own events alone, each a finite number and nothing else") {
+  StoredRun run = record_of_four();
+  const auto event = [](const char* kind, const char* id, const char* detail) {
+    db::EventRecord record;
+    record.kind = kind;
+    record.id = id;
+    record.detail = detail;
+    return record;
+  };
+  run.events = {event("environment", "temperature_c", "23.5"), event("environment", "humidity", "40"),
+                event("note", "temperature_c", "9"), event("environment", "temperature_c", "-1e1")};
+  CHECK(load_dataset(run).temperatures_c == std::vector<double>{23.5, -10.0});
+  for (const char* odd : {"", "warm", "inf", "nan"}) {
+    run.events = {event("environment", "temperature_c", odd)};
+    CHECK_THAT(refusal_of(run), Catch::StartsWith("TB-ANALYSIS-FRAME run 6: the temperature"));
+  }
+}
+
+TEST_CASE("time between samples by hand: since the command, and conditioning beyond five seconds of settling") {
+  const auto passed = [](double time_s, double held_s, double before_s) {
+    const TimePassed found = time_passed({0, 0, time_s, held_s}, before_s);
+    return std::pair(found.worked_s, found.step_s);
+  };
+  CHECK(passed(10, 2, 7) == std::pair(0.0, 3.0));    // a second of settling beside the command
+  CHECK(passed(14, 2, 7) == std::pair(0.0, 7.0));    // five
+  CHECK(passed(14.5, 2, 7) == std::pair(5.5, 2.0));  // more than that was conditioning
+  CHECK(passed(6, 2, 7) == std::pair(0.0, 0.0));     // the clock went back
+  // The first sample of a run: what passed since its start.
+  CHECK(passed(1, 2, -1) == std::pair(0.0, 1.0));
+  CHECK(passed(6, 2, -1) == std::pair(0.0, 2.0));
+  CHECK(passed(30, 2, -1) == std::pair(28.0, 2.0));
+  CHECK(passed(30, 2, 0) == std::pair(28.0, 2.0));
+  CHECK(passed(4, 2, 0) == std::pair(0.0, 4.0));
+}
