@@ -1,0 +1,116 @@
+// Least squares without negative values, and single-valued curves by the means of neighbours: by hand.
+#include <Eigen/Core>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "analysis/identify/fit_data.h"
+#include "analysis/identify/rivals/nnls.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// Of columns with these products among themselves and with the right side.
+std::vector<double> least_squares(const std::vector<std::vector<double>>& gram, const std::vector<double>& along) {
+  const auto n = static_cast<Eigen::Index>(along.size());
+  Eigen::MatrixXd a(n, n);
+  Eigen::VectorXd b(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    b[i] = along[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < n; ++j) a(i, j) = gram[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  }
+  const Eigen::VectorXd x = non_negative_least_squares(a, b);
+  return {x.begin(), x.end()};
+}
+
+void check_solution(const std::vector<double>& found, const std::vector<double>& expected) {
+  REQUIRE(found.size() == expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i] == Approx(expected[i]).margin(1e-12));
+}
+
+FitData single_way(const std::vector<double>& x, const std::vector<double>& y) {
+  FitData data;
+  const std::vector<double> ends{0, 10}, outputs{0, 6};
+  data.ascending = data.descending = PatternCurve(ends, outputs, 0.0, 6.0);
+  data.histories = {History{"h", x, y, {{0, static_cast<int>(x.size()) - 1, true}}, {}, {}}};
+  return data;
+}
+
+double curve_at(const ModelFit& fit, double x) {
+  const auto state = fit.model->state();
+  state->go(x);
+  return state->output_at(x);
+}
+
+}  // namespace
+
+TEST_CASE("least squares without negative values by hand: what would be negative is 0, the others are fitted anew") {
+  check_solution(least_squares({{2, 0}, {0, 4}}, {3, 8}), {1.5, 2});
+  check_solution(least_squares({{1, 0}, {0, 1}}, {1, -2}), {1, 0});
+  check_solution(least_squares({{2, 1}, {1, 2}}, {1, -1}), {0.5, 0});  // without bounds 1 and -1
+  check_solution(least_squares({{2, 1}, {1, 2}}, {3, 3}), {1, 1});
+  check_solution(least_squares({{4, 2}, {2, 2}}, {4, 1}), {1, 0});  // without bounds 1.5 and -1
+  check_solution(least_squares({{1, 0}, {0, 1}}, {-1, -2}), {0, 0});
+  check_solution(least_squares({{1, 0}, {0, 1}}, {0, 0}), {0, 0});
+  // The first taken (along 5) has to leave again: columns (1, 1), (1, 0), (0, 1) of the right side (2, 3).
+  check_solution(least_squares({{2, 1, 1}, {1, 1, 0}, {1, 0, 1}}, {5, 2, 3}), {2, 0, 1});
+  // Two equal columns: one of them has it all.
+  const std::vector<double> twins = least_squares({{1, 1}, {1, 1}}, {2, 2});
+  CHECK(twins[0] + twins[1] == Approx(2.0));
+  CHECK(std::min(twins[0], twins[1]) == 0.0);
+}
+
+TEST_CASE("a single-valued curve by hand: near inputs are one knot, outputs that do not rise their weighted mean") {
+  // Within a two-thousandth of the span, 0.005, of a knot's begin: 5 and 5.004 are one, of 4 V. Then 2 V at 8: with it
+  // (4 + 4 + 2) / 3. The first sample of a branch does not count; the curve's ends are those of the loop.
+  const ModelFit one = identify("monotone", single_way({0, 2, 5, 5.004, 8, 10}, {9, 1, 3, 5, 2, 6}));
+  CHECK(one.samples == 5);
+  CHECK(one.full_scale == 6.0);
+  CHECK(curve_at(one, 0.0) == Approx(1.0));
+  CHECK(curve_at(one, 2.501) == Approx((1.0 + 10.0 / 3.0) / 2));
+  CHECK(curve_at(one, 5.002) == Approx(10.0 / 3.0));
+  CHECK(curve_at(one, 7.0) == Approx(10.0 / 3.0));
+  CHECK(curve_at(one, 9.0) == Approx((10.0 / 3.0 + 6.0) / 2));
+  CHECK(curve_at(one, 10.0) == Approx(6.0));
+  // The errors are those of the walk: at 2 the curve reads 1 + 7/3 x 2 / 5.002, at 5, 5.004 and 8 10/3.
+  const double at_two = 7.0 / 3.0 * 2.0 / 5.002, at_five = 7.0 / 3.0 * 5.0 / 5.002 + 1.0 - 3.0;
+  CHECK(one.j == Approx(at_two * at_two + at_five * at_five + 25.0 / 9.0 + 16.0 / 9.0));
+  CHECK(one.mean_error == Approx((at_two + at_five + 5.0 / 3.0 + 4.0 / 3.0) / 5));
+  CHECK(one.max_error == Approx(5.0 / 3.0));
+  // 5 and 5.006 are two: 3 stays, 5 and 2 are 3.5.
+  const ModelFit two = identify("monotone", single_way({0, 2, 5, 5.006, 8, 10}, {9, 1, 3, 5, 2, 6}));
+  CHECK(curve_at(two, 5.0) == Approx(3.0));
+  CHECK(curve_at(two, 7.0) == Approx(3.5));
+  CHECK_THROWS_AS(identify("monotone", single_way({0, 2, 8, 10}, {9, 5, 4, 3})), std::invalid_argument);
+}
+
+TEST_CASE(
+    "branches that overlap, are too short or lie outside of their history are refused, and values that are none") {
+  const auto refused = [](auto change) {
+    FitData data = single_way({0, 2, 5, 8, 10}, {0, 1, 3, 5, 6});
+    change(data.histories[0]);
+    try {
+      (void)identify("monotone", data);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string outside =
+      "history \"h\": a branch lies outside of it, overlaps the one before or has fewer than two samples";
+  CHECK(refused([](History&) {}).empty());
+  CHECK(refused([](History& h) { h.branches = {{0, 2, true}, {2, 4, true}}; }).empty());
+  CHECK(refused([&](History& h) { h.branches = {{0, 2, true}, {1, 4, true}}; }) == outside);
+  CHECK(refused([&](History& h) { h.branches = {{0, 5, true}}; }) == outside);
+  CHECK(refused([&](History& h) { h.branches = {{-1, 4, true}}; }) == outside);
+  CHECK(refused([&](History& h) { h.branches = {{0, 4, true}, {4, 4, true}}; }) == outside);
+  CHECK(refused([](History& h) { h.y.pop_back(); }) == "history \"h\": it has not as many outputs as inputs");
+  for (const double none : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                            -std::numeric_limits<double>::infinity()}) {
+    CHECK(refused([&](History& h) { h.x[1] = none; }) == "history \"h\": a value is not finite");
+    CHECK(refused([&](History& h) { h.y[3] = none; }) == "history \"h\": a value is not finite");
+  }
+  CHECK(refused([](History& h) { h.y[3] = 5.5; }).empty());
+}

@@ -1,0 +1,173 @@
+// Histories of taxels by hand: their mean, their sign, their loops and ends, and repeats that differ.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/error.h"
+#include "analysis/identify/elam/repeats.h"
+#include "analysis/identify/histories.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+TaxelHistories of_history(int taxel, const std::vector<double>& x, const std::vector<double>& y,
+                          const std::string& name = "h") {
+  TaxelHistories own;
+  own.taxel = taxel;
+  own.fit = own.score = {History{name, x, y, branches_along(x), {}, {}}};
+  return own;
+}
+
+const std::vector<double> kWayUpAndDown{0, 50, 100, 50, 0};
+
+Histories of_three() {
+  Histories histories;
+  histories.taxels = {of_history(0, kWayUpAndDown, {0, 1, 4, 3, 0}), of_history(1, kWayUpAndDown, {2, 4, 8, 5, 2}),
+                      of_history(2, kWayUpAndDown, {9, 9, 9, 9, 9})};
+  histories.taxels[0].noise = 0.3;
+  histories.taxels[1].noise = 0.4;
+  histories.taxels[0].turn = 1.0;
+  histories.taxels[1].turn = 2.0;
+  histories.taxels[2].noise = 50.0;
+  histories.taxels[2].turn = 50.0;
+  histories.taxels[2].status = TaxelStatus::kConstant;
+  return histories;
+}
+
+// One taxel at 0 and 10 psi; a repeat of each pair of outputs.
+std::vector<RepeatDrift> drifts_of(const std::vector<std::pair<double, double>>& repeats, std::size_t taxels = 1) {
+  Dataset dataset;
+  dataset.rows = dataset.columns = 1;
+  SequenceData sequence{"up", {}};
+  for (const auto& [low, high] : repeats) sequence.repeats.push_back({{{0, 0}, {10, 10}}, {low, high}});
+  dataset.sequences = {sequence};
+  const std::size_t taxel = 0;
+  return repeat_drifts(dataset, {&taxel, taxels}, {});
+}
+
+}  // namespace
+
+TEST_CASE("the mean taxel by hand: outputs, noise and turn of those that can be fitted") {
+  Histories histories = of_three();
+  finish(histories);
+  REQUIRE(histories.taxels.size() == 4);
+  const TaxelHistories& mean = histories.taxels.back();
+  CHECK((mean.taxel == kMeanTaxel && mean.usable() && !histories.falling));
+  CHECK(mean.fit[0].y == std::vector<double>{1, 2.5, 6, 4, 1});
+  CHECK(mean.score[0].y == mean.fit[0].y);
+  CHECK(mean.fit[0].x == kWayUpAndDown);
+  CHECK(mean.noise == Approx(0.25));  // of the mean of two
+  CHECK(mean.turn == 2.0);
+  CHECK(mean_taxel_of(histories).taxels.size() == 1);
+  CHECK(mean_taxel_of(histories).taxels[0].taxel == kMeanTaxel);
+  Histories one;
+  one.taxels = {of_history(7, kWayUpAndDown, {0, 1, 4, 3, 0})};
+  finish(one);
+  CHECK(one.taxels.size() == 1);
+  CHECK(mean_taxel_of(one).taxels[0].taxel == 7);
+  // Of other inputs there is no mean.
+  Histories other = of_three();
+  other.taxels[1].fit[0].x[1] = 49.0;
+  finish(other);
+  CHECK(other.taxels.size() == 3);
+  Histories none = of_three();
+  for (TaxelHistories& taxel : none.taxels) taxel.status = TaxelStatus::kDead;
+  CHECK_THROWS_AS(finish(none), AnalysisError);
+}
+
+TEST_CASE("outputs are negated when the usable ones together fall, whatever one of them does") {
+  Histories histories = of_three();
+  for (double& y : histories.taxels[0].fit[0].y) y = -y;  // falls by 4, the other rises by 6
+  histories.taxels[2].fit[0].y = {0, -90, -900, -90, 0};  // does not count
+  finish(histories);
+  CHECK_FALSE(histories.falling);
+  CHECK(histories.taxels[0].fit[0].y[2] == -4.0);
+  Histories falling = of_three();
+  for (double& y : falling.taxels[1].fit[0].y) y = -y;
+  finish(falling);
+  CHECK(falling.falling);
+  CHECK((falling.taxels[0].fit[0].y[2] == -4.0 && falling.taxels[1].fit[0].y[2] == 8.0));
+  CHECK((falling.taxels[1].score[0].y[2] == -8.0 && falling.taxels.back().fit[0].y[2] == 2.0));
+}
+
+TEST_CASE("patterns by hand: ends meet half way between up and down, without a loop the ends' means by a line") {
+  const FitData loop = fit_data_of(of_history(0, kWayUpAndDown, {0, 1, 4, 3, 1}), {});
+  CHECK(loop.no_loop.empty());
+  CHECK((loop.ascending(0) == 0.5 && loop.descending(0) == 0.5));
+  CHECK((loop.ascending(50) == 1.0 && loop.descending(50) == 3.0 && loop.ascending(100) == 4.0));
+  // One way up: within 1 % of the span 0 and 0.9 at its begin, 99.1 and 100 at its end.
+  const FitData ends = fit_data_of(of_history(0, {0, 0.9, 1.1, 50, 98.9, 99.1, 100}, {1, 3, 50, 60, 70, 20, 24}), {});
+  CHECK_FALSE(ends.no_loop.empty());
+  CHECK((ends.ascending(0) == 2.0 && ends.ascending(100) == 22.0 && ends.descending(50) == 12.0));
+  CHECK((ends.ascending.x().size() == 2 && ends.ascending.x()[1] == 100.0));
+  try {
+    (void)fit_data_of(of_history(0, kWayUpAndDown, {4, 3, 2, 3, 4}), {});
+    FAIL_CHECK("accepted");
+  } catch (const AnalysisError& error) {
+    CHECK(error.id() == "TB-ANALYSIS-FALLING");
+    CHECK(std::string(error.what()) == "the output goes from 4 to 2 where the input rises");
+  }
+}
+
+TEST_CASE("the loop of a mean by hand: of each taxel's own loop, where they have the same inputs") {
+  const Histories histories = of_three();
+  const auto mean = mean_fit_data(histories, {0, 1}, {});
+  REQUIRE(mean);
+  CHECK(mean->histories[0].y == std::vector<double>{1, 2.5, 6, 4, 1});
+  CHECK((mean->ascending(0) == 1.0 && mean->ascending(50) == 2.5 && mean->ascending(100) == 6.0));
+  CHECK(mean->descending(50) == 4.0);
+  const auto alone = mean_fit_data(histories, {1}, {"h"});
+  CHECK(alone->ascending(50) == 4.0);
+  Histories other = of_three();
+  other.taxels[1].fit[0].x = {0, 40, 100, 40, 0};
+  CHECK_FALSE(mean_fit_data(other, {0, 1}, {}));
+  other = of_three();
+  other.taxels[1].fit.push_back(other.taxels[1].fit[0]);
+  CHECK_FALSE(mean_fit_data(other, {0, 1}, {}));
+}
+
+TEST_CASE(
+    "histories by name: in the order asked for, all of a name; those there are, each once, where one is missing") {
+  const std::vector<History> histories{
+      {"a", {1}, {}, {}, {}, {}}, {"b", {2}, {}, {}, {}, {}}, {"a", {3}, {}, {}, {}, {}}};
+  const auto inputs = [&](const std::vector<std::string>& names) {
+    std::vector<double> out;
+    for (const History& history : named(histories, names)) out.push_back(history.x[0]);
+    return out;
+  };
+  CHECK(inputs({}) == std::vector<double>{1, 2, 3});
+  CHECK(inputs({"b", "a"}) == std::vector<double>{2, 1, 3});
+  try {
+    (void)named(histories, {"a", "c"});
+    FAIL_CHECK("accepted");
+  } catch (const AnalysisError& error) {
+    CHECK(std::string(error.what()) == R"(no sequence "c"; those there are: "a", "b")");
+  }
+  const Span span = span_of({{"a", {4, 7}, {}, {}, {}, {}}, {"b", {9, -1}, {}, {}, {}, {}}}, &History::x);
+  CHECK((span.low == -1.0 && span.high == 9.0 && span.length() == 10.0));
+}
+
+TEST_CASE("a first repeat differs by three uncertainties of its mean, or twice the others' root mean square") {
+  // Others 0 and 0.02 with +-0.2 at the two steps: shifts of 0.02, uncertain by 0.02 sqrt(3/4); rms sqrt(0.0404) =
+  // 0.201.
+  const auto shifted = [](double shift) {
+    return drifts_of({{0.01 + shift, 0.01 + shift}, {0.0, 0.0}, {0.22, -0.18}}).front();
+  };
+  CHECK(shifted(0.0).uncertainty_v == Approx(0.02 * std::sqrt(0.75)));
+  CHECK(shifted(0.0).others_rms_v == Approx(std::sqrt(0.0404)));
+  CHECK(shifted(0.0).shift_v == Approx(0.0).margin(1e-12));
+  CHECK(shifted(0.0).rms_v == Approx(0.1));
+  CHECK_FALSE(shifted(0.0515).differs);  // 2.97 of them
+  CHECK(shifted(0.0525).differs);        // 3.03
+  CHECK(shifted(-0.0525).differs);
+  // Without a shift: +-w beside the others' mean, whose rms is 1.
+  const auto waving = [](double wave) {
+    return drifts_of({{0.5 + wave, -0.5 - wave}, {0.0, 0.0}, {1.0, -1.0}}).front();
+  };
+  CHECK(waving(1.99).rms_v == Approx(1.99));
+  CHECK_FALSE(waving(1.99).differs);
+  CHECK(waving(2.01).differs);
+  CHECK(drifts_of({{0, 0}, {1, 1}}).empty());
+  CHECK(drifts_of({{0, 0}, {1, 1}, {2, 2}}, 0).empty());
+  CHECK(drifts_of({{0, 0}, {1, 1}, {2, 2}}).size() == 1);
+}

@@ -1,0 +1,242 @@
+// What models are told of their data: validity, folds, taxels' states, stored dynamics and fits, by hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/identify/folds.h"
+#include "analysis/identify/sensor_model.h"
+#include "analysis/identify/stored/dynamics_json.h"
+#include "analysis/identify/stored/fit_rows.h"
+#include "analysis/identify/taxel_status.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace {
+
+SensorModel valid_within() {
+  SensorModel model;
+  model.validity.input = Range{10.0, 60.0};
+  model.validity.hold_s = Range{2.0, 20.0};
+  model.validity.rate = Range{1.0, 5.0};
+  model.validity.temperature_c = Range{20.0, 22.0};
+  return model;
+}
+
+std::vector<std::string> outside_of(const SensorModel& model, const std::vector<double>& x,
+                                    const std::vector<double>& time_s, const std::vector<double>& held_s,
+                                    double celsius = 21.0) {
+  Histories used;
+  used.temperatures_c = {celsius};
+  TaxelHistories dead, own;
+  dead.status = TaxelStatus::kDead;
+  own.score = {{"h", x, x, {}, time_s, held_s}};
+  used.taxels = {dead, own};
+  return outside_validity(model, used);
+}
+
+// Inputs alone, held within the box and slow enough.
+std::vector<std::string> inputs_outside(double low, double high) {
+  return outside_of(valid_within(), {low, high}, {0, 50}, {2, 2});
+}
+
+using Lines = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("validity by hand: inputs of all samples, holds and rates from the second on") {
+  const std::vector<History> histories{{"a", {5, 10, 10, 40}, {}, {}, {0, 2, 2, 7}, {9, 1, 4, 3}},
+                                       {"b", {50, -1}, {}, {}, {}, {}}};
+  const Validity found = validity_of(histories, {23.0, 21.0});
+  CHECK((found.input->low == -1.0 && found.input->high == 50.0));
+  CHECK((found.hold_s->low == 1.0 && found.hold_s->high == 4.0));
+  CHECK((found.rate->low == Approx(2.5) && found.rate->high == Approx(6.0)));  // no time passed: no rate
+  CHECK((found.temperature_c->low == 21.0 && found.temperature_c->high == 23.0));
+  const Validity none = validity_of({}, {});
+  CHECK_FALSE((none.input || none.hold_s || none.rate || none.temperature_c));
+  const Range range{1.0, 2.0};
+  CHECK((range.contains(1.0) && range.contains(2.0) && !range.contains(0.99) && !range.contains(2.01)));
+  CHECK(
+      (range.contains(0.5, 0.5) && range.contains(2.5, 0.5) && !range.contains(0.4, 0.5) && !range.contains(2.6, 0.5)));
+}
+
+TEST_CASE("validity bounds: inputs by 2 % of the range, holds and rates by a tenth, temperatures by a kelvin") {
+  CHECK(inputs_outside(9.01, 60.99).empty());
+  CHECK(inputs_outside(8.99, 60) == Lines{"input 8.99 to 60 psi (fitted at 10 to 60)"});
+  CHECK(inputs_outside(10, 61.01) == Lines{"input 10 to 61.01 psi (fitted at 10 to 60)"});
+  const auto held = [](double seconds) { return outside_of(valid_within(), {10, 20}, {0, 5}, {0, seconds}); };
+  CHECK(held(1.81).empty());
+  CHECK(held(1.79) == Lines{"hold 1.79 s (fitted at 2 to 20)"});
+  CHECK(held(21.9).empty());
+  CHECK(held(22.1) == Lines{"hold 22.1 s (fitted at 2 to 20)"});
+  const auto rate = [](double psi_a_second) {
+    return outside_of(valid_within(), {10, 20}, {0, 10 / psi_a_second}, {2, 2});
+  };
+  CHECK(rate(0.001).empty());
+  CHECK(rate(5.49).empty());
+  CHECK(rate(5.51) == Lines{"rate 5.51 psi/s (fitted at 1 to 5)"});
+  const auto at = [](double celsius) { return outside_of(valid_within(), {10, 20}, {0, 5}, {2, 2}, celsius); };
+  CHECK((at(19.01).empty() && at(22.99).empty()));
+  CHECK(at(18.99) == Lines{"temperature 18.99 degC (fitted at 20 to 22)"});
+  CHECK(at(23.01).size() == 1);
+  // Of what is not known nothing is said.
+  CHECK(outside_of(SensorModel(), {-99, 999}, {0, 1}, {0, 999}, 99).empty());
+}
+
+TEST_CASE("folds by hand: branches that begin more than 1 % of the range from an end are dealt in turn") {
+  const auto folds_with = [](double from, int most) {
+    FitData data;
+    const std::vector<double> ends{0, 100}, y{0, 1};
+    data.ascending = data.descending = PatternCurve(ends, y, 0.0, 1.0);
+    History history{"h", {0, 100, 100 - from, 60, from, 100, 0}, {}, {}, {}, {}};
+    history.branches = {{0, 1, true}, {1, 2, false}, {2, 3, false}, {3, 4, false}, {4, 5, true}, {5, 6, false}};
+    data.histories = {history};
+    return folds_of(data, most);
+  };
+  // Falling from 99.01: external; from 60: inner; rising from 0.99: external. One inner branch is too few.
+  CHECK(folds_with(0.99, 5).empty());
+  const std::vector<Fold> folds = folds_with(1.01, 5);
+  REQUIRE(folds.size() == 3);
+  for (std::size_t f = 0; f < 3; ++f) {
+    REQUIRE(folds[f].held[0].size() == 1);
+    CHECK(folds[f].held[0][0].first == static_cast<int>(f) + 2);
+    CHECK(folds[f].kept[0].size() == 5);
+  }
+  const std::vector<Fold> two = folds_with(1.01, 2);
+  REQUIRE(two.size() == 2);
+  CHECK(two[0].held[0].size() == 2);
+  CHECK((two[0].held[0][0].first == 2 && two[0].held[0][1].first == 4 && two[1].held[0][0].first == 3));
+}
+
+TEST_CASE("states of taxels: each word and back, and the bound from both sides") {
+  for (const auto& [status, word] :
+       {std::pair{TaxelStatus::kFitted, "fitted"}, std::pair{TaxelStatus::kDead, "dead"},
+        std::pair{TaxelStatus::kStuck, "stuck"}, std::pair{TaxelStatus::kSaturated, "saturated"},
+        std::pair{TaxelStatus::kUnfit, "unfit"}, std::pair{TaxelStatus::kConstant, "constant"}}) {
+    CHECK(std::string(to_string(status)) == word);
+    TaxelStatus read = TaxelStatus::kUnfit;
+    CHECK(status_from(word, read));
+    CHECK(read == status);
+  }
+  TaxelStatus kept = TaxelStatus::kStuck;
+  CHECK_FALSE(status_from("Dead", kept));
+  CHECK(kept == TaxelStatus::kStuck);
+  // 0.5 and 0.25 are exact in binary.
+  CHECK(status_of({0.0, 0.25}, false, 0.25) == TaxelStatus::kFitted);
+  CHECK(status_of({0.0, 0.2499}, false, 0.25) == TaxelStatus::kDead);
+  CHECK(status_of({0.125, 0.25}, false, 0.25) == TaxelStatus::kStuck);
+  CHECK(status_of({-0.25, -0.125}, false, 0.25) == TaxelStatus::kStuck);
+  CHECK(status_of({-0.2499, -0.125}, false, 0.25) == TaxelStatus::kDead);
+  CHECK(status_of({0.0, 9.0}, true, 0.25) == TaxelStatus::kSaturated);
+}
+
+TEST_CASE("stored dynamics go there and back, and each member is refused beyond its bounds") {
+  SensorDynamics dynamics;
+  dynamics.shared.creep_s = {1, 2, 3};
+  dynamics.shared.creep_share = {0.1, 0, 0.3};
+  dynamics.shared.creep_half = 7;
+  dynamics.shared.lag_s = 0.5;
+  dynamics.shared.lag_share = 0.9;
+  dynamics.residual_shape = {1, 0, 2};
+  dynamics.rate = {4, "abc"};
+  dynamics.creep = {-5, "def"};
+  const nlohmann::ordered_json json = dynamics_json(dynamics);
+  const SensorDynamics read = dynamics_from(json);
+  CHECK((read.shared.creep_s == dynamics.shared.creep_s && read.shared.creep_share == dynamics.shared.creep_share));
+  CHECK((read.shared.creep_half == 7.0 && read.shared.lag_s == 0.5 && read.shared.lag_share == 0.9));
+  CHECK(read.residual_shape == dynamics.residual_shape);
+  CHECK((read.rate.run == 4 && read.rate.content_sha256 == "abc" && read.creep.run == -5));
+  const auto refused = [&](const char* member, const nlohmann::ordered_json& value) {
+    nlohmann::ordered_json odd = json;
+    odd[member] = value;
+    try {
+      (void)dynamics_from(odd);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  using Json = nlohmann::ordered_json;
+  CHECK(refused("creep_s", Json{1, 2}) == "\"creep_s\" is not a list of three numbers from 0 on");
+  CHECK(refused("creep_s", Json{1, 2, 3, 4}) == "\"creep_s\" is not a list of three numbers from 0 on");
+  CHECK(refused("creep_s", Json{1, 0, 3}) == "a \"creep_s\" is 0");
+  CHECK(refused("creep_share", Json{0, 0, -1}) == "\"creep_share\" is not a list of three numbers from 0 on");
+  CHECK(refused("creep_share", Json{0, 0, 0}).empty());
+  for (const char* member : {"creep_half", "lag_s"}) {
+    CHECK(refused(member, 1e-9).empty());
+    CHECK_FALSE(refused(member, 0.9e-9).empty());
+    CHECK(refused(member, 1e9).empty());
+    CHECK_FALSE(refused(member, 1.1e9).empty());
+  }
+  CHECK(refused("lag_share", 0.0).empty());
+  CHECK_FALSE(refused("lag_share", -0.01).empty());
+  CHECK(refused("lag_share", 0.91) == "\"lag_share\" is not within 0.000000 and 0.900000");
+  CHECK(refused("residual_shape", Json{1, -1}) == "\"residual_shape\" has a negative number");
+  CHECK(refused("rate", Json{{"run", 1.5}, {"content_sha256", ""}}) == "\"rate\" names no run");
+  CHECK(refused("creep", Json{{"run", 1}, {"content_sha256", 7}}) == "\"creep\" names no run");
+  CHECK(refused("creep", Json{{"run", 1.1e15}, {"content_sha256", ""}}) == "\"creep\" names no run");
+  CHECK(refused("creep", Json{{"run", 1e15}, {"content_sha256", ""}}).empty());
+  ModelTaxel taxel;
+  taxel.creep_scale = 10.0;
+  taxel.lag_share = 0.9;
+  taxel.residual_psi = 0.25;
+  Json own = Json::object();
+  add_taxel_dynamics(taxel, own);
+  ModelTaxel back;
+  read_taxel_dynamics(own, back);
+  CHECK((back.creep_scale == 10.0 && back.lag_share == 0.9 && back.residual_psi == 0.25));
+  for (const auto& [member, value] :
+       {std::pair{"creep_scale", 10.1}, std::pair{"creep_scale", -0.1}, std::pair{"lag_share", 0.91},
+        std::pair{"lag_share", -0.1}, std::pair{"residual_psi", -0.1}, std::pair{"residual_psi", 1.1e9}}) {
+    Json odd = own;
+    odd[member] = value;
+    CHECK_THROWS_AS(read_taxel_dynamics(odd, back), std::invalid_argument);
+  }
+}
+
+TEST_CASE(
+    "stored fits: each column of a taxel and each member of a verdict is compared, the first that differs named") {
+  const auto taxel_with = [](auto change) {
+    FitRows stored, recomputed;
+    stored.fit.patterns_json = recomputed.fit.patterns_json = "{}";
+    stored.fit.summary_json = recomputed.fit.summary_json = "{}";
+    db::FitTaxelRecord row;
+    row.taxel = 4;
+    row.status = "fitted";
+    row.parameters = {1, 2, 3, 4, 5};
+    recomputed.taxels = {row};
+    change(row);
+    stored.taxels = {row};
+    return first_difference(stored, recomputed, 0.0);
+  };
+  using Row = db::FitTaxelRecord;
+  CHECK(taxel_with([](Row&) {}).empty());
+  CHECK(taxel_with([](Row& row) { row.noise_v = 7; }) == "taxel 4, noise_v: stored 7, recomputed 0");
+  CHECK(taxel_with([](Row& row) { row.j_v2 = 7; }) == "taxel 4, j_v2: stored 7, recomputed 0");
+  CHECK(taxel_with([](Row& row) { row.mean_error_v = 7; }) == "taxel 4, mean_error_v: stored 7, recomputed 0");
+  CHECK(taxel_with([](Row& row) { row.max_error_v = 7; }) == "taxel 4, max_error_v: stored 7, recomputed 0");
+  CHECK(taxel_with([](Row& row) { row.full_scale_v = 7; }) == "taxel 4, full_scale_v: stored 7, recomputed 0");
+  CHECK(taxel_with([](Row& row) { row.at_bound = 7; }) == "taxel 4, at_bound: stored 7, recomputed 0");
+  CHECK(taxel_with([](Row& row) { row.ascending_v = {1}; }) == "taxel 4, ascending_v: 1 number stored, 0 recomputed");
+  CHECK_THAT(taxel_with([](Row& row) { row.parameters[4] = 7; }), Catch::EndsWith("stored 7, recomputed 5"));
+  const auto verdict_with = [](auto change) {
+    db::VerdictRecord row;
+    row.criterion = "mpe";
+    row.scope = "array";
+    const std::vector<db::VerdictRecord> recomputed{row};
+    change(row);
+    return first_difference(std::vector<db::VerdictRecord>{row}, recomputed, 0.0);
+  };
+  using Verdict = db::VerdictRecord;
+  CHECK(verdict_with([](Verdict& row) { row.limit = 7; }) == "verdict on mpe (array), limit: stored 7, recomputed 0");
+  CHECK(verdict_with([](Verdict& row) { row.unit = "V"; }) ==
+        "verdict on mpe (array), unit: stored 'V', recomputed ''");
+  CHECK(verdict_with([](Verdict& row) { row.rule = "x"; }) ==
+        "verdict on mpe (array), rule: stored 'x', recomputed ''");
+  CHECK(verdict_with([](Verdict& row) { row.limits_sha256 = "x"; }) == "limits, SHA-256: stored 'x', recomputed ''");
+  CHECK(verdict_with([](Verdict& row) { row.criterion = "x"; }) ==
+        "verdict 1: stored 'x (array)', recomputed 'mpe (array)'");
+  CHECK(same_number(1.0, 1.25, 0.2));  // a fifth of the larger
+  CHECK_FALSE(same_number(1.0, 1.2501, 0.2));
+  CHECK((same_number(INFINITY, INFINITY, 0.0) && !same_number(INFINITY, -INFINITY, 1.0)));
+}

@@ -1,0 +1,169 @@
+// Streams of single-valued models by hand: what frames say of each taxel, when a recording is at rest, what is left
+// over.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+
+#include "analysis/error.h"
+#include "analysis/identify/residuals.h"
+#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/models/monotone.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// Output = 1 + input / 10, from 0 to 60 psi.
+ModelTaxel rising_line(int number, double noise = 0.0) {
+  const std::vector<double> ends{0.0, 60.0}, volts{1.0, 7.0};
+  ModelTaxel taxel;
+  taxel.taxel = number;
+  taxel.status = TaxelStatus::kFitted;
+  taxel.noise = noise;
+  taxel.fit.model = std::make_unique<MonotoneModel>(PatternCurve(ends, volts, 1.0, 7.0));
+  taxel.fit.full_scale = 6.0;
+  taxel.loop_low = 1.0;
+  taxel.ascending = taxel.descending = PatternCurve(ends, volts, 1.0, 7.0);
+  return taxel;
+}
+
+SensorModel line_array() {
+  SensorModel model;
+  model.model = "monotone";
+  model.source = "run 3";
+  model.rows = 1;
+  model.columns = 3;
+  model.pressure_psi = {0.0, 60.0};
+  model.taxels = {rising_line(0), rising_line(1), ModelTaxel(), rising_line(-1)};
+  model.taxels[2].taxel = 2;
+  model.taxels[2].status = TaxelStatus::kStuck;
+  return model;
+}
+
+struct FrameOut {
+  std::vector<float> pressure = std::vector<float>(3), uncertainty = std::vector<float>(3);
+  std::vector<std::uint16_t> status = std::vector<std::uint16_t>(3);
+  ArrayStream::Output output() { return {pressure, uncertainty, status}; }
+};
+
+}  // namespace
+
+TEST_CASE("frames of single-valued taxels by hand: pressure, range, lost samples, dead taxels, outside of validity") {
+  const SensorModel model = line_array();
+  ArrayStream stream(model, 1.0, 1.0, 2);
+  FrameOut out;
+  stream.frame(std::vector<float>{3.0F, 8.0F, 2.0F}, out.output());
+  CHECK(out.pressure[0] == Approx(20.0));
+  CHECK(out.pressure[1] == Approx(60.0));
+  CHECK((out.status[0] == kTaxelValid && out.status[1] == kTaxelOutOfRange && out.status[2] == kTaxelDead));
+  CHECK((out.pressure[2] == 0.0F && out.uncertainty[2] == 60.0F));
+  stream.frame(std::vector<float>{std::nanf(""), 2.0F, 2.0F}, out.output());
+  CHECK((out.status[0] == kTaxelLost && out.status[1] == kTaxelValid && out.status[2] == kTaxelDead));
+  CHECK(out.pressure[0] == Approx(20.0));
+  CHECK(out.pressure[1] == Approx(10.0));
+  stream.lost_frame(out.output());
+  CHECK((out.status[0] == kTaxelLost && out.status[1] == kTaxelLost && out.status[2] == kTaxelDead));
+  CHECK(out.pressure[1] == Approx(10.0));
+  stream.set_outside_validity(true);
+  stream.frame(std::vector<float>{4.0F, 8.0F, 2.0F}, out.output());
+  CHECK(out.status[0] == kTaxelOutside);
+  CHECK(out.status[1] == (kTaxelOutside | kTaxelOutOfRange));
+  CHECK(out.status[2] == kTaxelDead);
+  stream.set_outside_validity(false);
+  stream.frame(std::vector<float>{4.0F, 0.5F, 2.0F}, out.output());
+  CHECK((out.status[0] == kTaxelValid && out.status[1] == kTaxelOutOfRange));
+  CHECK(out.pressure[1] == Approx(0.0).margin(1e-6));
+}
+
+TEST_CASE("frames of a falling sensor are read as measured, and of a part of an array not at all") {
+  SensorModel model = line_array();
+  model.falling = true;
+  ArrayStream stream(model, 1.0, 1.0, 2);
+  FrameOut out;
+  stream.frame(std::vector<float>{-3.0F, -2.0F, 0.0F}, out.output());
+  CHECK(out.pressure[0] == Approx(20.0));
+  CHECK(out.pressure[1] == Approx(10.0));
+  model.rows = 2;
+  try {
+    const ArrayStream part(model, 1.0, 1.0, 2);
+    FAIL_CHECK("accepted");
+  } catch (const AnalysisError& error) {
+    CHECK(std::string(error.what()) == "monotone of run 3 cannot compensate frames: it is not of a whole array");
+  }
+}
+
+TEST_CASE("a recording is at rest within 1 % of the loop's output, or within the dead band where that is wider") {
+  const SensorModel model = line_array();
+  const ModelTaxel quiet = rising_line(0), noisy = rising_line(0, 0.02);
+  const RecordingStream still(model, quiet, 1.0), wide(model, noisy, 1.0), wider(model, noisy, 2.0);
+  CHECK(still.at_rest(1.0599));  // of 6 V over 1 V
+  CHECK_FALSE(still.at_rest(1.0601));
+  CHECK(still.at_rest(-5.0));
+  CHECK(wide.at_rest(1.1199));  // six noises of 20 mV
+  CHECK_FALSE(wide.at_rest(1.1201));
+  CHECK(wider.at_rest(1.2399));
+  CHECK_FALSE(wider.at_rest(1.2401));
+  // An adjusted taxel: twice the gain, half a volt higher.
+  ModelTaxel moved = rising_line(0);
+  moved.zero = 0.5;
+  moved.gain = 2.0;
+  const RecordingStream adjusted_one(model, moved, 1.0);
+  CHECK(adjusted_one.at_rest(2.619));
+  CHECK_FALSE(adjusted_one.at_rest(2.621));
+}
+
+TEST_CASE("a recording's direction turns beyond the dead band, from the furthest output on") {
+  const SensorModel model = line_array();
+  const ModelTaxel taxel = rising_line(0, 0.05);  // a dead band of 0.3 V
+  RecordingStream stream(model, taxel, 1.0);
+  stream.reset();
+  const auto rising = [&](double output) {
+    (void)stream.step(output);
+    return stream.ascending();
+  };
+  CHECK(stream.ascending());
+  CHECK(rising(3.0));
+  CHECK(rising(4.0));
+  CHECK(rising(3.71));
+  CHECK_FALSE(rising(3.69));
+  CHECK_FALSE(rising(3.5));
+  CHECK_FALSE(rising(3.79));
+  CHECK(rising(3.81));
+  CHECK(rising(3.9));
+  CHECK_FALSE(rising(3.59));
+  stream.reset();
+  CHECK(stream.ascending());
+  CHECK(rising(2.0));
+}
+
+TEST_CASE("what a stream leaves is spread by the flatness of each of twenty levels, within half and twelve times") {
+  ModelTaxel taxel = rising_line(0);
+  CHECK(residual_by_level(taxel).empty());
+  taxel.residual_psi = 0.5;
+  CHECK(residual_by_level(taxel).size() == 40);
+  for (const double psi : residual_by_level(taxel)) CHECK(psi == Approx(0.5));
+  // Levels of 3 psi. Up: a quarter of the rise in the lower half, twice and two thirds of the mean. Down: six tenths
+  // of it over the first level, 0.4 and 0.45 % over the next two.
+  const std::vector<double> half{0, 30, 60}, half_y{0, 1, 4}, uneven{0, 3, 6, 9, 60}, uneven_y{0, 6, 6.04, 6.085, 10};
+  taxel.ascending = PatternCurve(half, half_y, 0.0, 4.0);
+  taxel.descending = PatternCurve(uneven, uneven_y, 0.0, 10.0);
+  // The rise is that of the way up: 4. Of 10 the way down over its first level has 6, 0.04 and 0.045: own slopes of
+  // 120, 0.8 and 0.9 against 4: 1/30, 5 and 4.44 times; the rest 3.915 over 17 levels: 4.606.
+  const std::vector<double> psi = residual_by_level(taxel);
+  CHECK(psi[0] == Approx(0.5 * 2.0));
+  CHECK(psi[9] == Approx(0.5 * 2.0));
+  CHECK(psi[10] == Approx(0.5 * 2.0 / 3.0));
+  CHECK(psi[20] == Approx(0.5 * 0.5));
+  CHECK(psi[21] == Approx(0.5 * 5.0));
+  CHECK(psi[22] == Approx(0.5 * 4.0 / 0.9));
+  CHECK(psi[25] == Approx(0.5 * 4.0 * 17.0 / 20.0 / 3.915));
+  // Flatter than a twelfth of the mean slope.
+  const std::vector<double> flat_y{0, 3.9, 3.9164, 3.9330, 4};
+  taxel.descending = PatternCurve(uneven, flat_y, 0.0, 4.0);
+  CHECK(residual_by_level(taxel)[21] == Approx(0.5 * 12.0));  // 0.328 against 4 / 12
+  CHECK(residual_by_level(taxel)[22] == Approx(0.5 * 12.0));  // 0.332
+  const std::vector<double> less_flat_y{0, 3.9, 3.9170, 3.9335, 4};
+  taxel.descending = PatternCurve(uneven, less_flat_y, 0.0, 4.0);
+  CHECK(residual_by_level(taxel)[21] == Approx(0.5 * 4.0 / 0.34));
+}

@@ -1,0 +1,147 @@
+// What is doubtful about a table, at each bound: starts, inner branches, loops, dead bands, jumping inputs, counts.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/error.h"
+#include "analysis/identify/histories.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+TableSeries straight_series(const std::string& name, const std::vector<double>& x, int taxel = 0) {
+  TableSeries series{name, taxel, x, {}};
+  for (const double input : x) series.output.push_back(2.0 * input);
+  return series;
+}
+
+Histories doubts_of(const std::vector<TableSeries>& series, double turn = 0.0, double noise = 0.0) {
+  HistoriesOptions options;
+  options.turn = turn;
+  options.noise = noise;
+  return histories_of(series, "t", options);
+}
+
+std::string about(const Histories& histories, const std::string& words) {
+  for (const std::string& line : histories.warnings)
+    if (line.find(words) != std::string::npos) return line;
+  return {};
+}
+
+// Six inner turns, three to each side: nothing to doubt.
+const std::vector<double> kSoundWay{0, 100, 20, 80, 30, 70, 40, 60, 50, 100, 0};
+
+}  // namespace
+
+TEST_CASE("doubts: a start is in mid-range beyond 1 % of the span from both ends, or beyond the turn") {
+  const auto start = [](double first, double turn = 0.0) {
+    std::vector<double> way = kSoundWay;
+    way.insert(way.begin(), {first});
+    return about(doubts_of({straight_series("a", way)}, turn), "in mid-range");
+  };
+  CHECK(start(0.99).empty());
+  CHECK_THAT(start(1.01), Catch::StartsWith("1 of 1 sequence starts in mid-range (\"a\"; the first at 1.01, 1 % of the "
+                                            "span): what was before is not known"));
+  CHECK(start(99.01).empty());
+  CHECK_FALSE(start(98.99).empty());
+  CHECK(start(4.9, 5.0).empty());
+  CHECK_FALSE(start(5.1, 5.0).empty());
+  std::vector<TableSeries> five;
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    five.push_back(straight_series(name, kSoundWay));
+    if (name[0] != 'b') five.back().input[0] = 25.0;
+  }
+  CHECK_THAT(about(doubts_of(five), "in mid-range"),
+             Catch::StartsWith("4 of 5 sequences start in mid-range (\"a\", \"c\", \"d\" and 1 more; the first at 25, "
+                               "25 % of the span)"));
+}
+
+TEST_CASE("doubts: three inner branches of each direction are needed, those that begin at the ends do not count") {
+  const auto inner = [](const std::vector<double>& way) {
+    return about(doubts_of({straight_series("a", way)}), "few reversals");
+  };
+  CHECK(inner(kSoundWay).empty());
+  CHECK_THAT(inner({0, 100, 20, 80, 30, 70, 40, 100, 0}),
+             Catch::StartsWith("few reversals inside the range: 2 branches begin there and fall, 3 rise, 3 each are"));
+  CHECK_THAT(inner({0, 100, 20, 80, 30, 70, 0, 100, 0}), Catch::Contains("2 branches begin there and fall, 2 rise"));
+  CHECK_THAT(inner({0, 100, 20, 100, 0}), Catch::Contains("0 branches begin there and fall, 1 rise"));
+  CHECK_THAT(inner({0, 100, 20, 80, 0}), Catch::Contains("1 branch begin there and fall, 1 rise"));
+  CHECK_THAT(inner({0, 100, 0.9, 99.1, 0.9, 99.1, 0.9, 99.1, 0}), Catch::Contains("0 branches"));
+}
+
+TEST_CASE("doubts: no external loop, and one that does not reach the extremes") {
+  CHECK_THAT(about(doubts_of({straight_series("a", {0, 100, 20, 80, 30, 70, 40, 60, 50, 55})}), "no external loop"),
+             Catch::StartsWith("no external loop: no sweep falls over the full pressure range"));
+  CHECK(about(doubts_of({straight_series("a", kSoundWay)}), "external loop").empty());
+}
+
+TEST_CASE("doubts: a dead band of more than 2 % of the span, of the taxel where it is widest") {
+  // Six noises of an output that spans 200.
+  const auto band = [](double noise) {
+    return about(doubts_of({straight_series("a", kSoundWay)}, 0.0, noise), "dead band");
+  };
+  CHECK(band(0.66).empty());
+  CHECK_THAT(band(0.67), Catch::StartsWith("the dead band of compensation is 2.01 % of the outputs' span (six times a "
+                                           "noise of 0.67): lesser reversals"));
+  TableSeries narrow = straight_series("a", kSoundWay, 3);
+  for (double& y : narrow.output) y *= 0.5;
+  CHECK_THAT(
+      about(doubts_of({straight_series("a", kSoundWay, 1), narrow}, 0.0, 0.67), "dead band"),
+      Catch::StartsWith("the dead band of compensation is 4.02 % of the outputs' span (six times a noise of 0.67, "
+                        "taxel 3, 2 above 2 %)"));
+}
+
+TEST_CASE("tables that are too short, constant, or whose turn is as wide as the inputs are refused") {
+  const auto refused = [](const std::vector<TableSeries>& series, double turn = 0.0) {
+    try {
+      (void)doubts_of(series, turn);
+    } catch (const AnalysisError& error) {
+      return error.id() + " " + error.what();
+    }
+    return std::string();
+  };
+  CHECK(refused({straight_series("a", {0, 1, 2, 0})}).empty());
+  CHECK(refused({straight_series("a", {0, 1, 2})}) == "TB-TABLE-SHORT t: sequence a of taxel 0 has 3 samples");
+  CHECK(refused({straight_series("a", {5, 5, 5, 5}, 2)}) ==
+        "TB-TABLE-CONSTANT t: the input of taxel 2 is 5 in all rows");
+  CHECK(refused({straight_series("a", {0, 1, 2, 0})}, 1.99).empty());
+  CHECK(refused({straight_series("a", {0, 1, 2, 0})}, 2.0) ==
+        "TB-TABLE-TURN t: --turn 2 is not less than what the inputs of taxel 0 span, 0 to 2");
+}
+
+TEST_CASE("turns of a table by hand: seven noises of the inputs where fifty tell them, at least 0.1 % of the span") {
+  // A ramp up and down with a step back of `back` in the middle of the way up.
+  const auto turn_of = [](std::size_t samples, double wave) {
+    TableSeries series{"a", 0, {}, {}};
+    for (std::size_t i = 0; i < samples; ++i) {
+      const double at = static_cast<double>(i) / static_cast<double>(samples - 1);
+      const double ramp = 100.0 * (at < 0.5 ? 2 * at : 2 - 2 * at);
+      series.input.push_back(ramp + (i == 0 || i + 1 == samples ? 0.0 : i % 2 == 0 ? wave : -wave));
+      series.output.push_back(ramp);
+    }
+    return histories_of({series}, "t", {}).taxels[0].turn;
+  };
+  CHECK(turn_of(201, 0.0) == Approx(0.1));
+  CHECK(turn_of(49, 0.5) == Approx(0.1).epsilon(0.01));  // too few to tell
+  CHECK(turn_of(51, 0.5) > 1.0);
+  // Of alternate samples the least of the differences' orders is about 1.41 times the wave over 0.67449.
+  CHECK(turn_of(401, 0.5) == Approx(7.0 * 0.5 * std::sqrt(2.0) / 0.67449).epsilon(0.3));
+  CHECK(turn_of(401, 20.0) < 1.0);  // more than a quarter of the span: such inputs jump
+}
+
+TEST_CASE("noise of counts by hand: rounding's where more than half of the neighbours are equal") {
+  const auto noise_with = [](std::size_t equal, std::size_t steps) {
+    // `steps` of 0.5 in a row, then so many equal ones; the way back is one step.
+    TableSeries series{"a", 0, {0.0}, {0.0}};
+    for (std::size_t i = 0; i < steps + equal; ++i) {
+      series.input.push_back(series.input.back() + 1.0);
+      series.output.push_back(series.output.back() + (i < steps ? 0.5 : 0.0));
+    }
+    HistoriesOptions options;
+    options.turn = 0.0;
+    return histories_of({series}, "t", options).taxels[0].noise;
+  };
+  CHECK(noise_with(11, 10) == Approx(0.5 / std::sqrt(12.0)));
+  // Half of them are no counts: the median of twenty differences is one of 0.5 over sqrt 2.
+  CHECK(noise_with(10, 10) == Approx(0.5 / std::sqrt(2.0) / 0.67449));
+}
