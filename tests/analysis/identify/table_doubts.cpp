@@ -129,6 +129,20 @@ TEST_CASE("turns of a table by hand: seven noises of the inputs where fifty tell
   CHECK(turn_of(401, 20.0) < 1.0);  // more than a quarter of the span: such inputs jump
 }
 
+TEST_CASE("inputs that jump are told with their noise, and where turns are counted from") {
+  // 0 10 0 10 ...: the first differences are 10 over sqrt 2, less than those of any other order; 73.4 are seven noises.
+  TableSeries series{"a", 0, {}, {}};
+  for (int i = 0; i < 60; ++i) {
+    series.input.push_back(i % 2 == 0 ? 0.0 : 10.0);
+    series.output.push_back(series.input.back());
+  }
+  const Histories found = histories_of({series}, "t", {});
+  CHECK(found.warnings.front() ==
+        "the inputs jump (seven noises are 73.4, 734 % of their span): turns are counted from 0.01 on, 0.1 % of the "
+        "span; --turn states another size");
+  CHECK(found.taxels[0].turn == Approx(0.01));
+}
+
 TEST_CASE("noise of counts by hand: rounding's where more than half of the neighbours are equal") {
   const auto noise_with = [](std::size_t equal, std::size_t steps) {
     // `steps` of 0.5 in a row, then so many equal ones; the way back is one step.
@@ -141,6 +155,12 @@ TEST_CASE("noise of counts by hand: rounding's where more than half of the neigh
     options.turn = 0.0;
     return histories_of({series}, "t", options).taxels[0].noise;
   };
+  // Outputs that never change are no counts: of a sequence that is fitted, beside one that is not.
+  HistoriesOptions still;
+  still.turn = 0.0;
+  still.fitted = {"a"};
+  const TableSeries constant{"a", 0, {0, 1, 2, 1, 0}, {3, 3, 3, 3, 3}}, other{"b", 0, {0, 1, 2, 1, 0}, {0, 9, 5, 7, 1}};
+  CHECK(histories_of({constant, other}, "t", still).taxels[0].noise == 0.0);
   CHECK(noise_with(11, 10) == Approx(0.5 / std::sqrt(12.0)));
   // Half of them are no counts: the median of twenty differences is one of 0.5 over sqrt 2.
   CHECK(noise_with(10, 10) == Approx(0.5 / std::sqrt(2.0) / 0.67449));

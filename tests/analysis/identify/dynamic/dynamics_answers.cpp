@@ -120,6 +120,40 @@ TEST_CASE("lag: one repeat has to last twice as long as another, and sequences o
   CHECK((none.shared.lag_share == 0.0 && none.lag_share[0] == 0.0));
 }
 
+TEST_CASE("lag by formula: of the second sequence of a run, with creep that is known undone", "[dynamic]") {
+  // The first sequence has one pace. Creep of half of the array's, beside a lag of 1.04857 s and 12 %.
+  double lag_s = 0.1;
+  for (int i = 0; i < 25; ++i) lag_s *= 1.1;
+  const std::array<double, 3> share{0.02, 0.01, 0.03}, time_s{3.0, 30.0, 300.0};
+  std::array<double, 3> psi{};
+  std::vector<SequenceData> sequences{{"loop", {}}, {"rate", {}}};
+  double late = 0.0, now = 0.0;
+  for (const auto& [sequence, dwell] : {std::pair{0U, 2.0}, std::pair{1U, 1.0}, std::pair{1U, 60.0}}) {
+    Repeat repeat;
+    for (const double level : kUpAndDown) {
+      now += dwell;
+      late = level + (late - level) * std::exp(-dwell / lag_s);
+      double creep = 0.0;
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double target = level / (level + 10.0);
+        psi[j] = target + (psi[j] - target) * std::exp(-dwell / time_s[j]);
+        creep += 0.5 * share[j] * (psi[j] - 1.0);
+      }
+      repeat.steps.push_back({level, level, now, dwell});
+      repeat.volts.push_back(0.5 + 0.1 * (level + 0.12 * (late - level)) * (1.0 + creep));
+    }
+    sequences[sequence].repeats.push_back(repeat);
+  }
+  ArrayDynamics known;
+  known.shared.creep_share = share;
+  known.creep_scale = {0.5};
+  known.lag_share = {0.0};
+  find_lag(of_taxels(1, sequences), {0.5}, kOneTaxel, known);
+  CHECK(known.rate_samples == 4);
+  CHECK(known.shared.lag_s == Approx(lag_s));
+  CHECK(known.shared.lag_share == Approx(0.12).epsilon(1e-4));
+}
+
 TEST_CASE("creep by formula: shares, half and scales of two taxels are found again from holds", "[dynamic]") {
   // Two films of twice and half of the array's creep; holds of 200 samples of 2 s at 10, 30 and 60 psi.
   double half = 1.0;

@@ -123,6 +123,18 @@ TEST_CASE("U of an error names what is stated of the reference, in their order")
                       "freedom), divided by √2"));
 }
 
+TEST_CASE("one taxel alone has no spread over taxels") {
+  SensorModel one = straight_fit();
+  one.taxels[1].status = TaxelStatus::kUnfit;
+  const Evaluation e = evaluate(known_loop(), one, 1);
+  CHECK(e.excluded_taxels == 2);
+  for (const LevelFigures& level : e.levels) {
+    CHECK((level.raw_std_up == 0.0 && level.raw_std_down == 0.0));
+    CHECK((level.comp_std_up == 0.0 && level.comp_std_down == 0.0));
+  }
+  CHECK(std::isnan(e.taxel_mean_error_psi[1]));
+}
+
 TEST_CASE("the largest error of a run: whose it is, and at which pressure") {
   const Evaluation e = evaluate(known_loop(), straight_fit(), 1);
   CHECK(e.max_error_taxel == 0);

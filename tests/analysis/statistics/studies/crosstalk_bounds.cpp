@@ -164,6 +164,24 @@ TEST_CASE("crosstalk bounds: a ghost line's own scatter over its positions count
   CHECK(ghosts(0.002)[1].mean_share == Approx(0.012));
 }
 
+TEST_CASE("crosstalk: a zone that no taxel lies in tells nothing, and its lines are no ghosts") {
+  // Five columns: all of a print's rows lie within its reach along them.
+  std::vector<PointFrame> frames;
+  for (int i = 0; i < 4; ++i) {
+    PrintShares own;
+    own.column = 0.004;
+    frames.push_back(small_print(i, 2 + 4 * i, 2, own, kMap, 5));
+  }
+  // Each taxel of the middle columns is at rest under none of the prints but its own rows': the quartile is the second.
+  const Crosstalk c = crosstalk_of(7, frames, kMap, 5);
+  REQUIRE(c.assessed());
+  CHECK(c.row.samples == 0);
+  CHECK((std::isnan(c.row.mean_share) && std::isnan(c.row.u_share) && std::isnan(c.row.max_share)));
+  CHECK(c.ghost_rows.empty());
+  CHECK(c.column.samples == 4 * 3 * (17 - 5));
+  CHECK(c.elsewhere.samples == 4 * 2 * (17 - 5));
+}
+
 TEST_CASE("crosstalk of an array that is longer than high: distances as far as its longer side, none where none is") {
   std::vector<PointFrame> frames;
   for (int i = 0; i < 4; ++i) {

@@ -111,6 +111,46 @@ TEST_CASE("contacts at their threshold: a tenth of the peak or half a psi, the t
   CHECK(contact_figures(std::vector<double>{infinite, 3.0, kNan}, 1, 3, geometry).force_n == Approx(3.0));
 }
 
+TEST_CASE("contacts: each rise begins unloaded, after another repeat or place and after a fall") {
+  // One taxel of 20 psi a volt going up, and of 30 V / (V + 1) psi or so coming down: 1 V is 20 psi on the way up
+  // alone.
+  SensorModel fit;
+  fit.rows = fit.columns = 1;
+  fit.origin = "simulated";
+  fit.sensor_serial = "S";
+  fit.pressure_psi = {0.0, 20.0, 40.0, 60.0};
+  const std::vector<double> up{0.0, 1.0, 2.0, 3.0}, down{0.0, 2.0, 2.6, 3.0};
+  fit.taxels = {by_hand::elam_taxel(PatternCurve(fit.pressure_psi, up, 0.0, 3.0),
+                                    PatternCurve(fit.pressure_psi, down, 0.0, 3.0))};
+  by_hand::finish(fit, fit.taxels[0]);
+  const auto last_reading = [&](int repeat, int position, bool rising) {
+    PressRun run;
+    run.origin = "simulated";
+    run.sensor_serial = "S";
+    run.rows = run.columns = 1;
+    const auto press = [&](int own_repeat, int own_position, bool own_rising, double target_n, double volts) {
+      PressFrame frame;
+      frame.repeat = own_repeat;
+      frame.position = own_position;
+      frame.rising = own_rising;
+      frame.target_n = target_n;
+      frame.volts = {volts};
+      run.frames.push_back(frame);
+    };
+    press(0, 0, true, 1, 1.0);
+    press(0, 0, true, 2, 3.0);
+    press(0, 0, false, 1, 1.0);
+    press(repeat, position, rising, 7, 1.0);
+    for (const ContactLevel& level : contact_result(run, fit, {2.0, 1.0}).levels)
+      if (level.target_n == 7) return level.compensated_psi[0];
+    return kNan;
+  };
+  CHECK(last_reading(0, 0, true) == Approx(20.0));
+  CHECK(last_reading(1, 0, false) == Approx(20.0));
+  CHECK(last_reading(0, 1, false) == Approx(20.0));
+  CHECK(last_reading(0, 0, false) < 18.0);  // still on its way down
+}
+
 TEST_CASE("rate study: repeats 1.2 times as quick are of another pace, rates of levels that are held are none") {
   const auto paced_at = [](double seconds, double volts) {
     Repeat repeat;

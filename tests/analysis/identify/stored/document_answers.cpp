@@ -1,0 +1,227 @@
+// A model's document member by member: what is written, what is read, what is refused; and what streaming takes of it.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "analysis/error.h"
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/models/monotone.h"
+#include "tests/analysis/support/straight_array.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace straight_array;
+using DocumentJson = nlohmann::ordered_json;
+
+namespace {
+
+SensorModel whole_document() {
+  SensorModel model;
+  model.model = "monotone";
+  model.source = "run 3";
+  model.origin = "simulated";
+  model.content_sha256 = "abc";
+  model.sequences = {"a", "b"};
+  model.sensor_serial = "S";
+  model.scanner_serial = "C";
+  model.input_unit = "psi";
+  model.output_unit = "V";
+  model.program_version = "9.9";
+  model.rows = 1;
+  model.columns = 1;
+  model.scans = 2;
+  model.options.starts = 7;
+  model.validity.input = Range{0.0, 60.0};
+  model.validity.hold_s = Range{1.0, 2.0};
+  model.validity.temperature_c = Range{20.0, 21.0};
+  model.validity.mount = "M";
+  model.validity.interface_material = "foam";
+  model.parent_sha256 = "def";
+  model.adjustment = "zero by run 4";
+  model.pressure_psi = {0.0, 30.0, 60.0};
+  const std::vector<double> x{0.0, 60.0}, y{1.0, 7.0}, up{1.0, 3.0, 7.0}, down{1.0, 5.0, 7.0};
+  ModelTaxel taxel;
+  taxel.taxel = 0;
+  taxel.status = TaxelStatus::kFitted;
+  taxel.noise = 0.5;
+  taxel.loop_low = 1.0;
+  taxel.zero = 0.25;
+  taxel.gain = 2.0;
+  taxel.residual_psi = 0.75;
+  taxel.fit.model = std::make_unique<MonotoneModel>(PatternCurve(x, y, 1.0, 7.0));
+  taxel.fit.j = 11;
+  taxel.fit.mean_error = 12;
+  taxel.fit.max_error = 13;
+  taxel.fit.full_scale = 14;
+  taxel.fit.samples = 15;
+  taxel.fit.starts = 16;
+  taxel.fit.undetermined = {"weights"};
+  taxel.ascending = PatternCurve(model.pressure_psi, up, 1.0, 7.0);
+  taxel.descending = PatternCurve(model.pressure_psi, down, 1.0, 7.0);
+  ModelTaxel dead;
+  dead.taxel = 1;
+  dead.status = TaxelStatus::kUnfit;
+  dead.reason = "why not";
+  model.taxels = {taxel, dead};
+  return model;
+}
+
+DocumentJson written() { return DocumentJson::parse(to_text(whole_document())); }
+
+std::string refused_document(const DocumentJson& json) {
+  try {
+    (void)document_from_text(json.dump(), "m.json");
+  } catch (const AnalysisError& error) {
+    CHECK(error.id() == "TB-MODEL-DOCUMENT");
+    const std::string what = error.what(), begin = "m.json is no model: ";
+    CHECK_THAT(what, Catch::StartsWith(begin));
+    return what.substr(begin.size());
+  }
+  return {};
+}
+
+std::string refused_with_member(const char* pointer, const DocumentJson& value) {
+  DocumentJson json = written();
+  json[DocumentJson::json_pointer(pointer)] = value;
+  return refused_document(json);
+}
+
+}  // namespace
+
+TEST_CASE("a document goes to text and back, each member of it") {
+  const SensorModel back = document_from_text(to_text(whole_document()), "m.json"), was = whole_document();
+  CHECK(to_text(back) == to_text(was));
+  CHECK((back.model == "monotone" && back.source == "run 3" && back.origin == "simulated"));
+  CHECK((back.content_sha256 == "abc" && back.sequences == was.sequences && back.program_version == "9.9"));
+  CHECK((back.sensor_serial == "S" && back.scanner_serial == "C" && back.rows == 1 && back.columns == 1));
+  CHECK((back.input_unit == "psi" && back.output_unit == "V" && back.scans == 2 && !back.falling));
+  CHECK((back.options.starts == 7 && back.options.splits == 1 && !back.options.free_run && !back.options.linearise));
+  CHECK((back.validity.input->high == 60.0 && back.validity.hold_s->low == 1.0 && !back.validity.rate));
+  CHECK((back.validity.temperature_c->high == 21.0 && back.validity.mount == "M"));
+  CHECK((back.parent_sha256 == "def" && back.adjustment == "zero by run 4" && back.pressure_psi == was.pressure_psi));
+  REQUIRE(back.taxels.size() == 2);
+  const ModelTaxel& taxel = back.taxels[0];
+  CHECK((taxel.fitted() && taxel.noise == 0.5 && taxel.loop_low == 1.0 && taxel.zero == 0.25 && taxel.gain == 2.0));
+  CHECK((taxel.fit.j == 11 && taxel.fit.mean_error == 12 && taxel.fit.max_error == 13 && taxel.fit.full_scale == 14));
+  CHECK((taxel.fit.samples == 15 && taxel.fit.starts == 16 && taxel.residual_psi == 0.75));
+  CHECK(taxel.fit.undetermined == std::vector<std::string>{"weights"});
+  CHECK((taxel.ascending(30) == 3.0 && taxel.descending(30) == 5.0));
+  CHECK((back.taxels[1].status == TaxelStatus::kUnfit && back.taxels[1].reason == "why not"));
+  SensorModel modes = whole_document();
+  modes.falling = modes.options.free_run = modes.options.exact_outer = modes.options.memory = true;
+  modes.options.genetic = modes.options.linearise = true;
+  modes.options.splits = 3;
+  const SensorModel as = document_from_text(to_text(modes), "m.json");
+  CHECK((as.falling && as.options.free_run && as.options.exact_outer && as.options.memory && as.options.genetic));
+  CHECK((as.options.linearise && as.options.splits == 3));
+  CHECK(written()["taxels"][0]["dead_band"] == 3.0);  // six noises
+  CHECK_FALSE(written()["options"].contains("linearise"));
+}
+
+TEST_CASE("a document's members that are not what they have to be are refused by their names") {
+  CHECK(refused_document(written()).empty());
+  CHECK(refused_with_member("/schema", "x") == "\"schema\" is not \"tactbench.model\"");
+  CHECK(refused_with_member("/schema", 7) == "\"schema\" is not a text");
+  CHECK(refused_with_member("/version", 2) == "it is of version 2, and this program reads version 1");
+  CHECK(refused_with_member("/version", 1.5) == "\"version\" is not a whole number");
+  CHECK(refused_with_member("/options/memory", 1) == "\"memory\" is neither true nor false");
+  CHECK(refused_with_member("/options/exact_outer", "no") == "\"exact_outer\" is neither true nor false");
+  CHECK(refused_with_member("/options/linearise", 1) == "\"linearise\" is neither true nor false");
+  CHECK(refused_with_member("/options/splits", 1.1e9) == "\"splits\" is not a whole number");
+  CHECK(refused_with_member("/options/splits", -1e9).empty());
+  CHECK(refused_with_member("/output/falling", 0) == "\"falling\" is neither true nor false");
+  CHECK(refused_with_member("/sensor/serial", 5) == "\"serial\" is not a text");
+  CHECK(refused_with_member("/loop_inputs", "x") == "\"loop_inputs\" is not a list of numbers");
+  CHECK(refused_with_member("/loop_inputs", DocumentJson{0, "x"}) == "\"loop_inputs\" is not a list of numbers");
+  CHECK(refused_with_member("/taxels", DocumentJson::array()) == "\"taxels\" is empty");
+  CHECK(refused_with_member("/taxels/0/noise", -0.1) == "\"noise\" is negative");
+  CHECK(refused_with_member("/taxels/0/noise", 0.0).empty());
+  CHECK(refused_with_member("/taxels/0/gain", -1.0) == "\"gain\" is not positive");
+  CHECK(refused_with_member("/taxels/0/residual_psi", -0.1) == "\"residual_psi\" is negative");
+  CHECK(refused_with_member("/taxels/0/taxel", 0.5) == "\"taxel\" is not a whole number");
+  const std::string loop = "\"loop\" has not as many outputs as \"loop_inputs\" has inputs";
+  CHECK(refused_with_member("/taxels/0/loop/ascending", DocumentJson{1, 7}) == loop);
+  CHECK(refused_with_member("/taxels/0/loop/descending", DocumentJson{1, 3, 5, 7}) == loop);
+  CHECK(refused_with_member("/taxels/0/loop/ascending", DocumentJson{1, "x", 7}) ==
+        "\"ascending\" is not a list of numbers");
+  CHECK_THAT(refused_with_member("/loop_inputs", DocumentJson{1}), Catch::Contains("loop"));
+}
+
+TEST_CASE("documents of older programs: a reason for a status, no loop, no inputs of it") {
+  const auto read = [](auto change) {
+    DocumentJson json = written();
+    change(json);
+    return document_from_text(json.dump(), "m.json");
+  };
+  const SensorModel worded = read([](DocumentJson& json) {
+    json["taxels"][1]["status"] = "too short";
+    json["taxels"][1].erase("reason");
+  });
+  CHECK((worded.taxels[1].status == TaxelStatus::kUnfit && worded.taxels[1].reason == "too short"));
+  const SensorModel fitted = read([](DocumentJson& json) { json["taxels"][1]["status"] = "fitted"; });
+  CHECK(fitted.taxels[1].status == TaxelStatus::kUnfit);  // it has no model
+  // The model walks its own loop, output 0.25 + 2 (1 + x / 10), on the inputs that are named, or on 31 even ones.
+  const SensorModel walked = read([](DocumentJson& json) { json["taxels"][0].erase("loop"); });
+  CHECK(walked.taxels[0].ascending.x().size() == 3);
+  CHECK((walked.taxels[0].ascending(30) == Approx(8.25) && walked.taxels[0].descending(30) == Approx(8.25)));
+  const SensorModel even = read([](DocumentJson& json) { json.erase("loop_inputs"); });
+  CHECK(even.pressure_psi.size() == 31);
+  CHECK((even.pressure_psi[1] == Approx(2.0) && even.pressure_psi.back() == 60.0));
+  CHECK(even.taxels[0].ascending(60) == Approx(14.25));
+}
+
+TEST_CASE("what streaming takes of a model: its grid, patterns, noise and sign, of a whole array of ELAM alone") {
+  SensorModel fit = straight_fit();
+  fit.model = "elam";
+  fit.source = "run 5";
+  fit.falling = true;
+  fit.taxels[1].noise = 0.002;
+  const FrameSetup setup = frame_setup_of(fit, 0.25);
+  CHECK(setup.volts_per_count == 0.25);
+  CHECK(setup.pressure_psi == std::vector<double>{0.0, 60.0});
+  REQUIRE(setup.taxels.size() == 3);
+  CHECK((setup.taxels[0].usable && setup.taxels[1].usable && !setup.taxels[2].usable));
+  CHECK((setup.taxels[1].noise_v == 0.002 && setup.taxels[1].falling));
+  CHECK(setup.taxels[0].ascending_v == std::vector<double>{0.0, 3.0});
+  CHECK(setup.taxels[1].descending_v == std::vector<double>{0.0, 6.0});
+  CHECK(setup.taxels[0].residual_psi.empty());
+  const auto refused = [](SensorModel model) {
+    try {
+      (void)frame_setup_of(model, 1.0);
+    } catch (const AnalysisError& error) {
+      CHECK(error.id() == "TB-MODEL-COMPENSATOR");
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  SensorModel other = fit;
+  other.columns = 4;
+  CHECK(refused(other) == "elam of run 5 cannot compensate frames: it is not of a whole array");
+  other = fit;
+  const std::vector<double> x{0.0, 30.0, 60.0}, y{0.0, 3.0, 6.0};
+  other.taxels[1].ascending = PatternCurve(x, y, 0.0, 6.0);
+  CHECK(refused(other) == "elam of run 5 cannot compensate frames: its taxels do not share one grid");
+  other = fit;
+  other.taxels[1].fit.model = whole_document().taxels[0].fit.model;
+  CHECK(refused(other) == "elam of run 5 cannot compensate frames: only ELAM as in the paper is streamed");
+}
+
+TEST_CASE("models by their labels, and MODEL of the command line: a file's path, or a run that needs a store") {
+  SensorModel model = whole_document();
+  CHECK(label_of(model) == "monotone");
+  model.options.free_run = model.options.genetic = model.options.linearise = true;
+  model.options.memory = model.options.exact_outer = true;
+  model.options.splits = 2;
+  CHECK(label_of(model) == "monotone, free run, linearised, memory, exact outer, 2 splits");
+  model.model = "elam";
+  model.dynamics.emplace();
+  CHECK(label_of(model) == "elam, free run, genetic, memory, exact outer, 2 splits");
+  const tests::TemporaryFolder folder;
+  tests::write_file(folder.path("m.json"), to_text(whole_document()));
+  CHECK(load_model(folder.path("m.json"), nullptr).source == "run 3");
+  CHECK_THROWS_WITH(load_model("17", nullptr), "17 names a run, and no store is given");
+  CHECK_THROWS_WITH(load_model("17:3", nullptr), "17:3 names a run, and no store is given");
+  CHECK_THROWS_AS(load_model("17x", nullptr), AnalysisError);
+  CHECK_THROWS_WITH(load_model(folder.path("none.json"), nullptr), Catch::EndsWith("none.json cannot be read"));
+}
