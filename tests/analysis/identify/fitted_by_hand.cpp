@@ -1,8 +1,9 @@
 // Least squares without negative values, and single-valued curves by the means of neighbours: by hand.
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "analysis/identify/fit_data.h"
@@ -60,6 +61,34 @@ TEST_CASE("least squares without negative values by hand: what would be negative
   const std::vector<double> twins = least_squares({{1, 1}, {1, 1}}, {2, 2});
   CHECK(twins[0] + twins[1] == Approx(2.0));
   CHECK(std::min(twins[0], twins[1]) == 0.0);
+}
+
+TEST_CASE("least squares without negative values: no set of columns that are held at 0 gives less") {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  constexpr int kColumns = 5;
+  for (int problem = 0; problem < 60; ++problem) {
+    Eigen::MatrixXd a(7, kColumns);
+    Eigen::VectorXd y(7);
+    for (Eigen::Index i = 0; i < a.rows(); ++i) {
+      y[i] = normal(random) + 0.3;
+      for (Eigen::Index j = 0; j < kColumns; ++j) a(i, j) = normal(random) + (problem % 3 == 0 ? 1.0 : 0.0);
+    }
+    // Of each of 32 sets the plain least squares, where none of it is negative.
+    double least = y.squaredNorm();
+    for (unsigned set = 1; set < 1U << kColumns; ++set) {
+      std::vector<int> columns;
+      for (int j = 0; j < kColumns; ++j)
+        if ((set >> j & 1U) != 0) columns.push_back(j);
+      const Eigen::MatrixXd own = a(Eigen::all, columns);
+      const Eigen::VectorXd x = own.colPivHouseholderQr().solve(y);
+      if (x.minCoeff() >= 0.0) least = std::min(least, (own * x - y).squaredNorm());
+    }
+    const Eigen::VectorXd found = non_negative_least_squares(a.transpose() * a, a.transpose() * y);
+    INFO("problem " << problem);
+    CHECK(found.minCoeff() >= 0.0);
+    CHECK((a * found - y).squaredNorm() == Approx(least).epsilon(1e-9));
+  }
 }
 
 TEST_CASE("a single-valued curve by hand: near inputs are one knot, outputs that do not rise their weighted mean") {

@@ -209,7 +209,12 @@ TEST_CASE("creep by hand: slope over decades with its uncertainty, of the output
     volts.push_back(2.0 + 0.02 * (x.back() - x.front()) + (i == 0 ? 0.0 : i % 2 == 0 ? 0.001 : -0.001));
   }
   double sx = 0, sy = 0, sxx = 0, sxy = 0, rest = 0;
-  for (std::size_t i = 0; i < 24; ++i) sx += x[i], sy += volts[i], sxx += x[i] * x[i], sxy += x[i] * volts[i];
+  for (std::size_t i = 0; i < 24; ++i) {
+    sx += x[i];
+    sy += volts[i];
+    sxx += x[i] * x[i];
+    sxy += x[i] * volts[i];
+  }
   const double spread = sxx - sx * sx / 24, slope = (sxy - sx * sy / 24) / spread, at_zero = (sy - slope * sx) / 24;
   for (std::size_t i = 0; i < 24; ++i) rest += std::pow(volts[i] - at_zero - slope * x[i], 2);
   Repeat repeat = held_at(50, {3.0});

@@ -82,8 +82,9 @@ TEST_CASE("reference: one step of the converter that reads it is its volts times
 }
 
 TEST_CASE("reference: limits of the chain, the input's in volts, each with the word for what is missing") {
-  const ReferenceUncertainty all = reference_of(
-      R"("expanded_uncertainty_psi":0.1,"input_limit_v":0.005,"hysteresis_psi":0.2,"zero_psi":0.3,"temperature_psi":0.4)");
+  const ReferenceUncertainty all =
+      reference_of(R"("expanded_uncertainty_psi":0.1,"input_limit_v":0.005,"hysteresis_psi":0.2,)"
+                   R"("zero_psi":0.3,"temperature_psi":0.4)");
   CHECK(all.limit(ReferencePart::kVoltageInput).half_width_psi == Approx(0.1));  // 20 psi a volt
   CHECK(all.limit(ReferencePart::kHysteresis).half_width_psi == 0.2);
   CHECK(all.limit(ReferencePart::kZero).half_width_psi == 0.3);
