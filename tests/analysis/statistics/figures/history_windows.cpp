@@ -129,13 +129,13 @@ TEST_CASE(
 }
 
 TEST_CASE("dwell times of a history are its 5 and 95 % quantiles") {
-  std::vector<double> setpoints(20, 20.0), none(20, 0.0);
+  std::vector<double> setpoints(100, 20.0), none(100, 0.0);
   setpoints.front() = 0.0;
   const FrameErrors errors =
       frame_errors(dataset_of({way_along("a", setpoints, {none})}), straight_fit(), BranchesOf::kAll, 1);
-  const HistoryErrors pooled = pooled_of(errors);  // held for 1, 2, ... 20 s
-  CHECK(pooled.dwell_low_s == 2.0);
-  CHECK(pooled.dwell_high_s == 20.0);
+  const HistoryErrors pooled = pooled_of(errors);  // held for 1, 2, ... 100 s: 5 and 95 of them are shorter
+  CHECK(pooled.dwell_low_s == 6.0);
+  CHECK(pooled.dwell_high_s == 96.0);
 }
 
 TEST_CASE("corrections by hand: linear between levels, constant beyond them, of the direction asked for, none is 0") {
