@@ -106,7 +106,8 @@ void find_lag(const Dataset& data, const std::vector<double>& zero_v, const std:
   const std::vector<double> still = still_to_come(result.shared.lag_s);
   for (std::size_t t = 0; t < width; ++t) {
     result.lag_share[t] = result.shared.lag_share;
-    if (!usable[t]) continue;
+    // Where the array has none, neither has a taxel.
+    if (!usable[t] || result.shared.lag_share == 0.0) continue;
     const Share own = share_of(outputs[t], still);
     const double spread2 = std::pow(0.3 * result.shared.lag_share, 2);
     result.lag_share[t] = std::clamp(
