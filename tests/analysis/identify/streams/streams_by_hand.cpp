@@ -1,0 +1,293 @@
+// Streams of any model by hand, on a film of two intervals: dead bands, uncertainties, unknown starts, and residuals by
+// level.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "analysis/compensate/inverse_stream.h"
+#include "analysis/compensate/model_compensator.h"
+#include "analysis/identify/residuals.h"
+#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/models/monotone.h"
+#include "analysis/models/preisach.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// Up 0, 1, 3 at 0, 30, 60; down 3, 2, 0 at 60, 30, 0. From 2 at 45: down 1.5 at 30, 1 at 15, 0 at 0.
+std::shared_ptr<const PreisachModel> loop_film() {
+  return std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::vector<double>{1, 1, 1});
+}
+// 0 to 2 straight, both ways.
+std::shared_ptr<const PreisachModel> straight_film() {
+  return std::make_shared<PreisachModel>(0.0, 60.0, 0.0, std::vector<double>{1, 0, 1});
+}
+
+ModelTaxel streamed_taxel(std::shared_ptr<const HysteresisModel> film, double full_scale) {
+  ModelTaxel taxel;
+  taxel.status = TaxelStatus::kFitted;
+  taxel.fit.model = std::move(film);
+  taxel.fit.full_scale = full_scale;
+  const std::vector<double> x{0.0, 60.0}, y{0.0, full_scale};
+  taxel.ascending = taxel.descending = PatternCurve(x, y, 0.0, full_scale);
+  return taxel;
+}
+
+SensorModel model_of_taxels(const std::string& name, std::vector<ModelTaxel> taxels) {
+  SensorModel model;
+  model.model = name;
+  model.taxels = std::move(taxels);
+  return model;
+}
+
+History scored(const std::string& name, const std::vector<double>& outputs, double off) {
+  History history;
+  history.name = name;
+  for (const double y : outputs) {
+    history.x.push_back(30.0 * y + off);
+    history.y.push_back(y);
+  }
+  history.branches = branches_along(history.x);
+  return history;
+}
+
+}  // namespace
+
+TEST_CASE("stream by hand: behind the furthest output it reads the way back, and remembers it beyond the dead band") {
+  const auto film = loop_film();
+  for (const auto& [band, later] : {std::pair{1.25, 26.25}, {1.125, 30.0}}) {
+    CAPTURE(band);
+    InverseStream stream(*film, band);
+    CHECK(stream.step(0.5) == Approx(15.0));
+    CHECK(stream.step(2.0) == Approx(45.0));
+    CHECK(stream.step(1.9) == Approx(42.0));
+    CHECK(stream.reads(1.75) == Approx(37.5));
+    CHECK(stream.reads(2.5) == Approx(52.5));
+    CHECK(stream.step(2.0) == Approx(45.0));
+    // Back by a band and a quarter: up again from there it is 30 psi where that was a turn, else still the way down.
+    CHECK(stream.step(0.75) == Approx(11.25));
+    CHECK(stream.step(1.375) == Approx(later));
+    CHECK(stream.step(2.5) == Approx(52.5));
+    stream.reset();
+    CHECK(stream.step(1.5) == Approx(37.5));
+  }
+  CHECK_NOTHROW(InverseStream(*film, 0.0));
+  CHECK_THROWS_AS(InverseStream(*film, -0.001), std::invalid_argument);
+  CHECK_THROWS_AS(InverseStream(*film, HUGE_VAL), std::invalid_argument);
+  InverseStream stream(*film, 0.0);
+  CHECK_THROWS_AS(stream.step(std::nan("")), std::invalid_argument);
+}
+
+TEST_CASE("stream by hand: an unknown start lies midway until both ways are within a hundredth of the range") {
+  const auto film = loop_film();
+  InverseStream stream(*film, 0.01);
+  stream.reset_unknown();
+  CHECK(stream.step(1.0) == Approx(22.5));  // 30 rising, 15 falling from the top
+  CHECK(stream.reads(1.0) == Approx(22.5));
+  // Both fall to 15 psi a volt at 15 and below, where 0.6 psi apart are one: of 0.041 V 1.23 and 0.615 psi are not, of
+  // 0.039 V 1.17 and 0.585 psi are.
+  stream.reset_unknown();
+  CHECK(stream.step(0.041) == Approx(0.5 * (1.23 + 0.615)));
+  // Up again the one that rose comes to 1 V at 30 psi, the one that fell turned at 0.615 psi: 28.77 psi further on.
+  CHECK(stream.reads(1.0) == Approx(0.5 * (30.0 + 0.615 + 28.77)));
+  stream.reset_unknown();
+  CHECK(stream.step(0.039) == Approx(0.5 * (1.17 + 0.585)));
+  CHECK(stream.step(1.0) == Approx(30.0));
+  stream.reset_unknown();
+  CHECK(stream.step(3.0) == Approx(60.0));
+  CHECK(stream.step(2.0) == Approx(30.0));
+}
+
+TEST_CASE("compensation by hand: the uncertainty is the wider of both sides, flat and out of range at their limits") {
+  const auto film = loop_film();
+  CompensatorOptions options;
+  options.noise_v = 0.01;
+  // Four noises are 40 mV: at 45 psi going up 0.6 psi ahead, 1.2 psi back.
+  for (const auto& [flat_psi, flat] : {std::pair{1.15, true}, {1.25, false}}) {
+    options.flat_psi = flat_psi;
+    ModelCompensator compensator(*film, {0.0, 3.0, 0.25}, options);
+    const Compensated now = compensator.step(2.0);
+    CHECK(now.pressure_psi == Approx(45.0));
+    CHECK(now.uncertainty_psi == Approx(0.3));
+    CHECK(now.flat == flat);
+    CHECK_FALSE(now.out_of_range);
+    CHECK_FALSE(now.unknown);
+  }
+  options.noise_v = 0.0;
+  ModelCompensator quiet(*film, {0.0, 3.0, 0.25}, options);
+  CHECK(quiet.step(2.0).uncertainty_psi == 0.0);
+  for (const auto& [output, out] : {std::pair{3.25, false}, {3.3125, true}, {-0.25, false}, {-0.3125, true}}) {
+    CAPTURE(output);
+    CHECK(quiet.step(output).out_of_range == out);
+  }
+  quiet.reset();
+  CHECK(quiet.step(1.0).pressure_psi == Approx(30.0));
+}
+
+TEST_CASE("recording by hand: at rest within six noises and a hundredth of the span, of adjusted outputs") {
+  ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
+  taxel.loop_low = 0.1;
+  taxel.zero = 0.5;
+  taxel.gain = 2.0;
+  const SensorModel none = model_of_taxels("preisach", {});
+  const auto rests = [&](double noise, double noisier, double above) {
+    taxel.noise = noise;
+    return RecordingStream(none, taxel, noisier).at_rest(0.5 + 2.0 * (0.1 + above));
+  };
+  CHECK(rests(0.0, 1.0, 0.0299));
+  CHECK_FALSE(rests(0.0, 1.0, 0.0301));
+  CHECK(rests(0.02, 1.0, 0.0599));
+  CHECK_FALSE(rests(0.02, 1.0, 0.0601));
+  CHECK(rests(0.02, 2.0, 0.1199));
+  CHECK_FALSE(rests(0.02, 2.0, 0.1201));
+  CHECK(rests(0.0, 1.0, -1.0));
+}
+
+TEST_CASE("recording by hand: direction changes beyond six noises, an unknown start has half the distance as doubt") {
+  ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
+  taxel.noise = 0.0625;  // a dead band of 0.375
+  const SensorModel none = model_of_taxels("preisach", {});
+  RecordingStream stream(none, taxel);
+  const auto rises = [&](double output) {
+    (void)stream.step(output);
+    return stream.ascending();
+  };
+  for (int round = 0; round < 2; ++round, stream.reset()) {
+    CHECK(rises(0.5));
+    CHECK(rises(2.0));
+    CHECK(rises(1.625));
+    CHECK_FALSE(rises(1.5));
+    CHECK_FALSE(rises(1.875));
+    CHECK_FALSE(rises(1.25));
+    CHECK_FALSE(rises(1.625));
+    CHECK(rises(1.6875));
+    CHECK_FALSE(rises(0.5));
+  }
+  taxel.noise = 0.0;
+  taxel.residual_psi = 2.0;  // everywhere, of a straight loop
+  RecordingStream quiet(none, taxel);
+  quiet.reset_unknown();
+  Compensated now = quiet.step(1.0);
+  CHECK(now.unknown);
+  CHECK(now.pressure_psi == Approx(22.5));
+  CHECK(now.uncertainty_psi == Approx(std::hypot(7.5, 2.0)));
+  now = quiet.step(3.0);
+  CHECK_FALSE(now.unknown);
+  CHECK(now.pressure_psi == Approx(60.0));
+  CHECK(now.uncertainty_psi == Approx(2.0));
+  now = quiet.step(2.0);
+  CHECK_FALSE(now.unknown);
+  CHECK(now.pressure_psi == Approx(30.0));
+  quiet.reset();
+  CHECK(quiet.step(1.0).pressure_psi == Approx(30.0));
+}
+
+TEST_CASE("residual by level: mean slope over the branch's own, at most 12 and at least a half") {
+  ModelTaxel taxel = streamed_taxel(loop_film(), 3.0);
+  CHECK(residual_by_level(taxel).empty());
+  taxel.residual_psi = 0.2;
+  // Rising 1/10 V each 3 psi and then 2/10, falling the other way round; the mean is 3/20.
+  const std::vector<double> x{0, 30, 60};
+  taxel.ascending = PatternCurve(x, std::vector<double>{0, 1, 3}, 0.0, 3.0);
+  taxel.descending = PatternCurve(x, std::vector<double>{0, 2, 3}, 0.0, 3.0);
+  std::vector<double> psi = residual_by_level(taxel);
+  REQUIRE(psi.size() == 40);
+  for (std::size_t k = 0; k < 40; ++k) {
+    CAPTURE(k);
+    CHECK(psi[k] == Approx(k < 10 || k >= 30 ? 0.3 : 0.15));
+  }
+  // A twentieth of the mean slope counts as a twelfth, a tenth as what it is; 6.7 times the mean as twice it.
+  taxel.residual_psi = 1.0;
+  taxel.ascending = PatternCurve(x, std::vector<double>{0, 0.075, 3}, 0.0, 3.0);
+  taxel.descending = PatternCurve(x, std::vector<double>{0, 0.15, 3}, 0.0, 3.0);
+  psi = residual_by_level(taxel);
+  CHECK(psi[0] == Approx(12.0));
+  CHECK(psi[9] == Approx(12.0));
+  CHECK(psi[10] == Approx(0.15 / 0.2925));
+  CHECK(psi[20] == Approx(10.0));
+  CHECK(psi[30] == Approx(0.15 / 0.285));
+  taxel.ascending = PatternCurve(std::vector<double>{0, 3, 60}, std::vector<double>{0, 1, 3}, 0.0, 3.0);
+  psi = residual_by_level(taxel);
+  CHECK(psi[0] == 0.5);
+  CHECK(psi[1] == Approx(0.15 / (2.0 / 19.0)));
+}
+
+TEST_CASE("residual by hand: twice what a Preisach stream leaves, of a run the last repeat of each sequence") {
+  const std::vector<double> way{0, 0.5, 1, 1.5, 2, 1.5, 1, 0.5, 0};
+  Histories histories;
+  TaxelHistories own;
+  own.score = {scored("a", way, 9.0), scored("a", way, 0.5), scored("b", way, 1.0)};
+  histories.taxels = {own, own, own};
+  histories.taxels[2].score.clear();
+  ModelTaxel unfit = streamed_taxel(straight_film(), 2.0);
+  unfit.status = TaxelStatus::kUnfit;
+  const auto residual = [&](std::int64_t run, const std::vector<std::string>& sequences) {
+    histories.run = run;
+    SensorModel model = model_of_taxels(
+        "preisach", {streamed_taxel(straight_film(), 2.0), unfit, streamed_taxel(straight_film(), 2.0)});
+    find_residuals(histories, sequences, 1, model);
+    CHECK(model.taxels[1].residual_psi == 0.0);
+    CHECK(model.taxels[2].residual_psi == 0.0);
+    return model.taxels[0].residual_psi;
+  };
+  CHECK(residual(4, {}) == Approx(2.0 * std::sqrt((0.25 + 1.0) / 2.0)));
+  CHECK(residual(4, {"a"}) == Approx(1.0));
+  CHECK(residual(4, {"b"}) == Approx(2.0));
+  // Of a table all of them.
+  CHECK(residual(0, {}) == Approx(2.0 * std::sqrt((81.0 + 0.25 + 1.0) / 3.0)));
+}
+
+TEST_CASE("residual by hand: of other models the opinion of Preisach's on random reversals is added, of all taxels") {
+  const std::vector<double> x{0, 60}, y{0, 2};
+  const auto straight = std::make_shared<MonotoneModel>(PatternCurve(x, y, 0.0, 2.0));
+  const std::vector<double> way{0, 0.5, 1, 1.5, 2, 1.5, 1, 0.5, 0};
+  // At each of the 15 intervals' ends, so that no loop fits as well as a straight line.
+  std::vector<double> fine;
+  for (int i = -15; i <= 15; ++i) fine.push_back((15 - std::abs(i)) * 2.0 / 15.0);
+  // Measured `off` psi beside the model; the film that Preisach is fitted to has nine tenths of the output.
+  const auto residuals = [&](const std::vector<double>& offs, double film, const std::vector<int>& numbers) {
+    Histories histories;
+    SensorModel model = model_of_taxels("monotone", {});
+    for (std::size_t t = 0; t < offs.size(); ++t) {
+      TaxelHistories own;
+      own.taxel = numbers[t];
+      own.score = {scored("a", way, offs[t])};
+      own.fit = {scored("a", fine, 0.0)};
+      for (double& output : own.fit[0].y) output *= film;
+      histories.taxels.push_back(own);
+      model.taxels.push_back(streamed_taxel(straight, 2.0));
+      model.taxels.back().taxel = numbers[t];
+    }
+    find_residuals(histories, {}, 1, model);
+    std::vector<double> squares;
+    for (const ModelTaxel& taxel : model.taxels) squares.push_back(taxel.residual_psi * taxel.residual_psi);
+    return squares;
+  };
+  CHECK(residuals({0.5}, 1.0, {0})[0] == Approx(4.0 * 0.25).epsilon(0.05));
+  // An error of a tenth of each input on the way: as one number, whatever the fitted samples leave.
+  const double opinion = residuals({0.5}, 0.9, {0})[0] - 4.0 * 0.25;
+  CHECK((opinion > 0.01 * 20.0 * 20.0 && opinion < 0.01 * 50.0 * 50.0));
+  CHECK(residuals({2.0}, 0.9, {0})[0] == Approx(4.0 * 4.0 + opinion).epsilon(1e-9));
+  CHECK(residuals({0.5}, 0.8, {0})[0] == Approx(1.0 + 4.0 * opinion).epsilon(0.05));
+  // The opinions' sum over the fits' sum is the array's.
+  const std::vector<double> two = residuals({0.5, 1.0}, 0.9, {0, 1});
+  const double more = 2.0 * opinion / (0.25 + 1.0);
+  CHECK(two[0] == Approx(0.25 * (4.0 + more)).epsilon(1e-9));
+  CHECK(two[1] == Approx(1.0 * (4.0 + more)).epsilon(1e-9));
+  // The mean taxel has no opinion beside others', but the same ratio.
+  const std::vector<double> with_mean = residuals({0.5, 1.0}, 0.9, {0, kMeanTaxel});
+  CHECK(with_mean[0] == Approx(0.25 * 4.0 + opinion).epsilon(1e-9));
+  CHECK(with_mean[1] == Approx(1.0 * (4.0 + opinion / 0.25)).epsilon(1e-9));
+  // Of more than 32 taxels every second or third is asked: here of the even ones, which err by 0.5.
+  std::vector<double> many;
+  std::vector<int> numbers;
+  for (int t = 0; t < 34; ++t) {
+    many.push_back(t % 2 == 0 ? 0.5 : 4.0);
+    numbers.push_back(t);
+  }
+  const std::vector<double> asked = residuals(many, 0.9, numbers);
+  CHECK(asked[0] == Approx(0.25 * (4.0 + opinion / 0.25)).epsilon(1e-9));
+  CHECK(asked[1] == Approx(16.0 * (4.0 + opinion / 0.25)).epsilon(1e-9));
+}
