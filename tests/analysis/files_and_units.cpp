@@ -47,7 +47,7 @@ TEST_CASE("pressures in sentences keep two significant digits from hundredths on
   CHECK(kpa.both_in_text("from 1 to 2 psi and 3 psi") == "from 6.895 to 13.79 kPa (1 to 2 psi) and 20.68 kPa (3 psi)");
 }
 
-TEST_CASE("work counts its pieces; work within it counts for nothing of its own") {
+TEST_CASE("work counts its pieces, work within it counts for nothing of its own") {
   const WorkNow before = work_now();
   {
     Work outer(5);

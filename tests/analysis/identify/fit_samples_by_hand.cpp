@@ -146,7 +146,7 @@ TEST_CASE("figures of a fit by hand: sum of squares, mean and largest error of a
   }
 }
 
-TEST_CASE("the validity box by hand: inputs, holds, rates between samples, temperatures; its ends are within it") {
+TEST_CASE("the validity box by hand: inputs, holds, rates between samples, temperatures, its ends are within it") {
   const Range range{1.0, 3.0};
   for (const double in : {0.5, 1.0, 3.0, 3.5}) CHECK(range.contains(in, 0.5));
   for (const double out : {0.49, 3.51}) CHECK_FALSE(range.contains(out, 0.5));

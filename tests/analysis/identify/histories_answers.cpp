@@ -127,7 +127,7 @@ TEST_CASE("the loop of a mean by hand: of each taxel's own loop, where they have
 }
 
 TEST_CASE(
-    "histories by name: in the order asked for, all of a name; those there are, each once, where one is missing") {
+    "histories by name: in the order asked for, all of a name, those there are, each once, where one is missing") {
   const std::vector<History> histories{
       {"a", {1}, {}, {}, {}, {}}, {"b", {2}, {}, {}, {}, {}}, {"a", {3}, {}, {}, {}, {}}};
   const auto inputs = [&](const std::vector<std::string>& names) {

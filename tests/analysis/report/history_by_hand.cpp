@@ -65,7 +65,7 @@ TEST_CASE("a run's surroundings by hand: lowest, highest and number of readings 
   CHECK(history.events.empty());
 }
 
-TEST_CASE("a run's branches by hand: void ones with sequence, repeat, branch and attempt; those of force press") {
+TEST_CASE("a run's branches by hand: void ones with sequence, repeat, branch and attempt, those of force press") {
   StoredRun run;
   run.record.sequences = {{0, "up", "", "", 1, 1}, {1, "down", "", "", 1, 1}};
   db::BranchRecord good, broken, lost;

@@ -170,7 +170,7 @@ TEST_CASE("lag: outputs that are the same at both rates have none", "[dynamic]")
   for (const double share : found.lag_share) CHECK(share == Approx(0.0).margin(1e-9));
 }
 
-TEST_CASE("lag: a taxel's share is drawn toward the array's by its doubt; one left out has the array's", "[dynamic]") {
+TEST_CASE("lag: a taxel's share is drawn toward the array's by its doubt, one left out has the array's", "[dynamic]") {
   Dynamics d;
   d.lag_s = lag_time(24);
   const std::vector<WalkedTaxel> taxels = {{0.0, 0.1, 1.0, 0.04}, {0.0, 0.1, 1.0, 0.08}, {0.0, 0.1, 1.0, 0.2}};

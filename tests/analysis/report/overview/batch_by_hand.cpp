@@ -87,7 +87,7 @@ TEST_CASE("a batch by hand: yield of the sensors with limits, verdicts counted, 
   CHECK(batch_rows(runs) == std::vector<std::size_t>{1});
 }
 
-TEST_CASE("a batch by hand: ranks by verdict, then error, without models by hysteresis; outliers are marked") {
+TEST_CASE("a batch by hand: ranks by verdict, then error, without models by hysteresis, outliers are marked") {
   std::vector<ReportInput> runs = batch_of({0.3, 0.2, 0.4, 0.25, 9.0});
   runs[0].verdicts[0].verdict = "fail";
   runs.push_back(batched(6, 0.0, "pass"));

@@ -101,7 +101,7 @@ TEST_CASE("deviations by hand: each kind of event counted, flags, checks, also w
   check_none(method_part(input).value, "<caption>Deviations from the method</caption>");
 }
 
-TEST_CASE("forty void branches and events are printed; of more the number is told") {
+TEST_CASE("forty void branches and events are printed, of more the number is told") {
   ReportInput input = carried_out();
   input.history.voids.assign(40, {"up", 0, 0, 0, "broke"});
   input.history.events.assign(40, {1.0, "pause", ""});

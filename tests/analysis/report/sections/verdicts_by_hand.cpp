@@ -79,7 +79,7 @@ TEST_CASE(
   CHECK(judged_limit(judged_row("any", 0.0, 0.01554, "FS"), kJudgedIn).value == "1.55\u00A0%\u00A0FS");
 }
 
-TEST_CASE("a judged value with U by hand: in its unit, per cent of full scale, plain numbers; without U the value") {
+TEST_CASE("a judged value with U by hand: in its unit, per cent of full scale, plain numbers, without U the value") {
   CHECK(whole_of(1.23456, "psi", 0.0996) == "1.23 ± 0.10\u00A0psi (8.51 ± 0.69\u00A0kPa)");
   CHECK(whole_of(0.0123462, "FS", 0.00123) == "1.23\u00A0%\u00A0FS ± 0.12");
   CHECK(whole_of(3.0, "taxels", 0.5) == "3 taxels ± 0.50");

@@ -73,7 +73,7 @@ TEST_CASE("scatter of a level that not every sweep passes: that of the levels th
   CHECK(forty.run == 2);
 }
 
-TEST_CASE("scatter of one sweep judged is that of the models' run, whole; without two sweeps there nothing is known") {
+TEST_CASE("scatter of one sweep judged is that of the models' run, whole, without two sweeps there nothing is known") {
   const Dataset one = dataset_of({{"a", {apart_by(kWhole, {0, 0, 3, 0, 0, 0, 0})}}});
   const Dataset two =
       dataset_of({{"a", {apart_by(kWhole, {0, 0, 2, 0, 0, 0, 0}), apart_by(kWhole, {0, 0, 4, 0, 0, 0, 0})}}});

@@ -113,16 +113,18 @@ TEST_CASE("the chamber by hand: drift and noise of holds of four frames and more
 
 TEST_CASE("the chamber by hand: the lag behind a ramp, up and down, without its first polls and the level itself") {
   using Points = std::vector<db::TracePoint>;
-  // Seconds before the frame, set-point, feedback, reference. Up by 10 psi/s: 1.5 psi behind are 0.15 s.
+  // Seconds before the frame, set-point, feedback, reference.
+  // Up by 10 psi/s: 1.5 and 2.5 psi behind are 0.15 and 0.25 s.
   const Points up{{0.6F, 4, 0, 0},    {0.5F, 5, 0, 0},    {0.4F, 6, 0, 0}, {0.3F, 7, 0, 0},
-                  {0.2F, 8, 0, 6.5F}, {0.1F, 9, 0, 7.5F}, {0.0F, 10, 0, 0}};
+                  {0.2F, 8, 0, 6.5F}, {0.1F, 9, 0, 6.5F}, {0.0F, 10, 0, 0}};
   CHECK(chamber_of_holds({{0, 0, {0}, 0, 0, {}}, {0, 10, {10}, 0, 0, up}}).at("ramp_lag_s") ==
-        Approx(0.15).epsilon(1e-5));
-  // Down by 20 psi/s, 1 psi above: 0.05 s. A poll at the same set-point, and one at the same time, tell nothing.
+        Approx(0.2).epsilon(1e-5));
+  // Down by 20 psi/s, 1 and 3 psi above: 0.05 and 0.15 s.
+  // A poll at the same set-point, and one at the same time, tell nothing.
   const Points down{{0.6F, 50, 0, 0},  {0.6F, 50, 0, 0},  {0.6F, 50, 0, 0},  {0.6F, 50, 0, 0},
-                    {0.5F, 48, 0, 49}, {0.4F, 48, 0, 40}, {0.4F, 46, 0, 40}, {0.3F, 44, 0, 45}};
+                    {0.5F, 48, 0, 49}, {0.4F, 48, 0, 40}, {0.4F, 46, 0, 40}, {0.3F, 44, 0, 47}};
   const std::map<std::string, double> f = chamber_of_holds({{0, 60, {60}, 0, 0, {}}, {0, 40, {40}, 0, 0, down}});
-  CHECK(f.at("ramp_lag_s") == Approx(0.05).epsilon(1e-5));
+  CHECK(f.at("ramp_lag_s") == Approx(0.1).epsilon(1e-5));
   CHECK(chamber_of_holds({{0, 60, {60}, 0, 0, up}}).count("ramp_lag_s") == 0);  // the first: no way to it
 }
 

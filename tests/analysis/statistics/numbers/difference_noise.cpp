@@ -62,7 +62,7 @@ TEST_CASE("difference noise by hand: orders up to the sixth, of alternate sample
 }
 
 TEST_CASE(
-    "difference noise by hand: with inputs, differences are divided where that is less; equal inputs are passed") {
+    "difference noise by hand: with inputs, differences are divided where that is less, equal inputs are passed") {
   CHECK(placed_noise({0, 1, 3, 7}, {0, 1, 3, 7}) == Approx(0.0).margin(1e-12));
   CHECK(noise_of({0, 1, 3, 7}) == Approx(as_noise(2.0 / std::sqrt(6.0))));  // 1 and 2; the third order is one, 1
   CHECK(placed_noise({0, 0, 1, 3, 7}, {5, 0, 1, 3, 7}) == Approx(0.0).margin(1e-12));

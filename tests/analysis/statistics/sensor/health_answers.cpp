@@ -155,7 +155,7 @@ TEST_CASE("swapped lines: they fit better by 0.2, in rows and in columns, from e
 }
 
 TEST_CASE(
-    "swapped lines: each is the other's best place, three that went round are no pair; eight that tell are enough") {
+    "swapped lines: each is the other's best place, three that went round are no pair, eight that tell are enough") {
   const std::vector<double> before = two_lines(two_lines(kHalf, kQuarter), kEighth);
   CHECK(swapped_lines(3, 8, two_lines(two_lines(kQuarter, kEighth), kHalf), before).empty());
   const auto last = swapped_lines(3, 8, two_lines(two_lines(kHalf, kEighth), kQuarter), before);

@@ -173,7 +173,7 @@ TEST_CASE("lines against the last seating: an edge is outside below 50 % of it, 
   CHECK(found({}).kinds.empty());
 }
 
-TEST_CASE("lines: taxels known to be dead, and those in open lines across, say nothing; a quarter has to be left") {
+TEST_CASE("lines: taxels known to be dead, and those in open lines across, say nothing, a quarter has to be left") {
   std::vector<double> all(10, 1.0);
   all[4] = 0.0;
   SeatingTaxels taxels = lines_answering(all, true);

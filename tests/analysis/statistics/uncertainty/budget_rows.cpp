@@ -272,7 +272,7 @@ TEST_CASE("U of the array by hand: common parts whole, own parts over the number
   CHECK_THROWS_AS(assess_uncertainty(made.calibration, none, {}, {}, 1), AnalysisError);
 }
 
-TEST_CASE("U of a column of taxels: its centre moves along it; the median is the lower of two, the worst the other") {
+TEST_CASE("U of a column of taxels: its centre moves along it, the median is the lower of two, the worst the other") {
   StraightBudget made = exact_budget(2);
   made.calibration.rows = made.fit.rows = 3;
   made.calibration.columns = made.fit.columns = 1;
