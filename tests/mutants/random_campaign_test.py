@@ -178,7 +178,7 @@ def check_fleet(folder):
 
 
 def build_folder(folder):
-    """A build folder that knows one group of two sources of the room db."""
+    """A build folder that knows one group of two sources of the room db, and a module, which is not the room's."""
     (folder / "db").mkdir()
     (folder / "build").mkdir()
     for name in ("one", "two"):
@@ -186,9 +186,13 @@ def build_folder(folder):
     (folder / "build" / "group.cpp").write_text('#include "db/one.cpp"\n#include "db/two.cpp"\n')
     (folder / "build" / "CMakeCache.txt").write_text(
         f"CMAKE_HOME_DIRECTORY:INTERNAL={folder}\nCMAKE_GENERATOR:INTERNAL=Ninja\n")
-    command = f"/usr/bin/c++ -I{folder} -O3 -g -std=c++20 -Werror -o group.o -c {folder}/build/group.cpp"
-    (folder / "build" / "compile_commands.json").write_text(json.dumps(
-        [{"directory": f"{folder}/build", "file": f"{folder}/build/group.cpp", "command": command}]))
+    (folder / "db" / "module.cpp").write_text(SOURCE)
+    commands = []
+    for target, source in (("tactbench_db", "build/group.cpp"), ("tactbench_module", "db/module.cpp")):
+        out = f"CMakeFiles/{target}.dir/group.o"
+        commands.append({"directory": f"{folder}/build", "file": f"{folder}/{source}",
+                         "command": f"/usr/bin/c++ -I{folder} -O3 -g -std=c++20 -Werror -o {out} -c {folder}/{source}"})
+    (folder / "build" / "compile_commands.json").write_text(json.dumps(commands))
     return build_tree.BuildTree(folder / "build")
 
 
@@ -197,7 +201,7 @@ def check_draw(tree):
     assert tree.sources("db") == ["db/one.cpp", "db/two.cpp"]
     recipe = tree.recipes["db/one.cpp"]
     assert recipe.unit == ("db/one.cpp", "db/two.cpp")
-    assert not {"-O3", "-g", "-Werror", "-o", "group.o"} & set(recipe.words), recipe.words
+    assert not {"-O3", "-g", "-Werror", "-o", "CMakeFiles/tactbench_db.dir/group.o"} & set(recipe.words), recipe.words
     def ids(seed):
         return [c.id for c in random_campaign.drawn(tree, JUDGE, "db", seed)]
     assert ids(1) == ids(1)

@@ -75,40 +75,6 @@ TEST_CASE("the mean taxel by hand: outputs, noise and turn of those that can be 
   CHECK_THROWS_AS(finish(none), AnalysisError);
 }
 
-TEST_CASE("outputs are negated when the usable ones together fall, whatever one of them does") {
-  Histories histories = of_three();
-  for (double& y : histories.taxels[0].fit[0].y) y = -y;  // falls by 4, the other rises by 6
-  histories.taxels[2].fit[0].y = {0, -90, -900, -90, 0};  // does not count
-  finish(histories);
-  CHECK_FALSE(histories.falling);
-  CHECK(histories.taxels[0].fit[0].y[2] == -4.0);
-  Histories falling = of_three();
-  for (double& y : falling.taxels[1].fit[0].y) y = -y;
-  finish(falling);
-  CHECK(falling.falling);
-  CHECK((falling.taxels[0].fit[0].y[2] == -4.0 && falling.taxels[1].fit[0].y[2] == 8.0));
-  CHECK((falling.taxels[1].score[0].y[2] == -8.0 && falling.taxels.back().fit[0].y[2] == 2.0));
-}
-
-TEST_CASE("patterns by hand: ends meet half way between up and down, without a loop the ends' means by a line") {
-  const FitData loop = fit_data_of(of_history(0, kWayUpAndDown, {0, 1, 4, 3, 1}), {});
-  CHECK(loop.no_loop.empty());
-  CHECK((loop.ascending(0) == 0.5 && loop.descending(0) == 0.5));
-  CHECK((loop.ascending(50) == 1.0 && loop.descending(50) == 3.0 && loop.ascending(100) == 4.0));
-  // One way up: within 1 % of the span 0 and 0.9 at its begin, 99.1 and 100 at its end.
-  const FitData ends = fit_data_of(of_history(0, {0, 0.9, 1.1, 50, 98.9, 99.1, 100}, {1, 3, 50, 60, 70, 20, 24}), {});
-  CHECK_FALSE(ends.no_loop.empty());
-  CHECK((ends.ascending(0) == 2.0 && ends.ascending(100) == 22.0 && ends.descending(50) == 12.0));
-  CHECK((ends.ascending.x().size() == 2 && ends.ascending.x()[1] == 100.0));
-  try {
-    (void)fit_data_of(of_history(0, kWayUpAndDown, {4, 3, 2, 3, 4}), {});
-    FAIL_CHECK("accepted");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-ANALYSIS-FALLING");
-    CHECK(std::string(error.what()) == "the output goes from 4 to 2 where the input rises");
-  }
-}
-
 TEST_CASE("the loop of a mean by hand: of each taxel's own loop, where they have the same inputs") {
   const Histories histories = of_three();
   const auto mean = mean_fit_data(histories, {0, 1}, {});

@@ -1,11 +1,10 @@
-// How far a taxel's own lag is trusted, and what a dynamic compensator takes of a sensor's model: by hand.
-#include <algorithm>
+// What a dynamic compensator takes of a sensor's model, and what of lag and creep a model undoes: by hand.
+#include <array>
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <memory>
 
 #include "analysis/error.h"
-#include "analysis/identify/dynamic/dynamics_search.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/dynamic_setup_of.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
@@ -53,47 +52,6 @@ std::string refused_setup(const SensorModel& model) {
 
 }  // namespace
 
-TEST_CASE("lag: a taxel's own share is drawn toward the array's by its doubt, against a spread of 30 %", "[dynamic]") {
-  double lag_s = 0.1;
-  for (int i = 0; i < 24; ++i) lag_s *= 1.1;
-  const std::vector<double> levels{0, 10, 20, 30, 20, 10, 0};
-  // 1 V a psi with 10 % late, and 0.05 V a psi with 4 %: of both together 0.102 of 1.05.
-  Dataset data;
-  data.rows = 1;
-  data.columns = 2;
-  SequenceData sequence{"rate", {}};
-  double late = 0.0, now = 0.0;
-  std::vector<double> fast, slow;  // what is still to come, psi
-  for (const double dwell : {1.0, 40.0}) {
-    Repeat repeat;
-    for (const double psi : levels) {
-      now += dwell;
-      late = psi + (late - psi) * std::exp(-dwell / lag_s);
-      (dwell < 2.0 ? fast : slow).push_back(late - psi);
-      repeat.steps.push_back({psi, psi, now, dwell});
-      repeat.volts.push_back(psi + 0.10 * (late - psi));
-      repeat.volts.push_back(0.05 * (psi + 0.04 * (late - psi)));
-    }
-    sequence.repeats.push_back(repeat);
-  }
-  // The second taxel's fast samples at the first two steps err, so that its share stays as it is: e1 x1 + e2 x2 = 0.
-  const auto x = [&](std::size_t i) { return 0.05 * (fast[i] - slow[i]); };
-  constexpr double kErr = 0.05;
-  sequence.repeats[0].volts[2 * 1 + 1] += kErr * x(2);
-  sequence.repeats[0].volts[2 * 2 + 1] -= kErr * x(1);
-  data.sequences = {sequence};
-  double squares = 0.0;
-  for (const std::size_t i : {1U, 2U, 4U, 5U}) squares += x(i) * x(i);
-  const double doubt2 = kErr * kErr * (x(1) * x(1) + x(2) * x(2)) / 4.0 / squares;
-  const double array = 0.102 / 1.05, spread2 = 0.09 * array * array;
-  const ArrayDynamics found = find_dynamics(&data, nullptr, {0.0, 0.0}, {true, true});
-  CHECK(found.shared.lag_s == Approx(lag_s));
-  CHECK(found.shared.lag_share == Approx(array));
-  CHECK(found.lag_share[0] == Approx(0.10));
-  CHECK(found.lag_share[1] == Approx(array + (0.04 - array) * spread2 / (spread2 + doubt2)));
-  CHECK(found.lag_share[1] > 0.05);
-}
-
 TEST_CASE("a dynamic compensator's setup by hand: Everett's table, divider and noise of an adjusted taxel",
           "[dynamic]") {
   SensorModel model = of_films({film_taxel(0, 0.125, 0.0), ModelTaxel(), film_taxel(2, 0.0, 0.75)});
@@ -137,4 +95,19 @@ TEST_CASE("a dynamic compensator is refused where the models do not carry it, ea
   CHECK(refused_setup(of_films({film_taxel(0, 0.01, 0.5)})) ==
         "taxel 0: its divider does not count from the unloaded output");
   CHECK(refused_setup(of_films({film_taxel(0, 0.0, 0.5)})).empty());
+}
+
+TEST_CASE("what of lag and creep a dynamic model undoes", "[dynamic]") {
+  const auto with = [](std::array<double, 3> creep, double lag) {
+    SensorDynamics dynamics;
+    dynamics.shared.creep_share = creep;
+    dynamics.shared.lag_share = lag;
+    return std::string(undoes_creep(dynamics) ? "c" : "-") + (undoes_lag(dynamics) ? "l" : "-") +
+           (in_time(dynamics) ? "t" : "-") + (creep_of_fitted_run(dynamics) ? "o" : "-");
+  };
+  CHECK(with({0, 0, 0}, 0) == "----");
+  CHECK(with({0, 0, 0}, 0.1) == "-lt-");
+  CHECK(with({0, 0, 0.1}, 0) == "c-t-");
+  CHECK(with({0.1, 0.1, 0.1}, 0) == "c-to");
+  CHECK(with({0.1, 0.1, 0.2}, 0.1) == "clt-");
 }

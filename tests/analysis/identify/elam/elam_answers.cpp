@@ -1,4 +1,4 @@
-// Pieces of identification by hand: turning points, scores, bounds, parameters by direction, crossings of minor loops.
+// Pieces of identification by hand: parameters by direction, samples at one place, crossings of minor loops.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -14,10 +14,10 @@ using namespace tactbench::analysis;
 namespace {
 
 // A straight line from (0, 0.5) to (60, 6.5) whose inner curves are that line, too.
-ElamModel line_model(const ElamParameters& parameters = {}) {
+ElamModel line_model() {
   const std::vector<double> ends{0.0, 60.0}, volts{0.5, 6.5};
   const PatternCurve line(ends, volts, 0.5, 6.5);
-  return {line, line, parameters, {}};
+  return {line, line, {}, {}};
 }
 
 // Up to each of three turns and down again, then a way up from 20 psi; `drop`: what the ways down lose to 20 psi,
@@ -37,58 +37,6 @@ FitData crossing_loops(const std::vector<double>& drop, const std::vector<double
 }
 
 }  // namespace
-
-TEST_CASE("turning points by hand: within 1 % of the range a branch begins at the loop's end") {
-  const ElamModel model = line_model();
-  const auto turn = [&](bool ascending, double x) {
-    const TurningPoint found = turning_point(model, {ascending, {x, 30}, {7, 3}});
-    return std::pair(found.x, found.y);
-  };
-  CHECK(turn(true, 0.59) == std::pair(0.0, 0.5));
-  CHECK(turn(true, 0.61) == std::pair(0.61, 7.0));
-  CHECK(turn(true, -3.0) == std::pair(0.0, 0.5));
-  CHECK(turn(false, 59.41) == std::pair(60.0, 6.5));
-  CHECK(turn(false, 59.39) == std::pair(59.39, 7.0));
-  CHECK(turn(false, 0.3) == std::pair(0.3, 7.0));
-  CHECK(turn(true, 59.9) == std::pair(59.9, 7.0));
-}
-
-TEST_CASE("a score of ELAM by hand: squares, mean and largest of all samples but each branch's first") {
-  const std::vector<TaxelBranch> branches{{false, {60, 40, 20}, {9, 4.6, 2.3}}, {true, {0, 30, 60}, {9, 3.8, 6.5}}};
-  const ElamFit fit = scored(line_model(), branches);  // the line reads 4.5, 2.5 and 3.5, 6.5
-  CHECK(fit.j_v2 == Approx(0.01 + 0.04 + 0.09));
-  CHECK(fit.mean_error_v == Approx((0.1 + 0.2 + 0.3) / 4));
-  CHECK(fit.max_error_v == Approx(0.3));
-  CHECK(fit.full_scale_v == 6.5);
-}
-
-TEST_CASE("parameters at their bounds by hand, a bit each, within a billionth") {
-  const auto met = [](ElamParameters p) { return bounds_met(line_model(p)); };
-  const ElamParameters inside{0.5, 0.5, 0.0, 0.5, 0.5};
-  CHECK(met(inside) == 0);
-  const auto with = [&](auto change) {
-    ElamParameters p = inside;
-    change(p);
-    return met(p);
-  };
-  CHECK(with([](ElamParameters& p) { p.alpha_d = 0.9e-9; }) == 1);
-  CHECK(with([](ElamParameters& p) { p.alpha_d = 1.1e-9; }) == 0);
-  CHECK(with([](ElamParameters& p) { p.beta_d = 1.0 - 0.9e-9; }) == 2);
-  CHECK(with([](ElamParameters& p) { p.beta_d = 1.0 - 1.1e-9; }) == 0);
-  CHECK(with([](ElamParameters& p) { p.alpha_a1 = -0.5 / 60.0; }) == 4);  // phi of the whole range is 0
-  CHECK(with([](ElamParameters& p) { p.alpha_a1 = 0.5 / 60.0; }) == 4);
-  CHECK(with([](ElamParameters& p) {
-          p.alpha_a0 = 0.0;
-          p.alpha_a1 = 0.01;
-        }) == 8);
-  CHECK(with([](ElamParameters& p) { p.beta_a = 1.0; }) == 16);
-  CHECK(met({0, 1, 0, 1, 0}) == 31);
-  ElamFit fit;
-  fit.undetermined = 1 | 4 | 16;
-  CHECK(undetermined_names(fit) == std::vector<std::string>{"alpha_d", "alpha_a1", "beta_a"});
-  fit.undetermined = 0;
-  CHECK(undetermined_names(fit).empty());
-}
 
 TEST_CASE("parameters by direction: the split of the shortest and of the longest rise, and back") {
   ElamParameters p{0.1, 0.2, 0.005, 0.3, 0.4};
