@@ -143,7 +143,7 @@ TEST_CASE("rows that are not those of an array are refused, each for what it is"
   const auto patterns_with = [](const char* member, const nlohmann::json& value) {
     return refused_with([&](FitRows& rows) {
       auto patterns = nlohmann::json::parse(rows.fit.patterns_json);
-      patterns["pressure_psi"] = {0.0, 60.0};
+      patterns["pressure_psi"] = nlohmann::json::array({0.0, 60.0});
       patterns[member] = value;
       rows.fit.patterns_json = patterns.dump();
     });
@@ -168,7 +168,7 @@ TEST_CASE("rows of taxels that make no model are refused, each for what it is") 
   const auto taxel_with = [](auto change) {
     return refused_with([&](FitRows& rows) {
       auto patterns = nlohmann::json::parse(rows.fit.patterns_json);
-      patterns["pressure_psi"] = {0.0, 60.0};
+      patterns["pressure_psi"] = nlohmann::json::array({0.0, 60.0});
       rows.fit.patterns_json = patterns.dump();
       change(rows.taxels);
     });

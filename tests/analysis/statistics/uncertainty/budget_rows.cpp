@@ -36,7 +36,8 @@ TEST_CASE("noise row by hand: of a frame's mean, times 20 and 10 psi a volt, wit
   StraightBudget made = exact_budget(3);
   made.calibration.noise_v = {0.001, 0.004, 0.0};
   const BudgetMaker maker = made.maker();
-  const Contribution* const row = row_of(maker.budget(0, kFortyUp), UncertaintySource::kNoise);
+  const Budget budget = maker.budget(0, kFortyUp);
+  const Contribution* const row = row_of(budget, UncertaintySource::kNoise);
   REQUIRE(row != nullptr);
   CHECK(row->width == 0.001);
   CHECK(row->divisor == 1.0);
@@ -56,7 +57,8 @@ TEST_CASE("noise row by hand: of a frame's mean, times 20 and 10 psi a volt, wit
 TEST_CASE("converter row by hand: half a count to each side, a rectangle") {
   const StraightBudget made = exact_budget();
   const BudgetMaker maker(made.calibration, made.fit, made.errors, made.reference, 0.004, made.inputs, 1);
-  const Contribution* const row = row_of(maker.budget(0, kFortyUp), UncertaintySource::kConverterStep);
+  const Budget budget = maker.budget(0, kFortyUp);
+  const Contribution* const row = row_of(budget, UncertaintySource::kConverterStep);
   REQUIRE(row != nullptr);
   CHECK(row->width == 0.002);
   CHECK(row->divisor == Approx(std::sqrt(3.0)));
@@ -74,7 +76,8 @@ TEST_CASE(
   made.errors.zero_return_s_v = {0.002, 0.001, kNan};
   const BudgetMaker maker = made.maker();
   // mV^2. Two frames have a noise of 2: the first (9 - 2 / 4) / 3 + (4 - 2) / 4; the second has less than its noise.
-  const Contribution* const row = row_of(maker.budget(0, kFortyUp), UncertaintySource::kZeroReturn);
+  const Budget budget = maker.budget(0, kFortyUp);
+  const Contribution* const row = row_of(budget, UncertaintySource::kZeroReturn);
   REQUIRE(row != nullptr);
   CHECK(row->width == Approx(0.001 * std::sqrt(8.5 / 3.0 + 0.5)));
   CHECK(row->divisor == 1.0);
@@ -119,7 +122,8 @@ TEST_CASE(
   made.inputs.temperature.high_c = 24.0;
   // 2 V over the zero: 1 + 4 mV a kelvin, for 2 K: 10 mV, 0.2 psi.
   const BudgetMaker maker = made.maker();
-  const Contribution* const row = row_of(maker.budget(0, kFortyUp), UncertaintySource::kTemperature);
+  const Budget budget = maker.budget(0, kFortyUp);
+  const Contribution* const row = row_of(budget, UncertaintySource::kTemperature);
   REQUIRE(row != nullptr);
   CHECK(row->width == Approx(0.01));
   CHECK(row->divisor == Approx(std::sqrt(3.0)));
