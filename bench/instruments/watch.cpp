@@ -22,7 +22,7 @@ namespace tactbench::bench {
 namespace {
 
 // Eight steps of grey, dark to bright, for the array's picture.
-constexpr const char* kBarShades[] = {" ", "░", "░", "▒", "▒", "▓", "▓", "█"};
+constexpr const char* kGreys[] = {" ", "░", "░", "▒", "▒", "▓", "▓", "█"};
 
 constexpr std::uint16_t kFaintest = 6554;    // a tenth of the range: an unloaded array stays dark
 constexpr double kDefaultResolution = 64.0;  // microsteps a full step
@@ -43,7 +43,7 @@ std::string picture(const devices::ScanSet& scan) {
     text += "  ";
     for (int column = 0; column < scan.columns; ++column) {
       const unsigned count = scan.counts[static_cast<std::size_t>(row * scan.columns + column)];
-      const char* shade = kBarShades[count * 7U / highest];
+      const char* shade = kGreys[count * 7U / highest];
       text += shade;
       text += shade;
     }

@@ -4,6 +4,7 @@
 #include "analysis/report/data/judged_runs.h"
 #include "analysis/report/data/traceability.h"
 #include "analysis/report/page/gum_numbers.h"
+#include "analysis/report/sections/sections.h"
 
 namespace tactbench::analysis {
 

@@ -1,11 +1,8 @@
-// What models are told of their data: validity, folds, taxels' states, stored dynamics and fits, by hand.
+// What models are told of their data: validity, folds, taxels' states and stored fits, by hand.
 #include <catch2/catch.hpp>
-#include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "analysis/identify/folds.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/identify/stored/dynamics_json.h"
 #include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/taxel_status.h"
 
@@ -128,70 +125,6 @@ TEST_CASE("states of taxels: each word and back, and the bound from both sides")
   CHECK(status_of({-0.25, -0.125}, false, 0.25) == TaxelStatus::kStuck);
   CHECK(status_of({-0.2499, -0.125}, false, 0.25) == TaxelStatus::kDead);
   CHECK(status_of({0.0, 9.0}, true, 0.25) == TaxelStatus::kSaturated);
-}
-
-TEST_CASE("stored dynamics go there and back, and each member is refused beyond its bounds") {
-  SensorDynamics dynamics;
-  dynamics.shared.creep_s = {1, 2, 3};
-  dynamics.shared.creep_share = {0.1, 0, 0.3};
-  dynamics.shared.creep_half = 7;
-  dynamics.shared.lag_s = 0.5;
-  dynamics.shared.lag_share = 0.9;
-  dynamics.residual_shape = {1, 0, 2};
-  dynamics.rate = {4, "abc"};
-  dynamics.creep = {-5, "def"};
-  const nlohmann::ordered_json json = dynamics_json(dynamics);
-  const SensorDynamics read = dynamics_from(json);
-  CHECK((read.shared.creep_s == dynamics.shared.creep_s && read.shared.creep_share == dynamics.shared.creep_share));
-  CHECK((read.shared.creep_half == 7.0 && read.shared.lag_s == 0.5 && read.shared.lag_share == 0.9));
-  CHECK(read.residual_shape == dynamics.residual_shape);
-  CHECK((read.rate.run == 4 && read.rate.content_sha256 == "abc" && read.creep.run == -5));
-  const auto refused = [&](const char* member, const nlohmann::ordered_json& value) {
-    nlohmann::ordered_json odd = json;
-    odd[member] = value;
-    try {
-      (void)dynamics_from(odd);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  using Json = nlohmann::ordered_json;
-  CHECK(refused("creep_s", Json{1, 2}) == "\"creep_s\" is not a list of three numbers from 0 on");
-  CHECK(refused("creep_s", Json{1, 2, 3, 4}) == "\"creep_s\" is not a list of three numbers from 0 on");
-  CHECK(refused("creep_s", Json{1, 0, 3}) == "a \"creep_s\" is 0");
-  CHECK(refused("creep_share", Json{0, 0, -1}) == "\"creep_share\" is not a list of three numbers from 0 on");
-  CHECK(refused("creep_share", Json{0, 0, 0}).empty());
-  for (const char* member : {"creep_half", "lag_s"}) {
-    CHECK(refused(member, 1e-9).empty());
-    CHECK_FALSE(refused(member, 0.9e-9).empty());
-    CHECK(refused(member, 1e9).empty());
-    CHECK_FALSE(refused(member, 1.1e9).empty());
-  }
-  CHECK(refused("lag_share", 0.0).empty());
-  CHECK_FALSE(refused("lag_share", -0.01).empty());
-  CHECK(refused("lag_share", 0.91) == "\"lag_share\" is not within 0.000000 and 0.900000");
-  CHECK(refused("residual_shape", Json{1, -1}) == "\"residual_shape\" has a negative number");
-  CHECK(refused("rate", Json{{"run", 1.5}, {"content_sha256", ""}}) == "\"rate\" names no run");
-  CHECK(refused("creep", Json{{"run", 1}, {"content_sha256", 7}}) == "\"creep\" names no run");
-  CHECK(refused("creep", Json{{"run", 1.1e15}, {"content_sha256", ""}}) == "\"creep\" names no run");
-  CHECK(refused("creep", Json{{"run", 1e15}, {"content_sha256", ""}}).empty());
-  ModelTaxel taxel;
-  taxel.creep_scale = 10.0;
-  taxel.lag_share = 0.9;
-  taxel.residual_psi = 0.25;
-  Json own = Json::object();
-  add_taxel_dynamics(taxel, own);
-  ModelTaxel back;
-  read_taxel_dynamics(own, back);
-  CHECK((back.creep_scale == 10.0 && back.lag_share == 0.9 && back.residual_psi == 0.25));
-  for (const auto& [member, value] :
-       {std::pair{"creep_scale", 10.1}, std::pair{"creep_scale", -0.1}, std::pair{"lag_share", 0.91},
-        std::pair{"lag_share", -0.1}, std::pair{"residual_psi", -0.1}, std::pair{"residual_psi", 1.1e9}}) {
-    Json odd = own;
-    odd[member] = value;
-    CHECK_THROWS_AS(read_taxel_dynamics(odd, back), std::invalid_argument);
-  }
 }
 
 TEST_CASE(

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/dataset.h"
+#include "analysis/identify/dynamic/dynamics_search.h"
 #include "analysis/models/dynamics.h"
 
 namespace synthetic {
@@ -28,6 +29,14 @@ struct WalkedSequence {
   std::string name;
   std::vector<WalkedRepeat> repeats;
 };
+
+// Neither creep nor lag is known yet.
+inline ArrayDynamics nothing_known(std::size_t taxels) {
+  ArrayDynamics none;
+  none.creep_scale.assign(taxels, 1.0);
+  none.lag_share.assign(taxels, 0.0);
+  return none;
+}
 
 inline Dataset walked_run(const Dynamics& d, const std::vector<WalkedTaxel>& taxels,
                           const std::vector<WalkedSequence>& sequences, double span) {

@@ -12,6 +12,7 @@
 #include "analysis/statistics/uncertainty/uncertainty.h"
 #include "bench/benchmarks/simulated_run.h"
 #include "tests/support/paths.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::analysis;

@@ -99,15 +99,8 @@ double factor_of(const Truth& truth) {
   return factor;
 }
 
-ArrayDynamics none_known(std::size_t taxels) {
-  ArrayDynamics none;
-  none.creep_scale.assign(taxels, 1.0);
-  none.lag_share.assign(taxels, 0.0);
-  return none;
-}
-
 int holds_in(const Dataset& data) {
-  ArrayDynamics found = none_known(1);
+  ArrayDynamics found = nothing_known(1);
   find_creep(data, {0.0}, {true}, found);
   return found.holds;
 }
@@ -122,7 +115,7 @@ TEST_CASE("creep: shares, half and the taxels' scales are those of the outputs",
     creep_taxel(data, truth, 1, 0.4, 1.2);
     for (std::size_t i = 0; i < data.sequences[0].repeats[0].steps.size(); ++i)
       data.sequences[0].repeats[0].volts[i * 3 + 2] = 100.0 * static_cast<double>(i % 7);  // not usable
-    ArrayDynamics found = none_known(3);
+    ArrayDynamics found = nothing_known(3);
     find_creep(data, {0.1, 0.4, 0.0}, {true, true, false}, found);
     CAPTURE(half);
     CHECK(found.holds == 3);
@@ -141,7 +134,7 @@ TEST_CASE("creep: of known creep the taxels' scales alone are found", "[dynamic]
   Dataset data = held_levels(truth.levels, 2);
   creep_taxel(data, truth, 0, 0.1, 0.7);
   creep_taxel(data, truth, 1, 0.4, 1.5);
-  ArrayDynamics found = none_known(2);
+  ArrayDynamics found = nothing_known(2);
   found.shared = truth.d;
   find_creep_scales(data, {0.1, 0.4}, {true, true}, found);
   // The outputs change by the share over the mean factor.
@@ -150,7 +143,7 @@ TEST_CASE("creep: of known creep the taxels' scales alone are found", "[dynamic]
   CHECK(found.creep_scale[1] == Approx(1.5 * factor).epsilon(1e-6));
   CHECK(found.shared.creep_share == truth.d.creep_share);
   // Without a held level they stay as they were.
-  ArrayDynamics nothing = none_known(2);
+  ArrayDynamics nothing = nothing_known(2);
   nothing.creep_scale = {0.3, 0.4};
   find_creep_scales(held_levels(truth.levels, 2, 5), {0.1, 0.4}, {true, true}, nothing);
   CHECK(nothing.creep_scale == std::vector<double>{0.3, 0.4});
@@ -162,7 +155,7 @@ TEST_CASE("creep: a taxel's scale is within 0 and what leaves a tenth of its out
   creep_taxel(data, truth, 0, 0.0, -2.0);
   creep_taxel(data, truth, 1, 0.0, 30.0);
   creep_taxel(data, truth, 2, 0.0, 9.5);
-  ArrayDynamics found = none_known(3);
+  ArrayDynamics found = nothing_known(3);
   found.shared = truth.d;  // 0.1 of the output together: nine times that is the most
   find_creep_scales(data, {0.0, 0.0, 0.0}, {true, true, true}, found);
   CHECK(found.creep_scale[0] == 0.0);
@@ -175,7 +168,7 @@ TEST_CASE("creep: a taxel's scale is within 0 and what leaves a tenth of its out
   find_creep_scales(data, {0.0, 0.0, 0.0}, {true, true, true}, found);
   CHECK(found.creep_scale[1] == 10.0);
   // A taxel without output has no creep of its own.
-  ArrayDynamics silent = none_known(1);
+  ArrayDynamics silent = nothing_known(1);
   silent.shared = truth.d;
   find_creep_scales(held_levels(truth.levels, 1), {0.0}, {true}, silent);
   CHECK(silent.creep_scale[0] == 1.0);
@@ -208,7 +201,7 @@ TEST_CASE("creep: a taxel's scale is drawn toward the array's by its doubt", "[d
     volts[places[k]] += 10.0 * errors[k];
     rest += 100.0 * errors[k] * errors[k];
   }
-  ArrayDynamics found = none_known(1);
+  ArrayDynamics found = nothing_known(1);
   found.shared = truth.d;
   find_creep_scales(data, {0.0}, {true}, found);
   const double doubt2 = rest / static_cast<double>(rows) / squares, kept = 0.0625 / (0.0625 + doubt2);

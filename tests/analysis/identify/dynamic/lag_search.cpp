@@ -21,13 +21,6 @@ double lag_time(int k) {
   return lag_s;
 }
 
-ArrayDynamics known_creep(std::size_t taxels) {
-  ArrayDynamics known;
-  known.creep_scale.assign(taxels, 1.0);
-  known.lag_share.assign(taxels, 0.0);
-  return known;
-}
-
 std::vector<double> zeros_of_taxels(const std::vector<WalkedTaxel>& taxels) {
   std::vector<double> zeros;
   for (const WalkedTaxel& taxel : taxels) zeros.push_back(taxel.zero);
@@ -36,7 +29,7 @@ std::vector<double> zeros_of_taxels(const std::vector<WalkedTaxel>& taxels) {
 
 ArrayDynamics lag_of(const Dynamics& d, const std::vector<WalkedTaxel>& taxels,
                      const std::vector<WalkedSequence>& sequences) {
-  ArrayDynamics found = known_creep(taxels.size());
+  ArrayDynamics found = nothing_known(taxels.size());
   find_lag(walked_run(d, taxels, sequences, 30.0), zeros_of_taxels(taxels), std::vector<bool>(taxels.size(), true),
            found);
   return found;
@@ -72,7 +65,7 @@ TEST_CASE("lag: pressures that differ between the two rates, conditioning and cr
                                   {{"other", {{{0, 15, 30, 15, 0}, 2.0, 0.0, 0.0}}},
                                    {"rate", {{kUpAndDown, 0.8, 50.0, 0.4}, {kUpAndDown, 60.0, 70.0, 0.0}}}},
                                   30.0);
-  ArrayDynamics found = known_creep(2);
+  ArrayDynamics found = nothing_known(2);
   found.shared.creep_share = d.creep_share;
   found.shared.creep_half = d.creep_half;
   found.creep_scale = {2.0, 0.5};
@@ -100,7 +93,7 @@ TEST_CASE("lag: the fastest and the slowest repeat are compared, the first of eq
   for (const std::size_t other : {0U, 2U, 4U, 5U})
     for (std::size_t i = 0; i < kUpAndDown.size(); ++i)
       data.sequences[0].repeats[other].volts[i] += 0.1 * static_cast<double>(i % 2);
-  ArrayDynamics found = known_creep(1);
+  ArrayDynamics found = nothing_known(1);
   find_lag(data, {0.0}, {true}, found);
   CHECK(found.shared.lag_s == d.lag_s);
   CHECK(found.lag_share[0] == Approx(0.06).epsilon(1e-6));
@@ -191,7 +184,7 @@ TEST_CASE("lag: a taxel's share is drawn toward the array's by its doubt, one le
   volts[2 * 3 + 0] -= kError * x[1];
   volts[1 * 3 + 1] -= kError * x[2];
   volts[2 * 3 + 1] += kError * x[1];
-  ArrayDynamics found = known_creep(3);
+  ArrayDynamics found = nothing_known(3);
   find_lag(data, {0.0, 0.0, 0.0}, {true, true, false}, found);
   CHECK(found.shared.lag_s == d.lag_s);
   CHECK(found.shared.lag_share == Approx(0.06).epsilon(1e-6));

@@ -12,6 +12,7 @@
 #include "analysis/report/page/figure.h"
 #include "analysis/report/page/html.h"
 #include "analysis/report/page/style.h"
+#include "tests/analysis/report/page/luminance.h"
 
 using namespace tactbench::analysis;
 using html::Attribute;
@@ -20,17 +21,6 @@ using html::JsonInHtml;
 using html::Text;
 
 namespace {
-
-// WCAG 2 relative luminance of "#rrggbb".
-double luminance(const std::string& colour) {
-  const double weights[] = {0.2126, 0.7152, 0.0722};
-  double out = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double c = std::stoi(colour.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
-    out += weights[i] * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-  }
-  return out;
-}
 
 double contrast(const std::string& a, const std::string& b) {
   const double la = luminance(a), lb = luminance(b);

@@ -7,6 +7,7 @@
 
 #include "analysis/report/page/figure.h"
 #include "analysis/report/page/gum_numbers.h"
+#include "tests/analysis/report/page/luminance.h"
 
 using namespace tactbench::analysis;
 
@@ -19,16 +20,6 @@ bool holds(const std::string& text, const std::string& part) { return text.find(
 // A chart whose labels are these of its axis alone.
 std::string axis_drawn(std::vector<double> x, std::vector<double> y, double width, double height, bool from_zero) {
   return line_chart({"t", "x", "y", {{"", std::move(x), std::move(y), 0}}, width, height, from_zero}).value;
-}
-
-double relative_luminance(const std::string& colour) {
-  const double weights[] = {0.2126, 0.7152, 0.0722};
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double c = std::stoi(colour.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
-    sum += weights[i] * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-  }
-  return sum;
 }
 
 }  // namespace
@@ -155,11 +146,11 @@ TEST_CASE("maps by hand: a tall array is as high as a map may be, cells without 
 
 TEST_CASE("numbered maps by hand: each number can be read on its colour, and is rounded as U where it is one") {
   for (int bin = 0; bin < 32; ++bin) {
-    const double value = (bin + 0.5) / 32.0, below = relative_luminance(cividis(value));
+    const double value = (bin + 0.5) / 32.0, below = luminance(cividis(value));
     const std::string map = numbered_map({"m", 1, 1, {value}, {0.0, 1.0}, 60.0}, 2).value;
     INFO(bin);
     const std::string letters = holds(map, "fill=\"#ffffff\">") ? "#ffffff" : "#000000";
-    const double above = relative_luminance(letters);
+    const double above = luminance(letters);
     CHECK((std::max(above, below) + 0.05) / (std::min(above, below) + 0.05) >= 4.5);
   }
   CHECK(holds(numbered_map({"m", 1, 1, {0.0344}, {0.0, 1.0}, 60.0}, kTwoSignificant).value, ">0.034</text>"));
