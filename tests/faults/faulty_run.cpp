@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kPatience_s = 30.0;  // of process time, after the end of the run
 constexpr int kRepeats = 2;
+constexpr int kHeldUp = 2;  // times that a run may end by a time-out before its fault strikes, and is done anew
 
 const char* kLevels = R"(schema = 1
 name = "levels"
@@ -57,7 +58,7 @@ peak_n = 10
 branch = 1
 )";
 
-// Lost replies cost real time. Longer than a busy machine needs for an answer.
+// Lost replies cost real time. A busy machine may need longer for an answer, though seldom: see kHeldUp.
 const std::vector<sequences::Override> kImpatient = {{"module.response_timeout_ms", "100"},
                                                      {"scanner.frame_timeout_ms", "100"},
                                                      {"force.reply_timeout_ms", "100"},
@@ -228,7 +229,12 @@ std::string text_of(const bench::RunResult& result, const std::string& after) {
 
 namespace {
 
-std::string suffered(Bench bench, Point point, const Breakage& breakage) {
+// The instruments answer as long as nothing has struck, so the machine has held them up.
+bool held_up(const bench::RunResult& result, const Fate& fate) {
+  return !fate.struck && result.error && Catch::EndsWith("-TIMEOUT").match(result.error->id());
+}
+
+std::string suffered(Bench bench, Point point, const Breakage& breakage, int held_up_before = 0) {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = request_for(bench, kImpatient);
@@ -236,6 +242,10 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage) {
   const bench::RunResult result = run_small(request, store);
   INFO((result.error ? result.error->id() + ": " + result.error->what() : std::string("completed"))
        << " / " << result.safe_text);
+  if (held_up_before < kHeldUp && held_up(result, fate)) {
+    WARN("before the fault the machine held an instrument up for longer than its time-out: done anew");
+    return suffered(bench, point, breakage, held_up_before + 1);
+  }
   CHECK(fate.struck);
   check_end(result, fate, breakage);
   breakage.mend();
