@@ -81,7 +81,7 @@ std::vector<std::string> words_of(const PdfProgram& program, const fs::path& fol
   return words;
 }
 
-std::string text_of(const std::string& path) {
+std::string text_in(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -145,9 +145,9 @@ std::string write_pdf(const PdfRequest& request) {
   write_whole(folder / "report.html", request.html);
   write_whole(folder / "data.json", request.json);
   const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
-  std::string pdf = text_of(folder / "report.pdf");
+  std::string pdf = text_in(folder / "report.pdf");
   if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
-    std::string output = text_of(folder / "log");
+    std::string output = text_in(folder / "log");
     if (output.size() > 500) output = output.substr(output.size() - 500);
     pdf_failed(fmt::format("{} made no PDF: {}", program.path, output.empty() ? "it printed nothing" : output),
                "--format pdf", "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");

@@ -17,9 +17,9 @@ constexpr double kForceFullScaleN = 35.0;  // of the simulated Nano17, along z
 
 enum InstrumentStream : std::uint64_t { kNormal = 201, kEven };
 
-class Draw {
+class ErrorDraw {
  public:
-  explicit Draw(std::uint64_t seed) : seed_(seed) {}
+  explicit ErrorDraw(std::uint64_t seed) : seed_(seed) {}
   double normal() { return bell_of(hash_of(seed_, kNormal, counter_++)); }
   double even(double half_width) { return half_width * (2.0 * uniform_of(hash_of(seed_, kEven, counter_++)) - 1.0); }
 
@@ -32,7 +32,7 @@ class Draw {
 // The order of the draws is part of what a seed means.
 InstrumentErrors::InstrumentErrors(const InstrumentOptions& options) : options_(options) {
   if (options.seed == 0) return;
-  Draw draw(options.seed);
+  ErrorDraw draw(options.seed);
   zero_share_ = draw.normal();
   span_share_ = draw.normal();
   constant_psi_ = draw.even(options.reference.drift) + draw.even(options.reference.input) + draw.even(options.zero_psi);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <cerrno>
 
 #include "db/fleet/postgres_state.h"
@@ -15,8 +16,8 @@ namespace tactbench::db::fleet {
 void Link::State::wait(bool also_write, Time::time_point deadline) const {
   pollfd socket{libpq().PQsocket(handle), static_cast<short>(POLLIN | (also_write ? POLLOUT : 0)), 0};
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Time::now()).count();
-    const int ready = left > 0 ? ::poll(&socket, 1, static_cast<int>(left)) : 0;
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Time::now());
+    const int ready = ::poll(&socket, 1, std::max(static_cast<int>(left.count()), 0));
     if (ready > 0) return;
     if (ready < 0 && errno == EINTR) continue;
     throw FleetError(FleetCause::kLink, "TB-FLEET-SILENT",

@@ -1,11 +1,14 @@
 // UTF-8 by RFC 3629, all of it.
 #include "db/utf8.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
+#include <vector>
 
 using tactbench::db::CodePoint;
 using tactbench::db::decode_utf8;
+using tactbench::db::is_blank;
 
 namespace {
 
@@ -55,4 +58,27 @@ TEST_CASE("overlong forms, surrogates, what lies above U+10FFFF and torn sequenc
     CHECK_FALSE(found.valid);
     CHECK((found.bytes == 1 && found.value == 0));
   }
+}
+
+TEST_CASE("blank are the white spaces of Unicode and marks that nobody sees, and no other character") {
+  using Span = std::pair<std::uint32_t, std::uint32_t>;
+  // PropList.txt: White_Space.
+  const std::vector<Span> white = {{0x0009, 0x000D}, {0x0020, 0x0020}, {0x0085, 0x0085}, {0x00A0, 0x00A0},
+                                   {0x1680, 0x1680}, {0x2000, 0x200A}, {0x2028, 0x2029}, {0x202F, 0x202F},
+                                   {0x205F, 0x205F}, {0x3000, 0x3000}};
+  // Soft hyphen, Arabic letter mark, fillers of Hangul, Mongolian vowel separator; joiners and marks of direction,
+  // twice; word joiner to the last of its block; selectors of variants; byte order mark.
+  const std::vector<Span> unseen = {{0x00AD, 0x00AD}, {0x061C, 0x061C}, {0x115F, 0x1160}, {0x3164, 0x3164},
+                                    {0x180E, 0x180E}, {0x200B, 0x200F}, {0x202A, 0x202E}, {0x2060, 0x206F},
+                                    {0xFE00, 0xFE0F}, {0xFEFF, 0xFEFF}};
+  const auto in = [](const std::vector<Span>& spans, std::uint32_t value) {
+    return std::ranges::any_of(spans, [&](const Span& span) { return value >= span.first && value <= span.second; });
+  };
+  for (std::uint32_t value = 0; value <= 0x10ffff; ++value)
+    if (is_blank(encoded(value)) != (in(white, value) || in(unseen, value))) FAIL_CHECK("U+" << std::hex << value);
+  CHECK(is_blank(""));
+  CHECK(is_blank(" \xe2\x80\x8b\t"));
+  CHECK_FALSE(is_blank(" a"));
+  CHECK_FALSE(is_blank("a "));
+  CHECK_FALSE(is_blank(" \x80"));
 }

@@ -27,7 +27,7 @@ Markup compared_row(const char* name, const html::Safe& a, const html::Safe& b) 
   return markup("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td></tr>\n", Text(name), a, b);
 }
 
-std::string recipes_of(const db::RunRecord& run) {
+std::string sequences_of(const db::RunRecord& run) {
   std::string names;
   for (const db::SequenceRecord& sequence : run.sequences)
     names += fmt::format("{}{} ({} ×)", names.empty() ? "" : ", ", sequence.name, sequence.repeats);
@@ -47,7 +47,7 @@ Markup who_table(const ReportInput& a, const ReportInput& b) {
   both("started (UTC)", [](const ReportInput& i) { return moment(i.run.started_utc); });
   both("operator", [](const ReportInput& i) { return html::stated(i.run.operator_name); });
   both("bench", [](const ReportInput& i) { return html::stated(i.run.bench_id); });
-  both("recipes", [](const ReportInput& i) { return html::stated(recipes_of(i.run)); });
+  both("recipes", [](const ReportInput& i) { return html::stated(sequences_of(i.run)); });
   both("outcome", [](const ReportInput& i) {
     return Text(fmt::format("{}{}", db::to_string(i.run.outcome), i.run.is_void() ? ", VOID" : ""));
   });

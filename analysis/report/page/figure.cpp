@@ -17,7 +17,7 @@ using html::Text;
 constexpr double kLetter = 6.4;  // mean advance of an 11 px sans-serif digit, generous
 constexpr double kLine = 15.0;
 
-struct Range {
+struct AxisRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   void include(double value) {
@@ -67,7 +67,7 @@ const LineStyle& style_of(const Series& series) {
 
 struct Frame {
   double left, right, top, bottom;  // of the plot
-  Range x, y;
+  AxisRange x, y;
   [[nodiscard]] double px(double value) const { return left + (value - x.low) / (x.high - x.low) * (right - left); }
   [[nodiscard]] double py(double value) const { return bottom - (value - y.low) / (y.high - y.low) * (bottom - top); }
 };
@@ -104,7 +104,7 @@ Markup stroke(const LineStyle& style, bool points) {
 }
 
 // The axis' own range in the other unit.
-Range scaled(const Range& range, const SecondScale& beside) {
+AxisRange scaled(const AxisRange& range, const SecondScale& beside) {
   return {range.low * beside.factor, range.high * beside.factor};
 }
 
@@ -115,7 +115,7 @@ int wanted_up(const LineChart& chart) { return chart.height < 220 ? 4 : 6; }
 Markup second_scales(const Frame& frame, const LineChart& chart) {
   Markup out;
   if (const SecondScale& beside = chart.x_beside; !beside.unit.empty()) {
-    const Range range = scaled(frame.x, beside);
+    const AxisRange range = scaled(frame.x, beside);
     const auto ticks = nice_ticks(range.low, range.high, wanted_along(chart));
     for (const double tick : ticks) {
       const CssNumber x(frame.px(tick / beside.factor), 1);
@@ -129,7 +129,7 @@ Markup second_scales(const Frame& frame, const LineChart& chart) {
                   CssNumber(frame.top - 4, 1), Text(beside.unit));
   }
   if (const SecondScale& beside = chart.y_beside; !beside.unit.empty()) {
-    const Range range = scaled(frame.y, beside);
+    const AxisRange range = scaled(frame.y, beside);
     const auto ticks = nice_ticks(range.low, range.high, wanted_up(chart));
     for (const double tick : ticks) {
       const double y = frame.py(tick / beside.factor);
@@ -202,7 +202,7 @@ Markup line_chart(const LineChart& chart) {
   if (!chart.y_from_zero || frame.y.low < 0.0) frame.y.low -= margin;
   frame.y.high += margin;
 
-  const auto width_of_ticks = [&](const Range& range) {
+  const auto width_of_ticks = [&](const AxisRange& range) {
     const auto ticks = nice_ticks(range.low, range.high, wanted_up(chart));
     double widest = 0.0;
     for (const double tick : ticks) widest = std::max(widest, letters(html::fixed(tick, decimals(ticks)).value));

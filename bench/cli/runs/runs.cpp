@@ -150,7 +150,7 @@ void print_judgements(const std::vector<db::VerdictRecord>& verdicts, const std:
 }
 
 // Which simulated sensor it was; empty for another origin, or where the bench's text can no longer be read.
-std::string specimen_of(const db::RunRecord& run) {
+std::string specimen_text(const db::RunRecord& run) {
   if (run.origin != "simulated") return {};
   const std::optional<BenchConfig> bench = stored_bench(run);
   if (!bench || !bench->simulation) return {};
@@ -172,7 +172,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
     json["frames"] = store.frame_count(number);
     if (pruned)
       json["pruned"] = {{"frames", pruned->frames}, {"rule", pruned->rule}, {"pruned_utc", pruned->pruned_utc}};
-    if (const std::string specimen = specimen_of(run); !specimen.empty()) json["specimen"] = specimen;
+    if (const std::string specimen = specimen_text(run); !specimen.empty()) json["specimen"] = specimen;
     json["events"] = nlohmann::ordered_json::array();
     for (const db::EventRecord& event : events) {
       json["events"].push_back({{"time_s", static_cast<double>(event.time_ns) * 1e-9},
@@ -202,7 +202,7 @@ void show_run(std::int64_t number, const Session& session, bool all_events) {
   line("safe state", db::to_string(run.safe_state));
   line("sensor", fmt::format("{}, scanner {}", analysis::or_not_stated(run.sensor_serial),
                              analysis::or_not_stated(analysis::scanner_serial_of(run))));
-  if (const std::string specimen = specimen_of(run); !specimen.empty()) line("specimen", specimen);
+  if (const std::string specimen = specimen_text(run); !specimen.empty()) line("specimen", specimen);
   line("operator", run.operator_name);
   line("purpose", run.purpose);
   line("bench", run.bench_id.empty() ? std::string()

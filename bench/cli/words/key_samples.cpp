@@ -94,7 +94,7 @@ void read_benches() {
                     {{"input_module.transport", "rtu"}, {"input_module.serial_port", "/dev/ttyUSB3"}});
 }
 
-constexpr const char* kRecipe = R"(schema = 1
+constexpr const char* kSampleRecipe = R"(schema = 1
 name = "recipe"
 unit = "psi"
 step = 1
@@ -124,9 +124,9 @@ void read_recipes() {
   const auto read = [](const std::string& text) {
     (void)sequences::parse_recipe(sequences::TomlDocument::from_text(text, kName));
   };
-  read(std::string("turning_points = [0, \"$level\", 0]\nrest_restart_s = 60\n") + kRecipe +
+  read(std::string("turning_points = [0, \"$level\", 0]\nrest_restart_s = 60\n") + kSampleRecipe +
        "[conditioning]\ncycles = 1\npeak = 60\n" + kSuspend);
-  read(std::string(kRecipe).replace(std::string(kRecipe).find("step = 1"), 8, "step = 1\nrepeats = 1") +
+  read(std::string(kSampleRecipe).replace(std::string(kSampleRecipe).find("step = 1"), 8, "step = 1\nrepeats = 1") +
        "[conditioning]\ncycles = 1\npeak = \"$level\"\n[random]\nseed = 1\nreversals = 3\nlow = 0\nhigh = 60\n");
   read(std::string(kPress) + "positions_mm = [[20, 20]]\n");
   read(std::string(kPress) + "[press.grid]\nx = [10, 20, 5]\ny = [10, 20, 5]\n");

@@ -147,6 +147,8 @@ class WovenRoom:
         """Links an executable; where the tests start the program, a program of the same objects, too."""
         if (self.program or target == PROGRAM) and not (folder / PROGRAM).exists():
             self.tree.link(PROGRAM, objects, folder / PROGRAM)
+            for module in self.tree.folder.glob("tactbench_*.so"):  # which it looks for beside itself
+                (folder / module.name).symlink_to(module)
         if target != PROGRAM:
             more = [*more, self.paths(folder)] if self.program else more
             self.tree.link(target, [*objects, *more], folder / target)
