@@ -51,3 +51,16 @@ TEST_CASE("newest: events of one run, newest first, no more than are wanted") {
   });
   CHECK(seen == std::vector<std::string>{"4", "3", "2"});
 }
+
+TEST_CASE("a seen frame's mean counts are those of its scans, taxel by taxel") {
+  db::SeenFrame frame;
+  frame.scans = 2;
+  frame.rows = 1;
+  frame.columns = 3;
+  frame.counts = {1, 2, 65535, 4, 2, 65534};
+  CHECK(db::mean_counts(frame) == std::vector<double>{2.5, 2.0, 65534.5});
+  frame.scans = 1;
+  frame.rows = 3;
+  frame.columns = 2;
+  CHECK(db::mean_counts(frame) == std::vector<double>{1, 2, 65535, 4, 2, 65534});
+}
