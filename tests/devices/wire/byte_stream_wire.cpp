@@ -193,6 +193,7 @@ TEST_CASE("an address that cannot be opened is refused with the reason") {
   CHECK(fault_id_of([] { (void)open_serial({}); }) == "TB-SERIAL-OPEN");
   CHECK(fault_id_of([] { (void)open_serial(at("/dev/ttyUSB99")); }) == "TB-SERIAL-OPEN");
   CHECK(fault_id_of([] { (void)open_serial(at("", "no such serial")); }) == "TB-SERIAL-OPEN");
+  CHECK_THROWS_WITH(open_serial(at("", "no such serial")), Catch::Contains("no port carries it"));
 }
 
 TEST_CASE("listed serial ports have names and are never pseudo-terminals") {
