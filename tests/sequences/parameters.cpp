@@ -35,6 +35,7 @@ TEST_CASE("a parameter stands for a number, by default and as set") {
   const Recipe standard = recipe_with({});
   CHECK(standard.turning_points[1].value() == 60.0);
   CHECK(standard.dwell_s == std::vector<double>{2.0});
+  CHECK(standard.ramp_psi_per_s == std::vector<double>{0.0});  // the bench's own
   CHECK(standard.repeats == 3);
   const Recipe set = recipe_with({{"peak", "20"}, {"dwell_s", "0.5"}, {"times", "1"}});
   CHECK(set.turning_points[1].value() == 20.0);
