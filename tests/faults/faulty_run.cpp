@@ -242,12 +242,12 @@ std::string suffered(Bench bench, Point point, const Breakage& breakage, int hel
   const bench::RunResult result = run_small(request, store);
   INFO((result.error ? result.error->id() + ": " + result.error->what() : std::string("completed"))
        << " / " << result.safe_text);
+  check_end(result, fate, breakage);
   if (held_up_before < kHeldUp && held_up(result, fate)) {
     WARN("before the fault the machine held an instrument up for longer than its time-out: done anew");
     return suffered(bench, point, breakage, held_up_before + 1);
   }
   CHECK(fate.struck);
-  check_end(result, fate, breakage);
   breakage.mend();
   if (breakage.store_gone) {
     CHECK(store.mark_interrupted(bench::utc_now()) == 1);

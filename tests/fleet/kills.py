@@ -81,5 +81,5 @@ with tempfile.TemporaryDirectory(prefix="tactbench-fleet-") as folder, Server() 
         expect(lab.json("verify", uuid, "--from", server.conninfo(f"fleet_{i - 1}"))["holds"], uuid)
     expect(hit >= kills // 3, f"only {hit} kills came while a push was under way")
     expect("sound" in lab.run("db", "check"), "the store is sound")
-print(f"{pushes} kills of the push and {servers} of the server ({hit} of them in mid-push, {partly} between two runs): "
+print(f"{i - servers} kills of the push and {servers} of the server ({hit} of them in mid-push, {partly} between two runs): "
       "nothing lost, nothing doubled, hashes equal")

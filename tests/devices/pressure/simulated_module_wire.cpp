@@ -4,8 +4,9 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
-#include <catch2/catch.hpp>
 
+#include <atomic>
+#include <catch2/catch.hpp>
 #include <vector>
 
 #include "devices/wire/modbus/modbus_link.h"
@@ -26,8 +27,7 @@ class RawClient {
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience{20, 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    wait_at_most({20, 0});
     REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
   }
   ~RawClient() { ::close(socket_); }
@@ -36,7 +36,10 @@ class RawClient {
   void send(const Bytes& bytes) const {
     REQUIRE(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()));
   }
-  // `size` bytes, fewer at the end of the connection.
+  void wait_at_most(const timeval& patience) const {
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  // `size` bytes, fewer at the end of the connection or of the patience.
   [[nodiscard]] Bytes receive(std::size_t size) const {
     Bytes bytes(size);
     const ssize_t got = ::recv(socket_, bytes.data(), size, MSG_WAITALL);
@@ -213,5 +216,40 @@ TEST_CASE("simulated module: the write lock passes on when its holder hangs up, 
     holder.write_registers(0x0800, std::span(&value, 1));
     holder.close();
     REQUIRE(fault_id_of([&] { older.write_registers(0x0800, std::span(&value, 1)); }) == "none");
+  }
+}
+
+TEST_CASE("simulated module: a late reply comes once, before the next one, a corrupt one has another function code") {
+  TurnedClock clock;
+  TestChamber chamber{clock};
+  std::atomic<InjectedFault> next{InjectedFault::kNone};
+  SimulatedModuleFaults faults;
+  faults.inject = [&] { return next.load(); };
+  const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, chamber, clock, faults);
+  const RawClient client(server.port());
+  const auto of_transaction = [](Bytes frame, std::uint8_t transaction) {
+    frame[1] = transaction;
+    return frame;
+  };
+  const auto ask = [&](std::uint8_t transaction) { client.send(of_transaction(kReadLock, transaction)); };
+  const auto next_is = [&](Bytes frame) { return client.receive(frame.size()) == frame; };
+  ask(1);
+  CHECK(next_is(kLockIsOne));
+  next = InjectedFault::kCorrupt;
+  ask(2);
+  Bytes corrupt = of_transaction(kLockIsOne, 2);
+  corrupt[7] = 0x13;
+  CHECK(next_is(corrupt));
+  next = InjectedFault::kLate;
+  ask(3);
+  client.wait_at_most({0, 200'000});
+  CHECK(client.receive(1).empty());
+  client.wait_at_most({20, 0});
+  next = InjectedFault::kNone;
+  ask(4);
+  for (const std::uint8_t transaction : Bytes{3, 4}) CHECK(next_is(of_transaction(kLockIsOne, transaction)));
+  for (const std::uint8_t transaction : Bytes{5, 6}) {
+    ask(transaction);
+    CHECK(next_is(of_transaction(kLockIsOne, transaction)));
   }
 }

@@ -1,6 +1,7 @@
 // Which member is taken of those that samples leave open, on straight patterns where it can be worked out by hand.
 #include <catch2/catch.hpp>
-#include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "analysis/identify/elam/elam_determined.h"
 

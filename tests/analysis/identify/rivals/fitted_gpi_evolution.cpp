@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
 #include "analysis/identify/rivals/gpi_evolution.h"
 #include "tests/analysis/support/fit_samples.h"
@@ -50,7 +51,10 @@ class Reference {
     for (int i = 1; i <= 16; ++i) weights_.push_back(std::log(16.5 / i));
     double sum = 0.0, squares = 0.0;
     for (const double w : weights_) sum += w;
-    for (double& w : weights_) squares += (w / sum) * (w / sum), w /= sum;
+    for (double& w : weights_) {
+      w /= sum;
+      squares += w * w;
+    }
     mass_ = 1.0 / squares;
   }
   void generation() {
