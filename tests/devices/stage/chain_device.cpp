@@ -178,6 +178,25 @@ TEST_CASE("stored positions, memory and set position keep the values written") {
   CHECK(bench.send(kPosition, 0)[0].data == 70);
 }
 
+TEST_CASE("another resolution moves nothing, now and in what has passed, and counts in its own steps") {
+  Bench bench;
+  bench.home();
+  bench.send(kMoveAbsolute, 100000);
+  const Nanoseconds began = bench.now;
+  bench.pass(60s);
+  const auto at = [&](Nanoseconds time) { return bench.device.position(time).value(); };
+  const double halfway = at(began + 1s), there = at(bench.now);
+  CHECK(there == Approx(100000 * 0.00635 / 64));
+  CHECK(halfway < 0.9 * there);
+  CHECK(bench.send(kResolution, 128) == std::vector<ZaberFrame>{{1, kResolution, 128, 5}});
+  CHECK(bench.send(kPosition, 0)[0].data == 200000);
+  CHECK(at(bench.now) == Approx(there).epsilon(1e-12));
+  CHECK(at(began + 1s) == halfway);
+  bench.send(kMoveAbsolute, 100000);
+  bench.pass(60s);
+  CHECK(at(bench.now) == Approx(there / 2).epsilon(1e-12));
+}
+
 TEST_CASE("a motion never leaps, never exceeds its speed and ends at rest at its target") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-100.0, 100.0);

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 #include <set>
 
@@ -133,6 +134,29 @@ TEST_CASE("units of the T-NA08A50 and the T-LA60A are the manual's") {
   CHECK(la.acceleration_mm_per_s2(0) == Approx(la.acceleration_mm_per_s2(32767)));
 }
 
+TEST_CASE("every actuator in the table has its product's travel, step and top speed") {
+  for (const auto& [id, product] : std::map<int, std::string>{{5081, "T-NA08A25"},
+                                                              {5082, "T-NA08A50"},
+                                                              {5085, "T-NA08A25-S"},
+                                                              {5086, "T-NA08A50-S"},
+                                                              {5091, "T-NA08A25-SV2"},
+                                                              {5092, "T-NA08A50-SV2"},
+                                                              {5095, "T-NA08A25-SV1"},
+                                                              {5096, "T-NA08A50-SV1"},
+                                                              {28, "T-LA28A"},
+                                                              {60, "T-LA60A"}}) {
+    INFO(product);
+    const ZaberModel* model = zaber_model(id);
+    REQUIRE(model != nullptr);
+    CHECK(model->name == product);
+    const bool micrometer = product.starts_with("T-NA");  // lead screw of 0.6096 mm and of 1.27 mm a turn, 200 steps
+    CHECK(model->full_step_mm == Approx((micrometer ? 0.6096 : 1.27) / 200).epsilon(1e-12));
+    CHECK(model->maximum_speed == MillimetresPerSecond(micrometer ? 8.0 : 4.0));
+    const double longest = micrometer ? (product.starts_with("T-NA08A50") ? 50.8 : 25.4) : (id == 60 ? 60.0 : 28.0);
+    CHECK(model->travel == Millimetres(longest));
+  }
+}
+
 TEST_CASE("a position converts to microsteps and back within half a microstep, not-a-number to none") {
   const ZaberUnits na{0.003048 / 64};
   std::mt19937 random(11);
@@ -153,7 +177,10 @@ TEST_CASE("every Zaber command and error of the manual has a name of its own") {
   std::set<std::string> names;
   const std::vector<int> commands{0,  1,  2,  8,  9,  10, 16, 17, 18, 20, 21, 22, 23, 35, 36, 37, 38, 39,
                                   40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 60, 255};
-  for (const int number : commands) names.insert(name(static_cast<ZaberCommand>(number)));
+  for (const int number : commands) {
+    names.insert(name(static_cast<ZaberCommand>(number)));
+    CHECK(name(static_cast<ZaberCommand>(number)) != "command " + std::to_string(number));
+  }
   CHECK(names.size() == commands.size());
   CHECK(name(ZaberCommand::kMoveAbsolute) == "move absolute (20)");
   CHECK(name(static_cast<ZaberCommand>(99)) == "command 99");

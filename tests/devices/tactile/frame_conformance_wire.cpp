@@ -3,6 +3,7 @@
 //   TACTBENCH_FRAME_SOURCE=tcp:HOST:PORT build/tests/test_devices_wire "[laboratory]"
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <thread>
 
 #include "devices/tactile/frame_source.h"
 #include "devices/tactile/simulated_frame_source.h"
@@ -107,6 +108,11 @@ void check_answers(const std::string& address) {
   CHECK(client.expect<Frame>(9).counter == second.counter + 1);
   CHECK(client.expect<Frame>(10).counter == second.counter + 2);
   CHECK(client.expect<Description>(11) == description);
+  for (const std::uint8_t byte : encode({12, Scan{}})) {
+    client.send_bytes({byte});
+    std::this_thread::sleep_for(2ms);
+  }
+  CHECK(client.expect<Frame>(12).counter == second.counter + 3);
 }
 
 void check_refusals(const std::string& address) {

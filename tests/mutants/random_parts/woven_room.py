@@ -126,7 +126,6 @@ class WovenRoom:
         """The object that tells a program its number, and the listener of tests, made once a slot."""
         recipe, control, listener = self.tree.paths, slot / "control.o", slot / "listener.o"
         if not listener.exists():
-            choose(slot, 0)
             for output, source in ((control, "woven_control.cpp"), (listener, "woven_listener.cpp")):
                 words = [f'-DTACTBENCH_MUTANT_CONTROL="{slot / "control"}"']
                 said = self.tree.compile(recipe, HERE / source, output, words)

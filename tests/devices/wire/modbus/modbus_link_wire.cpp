@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <thread>
 
 #include "devices/pressure/simulated_module.h"
 #include "tests/devices/scripted_server.h"
@@ -14,7 +15,6 @@ using namespace std::chrono_literals;
 namespace {
 
 // Long where an answer is to come, short where none will.
-
 ModbusEndpoint at(int port, Nanoseconds timeout = kPatient) { return {"127.0.0.1", port, 1, timeout}; }
 
 std::uint16_t read_one(ModbusLink& link, int address) {
@@ -97,6 +97,20 @@ TEST_CASE("modbus link: a late reply is never taken for an answer") {
   CHECK(fault_id_of([&] { read_one(link, 0); }) == "TB-MODBUS-TIMEOUT");
   CHECK(read_one(link, 0) == 223);
   CHECK(read_one(link, 0) == 224);
+}
+
+TEST_CASE("modbus link: a reply that comes in pieces is one reply") {
+  ScriptedServer server([](int, int socket, const Bytes& request) {
+    const Bytes reply = ScriptedServer::answer(request, {0x1234});
+    for (const std::uint8_t byte : reply) {
+      ScriptedServer::send(socket, {byte});
+      std::this_thread::sleep_for(5ms);
+    }
+  });
+  TurnedClock clock;
+  ModbusLink link(at(server.port()), "module", clock);
+  CHECK(read_one(link, 0) == 0x1234);
+  CHECK(read_one(link, 1) == 0x1234);
 }
 
 TEST_CASE("modbus link: a server that dies breaks the connection, then refuses") {
