@@ -1,5 +1,6 @@
 #include "devices/wire/modbus/modbus_link.h"
 
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
@@ -97,6 +98,19 @@ TEST_CASE("modbus link: a late reply is never taken for an answer") {
   CHECK(fault_id_of([&] { read_one(link, 0); }) == "TB-MODBUS-TIMEOUT");
   CHECK(read_one(link, 0) == 223);
   CHECK(read_one(link, 0) == 224);
+}
+
+TEST_CASE("modbus link: each of a thousand requests has a number of its own, in both its bytes") {
+  std::array<std::atomic<bool>, 1 << 16> used{};
+  ScriptedServer server([&](int, int socket, const Bytes& request) {
+    const bool fresh = !used.at(request[0] * 256U + request[1]).exchange(true);
+    ScriptedServer::send(socket, ScriptedServer::answer(request, {fresh ? std::uint16_t{1} : std::uint16_t{0}}));
+  });
+  TurnedClock clock;
+  ModbusLink link(at(server.port()), "module", clock);
+  int fresh = 0;
+  for (int i = 0; i < 1000; ++i) fresh += read_one(link, 0);
+  CHECK(fresh == 1000);
 }
 
 TEST_CASE("modbus link: a reply that comes in pieces is one reply") {
