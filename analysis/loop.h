@@ -1,12 +1,17 @@
 // Branches, repeats interpolated to common pressures, and the external loop: Dataset -> input of identification.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
 #include "analysis/dataset.h"
 
 namespace tactbench::analysis {
+
+// Set-points and levels that lie nearer than this are one: recipes, models and limits spell the same level differently.
+inline constexpr double kSameLevelPsi = 1e-6;
+inline bool same_level(double a_psi, double b_psi) { return std::abs(a_psi - b_psi) < kSameLevelPsi; }
 
 // A monotone run of steps between two turning points (indices into a sequence's steps, both included).
 struct Branch {

@@ -15,8 +15,6 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kSameLevelPsi = 1e-6;
-
 // All frames at one set-point on branches of one direction.
 struct LevelErrors {
   double pressure_psi = 0.0;

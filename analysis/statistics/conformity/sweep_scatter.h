@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/sweep_errors.h"
 #include "analysis/statistics/numbers/coverage.h"
@@ -89,7 +90,7 @@ class SweepScatter {
   }
   static const LevelReadings* level_of(const SweepErrors& errors, double pressure_psi, bool up) {
     const auto found = std::ranges::find_if(errors.levels, [&](const LevelReadings& level) {
-      return level.up == up && std::abs(level.pressure_psi - pressure_psi) < 1e-6;
+      return level.up == up && same_level(level.pressure_psi, pressure_psi);
     });
     return found == errors.levels.end() ? nullptr : &*found;
   }

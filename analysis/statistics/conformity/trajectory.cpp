@@ -12,7 +12,6 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kSameSetPointPsi = 1e-6;
 constexpr double kFullSweepShare = 0.01;  // as external_loop
 constexpr double kOtherDwellShare = 0.2;
 constexpr std::size_t kFewestRandomTurns = 8;
@@ -26,7 +25,7 @@ std::vector<double> set_points_of(const SequenceData& data) {
 }
 
 bool same_path(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::ranges::equal(a, b, [](double x, double y) { return std::abs(x - y) < kSameSetPointPsi; });
+  return std::ranges::equal(a, b, same_level);
 }
 
 double median_held_s(const Dataset& dataset) {

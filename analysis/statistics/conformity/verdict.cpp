@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/conformity/mpe.h"
 #include "analysis/statistics/figures/levels.h"
 
@@ -101,7 +102,7 @@ std::vector<db::VerdictRecord> judge(const Evaluation& evaluation, const SensorM
   add("unfit_taxels", "array", static_cast<double>(unfit), limits.unfit_taxels, "taxels");
   for (const Limits::Mismatch& mismatch : limits.mismatch) {
     const auto level = std::ranges::find_if(evaluation.levels, [&](const LevelFigures& figures) {
-      return std::abs(figures.pressure_psi - mismatch.pressure_psi) < 1e-6;
+      return same_level(figures.pressure_psi, mismatch.pressure_psi);
     });
     const bool measured = level != evaluation.levels.end();
     const std::string scope = fmt::format("{:g} psi", mismatch.pressure_psi);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/conformity/sweep_scatter.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "analysis/statistics/figures/levels.h"
@@ -28,9 +29,8 @@ Dataset repeat_of(const Dataset& dataset, std::size_t repeat) {
 }
 
 double level_figure(const Evaluation& evaluation, double pressure_psi, double LevelFigures::*figure) {
-  const auto level = std::ranges::find_if(evaluation.levels, [&](const LevelFigures& figures) {
-    return std::abs(figures.pressure_psi - pressure_psi) < 1e-6;
-  });
+  const auto level = std::ranges::find_if(
+      evaluation.levels, [&](const LevelFigures& figures) { return same_level(figures.pressure_psi, pressure_psi); });
   return level == evaluation.levels.end() ? kNan : (*level).*figure;
 }
 

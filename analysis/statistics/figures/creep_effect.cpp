@@ -8,15 +8,15 @@
 
 #include "analysis/identify/dynamic/dynamic_alone.h"
 #include "analysis/identify/dynamic/own_creep.h"
+#include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 
 namespace tactbench::analysis {
 namespace {
 
-constexpr std::size_t kEndFrames = 5;    // averaged at the end of a hold
-constexpr double kHeldLongerThan = 2.0;  // times read_after_s: shorter holds add nothing to the dwell
-constexpr double kSameHeldPsi = 1e-6;
+constexpr std::size_t kEndFrames = 5;      // averaged at the end of a hold
+constexpr double kHeldLongerThan = 2.0;    // times read_after_s: shorter holds add nothing to the dwell
 constexpr double kHoldSlopeHalfPsi = 0.5;  // half of the pressures' distance that a slope is taken over
 
 // Time from command to frame where a level is read once; NaN where no frame states it.
@@ -180,7 +180,7 @@ CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset>
     for (const HeldFrames& hold : held_frames_of(dataset)) {
       const Repeat& repeat = dataset.sequences[hold.sequence].repeats[hold.repeat];
       const double pressure = repeat.steps[hold.first].setpoint_psi;
-      if (pressure > fit.pressure_psi.back() + kSameHeldPsi || !(effect.read_after_s > 0.0)) continue;
+      if (pressure > fit.pressure_psi.back() + kSameLevelPsi || !(effect.read_after_s > 0.0)) continue;
       if (hold.held_s(repeat, hold.end - 1) < kHeldLongerThan * effect.read_after_s ||
           hold.held_s(repeat, hold.first) > hold.held_s(repeat, hold.end - 1) / kHeldLongerThan) {
         brief = true;
@@ -189,7 +189,7 @@ CreepEffect creep_effect_of(const Dataset& calibration, std::span<const Dataset>
       const HeldLevel level = level_of_hold(dataset, hold, fit, effect.read_after_s);
       if (!std::isfinite(level.median_share)) continue;
       const auto same = std::ranges::find_if(effect.levels, [&](const HeldLevel& other) {
-        return other.up == level.up && std::abs(other.pressure_psi - level.pressure_psi) < kSameHeldPsi;
+        return other.up == level.up && same_level(other.pressure_psi, level.pressure_psi);
       });
       if (same == effect.levels.end()) {
         effect.levels.push_back(level);

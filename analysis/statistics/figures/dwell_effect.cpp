@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/figures/creep_effect.h"
 #include "analysis/statistics/figures/history_errors.h"
 #include "analysis/statistics/figures/levels.h"
@@ -34,7 +35,7 @@ void add_changes(const std::vector<std::vector<double>>& errors, const SequenceD
       std::vector<std::size_t> steps;
       for (std::size_t i = 0; i < kinds.size(); ++i)
         if (kinds[i].up == (at < levels) &&
-            std::abs(loop.repeats[base].steps[i].setpoint_psi - level) <= kHistoryWindowPsi + 1e-6)
+            std::abs(loop.repeats[base].steps[i].setpoint_psi - level) <= kHistoryWindowPsi + kSameLevelPsi)
           steps.push_back(i);
       for (std::size_t taxel = 0; taxel < width && !steps.empty(); ++taxel) {
         double squares = 0.0;

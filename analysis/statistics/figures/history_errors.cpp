@@ -18,9 +18,8 @@ bool is_asked(BranchesOf which, const StepKind& kind) {
 
 // First and last but one of the levels within the window of a set-point.
 std::pair<std::size_t, std::size_t> levels_about(const std::vector<double>& grid, double setpoint_psi) {
-  constexpr double kOnTheEdge = 1e-6;
-  const auto low = std::ranges::lower_bound(grid, setpoint_psi - kHistoryWindowPsi - kOnTheEdge);
-  const auto high = std::ranges::upper_bound(grid, setpoint_psi + kHistoryWindowPsi + kOnTheEdge);
+  const auto low = std::ranges::lower_bound(grid, setpoint_psi - kHistoryWindowPsi - kSameLevelPsi);
+  const auto high = std::ranges::upper_bound(grid, setpoint_psi + kHistoryWindowPsi + kSameLevelPsi);
   return {static_cast<std::size_t>(low - grid.begin()), static_cast<std::size_t>(high - grid.begin())};
 }
 

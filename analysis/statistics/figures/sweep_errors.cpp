@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/step_kinds.h"
 
@@ -12,7 +13,6 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr double kZeroShare = 0.01;  // of the range: a repeat this near to the lowest level begins or ends there
-constexpr double kSameGridPsi = 1e-6;
 
 // For each step of a sequence: the index of its LevelReadings, or -1; and the number of its branch.
 struct LevelOfStep {
@@ -24,8 +24,8 @@ std::vector<LevelOfStep> levels_of_steps(const SequenceData& data, const std::ve
   std::vector<LevelOfStep> levels(kinds.size());
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     const double commanded = data.repeats.front().steps[i].setpoint_psi;
-    const auto at = std::ranges::lower_bound(grid, commanded - kSameGridPsi);
-    if (!kinds[i].full || at == grid.end() || std::abs(*at - commanded) > kSameGridPsi) continue;
+    const auto at = std::ranges::lower_bound(grid, commanded - kSameLevelPsi);
+    if (!kinds[i].full || at == grid.end() || std::abs(*at - commanded) > kSameLevelPsi) continue;
     levels[i] = {static_cast<int>(at - grid.begin()) + (kinds[i].up ? 0 : static_cast<int>(grid.size())),
                  kinds[i].branch};
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/figures/behaviour.h"
 #include "analysis/statistics/figures/creep_effect.h"
 #include "analysis/statistics/figures/levels.h"
@@ -14,7 +15,6 @@
 namespace tactbench::analysis {
 namespace {
 
-constexpr double kSameLoopLevelPsi = 1e-6;
 constexpr std::size_t kFewestLoopLevels = 5;
 
 // An external loop's outputs less the lowest level's of the calibration, at the levels that both have: pairs of one
@@ -31,9 +31,8 @@ struct LoopsOfTwo {
   [[nodiscard]] LoopPairs pairs(std::span<const std::size_t> taxels) const {
     LoopPairs out;
     for (std::size_t i = 0; i < calibration.pressure_psi.size(); ++i) {
-      const auto found = std::ranges::find_if(other.pressure_psi, [&](double pressure) {
-        return std::abs(pressure - calibration.pressure_psi[i]) < kSameLoopLevelPsi;
-      });
+      const auto found = std::ranges::find_if(
+          other.pressure_psi, [&](double pressure) { return same_level(pressure, calibration.pressure_psi[i]); });
       if (found == other.pressure_psi.end()) continue;
       const auto at = static_cast<std::size_t>(found - other.pressure_psi.begin());
       for (const auto branch : {&ExternalLoop::ascending, &ExternalLoop::descending}) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <deque>
 
+#include "analysis/loop.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/figures/same_sensor.h"
 #include "analysis/workers.h"
@@ -196,7 +197,7 @@ void keep_given(const UncertaintyInputs& inputs, Uncertainty& out) {
 
 const LevelUncertainty* Uncertainty::level(double pressure_psi, bool up) const {
   const auto found = std::ranges::find_if(levels, [&](const LevelUncertainty& level) {
-    return level.up == up && std::abs(level.pressure_psi - pressure_psi) < 1e-6;
+    return level.up == up && same_level(level.pressure_psi, pressure_psi);
   });
   return found == levels.end() ? nullptr : &*found;
 }
