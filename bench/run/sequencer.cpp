@@ -45,7 +45,11 @@ Baseline Sequencer::read_baseline() {
 void Sequencer::begin_branch(const Step& first, bool tolerant) {
   tolerant_ = tolerant;
   broken_ = false;
-  guard_.emplace(first.branch_from.value(), first.branch_to.value(), recipe_->guard.tolerance.value());
+  watch_path(first.branch_from, first.branch_to);
+}
+
+void Sequencer::watch_path(Psi from, Psi to) {
+  guard_.emplace(from.value(), to.value(), recipe_->guard.tolerance.value());
 }
 
 void Sequencer::begin_step() {
@@ -62,8 +66,13 @@ void Sequencer::chamber_step(const Step& step) {
     setpoint_ = Psi(0.0);
   }
   moving_ = !step.hold;
+  // A branch's first level may be reached from the other side: up to the 60 psi from which a branch falls.
+  const bool turns_first = guard_ && moving_ && step.setpoint == step.branch_from && step.setpoint != setpoint_ &&
+                           (step.setpoint > setpoint_) != (step.branch_to > step.branch_from);
+  if (turns_first) watch_path(setpoint_, step.setpoint);
   if (!step.hold) ramp(step);
   if (step.settle && !step.hold) settle(step);
+  if (turns_first) watch_path(step.branch_from, step.branch_to);
   (void)times_.start(Spent::kDwelling);
   moving_ = false;
   dwell(step);

@@ -31,8 +31,8 @@ class Sequencer {
   // Reads the unloaded array and both pressures; throws Fault TB-CHAMBER-NOT-VENTED when the chamber is under pressure.
   Baseline read_baseline();
 
-  // Between these two calls the measured reference must move in one direction, else a step throws PathBroken. Tolerant:
-  // a broken path is only flagged on its frames.
+  // Between these two calls the measured reference must move in one direction from the branch's first level on, else a
+  // step throws PathBroken; on its way there, too. Tolerant: a broken path is only flagged on its frames.
   void begin_branch(const sequences::Step& first, bool tolerant);
   void end_branch() { guard_.reset(); }
   void begin_step();  // starts the recipe's time limit for one step
@@ -68,6 +68,7 @@ class Sequencer {
   void tell_readings();
 
  private:
+  void watch_path(devices::Psi from, devices::Psi to);
   void ramp(const sequences::Step& step);
   void settle(const sequences::Step& step);
   void dwell(const sequences::Step& step);

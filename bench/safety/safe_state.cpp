@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <optional>
@@ -22,6 +23,29 @@ constexpr int kTries = 3;  // after this many failures in a row the link is not 
 
 struct Witnesses {
   std::optional<double> feedback_psi, reference_psi;
+};
+
+// Waits, feeding the module on the way: after a pause's proof the run goes on, which it cannot once the module has fallen
+// back. One that cannot be fed falls back to 0 V.
+class FedWait {
+ public:
+  explicit FedWait(Rig& rig) : rig_(rig) {}
+  void until(Nanoseconds time) {
+    devices::Clock& clock = rig_.clock();
+    while (clock.now() < time) {
+      clock.wait_until(std::min(time, clock.now() + seconds(0.2)));
+      if (failures_ == kTries) continue;
+      try {
+        rig_.source().keep_alive();
+      } catch (const std::exception&) {
+        ++failures_;
+      }
+    }
+  }
+
+ private:
+  Rig& rig_;
+  int failures_ = 0;
 };
 
 // Waits for both pressures to fall, feeding the module on the way.
@@ -63,9 +87,10 @@ std::optional<bool> array_at_baseline(Rig& rig, const Baseline& baseline) {
 // moment to recover after the vent.
 void hear_array(Rig& rig, const Baseline& baseline, SafeProof& proof) {
   const Nanoseconds deadline = rig.clock().now() + seconds(kFilmRelaxes);
+  FedWait wait(rig);
   std::optional<bool> at_baseline = array_at_baseline(rig, baseline);
   while (at_baseline && !*at_baseline && rig.clock().now() < deadline) {
-    rig.clock().wait_until(rig.clock().now() + seconds(0.5));
+    wait.until(rig.clock().now() + seconds(0.5));
     at_baseline = array_at_baseline(rig, baseline);
   }
   if (!at_baseline || *at_baseline) return;
@@ -145,8 +170,9 @@ void retract_stage(Rig& rig, SafeProof& proof) {
   options.clear_z_mm = limits.clear_z_mm;
   options.speed_mm_per_s = rig.config().stage->options.axes[2].maximum_speed.value();
   options.safe_force_n = limits.contact_n;
-  const RetractProof stage = retract(*rig.stage_gate(), rig.force(), rig.clock(), options,
-                                     [&](Nanoseconds time) { rig.clock().wait_until(time); });
+  FedWait wait(rig);
+  const RetractProof stage =
+      retract(*rig.stage_gate(), rig.force(), rig.clock(), options, [&](Nanoseconds time) { wait.until(time); });
   proof.text += "; " + stage.text;
   if (stage.verified) return;
   const std::optional<double> force_n = stage.z_mm ? stage.force_n : send_home_unheard(rig, proof);
