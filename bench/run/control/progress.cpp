@@ -28,6 +28,18 @@ std::string progress_line(const RunStatus& status, double left_s, analysis::Pres
   return line;
 }
 
+double Pace::left_s(Clock::time_point now, int step, int steps) {
+  constexpr auto kRested = std::chrono::minutes(1);  // the line is renewed every 10 s at least, but not in a pause
+  if (step < seen_step_ || now - seen_ > kRested) {
+    since_ = now;
+    from_step_ = step;
+  }
+  seen_ = now;
+  seen_step_ = step;
+  if (step <= from_step_) return -1.0;
+  return std::chrono::duration<double>(now - since_).count() * (steps - step) / (step - from_step_);
+}
+
 Progress::Mode Progress::mode_for(bool quiet) {
   if (quiet) return Mode::kQuiet;
   const char* terminal = std::getenv("TERM");
@@ -49,8 +61,7 @@ void Progress::show(const RunStatus& status) {
   if (mode_ == Mode::kQuiet) return;
   shown_ = Clock::now();
   phase_ = status.phase;
-  const double elapsed = std::chrono::duration<double>(shown_ - start_).count();
-  const double by_pace = status.step > 0 ? elapsed * (status.steps - status.step) / status.step : -1.0;
+  const double by_pace = pace_.left_s(shown_, status.step, status.steps);
   const bool estimated = status.left_high_s > 0.0 && status.rate > 0.0;
   const std::string line = progress_line(status, estimated ? status.left_s / status.rate : by_pace, unit_);
   if (mode_ == Mode::kTerminal) {

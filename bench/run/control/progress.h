@@ -15,6 +15,19 @@ namespace tactbench::bench {
 std::string progress_line(const RunStatus& status, double left_s,
                           analysis::PressureUnit unit = analysis::PressureUnit::kPsi);
 
+// The time left by the pace so far, counted anew where the work went back to an earlier step or has rested.
+class Pace {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit Pace(Clock::time_point now = Clock::now()) : since_(now), seen_(now) {}
+  // Seconds; below 0: not known.
+  double left_s(Clock::time_point now, int step, int steps);
+
+ private:
+  Clock::time_point since_, seen_;
+  int from_step_ = 0, seen_step_ = 0;
+};
+
 class Progress {
  public:
   enum class Mode { kQuiet, kPlain, kTerminal };
@@ -30,11 +43,11 @@ class Progress {
   void finish();
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = Pace::Clock;
   Mode mode_;
   analysis::PressureUnit unit_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point shown_ = start_;
+  Clock::time_point shown_ = Clock::now();
+  Pace pace_;
   std::string phase_;  // shown last
   bool open_ = false;
 };

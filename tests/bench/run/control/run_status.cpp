@@ -2,6 +2,7 @@
 #include "bench/run/control/run_status.h"
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "bench/run/control/control.h"
@@ -13,6 +14,7 @@
 using namespace tactbench;
 using namespace tactbench::bench;
 using namespace tactbench::tests;
+using namespace std::chrono_literals;
 
 TEST_CASE("status: what a run tells is what a client reads") {
   const RunStatus sent = example_status();
@@ -157,4 +159,17 @@ TEST_CASE("status board: a phase reaches those who ask") {
   board.phase("warming up");
   CHECK(control.status().run == 7);
   CHECK(control.status().phase == "warming up");
+}
+
+TEST_CASE("run status: the time left by the pace so far, anew after a way back or a rest") {
+  const auto start = bench::Pace::Clock::now();
+  bench::Pace pace(start);
+  CHECK(pace.left_s(start, 0, 100) < 0.0);
+  CHECK(pace.left_s(start + 10s, 10, 100) == 90.0);
+  CHECK(pace.left_s(start + 20s, 40, 100) == 30.0);
+  CHECK(pace.left_s(start + 25s, 5, 100) < 0.0);  // the repeat is done again
+  CHECK(pace.left_s(start + 35s, 10, 100) == 180.0);
+  CHECK(pace.left_s(start + 1000s, 20, 100) < 0.0);  // it was paused
+  CHECK(pace.left_s(start + 1001s, 30, 100) == 7.0);
+  CHECK(pace.left_s(start + 1002s, 100, 100) == 0.0);
 }
