@@ -26,10 +26,11 @@ std::string only(const pugi::xml_document& document, const std::string& where, c
   struct Finder final : pugi::xml_tree_walker {
     explicit Finder(std::string_view wanted) : name(wanted) {}
     bool for_each(pugi::xml_node& node) override {
-      if (name != node.name()) return true;
-      ++count;
-      text = node.text().get();
-      return count < 2;
+      if (name == node.name()) {
+        ++count;
+        text = node.text().get();
+      }
+      return true;
     }
     std::string_view name;
     int count = 0;

@@ -93,8 +93,6 @@ ScanSet DaqmxScanner::read(int scans) {
   set.time = clock_.now();
   set.device_time_us =
       static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(set.time).count());
-  set.counts.reserve(static_cast<std::size_t>(std::max(scans, 0)) * levels_.size() *
-                     static_cast<std::size_t>(set.columns));
   try {
     for (int index = 0; index < scans; ++index) {
       for (int row = 0; row < set.rows; ++row) read_row(set, row);

@@ -189,7 +189,6 @@ std::vector<std::uint8_t> encode(const Message& message) {
   Bytes payload;
   std::visit([&](const auto& body) { write(payload, body); }, message.body);
   Bytes bytes(kMagic.begin(), kMagic.end());
-  bytes.reserve(kHeaderBytes + payload.size() + kChecksumBytes);
   put(bytes, kTypes[message.body.index()]);
   put(bytes, std::uint8_t{0});
   put(bytes, message.tag);

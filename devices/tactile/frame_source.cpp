@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <utility>
@@ -121,8 +120,6 @@ ScanSet FrameSource::read(int scans) {
   set.columns = options_.columns;
   set.scans = scans;
   set.time = clock_.now();
-  const auto taxels = static_cast<std::size_t>(set.rows) * static_cast<std::size_t>(set.columns);
-  set.counts.reserve(static_cast<std::size_t>(std::max(scans, 0)) * taxels);
   with_source([&] {
     for (int index = 0; index < scans; ++index) read_scan(set, index);
   });

@@ -113,7 +113,6 @@ ScanSet HidScanner::read(int scans) {
   set.scans = scans;
   set.counts.resize(static_cast<std::size_t>(std::max(scans, 0)) * static_cast<std::size_t>(set.rows) *
                     static_cast<std::size_t>(set.columns));
-  set.frame_counters.reserve(static_cast<std::size_t>(std::max(scans, 0)));
   set.time = clock_.now();
   with_scanner([&] {
     for (int index = 0; index < scans; ++index) read_scan(set, index);

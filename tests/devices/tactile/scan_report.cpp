@@ -126,3 +126,71 @@ TEST_CASE("scan report: a serial that does not fit is refused, not cut") {
   CHECK_THROWS_AS(encode(IdentityReport{1, 16, 16, 1.0F, "SEVENTEEN-LETTERS", ""}), std::invalid_argument);
   CHECK_THROWS_AS(encode(IdentityReport{1, 16, 16, 1.0F, "", "\x01"}), std::invalid_argument);
 }
+
+TEST_CASE("scan report: every byte of the padding has to be 0") {
+  const auto refused_at = [](auto sound, std::size_t at, auto decode) {
+    REQUIRE(decode(sound));
+    sound[at] = 1;
+    reseal(sound);
+    return !decode(sound);
+  };
+  for (std::size_t at = 47; at < 62; ++at)
+    CHECK(refused_at(encode(some_row()), at, [](auto bytes) { return decode_row(bytes).has_value(); }));
+  for (std::size_t at = 41; at < 62; ++at)
+    CHECK(refused_at(encode(some_identity()), at, [](auto bytes) { return decode_identity(bytes).has_value(); }));
+  for (std::size_t at = 4; at < 6; ++at)
+    CHECK(refused_at(encode(CommandReport{}), at, [](auto bytes) { return decode_command(bytes).has_value(); }));
+  // What stands beside the padding is a value: the last sample, the last letter, the tag.
+  RowReport row = some_row();
+  row.samples.back() = 0xFFFF;
+  CHECK(decode_row(encode(row)) == row);
+  const IdentityReport longest{7, 1, 2, 1.0F, "SIXTEEN-LETTERS!", "sixteen-letters?"};
+  CHECK(decode_identity(encode(longest)) == longest);
+  CHECK(decode_command(encode(CommandReport{ScanCommand::kIdentify, 0xFFFF})).value().tag == 0xFFFF);
+}
+
+TEST_CASE("scan report: texts are printable ASCII at each place, sixteen letters at most") {
+  const auto written = [](const std::string& serial, const std::string& firmware) {
+    try {
+      (void)encode(IdentityReport{1, 16, 16, 1.0F, serial, firmware});
+      return true;
+    } catch (const std::invalid_argument& error) {
+      CHECK_THAT(error.what(), Catch::Contains("16 ASCII characters: '" + (firmware.empty() ? serial : firmware)));
+      return false;
+    }
+  };
+  for (std::size_t at = 0; at < 16; ++at) {
+    for (const auto& [character, good] : {std::pair{' ', true}, {'~', true}, {'\x1F', false}, {'\x7F', false}}) {
+      std::string text(16, 'm');
+      text[at] = character;
+      CHECK(written(text, "") == good);
+      CHECK(written("", text) == good);
+      for (const std::size_t field : {9U, 25U}) {
+        auto bytes = encode(IdentityReport{1, 16, 16, 1.0F, std::string(16, 'm'), std::string(16, 'm')});
+        bytes[field + at] = static_cast<std::uint8_t>(character);
+        reseal(bytes);
+        const auto identity = decode_identity(bytes);
+        CHECK(identity.has_value() == good);
+        if (identity) CHECK((field == 9 ? identity->serial : identity->firmware) == text);
+      }
+    }
+  }
+  CHECK_FALSE(written(std::string(17, 'm'), ""));
+  CHECK_FALSE(written("", std::string(17, 'm')));
+  // Behind the first 0 there are only zeros.
+  for (const std::size_t field : {9U, 25U}) {
+    auto bytes = encode(IdentityReport{1, 16, 16, 1.0F, std::string(16, 'm'), std::string(16, 'm')});
+    for (std::size_t at = 16; at-- > 0;) {
+      bytes[field + at] = 0;
+      reseal(bytes);
+      const auto identity = decode_identity(bytes);
+      REQUIRE(identity);
+      CHECK((field == 9 ? identity->serial : identity->firmware) == std::string(at, 'm'));
+      if (at == 15) continue;
+      auto behind = bytes;
+      behind[field + 15] = 'x';
+      reseal(behind);
+      CHECK_FALSE(decode_identity(behind));
+    }
+  }
+}
