@@ -113,18 +113,18 @@ TEST_CASE("simulated Digital F/T: each register that it has, and none beside the
     return client.next(size);
   };
   const Bytes no_such = rtu_frame(Bytes{kUnit, 0x83, 2}), bad_count = rtu_frame(Bytes{kUnit, 0x83, 3});
-  for (int i = 0; i < 12; ++i) CHECK(answer(i, 1, 7) == DigitalClient::one_register(1000 + i));
-  CHECK(answer(0x001D, 1, 7) == DigitalClient::one_register(0));
+  for (int i = 0; i < 12; ++i) REQUIRE(answer(i, 1, 7) == DigitalClient::one_register(1000 + i));
+  REQUIRE(answer(0x001D, 1, 7) == DigitalClient::one_register(0));
   const auto bytes = encode(invented_digital());
   for (int i = 0; i < 169; ++i) {
     const auto at = static_cast<std::size_t>(2 * i);
-    CHECK(answer(0x00E3 + i, 1, 7) == DigitalClient::one_register(bytes[at] << 8 | bytes[at + 1]));
+    REQUIRE(answer(0x00E3 + i, 1, 7) == DigitalClient::one_register(bytes[at] << 8 | bytes[at + 1]));
   }
   for (const int absent : {12, 0x001C, 0x001E, 0x00E2, 0x00E3 + 169, 0x1000, 0xFFFF})
-    CHECK(answer(absent, 1, 5) == no_such);
-  CHECK(answer(11, 2, 5) == no_such);
-  CHECK(answer(10, 2, 9) == rtu_frame(Bytes{kUnit, 3, 4, 0x03, 0xF2, 0x03, 0xF3}));
-  for (const int count : {0, 126, 0x0101, 0x8000}) CHECK(answer(0x00E3, count, 5) == bad_count);
+    REQUIRE(answer(absent, 1, 5) == no_such);
+  REQUIRE(answer(11, 2, 5) == no_such);
+  REQUIRE(answer(10, 2, 9) == rtu_frame(Bytes{kUnit, 3, 4, 0x03, 0xF2, 0x03, 0xF3}));
+  for (const int count : {0, 126, 0x0101, 0x8000}) REQUIRE(answer(0x00E3, count, 5) == bad_count);
   const Bytes most = answer(0x00E3, 125, 255);
   CHECK((most.size() == 255 && rtu_frame_is_whole(most) && most[2] == 250));
   CHECK(std::equal(bytes.begin(), bytes.begin() + 250, most.begin() + 3));
@@ -141,19 +141,19 @@ TEST_CASE("simulated Digital F/T: requests come byte by byte, several at once, a
     client.send({byte});
     std::this_thread::sleep_for(2ms);
   }
-  CHECK(client.next(7) == reply);
+  REQUIRE(client.next(7) == reply);
   client.send(joined(request, rtu_read_holding(kUnit, 6, 1)));
-  CHECK(client.next(14) == joined(reply, DigitalClient::one_register(1006)));
+  REQUIRE(client.next(14) == joined(reply, DigitalClient::one_register(1006)));
   // Noise, another unit's request, the unit's number alone, and a function that it does not have.
   for (const Bytes& noise : {Bytes{0xFF}, Bytes{1, 2, 3}, rtu_read_holding(kUnit + 1, 5, 1), Bytes{kUnit},
                              Bytes{kUnit, 4}, Bytes{kUnit, 0x43, kUnit}, Bytes(14, 0xFF)}) {
     client.send(joined(noise, request));
-    CHECK(client.next(7) == reply);
+    REQUIRE(client.next(7) == reply);
   }
   client.send({0xFF});
   std::this_thread::sleep_for(2ms);  // a single byte that begins nothing
   client.send(request);
-  CHECK(client.next(7) == reply);
+  REQUIRE(client.next(7) == reply);
 }
 
 TEST_CASE("simulated Digital F/T: damaged requests and unknown starts are not answered") {

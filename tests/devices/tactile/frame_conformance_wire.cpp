@@ -7,7 +7,7 @@
 
 #include "devices/tactile/frame_source.h"
 #include "devices/tactile/simulated_frame_source.h"
-#include "devices/wire/stream_link.h"
+#include "tests/devices/tactile/frame_client.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 #include "tests/support/child_process.h"
@@ -18,57 +18,6 @@ using namespace tactbench::devices::frame_protocol;
 using namespace std::chrono_literals;
 
 namespace {
-
-class Client {
- public:
-  explicit Client(const std::string& address) : stream_(open_stream(address, kPatient)) {}
-
-  void send(std::uint16_t tag, const Body& body) { send_bytes(encode({tag, body})); }
-  void send_bytes(const std::vector<std::uint8_t>& bytes) { stream_->write(bytes); }
-
-  // The next message; empty when the source has closed.
-  std::optional<Message> next() {
-    for (;;) {
-      if (const auto packet = parser_.next()) {
-        const auto message = decode(*packet);
-        REQUIRE(message);
-        return message;
-      }
-      REQUIRE(parser_.broken().empty());
-      std::uint8_t bytes[4096];
-      std::size_t got = 0;
-      if (fault_id_of([&] { got = stream_->read(bytes, kPatient); }) == "TB-SERIAL-LOST") return std::nullopt;
-      REQUIRE(got > 0);
-      parser_.feed(std::span(bytes, got));
-    }
-  }
-
-  template <class Answer>
-  Answer expect(std::uint16_t tag) {
-    const auto message = next();
-    REQUIRE(message);
-    CHECK(message->tag == tag);
-    REQUIRE(std::holds_alternative<Answer>(message->body));
-    return std::get<Answer>(message->body);
-  }
-
-  // An error with tag 0 or nothing, then the end.
-  void expect_close() {
-    auto message = next();
-    if (message) {
-      CHECK(message->tag == 0);
-      const auto* error = std::get_if<Error>(&message->body);
-      REQUIRE(error != nullptr);
-      CHECK(error->code == ErrorCode::kDamaged);
-      message = next();
-    }
-    CHECK_FALSE(message);
-  }
-
- private:
-  std::unique_ptr<ByteStream> stream_;
-  Parser parser_;
-};
 
 // A request of any type and payload, correctly packed.
 std::vector<std::uint8_t> packed(std::uint8_t type, std::uint16_t tag, std::size_t payload) {
@@ -83,7 +32,7 @@ std::vector<std::uint8_t> packed(std::uint8_t type, std::uint16_t tag, std::size
 }
 
 void check_answers(const std::string& address) {
-  Client client(address);
+  FrameClient client(address);
   client.send(7, Identify{});
   const auto description = client.expect<Description>(7);
   CHECK(description.version == kVersion);
@@ -116,7 +65,7 @@ void check_answers(const std::string& address) {
 }
 
 void check_refusals(const std::string& address) {
-  Client client(address);
+  FrameClient client(address);
   client.send_bytes(packed(0x55, 3, 0));
   CHECK(client.expect<Error>(3).code == ErrorCode::kUnknownType);
   client.send_bytes(packed(0x55, 4, 40));
@@ -134,23 +83,23 @@ void check_refusals(const std::string& address) {
 void check_damage(const std::string& address) {
   for (const std::size_t at : {0U, 5U, 6U, 10U, 11U, 15U}) {  // magic, reserved, tag, length twice, CRC
     INFO("byte " << at);
-    Client client(address);
+    FrameClient client(address);
     auto bytes = encode({3, Scan{}});
     bytes[at] ^= 0x40U;
     client.send_bytes(bytes);
     client.expect_close();
   }
   {
-    Client client(address);
+    FrameClient client(address);
     client.send_bytes({'T', 'B'});  // hangs up in the middle of a request
   }
-  Client client(address);  // and the next connection is served as new
+  FrameClient client(address);  // and the next connection is served as new
   client.send(1, Scan{});
   (void)client.expect<Frame>(1);
 }
 
 void check_subscription(const std::string& address) {
-  Client client(address);
+  FrameClient client(address);
   client.send(20, Subscribe{});
   auto frame = client.expect<Frame>(20);
   for (int i = 0; i < 3; ++i) {
@@ -181,7 +130,7 @@ void check_subscription(const std::string& address) {
 }
 
 void check_driver(const std::string& address) {
-  Client client(address);
+  FrameClient client(address);
   client.send(1, Identify{});
   const auto description = client.expect<Description>(1);
   TurnedClock clock;

@@ -1,0 +1,24 @@
+// The driver of the Digital F/T at a line that never falls silent.
+#include <catch2/catch.hpp>
+
+#include "devices/force/digital_ft.h"
+#include "tests/devices/fault_of.h"
+#include "tests/devices/force/scripted_digital.h"
+
+using namespace tactbench::devices;
+using namespace tactbench::tests;
+using namespace std::chrono_literals;
+
+TEST_CASE("Digital F/T line: a stream that does not stop is given up after two seconds") {
+  Script script;
+  script.line.endless = true;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto fault = fault_of([&] { (void)script.open(); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-FORCE-TIMEOUT");
+  CHECK(fault->what() == std::string("asking the stream to stop of the sensor on port A: it continues within 2000 ms"));
+  CHECK(script.clock.now() == 2s);
+  CHECK(std::chrono::steady_clock::now() - begin >= 2s);
+  CHECK(script.jams() > 1);
+  CHECK(static_cast<std::size_t>(script.jams()) == script.line.written.size());
+}

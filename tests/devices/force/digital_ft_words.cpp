@@ -1,0 +1,143 @@
+// The driver of the Digital F/T against a line in memory (scripted_digital.h): how long it waits for each byte, and
+// every word of its complaints.
+#include <catch2/catch.hpp>
+
+#include "devices/force/digital_ft.h"
+#include "tests/devices/fault_of.h"
+#include "tests/devices/force/scripted_digital.h"
+
+using namespace tactbench::devices;
+using namespace tactbench::tests;
+using namespace std::chrono_literals;
+
+namespace {
+
+template <class Act>
+std::string said_by(Act&& act) {
+  const auto fault = fault_of(act);
+  return fault ? fault->id() + ": " + fault->what() : "";
+}
+
+// What opening says when the answers come so.
+std::string opened_with(const std::function<Bytes(const Bytes& answer)>& change) {
+  Script script;
+  script.options.reply_timeout = 20s;
+  script.line.change = [&](const Bytes&, const Bytes& answer) { return change(answer); };
+  return said_by([&] { (void)script.open(); });
+}
+
+const char* const kFirst = "reading 125 registers from 0x00E3 of the sensor on port A: ";
+
+}  // namespace
+
+TEST_CASE("Digital F/T line: each wait is for the quiet, for the reply, or for the reply and the samples") {
+  Script script;
+  script.options.quiet = 30s;
+  script.options.reply_timeout = 100s;
+  script.options.samples_per_second = 0.5;
+  script.line.chunk = 50;  // answers of more bytes come in pieces
+  script.line.coming = {1, 2, 3};
+  auto sensor = script.open();
+  auto& waits = script.line.waits;
+  // The rest of an old stream and then nothing; 255, 93 and 29 bytes of answers.
+  REQUIRE(waits.size() == 2 + 6 + 2 + 1);
+  for (std::size_t i = 0; i < waits.size(); ++i) {
+    INFO(i);
+    CHECK((waits[i] <= (i < 2 ? 30s : 100s) && waits[i] > (i < 2 ? 20s : 90s)));
+  }
+  waits.clear();
+  for (int i = 0; i < 8; ++i) script.say({1, 2, 3, 4, 5, 6});
+  (void)sensor.read(8);  // 16 s of samples
+  REQUIRE(waits.size() == 1 + 3 + 1);
+  CHECK((waits[0] <= 100s && waits[0] > 90s));
+  for (std::size_t i = 1; i < 4; ++i) CHECK((waits[i] <= 116s && waits[i] > 106s));
+  CHECK((waits[4] <= 30s && waits[4] > 20s));
+}
+
+TEST_CASE("Digital F/T line: what is wrong with a reply is said, and with which") {
+  CHECK(opened_with([](Bytes answer) {
+          answer[100] ^= 1U;
+          return answer;
+        }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "a damaged reply came");
+  for (const int exception : {1, 2, 4}) {
+    CHECK(opened_with([&](const Bytes&) {
+            return rtu_frame(Bytes{kUnit, 0x83, static_cast<std::uint8_t>(exception)});
+          }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "refused with exception " + std::to_string(exception));
+  }
+  CHECK(opened_with([](const Bytes& answer) {
+          Bytes body(answer.begin(), answer.end() - 2);
+          body[0] = kUnit + 1;
+          return rtu_frame(body);
+        }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "a damaged reply came");
+  CHECK(opened_with([](const Bytes&) {
+          Bytes refusal = rtu_frame(Bytes{kUnit, 0x83, 2});
+          refusal[4] ^= 1U;
+          return refusal;
+        }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "a damaged reply came");
+  CHECK(opened_with([](const Bytes&) {
+          return rtu_frame(Bytes{kUnit + 1, 0x83, 2});
+        }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "refused with exception 2");
+  CHECK(opened_with([](const Bytes& answer) { return Bytes(answer.begin(), answer.begin() + 4); }) ==
+        std::string("TB-FORCE-TIMEOUT: ") + kFirst + "4 of 255 bytes came within 20000 ms");
+  CHECK(opened_with([](const Bytes&) {
+          return Bytes{kUnit, 0x83, 2, 0};
+        }) == std::string("TB-FORCE-TIMEOUT: ") + kFirst + "4 of 255 bytes came within 20000 ms");
+}
+
+TEST_CASE("Digital F/T line: a refusal that comes in pieces is a refusal, to a start as to a reading") {
+  Script script;
+  auto sensor = script.open();
+  script.line.chunk = 1;
+  script.line.change = [](const Bytes& request, const Bytes& answer) {
+    if (request[1] == 0x46) return rtu_frame(Bytes{kUnit, 0xC6, 6});
+    return answer;
+  };
+  CHECK(said_by([&] { (void)sensor.read(1); }) ==
+        "TB-FORCE-PROTOCOL: starting the stream of the sensor on port A: refused with exception 6");
+  CHECK(script.jams() == 2);
+  script.line.change = [](const Bytes&, const Bytes&) { return Bytes(); };
+  CHECK(said_by([&] { (void)sensor.read(1); }) ==
+        "TB-FORCE-TIMEOUT: starting the stream of the sensor on port A: 0 of 5 bytes came within 500 ms");
+}
+
+TEST_CASE("Digital F/T line: samples that are missing, in error, at their limit or too much are said") {
+  Script script;
+  script.options.reply_timeout = 300ms;
+  script.options.samples_per_second = 1000.0;
+  script.line.registers[0x001D] = 0x00F5;
+  script.say({1, 2, 3, 4, 5, 6});
+  auto sensor = script.open();
+  CHECK(said_by([&] { (void)sensor.read(50); }) ==
+        "TB-FORCE-TIMEOUT: asking 50 samples of the sensor on port A: 1 came within 350 ms");
+  script.say({1, 2, 3, 4, 5, 6}, true);
+  CHECK(said_by([&] { (void)sensor.read(2); }) ==
+        "TB-FORCE-STATUS: the sensor on port A reports an error with a sample; its status register is 0x00F5");
+  script.line.stream.clear();
+  script.say({1, 2, 3, 4, 5, 32767});
+  CHECK(said_by([&] { (void)sensor.read(1); }) ==
+        "TB-FORCE-SATURATED: gauge G5 of the sensor on port A is at its limit (32767)");
+  script.line.registers[0x0003] = 77;
+  CHECK(said_by([&] { (void)script.open(); }) ==
+        "TB-FORCE-CALIBRATION: the sensor on port A runs with gain of gauge G3 at 77, its calibration requires 1003");
+  script.options.expected_serial = "FT1";
+  CHECK(
+      said_by([&] { (void)script.open(); }) ==
+      "TB-FORCE-SERIAL: the calibration of transducer 'FT1' was expected, the sensor on port A has that of 'FT99902'");
+}
+
+TEST_CASE("Digital F/T line: out of step, two samples in a row have to be right") {
+  // A right sample among wrong bytes, then again wrong ones, then two: the first one counts for nothing.
+  const auto right = encode(DigitalSample{{1, 2, 3, 4, 5, 6}, false});
+  const auto other = encode(DigitalSample{{60, 50, 40, 30, 20, 10}, false});
+  Script script;
+  auto sensor = script.open();
+  auto& stream = script.line.stream;
+  stream.insert(stream.end(), {0x31, 0x32, 0x33});
+  stream.insert(stream.end(), other.begin(), other.end());
+  stream.insert(stream.end(), 7, 0x35);
+  for (int i = 0; i < 3; ++i) stream.insert(stream.end(), right.begin(), right.end());
+  const auto reading = sensor.read(2);
+  CHECK(reading.raw == SixAxes{1, 2, 3, 4, 5, 6});
+  CHECK(reading.lost == 1);
+  CHECK(sensor.read(2).lost == 2);  // counted over all readings
+}

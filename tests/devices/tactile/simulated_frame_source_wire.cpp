@@ -1,0 +1,231 @@
+// The simulated frame source by its messages: each field, each of its faults, and what it says to a wrong request.
+#include "devices/tactile/simulated_frame_source.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "tests/devices/tactile/counted_array.h"
+#include "tests/devices/tactile/frame_client.h"
+
+using namespace tactbench::devices;
+using namespace tactbench::devices::frame_protocol;
+using namespace std::chrono_literals;
+using Packed = std::vector<std::uint8_t>;
+
+namespace {
+
+const Description kSmall{1, 2, 3, 0.25, "M", "S", "F"};
+
+struct FrameSim {
+  explicit FrameSim(SimulatedFrameSourceFaults faults = {})
+      : server({.description = kSmall, .faults = std::move(faults)}, array, clock),
+        address("tcp:127.0.0.1:" + std::to_string(server.port())) {}
+  TurnedClock clock;
+  CountedArray array;
+  SimulatedFrameSource server;
+  std::string address;
+};
+
+// Scan number `scan` as frame number `counter`.
+Frame frame_of(int scan, std::uint32_t counter) {
+  Frame frame{0, counter, static_cast<std::uint8_t>(16 * scan + 1), 2, 3, {}};  // status of rows 0 and 1 together
+  for (int i = 0; i < 6; ++i) frame.counts.push_back(static_cast<std::uint16_t>(100 * scan + i));
+  return frame;
+}
+
+void expect_frame(FrameClient& client, std::uint16_t tag, int scan, std::uint32_t counter) {
+  client.send(tag, Scan{});
+  CHECK(client.expect<Frame>(tag) == frame_of(scan, counter));
+}
+
+// The next message answers the identity: nothing else was on its way.
+void expect_description(FrameClient& client) {
+  client.send(4242, Identify{});
+  CHECK(client.expect<Description>(4242) == kSmall);
+}
+
+FaultInjector at_request(std::atomic<int>& asked, int number, InjectedFault fault) {
+  return [&asked, number, fault] { return asked++ == number ? fault : InjectedFault::kNone; };
+}
+
+// A packet with this type and payload and a CRC that fits.
+Packed sealed_packet(std::uint8_t type, std::uint16_t tag, const Packed& payload) {
+  Packed bytes{
+      'T', 'B', 'F', 'P', type, 0, static_cast<std::uint8_t>(tag & 0xFFU), static_cast<std::uint8_t>(tag >> 8U)};
+  bytes.insert(bytes.end(), {static_cast<std::uint8_t>(payload.size()), 0, 0, 0});
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  const std::uint32_t crc = crc32(bytes);
+  for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(crc >> (8 * i) & 0xFFU));
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("simulated frame source: every field of every frame") {
+  FrameSim sim;
+  FrameClient client(sim.address);
+  expect_description(client);
+  sim.clock.wait_until(70'999ns);
+  for (int scan = 0; scan < 3; ++scan) {
+    client.send(9, Scan{});
+    Frame frame = frame_of(scan, static_cast<std::uint32_t>(scan));
+    frame.device_time_us = scan < 2 ? 70 : 5'000'000'000;  // whole microseconds
+    CHECK(client.expect<Frame>(9) == frame);
+    if (scan == 1) sim.clock.wait_until(5000s);
+  }
+}
+
+TEST_CASE("simulated frame source: what it says to a wrong request, to damage, and where physics fail") {
+  FrameSim sim;
+  FrameClient client(sim.address);
+  const auto said = [&](const Packed& request, std::uint16_t tag) {
+    client.send_bytes(request);
+    return client.expect<Error>(tag);
+  };
+  const Error unknown{ErrorCode::kUnknownType, "not a request of this protocol"};
+  const Error misfit{ErrorCode::kBadPayload, "the payload does not fit the request"};
+  for (const std::uint8_t type :
+       {std::uint8_t{0}, std::uint8_t{5}, std::uint8_t{0x7F}, std::uint8_t{0x80}, std::uint8_t{0xFF}})
+    CHECK(said(sealed_packet(type, 0x0304, {}), 0x0304) == unknown);
+  for (const Body& answer : {Body{kSmall}, Body{frame_of(0, 0)}, Body{Done{}}, Body{Error{ErrorCode::kDevice, "x"}}})
+    CHECK(said(encode({5, answer}), 5) == unknown);
+  for (const std::uint8_t type : {std::uint8_t{2}, std::uint8_t{3}, std::uint8_t{4}})
+    CHECK(said(sealed_packet(type, 6, {0}), 6) == misfit);
+  CHECK(said(sealed_packet(1, 6, {}), 6) == misfit);
+  CHECK(said(sealed_packet(1, 6, {1}), 6) == misfit);
+  CHECK(said(sealed_packet(1, 6, {1, 0, 0}), 6) == misfit);
+  CHECK(sim.array.scans == 0);
+  sim.array.broken_scan = 1;
+  expect_frame(client, 1, 0, 0);
+  CHECK(said(encode({2, Scan{}}), 2) == Error{ErrorCode::kDevice, "the array does not answer"});
+  expect_frame(client, 3, 2, 1);
+  for (const auto& [at, word] : {std::pair{0, "magic"}, {5, "reserved byte"}, {15, "CRC"}}) {
+    FrameClient damaged(sim.address);
+    Packed request = encode({3, Scan{}});
+    request[static_cast<std::size_t>(at)] ^= 1U;
+    damaged.send_bytes(request);
+    CHECK(damaged.expect<Error>(0) == Error{ErrorCode::kDamaged, std::string("damaged request: ") + word});
+    CHECK_FALSE(damaged.next());
+  }
+  CHECK(sim.array.scans == 3);
+  expect_frame(client, 3, 3, 2);
+}
+
+TEST_CASE("simulated frame source: faults of a single scan, the first or a later one") {
+  for (const int at : {0, 1}) {
+    const auto tag = static_cast<std::uint16_t>(70 + at);
+    const auto counter = static_cast<std::uint32_t>(at);
+    const auto ask = [&](FrameClient& client) {
+      for (int scan = 0; scan < at; ++scan) expect_frame(client, 1, scan, static_cast<std::uint32_t>(scan));
+      client.send(tag, Scan{});
+    };
+    {
+      FrameSim sim({.corrupt_scan = at});
+      FrameClient client(sim.address);
+      ask(client);
+      Packed wrong = encode({tag, frame_of(at, counter)});
+      REQUIRE(wrong.size() == 46);
+      wrong[23] ^= 0x10U;
+      CHECK(client.raw(46) == wrong);
+      expect_frame(client, 2, at + 1, counter + 1);
+    }
+    {
+      FrameSim sim({.drop_scan = at});
+      FrameClient client(sim.address);
+      ask(client);
+      expect_frame(client, 2, at + 1, counter + 1);
+    }
+    {
+      FrameSim sim({.double_scan = at});
+      FrameClient client(sim.address);
+      ask(client);
+      for (int i = 0; i < 2; ++i) CHECK(client.expect<Frame>(tag) == frame_of(at, counter));
+      expect_frame(client, 2, at + 1, counter + 1);
+    }
+    {
+      FrameSim sim({.cut_scan = at});
+      FrameClient client(sim.address);
+      ask(client);
+      const Packed whole = encode({tag, frame_of(at, counter)});
+      CHECK(client.raw(46) == Packed(whole.begin(), whole.begin() + 23));
+      FrameClient again(sim.address);
+      expect_frame(again, 2, at + 1, counter + 1);
+    }
+    FrameSim sim({.silent_after_scans = at});
+    FrameClient client(sim.address);
+    ask(client);
+    client.send(2, Scan{});
+    expect_description(client);
+    CHECK(sim.array.scans == at);
+  }
+  FrameSim sim({.repeat_scan = 1});
+  FrameClient client(sim.address);
+  expect_frame(client, 1, 0, 0);
+  expect_frame(client, 2, 0, 0);
+  expect_frame(client, 3, 1, 1);
+}
+
+TEST_CASE("simulated frame source: each injected fault is that of one request") {
+  std::atomic<int> asked{0};
+  {
+    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kSilent)});
+    FrameClient client(sim.address);
+    expect_frame(client, 1, 0, 0);
+    client.send(2, Scan{});
+    expect_frame(client, 3, 1, 1);
+  }
+  asked = 0;
+  {
+    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kStale)});
+    FrameClient client(sim.address);
+    expect_frame(client, 1, 0, 0);
+    expect_frame(client, 2, 0, 0);
+    expect_frame(client, 3, 1, 1);
+  }
+  asked = 0;
+  {
+    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kCorrupt)});
+    FrameClient client(sim.address);
+    expect_frame(client, 1, 0, 0);
+    client.send(2, Scan{});
+    Packed wrong = encode({2, frame_of(1, 1)});
+    wrong[23] ^= 0x10U;
+    CHECK(client.raw(46) == wrong);
+    expect_frame(client, 3, 2, 2);
+  }
+  asked = 0;
+  {
+    FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kTorn)});
+    FrameClient client(sim.address);
+    expect_frame(client, 1, 0, 0);
+    client.send(2, Scan{});
+    CHECK(client.raw(46).size() == 23);
+  }
+  asked = 0;
+  FrameSim sim({.inject = at_request(asked, 1, InjectedFault::kUnplugged)});
+  FrameClient client(sim.address), other(sim.address);
+  expect_frame(client, 1, 0, 0);
+  client.send(2, Scan{});
+  CHECK_FALSE(client.next());
+  expect_frame(other, 3, 1, 1);
+}
+
+TEST_CASE("simulated frame source: rates above 0 up to 100 kHz, descriptions that can be told") {
+  TurnedClock clock;
+  CountedArray array;
+  const auto opened = [&](double rate) {
+    const auto fault =
+        fault_of([&] { SimulatedFrameSource({.description = kSmall, .free_running_hz = rate}, array, clock); });
+    return fault ? fault->id() + ": " + fault->what() : "";
+  };
+  for (const double rate : {0.001, 0.5, 1e5}) CHECK(opened(rate).empty());
+  for (const double rate :
+       {0.0, -1.0, std::nextafter(1e5, 1e6), std::nan(""), std::numeric_limits<double>::infinity()}) {
+    CHECK_THAT(opened(rate),
+               Catch::StartsWith("TB-SIM-LISTEN: ") && Catch::EndsWith("a rate lies above 0, up to 100 kHz"));
+  }
+  CHECK_THROWS_AS(SimulatedFrameSource({.description = {1, 0, 3, 0.25, "", "", ""}}, array, clock),
+                  std::invalid_argument);
+}

@@ -1,0 +1,253 @@
+// The simulated scanner by its reports: each field, each of its faults, and clients that read late or leave.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <thread>
+
+#include "devices/tactile/simulated_scanner.h"
+#include "devices/wire/packet_link.h"
+#include "tests/devices/tactile/counted_array.h"
+#include "tests/devices/test_chamber.h"
+#include "tests/devices/timeouts.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using Report = std::vector<std::uint8_t>;
+
+namespace {
+
+struct ScannerSim {
+  explicit ScannerSim(SimulatedScannerFaults faults = {}, int rows = 5, int columns = 3)
+      : server(path, {0, static_cast<std::uint8_t>(rows), static_cast<std::uint8_t>(columns), 0.25F, "S1", "F1"}, array,
+               clock, std::move(faults)) {}
+  [[nodiscard]] std::unique_ptr<ReportLink> open() const { return open_packet_link(path); }
+  TemporaryFolder folder;
+  std::string path = folder.path("scanner.sock");
+  TurnedClock clock;
+  CountedArray array;
+  SimulatedScanner server;
+};
+
+void send_command(ReportLink& link, ScanCommand command, std::uint16_t tag) {
+  link.write(encode(CommandReport{command, tag}));
+}
+
+Report next_report(ReportLink& link) {
+  Report report(kScanReportBytes + 1);
+  report.resize(link.read(report, kPatient));
+  return report;
+}
+
+// The next report answers the identity: nothing else was on its way.
+void expect_identity(ReportLink& link) {
+  send_command(link, ScanCommand::kIdentify, 4242);
+  const auto identity = decode_identity(next_report(link));
+  REQUIRE(identity);
+  CHECK(*identity == IdentityReport{4242, 5, 3, 0.25F, "S1", "F1"});
+}
+
+// What a whole scan number `scan` of 5 x 3 taxels looks like when its first report has this sequence number.
+RowReport row_of(int scan, int row, std::uint16_t tag, int sequence, std::uint32_t frame, std::uint32_t time) {
+  RowReport report{static_cast<std::uint16_t>(sequence + row), frame, tag, static_cast<std::uint8_t>(row),
+                   static_cast<std::uint8_t>(16 * scan + row), time,  {}};
+  for (int column = 0; column < 3; ++column)
+    report.samples[static_cast<std::size_t>(column)] = static_cast<std::uint16_t>(100 * scan + 3 * row + column);
+  return report;
+}
+
+FaultInjector at_command(std::atomic<int>& asked, int number, InjectedFault fault) {
+  return [&asked, number, fault] { return asked++ == number ? fault : InjectedFault::kNone; };
+}
+
+}  // namespace
+
+TEST_CASE("simulated scanner: every field of every row, scan after scan") {
+  ScannerSim sim;
+  const auto link = sim.open();
+  expect_identity(*link);
+  sim.clock.wait_until(70us);
+  for (int scan = 0; scan < 3; ++scan) {
+    const auto tag = static_cast<std::uint16_t>(7 + 1000 * scan);
+    send_command(*link, ScanCommand::kScan, tag);
+    for (int row = 0; row < 5; ++row) {
+      const auto report = decode_row(next_report(*link));
+      REQUIRE(report);
+      CHECK(*report == row_of(scan, row, tag, 5 * scan, static_cast<std::uint32_t>(scan), scan < 2 ? 70 : 71));
+    }
+    if (scan == 1) sim.clock.wait_until(71'999ns);  // whole microseconds are told
+  }
+  expect_identity(*link);
+}
+
+TEST_CASE("simulated scanner: physics that fail are silence, and the next scan is the next") {
+  ScannerSim sim;
+  sim.array.broken_scan = 0;
+  const auto link = sim.open();
+  send_command(*link, ScanCommand::kScan, 1);
+  expect_identity(*link);
+  send_command(*link, ScanCommand::kScan, 2);
+  for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(*link)) == row_of(1, row, 2, 0, 0, 0));
+}
+
+TEST_CASE("simulated scanner: a damaged and a missing row are the middle one of their scan") {
+  for (const auto& [rows, middle] : {std::pair{5, 2}, {4, 2}, {1, 0}}) {
+    ScannerSim damaged({.corrupt_scan = 1}, rows);
+    const auto link = damaged.open();
+    for (int scan = 0; scan < 3; ++scan) {
+      send_command(*link, ScanCommand::kScan, 1);
+      for (int row = 0; row < rows; ++row) {
+        Report report = next_report(*link);
+        REQUIRE(report.size() == kScanReportBytes);
+        if (scan == 1 && row == middle) {
+          CHECK_FALSE(decode_row(report));
+          report[20] ^= 0x10U;
+        }
+        CHECK(decode_row(report) == row_of(scan, row, 1, rows * scan, static_cast<std::uint32_t>(scan), 0));
+      }
+    }
+    ScannerSim missing({.drop_report_scan = 1}, rows);
+    const auto other = missing.open();
+    for (int scan = 0; scan < 3; ++scan) {
+      send_command(*other, ScanCommand::kScan, 1);
+      for (int row = 0; row < rows; ++row) {
+        if (scan == 1 && row == middle) continue;
+        CHECK(decode_row(next_report(*other)) ==
+              row_of(scan, row, 1, rows * scan, static_cast<std::uint32_t>(scan), 0));
+      }
+    }
+  }
+}
+
+TEST_CASE("simulated scanner: silent from a scan on, the first one included, though its identity is told") {
+  for (const int silent : {0, 1}) {
+    ScannerSim sim({.silent_after_scans = silent});
+    const auto link = sim.open();
+    for (int scan = 0; scan < 3; ++scan) {
+      send_command(*link, ScanCommand::kScan, 1);
+      for (int row = 0; row < 5 && scan < silent; ++row)
+        CHECK(decode_row(next_report(*link)) == row_of(0, row, 1, 0, 0, 0));
+    }
+    expect_identity(*link);
+    CHECK(sim.array.scans == silent);
+  }
+}
+
+TEST_CASE("simulated scanner: unplugged after so many scans, the first command included") {
+  for (const int scans : {0, 2}) {
+    ScannerSim sim({.unplug_after_scans = scans});
+    const auto link = sim.open();
+    for (int scan = 0; scan < scans; ++scan) {
+      send_command(*link, ScanCommand::kScan, 1);
+      for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(*link)).value().row == row);
+    }
+    send_command(*link, ScanCommand::kIdentify, 1);
+    CHECK(fault_id_of([&] { (void)next_report(*link); }) == "TB-HID-LOST");
+    CHECK_FALSE(std::filesystem::exists(sim.path));
+    CHECK(fault_id_of([&] { (void)sim.open(); }) == "TB-HID-OPEN");
+  }
+}
+
+TEST_CASE("simulated scanner: each injected fault is that of one command") {
+  std::atomic<int> asked{0};
+  const auto scanned = [](ReportLink& link, int scan, int sequence, std::uint32_t frame) {
+    send_command(link, ScanCommand::kScan, 9);
+    for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(link)) == row_of(scan, row, 9, sequence, frame, 0));
+  };
+  {
+    ScannerSim sim({.inject = at_command(asked, 1, InjectedFault::kSilent)});
+    const auto link = sim.open();
+    scanned(*link, 0, 0, 0);
+    send_command(*link, ScanCommand::kScan, 9);
+    scanned(*link, 1, 5, 1);
+    CHECK(sim.array.scans == 2);
+  }
+  asked = 0;
+  {
+    ScannerSim sim({.inject = at_command(asked, 1, InjectedFault::kStale)});
+    const auto link = sim.open();
+    scanned(*link, 0, 0, 0);
+    scanned(*link, 0, 5, 1);  // the same values in a new frame
+    scanned(*link, 1, 10, 2);
+  }
+  asked = 0;
+  {
+    ScannerSim sim({.inject = at_command(asked, 0, InjectedFault::kCorrupt)});
+    const auto link = sim.open();
+    send_command(*link, ScanCommand::kScan, 9);
+    for (int row = 0; row < 5; ++row) CHECK(decode_row(next_report(*link)).has_value() == (row != 2));
+    scanned(*link, 1, 5, 1);
+  }
+  asked = 0;
+  {
+    ScannerSim sim({.inject = at_command(asked, 0, InjectedFault::kTorn)});
+    const auto link = sim.open();
+    send_command(*link, ScanCommand::kScan, 9);
+    for (const int row : {0, 1, 3, 4}) CHECK(decode_row(next_report(*link)).value().row == row);
+    scanned(*link, 1, 5, 1);
+  }
+  asked = 0;
+  ScannerSim sim({.inject = at_command(asked, 1, InjectedFault::kUnplugged)});
+  const auto link = sim.open();
+  scanned(*link, 0, 0, 0);
+  send_command(*link, ScanCommand::kScan, 9);
+  CHECK(fault_id_of([&] { (void)next_report(*link); }) == "TB-HID-LOST");
+  const auto again = sim.open();  // it is there again
+  scanned(*again, 1, 5, 1);
+}
+
+TEST_CASE("simulated scanner: one client at a time, and the next when it has left") {
+  ScannerSim sim;
+  auto first = sim.open();
+  const auto second = sim.open();
+  send_command(*second, ScanCommand::kIdentify, 8);
+  expect_identity(*first);
+  expect_identity(*first);
+  Report none(kScanReportBytes);
+  CHECK(second->read(none, 0ns) == 0);
+  first.reset();
+  CHECK(decode_identity(next_report(*second)).value().tag == 8);
+}
+
+TEST_CASE("simulated scanner: a client that does not read loses the newest reports, whole ones, and keeps its line") {
+  ScannerSim sim;
+  const auto link = sim.open();
+  int sent = 0;
+  for (; sent < 400; ++sent) {
+    send_command(*link, ScanCommand::kScan, static_cast<std::uint16_t>(sent));
+    while (sim.array.scans <= sent) std::this_thread::yield();
+  }
+  int came = 0;
+  for (Report report(kScanReportBytes); link->read(report, 0ns) > 0; ++came) {
+    const auto row = decode_row(report);
+    REQUIRE(row);
+    if (row->sequence != came) break;
+  }
+  CHECK((came > 10 && came < 5 * 400));
+  send_command(*link, ScanCommand::kIdentify, 77);  // rows of the last scan may still come before its answer
+  auto identity = decode_identity(next_report(*link));
+  for (int late = 0; late < 10 && !identity; ++late) identity = decode_identity(next_report(*link));
+  REQUIRE(identity);
+  CHECK(identity->tag == 77);
+}
+
+TEST_CASE("simulated scanner: columns that a report holds, paths that an address holds") {
+  TurnedClock clock;
+  CountedArray array;
+  const TemporaryFolder folder;
+  const auto fault_with = [&](const std::string& path, int columns) {
+    const auto fault = fault_of([&] {
+      SimulatedScanner(path, {0, 1, static_cast<std::uint8_t>(columns), 1.0F, "S", "1"}, array, clock);
+    });
+    return fault ? fault->id() + ": " + fault->what() : "";
+  };
+  const std::string path = folder.path("s.sock");
+  CHECK(fault_with(path, 16).empty());
+  CHECK(fault_with(path, 17) == "TB-SIM-LISTEN: listening on " + path + ": a report holds 16 columns, not 17");
+  const std::string longest = folder.path("") + std::string(107 - folder.path("").size(), 'x');
+  CHECK(fault_with(longest, 16).empty());
+  CHECK(fault_with(longest + "x", 16) == "TB-SIM-LISTEN: listening on " + longest + "x: the path is empty or too long");
+  CHECK(fault_with("", 16) == "TB-SIM-LISTEN: listening on : the path is empty or too long");
+  CHECK_THAT(fault_with(folder.path("no/such"), 16), Catch::Contains("No such file"));
+  CHECK_THROWS_AS(SimulatedScanner(path, {0, 1, 1, 1.0F, std::string(17, 's'), "1"}, array, clock),
+                  std::invalid_argument);
+}
