@@ -37,6 +37,7 @@ TEST_CASE("Digital F/T line: each wait is for the quiet, for the reply, or for t
   script.options.samples_per_second = 0.5;
   script.line.chunk = 50;  // answers of more bytes come in pieces
   script.line.coming = {1, 2, 3};
+  script.line.deaf = true;
   auto sensor = script.open();
   auto& waits = script.line.waits;
   // The rest of an old stream and then nothing; 255, 93 and 29 bytes of answers.
@@ -135,9 +136,27 @@ TEST_CASE("Digital F/T line: out of step, two samples in a row have to be right"
   stream.insert(stream.end(), {0x31, 0x32, 0x33});
   stream.insert(stream.end(), other.begin(), other.end());
   stream.insert(stream.end(), 7, 0x35);
-  for (int i = 0; i < 3; ++i) stream.insert(stream.end(), right.begin(), right.end());
+  for (int i = 0; i < 2; ++i) stream.insert(stream.end(), right.begin(), right.end());  // and nothing behind them
   const auto reading = sensor.read(2);
   CHECK(reading.raw == SixAxes{1, 2, 3, 4, 5, 6});
   CHECK(reading.lost == 1);
   CHECK(sensor.read(2).lost == 2);  // counted over all readings
+}
+
+TEST_CASE("Digital F/T line: forces and torques each have their counts") {
+  DigitalCalibration calibration = wide();
+  for (std::size_t row = 0; row < 6; ++row) {
+    calibration.matrix[row] = {};
+    calibration.matrix[row][row] = 2.0F;
+  }
+  calibration.counts_per_force = 100;
+  calibration.counts_per_torque = 8000;
+  calibration.range = {50.0F, 60.0F, 70.0F, 8.0F, 9.0F, 10.0F};
+  Script script(calibration);
+  script.say({100, 200, 300, 4, 5, 6});
+  auto sensor = script.open();
+  CHECK(sensor.range() == SixAxes{50, 60, 70, 8000, 9000, 10'000});
+  const auto wrench = sensor.read(1).wrench;
+  CHECK(wrench.force_n == std::array<double, 3>{2, 4, 6});
+  CHECK(wrench.torque_nmm == std::array<double, 3>{1, 1.25, 1.5});
 }
