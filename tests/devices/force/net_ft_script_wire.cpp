@@ -1,122 +1,15 @@
-// The driver of the Net F/T against a peer that sends what a test says: doubled, late, few, strange and wrapping
-// records.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/eventfd.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <algorithm>
+// The driver of the Net F/T against a peer that sends what a test says (scripted_net_ft.h): doubled, late, few, strange
+// and wrapping records.
 #include <catch2/catch.hpp>
-#include <fstream>
-#include <functional>
-#include <mutex>
-#include <thread>
 
-#include "devices/force/net_ft.h"
-#include "devices/force/rdt_record.h"
-#include "devices/wire/ends/end_at_work.h"
-#include "devices/wire/ends/loopback.h"
-#include "tests/devices/test_chamber.h"
+#include "tests/devices/force/scripted_net_ft.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
 
-namespace {
-
-// Answers each request with the records of `script`, called with the number of the request (from 0) and its count.
-class ScriptedSensor {
- public:
-  using Script = std::function<std::vector<RdtRecord>(int number, std::uint32_t count)>;
-  explicit ScriptedSensor(Script script)
-      : script_(std::move(script)), bound_(bind_loopback(SOCK_DGRAM, 0, "test")), stop_(::eventfd(0, 0)) {
-    thread_ = work_.thread([this] { serve(); });
-  }
-  ~ScriptedSensor() {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = ::write(stop_, &one, sizeof one);
-    thread_.join();
-    ::close(stop_);
-    ::close(bound_.socket);
-  }
-  ScriptedSensor(const ScriptedSensor&) = delete;
-  ScriptedSensor& operator=(const ScriptedSensor&) = delete;
-  [[nodiscard]] int port() const { return bound_.port; }
-  // How many records each request has asked for.
-  [[nodiscard]] std::vector<std::uint32_t> asked() const {
-    const std::lock_guard lock(mutex_);
-    return asked_;
-  }
-
- private:
-  void serve() {
-    for (int number = 0;;) {
-      std::vector<pollfd> watched{{stop_, POLLIN, 0}, {bound_.socket, POLLIN, 0}};
-      if (work_.wait(watched) < 0) continue;
-      if (watched[0].revents != 0) return;
-      std::array<std::uint8_t, 64> bytes{};
-      sockaddr_in client{};
-      socklen_t size = sizeof client;
-      auto* const address = reinterpret_cast<sockaddr*>(&client);
-      const ssize_t got = ::recvfrom(bound_.socket, bytes.data(), bytes.size(), 0, address, &size);
-      const auto request =
-          decode_rdt_request(std::span(bytes).first(static_cast<std::size_t>(std::max(got, ssize_t{0}))));
-      if (!request) continue;
-      {
-        const std::lock_guard lock(mutex_);
-        asked_.push_back(request->count);
-      }
-      for (const RdtRecord& record : script_(number++, request->count)) {
-        const auto encoded = encode(record);
-        const std::size_t length = record.status == kShort ? encoded.size() - 1 : encoded.size();
-        ::sendto(bound_.socket, encoded.data(), length, 0, address, size);
-      }
-    }
-  }
-
- public:
-  static constexpr std::uint32_t kShort = 0xFFFFFFFF;  // a status that stands for a torn datagram
-
- private:
-  Script script_;
-  BoundSocket bound_;
-  int stop_;
-  mutable std::mutex mutex_;
-  std::vector<std::uint32_t> asked_;
-  EndAtWork work_;
-  std::thread thread_;
-};
-
-// A sensor that has sent `sample` samples so far, the counts of Fx alike.
-RdtRecord record_of(std::uint32_t sequence, std::uint32_t sample, std::uint32_t status = 0) {
-  return {sequence, sample, status, {static_cast<std::int32_t>(sample & 0xFFFFU), 0, 0, 0, 0, 0}};
-}
-
-struct Bench {
-  explicit Bench(ScriptedSensor::Script script, Nanoseconds reply_timeout = 20s) : server(std::move(script)) {
-    NetFtPage page;
-    page.product = "scripted";
-    page.range = SixAxes{25, 25, 35, 250, 250, 250};
-    options.page_file = folder.path("page.xml");
-    std::ofstream(options.page_file) << format_netft_page(page);
-    options.host = "127.0.0.1";
-    options.port = server.port();
-    options.reply_timeout = reply_timeout;
-    sensor = std::make_unique<NetFt>(options, clock);
-  }
-  TemporaryFolder folder;
-  ScriptedSensor server;
-  NetFtOptions options;
-  TurnedClock clock;
-  std::unique_ptr<NetFt> sensor;
-};
-
-}  // namespace
-
 TEST_CASE("Net F/T: a hundred records are one request, one more is two") {
   std::uint32_t sample = 0;
-  Bench bench([&](int, std::uint32_t count) {
+  ScriptedBench bench([&](int, std::uint32_t count) {
     std::vector<RdtRecord> records;
     for (std::uint32_t i = 1; i <= count; ++i) records.push_back(record_of(i, ++sample));
     return records;
@@ -129,7 +22,7 @@ TEST_CASE("Net F/T: a hundred records are one request, one more is two") {
 }
 
 TEST_CASE("Net F/T: a record that the network doubled counts once, wherever it comes") {
-  Bench bench([](int, std::uint32_t) {
+  ScriptedBench bench([](int, std::uint32_t) {
     return std::vector<RdtRecord>{record_of(1, 10), record_of(1, 10), record_of(2, 20), record_of(1, 10),
                                   record_of(3, 30)};
   });
@@ -140,7 +33,7 @@ TEST_CASE("Net F/T: a record that the network doubled counts once, wherever it c
 
 TEST_CASE("Net F/T: the sample counter wraps, and what comes late from before the wrap is old") {
   std::uint32_t sample = 0xFFFFFFFCU;
-  Bench bench([&](int number, std::uint32_t count) {
+  ScriptedBench bench([&](int number, std::uint32_t count) {
     std::vector<RdtRecord> records;
     if (number == 1) records.push_back(record_of(9, 0xFFFFFFFDU));  // a straggler
     for (std::uint32_t i = 1; i <= count; ++i) records.push_back(record_of(i, ++sample));
@@ -152,7 +45,7 @@ TEST_CASE("Net F/T: the sample counter wraps, and what comes late from before th
 }
 
 TEST_CASE("Net F/T: the newest sample is the newest that came, in whatever order") {
-  Bench bench([](int number, std::uint32_t) {
+  ScriptedBench bench([](int number, std::uint32_t) {
     if (number == 0) return std::vector<RdtRecord>{record_of(1, 5), record_of(3, 7), record_of(2, 6)};
     return std::vector<RdtRecord>{record_of(1, 7), record_of(2, 8), record_of(3, 9)};  // 7 was seen already
   });
@@ -168,7 +61,7 @@ TEST_CASE("Net F/T: lost records are requested three times, then reported as a f
     for (std::uint32_t i = 1; i <= (count + 1) / 2; ++i) records.push_back(record_of(i, ++sample));
     return records;
   };
-  Bench bench(half, 30ms);
+  ScriptedBench bench(half, 30ms);
   const ForceReading reading = bench.sensor->read(4);  // 2, then 1, then 1
   CHECK((reading.records == 4 && reading.lost == 3));
   CHECK(bench.server.asked() == std::vector<std::uint32_t>{4, 2, 1});
@@ -181,7 +74,7 @@ TEST_CASE("Net F/T: lost records are requested three times, then reported as a f
 }
 
 TEST_CASE("Net F/T: samples that are all old mean a stalled sensor, or one that restarted") {
-  Bench bench([](int number, std::uint32_t count) {
+  ScriptedBench bench([](int number, std::uint32_t count) {
     const std::uint32_t first = number == 0 ? 100 : 1;  // then it was switched off and on
     std::vector<RdtRecord> records;
     for (std::uint32_t i = 0; i < count; ++i) records.push_back(record_of(i + 1, first + i));
@@ -198,7 +91,7 @@ TEST_CASE("Net F/T: samples that are all old mean a stalled sensor, or one that 
 
 TEST_CASE("Net F/T: fewer old samples than were asked for, and then silence, is standing still, too") {
   int number = 0;
-  Bench bench(
+  ScriptedBench bench(
       [&](int, std::uint32_t count) {
         std::vector<RdtRecord> records;
         for (std::uint32_t i = 1; i <= (number == 0 ? count : 1U); ++i) records.push_back(record_of(i, i));
@@ -211,7 +104,8 @@ TEST_CASE("Net F/T: fewer old samples than were asked for, and then silence, is 
 }
 
 TEST_CASE("Net F/T: a datagram that is no record is a fault") {
-  Bench bench([](int, std::uint32_t) { return std::vector<RdtRecord>{record_of(1, 1, ScriptedSensor::kShort)}; });
+  ScriptedBench bench(
+      [](int, std::uint32_t) { return std::vector<RdtRecord>{record_of(1, 1, ScriptedSensor::kShort)}; });
   const auto fault = fault_of([&] { (void)bench.sensor->read(1); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-FORCE-PROTOCOL");
@@ -220,7 +114,7 @@ TEST_CASE("Net F/T: a datagram that is no record is a fault") {
 
 TEST_CASE("Net F/T: the status of all records is kept, an error with another beside saturation is no saturation") {
   std::uint32_t sample = 0;
-  Bench bench([&](int number, std::uint32_t) {
+  ScriptedBench bench([&](int number, std::uint32_t) {
     // Then saturation and a monitor that tripped, then saturation and temperature.
     const std::vector<std::vector<std::uint32_t>> statuses = {
         {0x80010000U, 0, 0x00010000U}, {0x80030000U}, {0x80020004U}};
@@ -237,7 +131,7 @@ TEST_CASE("Net F/T: the status of all records is kept, an error with another bes
 }
 
 TEST_CASE("Net F/T: a page file is a regular file with something in it, of which a million bytes are read") {
-  Bench bench([](int, std::uint32_t) { return std::vector<RdtRecord>(); });
+  ScriptedBench bench([](int, std::uint32_t) { return std::vector<RdtRecord>(); });
   const auto opened = [&](const std::string& path) {
     bench.options.page_file = path;
     const auto fault = fault_of([&] { NetFt(bench.options, bench.clock); });

@@ -247,6 +247,18 @@ TEST_CASE("simulated Net F/T: an injected fault holds for a request of up to 64 
     CHECK(client.expect_calm().ft_sequence == 2);
   }
   asked = 0;
+  {
+    NetClient client(numbered, {.inject = at_call(asked, 1, InjectedFault::kSilent)});
+    client.send(RdtCommand::kStartRealtime, 130);
+    for (std::uint32_t i = 1; i <= 66; ++i) client.expect(i <= 64 ? i : i + 64, i, static_cast<int>(i) - 1);
+  }
+  asked = 0;
+  {
+    NetClient client(numbered, {.inject = at_call(asked, 1, InjectedFault::kSilent)}, 500.0);
+    client.send(RdtCommand::kStartRealtime);  // an endless stream goes on after it
+    for (std::uint32_t i = 1; i <= 4; ++i) client.expect(i < 2 ? i : i + 1, i, static_cast<int>(i) - 1);
+  }
+  asked = 0;
   NetClient client(numbered, {.inject = at_call(asked, 1, InjectedFault::kSilent)});
   client.expect_calm();
   client.send(RdtCommand::kStartRealtime, 2);
