@@ -131,7 +131,7 @@ class SimulatedFrameSource::Server {
   bool attend(Subscriber& client) {
     std::uint8_t bytes[512];
     const ssize_t got = ::recv(client.socket, bytes, sizeof bytes, 0);
-    if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    if (got < 0) return errno == EAGAIN;
     if (got == 0) return false;
     client.parser.feed(std::span(bytes, static_cast<std::size_t>(got)));
     while (const auto packet = client.parser.next()) answer(client, *packet);
@@ -145,8 +145,7 @@ class SimulatedFrameSource::Server {
   bool flush(Subscriber& client) {
     while (!client.unsent.empty()) {
       const ssize_t sent = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
-      if (sent < 0 && errno == EINTR) continue;
-      if (sent < 0) return errno == EAGAIN || errno == EWOULDBLOCK;
+      if (sent < 0) return errno == EAGAIN;
       client.unsent.erase(client.unsent.begin(), client.unsent.begin() + sent);
     }
     return !client.closing;

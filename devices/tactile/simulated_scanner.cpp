@@ -99,7 +99,7 @@ class SimulatedScanner::Server {
   bool attend() {
     std::uint8_t bytes[kScanReportBytes];
     const ssize_t got = ::recv(client_, bytes, sizeof bytes, 0);
-    if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    if (got < 0) return errno == EAGAIN;
     if (got == 0) return false;
     if (faults_.unplug_after_scans >= 0 && scans_ >= faults_.unplug_after_scans) {
       ::unlink(path_.c_str());
@@ -158,8 +158,8 @@ class SimulatedScanner::Server {
       const int now =
           ::sendmmsg(client_, messages_.data() + sent, static_cast<unsigned>(messages_.size() - sent), MSG_NOSIGNAL);
       // A reader that does not read loses the newest reports, as in the kernel's ring of HID reports.
-      if (now < 0 && errno != EINTR) return errno == EAGAIN || errno == EWOULDBLOCK;
-      if (now > 0) sent += static_cast<std::size_t>(now);
+      if (now < 0) return errno == EAGAIN;
+      sent += static_cast<std::size_t>(now);
     }
     return true;
   }

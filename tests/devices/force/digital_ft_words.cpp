@@ -143,6 +143,19 @@ TEST_CASE("Digital F/T line: out of step, two samples in a row have to be right"
   CHECK(sensor.read(2).lost == 2);  // counted over all readings
 }
 
+TEST_CASE("Digital F/T line: noise without end is read to the end of its time, and no longer") {
+  Script script;
+  script.options.reply_timeout = 20ms;
+  script.options.samples_per_second = 1000.0;
+  auto sensor = script.open();
+  script.line.change = [&](const Bytes& request, const Bytes& answer) {
+    script.line.endless = request[1] == 0x46;
+    return answer;
+  };
+  CHECK(said_by([&] { (void)sensor.read(5); }) ==
+        "TB-FORCE-TIMEOUT: asking 5 samples of the sensor on port A: 0 came within 25 ms");
+}
+
 TEST_CASE("Digital F/T line: forces and torques each have their counts") {
   DigitalCalibration calibration = wide();
   for (std::size_t row = 0; row < 6; ++row) {

@@ -78,6 +78,59 @@ TEST_CASE("RDT: status bits are named, a tripped monitor is not an error") {
   CHECK(rdt_status_is_error(0x00000004));
 }
 
+TEST_CASE("RDT: every bit of the status has its name, and only the monitor's and the summary's are no errors") {
+  const std::array<const char*, 32> names{"bit 0",
+                                          "HTTP",
+                                          "temperature",
+                                          "reference voltage",
+                                          "link data",
+                                          "supply low",
+                                          "supply high",
+                                          "ground",
+                                          "excitation low",
+                                          "excitation high",
+                                          "analog watchdog",
+                                          "flash memory",
+                                          "EEPROM",
+                                          "stack",
+                                          "watchdog",
+                                          "bit 15",
+                                          "monitor condition latched",
+                                          "saturation or A/D error",
+                                          "DeviceNet",
+                                          "EtherNet/IP",
+                                          "RDT",
+                                          "CAN",
+                                          "network",
+                                          "configuration against calibration",
+                                          "settings",
+                                          "halted by configuration",
+                                          "program memory",
+                                          "serial link",
+                                          "analog board",
+                                          "digital board",
+                                          "CPU or RAM",
+                                          "error summary"};
+  std::string all;
+  for (std::size_t bit = 32; bit-- > 0;) {
+    const std::uint32_t status = 1U << bit;
+    CHECK(rdt_status_text(status) == names[bit]);
+    CHECK(rdt_status_is_error(status) == (bit != 16));  // the summary alone is an error that no bit names
+    CHECK(rdt_status_is_error(status | 0x80010000U) == (bit != 16 && bit != 31));
+    all += (all.empty() ? "" : ", ") + std::string(names[bit]);
+  }
+  CHECK(rdt_status_text(0xFFFFFFFF) == all);
+}
+
+TEST_CASE("RDT: each command has its number, and numbers beside them are none") {
+  for (unsigned number = 0; number < 0x100; ++number) {
+    const auto request = decode_rdt_request(Bytes{0x12, 0x34, 0, static_cast<std::uint8_t>(number), 9, 8, 7, 6});
+    CHECK(request.has_value() == (number == 0 || (number >= 2 && number <= 4) || number == 0x41 || number == 0x42));
+    if (request) CHECK((static_cast<unsigned>(request->command) == number && request->count == 0x09080706));
+    CHECK_FALSE(decode_rdt_request(Bytes{0x12, 0x34, 1, static_cast<std::uint8_t>(number), 0, 0, 0, 0}));
+  }
+}
+
 TEST_CASE("Net F/T page: every field, anywhere below the root") {
   const auto page = parse_netft_page(kPage, "page");
   CHECK(page.product == "Net F/T");

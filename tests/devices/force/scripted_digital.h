@@ -60,7 +60,9 @@ class LineStream final : public ByteStream {
     const Bytes request(bytes.begin(), bytes.end());
     line_.written.push_back(request);
     if (std::ranges::all_of(request, [](std::uint8_t byte) { return byte == 0xFF; })) {
-      if (!line_.deaf) line_.coming.clear();
+      if (line_.deaf) return;
+      line_.coming.clear();
+      line_.endless = false;
       return;
     }
     const Bytes answer = line_.change(request, line_.answer(request));

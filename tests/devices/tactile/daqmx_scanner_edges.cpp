@@ -113,6 +113,7 @@ TEST_CASE("daqmx scanner told: counts are the mean of the samples, of each taxel
     return 1.0 + 2.0 * row + 0.5 * column + (sample == 3 ? 0.4 : 0.0);
   };
   DaqmxScanner scanner(rig.options, rig.clock);
+  CHECK(rig.called("TaskControl") == 1);  // the inputs are reserved once, so that each row starts quickly
   rig.clock.wait_until(1s + 1'999ns);
   const ScanSet set = scanner.read(2);
   // 65535 counts are 8 V; the mean lies 0.1 V above each first sample.
@@ -133,6 +134,7 @@ TEST_CASE("daqmx scanner told: counts are the mean of the samples, of each taxel
     const ScanSet empty = scanner.read(none);
     CHECK((empty.counts.empty() && empty.frame_counters.empty() && empty.scans == none));
   }
+  CHECK(rig.called("TaskControl") == 1);
   CHECK(rig.card.writes.size() == writes + 2);  // the relays are opened all the same
 }
 

@@ -167,6 +167,27 @@ TEST_CASE("simulated frame source: faults of a single scan, the first or a later
   expect_frame(client, 3, 1, 1);
 }
 
+TEST_CASE("simulated frame source: a fault of the second of two scans that are asked for at once") {
+  Packed requests = encode({1, Scan{}});
+  const Packed second = encode({2, Scan{}});
+  requests.insert(requests.end(), second.begin(), second.end());
+  Packed both = encode({1, frame_of(0, 0)});
+  const Packed later = encode({2, frame_of(1, 1)});
+  both.insert(both.end(), later.begin(), later.end());
+  {
+    FrameSim sim({.corrupt_scan = 1});
+    FrameClient client(sim.address);
+    client.send_bytes(requests);
+    Packed wrong = both;
+    wrong[46 + 23] ^= 0x10U;
+    CHECK(client.raw(92) == wrong);
+  }
+  FrameSim sim({.cut_scan = 1});
+  FrameClient client(sim.address);
+  client.send_bytes(requests);
+  CHECK(client.raw(92) == Packed(both.begin(), both.begin() + 46 + 23));
+}
+
 TEST_CASE("simulated frame source: each injected fault is that of one request") {
   std::atomic<int> asked{0};
   {

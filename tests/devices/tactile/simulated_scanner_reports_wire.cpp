@@ -216,6 +216,9 @@ TEST_CASE("simulated scanner: a client that does not read loses the newest repor
     send_command(*link, ScanCommand::kScan, static_cast<std::uint16_t>(sent));
     while (sim.array.scans <= sent) std::this_thread::yield();
   }
+  send_command(*link, ScanCommand::kIdentify, 76);  // this answer is lost, too
+  send_command(*link, ScanCommand::kScan, 0);
+  while (sim.array.scans <= sent) std::this_thread::yield();
   int came = 0;
   for (Report report(kScanReportBytes); link->read(report, 0ns) > 0; ++came) {
     const auto row = decode_row(report);

@@ -35,3 +35,22 @@ TEST_CASE("simulated scanner: an invalid path, and one left behind by a killed p
   }
   CHECK_FALSE(std::filesystem::exists(path));
 }
+
+TEST_CASE("simulated scanner: beside the client that is served, five may wait") {
+  TurnedClock clock;
+  TestArray array;
+  const TemporaryFolder folder;
+  const auto path = folder.path("scanner.sock");
+  const SimulatedScanner scanner(path, {0, 16, 16, 1.0F, "S", "1"}, array, clock);
+  const HidScanner served(open_packet_link(path), {}, clock);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  std::vector<int> waiting;
+  for (int i = 0; i < 8; ++i) {
+    const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0);
+    waiting.push_back(socket);
+    CHECK((::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) == (i < 5));
+  }
+  for (const int socket : waiting) ::close(socket);
+}

@@ -1,0 +1,47 @@
+// A process that may open so many more descriptors and no others, while this lives.
+#pragma once
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactbench::tests {
+
+class FewDescriptors {
+ public:
+  explicit FewDescriptors(int left) {
+    if (::getrlimit(RLIMIT_NOFILE, &before_) != 0) throw std::runtime_error("no limit of descriptors");
+    int highest = 2;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+      highest = std::max(highest, std::stoi(entry.path().filename().string()));
+    }
+    rlimit few = before_;
+    few.rlim_cur = static_cast<rlim_t>(highest + 1 + left);
+    if (::setrlimit(RLIMIT_NOFILE, &few) != 0) throw std::runtime_error("the limit of descriptors is fixed");
+    for (int copy = ::dup(2); copy >= 0; copy = ::dup(2)) taken_.push_back(copy);
+    for (int i = 0; i < left; ++i, taken_.pop_back()) ::close(taken_.back());
+  }
+  ~FewDescriptors() {
+    for (const int copy : taken_) ::close(copy);
+    ::setrlimit(RLIMIT_NOFILE, &before_);
+  }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+
+  [[nodiscard]] static auto open() {
+    const std::filesystem::directory_iterator all("/proc/self/fd");
+    return std::distance(begin(all), end(all));
+  }
+
+ private:
+  rlimit before_{};
+  std::vector<int> taken_;
+};
+
+}  // namespace tactbench::tests
