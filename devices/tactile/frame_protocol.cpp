@@ -76,7 +76,7 @@ bool good_text(const std::string& text) {
   const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   for (std::size_t i = 0; i < text.size();) {
     const unsigned first = at(i);
-    if (first < 0x20 || first == 0x7F || (first > 0x7F && first < 0xC2) || first > 0xF4) return false;
+    if (first < 0x20 || (first >= 0x7F && first < 0xC2) || first > 0xF4) return false;
     const std::size_t size = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
     const unsigned lowest = first == 0xC2 || first == 0xE0 ? 0xA0U
                             : first == 0xF0                ? 0x90U

@@ -104,7 +104,7 @@ class SimulatedFrameSource::Server {
         const bool open = watched[i].revents == 0 || (client.unsent.empty() ? attend(client) : flush(client));
         if (!open) ::close(std::exchange(client.socket, -1));
       }
-      std::erase_if(clients_, [](const Subscriber& client) { return client.socket < 0; });
+      forget_closed();
       if (watched[1].revents != 0) accept();
       if (subscribed() && Real::now() >= next_frame_) publish();
     }
@@ -216,6 +216,10 @@ class SimulatedFrameSource::Server {
     }
   }
 
+  void forget_closed() {
+    std::erase_if(clients_, [](const Subscriber& client) { return client.socket < 0; });
+  }
+
   // Sends a frame to each subscriber that has taken the previous one; a slow one sees the counter jump.
   void publish() {
     next_frame_ = std::max(next_frame_ + period_, Real::now());
@@ -225,7 +229,7 @@ class SimulatedFrameSource::Server {
       put(client, {*client.subscription, last_});
       if (!flush(client)) ::close(std::exchange(client.socket, -1));
     }
-    std::erase_if(clients_, [](const Subscriber& client) { return client.socket < 0; });
+    forget_closed();
   }
 
   SimulatedFrameSourceOptions options_;

@@ -1,9 +1,12 @@
 // A .cal file attribute by attribute: each that has to be there, each number for itself, every word of a complaint.
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
 
 #include "devices/force/ati_calibration.h"
 #include "tests/devices/fault_of.h"
 #include "tests/devices/force/invented_calibration.h"
+#include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
 
@@ -143,4 +146,23 @@ TEST_CASE("calibration told: elements that are there twice, and texts that are n
   InventedCalibration huge;
   huge.scale[4] = 1e-307;
   CHECK(refusal_of(huge.text()) == "its numbers are too large for a matrix");
+}
+
+TEST_CASE("calibration told: a file of one byte is read, one of none is empty") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("t.cal");
+  const auto said = [&] {
+    const auto fault = fault_of([&] { (void)read_ati_calibration(path); });
+    REQUIRE(fault);
+    return std::string(fault->what());
+  };
+  const std::string front = "reading the calibration " + path + ": ";
+  CHECK(said() == front + "it cannot be opened");
+  std::ofstream(path) << "";
+  CHECK(said() == front + "it is empty");
+  std::ofstream(path) << "x";
+  CHECK_THAT(said(), Catch::StartsWith(front + "it is not XML"));
+  std::filesystem::remove(path);
+  std::filesystem::create_directory(path);
+  CHECK(said() == front + "it is not a regular file");
 }

@@ -182,6 +182,11 @@ TEST_CASE("Net F/T told: what is wrong with its page is said, and the bench file
   CHECK(opened() == "TB-FORCE-CALIBRATION: the configuration of the sensor at S names no range (cfgmr)");
   std::ofstream(file) << "<netft/>";
   CHECK(opened() == "TB-FORCE-CALIBRATION: reading the configuration " + file + ": prodname is missing");
+  std::ofstream(file) << "x";  // a single byte is something to read
+  CHECK_THAT(opened(),
+             Catch::StartsWith("TB-FORCE-CALIBRATION: reading the configuration " + file + ": it is not XML"));
+  std::ofstream(file) << "";
+  CHECK_THAT(opened(), Catch::EndsWith("it is not a regular file, is empty or cannot be read"));
   bench.options.page_file = bench.folder.path("absent.xml");
   CHECK(opened() == "TB-FORCE-CALIBRATION: reading the configuration " + bench.options.page_file +
                         ": it is not a regular file, is empty or cannot be read");
