@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -129,7 +128,7 @@ class SimulatedNetFt::Server {
     std::uint32_t sequence = 0;
     while (sequence < count) {
       const auto batch = std::min<std::uint32_t>(count - sequence, kSendBatch);
-      if (!send(client, sequence, batch)) return;
+      send(client, sequence, batch);
       sequence += batch;
     }
   }
@@ -142,10 +141,7 @@ class SimulatedNetFt::Server {
       endless_->sent = 0;
     }
     while (due(endless_->sent + 1) <= time) {
-      if (!send(endless_->client, endless_->sequence, 1)) {
-        endless_.reset();  // the client is gone
-        return;
-      }
+      send(endless_->client, endless_->sequence, 1);
       ++endless_->sequence;
       ++endless_->sent;
     }
@@ -166,11 +162,11 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // Sends a stream's records from `sequence + 1` on in one call; false when the client cannot be reached.
-  bool send(const sockaddr_in& client, std::uint32_t sequence, std::uint32_t count) {
+  // Sends a stream's records from `sequence + 1` on in one call.
+  void send(const sockaddr_in& client, std::uint32_t sequence, std::uint32_t count) {
     const SimulatedNetFtFaults& faults = options_.faults;
     const InjectedFault injected = faults.inject ? faults.inject() : InjectedFault::kNone;
-    if (injected == InjectedFault::kSilent) return true;
+    if (injected == InjectedFault::kSilent) return;
     packets_.clear();
     std::optional<RdtBytes> held;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -191,10 +187,11 @@ class SimulatedNetFt::Server {
       if (held) packets_.push_back(*std::exchange(held, std::nullopt));
     }
     if (held) packets_.push_back(*held);
-    return send_packets(client);
+    send_packets(client);
   }
 
-  bool send_packets(sockaddr_in client) {
+  // What the network does not take is lost, as any datagram may be.
+  void send_packets(sockaddr_in client) {
     std::array<iovec, kSendBatch> parts{};
     std::array<mmsghdr, kSendBatch> messages{};
     for (std::size_t i = 0; i < packets_.size(); ++i) {
@@ -204,13 +201,8 @@ class SimulatedNetFt::Server {
       messages[i].msg_hdr.msg_iov = &parts[i];
       messages[i].msg_hdr.msg_iovlen = 1;
     }
-    std::size_t sent = 0;
-    while (sent < packets_.size()) {
-      const int now = ::sendmmsg(rdt_.socket, messages.data() + sent, static_cast<unsigned>(packets_.size() - sent), 0);
-      if (now < 0) return errno == EAGAIN;
-      sent += static_cast<std::size_t>(now);
-    }
-    return true;
+    [[maybe_unused]] const int sent =
+        ::sendmmsg(rdt_.socket, messages.data(), static_cast<unsigned>(packets_.size()), 0);
   }
 
   SimulatedNetFtOptions options_;
