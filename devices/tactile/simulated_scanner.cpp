@@ -153,15 +153,9 @@ class SimulatedScanner::Server {
       messages_[i].msg_hdr.msg_iov = &parts_[i];
       messages_[i].msg_hdr.msg_iovlen = 1;
     }
-    std::size_t sent = 0;
-    while (sent < messages_.size()) {
-      const int now =
-          ::sendmmsg(client_, messages_.data() + sent, static_cast<unsigned>(messages_.size() - sent), MSG_NOSIGNAL);
-      // A reader that does not read loses the newest reports, as in the kernel's ring of HID reports.
-      if (now < 0) return errno == EAGAIN;
-      sent += static_cast<std::size_t>(now);
-    }
-    return true;
+    // A reader that does not read loses the newest reports, as in the kernel's ring of HID reports.
+    const int sent = ::sendmmsg(client_, messages_.data(), static_cast<unsigned>(messages_.size()), MSG_NOSIGNAL);
+    return sent >= 0 || errno == EAGAIN;
   }
 
   std::string path_;
