@@ -91,8 +91,9 @@ std::vector<std::uint8_t> DigitalFt::answer(std::size_t size, const std::string&
     came += got;
     if (came >= 5 && (bytes[1] & 0x80U) != 0) bytes.resize(size = 5);  // an exception is shorter
   }
-  if (rtu_frame_is_whole(bytes) && bytes[0] == options_.unit && (bytes[1] & 0x80U) == 0) return bytes;
-  const bool refused = rtu_frame_is_whole(bytes) && (bytes[1] & 0x80U) != 0;
+  const bool own = rtu_frame_is_whole(bytes) && bytes[0] == options_.unit;
+  const bool refused = own && (bytes[1] & 0x80U) != 0;
+  if (own && !refused) return bytes;
   throw Fault("TB-FORCE-PROTOCOL", kForceDevice,
               fmt::format("{} of the sensor on {}: {}", asked, stream_->description(),
                           refused ? fmt::format("refused with exception {}", bytes[2]) : "a damaged reply came"),

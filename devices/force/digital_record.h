@@ -5,7 +5,7 @@
 //   error and whose bits 0-6 are the sum of the twelve bytes, modulo 128.
 // Calibration, 338 bytes (169 registers from 0x00E3): serial[8], part[32], family[4], date[20], f32 matrix[6][6], u8
 //   force unit, u8 torque unit, f32 range[6], i32 counts per force, i32 counts per torque, u16 gain[6], u16 offset[6],
-//   48 unused bytes. All big-endian (the order of a value's two registers is not verified).
+//   72 unused bytes. All big-endian (the order of a value's two registers is not verified).
 #pragma once
 
 #include <array>

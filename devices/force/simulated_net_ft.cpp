@@ -133,7 +133,7 @@ class SimulatedNetFt::Server {
     }
   }
 
-  // Sends the records that are due. A delayed thread omits those it missed; the sequence numbers show the gap.
+  // Sends the records that are due. After a delay of more than a second it goes on from now, as if it had rested.
   void keep_pace() {
     const SteadyTime time = now();
     if (time - due(endless_->sent) > std::chrono::seconds(1)) {
