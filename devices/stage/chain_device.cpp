@@ -247,11 +247,10 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
       return answer(kPosition, counter(now));
     case kReturnSetting: {
       const auto asked = data >= 0 && data <= 255 ? static_cast<ZaberCommand>(data) : kError;
-      if (asked == kSetPosition) return answer(kSetPosition, counter(now));
       const auto found = settings_.find(asked);
-      if (found == settings_.end()) return answer(kError, 53);
+      if (asked != kSetPosition && found == settings_.end()) return answer(kError, 53);
       // Carries the setting's number, but replies to a "return" command, which mode bit 0 (silence) does not cover.
-      return replies.push_back({number_, asked, found->second, frame.id});
+      return replies.push_back({number_, asked, asked == kSetPosition ? counter(now) : found->second, frame.id});
     }
     case kRestoreSettings:
       return answer_or_refuse(data == 0 ? 0 : 36, data);

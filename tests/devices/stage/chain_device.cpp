@@ -1,5 +1,5 @@
 // The simulated device without a wire: answers, errors and motion as in the manual of firmware 5.
-#include "devices/stage/chain_device.h"
+#include "tests/devices/stage/chain_bench.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,39 +9,8 @@ using namespace tactbench::devices;
 using namespace std::chrono_literals;
 using enum ZaberCommand;
 
-namespace {
-
-struct Bench {
-  ChainDevice device{ChainDeviceOptions{}};
-  Nanoseconds now{0};
-
-  std::vector<ZaberFrame> send(ZaberCommand command, std::int32_t data, std::uint8_t to = 1) {
-    std::vector<ZaberFrame> replies;
-    device.run(now, replies);
-    replies.clear();
-    if (device.hears(to)) device.receive({to, command, data, 5}, now, 1, replies);
-    return replies;
-  }
-  std::int32_t error_of(ZaberCommand command, std::int32_t data) {
-    const auto replies = send(command, data);
-    return replies.size() == 1 && replies[0].command == kError ? replies[0].data : 0;
-  }
-  std::vector<ZaberFrame> pass(Nanoseconds time) {
-    now += time;
-    std::vector<ZaberFrame> replies;
-    device.run(now, replies);
-    return replies;
-  }
-  void home() {
-    REQUIRE(send(kHome, 0).empty());
-    REQUIRE(pass(60s) == std::vector<ZaberFrame>{{1, kHome, 0, 5}});
-  }
-};
-
-}  // namespace
-
 TEST_CASE("a chain device reports its identity and its position") {
-  Bench bench;
+  ChainBench bench;
   CHECK(bench.send(kDeviceId, 0) == std::vector<ZaberFrame>{{1, kDeviceId, 60, 5}});
   CHECK(bench.send(kFirmware, 0) == std::vector<ZaberFrame>{{1, kFirmware, 523, 5}});
   CHECK(bench.send(kSupplyVoltage, 0) == std::vector<ZaberFrame>{{1, kSupplyVoltage, 150, 5}});
@@ -53,7 +22,7 @@ TEST_CASE("a chain device reports its identity and its position") {
 }
 
 TEST_CASE("a chain device refuses with the manual's error numbers") {
-  Bench bench;
+  ChainBench bench;
   CHECK(bench.error_of(static_cast<ZaberCommand>(99), 0) == 64);
   CHECK(bench.error_of(kReturnSetting, 99) == 53);
   CHECK(bench.error_of(kRenumber, 255) == 2);
@@ -92,7 +61,7 @@ TEST_CASE("a chain device refuses with the manual's error numbers") {
 }
 
 TEST_CASE("a move is answered when it ends, and of a replaced move only the replacement is answered") {
-  Bench bench;
+  ChainBench bench;
   bench.home();
   CHECK(bench.send(kMoveAbsolute, 100000).empty());
   CHECK(bench.pass(1s).empty());
@@ -107,7 +76,7 @@ TEST_CASE("a move is answered when it ends, and of a replaced move only the repl
 }
 
 TEST_CASE("constant speed is answered at once and its limit reported unasked") {
-  Bench bench;
+  ChainBench bench;
   bench.home();
   CHECK(bench.send(kConstantSpeed, 3000) == std::vector<ZaberFrame>{{1, kConstantSpeed, 3000, 5}});
   CHECK(bench.send(kStatus, 0)[0].data == 22);
@@ -123,7 +92,7 @@ TEST_CASE("constant speed is answered at once and its limit reported unasked") {
 }
 
 TEST_CASE("move tracking comes every quarter of a second when its mode bit is set") {
-  Bench bench;
+  ChainBench bench;
   bench.home();
   bench.send(kMode, kZaberMoveTracking | kZaberHomed);
   bench.send(kMoveAbsolute, 50000);
@@ -137,7 +106,7 @@ TEST_CASE("move tracking comes every quarter of a second when its mode bit is se
 }
 
 TEST_CASE("without auto-reply a chain device answers queries only") {
-  Bench bench;
+  ChainBench bench;
   bench.send(kMode, kZaberNoAutoReply);
   CHECK(bench.send(kTargetSpeed, 100).empty());
   CHECK(bench.send(kReturnSetting, 42) == std::vector<ZaberFrame>{{1, kTargetSpeed, 100, 5}});
@@ -147,7 +116,7 @@ TEST_CASE("without auto-reply a chain device answers queries only") {
 }
 
 TEST_CASE("reset loses home status and position but no setting, and an alias is accepted beside the own number") {
-  Bench bench;
+  ChainBench bench;
   bench.home();
   bench.send(kTargetSpeed, 123);
   bench.send(kAlias, 9);
@@ -162,7 +131,7 @@ TEST_CASE("reset loses home status and position but no setting, and an alias is 
 }
 
 TEST_CASE("stored positions, memory and set position keep the values written") {
-  Bench bench;
+  ChainBench bench;
   bench.home();
   bench.send(kMoveAbsolute, 4000);
   bench.pass(60s);
@@ -179,7 +148,7 @@ TEST_CASE("stored positions, memory and set position keep the values written") {
 }
 
 TEST_CASE("another resolution moves nothing, now and in what has passed, and counts in its own steps") {
-  Bench bench;
+  ChainBench bench;
   bench.home();
   bench.send(kMoveAbsolute, 100000);
   const Nanoseconds began = bench.now;

@@ -57,8 +57,13 @@ TEST_CASE("data beyond 24 bits is refused instead of becoming another value") {
       FAIL("it was encoded");
     } catch (const Fault& fault) {
       CHECK(fault.id() == "TB-STAGE-DATA");
+      CHECK(fault.device() == "stage device 1");
+      CHECK_THAT(fault.what(),
+                 Catch::Contains("move absolute (20) with data " + std::to_string(data) + " was requested"));
     }
   }
+  CHECK(encode({3, ZaberCommand::kMoveRelative, kZaberDataMax, 1}) == ZaberBytes{3, 21, 0xFF, 0xFF, 0x7F, 1});
+  CHECK(encode({3, ZaberCommand::kMoveRelative, kZaberDataMin, 1}) == ZaberBytes{3, 21, 0x00, 0x00, 0x80, 1});
 }
 
 TEST_CASE("every Zaber frame survives encoding and decoding") {
@@ -108,6 +113,22 @@ TEST_CASE("the Zaber parser drops an incomplete frame after 10 ms of silence and
   // Silence between whole frames costs nothing.
   CHECK(frames_of(parser, {1, 60, 6, 0, 0, 4}, 10s).size() == 1);
   CHECK(parser.dropped() == 5);
+}
+
+TEST_CASE("a single byte before a silence is dropped, and that nothing came ends no silence") {
+  ZaberParser parser(20ms);
+  CHECK(frames_of(parser, {1}, 0ms).empty());
+  CHECK(parser.waiting() == 1);
+  CHECK(frames_of(parser, {}, 19ms).empty());
+  CHECK(frames_of(parser, {2, 60, 5, 0, 0, 3}, 20ms + 1ns) ==
+        std::vector<ZaberFrame>{{2, ZaberCommand::kPosition, 5, 3}});
+  CHECK(parser.dropped() == 1);
+  CHECK(frames_of(parser, {1, 60}, 10s).empty());
+  CHECK(frames_of(parser, {5, 0, 0, 3, 9}, 10s + 20ms).size() == 1);
+  CHECK(parser.waiting() == 1);
+  CHECK(frames_of(parser, {1, 60}, 20s).empty());
+  CHECK(parser.dropped() == 2);
+  CHECK(parser.waiting() == 2);
 }
 
 TEST_CASE("units of the T-NA08A50 and the T-LA60A are the manual's") {
@@ -171,6 +192,13 @@ TEST_CASE("a position converts to microsteps and back within half a microstep, n
   CHECK_FALSE(na.microsteps(Millimetres(std::numeric_limits<double>::infinity())).has_value());
   CHECK_FALSE(na.microsteps(Millimetres(1e6)).has_value());
   CHECK_FALSE(na.speed_data(MillimetresPerSecond(-1e9)).has_value());
+  const ZaberUnits whole{1.0};
+  CHECK(whole.microsteps(Millimetres(8388607.4)) == kZaberDataMax);
+  CHECK_FALSE(whole.microsteps(Millimetres(8388607.5)).has_value());
+  CHECK(whole.microsteps(Millimetres(-8388608.4)) == kZaberDataMin);
+  CHECK_FALSE(whole.microsteps(Millimetres(-8388608.5)).has_value());
+  CHECK(whole.microsteps(Millimetres(8388607.0)) == 8388607);
+  CHECK(whole.microsteps(Millimetres(-8388608.0)) == -8388608);
 }
 
 TEST_CASE("every Zaber command and error of the manual has a name of its own") {
