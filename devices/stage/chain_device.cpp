@@ -246,11 +246,13 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
     case kPosition:
       return answer(kPosition, counter(now));
     case kReturnSetting: {
-      const auto asked = data >= 0 && data <= 255 ? static_cast<ZaberCommand>(data) : kError;
-      const auto found = settings_.find(asked);
-      if (asked != kSetPosition && found == settings_.end()) return answer(kError, 53);
+      const auto asked = [&](const auto& each) { return static_cast<std::int32_t>(each.first) == data; };
+      const auto found = std::find_if(settings_.begin(), settings_.end(), asked);
+      const bool position = data == static_cast<std::int32_t>(kSetPosition);
+      if (!position && found == settings_.end()) return answer(kError, 53);
       // Carries the setting's number, but replies to a "return" command, which mode bit 0 (silence) does not cover.
-      return replies.push_back({number_, asked, asked == kSetPosition ? counter(now) : found->second, frame.id});
+      return position ? replies.push_back({number_, kSetPosition, counter(now), frame.id})
+                      : replies.push_back({number_, found->first, found->second, frame.id});
     }
     case kRestoreSettings:
       return answer_or_refuse(data == 0 ? 0 : 36, data);

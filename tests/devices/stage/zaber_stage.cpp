@@ -1,0 +1,245 @@
+// The Zaber driver without a wire: limits at their edges, what each command sends, and what its faults say.
+#include "devices/stage/zaber_stage.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/stage_alone.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+namespace {
+
+template <class Act>
+void check_fault(Act&& act, const std::string& id, const std::string& device, const std::string& said) {
+  const auto fault = fault_of(act);
+  REQUIRE(fault);
+  CHECK(fault->id() == id);
+  CHECK(fault->device() == device);
+  CHECK(fault->what() == said);
+  CHECK(fault->cause() == (id == "TB-STAGE-LIMIT" ? Cause::kLimit : Cause::kDevice));
+  CHECK_FALSE(fault->remedy().empty());
+}
+
+constexpr Millimetres kEnd{8.9296875};  // 90000 steps of x
+
+}  // namespace
+
+TEST_CASE("a Zaber stage goes to the ends of its limits and to nothing beyond them") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].low = Millimetres(2.0);
+  options.axes[0].high = Millimetres(6.0);
+  StageAlone alone(options);
+  alone.ready();
+  const std::string allowed = "allowed is 2 to 6 mm at up to 4.46484 mm/s; nothing was sent";
+  for (const double target : {1.9999, 6.0001, -1.0}) {
+    check_fault([&] { alone.stage.start_move_to(Axis::kX, Millimetres(target), {}); }, "TB-STAGE-LIMIT",
+                "stage x (device 1)", fmt::format("stage x (device 1): {:g} mm was requested, {}", target, allowed));
+    check_fault([&] { alone.stage.start_move_by(Axis::kX, Millimetres(target), {}); }, "TB-STAGE-LIMIT",
+                "stage x (device 1)", fmt::format("stage x (device 1): {:g} mm was requested, {}", target, allowed));
+  }
+  CHECK(alone.sent().empty());
+  for (const double target : {2.0, 6.0}) {
+    alone.stage.start_move_to(Axis::kX, Millimetres(target), {});
+    CHECK(alone.stage.wait(Axis::kX).value() == Approx(target).margin(1e-4));
+  }
+}
+
+TEST_CASE("a Zaber stage goes to the end of the device's own travel where its limits are wider") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].low = Millimetres(-5.0);
+  StageAlone alone(options);
+  alone.ready();
+  // Half a step rounds to the next one.
+  for (const double target : {kEnd.value() + 0.00006, -0.00006}) {
+    CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(target), {}); }) == "TB-STAGE-LIMIT");
+  }
+  CHECK(alone.sent().empty());
+  for (const double target : {kEnd.value() + 0.00004, -0.00004}) {
+    alone.stage.start_move_to(Axis::kX, Millimetres(target), {});
+    CHECK(alone.stage.wait(Axis::kX).value() == Approx(target).margin(1e-4));
+  }
+}
+
+TEST_CASE("a Zaber stage moves from its lowest speed, which is one unit, to its highest, both included") {
+  StageAlone alone;
+  alone.ready();
+  const double unit = 9.375 * 0.00635 / 64;
+  for (const double speed : {0.0, -1.0, 0.49 * unit, 4.46484376}) {
+    check_fault([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), MillimetresPerSecond(speed)); },
+                "TB-STAGE-LIMIT", "stage x (device 1)",
+                fmt::format("stage x (device 1): {:g} mm/s was requested, allowed is 0 to 60 mm at up to 4.46484 mm/s; "
+                            "nothing was sent",
+                            speed));
+  }
+  CHECK(fault_id_of([&] { alone.stage.start_speed(Axis::kX, MillimetresPerSecond(-0.49 * unit)); }) ==
+        "TB-STAGE-LIMIT");
+  alone.sent();
+  for (const double units : {0.51, 1.0, 4800.0}) {
+    alone.stage.start_move_to(Axis::kX, Millimetres(0.001), MillimetresPerSecond(units * unit));
+    (void)alone.stage.wait(Axis::kX);
+    alone.stage.start_move_to(Axis::kX, Millimetres(0.0), MillimetresPerSecond(units * unit));
+    (void)alone.stage.wait(Axis::kX);
+  }
+  std::vector<std::int32_t> speeds;
+  for (const ZaberFrame& one : alone.sent()) {
+    if (one.command == kTargetSpeed) speeds.push_back(one.data);
+  }
+  CHECK(speeds == std::vector<std::int32_t>{1, 4800});
+}
+
+TEST_CASE("each move of a Zaber stage asks whether it is homed, and sends its speed and its target") {
+  StageAlone alone;
+  alone.ready();
+  alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(2.232421875));
+  CHECK(alone.sent() ==
+        std::vector<ZaberFrame>{
+            {1, kReturnSetting, 40, 0}, {1, kTargetSpeed, 2400, 0}, {1, kMoveAbsolute, 90000, 0}, {1, kStatus, 0, 0}});
+  CHECK(alone.stage.wait(Axis::kX) == kEnd);
+  alone.sent();
+  alone.stage.start_move_by(Axis::kX, Millimetres(-4.46484375), {});
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kPosition, 0, 0},
+                                                {1, kReturnSetting, 40, 0},
+                                                {1, kTargetSpeed, 4800, 0},
+                                                {1, kMoveRelative, -45000, 0},
+                                                {1, kStatus, 0, 0}});
+  CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46484375));
+  alone.sent();
+  alone.stage.start_speed(Axis::kX, MillimetresPerSecond(-2.232421875));
+  CHECK(alone.sent() ==
+        std::vector<ZaberFrame>{{1, kReturnSetting, 40, 0}, {1, kConstantSpeed, -2400, 0}, {1, kStatus, 0, 0}});
+  alone.stage.start_speed(Axis::kX, MillimetresPerSecond(2.232421875));
+  CHECK(alone.sent() ==
+        std::vector<ZaberFrame>{
+            {1, kReturnSetting, 40, 0}, {1, kPosition, 0, 0}, {1, kConstantSpeed, 2400, 0}, {1, kStatus, 0, 0}});
+  CHECK(alone.stage.wait(Axis::kX) == kEnd);
+}
+
+TEST_CASE("constant speed of a Zaber stage ends at the nearer one of its limit and the device's, on both sides") {
+  ZaberStageOptions options = even_stage();
+  const auto [low, high, down, up] = GENERATE(table<double, double, std::int32_t, std::int32_t>(
+      {{0.0, 60.0, -1, -1}, {0.0, 8.9296875, -1, -1}, {-1.0, 1e9, -1, -1}, {0.9921875, 7.9375, 10000, 80000}}));
+  options.axes[0].low = Millimetres(low);
+  options.axes[0].high = Millimetres(high);
+  StageAlone alone(options);
+  alone.ready();
+  for (const auto& [speed, end] : {std::pair(2.232421875, up), std::pair(-2.232421875, down)}) {
+    alone.stage.start_speed(Axis::kX, MillimetresPerSecond(speed));
+    ScriptedChain::Frames sent = alone.sent();
+    std::erase_if(sent,
+                  [](const ZaberFrame& one) { return one.command != kMoveAbsolute && one.command != kConstantSpeed; });
+    const ZaberFrame constant{1, kConstantSpeed, speed > 0.0 ? 2400 : -2400, 0};
+    CHECK(sent == std::vector<ZaberFrame>{end < 0 ? constant : ZaberFrame{1, kMoveAbsolute, end, 0}});
+    (void)alone.stage.wait(Axis::kX);
+    CHECK(alone.steps_of_x() == Approx(end >= 0 ? end : speed > 0.0 ? 90000 : 0).margin(1e-6));
+  }
+}
+
+TEST_CASE("a relative move of a Zaber stage starts where the device says, which may have been turned by hand") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kPosition}] = {{{kPosition, 80000}}};
+  CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-LIMIT");
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kPosition, 0, 0}});
+  // Now it is known where it stands, and nothing is asked.
+  CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-LIMIT");
+  CHECK(alone.sent().empty());
+  alone.take(1, kSetPosition, 80000);
+  alone.instead.clear();
+  alone.stage.start_move_by(Axis::kX, Millimetres(0.9921875), {});
+  CHECK(alone.stage.wait(Axis::kX) == kEnd);
+}
+
+TEST_CASE("a speed that a Zaber device refused is sent again with the next move") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kTargetSpeed}] = {{{kError, 42}}};
+  check_fault([&] { alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(1.0)); }, "TB-STAGE-REFUSED",
+              "stage x (device 1)",
+              "stage x (device 1) refused target speed (42): error 42: the target speed is out of range");
+  CHECK(alone.stage.armed());
+  alone.instead.clear();
+  alone.sent();
+  alone.stage.start_move_to(Axis::kX, kEnd, {});
+  CHECK(alone.sent()[1] == ZaberFrame{1, kTargetSpeed, 4800, 0});
+}
+
+TEST_CASE("faults of a Zaber stage that is not ready say which axis, and nothing is sent") {
+  StageAlone alone;
+  check_fault([&] { (void)alone.stage.state(Axis::kX); }, "TB-STAGE-NOT-ARMED", "stage",
+              "a command was given to the stage before it was armed; nothing was sent");
+  alone.stage.arm();
+  alone.sent();
+  check_fault([&] { alone.stage.start_move_to(Axis::kY, Millimetres(1.0), {}); }, "TB-STAGE-NOT-HOMED",
+              "stage y (device 2)", "stage y (device 2) was asked to move and has not been homed; no move was sent");
+  CHECK(alone.sent().empty());
+  for (const Axis axis : {Axis::kX, Axis::kZ}) alone.stage.home(axis);
+  alone.stage.start_move_to(Axis::kX, kEnd, {});
+  alone.sent();
+  check_fault(
+      [&] { alone.stage.start_move_by(Axis::kX, Millimetres(-0.25), {}); }, "TB-STAGE-LIMIT", "stage x (device 1)",
+      "stage x (device 1): -0.25 mm was requested, allowed is 0 to 60 mm at up to 4.46484 mm/s; nothing was sent");
+  check_fault([&] { alone.stage.start_move_by(Axis::kX, Millimetres(0.25), {}); }, "TB-STAGE-MOVING",
+              "stage x (device 1)", "stage x (device 1) was asked to move by 0.25 mm while it moves; nothing was sent");
+  CHECK(alone.chain.count(kMoveRelative) == 0);
+  CHECK(alone.stage.halt());
+  check_fault([&] { (void)alone.stage.state(Axis::kX); }, "TB-STAGE-HALTED", "stage",
+              "a command was given to the stage after it was halted; nothing was sent");
+}
+
+TEST_CASE("an axis of a Zaber stage that lost its home meanwhile is not moved") {
+  StageAlone alone;
+  alone.ready();
+  alone.take(1, kMode, kZaberMessageIds | kZaberKnobOff);
+  CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, kEnd, {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kReturnSetting, 40, 0}});
+  CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, kEnd, {}); }) == "TB-STAGE-NOT-HOMED");
+  CHECK(alone.sent().empty());
+  alone.instead[{1, kHome}] = {{{kHome, 0}}};  // it says that it is at home, and its mode does not
+  CHECK(fault_id_of([&] { alone.stage.home(Axis::kX); }) == "TB-STAGE-NOT-HOMED");
+}
+
+TEST_CASE("a Zaber stage tells each activity of a device by its status, and its place") {
+  const auto [status, activity] = GENERATE(table<std::int32_t, Activity>({{0, Activity::kIdle},
+                                                                          {1, Activity::kHoming},
+                                                                          {10, Activity::kByHand},
+                                                                          {23, Activity::kStopping},
+                                                                          {20, Activity::kMoving},
+                                                                          {22, Activity::kMoving}}));
+  StageAlone alone;
+  alone.ready();
+  alone.clock.wait_until(1h);
+  alone.instead[{1, kStatus}] = {{{kStatus, status}}};
+  alone.instead[{1, kPosition}] = {{{kPosition, 45000}}};
+  const AxisState state = alone.stage.state(Axis::kX);
+  CHECK(state.activity == activity);
+  CHECK(state.time == 1h);
+  CHECK(state.microsteps == 45000);
+  CHECK(state.position.value() == Approx(4.46484375));
+  CHECK(state.homed);
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}, {1, kPosition, 0, 0}});
+}
+
+TEST_CASE("sending a Zaber axis home asks for no reply, disarms, and lets the reply's time pass") {
+  StageAlone alone;
+  alone.ready();
+  const Nanoseconds begin = alone.clock.now();
+  CHECK(alone.stage.send_home(Axis::kZ));
+  CHECK_FALSE(alone.stage.armed());
+  CHECK(alone.clock.now() == begin + 5s);
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{3, kHome, 0, 0}});
+  CHECK(alone.chain.opened == 1);
+  alone.stage.disarm();
+  alone.chain.refused_openings = 1;
+  CHECK_FALSE(alone.stage.send_home(Axis::kZ));
+  CHECK(alone.stage.send_home(Axis::kY));
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{2, kHome, 0, 0}});
+  alone.chain.lost = true;
+  CHECK_FALSE(alone.stage.send_home(Axis::kX));
+  alone.chain.lost = false;
+  CHECK(alone.stage.send_home(Axis::kX));
+  CHECK(alone.chain.opened == 4);
+}

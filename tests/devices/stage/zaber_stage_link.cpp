@@ -1,0 +1,241 @@
+// Arming, identification, queries and the halt of the Zaber driver without a wire.
+#include <catch2/catch.hpp>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/stage_alone.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+namespace {
+
+std::string what_of(const std::optional<Fault>& fault) { return fault ? fault->id() + ": " + fault->what() : "none"; }
+
+}  // namespace
+
+TEST_CASE("arming a Zaber axis asks what it is and how it is set, in this order") {
+  StageAlone alone;
+  alone.stage.arm();
+  CHECK(alone.chain.opened == 1);
+  CHECK(alone.chain.discards == 1);
+  const auto exchanges = alone.stage.exchanges();
+  const ScriptedChain::Frames sent = alone.sent();
+  REQUIRE(sent.size() == 36);
+  CHECK(exchanges == 36);
+  const ScriptedChain::Frames first(sent.begin(), sent.begin() + 12);
+  CHECK(first == ScriptedChain::Frames{{1, kDeviceId, 0, 0},
+                                       {1, kFirmware, 0, 0},
+                                       {1, kSupplyVoltage, 0, 0},
+                                       {1, kStatus, 0, 0},
+                                       {1, kPosition, 0, 0},
+                                       {1, kReturnSetting, 40, 0},
+                                       {1, kMode, kZaberMessageIds | kZaberKnobOff, 0},
+                                       {1, kReturnSetting, 40, 0},
+                                       {1, kReturnSetting, 37, 0},
+                                       {1, kReturnSetting, 44, 0},
+                                       {1, kReturnSetting, 43, 0},
+                                       {1, kReturnSetting, 42, 0}});
+  // A second time nothing is left to set.
+  alone.stage.arm();
+  CHECK(alone.chain.opened == 2);
+  CHECK(alone.chain.count(kMode) == 0);
+}
+
+TEST_CASE("arming sets message ids and replies in a Zaber device's mode, the knob where asked for, and nothing else") {
+  const auto [mode, knob_off, written] = GENERATE(table<std::int32_t, bool, std::int32_t>({{0, false, 64},
+                                                                                           {0, true, 72},
+                                                                                           {1, false, 64},
+                                                                                           {8, false, 72},
+                                                                                           {1 | 16 | 4, true, 92},
+                                                                                           {64, false, -1},
+                                                                                           {72, true, -1}}));
+  ZaberStageOptions options = even_stage();
+  options.knob_off = knob_off;
+  std::vector<ChainDeviceOptions> devices = even_chain();
+  devices[0].mode = mode;
+  StageAlone alone(options, devices);
+  alone.stage.arm();
+  std::vector<std::int32_t> modes;
+  for (const ZaberFrame& one : alone.sent()) {
+    if (one.device == 1 && one.command == kMode) modes.push_back(one.data);
+  }
+  CHECK(modes == (written < 0 ? std::vector<std::int32_t>{} : std::vector<std::int32_t>{written}));
+}
+
+TEST_CASE("arming a Zaber axis takes its home from its mode") {
+  StageAlone alone;
+  alone.take(1, kSetPosition, 45000);
+  alone.stage.arm();
+  CHECK(alone.stage.state(Axis::kX).homed);
+  CHECK_FALSE(alone.stage.state(Axis::kY).homed);
+  alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {});
+  CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46484375));
+}
+
+TEST_CASE("what keeps a Zaber stage from being armed says which axis and what it answered") {
+  StageAlone alone;
+  SECTION("a mode that it does not keep") {
+    alone.instead[{2, kMode}] = {{{kMode, 72}}};
+    alone.instead[{2, kReturnSetting}] = {{{kMode, 128}}};
+    CHECK(what_of(fault_of([&] { alone.stage.arm(); })) ==
+          "TB-STAGE-REFUSED: stage y (device 2) was given device mode 200 and returns 128");
+  }
+  SECTION("another device") {
+    alone.instead[{2, kDeviceId}] = {{{kDeviceId, 5082}}};
+    CHECK(what_of(fault_of([&] { alone.stage.arm(); })) ==
+          "TB-STAGE-WRONG-DEVICE: stage y (device 2): device id 5082 answers, 60 is expected");
+  }
+  SECTION("another firmware") {
+    alone.instead[{3, kFirmware}] = {{{kFirmware, 607}}};
+    CHECK(what_of(fault_of([&] { alone.stage.arm(); })) ==
+          "TB-STAGE-WRONG-DEVICE: stage z (device 3): firmware 6.07 answers, 5.00 to 5.99 is expected");
+  }
+  SECTION("a refusal") {
+    alone.instead[{1, kSupplyVoltage}] = {{{kError, 64}}};
+    CHECK(what_of(fault_of([&] { alone.stage.arm(); })) ==
+          "TB-STAGE-REFUSED: stage x (device 1) refused supply voltage (52): error 64: the command is not known");
+  }
+  SECTION("silence") {
+    alone.instead[{3, kStatus}] = {std::nullopt};
+    CHECK(
+        what_of(fault_of([&] { alone.stage.arm(); })) ==
+        "TB-STAGE-TIMEOUT: stage z (device 3) was queried for status (54) 2 times and did not answer within 5 s each");
+    CHECK(alone.clock.now() == 10s);
+  }
+  CHECK_FALSE(alone.stage.armed());
+  alone.instead.clear();
+  alone.stage.arm();
+  CHECK(alone.chain.opened == 2);
+  CHECK(alone.stage.armed());
+}
+
+TEST_CASE("a Zaber device that is expected but whose step is not known is refused") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].device_id = 7;
+  std::vector<ChainDeviceOptions> devices = even_chain();
+  devices[0].device_id = 7;
+  StageAlone alone(options, devices);
+  CHECK(what_of(fault_of([&] { alone.stage.arm(); })) ==
+        "TB-STAGE-WRONG-DEVICE: stage x (device 1): the units of device id 7 are not known");
+  CHECK(alone.stage.identities()[0].model.empty());
+}
+
+TEST_CASE("a Zaber axis counts in its resolution, 64 when it tells none, and its travel may need more than 24 bits") {
+  StageAlone alone;
+  alone.take(2, kSetPosition, 6400);
+  alone.take(2, kResolution, 128);
+  alone.take(1, kMode, 200);
+  alone.instead[{1, kReturnSetting}] = {
+      {{kMode, 200}},       {{kMode, 200}},         {{kResolution, 0}}, {{kMaximumPosition, -1}},
+      {{kAcceleration, 4}}, {{kTargetSpeed, 4800}}, {{kMode, 200}}};
+  alone.instead[{1, kMoveAbsolute}] = {std::nullopt};
+  alone.stage.arm();
+  CHECK(alone.stage.state(Axis::kY).position.value() == Approx(0.635));
+  CHECK(alone.stage.state(Axis::kY).microsteps == 12800);
+  alone.sent();
+  alone.stage.start_move_to(Axis::kX, Millimetres(60.0), {});
+  CHECK(alone.sent()[1] == ZaberFrame{1, kMoveAbsolute, 604724, 0});
+}
+
+TEST_CASE("one lost reply of a Zaber axis is asked for again, two are a fault that disarms") {
+  StageAlone alone;
+  alone.ready();
+  const Nanoseconds begin = alone.clock.now();
+  const auto before = alone.stage.exchanges();
+  alone.instead[{1, kPosition}] = {std::nullopt, {{kPosition, 77}}};
+  CHECK(alone.stage.state(Axis::kX).microsteps == 77);
+  CHECK(alone.clock.now() == begin + 5s);
+  CHECK(alone.stage.exchanges() == before + 3);
+  alone.instead[{1, kPosition}] = {std::nullopt};
+  CHECK(
+      what_of(fault_of([&] { (void)alone.stage.state(Axis::kX); })) ==
+      "TB-STAGE-TIMEOUT: stage x (device 1) was queried for position (60) 2 times and did not answer within 5 s each");
+  CHECK(alone.clock.now() == begin + 15s);
+  CHECK(alone.stage.exchanges() == before + 6);
+  CHECK_FALSE(alone.stage.armed());
+}
+
+TEST_CASE("an error that a Zaber device tells unasked is told once and leaves the stage armed") {
+  StageAlone alone;
+  alone.ready();
+  alone.chain.say({2, kError, 15, 0});
+  CHECK(what_of(fault_of([&] { (void)alone.stage.state(Axis::kX); })) ==
+        "TB-STAGE-REFUSED: stage y (device 2) reports unasked: error 15: the supply voltage is too high");
+  CHECK(alone.stage.armed());
+  CHECK(fault_id_of([&] { (void)alone.stage.state(Axis::kX); }) == "none");
+  alone.chain.say({2, kError, 15, 77});  // an answer to somebody
+  alone.chain.say({4, kError, 15, 0});
+  CHECK(fault_id_of([&] { (void)alone.stage.state(Axis::kX); }) == "none");
+}
+
+TEST_CASE("a Zaber axis that tells its place unasked stands there, and no other frame moves it") {
+  StageAlone alone;
+  alone.ready();
+  const auto beyond = [&] {  // from 80000 steps 2 mm are too far; then nothing is asked
+    alone.sent();
+    const std::string id = fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(2.0), {}); });
+    if (id == "none") (void)alone.stage.stop(Axis::kX);
+    return id == "TB-STAGE-LIMIT" && alone.sent().empty();
+  };
+  for (const ZaberFrame& frame : {ZaberFrame{1, kPosition, 80000, 0}, ZaberFrame{1, kMoveTracking, 80000, 9},
+                                  ZaberFrame{1, kManualTracking, 80000, 9}, ZaberFrame{2, kMoveTracking, 80000, 0},
+                                  ZaberFrame{1, kLimitActive, 80000, 0}, ZaberFrame{1, kError, 0, 9}}) {
+    INFO(name(frame.command));
+    alone.chain.say(frame);
+    (void)alone.stage.state(Axis::kZ);
+    CHECK_FALSE(beyond());
+  }
+  for (const ZaberCommand tracks : {kMoveTracking, kManualTracking}) {
+    (void)alone.stage.state(Axis::kX);
+    alone.chain.say({1, tracks, 80000, 0});
+    (void)alone.stage.state(Axis::kZ);
+    CHECK(beyond());
+  }
+}
+
+TEST_CASE("renumbering a Zaber chain waits for its answers and then for a second, in which nothing is sent") {
+  ZaberStageOptions options = even_stage();
+  options.renumber = true;
+  StageAlone alone(options);
+  alone.stage.arm();
+  CHECK(alone.clock.now() == 1s);
+  CHECK(alone.chain.discards == 2);
+  CHECK(alone.chain.longest_wait > 5s);
+  CHECK(alone.chain.longest_wait <= 6s);
+  CHECK(alone.sent()[0] == ZaberFrame{0, kRenumber, 0, 0});
+  CHECK(alone.chain.pieces.empty());
+}
+
+TEST_CASE("identities of a Zaber stage are what it was told, or what is expected before") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].serial = "S1";
+  options.axes[2].serial = "S3";
+  StageAlone alone(options);
+  auto found = alone.stage.identities();
+  REQUIRE(found.size() == 3);
+  CHECK(found[0].role == "stage x");
+  CHECK(found[1].role == "stage y");
+  CHECK(found[2].role == "stage z");
+  CHECK(found[0].model == "Zaber T-LA60A");
+  CHECK(found[2].model == "Zaber T-NA08A50");
+  CHECK(found[0].serial == "S1");
+  CHECK(found[1].serial.empty());
+  CHECK(found[2].serial == "S3");
+  CHECK(found[0].firmware.empty());
+  alone.instead[{1, kDeviceId}] = {{{kDeviceId, 28}}};
+  alone.instead[{1, kFirmware}] = {{{kFirmware, 507}}};
+  const auto told = alone.stage.identify();
+  REQUIRE(told.size() == 3);
+  CHECK(told[0].axis == Axis::kX);
+  CHECK(told[2].axis == Axis::kZ);
+  CHECK(told[0].complaint == "stage x (device 1): device id 28 answers, 60 is expected");
+  CHECK(told[1].complaint.empty());
+  CHECK(told[1].supply == Volts(15.0));
+  CHECK(told[1].status == 0);
+  found = alone.stage.identities();
+  CHECK(found[0].model == "Zaber T-LA28A");
+  CHECK(found[0].firmware == "5.07");
+  CHECK(found[1].firmware == "5.23");
+  CHECK(found[1].origin == Origin::kSimulated);
+}

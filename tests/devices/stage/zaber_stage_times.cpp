@@ -1,0 +1,198 @@
+// Times of the Zaber driver under a turned clock: when a moving axis is asked, and when it is given up.
+#include <catch2/catch.hpp>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/stage_alone.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+namespace {
+
+// Waits for x, which never answers that it is at rest; how long until it was given up.
+Nanoseconds given_up_after(StageAlone& alone, Nanoseconds begin) {
+  CHECK(fault_id_of([&] { (void)alone.stage.wait(Axis::kX); }) == "TB-STAGE-OVERDUE");
+  return alone.clock.now() - begin;
+}
+
+// At that time or at the next look, which comes an eighth of 100 ms later.
+void check_within_a_look(Nanoseconds time, Nanoseconds expected) {
+  CHECK(time >= expected);
+  CHECK(time <= expected + 12500us + 2ns);
+}
+
+}  // namespace
+
+TEST_CASE("a moving Zaber axis is asked each 100 ms up to its expected end, then each 12.5 ms until it is overdue") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
+  const Nanoseconds begin = alone.clock.now();
+  alone.polls.clear();
+  alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});  // 3 s
+  CHECK(alone.polls == std::vector<Nanoseconds>{begin});            // for a refusal
+  alone.sent();
+  // A quarter more than 3 s and two ramps of 1 s, and 2 s.
+  check_within_a_look(given_up_after(alone, begin), 8250ms);
+  CHECK(alone.stage.armed());
+  const ScriptedChain::Frames last(alone.chain.sent.end() - 3, alone.chain.sent.end());
+  CHECK(last[0].command == kStatus);
+  CHECK(last[1] == ZaberFrame{1, kStop, 0, 0});
+  CHECK(last[2].command == kStatus);
+  REQUIRE(alone.polls.size() > 40);
+  for (std::size_t i = 1; i < 30; ++i) CHECK(alone.polls[i] - begin == (i - 1) * 100ms);
+  CHECK(alone.polls[31] - begin >= 3s);
+  CHECK(alone.polls[31] - begin <= 3s + 2ns);
+  CHECK(alone.polls[32] - alone.polls[31] == 12500us);
+  // Now nothing is under way, and it is not asked any more.
+  alone.sent();
+  (void)alone.stage.wait(Axis::kX);
+  CHECK(alone.sent().empty());
+}
+
+TEST_CASE("the time that a Zaber move may take is that of its own speed and its own way") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
+  const Nanoseconds begin = alone.clock.now();
+  SECTION("half the speed: 4 s and a ramp of 0.5 s") {
+    alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), MillimetresPerSecond(2.232421875));
+    check_within_a_look(given_up_after(alone, begin), 10125ms);
+  }
+  SECTION("constant speed to the end") {
+    alone.stage.start_speed(Axis::kX, MillimetresPerSecond(2.232421875));
+    check_within_a_look(given_up_after(alone, begin), 10125ms);
+  }
+  SECTION("a relative move over half the way: 1 s and a ramp of 1 s") {
+    alone.stage.start_move_by(Axis::kX, Millimetres(4.46484375), {});
+    check_within_a_look(given_up_after(alone, begin), 7s);
+  }
+  SECTION("another move from where the first one has come: 0.5 s and a ramp of 1 s") {
+    alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
+    alone.clock.wait_until(begin + 1500ms);
+    alone.stage.start_move_to(Axis::kX, Millimetres(6.697265625), {});
+    check_within_a_look(given_up_after(alone, begin + 1500ms), 6375ms);
+  }
+  SECTION("a longer margin") {
+    alone.stage.start_move_to(Axis::kX, Millimetres(0.0), {});
+    check_within_a_look(given_up_after(alone, begin), 6250ms - 500ms);
+  }
+}
+
+TEST_CASE("an overdue Zaber move says what was under way and what the axis last told") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
+  alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
+  const auto fault = fault_of([&] { (void)alone.stage.wait(Axis::kX); });
+  REQUIRE(fault);
+  CHECK(fault->device() == "stage x (device 1)");
+  CHECK(
+      fault->what() ==
+      std::string(
+          "stage x (device 1): move absolute (20) should have ended by now and has not (status 20); a stop was sent"));
+}
+
+TEST_CASE("homing of a Zaber axis may take its home timeout") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].home_timeout = 10s;
+  StageAlone alone(options);
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 1}}};
+  alone.polls.clear();
+  const Nanoseconds begin = alone.clock.now();
+  CHECK(fault_id_of([&] { alone.stage.home(Axis::kX); }) == "TB-STAGE-OVERDUE");
+  CHECK(alone.clock.now() - begin == 10s);
+  CHECK(alone.polls.size() == 102);  // each 100 ms, both ends, and once after the stop
+  // From then on it counts as not homed.
+  CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-NOT-HOMED");
+}
+
+TEST_CASE("a stop of a Zaber axis may take a quarter more than its ramp, and two seconds") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 23}}};
+  alone.polls.clear();
+  const Nanoseconds begin = alone.clock.now();
+  CHECK(fault_id_of([&] { (void)alone.stage.stop(Axis::kX); }) == "TB-STAGE-OVERDUE");
+  check_within_a_look(alone.clock.now() - begin, 3250ms);
+  REQUIRE(alone.polls.size() > 12);
+  for (std::size_t i = 0; i < 10; ++i) CHECK(alone.polls[i] - begin == i * 100ms);
+  CHECK(alone.polls[11] - alone.polls[10] <= 12501us);
+}
+
+TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time is over, then refused") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 1}}};
+  alone.instead[{1, kStop}] = {{{kError, kZaberBusy}}};
+  const Nanoseconds begin = alone.clock.now();
+  const auto fault = fault_of([&] { (void)alone.stage.stop(Axis::kX); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-STAGE-REFUSED");
+  CHECK(std::string(fault->what()).starts_with("stage x (device 1) refused stop (23): error 255: busy"));
+  check_within_a_look(alone.clock.now() - begin, 3250ms);
+  CHECK(alone.chain.count(kStop) > 250);
+  // Another refusal is one at once.
+  alone.sent();
+  alone.instead[{1, kStop}] = {{{kError, 64}}};
+  CHECK(fault_id_of([&] { (void)alone.stage.stop(Axis::kX); }) == "TB-STAGE-REFUSED");
+  CHECK(alone.sent().size() == 2);
+  // A move that a busy device refuses is not sent again.
+  alone.instead[{1, kMoveAbsolute}] = {{{kError, kZaberBusy}}};
+  CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-REFUSED");
+  CHECK(alone.chain.count(kMoveAbsolute) == 1);
+}
+
+TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place once it is idle") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kMoveAbsolute}] = {std::nullopt};
+  alone.instead[{1, kStatus}] = {{{kStatus, 20}}, {{kStatus, 20}}, {{kStatus, 0}}};
+  SECTION("it has arrived") {
+    alone.instead[{1, kPosition}] = {{{kPosition, 45000}}};
+    alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {});
+    CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46484375));
+    CHECK(alone.chain.sent.back().command == kPosition);
+  }
+  SECTION("it stands elsewhere") {
+    alone.instead[{1, kPosition}] = {{{kPosition, 44999}}};
+    alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {});
+    const auto fault = fault_of([&] { (void)alone.stage.wait(Axis::kX); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-STAGE-ASTRAY");
+    CHECK(fault->device() == "stage x (device 1)");
+    CHECK(fault->what() == std::string("stage x (device 1) was sent to 4.46484 mm and stands at 4.46474 mm"));
+    CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46474).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a Zaber axis whose reply tells another place than its target is astray") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kMoveAbsolute}] = {{{kMoveAbsolute, 45001}}};
+  CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {}); }) == "TB-STAGE-ASTRAY");
+  alone.instead[{1, kMoveAbsolute}] = {{{kMoveAbsolute, 45000}}};
+  alone.stage.start_move_to(Axis::kX, Millimetres(4.46484375), {});
+  alone.sent();
+  CHECK(alone.stage.wait(Axis::kX).value() == Approx(4.46484375));
+  CHECK(alone.sent().empty());  // its reply ended it before the wait
+}
+
+TEST_CASE("a move of another program is waited for after arming, at most for the home timeout") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].home_timeout = 3s;
+  StageAlone alone(options);
+  const bool ends = GENERATE(true, false);
+  alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
+  alone.stage.arm();
+  alone.polls.clear();
+  if (ends) alone.instead[{1, kStatus}] = {{{kStatus, 22}}, {{kStatus, 22}}, {{kStatus, 0}}};
+  const auto fault = fault_of([&] { (void)alone.stage.wait(Axis::kX); });
+  CHECK(fault.has_value() == !ends);
+  CHECK(alone.clock.now() == (ends ? Nanoseconds(200ms) : Nanoseconds(3s)));
+  alone.sent();
+  (void)alone.stage.wait(Axis::kY);
+  CHECK(alone.sent().empty());
+}
