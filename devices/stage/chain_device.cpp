@@ -141,6 +141,12 @@ void ChainDevice::begin(const ZaberFrame& frame, MotionProfile profile, Nanoseco
   under_way_ = frame;
 }
 
+void ChainDevice::reset(Nanoseconds now) {
+  begin(ZaberFrame(), MotionProfile(believed(now)), now);
+  under_way_.reset();
+  power_up();
+}
+
 std::int32_t ChainDevice::error_of_move(const ZaberFrame& frame, Nanoseconds now) const {
   const bool homing = under_way_ && under_way_->command == kHome;
   if (homing && (frame.command != kStop || options_.refuses_stop_while_homing)) return kZaberBusy;
@@ -209,9 +215,7 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
   const bool homed = (setting(kMode) & kZaberHomed) != 0;
   switch (frame.command) {
     case kReset:
-      begin(frame, MotionProfile(believed(now)), now);
-      under_way_.reset();
-      return power_up();
+      return reset(now);
     case kHome:
     case kMoveToStoredPosition:
     case kMoveAbsolute:

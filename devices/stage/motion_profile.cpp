@@ -15,7 +15,7 @@ MotionProfile MotionProfile::to_rest(double position, double velocity, double ac
   MotionProfile profile(position);
   profile.start_velocity_ = velocity;
   profile.end_ = position + velocity * std::abs(velocity) / (2.0 * acceleration);
-  profile.add(std::abs(velocity) / acceleration, velocity > 0.0 ? -acceleration : acceleration);
+  profile.add(std::abs(velocity) / acceleration, std::copysign(acceleration, -velocity));
   return profile;
 }
 
@@ -26,7 +26,7 @@ MotionProfile MotionProfile::to(double position, double velocity, double target,
   const double braking = velocity * std::abs(velocity) / (2.0 * acceleration);
   if ((target - position) * velocity < 0.0 || std::abs(braking) > std::abs(target - position)) {
     // It moves away from the target, or too fast to stop there: first to rest, then back.
-    profile.add(std::abs(velocity) / acceleration, velocity > 0.0 ? -acceleration : acceleration);
+    profile.add(std::abs(velocity) / acceleration, std::copysign(acceleration, -velocity));
     position += braking;
     velocity = 0.0;
   }

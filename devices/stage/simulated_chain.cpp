@@ -84,8 +84,7 @@ class SimulatedChain::Server {
 
   void power_cycle() {
     const std::lock_guard lock(mutex_);
-    std::vector<ZaberFrame> none;
-    for (ChainDevice& one : devices_) one.receive({0, ZaberCommand::kReset, 0, 0}, clock_.now(), 0, none);
+    for (ChainDevice& one : devices_) one.reset(clock_.now());
   }
 
   mutable std::mutex mutex_;

@@ -226,22 +226,18 @@ void ZaberStage::home(Axis axis) {
 }
 
 bool ZaberStage::send_home(Axis axis) noexcept {
+  const std::lock_guard lock(mutex_);
+  armed_ = false;
   try {
-    const std::lock_guard lock(mutex_);
-    armed_ = false;
-    try {
-      open();
-      // The reply comes at the end of the travel. The wait lets the command arrive before a turned clock advances.
-      (void)line_->ask_plainly(option(axis).device, kHome, 0);
-      clock_.reply_lost(options_.reply_timeout);
-    } catch (...) {
-      drop();  // the line may come back
-      return false;
-    }
-    return true;
+    open();
+    // The reply comes at the end of the travel. The wait lets the command arrive before a turned clock advances.
+    (void)line_->ask_plainly(option(axis).device, kHome, 0);
+    clock_.reply_lost(options_.reply_timeout);
   } catch (...) {
+    drop();  // the line may come back
     return false;
   }
+  return true;
 }
 
 Millimetres ZaberStage::stop(Axis axis) {

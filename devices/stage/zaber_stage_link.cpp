@@ -227,23 +227,19 @@ void ZaberStage::pause(Nanoseconds span) {
 
 bool ZaberStage::halt() noexcept {
   ++halting_;
+  const std::lock_guard lock(mutex_);
+  armed_ = false;
+  halted_ = true;
+  for (Record& one : records_) one.motion.reset();
   bool stands = false;
-  try {
-    const std::lock_guard lock(mutex_);
-    armed_ = false;
-    halted_ = true;
-    for (Record& one : records_) one.motion.reset();
-    for (int attempt = 0; attempt < kAttempts && !stands; ++attempt) {
-      try {
-        open();
-        stands = stop_all();
-        break;
-      } catch (...) {
-        drop();  // the line may come back
-      }
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    try {
+      open();
+      stands = stop_all();
+      break;
+    } catch (...) {
+      drop();  // the line may come back
     }
-  } catch (...) {
-    stands = false;
   }
   --halting_;
   return stands;

@@ -1,6 +1,8 @@
 // The Zaber driver without a wire: limits at their edges, what each command sends, and what its faults say.
 #include "devices/stage/zaber_stage.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -161,8 +163,13 @@ TEST_CASE("a speed that a Zaber device refused is sent again with the next move"
               "stage x (device 1)",
               "stage x (device 1) refused target speed (42): error 42: the target speed is out of range");
   CHECK(alone.stage.armed());
-  alone.instead.clear();
   alone.sent();
+  for (const auto& [speed, data] : {std::pair(4.46484375, 4800), std::pair(9.375 * 0.00635 / 64, 1)}) {
+    CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, kEnd, MillimetresPerSecond(speed)); }) ==
+          "TB-STAGE-REFUSED");
+    CHECK(alone.sent()[1] == ZaberFrame{1, kTargetSpeed, data, 0});
+  }
+  alone.instead.clear();
   alone.stage.start_move_to(Axis::kX, kEnd, {});
   CHECK(alone.sent()[1] == ZaberFrame{1, kTargetSpeed, 4800, 0});
 }

@@ -1,0 +1,248 @@
+// The simulated chain in process time: ends of moves, renumbering, places of its axes, stalls, loss of power and of the
+// line.
+#include <catch2/catch.hpp>
+#include <mutex>
+#include <thread>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/raw_chain.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+namespace {
+
+// x moves at 45000 steps/s with ramps of 1 s.
+SimulatedChainOptions even_moves() {
+  SimulatedChainOptions options;
+  options.devices[0].acceleration = 4;
+  options.devices[0].home_speed = options.devices[0].target_speed = 4800;
+  options.devices[0].stands_at = Millimetres(0.0);
+  return options;
+}
+
+double steps_of(const SimulatedChain& chain, Axis axis) { return chain.position(axis).value() / (0.00635 / 64); }
+
+// Of which the chain asks on its own thread.
+struct GuardedStall {
+  std::mutex mutex;
+  ChainStall stall;
+};
+
+// x and y, which move alike, go to 600000; the chain stalls as it is told.
+struct StalledChain : private GuardedStall, RawChain {
+  StalledChain() : RawChain(twins(), {.stall = [this] { return get(); }}) {
+    for (const std::uint8_t device : std::vector<std::uint8_t>{1, 2}) send({device, kMoveAbsolute, 600000, 0});
+    send({1, kStatus, 0, 0});
+    CHECK(next() == ZaberFrame{1, kStatus, 20, 0});
+  }
+  static SimulatedChainOptions twins() {
+    SimulatedChainOptions options = even_moves();
+    options.devices[1] = options.devices[0];
+    options.devices[1].number = 2;
+    return options;
+  }
+  void set(const ChainStall& next) {
+    const std::lock_guard lock(mutex);
+    stall = next;
+  }
+  ChainStall get() {  // on the chain's thread
+    const std::lock_guard lock(mutex);
+    return stall;
+  }
+  void at(Nanoseconds time, double x, double y) {
+    clock.wait_until(time);
+    CHECK(steps_of(chain, Axis::kX) == Approx(x));
+    CHECK(steps_of(chain, Axis::kY) == Approx(y));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the simulated chain tells what has ended before it answers the next request, to whichever device") {
+  RawChain raw(even_moves());
+  raw.send({1, kMoveAbsolute, 90000, 0});
+  raw.send({2, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{2, kStatus, 0, 0});
+  raw.clock.wait_until(3s - 1ns);
+  raw.send({2, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{2, kStatus, 0, 0});
+  CHECK_FALSE(raw.chain.at_rest_since(raw.clock.now()));
+  raw.clock.wait_until(3s);
+  CHECK(raw.chain.at_rest_since(3s));
+  CHECK_FALSE(raw.chain.at_rest_since(3s - 1ns));
+  raw.send({2, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kMoveAbsolute, 90000, 0});
+  CHECK(raw.next() == ZaberFrame{2, kStatus, 0, 0});
+}
+
+TEST_CASE("the simulated chain's axes are the devices that they are told to be, now and before") {
+  SimulatedChainOptions options = even_moves();
+  options.axes = {2, 0, 1};
+  options.devices[1].stands_at = Millimetres(7.0);
+  options.devices[2].stands_at = Millimetres(9.0);
+  RawChain raw(options);
+  CHECK(raw.chain.position(Axis::kX).value() == Approx(9.0).margin(1e-4));
+  CHECK(raw.chain.position(Axis::kY).value() == 0.0);
+  CHECK(raw.chain.position(Axis::kZ).value() == Approx(7.0).margin(1e-4));
+  raw.send({1, kMoveAbsolute, 90000, 0});
+  raw.send({1, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kStatus, 20, 0});
+  raw.clock.wait_until(2s);
+  CHECK(steps_of(raw.chain, Axis::kY) == Approx(67500));
+  const auto before = raw.chain.places(1s);
+  CHECK(before[0].value() == Approx(9.0).margin(1e-4));
+  CHECK(before[1].value() == Approx(22500 * 0.00635 / 64));
+  CHECK(before[2].value() == Approx(7.0).margin(1e-4));
+}
+
+TEST_CASE("the devices of the paper's chain are two T-LA60A and a T-NA08A50, numbered from the computer's end") {
+  const auto devices = paper_chain();
+  REQUIRE(devices.size() == 3);
+  CHECK(devices[0].device_id == 60);
+  CHECK(devices[1].device_id == 60);
+  CHECK(devices[2].device_id == 5082);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(devices[i].number == i + 1);
+}
+
+TEST_CASE("a renumbered chain hears nothing for half a second, a single device that is renumbered hears on") {
+  SimulatedChainOptions options;
+  for (std::size_t i = 0; i < 3; ++i) options.devices[i].number = static_cast<std::uint8_t>(20 + i);
+  RawChain raw(options);
+  raw.clock.wait_until(10s);
+  raw.send({21, kRenumber, 5, 0});
+  CHECK(raw.next() == ZaberFrame{5, kRenumber, 60, 0});
+  raw.send({5, kEcho, 1, 0});
+  CHECK(raw.next() == ZaberFrame{5, kEcho, 1, 0});
+  raw.send({0, kEcho, 2, 0});
+  for (const std::uint8_t device : std::vector<std::uint8_t>{20, 5, 22})
+    CHECK(raw.next() == ZaberFrame{device, kEcho, 2, 0});
+  raw.send({0, kRenumber, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kRenumber, 60, 0});
+  CHECK(raw.next() == ZaberFrame{2, kRenumber, 60, 0});
+  CHECK(raw.next() == ZaberFrame{3, kRenumber, 5082, 0});
+  raw.clock.wait_until(10s + 500ms - 1ns);
+  raw.send({1, kEcho, 3, 0});
+  CHECK(raw.says_nothing());
+  raw.clock.wait_until(10s + 500ms);
+  raw.send({1, kEcho, 4, 0});
+  CHECK(raw.next() == ZaberFrame{1, kEcho, 4, 0});
+}
+
+TEST_CASE("a power cycle stops each simulated device where it is, without its home") {
+  RawChain raw(even_moves());
+  for (const std::uint8_t device : std::vector<std::uint8_t>{1, 2}) {
+    raw.send({device, kSetPosition, 500, 0});
+    CHECK(raw.next() == ZaberFrame{device, kSetPosition, 500, 0});
+  }
+  raw.send({1, kMoveAbsolute, 90500, 0});
+  raw.send({1, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kStatus, 20, 0});
+  raw.clock.wait_until(1s);
+  raw.chain.power_cycle();
+  raw.clock.wait_until(100s);
+  CHECK(steps_of(raw.chain, Axis::kX) == Approx(22500));
+  for (const std::uint8_t device : std::vector<std::uint8_t>{1, 2}) {
+    raw.send({device, kReturnSetting, 40, 0});
+    CHECK(raw.next() == ZaberFrame{device, kMode, 0, 0});
+    raw.send({device, kPosition, 0, 0});
+    CHECK(raw.next() == ZaberFrame{device, kPosition, 0, 0});
+  }
+}
+
+TEST_CASE("a stall without an axis holds all, from its time to its end, and the next one again") {
+  StalledChain raw;
+  raw.at(1s, 22500, 22500);
+  raw.set({2s, {}, {}});
+  raw.at(2s, 67500, 67500);
+  raw.at(3s, 67500, 67500);
+  CHECK(raw.chain.at_rest_since(2s));
+  CHECK_FALSE(raw.chain.at_rest_since(2s - 1ns));
+  raw.set({2s, 4s, {}});
+  raw.at(3500ms, 67500, 67500);
+  raw.at(5s, 112500, 112500);  // noticed late, free since its end
+  CHECK(raw.chain.places(3900ms)[0].value() == Approx(67500 * 0.00635 / 64));
+  raw.set({6s, 7s, {}});
+  raw.at(6500ms, 157500, 157500);
+  raw.at(8s, 202500, 202500);
+}
+
+TEST_CASE("a stall holds from its very time to its very end, whoever asks first") {
+  StalledChain raw;
+  raw.set({2s, 3s, {}});
+  raw.clock.wait_until(2s);
+  CHECK(raw.chain.at_rest_since(2s));
+  raw.clock.wait_until(3s);
+  CHECK_FALSE(raw.chain.at_rest_since(3s));
+  raw.at(4s, 112500, 112500);
+}
+
+TEST_CASE("a stall of another axis ends the one before") {
+  StalledChain raw;
+  raw.set({2s, {}, Axis::kX});
+  raw.at(3s, 67500, 112500);
+  raw.set({4s, {}, Axis::kY});
+  raw.at(5s, 112500, 157500);
+  raw.set({6s, {}, Axis::kZ});
+  raw.at(7s, 202500, 202500);
+}
+
+TEST_CASE("homing of a simulated axis that stalls goes on when the stall ends") {
+  StalledChain raw;
+  raw.clock.wait_until(3s);
+  raw.send({1, kHome, 0, 0});  // back from 112500, to rest at 135000 a second later
+  raw.send({1, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kStatus, 1, 0});
+  raw.set({4s, {}, {}});
+  raw.clock.wait_until(100s);
+  raw.send({1, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{2, kMoveAbsolute, 600000, 0});
+  CHECK(raw.next() == ZaberFrame{1, kStatus, 1, 0});
+  raw.set({4s, 100s, {}});
+  raw.clock.wait_until(104s - 1ns);
+  raw.send({1, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kStatus, 1, 0});
+  raw.clock.wait_until(104s);  // 3 s and a ramp for 135000 steps
+  raw.send({1, kStatus, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kHome, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kStatus, 0, 0});
+  CHECK(steps_of(raw.chain, Axis::kX) == Approx(0.0).margin(1e-6));
+}
+
+TEST_CASE("a simulated chain whose port is taken while it is unplugged stays so until it is free") {
+  RawChain raw({.listen = "tcp:0"});
+  const std::string address = raw.chain.address();
+  raw.chain.unplug();
+  CHECK(fault_id_of([&] { (void)raw.next(); }) == "TB-SERIAL-LOST");
+  {
+    SimulatedChainOptions options;
+    options.listen = "tcp:" + address.substr(address.rfind(':') + 1);
+    options.devices[0].device_id = 28;
+    SimulatedChain other(options, raw.clock);
+    CHECK(fault_id_of([&] { SimulatedChain third(options, raw.clock); }) == "TB-SIM-LISTEN");
+    raw.chain.plug_in();
+    raw.connect();
+    raw.send({1, kDeviceId, 0, 0});
+    CHECK(raw.next() == ZaberFrame{1, kDeviceId, 28, 0});
+    raw.line.reset();
+  }
+  raw.chain.plug_in();
+  CHECK(raw.chain.address() == address);
+  raw.connect();
+  raw.send({1, kDeviceId, 0, 0});
+  CHECK(raw.next() == ZaberFrame{1, kDeviceId, 60, 0});
+}
+
+TEST_CASE("a simulated chain that is plugged in knows nothing of the bytes before") {
+  RawChain raw;
+  raw.send({1, kMode, kZaberKnobOff, 0});
+  CHECK(raw.next() == ZaberFrame{1, kMode, 8, 0});
+  raw.line->write(std::vector<std::uint8_t>{1, 55, 9});
+  while (raw.chain.bytes_received() < 9) std::this_thread::yield();
+  raw.chain.unplug();
+  raw.chain.plug_in();
+  raw.connect();
+  raw.send({1, kReturnSetting, 40, 0});
+  CHECK(raw.next() == ZaberFrame{1, kMode, 8, 0});  // and its devices kept their power
+}

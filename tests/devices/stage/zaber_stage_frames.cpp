@@ -1,0 +1,112 @@
+// Frames that the Zaber driver did not ask for, and which of them end a motion, without a wire.
+#include <catch2/catch.hpp>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/stage_alone.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+TEST_CASE("an error that a Zaber device tells unasked is told once and leaves the stage armed") {
+  StageAlone alone;
+  alone.ready();
+  alone.chain.say({2, kError, 15, 0});
+  const auto fault = fault_of([&] { (void)alone.stage.state(Axis::kX); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-STAGE-REFUSED");
+  CHECK(fault->device() == "stage y (device 2)");
+  CHECK(fault->what() == std::string("stage y (device 2) reports unasked: error 15: the supply voltage is too high"));
+  CHECK(alone.stage.armed());
+  CHECK(fault_id_of([&] { (void)alone.stage.state(Axis::kX); }) == "none");
+  alone.chain.say({2, kError, 15, 77});  // an answer to somebody
+  alone.chain.say({4, kError, 15, 0});
+  CHECK(fault_id_of([&] { (void)alone.stage.state(Axis::kX); }) == "none");
+}
+
+TEST_CASE("a Zaber axis that tells its place unasked stands there, and no other frame moves it") {
+  StageAlone alone;
+  alone.ready();
+  const auto beyond = [&] {  // from 80000 steps 2 mm are too far; then nothing is asked
+    alone.sent();
+    const std::string id = fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(2.0), {}); });
+    if (id == "none") (void)alone.stage.stop(Axis::kX);
+    return id == "TB-STAGE-LIMIT" && alone.sent().empty();
+  };
+  for (const ZaberFrame& frame : {ZaberFrame{1, kPosition, 80000, 0}, ZaberFrame{1, kMoveTracking, 80000, 9},
+                                  ZaberFrame{1, kManualTracking, 80000, 9}, ZaberFrame{2, kMoveTracking, 80000, 0},
+                                  ZaberFrame{1, kLimitActive, 80000, 0}, ZaberFrame{1, kError, 0, 9}}) {
+    INFO(name(frame.command));
+    alone.chain.say(frame);
+    (void)alone.stage.state(Axis::kZ);
+    CHECK_FALSE(beyond());
+  }
+  for (const ZaberCommand tracks : {kMoveTracking, kManualTracking}) {
+    (void)alone.stage.state(Axis::kX);
+    alone.chain.say({1, tracks, 80000, 0});
+    (void)alone.stage.state(Axis::kZ);
+    CHECK(beyond());
+  }
+}
+
+TEST_CASE("a Zaber axis at constant speed has ended when it tells its limit unasked, and by no other frame") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
+  alone.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
+  const std::uint8_t id = alone.chain.sent[1].id;
+  REQUIRE(alone.chain.sent[1].command == kConstantSpeed);
+  alone.sent();
+  for (const ZaberFrame& frame :
+       {ZaberFrame{1, kMoveTracking, 700, 0}, ZaberFrame{1, kPosition, 700, 0}, ZaberFrame{1, kConstantSpeed, 700, id},
+        ZaberFrame{1, kLimitActive, 700, static_cast<std::uint8_t>(id + 1)}, ZaberFrame{2, kLimitActive, 700, 0}}) {
+    INFO(name(frame.command));
+    alone.chain.say(frame);
+    (void)alone.stage.state(Axis::kX);
+    CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(0.001), {}); }) == "TB-STAGE-MOVING");
+  }
+  alone.sent();
+  alone.chain.say({1, kLimitActive, 90000, 0});
+  CHECK(alone.stage.wait(Axis::kX) == Millimetres(8.9296875));
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}});  // its place was told, and is not asked for
+}
+
+TEST_CASE("a Zaber axis that tells a limit while it goes to a target goes on") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 20}}};
+  alone.stage.start_move_to(Axis::kX, Millimetres(8.9296875), {});
+  const std::uint8_t id = alone.chain.sent[1].id;
+  alone.sent();
+  for (const ZaberFrame& frame :
+       {ZaberFrame{1, kLimitActive, 90000, 0}, ZaberFrame{1, kMoveAbsolute, 90000, static_cast<std::uint8_t>(id + 1)},
+        ZaberFrame{2, kMoveAbsolute, 90000, id}, ZaberFrame{1, kMoveAbsolute, 90000, 0}}) {
+    alone.chain.say(frame);
+    (void)alone.stage.state(Axis::kX);
+    CHECK(fault_id_of([&] { alone.stage.start_move_by(Axis::kX, Millimetres(0.001), {}); }) == "TB-STAGE-MOVING");
+  }
+  alone.sent();
+  alone.chain.say({1, kMoveAbsolute, 90000, id});
+  CHECK(alone.stage.wait(Axis::kX) == Millimetres(8.9296875));
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStatus, 0, 0}});
+}
+
+TEST_CASE("an error under the id of a Zaber axis' motion refuses the motion") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
+  alone.stage.start_speed(Axis::kX, MillimetresPerSecond(1.0));
+  alone.chain.say({1, kError, 22, alone.chain.sent[1].id});
+  const auto fault = fault_of([&] { (void)alone.stage.wait(Axis::kX); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-STAGE-REFUSED");
+  CHECK(fault->what() ==
+        std::string("stage x (device 1) refused constant speed (22): error 22: the speed is out of range"));
+}
+
+TEST_CASE("stopping a Zaber axis sends one stop and waits for its answer") {
+  StageAlone alone;
+  alone.ready();
+  CHECK(alone.stage.stop(Axis::kX).value() == 0.0);
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kStop, 0, 0}, {1, kStatus, 0, 0}});
+}
