@@ -18,7 +18,8 @@ TEST_CASE("a chain device reports its identity and its position") {
   CHECK(bench.send(kStatus, 0) == std::vector<ZaberFrame>{{1, kStatus, 0, 5}});
   CHECK(bench.send(kReturnSetting, 44) == std::vector<ZaberFrame>{{1, kMaximumPosition, 604724, 5}});
   CHECK(bench.send(kEcho, 1, 2).empty());
-  CHECK(bench.device.position(0ns).value() == Approx(5.0).margin(1e-4));
+  // 5 mm, to the nearest step.
+  CHECK(bench.device.position(0ns).value() == Approx(50394 * 0.00635 / 64).epsilon(1e-12));
 }
 
 TEST_CASE("a chain device refuses with the manual's error numbers") {

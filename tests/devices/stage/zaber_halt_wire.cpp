@@ -1,0 +1,38 @@
+// The Zaber driver's halt beside its sequencer's thread.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
+
+#include "tests/devices/fault_of.h"
+#include "tests/devices/stage/stage_alone.h"
+#include "tests/devices/timeouts.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using enum ZaberCommand;
+
+TEST_CASE("zaber law: a command is refused at once while a halt still waits for the axes") {
+  StageAlone alone;
+  alone.ready();
+  std::atomic<bool> halting{false}, refused{false}, refused_meanwhile{false};
+  alone.chain.script = [&](const ZaberFrame& frame) -> std::optional<ScriptedChain::Frames> {
+    if (frame.command == kStatus && frame.device == 1) {
+      halting = true;
+      const auto end = std::chrono::steady_clock::now() + kPatient;
+      while (!refused && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+      refused_meanwhile = refused.load();
+    }
+    return std::nullopt;
+  };
+  bool stands = false;
+  std::thread other([&] { stands = alone.stage.halt(); });
+  while (!halting) std::this_thread::yield();
+  CHECK(fault_id_of([&] { (void)alone.stage.state(Axis::kX); }) == "TB-STAGE-HALTED");
+  refused = true;
+  other.join();
+  CHECK(stands);
+  CHECK(refused_meanwhile);
+  alone.stage.arm();
+  CHECK(alone.stage.armed());
+}
