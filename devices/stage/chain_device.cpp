@@ -56,7 +56,7 @@ void ChainDevice::power_up() {
 }
 
 bool ChainDevice::hears(std::uint8_t device) const {
-  return device == 0 || device == number_ || (device == setting(kAlias) && setting(kAlias) != 0);
+  return device == 0 || device == number_ || device == setting(kAlias);
 }
 
 double ChainDevice::believed(Nanoseconds now) const { return motion_.profile.position(seconds(now - motion_.began)); }
@@ -207,9 +207,6 @@ void ChainDevice::move(const ZaberFrame& frame, Nanoseconds now) {
 void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t place,
                           std::vector<ZaberFrame>& replies) {
   const auto answer = [&](ZaberCommand command, std::int32_t data) { say(command, data, frame.id, replies); };
-  const auto answer_or_refuse = [&](std::int32_t error, std::int32_t data) {
-    answer(error != 0 ? kError : frame.command, error != 0 ? error : data);
-  };
   const std::int32_t data = frame.data;
   const bool is_register = data >= 0 && data < static_cast<std::int32_t>(stored_.size());
   const bool homed = (setting(kMode) & kZaberHomed) != 0;
@@ -231,10 +228,12 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
       return answer(kRenumber, options_.device_id);
     case kStorePosition:
       if (!is_register) return answer(kError, 1600);
-      if (homed) stored_[static_cast<std::size_t>(data)] = counter(now);
-      return answer_or_refuse(homed ? 0 : 1601, data);
+      if (!homed) return answer(kError, 1601);
+      stored_[static_cast<std::size_t>(data)] = counter(now);
+      return answer(kStorePosition, data);
     case kReturnStoredPosition:
-      return answer_or_refuse(is_register ? 0 : 1700, is_register ? stored_[static_cast<std::size_t>(data)] : 0);
+      if (!is_register) return answer(kError, 1700);
+      return answer(kReturnStoredPosition, stored_[static_cast<std::size_t>(data)]);
     case kMemory:
       return answer(kMemory, memory(data));
     case kDeviceId:
@@ -259,7 +258,7 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
                       : replies.push_back({number_, found->first, found->second, frame.id});
     }
     case kRestoreSettings:
-      return answer_or_refuse(data == 0 ? 0 : 36, data);
+      return data == 0 ? answer(kRestoreSettings, data) : answer(kError, 36);
     default:
       if (frame.command != kSetPosition && !settings_.contains(frame.command)) return answer(kError, 64);
       if (const std::int32_t error = error_of_setting(frame.command, data, now); error != 0) {

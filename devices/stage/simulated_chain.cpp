@@ -146,7 +146,7 @@ class SimulatedChain::Server {
   }
 
   bool obey() {
-    std::uint64_t count = 0;
+    std::uint64_t count{};
     [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
     const Order wanted = std::exchange(order_, Order::kNone);
     if (wanted == Order::kUnplug) end_.hang_up();
@@ -168,7 +168,7 @@ class SimulatedChain::Server {
 
   void attend() {
     std::array<std::uint8_t, 512> bytes{};
-    const std::size_t got = end_.descriptor() >= 0 ? end_.receive(bytes) : 0;
+    const std::size_t got = end_.receive(bytes);
     bytes_ += got;
     std::vector<ZaberBytes> frames;
     parser_.add(std::span(bytes).first(got), real_time(), frames);

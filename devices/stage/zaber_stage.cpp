@@ -203,7 +203,7 @@ bool ZaberStage::follow(Axis axis) {
 
 Millimetres ZaberStage::wait(Axis axis) {
   for (;;) {
-    Nanoseconds next{0};
+    Nanoseconds next{};
     const bool ended = exclusively([&] {
       if (follow(axis)) return true;
       // Polled often while far from the expected end, and again right at it.

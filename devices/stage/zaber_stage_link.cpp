@@ -44,7 +44,6 @@ void ZaberStage::open() {
 void ZaberStage::drop() noexcept {
   armed_ = false;
   line_.reset();
-  for (Record& one : records_) one.motion.reset();
 }
 
 void ZaberStage::listen(const ZaberFrame& frame) {
@@ -230,7 +229,6 @@ bool ZaberStage::halt() noexcept {
   const std::lock_guard lock(mutex_);
   armed_ = false;
   halted_ = true;
-  for (Record& one : records_) one.motion.reset();
   bool stands = false;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     try {

@@ -22,6 +22,12 @@ TEST_CASE("a chain device hears its number, its alias and the number of all") {
   CHECK_FALSE(bench.device.hears(253));
   CHECK(bench.send(kEcho, 4, 254) == std::vector<ZaberFrame>{{1, kEcho, 4, 5}});
   CHECK(bench.send(kEcho, 4, 0) == std::vector<ZaberFrame>{{1, kEcho, 4, 5}});
+  ChainDeviceOptions options;
+  options.number = 2;
+  ChainBench second(options);
+  CHECK_FALSE(second.device.hears(1));
+  second.send(kAlias, 1, 2);
+  CHECK(second.device.hears(1));
 }
 
 TEST_CASE("a chain device is numbered by its place on the line, or alone from 1 to 254") {

@@ -36,3 +36,24 @@ TEST_CASE("zaber law: a command is refused at once while a halt still waits for 
   alone.stage.arm();
   CHECK(alone.stage.armed());
 }
+
+TEST_CASE("zaber law: what asks several times is broken off by a halt that waits for the line") {
+  bool refused = false;
+  // The halt's thread may start late, and then has nothing to break off.
+  const auto end = std::chrono::steady_clock::now() + kPatient;
+  while (!refused && std::chrono::steady_clock::now() < end) {
+    StageAlone alone;
+    alone.stage.arm();
+    std::thread other;
+    alone.chain.script = [&](const ZaberFrame& frame) -> std::optional<ScriptedChain::Frames> {
+      if (frame.command == kDeviceId && !other.joinable()) other = std::thread([&] { (void)alone.stage.halt(); });
+      if (frame.device != 0) std::this_thread::sleep_for(2ms);
+      return std::nullopt;
+    };
+    const auto fault = fault_of([&] { (void)alone.stage.identify(); });
+    other.join();
+    refused = fault && fault->id() == "TB-STAGE-HALTED";
+    CHECK_FALSE(alone.stage.armed());
+  }
+  CHECK(refused);
+}

@@ -104,6 +104,67 @@ TEST_CASE("an error under the id of a Zaber axis' motion refuses the motion") {
         std::string("stage x (device 1) refused constant speed (22): error 22: the speed is out of range"));
 }
 
+TEST_CASE("message ids of motions that have ended are used again, and a motion under way keeps its own") {
+  StageAlone alone;
+  alone.ready();
+  alone.stage.start_move_to(Axis::kZ, Millimetres(40.0), MillimetresPerSecond(0.001));
+  const std::uint8_t id = alone.chain.sent[2].id;
+  REQUIRE(alone.chain.sent[2].command == kMoveAbsolute);
+  const bool replaced = GENERATE(false, true);
+  std::vector<bool> used(256);
+  for (int i = 0; i < 300; ++i) {
+    alone.chain.take_sent();
+    if (replaced) {
+      alone.stage.start_move_to(Axis::kX, Millimetres(1.0 + i % 2), {});
+    } else {
+      (void)alone.stage.stop(Axis::kX);
+    }
+    for (const ZaberFrame& one : alone.chain.sent) used[one.id] = true;
+  }
+  CHECK(std::count(used.begin(), used.end(), true) == 253);
+  CHECK_FALSE(used[0]);
+  CHECK_FALSE(used[255]);
+  CHECK_FALSE(used[id]);
+}
+
+TEST_CASE("a move of another program is not ended by a frame that nobody asked for") {
+  StageAlone alone;
+  alone.instead[{1, kStatus}] = {{{kStatus, 22}}};
+  alone.stage.arm();
+  alone.chain.say({1, kManualTracking, 700, 0});
+  (void)alone.stage.state(Axis::kY);
+  alone.instead[{1, kStatus}] = {{{kStatus, 22}}, {{kStatus, 0}}};
+  const Nanoseconds begin = alone.clock.now();
+  CHECK(alone.stage.wait(Axis::kX).value() == 0.0);  // asked for once it is idle
+  CHECK(alone.clock.now() - begin == 100ms);
+}
+
+TEST_CASE("a relative Zaber move may follow one that has ended and was not waited for") {
+  StageAlone alone;
+  alone.ready();
+  alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {});
+  alone.clock.wait_until(alone.clock.now() + 60s);
+  alone.stage.start_move_by(Axis::kX, Millimetres(1.0), {});
+  CHECK(alone.stage.wait(Axis::kX).value() == Approx(2.0).margin(1e-4));
+}
+
+TEST_CASE("a refused Zaber move is over") {
+  StageAlone alone;
+  alone.ready();
+  alone.instead[{1, kMoveAbsolute}] = {{{kError, 20}}};
+  CHECK(fault_id_of([&] { alone.stage.start_move_to(Axis::kX, Millimetres(1.0), {}); }) == "TB-STAGE-REFUSED");
+  alone.sent();
+  CHECK(alone.stage.wait(Axis::kX).value() == 0.0);
+  CHECK(alone.sent().empty());
+}
+
+TEST_CASE("homing a Zaber axis sends one instruction, waits for its answer and asks whether it is homed") {
+  StageAlone alone;
+  alone.ready();
+  alone.stage.home(Axis::kX);
+  CHECK(alone.sent() == std::vector<ZaberFrame>{{1, kHome, 0, 0}, {1, kStatus, 0, 0}, {1, kReturnSetting, 40, 0}});
+}
+
 TEST_CASE("stopping a Zaber axis sends one stop and waits for its answer") {
   StageAlone alone;
   alone.ready();

@@ -105,9 +105,25 @@ TEST_CASE("what keeps a Zaber stage from being armed says which axis and what it
   }
   CHECK_FALSE(alone.stage.armed());
   alone.instead.clear();
-  alone.stage.arm();
+  CHECK(alone.stage.halt());  // the line was closed, and is opened again
   CHECK(alone.chain.opened == 2);
+  alone.stage.arm();
+  CHECK(alone.chain.opened == 3);
   CHECK(alone.stage.armed());
+}
+
+TEST_CASE("firmware that a bench file allows a Zaber axis is named with both its numbers") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].firmware_low = 501;
+  options.axes[0].firmware_high = 600;
+  StageAlone alone(options);
+  const auto [firmware, complaint] = GENERATE(
+      table<std::int32_t, std::string>({{501, ""},
+                                        {600, ""},
+                                        {500, "stage x (device 1): firmware 5.00 answers, 5.01 to 6.00 is expected"},
+                                        {700, "stage x (device 1): firmware 7.00 answers, 5.01 to 6.00 is expected"}}));
+  alone.instead[{1, kFirmware}] = {{{kFirmware, firmware}}};
+  CHECK(alone.stage.identify()[0].complaint == complaint);
 }
 
 TEST_CASE("a Zaber device that is expected but whose step is not known is refused") {
@@ -202,6 +218,7 @@ TEST_CASE("identities of a Zaber stage are what it was told, or what is expected
   CHECK(found[0].firmware.empty());
   alone.instead[{1, kDeviceId}] = {{{kDeviceId, 28}}};
   alone.instead[{1, kFirmware}] = {{{kFirmware, 507}}};
+  alone.instead[{3, kFirmware}] = {{{kFirmware, 600}}};
   const auto told = alone.stage.identify();
   REQUIRE(told.size() == 3);
   CHECK(told[0].axis == Axis::kX);
@@ -214,5 +231,6 @@ TEST_CASE("identities of a Zaber stage are what it was told, or what is expected
   CHECK(found[0].model == "Zaber T-LA28A");
   CHECK(found[0].firmware == "5.07");
   CHECK(found[1].firmware == "5.23");
+  CHECK(found[2].firmware == "6.00");
   CHECK(found[1].origin == Origin::kSimulated);
 }

@@ -173,6 +173,22 @@ TEST_CASE("a stop that a busy Zaber device refuses is sent again until its time 
   CHECK(alone.chain.count(kMoveAbsolute) == 1);
 }
 
+TEST_CASE("a stop that is refused just when its time is over is not sent again") {
+  ZaberStageOptions options = even_stage();
+  options.axes[0].maximum_speed = MillimetresPerSecond(ZaberUnits{0.00635 / 64}.acceleration_mm_per_s2(4));
+  StageAlone alone(options);
+  alone.ready();
+  const bool over = GENERATE(false, true);
+  const Nanoseconds time = alone.clock.now() + 3250ms - (over ? 0ns : 1ns);
+  alone.chain.script = [&](const ZaberFrame& frame) -> std::optional<ScriptedChain::Frames> {
+    if (frame.command != kStop) return std::nullopt;
+    alone.clock.wait_until(time);
+    return ScriptedChain::Frames{{1, kError, kZaberBusy, frame.id}};
+  };
+  CHECK(fault_id_of([&] { (void)alone.stage.stop(Axis::kX); }) == "TB-STAGE-REFUSED");
+  CHECK(alone.chain.count(kStop) == (over ? 1 : 2));
+}
+
 TEST_CASE("a Zaber axis whose reply to a move was lost is asked for its place once it is idle") {
   StageAlone alone;
   alone.ready();
