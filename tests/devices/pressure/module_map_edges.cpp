@@ -1,0 +1,236 @@
+// The simulated module's register map at the edges of its blocks: what a request may touch, what each register takes,
+// what its inputs, quantities and outputs show.
+#include <catch2/catch.hpp>
+#include <optional>
+#include <vector>
+
+#include "devices/pressure/module_registers.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Words = std::vector<std::uint16_t>;
+
+struct MapUnit {
+  explicit MapUnit(const SimulatedUnit& unit) : registers(unit, chamber, clock) {}
+  explicit MapUnit(const ModuleProfile& profile) : MapUnit(SimulatedUnit{1, profile, {}}) {}
+  std::optional<Words> read(int function, int address, std::size_t count) {
+    Words words(count, 0xEEEE);
+    if (registers.read(1, function, address, words) != Refusal::kNone) return std::nullopt;
+    return words;
+  }
+  Refusal write(int address, const Words& words) { return registers.write(1, address, words); }
+  TurnedClock clock;
+  TestChamber chamber{clock};
+  ModuleRegisters registers;
+};
+
+// The registers from `from` on, `count` of them, can be read together and singly, none beside them in the same request.
+void check_block(MapUnit& unit, int function, int from, int count) {
+  INFO("function " << function << ", " << count << " from " << from);
+  const auto size = static_cast<std::size_t>(count);
+  const auto whole = unit.read(function, from, size);
+  REQUIRE(whole);
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto one = unit.read(function, from + static_cast<int>(i), 1);
+    REQUIRE(one);
+    CHECK(one->front() == whole->at(i));
+  }
+  CHECK_FALSE(unit.read(function, from - 1, 1));
+  CHECK_FALSE(unit.read(function, from - 1, size));
+  CHECK_FALSE(unit.read(function, from, size + 1));
+  CHECK_FALSE(unit.read(function, from + 1, size));
+  CHECK_FALSE(unit.read(function, from + count, 1));
+}
+
+ModuleProfile bare_profile() {
+  ModuleProfile profile;
+  profile.outputs.address = 0x100;
+  profile.outputs.channels = 4;
+  profile.outputs.volts = {0, 1000, 0, 10};
+  return profile;
+}
+
+}  // namespace
+
+TEST_CASE("module map: each block is read whole or in part, and nothing beside it") {
+  MapUnit beckhoff(module_profile("beckhoff-ek9000"));
+  for (const int function : {3, 4}) check_block(beckhoff, function, 0x0000, 2);
+  check_block(beckhoff, 3, 0x0800, 1);
+  check_block(beckhoff, 3, 0x1120, 5);
+  check_block(beckhoff, 3, 0x1020, 3);
+  for (const int address : {0x0800, 0x1120, 0x1020}) CHECK_FALSE(beckhoff.read(4, address, 1));
+  // Inputs, status words and spare registers are one block.
+  ModuleProfile adam = module_profile("advantech-adam-6024");
+  adam.inputs.spare = 3;
+  MapUnit advantech(adam);
+  check_block(advantech, 3, 0, 29);
+  ModuleProfile shorter = bare_profile();
+  shorter.inputs.channels = 4;
+  shorter.inputs.format = {RegisterType::kF32, false};
+  shorter.inputs.status_offset = 2;  // the values are longer
+  MapUnit values(shorter);
+  check_block(values, 4, 0, 8);
+  shorter.inputs.status_offset = 0;
+  MapUnit at_once(shorter);
+  check_block(at_once, 4, 0, 8);
+  ModuleProfile none = bare_profile();
+  none.inputs.address = 0x200;
+  none.inputs.status_offset = 2;
+  MapUnit without(none);
+  for (const int address : {0x1FF, 0x200, 0x201}) CHECK_FALSE(without.read(4, address, 1));
+  check_block(without, 3, 0x100, 4);
+}
+
+TEST_CASE("module map: a watchdog at address 0 has its five registers there") {
+  ModuleProfile profile = bare_profile();
+  profile.fail_safe.watchdog_address = 0;
+  MapUnit unit(profile);
+  CHECK(unit.read(3, 0, 5) == Words{1000, 0, 1, 0, 1});
+  CHECK(unit.write(0, {250}) == Refusal::kNone);
+  CHECK(unit.write(5, {1}) == Refusal::kAddress);
+  CHECK(unit.write(0x100, {500}) == Refusal::kNone);
+  CHECK(unit.chamber.output() == Volts(5.0));
+  unit.clock.wait_until(250ms);
+  unit.registers.turn();
+  CHECK(unit.read(3, 0x100, 1) == Words{0});
+  MapUnit without(bare_profile());
+  CHECK_FALSE(without.read(3, 0, 1));
+  CHECK(without.write(0, {250}) == Refusal::kAddress);
+  CHECK(without.write(0x100, {500}) == Refusal::kNone);
+  without.clock.wait_until(24h);
+  without.registers.turn();
+  CHECK(without.read(3, 0x100, 1) == Words{500});
+  CHECK(without.chamber.output() == Volts(5.0));
+}
+
+TEST_CASE("module map: what each setting of the watchdog takes, and that it reads back") {
+  const struct {
+    int offset;
+    std::vector<std::uint16_t> taken, refused;
+  } settings[] = {{0, {1, 2, 999, 59'999, 60'000}, {0, 60'001, 65'535}},
+                  {2, {0, 1, 2}, {3, 4, 65'535}},
+                  {3, {0, 1}, {2, 3, 65'535}},
+                  {4, {0, 1}, {2, 3, 65'535}}};
+  for (const auto& [offset, taken, refused] : settings) {
+    MapUnit unit(module_profile("beckhoff-ek9000"));
+    for (const std::uint16_t value : taken) {
+      INFO("register " << offset << ", value " << value);
+      CHECK(unit.write(0x1120 + offset, {value}) == Refusal::kNone);
+      CHECK(unit.read(3, 0x1120 + offset, 1) == Words{value});
+    }
+    for (const std::uint16_t value : refused) {
+      INFO("register " << offset << ", value " << value);
+      CHECK(unit.write(0x1120 + offset, {value}) == Refusal::kValue);
+      CHECK(unit.read(3, 0x1120 + offset, 1) == Words{taken.back()});
+    }
+    CHECK(unit.chamber.drives == 0);  // no output has been written
+  }
+  MapUnit unit(module_profile("beckhoff-ek9000"));
+  CHECK(unit.write(0x1120, {700, 0, 2, 1, 0}) == Refusal::kNone);
+  CHECK(unit.read(3, 0x1120, 5) == Words{700, 0, 2, 1, 0});
+  CHECK(unit.write(0x1122, {0, 2, 1}) == Refusal::kValue);  // the third is not looked at
+  CHECK(unit.read(3, 0x1120, 5) == Words{700, 0, 0, 1, 0});
+  CHECK(unit.write(0x1120, {700, 0, 2, 1, 0, 0}) == Refusal::kAddress);
+  CHECK(unit.write(0x111F, {700, 0}) == Refusal::kAddress);
+  CHECK(unit.write(0x1021, {0}) == Refusal::kAddress);
+}
+
+TEST_CASE("module map: inputs of two words, one channel each for monitor and transducer") {
+  ModuleProfile profile = bare_profile();
+  profile.inputs.channels = 4;
+  profile.inputs.format = {RegisterType::kF32, false};
+  profile.inputs.volts = {0, 10, 0, 10};
+  profile.inputs.spare = 1;
+  SimulatedUnit wired{1, profile, {}};
+  wired.output_channel = 2;
+  wired.feedback_channel = 1;
+  wired.reference_channel = 3;
+  MapUnit unit(wired);
+  CHECK(unit.write(0x100, {100, 200, 250, 400}) == Refusal::kNone);
+  CHECK(unit.chamber.output() == Volts(2.5));
+  unit.chamber.reference_volts = Volts(-3.0);
+  // 2.5 is 0x40200000, -3 is 0xC0400000.
+  CHECK(unit.read(4, 0, 9) == Words{0, 0, 0x4020, 0, 0, 0, 0xC040, 0, 0});
+  wired.profile.inputs.format.low_word_first = true;
+  MapUnit swapped(wired);
+  swapped.chamber.reference_volts = Volts(-3.0);
+  CHECK(swapped.read(4, 6, 3) == Words{0, 0xC040, 0});
+}
+
+TEST_CASE("module map: an input reads from one count below minus full scale up to full scale") {
+  ModuleProfile profile = bare_profile();
+  profile.inputs.channels = 2;
+  profile.inputs.format = {RegisterType::kI32, false};
+  profile.inputs.volts = {100, 1100, 0, 10};  // so that the span is not the full scale
+  MapUnit unit(profile);
+  const auto shows = [&](double volts) {
+    unit.chamber.reference_volts = Volts(volts);
+    const auto words = unit.read(4, 2, 2);
+    REQUIRE(words);
+    return decode_register(profile.inputs.format, *words).counts;
+  };
+  CHECK(shows(0.0) == 100);
+  CHECK(shows(-9.0) == -800);
+  CHECK(shows(-10.0) == -900);
+  CHECK(shows(-10.01) == -901);
+  CHECK(shows(-20.0) == -901);
+  CHECK(shows(9.99) == 1099);
+  CHECK(shows(10.0) == 1100);
+  CHECK(shows(10.01) == 1100);
+}
+
+TEST_CASE("module map: quantities have their own function, scale and spare registers") {
+  SimulatedUnit instrument{1, bare_profile(), {}};
+  instrument.quantities.push_back({{4, 0x30, 2, {RegisterType::kF32, false}, {0, 1, 0, 2}}, [] { return 5.0; }});
+  instrument.quantities.push_back({{3, 0x40, 0, {RegisterType::kI16, false}, {0, 10, 0, 1}}, [] { return -2.5; }});
+  instrument.quantities.push_back({{4, 0x40, 0, {RegisterType::kU16, false}, {0, 1, 0, 1}}, [] { return 7.0; }});
+  MapUnit unit(instrument);
+  check_block(unit, 4, 0x30, 4);
+  CHECK(unit.read(4, 0x30, 4) == Words{0x4020, 0, 0, 0});  // 2.5
+  CHECK_FALSE(unit.read(3, 0x30, 1));
+  check_block(unit, 3, 0x40, 1);
+  CHECK(unit.read(3, 0x40, 1) == Words{static_cast<std::uint16_t>(-25)});
+  check_block(unit, 4, 0x40, 1);
+  CHECK(unit.read(4, 0x40, 1) == Words{7});
+  check_block(unit, 3, 0x100, 4);
+}
+
+TEST_CASE("module map: outputs stand at 0 V at power-up, where the scale has it") {
+  ModuleProfile profile = bare_profile();
+  MapUnit plain(profile);
+  CHECK(plain.read(3, 0x100, 4) == Words{0, 0, 0, 0});
+  profile.outputs.volts = {0, 4095, -10, 10};
+  MapUnit both_signs(profile);
+  CHECK(both_signs.read(3, 0x100, 4) == Words{2048, 2048, 2048, 2048});  // 2047.5
+  profile.outputs.volts = {0, 4095, 2, 10};
+  MapUnit above(profile);
+  CHECK(above.read(3, 0x100, 4) == Words{0, 0, 0, 0});  // it cannot give 0 V
+}
+
+TEST_CASE("module map: a negative word is 0 V where 15 bits are the full scale, elsewhere it is a large one") {
+  ModuleProfile profile = bare_profile();
+  const auto volts = [&](std::uint16_t word) {
+    MapUnit unit(profile);
+    CHECK(unit.write(0x100, {word}) == Refusal::kNone);
+    CHECK(unit.read(3, 0x100, 1) == Words{word});
+    return unit.chamber.output().value();
+  };
+  profile.outputs.volts = {0, 32767, 0, 10};
+  CHECK(volts(1) == Approx(10.0 / 32767));
+  CHECK(volts(0x4001) == Approx(10.0 * 0x4001 / 32767));
+  CHECK(volts(0x7FFF) == Approx(10.0));
+  CHECK(volts(0x8000) == 0.0);
+  CHECK(volts(0xFFFF) == 0.0);
+  profile.outputs.volts = {1, 32767, 1, 10};
+  CHECK(volts(0x8000) == 0.0);
+  profile.outputs.volts = {0, 32768, 0, 10};
+  CHECK(volts(0x8000) == Approx(10.0));
+  profile.outputs.volts = {0, 65535, 0, 10};
+  CHECK(volts(0xFFFF) == Approx(10.0));
+  profile.outputs.volts = {-1, 32767, -1, 32767};
+  CHECK(volts(0x8000) == Approx(32768.0));
+}

@@ -1,0 +1,276 @@
+// Serial ports over a libserialport of the tests' own (fake_serialport.h): what is set, what each failing call is told
+// as, and that nothing stays open.
+#include "devices/wire/serial_link.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <filesystem>
+#include <vector>
+
+#include "devices/wire/ends/pseudo_terminal.h"
+#include "tests/devices/fault_of.h"
+#include "tests/devices/timeouts.h"
+#include "tests/devices/wire/fake_serialport.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+constexpr const char* kSerialName = "/dev/ttyFake7";
+
+struct SerialBench {
+  SerialBench() {
+    ports = FakeSerialPorts{};
+    ports.ports = {{"/dev/ttyFake5", std::nullopt, std::nullopt, std::nullopt, terminal.path()},
+                   {"/dev/ttyFake6", "adapter", "S6", std::pair{0x0403, 0x6001}, terminal.path()},
+                   {kSerialName, "adapter", "S7", std::pair{0x0403, 0x6015}, terminal.path()}};
+  }
+  [[nodiscard]] std::unique_ptr<ByteStream> open() const { return open_serial(address); }
+  // Opening ends in this fault, and leaves nothing open.
+  void check_refused(const std::string& id, const std::string& says) const {
+    const auto fault = fault_of([&] { (void)open(); });
+    REQUIRE(fault);
+    CHECK(fault->id() == id);
+    CHECK_THAT(fault->what(), Catch::Contains(says));
+    CHECK_FALSE(fault->remedy().empty());
+    CHECK(ports.opened == 0);
+    CHECK(ports.made == 0);
+  }
+  void fail(const std::string& function, sp_return code = SP_ERR_FAIL, const std::string& text = "it broke") const {
+    ports.fail_function = function;
+    ports.fail_code = code;
+    ports.error_text = text;
+  }
+  void send(const Bytes& bytes) const {
+    REQUIRE(::write(terminal.master(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+  }
+  PseudoTerminal terminal;
+  FakeSerialPorts& ports = fake_serial_ports();
+  SerialAddress address{kSerialName, 19200, 'E', 2, ""};
+};
+
+}  // namespace
+
+TEST_CASE("serial port: set to eight bits without handshake, as the address says, emptied, and one program's own") {
+  const struct {
+    char parity;
+    int number;  // libserialport's
+  } parities[] = {{'N', 0}, {'O', 1}, {'E', 2}};
+  for (const auto& [parity, number] : parities) {
+    SerialBench bench;
+    bench.address.parity = parity;
+    const auto port = bench.open();
+    CHECK(bench.ports.calls == std::vector<std::string>{"sp_open 3", "sp_set_baudrate 19200", "sp_set_bits 8",
+                                                        "sp_set_parity " + std::to_string(number), "sp_set_stopbits 2",
+                                                        "sp_set_flowcontrol 0", "sp_flush 3"});
+    CHECK(port->description() == kSerialName);
+    REQUIRE(port->descriptor() >= 0);
+    CHECK(::fcntl(port->descriptor(), F_GETFD) == FD_CLOEXEC);
+    int exclusive = 0;
+    REQUIRE(::ioctl(port->descriptor(), TIOCGEXCL, &exclusive) == 0);
+    CHECK(exclusive != 0);
+    const int other = ::open(bench.terminal.path().c_str(), O_RDWR | O_NOCTTY);
+    if (other >= 0) CHECK(::flock(other, LOCK_EX | LOCK_NB) != 0);  // exclusive to all but root
+    if (other >= 0) ::close(other);
+    ::ioctl(port->descriptor(), TIOCNXCL);
+  }
+  CHECK(fake_serial_ports().opened == 0);
+  CHECK(fake_serial_ports().made == 0);
+}
+
+TEST_CASE("serial port: each setting that is refused is told by its name, with the reason") {
+  const struct {
+    const char* function;
+    const char* says;
+  } settings[] = {{"sp_set_baudrate", "setting baud rate: "},
+                  {"sp_set_bits", "setting data bits: "},
+                  {"sp_set_parity", "setting parity: "},
+                  {"sp_set_stopbits", "setting stop bits: "},
+                  {"sp_set_flowcontrol", "setting flow control: "},
+                  {"sp_flush", "setting empty buffers: "}};
+  const struct {
+    sp_return code;
+    const char* says;
+  } reasons[] = {{SP_ERR_ARG, "no such port"},
+                 {SP_ERR_SUPP, "the port does not support that setting"},
+                 {SP_ERR_MEM, "libserialport's error -3"},
+                 {SP_ERR_FAIL, "it broke"}};
+  for (const auto& setting : settings) {
+    for (const auto& reason : reasons) {
+      SerialBench bench;
+      bench.fail(setting.function, reason.code);
+      bench.check_refused("TB-SERIAL-OPEN",
+                          std::string("opening serial port ") + kSerialName + ": " + setting.says + reason.says + ";");
+    }
+  }
+  SerialBench bench;
+  bench.fail("sp_set_bits");
+  bench.ports.error_text.reset();
+  bench.check_refused("TB-SERIAL-OPEN", "setting data bits: unknown");
+  SerialBench odd;
+  odd.address.parity = 'M';
+  odd.check_refused("TB-SERIAL-OPEN", "parity 'M' is none of N, E, O");
+}
+
+TEST_CASE("serial port: one that is not there, cannot be opened, is held, or has another serial number") {
+  SerialBench absent;
+  absent.address.port = "/dev/ttyFake8";
+  absent.check_refused("TB-SERIAL-OPEN",
+                       "opening serial port /dev/ttyFake8: no such port; present: /dev/ttyFake5, /dev/ttyFake6 "
+                       "(serial S6), /dev/ttyFake7 (serial S7)");
+  absent.ports.ports.clear();
+  absent.check_refused("TB-SERIAL-OPEN", "no such port; present: none");
+  for (const int error : {EACCES, EBUSY}) {
+    SerialBench bench;
+    bench.fail("sp_open");
+    bench.ports.error_code = error;
+    bench.check_refused(error == EBUSY ? "TB-SERIAL-BUSY" : "TB-SERIAL-OPEN",
+                        error == EBUSY ? "another program or device holds it" : "it broke");
+    bench.fail("sp_open", SP_ERR_SUPP);  // then the last error is an older call's
+    bench.check_refused("TB-SERIAL-OPEN", "the port does not support that setting");
+  }
+  SerialBench held;
+  const int other = ::open(held.terminal.path().c_str(), O_RDWR | O_NOCTTY);
+  REQUIRE(::flock(other, LOCK_EX | LOCK_NB) == 0);
+  held.check_refused("TB-SERIAL-BUSY", std::string("opening serial port ") + kSerialName + ": another program");
+  ::close(other);
+  SerialBench another;
+  another.address.usb_serial = "S6";
+  another.check_refused("TB-SERIAL-OPEN", "its USB serial is 'S7', expected 'S6'");
+  another.address.port = "/dev/ttyFake5";
+  another.check_refused("TB-SERIAL-OPEN", "its USB serial is '', expected 'S6'");
+  another.address = {"", 9600, 'N', 1, "S9"};
+  another.check_refused("TB-SERIAL-OPEN", "opening serial port with USB serial S9: no port carries it; present: /dev");
+  another.address.usb_serial = "";
+  another.check_refused("TB-SERIAL-OPEN", "neither a port nor a USB serial is given");
+}
+
+TEST_CASE("serial port: found by its USB serial, by a link, or by a name that another port's serial does not spoil") {
+  SerialBench bench;
+  bench.address.usb_serial = "S7";
+  CHECK(bench.open()->description() == kSerialName);
+  bench.address.port = "";
+  CHECK(bench.open()->description() == kSerialName);
+  bench.address.usb_serial = "S6";
+  CHECK(bench.open()->description() == "/dev/ttyFake6");
+  const tactbench::tests::TemporaryFolder folder;
+  bench.ports.ports[0].name = folder.path("port");
+  const int file = ::open(folder.path("port").c_str(), O_CREAT | O_RDWR, 0600);
+  ::close(file);
+  std::filesystem::create_symlink(folder.path("port"), folder.path("link"));
+  bench.address = {folder.path("link"), 9600, 'N', 1, ""};
+  CHECK(bench.open()->description() == std::filesystem::canonical(folder.path("port")).string());
+}
+
+TEST_CASE("serial ports present: with what the system tells of each") {
+  const SerialBench bench;
+  const auto list = list_serial_ports();
+  REQUIRE(list.size() == 3);
+  CHECK(list[0].name == "/dev/ttyFake5");
+  CHECK(list[0].description.empty());
+  CHECK(list[0].usb_serial.empty());
+  CHECK(list[0].usb_vendor == -1);
+  CHECK(list[0].usb_product == -1);
+  CHECK(list[2].name == kSerialName);
+  CHECK(list[2].description == "adapter");
+  CHECK(list[2].usb_serial == "S7");
+  CHECK(list[2].usb_vendor == 0x0403);
+  CHECK(list[2].usb_product == 0x6015);
+  CHECK(bench.ports.made == 0);
+  bench.fail("sp_list_ports");
+  CHECK(list_serial_ports().empty());
+}
+
+TEST_CASE("serial port: bytes both ways, in whole or in part, and how many were thrown away") {
+  const SerialBench bench;
+  const auto port = bench.open();
+  std::array<std::uint8_t, 8> into{};
+  CHECK(port->read(into, 0ns) == 0);
+  CHECK(port->read(into, 1ms) == 0);
+  bench.send({7});
+  CHECK(port->read(into, kPatient) == 1);
+  CHECK(into[0] == 7);
+  bench.send({1, 2, 3});
+  CHECK(port->read(std::span(into).first(2), kPatient) == 2);
+  CHECK(port->read(into, 0ns) == 1);
+  CHECK(into[0] == 3);
+  bench.send({9});
+  bench.ports.reads_without_bytes = 2;  // ready, and yet nothing to read: it is waited for
+  CHECK(port->read(into, kPatient) == 1);
+  CHECK(into[0] == 9);
+  bench.send({1, 2, 3, 4, 5});
+  CHECK(port->discard() == 5);
+  CHECK(bench.ports.calls.back() == "sp_flush 1");  // what came in, not what is to go out
+  CHECK(port->discard() == 0);
+  CHECK(port->read(into, 0ns) == 0);
+  port->write(Bytes{5, 6, 7});
+  CHECK(bench.ports.calls.back() == "sp_blocking_write 1000");
+  CHECK(::read(bench.terminal.master(), into.data(), into.size()) == 3);
+  CHECK(into[2] == 7);
+}
+
+TEST_CASE("serial port: a write that is not taken in whole is a time-out") {
+  for (const int taken : {0, 1, 2}) {
+    SerialBench bench;
+    const auto port = bench.open();
+    bench.ports.write_takes = taken;
+    const auto fault = fault_of([&] { port->write(Bytes{1, 2, 3}); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-SERIAL-TIMEOUT");
+    CHECK(fault->what() == std::string("sending 3 bytes to ") + kSerialName + ": " + std::to_string(taken) +
+                               " were taken within 1000 ms");
+  }
+  SerialBench bench;
+  const auto port = bench.open();
+  bench.ports.write_takes = 3;
+  CHECK(fault_id_of([&] { port->write(Bytes{1, 2, 3}); }) == "none");
+}
+
+TEST_CASE("serial port: each call that fails means that the port is lost") {
+  const struct {
+    const char* function;
+    const char* doing;
+  } calls[] = {{"sp_blocking_write", "sending to"},
+               {"sp_nonblocking_read", "reading from"},
+               {"sp_input_waiting", "reading from"},
+               {"sp_flush", "reading from"},
+               {"sp_input_waiting in discard", "reading from"}};
+  for (const auto& [function, doing] : calls) {
+    for (const sp_return code : {SP_ERR_FAIL, SP_ERR_ARG}) {
+      INFO(function << " " << code);
+      SerialBench bench;
+      const auto port = bench.open();
+      const bool discards = std::string(function).ends_with("discard") || function == std::string("sp_flush");
+      bench.fail(std::string(function).substr(0, std::string(function).find(' ')), code);
+      std::array<std::uint8_t, 8> into{};
+      const auto fault = fault_of([&] {
+        if (discards) {
+          (void)port->discard();
+        } else if (doing == std::string("sending to")) {
+          port->write(Bytes{1});
+        } else {
+          (void)port->read(into, 0ns);
+        }
+      });
+      REQUIRE(fault);
+      CHECK(fault->id() == "TB-SERIAL-LOST");
+      CHECK(fault->what() == std::string(doing) + " serial port " + kSerialName + ": " +
+                                 (code == SP_ERR_FAIL ? "it broke" : "no such port"));
+    }
+  }
+  SerialBench bench;
+  const auto port = bench.open();
+  bench.terminal.hang_up();
+  std::array<std::uint8_t, 8> into{};
+  CHECK_THROWS_WITH(port->read(into, kPatient),
+                    std::string("reading from serial port ") + kSerialName + ": the port hung up");
+}
