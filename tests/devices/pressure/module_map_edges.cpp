@@ -94,7 +94,10 @@ TEST_CASE("module map: a watchdog at address 0 has its five registers there") {
   CHECK(unit.write(5, {1}) == Refusal::kAddress);
   CHECK(unit.write(0x100, {500}) == Refusal::kNone);
   CHECK(unit.chamber.output() == Volts(5.0));
+  unit.clock.wait_until(249ms);
+  CHECK(unit.chamber.output() == Volts(5.0));
   unit.clock.wait_until(250ms);
+  CHECK(unit.chamber.output() == Volts(0.0));
   unit.registers.turn();
   CHECK(unit.read(3, 0x100, 1) == Words{0});
   MapUnit without(bare_profile());

@@ -138,11 +138,11 @@ sp_return sp_blocking_write(sp_port* port, const void* bytes, std::size_t size, 
 
 sp_return sp_nonblocking_read(sp_port* port, void* bytes, std::size_t size) {
   if (fails("sp_nonblocking_read")) return fake_serial_ports().fail_code;
-  if (fake_serial_ports().reads_without_bytes > 0) {
-    --fake_serial_ports().reads_without_bytes;
+  const ssize_t got = ::read(port->handle, bytes, size);
+  if (got > 0 && fake_serial_ports().swallowed > 0) {
+    --fake_serial_ports().swallowed;
     return SP_OK;
   }
-  const ssize_t got = ::read(port->handle, bytes, size);
   return static_cast<sp_return>(got > 0 ? got : 0);
 }
 

@@ -203,10 +203,15 @@ TEST_CASE("serial port: bytes both ways, in whole or in part, and how many were 
   CHECK(port->read(std::span(into).first(2), kPatient) == 2);
   CHECK(port->read(into, 0ns) == 1);
   CHECK(into[0] == 3);
-  bench.send({9});
-  bench.ports.reads_without_bytes = 2;  // ready, and yet nothing to read: it is waited for
-  CHECK(port->read(into, kPatient) == 1);
+  bench.send({8, 9});
+  bench.ports.swallowed = 1;  // ready, and yet nothing to read: it is waited for
+  CHECK(port->read(std::span(into).first(1), kPatient) == 1);
   CHECK(into[0] == 9);
+  bench.send({8});
+  bench.ports.swallowed = 1;
+  const auto begin = std::chrono::steady_clock::now();
+  CHECK(port->read(into, 20ms) == 0);
+  CHECK(std::chrono::steady_clock::now() - begin >= 20ms);
   bench.send({1, 2, 3, 4, 5});
   CHECK(port->discard() == 5);
   CHECK(bench.ports.calls.back() == "sp_flush 1");  // what came in, not what is to go out

@@ -1,0 +1,297 @@
+// What an analog module is asked, request by request, and what comes of each answer.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <stdexcept>
+
+#include "devices/pressure/analog_module.h"
+#include "tests/devices/pressure/recorded_module.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Notes = RecordedModule::Notes;
+using Counts = std::vector<std::uint16_t>;
+
+ModuleProfile plain_profile() {
+  ModuleProfile profile;
+  profile.model = "plain";
+  profile.outputs.address = 0x10;
+  profile.outputs.channels = 2;
+  profile.outputs.volts = {0, 1000, 0, 10};
+  profile.inputs.address = 0x20;
+  profile.inputs.channels = 2;
+  profile.inputs.volts = {0, 1000, 0, 10};
+  return profile;
+}
+
+struct Requests {
+  explicit Requests(const ModuleProfile& known = plain_profile()) : profile(known) {}
+  RecordedModule server;
+  TurnedClock clock;
+  ModuleProfile profile;
+  AnalogModule module{profile, server.endpoint(), 0ns, clock, Origin::kSimulated};
+};
+
+}  // namespace
+
+TEST_CASE("analog module: one reading covers values and status words, by the profile's function") {
+  const struct {
+    RegisterType type;
+    int channels, status_offset, function;
+    const char* note;
+  } cases[] = {{RegisterType::kI16, 2, -1, 4, "4 0020 2"}, {RegisterType::kF32, 2, -1, 4, "4 0020 4"},
+               {RegisterType::kI16, 2, 5, 3, "3 0020 7"},  {RegisterType::kF32, 3, 2, 4, "4 0020 6"},
+               {RegisterType::kU32, 1, 2, 3, "3 0020 3"},  {RegisterType::kI16, 1, 0, 4, "4 0020 1"}};
+  for (const auto& [type, channels, status_offset, function, note] : cases) {
+    ModuleProfile profile = plain_profile();
+    profile.inputs.format.type = type;
+    profile.inputs.channels = channels;
+    profile.inputs.status_offset = status_offset;
+    profile.inputs.function = function;
+    Requests rig(profile);
+    rig.module.refresh();
+    CHECK(rig.server.notes() == Notes{note});
+  }
+}
+
+TEST_CASE("analog module: each channel's words are its own, and there are no others") {
+  ModuleProfile profile = plain_profile();
+  profile.inputs.format.type = RegisterType::kI32;
+  profile.inputs.channels = 3;
+  Requests rig(profile);
+  rig.server.set(0x20, {0, 1, 0xFFFF, 0xFFFE, 2, 3});
+  rig.module.refresh();
+  CHECK(rig.module.input(0).counts == 1);
+  CHECK(rig.module.input(1).counts == -2);
+  CHECK(rig.module.input(2).counts == 0x20003);
+  CHECK(rig.module.input_volts(1).value() == Approx(-0.02));
+  CHECK_THROWS_AS(rig.module.input(-1), std::out_of_range);
+  CHECK_THROWS_AS(rig.module.input(3), std::out_of_range);
+  CHECK_THROWS_AS(rig.module.output(2), std::out_of_range);
+  CHECK_THROWS_AS(rig.module.write(2, 7), std::out_of_range);
+  CHECK_THROWS_AS(rig.module.write(-1, 7), std::out_of_range);
+}
+
+TEST_CASE("analog module: an image is read again once it is older than asked for, or forgotten") {
+  Requests rig;
+  const auto reads = [&](Nanoseconds max_age) {
+    rig.module.refresh(max_age);
+    return rig.server.notes().size();
+  };
+  CHECK(rig.module.image_time() < 0ns);
+  CHECK(reads(1h) == 1);  // there is none yet
+  CHECK(rig.module.image_time() == 0ns);
+  CHECK(reads(0ns) == 0);  // of this very time
+  rig.clock.wait_until(500us);
+  CHECK(reads(500us) == 0);
+  CHECK(reads(499'999ns) == 1);
+  CHECK(rig.module.image_time() == 500us);
+  rig.clock.wait_until(1ms);
+  CHECK(reads(0ns) == 1);
+  rig.module.forget_image();
+  CHECK(reads(1h) == 1);
+  rig.server.interfere([](const std::string&) { return 4; });
+  rig.clock.wait_until(2ms);
+  CHECK(fault_id_of([&] { rig.module.refresh(); }) == "TB-MODBUS-EXCEPTION");
+  CHECK(rig.module.image_time() == 1ms);
+  ModuleProfile outputs_only = plain_profile();
+  outputs_only.inputs.channels = 0;
+  Requests none(outputs_only);
+  none.module.refresh();
+  CHECK(none.server.notes().empty());
+}
+
+TEST_CASE("analog module: reading all reads inputs and outputs and writes nothing") {
+  ModuleProfile profile = plain_profile();
+  for (const int readback : {3, 4, 0}) {
+    profile.outputs.readback = readback;
+    Requests rig(profile);
+    rig.server.set(0x10, {7, 8});
+    CHECK(rig.module.read_all() == (readback == 0 ? Counts{} : Counts{7, 8}));
+    CHECK(rig.server.notes() == (readback == 3   ? Notes{"4 0020 2", "3 0010 2"}
+                                 : readback == 4 ? Notes{"4 0020 2", "4 0010 2"}
+                                                 : Notes{"4 0020 2"}));
+  }
+  profile.outputs.channels = 0;
+  profile.outputs.readback = 3;
+  Requests inputs_only(profile);
+  CHECK(inputs_only.module.read_all().empty());
+  CHECK(inputs_only.server.notes() == Notes{"4 0020 2"});
+}
+
+TEST_CASE("analog module: each function writes all outputs, reads the inputs, then the outputs back") {
+  const struct {
+    int function;
+    Notes notes;
+  } cases[] = {{6, {"6 0010 <0", "6 0011 <77", "4 0020 2", "3 0010 2"}},
+               {16, {"16 0010 <0 <77", "4 0020 2", "3 0010 2"}},
+               {23, {"23 0020 2 0010 <0 <77", "3 0010 2"}}};
+  for (const auto& [function, notes] : cases) {
+    INFO("function " << function);
+    ModuleProfile profile = plain_profile();
+    profile.outputs.function = function;
+    Requests rig(profile);
+    rig.server.set(0x20, {5, 6});
+    rig.clock.wait_until(3ms);
+    rig.module.write(1, 77);
+    CHECK(rig.server.notes() == notes);
+    CHECK(rig.module.output(0) == 0);
+    CHECK(rig.module.output(1) == 77);
+    CHECK(rig.module.input(1).counts == 6);
+    CHECK(rig.module.image_time() == 3ms);
+    CHECK(rig.module.last_write_time() == 3ms);
+  }
+  ModuleProfile profile = plain_profile();
+  profile.inputs.channels = 0;
+  profile.outputs.readback = 0;
+  Requests rig(profile);
+  rig.module.write(0, 1);
+  CHECK(rig.server.notes() == Notes{"16 0010 <1 <0"});
+  CHECK(rig.module.image_time() < 0ns);
+}
+
+TEST_CASE("analog module: feeding writes first, then always looks before it writes the same again") {
+  Requests rig;
+  CHECK(rig.module.last_write_time() < 0ns);
+  rig.module.feed();
+  CHECK(rig.server.notes() == Notes{"16 0010 <0 <0", "4 0020 2", "3 0010 2"});
+  rig.module.write(0, 500);
+  (void)rig.server.notes();
+  rig.clock.wait_until(1s);
+  rig.module.feed();
+  CHECK(rig.server.notes() == Notes{"3 0010 2", "16 0010 <500 <0", "4 0020 2"});
+  CHECK(rig.module.last_write_time() == 1s);
+  rig.server.set(0x11, {9});
+  rig.clock.wait_until(2s);
+  const auto fault = fault_of([&] { rig.module.feed(); });
+  REQUIRE(fault);
+  CHECK(fault->id() == "TB-MODULE-READBACK");
+  CHECK(fault->what() ==
+        "reading the outputs of " + rig.server.name() + " back: counts 500 0 were written, 500 9 were read");
+  CHECK(rig.server.notes() == Notes{"3 0010 2"});
+  CHECK(rig.module.last_write_time() == 1s);
+}
+
+TEST_CASE("analog module: what was not read back is not taken for the outputs' state") {
+  Requests rig;
+  rig.module.write(0, 500);
+  rig.server.interfere([](const std::string& note) {
+    return note.starts_with("16") ? std::optional(-1) : std::nullopt;  // acknowledged, and not done
+  });
+  rig.clock.wait_until(1s);
+  CHECK(fault_id_of([&] { rig.module.write(0, 600); }) == "TB-MODULE-READBACK");
+  CHECK(rig.module.output(0) == 500);
+  rig.server.interfere(
+      [](const std::string& note) { return note.starts_with("16") ? std::optional(4) : std::nullopt; });
+  rig.clock.wait_until(2s);
+  CHECK(fault_id_of([&] { rig.module.write(0, 700); }) == "TB-MODBUS-EXCEPTION");
+  CHECK(rig.module.output(0) == 500);
+  CHECK(rig.module.last_write_time() == 1s);
+}
+
+TEST_CASE("analog module: each bit of a status word that counts, by channel and in words") {
+  ModuleProfile profile = plain_profile();
+  profile.inputs.status_offset = 4;
+  const struct {
+    Counts words;
+    std::string says;
+  } cases[] = {
+      {{0, 0}, ""},
+      {{8, 0xFFF8}, ""},  // other bits mean something else
+      {{1, 2}, "input 0 of {} reports status 0x0001: above its range"},
+      {{0, 2}, "input 1 of {} reports status 0x0002: below its range"},
+      {{0, 4}, "input 1 of {} reports status 0x0004: calibration not valid"},
+      {{0, 0x108F}, "input 1 of {} reports status 0x108F: above its range below its range calibration not valid"}};
+  for (const auto& [words, says] : cases) {
+    Requests rig(profile);
+    rig.server.set(0x24, words);
+    const auto fault = fault_of([&] { rig.module.refresh(); });
+    CHECK(fault.has_value() != says.empty());
+    if (fault) {
+      CHECK(fault->id() == "TB-MODULE-INPUT");
+      CHECK(fault->what() == fmt::format(fmt::runtime(says), rig.server.name()));
+    }
+  }
+  Requests rig(profile);
+  rig.server.set(0x24, {0, 1});
+  rig.profile.outputs.function = 23;
+  for (const int function : {16, 23}) {
+    rig.profile.outputs.function = function;
+    AnalogModule module(rig.profile, rig.server.endpoint(), 0ns, rig.clock, Origin::kSimulated);
+    CHECK(fault_id_of([&] { module.write(0, 1); }) == "TB-MODULE-INPUT");
+  }
+}
+
+TEST_CASE("analog module: all outputs to 0 V, wherever the scale has that, in two attempts at most") {
+  ModuleProfile profile = plain_profile();
+  profile.outputs.volts = {0, 4095, -10, 10};
+  for (const int function : {6, 16, 23}) {
+    INFO("function " << function);
+    profile.outputs.function = function;
+    Requests rig(profile);
+    rig.clock.wait_until(3ms);
+    CHECK(rig.module.zero_outputs());
+    CHECK(rig.server.notes() == (function == 6 ? Notes{"6 0010 <2048", "6 0011 <2048", "3 0010 2"}
+                                               : Notes{"16 0010 <2048 <2048", "3 0010 2"}));
+    CHECK(rig.module.output(1) == 2048);
+    CHECK(rig.module.last_write_time() == 3ms);
+  }
+  Requests rig;
+  std::atomic<int> breaks = 0;
+  rig.server.interfere([&](const std::string&) { return breaks-- > 0 ? std::optional(0) : std::nullopt; });
+  for (const int times : {0, 1, 2}) {
+    INFO(times << " broken connections");
+    breaks = times;
+    CHECK(rig.module.zero_outputs() == (times < 2));
+    CHECK(rig.server.notes().size() == (times == 0 ? 2 : times == 1 ? 3 : 2));
+  }
+  // A refusal is no success by itself: what the outputs show decides.
+  rig.server.interfere([](const std::string& note) { return note[0] == '1' ? std::optional(4) : std::nullopt; });
+  rig.server.set(0x10, {0, 0});
+  CHECK(rig.module.zero_outputs());
+  CHECK(rig.server.notes().size() == 2);
+  rig.server.set(0x10, {0, 1});
+  CHECK_FALSE(rig.module.zero_outputs());
+  CHECK(rig.server.notes().size() == 4);
+  profile = plain_profile();
+  profile.outputs.readback = 0;
+  Requests blind(profile);
+  blind.server.set(0x10, {5, 5});
+  CHECK(blind.module.zero_outputs());
+  CHECK(blind.server.notes() == Notes{"16 0010 <0 <0"});
+  profile.outputs.channels = 0;
+  Requests none(profile);
+  CHECK_FALSE(none.module.zero_outputs());
+  CHECK(none.server.notes().empty());
+}
+
+TEST_CASE("analog module: the dump valve's coil is switched once to close, and twice at most to open") {
+  ModuleProfile profile = plain_profile();
+  for (const int coil : {0, 9}) {
+    profile.dump_coil = coil;
+    const std::string note = coil == 0 ? "5 0000" : "5 0009";
+    Requests rig(profile);
+    rig.module.close_dump();
+    rig.module.close_dump();
+    CHECK(rig.server.notes() == Notes{note + " <65280"});
+    CHECK(rig.module.open_dump());
+    CHECK(rig.server.notes() == Notes{note + " <0"});
+    rig.server.interfere([](const std::string&) { return 4; });
+    CHECK(fault_id_of([&] { rig.module.close_dump(); }) == "TB-MODBUS-EXCEPTION");
+    CHECK_FALSE(rig.module.open_dump());
+    CHECK(rig.server.notes() == Notes{note + " <65280", note + " <0", note + " <0"});
+    std::atomic<int> left = 1;
+    rig.server.interfere([&](const std::string&) { return left-- > 0 ? std::optional(0) : std::nullopt; });
+    CHECK(rig.module.open_dump());
+    CHECK(rig.server.notes().size() == 2);
+    rig.module.close_dump();  // a failed order to close has not made it closed
+    CHECK(rig.server.notes() == Notes{note + " <65280"});
+  }
+  Requests none;
+  none.module.close_dump();
+  CHECK(none.module.open_dump());
+  CHECK(none.server.notes().empty());
+}
