@@ -9,6 +9,7 @@
 #include <sys/ioctl.h>
 #include <sys/select.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -34,6 +35,16 @@ constexpr std::array kRates{110,   300,   600,    1200,   2400,   4800,   9600, 
 // Modbus over serial line 1.02, section 2.5.1.1: 3.5 characters of 11 bits between frames, 1.75 ms above 19200 baud.
 RealClock::duration frame_gap(int baud) {
   return baud > 19200 ? std::chrono::microseconds(1750) : std::chrono::microseconds(38'500'000 / baud);
+}
+
+// libmodbus waits with select(), which cannot hold a descriptor beyond FD_SETSIZE.
+bool beyond_select(int descriptor) { return descriptor >= FD_SETSIZE; }
+
+// The descriptor that the system would give now.
+int next_descriptor() {
+  const int next = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ::close(next);
+  return next;
 }
 
 // modbus_send_raw_request() would give each request the transaction id 0.
@@ -108,14 +119,14 @@ void ModbusLine::open(const std::string& device, const std::string& peer) {
                                                static_cast<std::uint32_t>(timeout % 1'000'000)) == 0 &&
                    modbus_set_byte_timeout(fresh->modbus, 0, 0) == 0;
   if (!set) fail(EINVAL, device, peer);
+  if (beyond_select(next_descriptor())) fail(EMFILE, device, peer);  // libmodbus waits for a connection, too
   errno = 0;
   int result = modbus_connect(fresh->modbus);
   if (result != 0 && errno == EINTR) result = modbus_connect(fresh->modbus);
   // libmodbus leaves EINPROGRESS when its wait for the connection timed out.
   if (result != 0) fail(errno == EINPROGRESS ? ETIMEDOUT : errno, device, peer);
   const int descriptor = modbus_get_socket(fresh->modbus);
-  // libmodbus waits with select(), which cannot hold a descriptor beyond FD_SETSIZE.
-  if (descriptor >= FD_SETSIZE) fail(EMFILE, device, peer);
+  if (beyond_select(descriptor)) fail(EMFILE, device, peer);  // another thread has opened files meanwhile
   if (is_rtu() && endpoint_.lock && flock(descriptor, LOCK_EX | LOCK_NB) != 0) fail(EBUSY, device, peer);
   // On a pseudo-terminal it would outlive a killed client, since the simulated end keeps the terminal open.
   if (is_rtu() && endpoint_.exclusive && !is_stream_address(endpoint_.serial_port)) ioctl(descriptor, TIOCEXCL);

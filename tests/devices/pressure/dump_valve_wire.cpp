@@ -1,7 +1,9 @@
+#include <atomic>
 #include <catch2/catch.hpp>
 
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
+#include "tests/devices/pressure/recorded_module.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 
@@ -83,4 +85,40 @@ TEST_CASE("dump valve: without one in the profile no output is switched") {
   rig.regulator.arm();
   CHECK(rig.regulator.vent());
   CHECK(rig.chamber.orders() == 0);
+}
+
+TEST_CASE("analog module: the dump valve's coil is switched once to close, and twice at most to open") {
+  ModuleProfile profile;
+  profile.inputs.channels = 0;
+  for (const int coil : {0, 9}) {
+    profile.dump_coil = coil;
+    const std::string note = coil == 0 ? "5 0000" : "5 0009";
+    RecordedModule server;
+    TurnedClock clock;
+    AnalogModule module(profile, server.endpoint(), 0ns, clock, Origin::kSimulated);
+    module.close_dump();
+    module.close_dump();
+    CHECK(server.notes() == RecordedModule::Notes{note + " <65280"});
+    CHECK(module.open_dump());
+    CHECK(server.notes() == RecordedModule::Notes{note + " <0"});
+    server.interfere([](const std::string&) { return 4; });
+    CHECK(fault_id_of([&] { module.close_dump(); }) == "TB-MODBUS-EXCEPTION");
+    CHECK(server.connections() == 1);
+    CHECK_FALSE(module.open_dump());
+    CHECK(server.connections() == 2);  // the second attempt is made on a new one
+    CHECK(server.notes() == RecordedModule::Notes{note + " <65280", note + " <0", note + " <0"});
+    std::atomic<int> left = 1;
+    server.interfere([&](const std::string&) { return left-- > 0 ? std::optional(0) : std::nullopt; });
+    CHECK(module.open_dump());
+    CHECK(server.notes().size() == 2);
+    module.close_dump();  // a failed order to close has not made it closed
+    CHECK(server.notes() == RecordedModule::Notes{note + " <65280"});
+  }
+  profile.dump_coil = -1;
+  RecordedModule none;
+  TurnedClock clock;
+  AnalogModule module(profile, none.endpoint(), 0ns, clock, Origin::kSimulated);
+  module.close_dump();
+  CHECK(module.open_dump());
+  CHECK(none.notes().empty());
 }

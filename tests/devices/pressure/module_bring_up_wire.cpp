@@ -60,7 +60,8 @@ TEST_CASE("module bring-up: a watchdog time that does not fit is refused before 
     int address;
     Nanoseconds time;
     const char* says;
-  } cases[] = {{0x1120, 0ns, "a watchdog of 0 ms was requested of {}, which takes 1 to 60000 ms"},
+  } cases[] = {{0, 0ns, "a watchdog of 0 ms was requested of {}, which takes 1 to 60000 ms"},
+               {0x1120, 0ns, "a watchdog of 0 ms was requested of {}, which takes 1 to 60000 ms"},
                {0x1120, 999us, "a watchdog of 0 ms was requested of {}, which takes 1 to 60000 ms"},
                {0x1120, 60'001ms, "a watchdog of 60001 ms was requested of {}, which takes 1 to 60000 ms"},
                {-1, 500ms, "a watchdog of 500 ms was requested of {}, which has none"}};

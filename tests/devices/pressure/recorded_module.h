@@ -45,6 +45,10 @@ class RecordedModule {
     const std::lock_guard lock(mutex_);
     discrete_ = std::move(on);
   }
+  [[nodiscard]] std::size_t connections() {
+    const std::lock_guard lock(mutex_);
+    return sockets_.size();
+  }
   // Called with each note, before the request is carried out: an exception's number refuses it, 0 breaks the
   // connection, a negative number answers without carrying it out. It must not call the module.
   void interfere(std::function<std::optional<int>(const std::string& note)> how) {
@@ -55,6 +59,7 @@ class RecordedModule {
  private:
   void serve(int socket, const Bytes& request) {
     const std::lock_guard lock(mutex_);
+    sockets_.insert(socket);
     const auto word = [&](std::size_t i) { return static_cast<std::size_t>(request[i] << 8U | request[i + 1]); };
     const int function = request[7];
     const std::size_t address = word(8);
@@ -115,6 +120,7 @@ class RecordedModule {
   Notes notes_;
   std::array<std::uint16_t, 0x10000> registers_{};
   std::set<std::size_t> discrete_;
+  std::set<int> sockets_;  // the server closes none before its end
   std::function<std::optional<int>(const std::string&)> interfere_;
   ScriptedServer server_;
 };

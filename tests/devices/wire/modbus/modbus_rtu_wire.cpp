@@ -1,89 +1,18 @@
 // Modbus RTU on a pseudo-terminal: the simulated line, and a scripted one that answers late, short, damaged, or for
 // another unit.
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <thread>
 
 #include "devices/pressure/analog_module.h"
 #include "devices/pressure/regulator.h"
 #include "devices/pressure/simulated_module.h"
-#include "devices/wire/ends/end_at_work.h"
-#include "devices/wire/ends/pseudo_terminal.h"
-#include "devices/wire/modbus/modbus_crc.h"
 #include "devices/wire/modbus/modbus_link.h"
-#include "tests/devices/scripted_server.h"
+#include "tests/devices/scripted_line.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
-
-namespace {
-
-ModbusEndpoint on(const std::string& port, int unit, Nanoseconds timeout = kPatient) {
-  ModbusEndpoint endpoint;
-  endpoint.serial_port = port;
-  endpoint.baud = 115200;
-  endpoint.unit = unit;
-  endpoint.response_timeout = timeout;
-  endpoint.max_reply_delay = 50ms;
-  return endpoint;
-}
-
-// Answers a reading of `count` registers, all of them `value`.
-Bytes reading(int unit, int function, int count, std::uint16_t value) {
-  Bytes frame{static_cast<std::uint8_t>(unit), static_cast<std::uint8_t>(function),
-              static_cast<std::uint8_t>(2 * count)};
-  for (int i = 0; i < count; ++i) {
-    frame.push_back(static_cast<std::uint8_t>(value >> 8U));
-    frame.push_back(static_cast<std::uint8_t>(value & 0xFFU));
-  }
-  return rtu_frame(frame);
-}
-
-class ScriptedLine {
- public:
-  using Script = std::function<Bytes(int number, const Bytes& request)>;
-  explicit ScriptedLine(Script script) : script_(std::move(script)), stop_(::eventfd(0, 0)) {
-    thread_ = work_.thread([this] { serve(); });
-  }
-  ~ScriptedLine() {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = ::write(stop_, &one, sizeof one);
-    thread_.join();
-    ::close(stop_);
-  }
-  ScriptedLine(const ScriptedLine&) = delete;
-  ScriptedLine& operator=(const ScriptedLine&) = delete;
-  [[nodiscard]] const std::string& path() const { return terminal_.path(); }
-
- private:
-  void serve() {
-    Bytes request;
-    for (int number = 0;;) {
-      pollfd watched[2]{{stop_, POLLIN, 0}, {terminal_.master(), POLLIN, 0}};
-      if (work_.wait(watched) < 0) continue;
-      if (watched[0].revents != 0) return;
-      std::uint8_t bytes[64];
-      const ssize_t got = ::read(terminal_.master(), bytes, sizeof bytes);
-      if (got > 0) request.insert(request.end(), bytes, bytes + got);
-      if (request.size() < 8) continue;  // the scripts get reading requests only
-      const Bytes answer = script_(number++, request);
-      request.clear();
-      [[maybe_unused]] const ssize_t written = ::write(terminal_.master(), answer.data(), answer.size());
-    }
-  }
-  Script script_;
-  PseudoTerminal terminal_;
-  int stop_;
-  EndAtWork work_;
-  std::thread thread_;
-};
-
-}  // namespace
 
 TEST_CASE("modbus rtu: two units on one line, each with its own registers") {
   TurnedClock clock;
@@ -91,7 +20,7 @@ TEST_CASE("modbus rtu: two units on one line, each with its own registers") {
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}},
                         {2, module_profile("waveshare-analog-input-8ch-b"), {}}},
                        SimulatedModule::Wire::kRtu, 0, chamber, clock);
-  ModbusLink outputs(on(line.serial_port(), 1), "output module", clock);
+  ModbusLink outputs(rtu_endpoint(line.serial_port(), 1), "output module", clock);
   ModbusLink inputs(outputs, 2, "input module");
   outputs.write_register(0, 4596);
   CHECK(chamber.output().value() == Approx(4.596));
@@ -115,7 +44,7 @@ TEST_CASE("modbus rtu: a whole regulator on Waveshare's two modules, vented at t
   const auto input_profile = module_profile("waveshare-analog-input-8ch-b");
   SimulatedModule line({{1, output_profile, {}}, {2, input_profile, {}}}, SimulatedModule::Wire::kRtu, 0, chamber,
                        clock);
-  AnalogModule output(output_profile, on(line.serial_port(), 1), 0s, clock, Origin::kSimulated);
+  AnalogModule output(output_profile, rtu_endpoint(line.serial_port(), 1), 0s, clock, Origin::kSimulated);
   AnalogModule input(input_profile, output, 2, clock, Origin::kSimulated);
   RegulatorOptions options;
   options.command_span.high = options.feedback_span.high = Psi(9.0 * kPsiPerBar);
@@ -136,13 +65,13 @@ TEST_CASE("modbus rtu: successive readings differ in length, so that a stale ans
   Bytes held;
   auto line = std::make_unique<ScriptedLine>([&](int number, const Bytes& request) -> Bytes {
     counts.push_back(request[5]);
-    Bytes answer = reading(1, 4, request[5], static_cast<std::uint16_t>(100 + number));
+    Bytes answer = rtu_reading(1, 4, request[5], static_cast<std::uint16_t>(100 + number));
     if (number == 2) std::swap(answer, held);  // answers this one later ...
     if (number == 3) std::swap(answer, held);  // ... instead of the next
     return answer;
   });
   TurnedClock clock;
-  ModbusLink link(on(line->path(), 1, kShort), "module", clock);
+  ModbusLink link(rtu_endpoint(line->path(), 1, kShort), "module", clock);
   std::array<std::uint16_t, 2> in{};
   link.read_input_registers(0, in, 3);
   CHECK(in[0] == 100);
@@ -158,13 +87,13 @@ TEST_CASE("modbus rtu: successive readings differ in length, so that a stale ans
 
 TEST_CASE("modbus rtu: an answer that waits on the line is flushed before the next request") {
   ScriptedLine line([&](int number, const Bytes& request) -> Bytes {
-    Bytes answer = reading(1, 4, request[5], static_cast<std::uint16_t>(100 + number));
+    Bytes answer = rtu_reading(1, 4, request[5], static_cast<std::uint16_t>(100 + number));
     const Bytes again = answer;
     if (number == 0) answer.insert(answer.end(), again.begin(), again.end());  // a repeater's echo
     return answer;
   });
   TurnedClock clock;
-  ModbusLink link(on(line.path(), 1), "module", clock);
+  ModbusLink link(rtu_endpoint(line.path(), 1), "module", clock);
   std::array<std::uint16_t, 1> in{};
   for (std::uint16_t i = 0; i < 5; ++i) {
     link.read_input_registers(0, in);
@@ -174,15 +103,15 @@ TEST_CASE("modbus rtu: an answer that waits on the line is flushed before the ne
 
 TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent answers are distinguished") {
   const auto spoilt = [](int kind, const Bytes& request) -> Bytes {
-    if (kind == 0) return reading(7, 4, request[5], 1);
-    if (kind == 1) return reading(1, 3, request[5], 1);
+    if (kind == 0) return rtu_reading(7, 4, request[5], 1);
+    if (kind == 1) return rtu_reading(1, 3, request[5], 1);
     if (kind == 2) {
-      Bytes answer = reading(1, 4, request[5], 1);
+      Bytes answer = rtu_reading(1, 4, request[5], 1);
       answer[4] = static_cast<std::uint8_t>(answer[4] ^ 0x10U);
       return answer;
     }
     if (kind == 3) {
-      Bytes answer = reading(1, 4, request[5], 1);
+      Bytes answer = rtu_reading(1, 4, request[5], 1);
       answer.pop_back();
       return answer;
     }
@@ -194,10 +123,10 @@ TEST_CASE("modbus rtu: wrong unit, wrong function, damaged, short and absent ans
   for (int kind = 0; kind < 6; ++kind) {
     INFO("kind " << kind);
     ScriptedLine line([&](int number, const Bytes& request) {
-      return number == 0 ? spoilt(kind, request) : reading(1, 4, request[5], 42);
+      return number == 0 ? spoilt(kind, request) : rtu_reading(1, 4, request[5], 42);
     });
     TurnedClock clock;
-    ModbusLink link(on(line.path(), 1, kShort), "module", clock);
+    ModbusLink link(rtu_endpoint(line.path(), 1, kShort), "module", clock);
     std::array<std::uint16_t, 1> in{};
     const auto fault = fault_of([&] { link.read_input_registers(0, in); });
     REQUIRE(fault);
@@ -212,19 +141,19 @@ TEST_CASE("modbus rtu: a port that hangs up, is absent, is held, or a rate that 
   TestChamber chamber(clock);
   SimulatedModule line({{1, module_profile("waveshare-analog-output-8ch-b"), {}}}, SimulatedModule::Wire::kRtu, 0,
                        chamber, clock, {.dead_after_requests = 1});
-  ModbusLink link(on(line.serial_port(), 1), "module", clock);
+  ModbusLink link(rtu_endpoint(line.serial_port(), 1), "module", clock);
   std::array<std::uint16_t, 1> in{};
   link.read_holding_registers(0, in);
-  ModbusLink second(on(line.serial_port(), 1), "module", clock);
+  ModbusLink second(rtu_endpoint(line.serial_port(), 1), "module", clock);
   const auto held = fault_of([&] { second.read_holding_registers(0, in); });
   REQUIRE(held);
   CHECK_THAT(held->what(), Catch::Contains("another program"));
   const auto broken = fault_of([&] { link.read_holding_registers(0, in); });
   REQUIRE(broken);
   CHECK(broken->id() == "TB-MODBUS-CONNECT");
-  ModbusLink absent(on("/dev/no-such-port", 1), "module", clock);
+  ModbusLink absent(rtu_endpoint("/dev/no-such-port", 1), "module", clock);
   CHECK(fault_id_of([&] { absent.read_holding_registers(0, in); }) == "TB-MODBUS-CONNECT");
-  auto odd = on(line.serial_port(), 1);
+  auto odd = rtu_endpoint(line.serial_port(), 1);
   odd.baud = 12345;
   ModbusLink rate(odd, "module", clock);
   const auto unknown = fault_of([&] { rate.read_holding_registers(0, in); });

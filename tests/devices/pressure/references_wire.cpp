@@ -1,0 +1,228 @@
+// Pressure references and the regulator over a module that notes each request.
+#include <atomic>
+#include <catch2/catch.hpp>
+
+#include "devices/pressure/pressure_reference.h"
+#include "devices/pressure/regulator.h"
+#include "tests/devices/pressure/recorded_module.h"
+#include "tests/devices/scripted_line.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Notes = RecordedModule::Notes;
+
+struct ReferenceRig {
+  RecordedModule server;
+  TurnedClock clock;
+  ModbusLink link{server.endpoint(), "gauge", clock};
+};
+
+}  // namespace
+
+TEST_CASE("quantity: read by its function, from its address, with its format and scale") {
+  ReferenceRig rig;
+  rig.server.set(0x30, {0x4020, 0, 0xFFFE});  // 2.5, and -2
+  const ModbusQuantity floating{4, 0x30, 5, {RegisterType::kF32, false}, {0, 1, 10, 30}};
+  const RegisterValue psi = read_quantity(rig.link, floating);
+  CHECK(psi.value == Approx(60.0));
+  CHECK(psi.counts == 0x40200000);
+  const ModbusQuantity word{3, 0x32, 0, {RegisterType::kI16, false}, {0, 100, 0, 50}};
+  CHECK(read_quantity(rig.link, word).value == Approx(-1.0));
+  CHECK(rig.server.notes() == Notes{"4 0030 2", "3 0032 1"});
+}
+
+TEST_CASE("quantity: a float that is no number is a fault that names its register") {
+  for (const std::uint16_t high : {std::uint16_t{0x7FC0}, std::uint16_t{0x7F80}, std::uint16_t{0xFF80}}) {
+    ReferenceRig rig;
+    rig.server.set(0x30, {high, 0});
+    const auto fault = fault_of([&] {
+      (void)read_quantity(rig.link, {4, 0x30, 0, {RegisterType::kF32, false}, {0, 1, 0, 1}});
+    });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-MODBUS-VALUE");
+    CHECK(fault->what() == "register 0x0030 of " + rig.link.peer() + " does not hold a number");
+    CHECK_FALSE(fault->remedy().empty());
+  }
+}
+
+TEST_CASE("quantity: over RTU readings of values and spare registers alternate as far as the map goes") {
+  for (const int spare : {0, 1, 2}) {
+    std::vector<int> counts;
+    auto line = std::make_unique<ScriptedLine>([&](int, const Bytes& request) {
+      counts.push_back(request[5]);
+      return rtu_reading(1, request[1], request[5], 5);
+    });
+    TurnedClock clock;
+    ModbusLink link(rtu_endpoint(line->path(), 1), "gauge", clock);
+    for (const int function : {3, 4, 3, 4}) {
+      CHECK(read_quantity(link, {function, 0, spare, {RegisterType::kU16, false}, {0, 1, 0, 1}}).value == 5.0);
+    }
+    line.reset();
+    CHECK(counts == (spare == 0 ? std::vector<int>{1, 1, 1, 1} : std::vector<int>{1, 2, 1, 2}));
+  }
+}
+
+TEST_CASE("analog module over RTU: readings of inputs alternate where there are spare registers") {
+  for (const int spare : {0, 1}) {
+    for (const int function : {3, 4}) {
+      std::vector<int> counts;
+      auto line = std::make_unique<ScriptedLine>([&](int, const Bytes& request) {
+        counts.push_back(request[5]);
+        return rtu_reading(1, request[1], request[5], 5);
+      });
+      ModuleProfile profile;
+      profile.inputs.function = function;
+      profile.inputs.channels = 2;
+      profile.inputs.spare = spare;
+      TurnedClock clock;
+      AnalogModule module(profile, rtu_endpoint(line->path(), 1), 0ns, clock, Origin::kSimulated);
+      for (int i = 0; i < 3; ++i) {
+        module.forget_image();
+        module.refresh();
+      }
+      line.reset();
+      CHECK(counts == (spare == 0 ? std::vector<int>{2, 2, 2} : std::vector<int>{2, 3, 2}));
+    }
+  }
+}
+
+TEST_CASE("gauge: pressure, counts and time of a reading, then corrected by its certificate") {
+  ReferenceRig rig;
+  rig.server.set(0x30, {400});
+  GaugeOptions options;
+  options.model = "gauge";
+  options.serial = "G1";
+  options.origin = Origin::kSimulated;
+  options.quantity = {4, 0x30, 0, {RegisterType::kU16, false}, {0, 1000, 0, 100}};
+  rig.clock.wait_until(7ms);
+  auto gauge = std::make_unique<ModbusGauge>(std::make_unique<ModbusLink>(rig.server.endpoint(), "gauge", rig.clock),
+                                             options, rig.clock);
+  const PressureReading reading = gauge->read();
+  CHECK(reading.pressure.value() == Approx(40.0));
+  CHECK(reading.voltage == Volts(0.0));
+  CHECK(reading.counts == 400);
+  CHECK(reading.time == 7ms);
+  CHECK(gauge->exchanges() == 1);
+  CHECK(gauge->identity().role == "pressure reference");
+  CHECK(gauge->identity().serial == "G1");
+  PressureCorrection correction;
+  correction.reading_psi = {0.0, 80.0};
+  correction.correction_psi = {0.0, 2.0};
+  correction.expanded_uncertainty_psi = {0.0, 0.1};
+  CorrectedReference corrected(std::move(gauge), correction);
+  CHECK(corrected.read().pressure.value() == Approx(41.0));
+  CHECK(corrected.read().counts == 400);
+  CHECK(corrected.identity().model == "gauge");
+}
+
+TEST_CASE("regulator and transducer: one image serves both, a command or a vent makes it old") {
+  ReferenceRig rig;
+  ModuleProfile profile;
+  profile.outputs.address = 0x10;
+  profile.outputs.channels = 2;
+  profile.outputs.volts = {0, 1000, 0, 10};
+  profile.inputs.address = 0x20;
+  profile.inputs.channels = 3;
+  profile.inputs.volts = {0, 1000, 0, 10};
+  AnalogModule output(profile, rig.server.endpoint(), 0ns, rig.clock, Origin::kSimulated);
+  AnalogModule input(profile, rig.server.endpoint(), 0ns, rig.clock, Origin::kSimulated);
+  RegulatorOptions options;
+  options.output_channel = 1;
+  options.feedback_channel = 2;
+  options.command_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(100.0)};
+  options.feedback_span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(200.0)};
+  Regulator regulator(output, input, options, rig.clock);
+  TransducerOptions other;
+  other.channel = 1;
+  other.span = {Volts(0.0), Volts(10.0), Psi(0.0), Psi(50.0)};
+  ModuleTransducer transducer(input, other);
+  regulator.arm();
+  rig.server.set(0x20, {100, 200, 300});
+  (void)rig.server.notes();
+  const auto feedback = regulator.feedback();
+  CHECK(feedback.pressure.value() == Approx(60.0));
+  CHECK(feedback.voltage.value() == Approx(3.0));
+  CHECK(feedback.counts == 300);
+  const auto reference = transducer.read();
+  CHECK(reference.pressure.value() == Approx(10.0));
+  CHECK(reference.counts == 200);
+  CHECK(rig.server.notes() == Notes{"4 0020 3"});
+  rig.clock.wait_until(500us);
+  (void)transducer.read();
+  CHECK(rig.server.notes().empty());
+  rig.clock.wait_until(500'001ns);
+  (void)transducer.read();
+  CHECK(rig.server.notes() == Notes{"4 0020 3"});
+  CHECK(regulator.command(Psi(40.0)) == 400);
+  CHECK(rig.server.notes() == Notes{"16 0010 <0 <400", "4 0020 3", "3 0010 2"});
+  (void)regulator.feedback();
+  (void)regulator.feedback();
+  CHECK(rig.server.notes() == Notes{"4 0020 3"});
+  CHECK(regulator.vent());
+  (void)rig.server.notes();
+  (void)transducer.read();
+  CHECK(rig.server.notes() == Notes{"4 0020 3"});
+}
+
+TEST_CASE("regulator: fed again from the feed interval on, in between only read") {
+  ReferenceRig rig;
+  ModuleProfile profile;
+  profile.outputs.channels = 1;
+  profile.outputs.volts = {0, 1000, 0, 10};
+  profile.inputs.address = 0x20;
+  profile.inputs.channels = 1;
+  AnalogModule module(profile, rig.server.endpoint(), 0ns, rig.clock, Origin::kSimulated);
+  RegulatorOptions options;
+  options.command_span.high = options.feedback_span.high = Psi(100.0);
+  options.feed_interval = 300ms;
+  Regulator regulator(module, module, options, rig.clock);
+  regulator.arm();
+  (void)rig.server.notes();
+  regulator.keep_alive();  // nothing has been written yet
+  CHECK(rig.server.notes() == Notes{"16 0000 <0", "4 0020 1", "3 0000 1"});
+  CHECK(regulator.last_fed() == 0ns);
+  rig.clock.wait_until(300ms - 1ns);
+  regulator.keep_alive();
+  CHECK(rig.server.notes() == Notes{"4 0020 1"});
+  rig.clock.wait_until(300ms);
+  regulator.keep_alive();
+  CHECK(rig.server.notes() == Notes{"3 0000 1", "16 0000 <0", "4 0020 1"});
+  regulator.disarm();
+  CHECK_FALSE(regulator.armed());
+  rig.clock.wait_until(900ms);
+  regulator.keep_alive();
+  CHECK(rig.server.notes() == Notes{"4 0020 1"});
+  CHECK(fault_id_of([&] { regulator.command(Psi(1.0)); }) == "TB-CHAMBER-NOT-ARMED");
+  regulator.arm();
+  rig.server.interfere([](const std::string&) { return 4; });
+  CHECK(fault_id_of([&] { regulator.command(Psi(1.0)); }) == "TB-MODBUS-EXCEPTION");
+  CHECK_FALSE(regulator.armed());
+}
+
+TEST_CASE("regulator: a vent is reported as done only where both output and valve obeyed") {
+  ModuleProfile profile;
+  profile.outputs.channels = 1;
+  profile.inputs.channels = 1;
+  profile.dump_coil = 4;
+  const struct {
+    std::string refused;
+    bool done;
+  } cases[] = {{"none", true}, {"5 0004 <0", false}, {"3 0000 1", false}};
+  for (const auto& [refused, done] : cases) {
+    INFO(refused);
+    ReferenceRig rig;
+    AnalogModule module(profile, rig.server.endpoint(), 0ns, rig.clock, Origin::kSimulated);
+    RegulatorOptions options;
+    options.command_span.high = options.feedback_span.high = Psi(100.0);
+    Regulator regulator(module, module, options, rig.clock);
+    rig.server.interfere(
+        [refused = refused](const std::string& note) { return note == refused ? std::optional(4) : std::nullopt; });
+    CHECK(regulator.vent() == done);
+    const Notes notes = rig.server.notes();
+    CHECK(std::find(notes.begin(), notes.end(), "5 0004 <0") != notes.end());  // tried in any case
+  }
+}

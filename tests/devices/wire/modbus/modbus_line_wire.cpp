@@ -1,0 +1,240 @@
+// Connections and lines of Modbus: rates, gaps between frames, locks, endpoints that cannot be opened.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <sys/resource.h>
+#include <sys/select.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <mutex>
+#include <vector>
+
+#include "devices/wire/modbus/modbus_link.h"
+#include "tests/devices/scripted_line.h"
+#include "tests/devices/test_chamber.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using RealTimes = std::vector<std::chrono::steady_clock::time_point>;
+
+std::uint16_t read_first(ModbusLink& link) {
+  std::array<std::uint16_t, 1> one{};
+  link.read_input_registers(0, one);
+  return one[0];
+}
+
+std::string complaint_of(const ModbusEndpoint& endpoint) {
+  TurnedClock clock;
+  ModbusLink link(endpoint, "device", clock);
+  const auto fault = fault_of([&] { (void)read_first(link); });
+  CHECK(clock.now() == (fault && fault->id() == "TB-MODBUS-TIMEOUT" ? endpoint.response_timeout : 0ns));
+  return fault ? fault->id() + ": " + fault->what() : "none";
+}
+
+Bytes answer_of_one(int, const Bytes&) { return rtu_reading(1, 4, 1, 42); }
+
+}  // namespace
+
+TEST_CASE("modbus line: every rate that libmodbus knows, and none beside them") {
+  ScriptedLine line(answer_of_one);
+  for (const int baud :
+       {110, 300, 600, 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 500000, 576000, 921600}) {
+    INFO(baud << " baud");
+    auto endpoint = rtu_endpoint(line.path(), 1);
+    endpoint.baud = baud;
+    CHECK(complaint_of(endpoint) == "none");
+    for (const int other : {baud - 1, baud + 1}) {
+      endpoint.baud = other;
+      const std::string name = "device at " + line.path() + " (" + std::to_string(other) + " baud, 8N1) unit 1";
+      CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT: connecting to " + name + ": " + std::to_string(other) +
+                                          " baud, parity N, 1 stop bits or the unit is not valid");
+    }
+  }
+}
+
+TEST_CASE("modbus line: between two frames 3.5 characters of silence, above 19200 baud 1.75 ms") {
+  const struct {
+    int baud;
+    Nanoseconds gap;
+  } gaps[] = {{1200, 32'083us}, {9600, 4'010us}, {19200, 2'005us}, {38400, 1'750us}};
+  for (const auto& [baud, gap] : gaps) {
+    INFO(baud << " baud");
+    RealTimes times;
+    auto line = std::make_unique<ScriptedLine>([&](int, const Bytes&) {
+      times.push_back(std::chrono::steady_clock::now());
+      return rtu_reading(1, 4, 1, 42);
+    });
+    auto endpoint = rtu_endpoint(line->path(), 1);
+    endpoint.baud = baud;
+    TurnedClock clock;
+    ModbusLink link(endpoint, "device", clock);
+    for (int i = 0; i < 4; ++i) CHECK(read_first(link) == 42);
+    line.reset();
+    REQUIRE(times.size() == 4);
+    for (std::size_t i = 1; i < 4; ++i) {
+      CHECK(times[i] - times[i - 1] >= gap);
+      CHECK(times[i] - times[i - 1] < 10s);
+    }
+  }
+}
+
+TEST_CASE("modbus line: after an error the line rests as long as an answer can be late") {
+  RealTimes times;
+  auto line = std::make_unique<ScriptedLine>([&](int number, const Bytes&) {
+    times.push_back(std::chrono::steady_clock::now());
+    return rtu_reading(number == 0 ? 2 : 1, 4, number == 1 ? 2 : 1, 42);  // another unit's, a longer one, the right one
+  });
+  auto endpoint = rtu_endpoint(line->path(), 1);
+  endpoint.max_reply_delay = 80ms;
+  TurnedClock clock;
+  ModbusLink link(endpoint, "device", clock);
+  CHECK(fault_id_of([&] { (void)read_first(link); }) == "TB-MODBUS-PROTOCOL");
+  CHECK(fault_id_of([&] { (void)read_first(link); }) == "TB-MODBUS-PROTOCOL");
+  CHECK(read_first(link) == 42);
+  line.reset();
+  REQUIRE(times.size() == 3);
+  CHECK(times[1] - times[0] >= 80ms);
+  CHECK(times[2] - times[1] >= 80ms);
+}
+
+TEST_CASE("modbus line: one program's own, unless its endpoint says otherwise") {
+  ScriptedLine line(answer_of_one);
+  const tactbench::tests::TemporaryFolder folder;
+  std::filesystem::create_symlink(line.path(), folder.path("port"));
+  const int other = ::open(line.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  const auto is_exclusive = [&] {
+    int exclusive = -1;
+    REQUIRE(::ioctl(other, TIOCGEXCL, &exclusive) == 0);
+    return exclusive != 0;
+  };
+  TurnedClock clock;
+  {
+    ModbusLink first(rtu_endpoint(line.path(), 1), "device", clock);
+    CHECK(read_first(first) == 42);
+    CHECK_FALSE(is_exclusive());  // on a pseudo-terminal it would outlive a killed client
+    auto endpoint = rtu_endpoint(line.path(), 1);
+    CHECK(complaint_of(endpoint) == "TB-MODBUS-CONNECT: connecting to device at " + line.path() +
+                                        " (115200 baud, 8N1) unit 1: another program has the port open");
+    endpoint.lock = false;
+    CHECK(complaint_of(endpoint) == "none");
+  }
+  for (const bool exclusive : {false, true}) {
+    auto endpoint = rtu_endpoint(folder.path("port"), 1);
+    endpoint.exclusive = exclusive;
+    ModbusLink link(endpoint, "device", clock);
+    CHECK(read_first(link) == 42);
+    CHECK(is_exclusive() == exclusive);
+    ::ioctl(other, TIOCNXCL);
+  }
+  ::close(other);
+}
+
+TEST_CASE("modbus line: parity, stop bits and unit as the endpoint has them") {
+  ScriptedLine line(answer_of_one);
+  for (const char parity : {'N', 'E', 'O'}) {
+    auto endpoint = rtu_endpoint(line.path(), 1);
+    endpoint.parity = parity;
+    endpoint.stop_bits = 2;
+    TurnedClock clock;
+    ModbusLink link(endpoint, "device", clock);
+    CHECK(read_first(link) == 42);
+    CHECK(link.peer() == "device at " + line.path() + " (115200 baud, 8" + parity + "2) unit 1");
+    const int other = ::open(line.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    termios settings{};
+    REQUIRE(::tcgetattr(other, &settings) == 0);
+    ::close(other);
+    CHECK((settings.c_cflag & CSTOPB) != 0);
+  }
+  auto endpoint = rtu_endpoint(line.path(), 300);
+  CHECK_THAT(complaint_of(endpoint), Catch::EndsWith("115200 baud, parity N, 1 stop bits or the unit is not valid"));
+  endpoint = rtu_endpoint("/dev/no-such-port", 1);
+  CHECK_THAT(complaint_of(endpoint),
+             Catch::StartsWith("TB-MODBUS-CONNECT: ") && Catch::EndsWith("unit 1: No such file or directory"));
+}
+
+TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, or refuse") {
+  const std::string invalid = ": address, port, unit or response timeout is not valid";
+  CHECK(complaint_of({"127.0.0.1", 1502, 256, kShort}) ==
+        "TB-MODBUS-CONNECT: connecting to device at 127.0.0.1:1502 unit 256" + invalid);
+  CHECK(complaint_of({"127.0.0.1", 1502, 1, 0ns}) ==
+        "TB-MODBUS-CONNECT: connecting to device at 127.0.0.1:1502 unit 1" + invalid);
+  CHECK(complaint_of({"127.0.0.1", 1502, 1, 999ns}) ==
+        "TB-MODBUS-CONNECT: connecting to device at 127.0.0.1:1502 unit 1" + invalid);
+  CHECK_THAT(
+      complaint_of({"no host.invalid", 1502, 1, kShort}),
+      Catch::StartsWith("TB-MODBUS-CONNECT: connecting to device at no host.invalid:1502 unit 1: the host's name "
+                        "has no address ("));
+  const ScriptedServer server([](int, int, const Bytes&) {});
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+  REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  const int port = ntohs(address.sin_port);  // bound, and nobody listens
+  CHECK_THAT(complaint_of({"127.0.0.1", port, 1, kPatient}),
+             Catch::StartsWith("TB-MODBUS-CONNECT: ") && Catch::EndsWith("Connection refused"));
+  // A full queue: the connection is not answered.
+  REQUIRE(::listen(socket, 0) == 0);
+  std::vector<int> waiting;
+  for (int i = 0; i < 4; ++i) {
+    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    ::connect(waiting.back(), reinterpret_cast<const sockaddr*>(&address), size);
+  }
+  CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT: connecting to device at 127.0.0.1:" +
+                                                            std::to_string(port) + " unit 1: no answer within 150 ms");
+  for (const int each : waiting) ::close(each);
+  ::close(socket);
+}
+
+TEST_CASE("modbus line: a host's name is looked up") {
+  const ScriptedServer server([](int, int socket, const Bytes& request) {
+    ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
+  });
+  TurnedClock clock;
+  ModbusLink link({"localhost", server.port(), 1, kPatient}, "device", clock);
+  CHECK(read_first(link) == 7);
+  link.close();
+  CHECK(read_first(link) == 7);
+}
+
+TEST_CASE("modbus line: a descriptor that select() cannot hold is refused") {
+  rlimit limit{};
+  REQUIRE(::getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  const rlimit before = limit;
+  limit.rlim_cur = FD_SETSIZE + 64;
+  if (limit.rlim_cur < before.rlim_cur) limit.rlim_cur = before.rlim_cur;
+  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) return;  // not allowed here
+  const ScriptedServer server([](int, int socket, const Bytes& request) {
+    ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
+  });
+  TurnedClock clock;
+  const int base = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  std::vector<int> taken;
+  do {
+    taken.push_back(::fcntl(base, F_DUPFD_CLOEXEC, 0));
+  } while (taken.back() < FD_SETSIZE - 1);
+  ::close(taken.back());  // the last one that select() can hold is free
+  taken.pop_back();
+  {
+    ModbusLink link({"127.0.0.1", server.port(), 1, kPatient}, "device", clock);
+    CHECK(read_first(link) == 7);
+    ModbusLink beyond({"127.0.0.1", server.port(), 1, kPatient}, "device", clock);
+    const auto fault = fault_of([&] { (void)read_first(beyond); });
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-MODBUS-CONNECT");
+    CHECK_THAT(fault->what(), Catch::EndsWith("Too many open files"));
+  }
+  for (const int each : taken) ::close(each);
+  ::close(base);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+}
