@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "devices/fault.h"
@@ -87,7 +89,9 @@ void StreamEnd::listen_unix(const std::string& path) {
   // A socket file without a listener was left by a program that was killed.
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int result = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  if (result != 0 && errno == ECONNREFUSED) ::unlink(path.c_str());
+  const bool refused = result != 0 && errno == ECONNREFUSED;  // by a file of another kind, too
+  std::error_code error;
+  if (refused && std::filesystem::is_socket(path, error)) ::unlink(path.c_str());
   if (probe >= 0) ::close(probe);
   listen_at(&address, sizeof address);
   address_ = listen_;

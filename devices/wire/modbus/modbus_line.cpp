@@ -188,14 +188,12 @@ std::vector<std::uint8_t> ModbusLine::exchange(std::span<const std::uint8_t> req
   int length = is_rtu() ? modbus_send_raw_request(modbus, request.data(), static_cast<int>(request.size()))
                         : send_tcp(modbus_get_socket(modbus), ++transaction_, request);
   if (length > 0) length = receive(answer);
-  error_ = length > 0 ? 0 : length == 0 ? EMBBADSLAVE : errno;  // 0: libmodbus ignores another unit's answer
+  error_ = length == 0 ? EMBBADSLAVE : errno;  // 0: libmodbus ignores another unit's answer
   if (is_rtu()) quiet_until_ = RealClock::now() + frame_gap(endpoint_.baud);
-  if (length > 0) {
+  if (length > 0) {  // then libmodbus has found unit, function and more
     const auto bytes = std::span(answer).first(static_cast<std::size_t>(length));
-    if (is_rtu()) {
-      if (bytes.size() > kCheckSum + 1) return {bytes.begin(), bytes.end() - kCheckSum};
-    } else if (bytes.size() > kTcpHeader + 1 && bytes[0] == transaction_ >> 8U && bytes[1] == (transaction_ & 0xFFU) &&
-               bytes[2] == 0 && bytes[3] == 0) {
+    if (is_rtu()) return {bytes.begin(), bytes.end() - kCheckSum};
+    if (bytes[0] == transaction_ >> 8U && bytes[1] == (transaction_ & 0xFFU) && bytes[2] == 0 && bytes[3] == 0) {
       return {bytes.begin() + kTcpHeader, bytes.end()};
     }
     error_ = EMBBADDATA;

@@ -172,7 +172,7 @@ TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, 
       complaint_of({"no host.invalid", 1502, 1, kShort}),
       Catch::StartsWith("TB-MODBUS-CONNECT: connecting to device at no host.invalid:1502 unit 1: the host's name "
                         "has no address ("));
-  const ScriptedServer server([](int, int, const Bytes&) {});
+  CHECK_THAT(complaint_of({"127.0.0.1", 1502, 1, 1us}), !Catch::Contains("is not valid"));
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -205,6 +205,15 @@ TEST_CASE("modbus line: a host's name is looked up") {
   CHECK(read_first(link) == 7);
   link.close();
   CHECK(read_first(link) == 7);
+}
+
+TEST_CASE("modbus line: a response timeout in whole seconds, and in seconds and a part") {
+  const ScriptedServer server([](int, int socket, const Bytes& request) {
+    ScriptedServer::send(socket, ScriptedServer::answer(request, {7}));
+  });
+  for (const Nanoseconds timeout : {Nanoseconds(1s), Nanoseconds(2s), Nanoseconds(20s), Nanoseconds(20'999'999us)}) {
+    CHECK(complaint_of({"127.0.0.1", server.port(), 1, timeout}) == "none");
+  }
 }
 
 TEST_CASE("modbus line: a descriptor that select() cannot hold is refused") {

@@ -1,0 +1,182 @@
+// Byte streams: addresses of every form, what refuses and how it is told, what is set on what was opened.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/stream_link.h"
+#include "tests/devices/fault_of.h"
+#include "tests/devices/timeouts.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+template <class Act>
+std::string complaint(Act&& act) {
+  const auto fault = fault_of(act);
+  if (!fault) return "none";
+  CHECK_FALSE(fault->device().empty());
+  CHECK_FALSE(fault->remedy().empty());
+  return fault->id() + ": " + fault->what();
+}
+
+std::string opening(const std::string& address) {
+  return complaint([&] { (void)open_stream(address, kShort); });
+}
+
+}  // namespace
+
+TEST_CASE("stream: each form of address that is wrong, and each opening that fails, with its reason") {
+  for (const char* address : {"tcp:", "tcp:127.0.0.1", "tcp::5", "tcp:127.0.0.1:"}) {
+    CHECK(opening(address) ==
+          "TB-SERIAL-OPEN: opening " + std::string(address) + ": the address is not of the form tcp:HOST:PORT");
+  }
+  for (const char* address : {"serial", "/dev/ttyS0", "udp:127.0.0.1:5"}) {
+    CHECK(opening(address) == "TB-SERIAL-OPEN: opening " + std::string(address) +
+                                  ": a stream's address is /dev/pts/N, tcp:HOST:PORT or unix:PATH");
+    CHECK_FALSE(is_stream_address(address));
+  }
+  for (const char* address : {"/dev/pts/3", "tcp:x", "unix:x"}) CHECK(is_stream_address(address));
+  CHECK_THAT(opening("tcp:127.0.0.1:no such service"), Catch::Contains("not supported"));
+  CHECK(opening("/dev/pts/999999") == "TB-SERIAL-OPEN: opening /dev/pts/999999: No such file or directory");
+  CHECK(opening("/dev/pts/../null") == "TB-SERIAL-OPEN: opening /dev/pts/../null: Inappropriate ioctl for device");
+  const PseudoTerminal terminal;
+  const auto holder = open_stream(terminal.path());
+  CHECK(opening(terminal.path()) ==
+        "TB-SERIAL-BUSY: opening " + terminal.path() + ": another program or device holds it");
+  CHECK(opening("unix:/nowhere/at/all") == "TB-SERIAL-OPEN: opening unix:/nowhere/at/all: No such file or directory");
+  const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test");
+  const std::string nobody = "tcp:127.0.0.1:" + std::to_string(datagrams.port);
+  CHECK(opening(nobody) == "TB-SERIAL-OPEN: opening " + nobody + ": Connection refused");
+  ::close(datagrams.socket);
+}
+
+TEST_CASE("stream: an opening that nobody answers ends after its time") {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  REQUIRE(::listen(listener, 0) == 0);
+  std::vector<int> waiting;
+  for (int i = 0; i < 4; ++i) {  // they fill its queue
+    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    ::connect(waiting.back(), reinterpret_cast<const sockaddr*>(&address), size);
+  }
+  const std::string name = "tcp:127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  CHECK(opening(name) == "TB-SERIAL-OPEN: opening " + name + ": Connection timed out");
+  for (const int each : waiting) ::close(each);
+  ::close(listener);
+}
+
+TEST_CASE("stream: an IPv6 address stands in brackets") {
+  const int listener = ::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 address{};
+  address.sin6_family = AF_INET6;
+  address.sin6_addr = in6addr_loopback;
+  socklen_t size = sizeof address;
+  if (listener < 0 || ::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) != 0) return;  // no IPv6 here
+  REQUIRE(::listen(listener, 4) == 0);
+  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  const std::string port = std::to_string(ntohs(address.sin6_port));
+  CHECK(opening("tcp:[::1]:" + port) == "none");
+  CHECK(opening("tcp:::1:" + port) == "none");
+  for (const char* host : {"[::1", "::1]", "[]", "[", "]"}) {
+    CHECK_THAT(opening("tcp:" + std::string(host) + ":" + port), Catch::StartsWith("TB-SERIAL-OPEN"));
+  }
+  ::close(listener);
+}
+
+TEST_CASE("stream: a pseudo-terminal is raw, for its reader and writer both") {
+  const PseudoTerminal terminal;
+  const auto check_raw = [](int descriptor) {
+    termios settings{};
+    REQUIRE(::tcgetattr(descriptor, &settings) == 0);
+    CHECK((settings.c_lflag & (ECHO | ICANON | ISIG | IEXTEN)) == 0);
+    CHECK((settings.c_oflag & OPOST) == 0);
+    return settings;
+  };
+  check_raw(terminal.master());  // before any client
+  const auto stream = open_stream(terminal.path());
+  const termios settings = check_raw(stream->descriptor());
+  CHECK((settings.c_cflag & CLOCAL) != 0);
+  CHECK((settings.c_cflag & CREAD) != 0);
+  CHECK(settings.c_cc[VMIN] == 1);
+  CHECK(settings.c_cc[VTIME] == 0);
+  CHECK(::fcntl(stream->descriptor(), F_GETFD) == FD_CLOEXEC);
+  CHECK((::fcntl(stream->descriptor(), F_GETFL) & O_NONBLOCK) != 0);
+  CHECK(::fcntl(terminal.master(), F_GETFD) == FD_CLOEXEC);
+}
+
+TEST_CASE("stream: what is lost is told with the address and the system's reason") {
+  const std::array<std::uint8_t, 5> bytes{1, 2, 3, 4, 5};
+  std::array<std::uint8_t, 8> into{};
+  std::array<int, 2> line{};
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
+  const auto socket = adopt_stream(line[0], "the line");
+  CHECK(socket->read(into, 0ns) == 0);
+  CHECK(socket->read(into, 1ms) == 0);
+  ::close(line[1]);
+  CHECK(complaint([&] { (void)socket->read(into, kPatient); }) ==
+        "TB-SERIAL-LOST: reading from the line: closed by the other side");
+  CHECK(complaint([&] { socket->write(bytes); }) == "TB-SERIAL-LOST: sending to the line: Broken pipe");
+  const auto full = adopt_stream(::open("/dev/full", O_RDWR | O_CLOEXEC), "a full disk");
+  CHECK(complaint([&] { full->write(bytes); }) == "TB-SERIAL-LOST: sending to a full disk: No space left on device");
+  const auto folder = adopt_stream(::open("/", O_RDONLY | O_CLOEXEC), "a folder");
+  CHECK(complaint([&] { (void)folder->read(into, 0ns); }) == "TB-SERIAL-LOST: reading from a folder: Is a directory");
+}
+
+TEST_CASE("stream: discarding ends at a sender that never stops") {
+  const auto endless = adopt_stream(::open("/dev/zero", O_RDONLY | O_CLOEXEC), "endless");
+  CHECK(endless->discard() == 1U << 20U);
+}
+
+TEST_CASE("stream: what is not taken in time is told by its number of bytes, a slow reader gets all of them") {
+  std::array<int, 2> line{};
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line.data()) == 0);
+  std::vector<std::uint8_t> many(1U << 20U);
+  std::iota(many.begin(), many.end(), std::uint8_t{0});
+  {
+    const auto hurried = adopt_stream(::fcntl(line[0], F_DUPFD_CLOEXEC, 0), "the line", 2ms);
+    const std::string said = complaint([&] { hurried->write(many); });
+    CHECK_THAT(said, Catch::StartsWith("TB-SERIAL-TIMEOUT: sending 1048576 bytes to the line: ") &&
+                         Catch::EndsWith(" were not taken within 0.002 s"));
+    std::vector<std::uint8_t> taken(many.size());
+    std::size_t count = 0;
+    for (ssize_t got = 1; got > 0; count += static_cast<std::size_t>(std::max<ssize_t>(got, 0))) {
+      got = ::recv(line[1], taken.data(), taken.size(), 0);
+    }
+    CHECK_THAT(said, Catch::Contains(": " + std::to_string(many.size() - count) + " were not taken"));
+  }
+  std::vector<std::uint8_t> read;
+  std::thread reader([&] {
+    std::array<std::uint8_t, 4096> some{};
+    pollfd waited{line[1], POLLIN, 0};
+    while (read.size() < many.size() && ::poll(&waited, 1, 20000) == 1) {
+      const ssize_t got = ::recv(line[1], some.data(), some.size(), 0);
+      if (got <= 0) break;
+      read.insert(read.end(), some.begin(), some.begin() + got);
+    }
+  });
+  const auto patient = adopt_stream(line[0], "the line", kPatient);
+  CHECK(complaint([&] { patient->write(many); }) == "none");
+  reader.join();
+  CHECK((read == many));
+  ::close(line[1]);
+}
