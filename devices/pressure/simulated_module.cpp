@@ -115,7 +115,7 @@ class SimulatedModule::TcpServer final : public SimulatedModule::Server {
     if (client.socket < 0) return false;
     std::uint8_t bytes[2 * MODBUS_TCP_MAX_ADU_LENGTH];
     const ssize_t got = ::recv(client.socket, bytes, sizeof bytes, 0);
-    if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    if (got < 0) return errno == EAGAIN || errno == EINTR;
     if (got == 0) return false;
     auto& waiting = client.received;
     waiting.insert(waiting.end(), bytes, bytes + got);

@@ -51,7 +51,7 @@ class Exchange {
       const ssize_t sent = ::send(socket_, request.data(), request.size(), MSG_NOSIGNAL);
       if (sent > 0) {
         request.remove_prefix(static_cast<std::size_t>(sent));
-      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      } else if (errno == EAGAIN) {
         wait(POLLOUT, "TB-HTTP-TIMEOUT", "the request is not accepted");
       } else if (errno != EINTR) {
         fail("TB-HTTP-ANSWER", std::strerror(errno));
@@ -73,7 +73,7 @@ class Exchange {
         // The deadline holds for a server that never stops sending, too.
         if (std::chrono::steady_clock::now() < end_) continue;
         wait(POLLIN, "TB-HTTP-TIMEOUT", "the answer does not end");
-      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      } else if (errno == EAGAIN) {
         wait(POLLIN, "TB-HTTP-TIMEOUT", fmt::format("{} bytes came, not all", text.size()));
       } else if (errno != EINTR) {
         fail("TB-HTTP-ANSWER", std::strerror(errno));

@@ -82,7 +82,7 @@ class PacketLink final : public ReportLink {
       count = ::recvmmsg(socket_, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
     } while (count < 0 && errno == EINTR);
     if (count < 0) {
-      if (errno == EAGAIN || errno == EWOULDBLOCK) return;
+      if (errno == EAGAIN) return;
       gone_ = true;
       lost(std::strerror(errno));
     }

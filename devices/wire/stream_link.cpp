@@ -60,7 +60,7 @@ class StreamLink final : public ByteStream {
                                    : ::write(descriptor_.get(), bytes.data(), bytes.size());
       if (sent > 0) {
         bytes = bytes.subspan(static_cast<std::size_t>(sent));
-      } else if (sent == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
+      } else if (sent == 0 || (errno != EAGAIN && errno != EINTR)) {
         lost("sending to", sent == 0 ? "it takes no bytes" : std::strerror(errno));
       } else if (wait_for(descriptor_.get(), POLLOUT, deadline - std::chrono::steady_clock::now()) == 0) {
         throw Fault("TB-SERIAL-TIMEOUT", address_,
@@ -79,7 +79,7 @@ class StreamLink final : public ByteStream {
       if (got > 0) return static_cast<std::size_t>(got);
       // Readable without a byte: a closed socket, or a pseudo-terminal that was hung up.
       if (got == 0) lost("reading from", "closed by the other side");
-      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) lost("reading from", std::strerror(errno));
+      if (errno != EAGAIN && errno != EINTR) lost("reading from", std::strerror(errno));
     }
   }
 
@@ -122,7 +122,6 @@ Descriptor open_pty(const std::string& path) {
   Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (opened.get() < 0) fail_open_stream(path, std::strerror(errno));
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) fail_open_stream(path, std::strerror(errno));
     throw Fault("TB-SERIAL-BUSY", path, fmt::format("opening {}: another program or device holds it", path),
                 "Close the other program, or correct the address in the bench file.");
   }

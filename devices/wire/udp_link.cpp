@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kDrainLimit = 100'000;  // bounds the wait for a sender that never stops
 
-bool is_nothing_yet(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+bool is_nothing_yet(int error) { return error == EAGAIN || error == EINTR; }
 
 }  // namespace
 
@@ -73,7 +73,7 @@ std::size_t UdpLink::drain() {
   std::array<std::uint8_t, 1> sink{};
   while (thrown < kDrainLimit) {
     const ssize_t got = ::recv(socket_, sink.data(), sink.size(), MSG_DONTWAIT | MSG_TRUNC);
-    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
+    if (got < 0 && errno == EAGAIN) break;
     ++thrown;
   }
   return thrown;

@@ -52,7 +52,7 @@ void PageServer::serve() {
 bool PageServer::attend(Client& client) const {
   std::array<char, 2048> part{};
   const ssize_t got = ::recv(client.socket, part.data(), part.size(), 0);
-  if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+  if (got < 0) return errno == EAGAIN || errno == EINTR;
   if (got == 0) return false;
   client.request.append(part.data(), static_cast<std::size_t>(got));
   if (client.request.find("\r\n\r\n") == std::string::npos) return client.request.size() < kLargestRequest;

@@ -112,7 +112,7 @@ std::size_t StreamEnd::receive(std::span<std::uint8_t> into) {
   }
   const ssize_t got = ::read(descriptor(), into.data(), into.size());
   if (got > 0) return static_cast<std::size_t>(got);
-  const bool later = got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+  const bool later = got < 0 && (errno == EAGAIN || errno == EINTR);
   if (!later) close_all({&client_});
   return 0;
 }

@@ -142,6 +142,8 @@ TEST_CASE("descriptor 0: a stream's client, its end's listener, and its end's cl
   const auto client = open_stream(end.address());
   wait_until_readable(end.descriptor());
   const NoInput none;
+  CHECK(fault_id_of([&] { (void)open_stream("unix:" + folder.path("nobody")); }) == "TB-SERIAL-OPEN");
+  CHECK_FALSE(zero_is_open());
   std::array<std::uint8_t, 8> into{};
   CHECK(end.receive(into) == 0);
   REQUIRE(end.descriptor() == 0);

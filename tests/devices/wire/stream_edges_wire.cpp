@@ -97,7 +97,7 @@ TEST_CASE("stream: an IPv6 address stands in brackets") {
   const std::string port = std::to_string(ntohs(address.sin6_port));
   CHECK(opening("tcp:[::1]:" + port) == "none");
   CHECK(opening("tcp:::1:" + port) == "none");
-  for (const char* host : {"[::1", "::1]", "[]", "[", "]"}) {
+  for (const char* host : {"[::1", "::1]", "x::1]", "[::1x", "[]", "[", "]"}) {
     CHECK_THAT(opening("tcp:" + std::string(host) + ":" + port), Catch::StartsWith("TB-SERIAL-OPEN"));
   }
   ::close(listener);

@@ -238,7 +238,7 @@ int DAQmxReadAnalogF64(void* handle, int samples, double timeout, std::uint32_t 
   return card.fail_function == "ReadAnalogF64" && card.fail_code > 0 ? card.fail_code : 0;
 }
 
-int DAQmxWriteDigitalLines(void* handle, int samples, std::uint32_t auto_start, double, std::uint32_t,
+int DAQmxWriteDigitalLines(void* handle, int samples, std::uint32_t auto_start, double timeout, std::uint32_t,
                            const std::uint8_t* levels, int* samples_written, std::uint32_t*) {
   if (const int code = enter("WriteDigitalLines")) return code;
   const Task* task = find(handle);
@@ -246,6 +246,7 @@ int DAQmxWriteDigitalLines(void* handle, int samples, std::uint32_t auto_start, 
   if (task->outputs == 0 || samples != 1 || auto_start == 0) return misused("one sample to lines, starting by itself");
   card.lines.assign(levels, levels + task->outputs);
   card.writes.push_back(card.lines);
+  card.write_timeout = timeout;
   *samples_written = 1;
   return 0;
 }

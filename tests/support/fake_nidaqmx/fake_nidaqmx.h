@@ -37,7 +37,7 @@ struct FakeDaqmx {
   Levels lines;
   int tasks = 0;
   std::string misuse;  // the first call out of order
-  double rate = 0, convert_rate = 0, minimum = 0, maximum = 0, timeout = 0;
+  double rate = 0, convert_rate = 0, minimum = 0, maximum = 0, timeout = 0, write_timeout = 0;
   int terminal = 0;
 };
 

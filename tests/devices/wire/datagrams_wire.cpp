@@ -1,0 +1,260 @@
+// UDP links, packet links and channels: what each refuses and how it is told, batches and sizes at their limits.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "devices/wire/descriptor_channel.h"
+#include "devices/wire/ends/loopback.h"
+#include "devices/wire/packet_link.h"
+#include "devices/wire/udp_link.h"
+#include "tests/devices/fault_of.h"
+#include "tests/devices/timeouts.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+using tactbench::tests::TemporaryFolder;
+
+namespace {
+
+using Datagram = std::vector<std::uint8_t>;
+
+template <class Act>
+std::string told_of(Act&& act) {
+  const auto fault = fault_of(act);
+  if (!fault) return "none";
+  CHECK_FALSE(fault->remedy().empty());
+  return fault->id() + ": " + fault->what();
+}
+
+// The other side of a packet link.
+struct PacketPeer {
+  explicit PacketPeer(std::string at) : path(std::move(at)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::copy(path.begin(), path.end(), address.sun_path);
+    listener = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    REQUIRE(::listen(listener, 1) == 0);
+    link = open_packet_link(path);
+    peer = ::accept(listener, nullptr, nullptr);
+  }
+  ~PacketPeer() {
+    go();
+    ::close(listener);
+  }
+  PacketPeer(const PacketPeer&) = delete;
+  PacketPeer& operator=(const PacketPeer&) = delete;
+  void go() {
+    if (peer >= 0) ::close(std::exchange(peer, -1));
+  }
+  void send(const Datagram& packet) const {
+    REQUIRE(::send(peer, packet.data(), packet.size(), 0) == static_cast<ssize_t>(packet.size()));
+  }
+  Datagram read(std::size_t room, Nanoseconds timeout = kPatient) const {
+    Datagram into(room);
+    into.resize(link->read(into, timeout));
+    return into;
+  }
+  std::string path;
+  int listener = -1, peer = -1;
+  std::unique_ptr<ReportLink> link;
+};
+
+}  // namespace
+
+TEST_CASE("packet link: packets in their order, over several batches, each whole or cut to the room") {
+  const TemporaryFolder folder;
+  const PacketPeer rig(folder.path("peer"));
+  CHECK(rig.read(8, 0ns).empty());
+  CHECK(rig.read(8, 1ms).empty());
+  CHECK(rig.read(8, -1ms).empty());
+  for (const int count : {1, 31, 32, 33, 70}) {
+    for (int i = 0; i < count; ++i)
+      rig.send(Datagram(static_cast<std::size_t>(i % 5 + 1), static_cast<std::uint8_t>(i)));
+    for (int i = 0; i < count; ++i) {
+      INFO(i << " of " << count);
+      CHECK(rig.read(8) == Datagram(static_cast<std::size_t>(i % 5 + 1), static_cast<std::uint8_t>(i)));
+    }
+    CHECK(rig.read(8, 0ns).empty());
+  }
+  rig.send({1, 2, 3, 4});
+  rig.send({5, 6, 7, 8});
+  CHECK(rig.read(3) == Datagram{1, 2, 3});
+  CHECK(rig.read(4) == Datagram{5, 6, 7, 8});
+  for (const std::size_t size : {513, 576}) {
+    rig.send(Datagram(size, 9));
+    CHECK(rig.read(1000) == Datagram(size, 9));
+  }
+  rig.send(Datagram(577, 9));
+  CHECK(rig.read(1000) == Datagram(576, 9));  // no report is so long
+  const Datagram report{1, 2, 3};
+  rig.link->write(report);
+  Datagram into(8);
+  CHECK(::recv(rig.peer, into.data(), into.size(), 0) == 3);
+}
+
+TEST_CASE("packet link: draining takes all that waits, also what was fetched with an earlier packet") {
+  const TemporaryFolder folder;
+  const PacketPeer rig(folder.path("peer"));
+  CHECK(rig.link->drain() == 0);
+  for (const std::size_t count : {1, 32, 33, 64, 70}) {
+    for (std::size_t i = 0; i < count; ++i) rig.send({7});
+    CHECK(rig.link->drain() == count);
+    CHECK(rig.read(8, 0ns).empty());
+  }
+  for (int i = 0; i < 40; ++i) rig.send({7});
+  CHECK(rig.read(8) == Datagram{7});
+  CHECK(rig.link->drain() == 39);
+  CHECK(rig.link->drain() == 0);
+}
+
+TEST_CASE("packet link: what was sent before the end is read, then the end is told, again and again") {
+  const TemporaryFolder folder;
+  PacketPeer rig(folder.path("peer"));
+  rig.send({1});
+  rig.send({2});
+  rig.go();
+  CHECK(rig.read(8) == Datagram{1});
+  CHECK(rig.read(8) == Datagram{2});
+  const std::string lost =
+      "TB-HID-LOST: reading a report from packet socket " + rig.path + ": closed by the other side";
+  for (int i = 0; i < 2; ++i) CHECK(told_of([&] { (void)rig.read(8); }) == lost);
+  CHECK(told_of([&] { (void)rig.link->drain(); }) == lost);
+  const Datagram report{1, 2, 3};
+  CHECK(told_of([&] { rig.link->write(report); }) ==
+        "TB-HID-WRITE: sending a report of 3 bytes to packet socket " + rig.path + ": Broken pipe");
+  PacketPeer at_once(folder.path("other"));
+  at_once.go();
+  CHECK_THAT(told_of([&] { (void)at_once.read(8, 0ns); }), Catch::Contains("closed by the other side"));
+}
+
+TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full queue") {
+  const TemporaryFolder folder;
+  const std::string begin = folder.path("x");
+  const std::string longest = begin + std::string(107 - begin.size(), 'y');
+  {
+    const PacketPeer rig(longest);
+    CHECK(rig.link->description() == "packet socket " + longest);
+  }
+  for (const std::string& path : {std::string(), longest + "y"}) {
+    CHECK(told_of([&] { (void)open_packet_link(path); }) ==
+          "TB-HID-OPEN: opening the packet socket " + path + ": the path is empty or too long");
+  }
+  const std::string nobody = folder.path("nobody");
+  CHECK(told_of([&] { (void)open_packet_link(nobody); }) ==
+        "TB-HID-OPEN: opening the packet socket " + nobody + ": No such file or directory");
+  CHECK_THAT(told_of([&] { (void)open_packet_link(longest); }), Catch::EndsWith(": Connection refused"));
+}
+
+TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
+  for (const auto& [host, port] :
+       {std::pair{"localhost", 5}, std::pair{"127.0.0.1", 0}, std::pair{"127.0.0.1", 65536}}) {
+    CHECK(told_of([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) ==
+          "TB-UDP-OPEN: box at " + std::string(host) + " port " + std::to_string(port) +
+              " (UDP): no address in numbers or no port");
+  }
+  const std::string broadcast = told_of([] { const UdpLink link("255.255.255.255", 5, "box"); });
+  CHECK_THAT(broadcast, Catch::StartsWith("TB-UDP-OPEN: connecting to box at 255.255.255.255 port 5 (UDP): "));
+}
+
+TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  const std::string place = "box at 127.0.0.1 port " + std::to_string(peer.port) + " (UDP): ";
+  UdpLink link("127.0.0.1", peer.port, "box");
+  CHECK(link.peer() == "127.0.0.1 port " + std::to_string(peer.port) + " (UDP)");
+  Datagram into(8);
+  for (const Nanoseconds timeout : {Nanoseconds(-1), Nanoseconds(0), Nanoseconds(1ms)}) {
+    CHECK(link.receive(into, timeout) == 0);
+  }
+  CHECK(told_of([&] { link.send(Datagram(70'000)); }) == "TB-UDP-LOST: sending to " + place + "Message too long");
+  const Datagram datagram{1, 2, 3};
+  link.send(datagram);
+  ::close(peer.socket);
+  const auto to_nobody = [&] {
+    const auto fault = fault_of([&] {
+      link.send(datagram);
+      (void)link.receive(into, kPatient);
+    });
+    REQUIRE(fault);
+    return *fault;
+  };
+  const Fault refused = to_nobody();
+  CHECK(refused.id() == "TB-UDP-LOST");
+  CHECK(refused.device() == "box");
+  CHECK(refused.what() == "receiving from " + place + "Connection refused");
+  CHECK(refused.remedy() == "No program listens there: check address and port in the bench file.");
+  // An old error is drained, and does not spoil the next exchange.
+  link.send(datagram);
+  pollfd waited{-1, 0, 0};
+  ::poll(&waited, 1, 1);
+  CHECK(link.drain() <= 1);
+  CHECK(link.drain() == 0);
+  const auto too_long = fault_of([&] { link.send(Datagram(70'000)); });
+  REQUIRE(too_long);
+  CHECK(too_long->remedy() == "Check power, network cable and address of the device.");
+}
+
+TEST_CASE("UDP: renewed it has another port, and what was sent to the old one never arrives") {
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  UdpLink link("127.0.0.1", peer.port, "box");
+  const auto asks = [&] {
+    const Datagram datagram{1};
+    link.send(datagram);
+    pollfd waited{peer.socket, POLLIN, 0};
+    REQUIRE(::poll(&waited, 1, 20000) == 1);
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    Datagram some(8);
+    REQUIRE(::recvfrom(peer.socket, some.data(), some.size(), 0, reinterpret_cast<sockaddr*>(&from), &size) == 1);
+    return from;
+  };
+  const auto answer = [&](const sockaddr_in& to, std::uint8_t byte) {
+    return ::sendto(peer.socket, &byte, 1, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  };
+  const sockaddr_in before = asks();
+  link.renew();
+  const sockaddr_in after = asks();
+  CHECK(before.sin_port != after.sin_port);
+  answer(before, 1);
+  REQUIRE(answer(after, 2) == 1);
+  Datagram into(8);
+  CHECK(link.receive(into, kPatient) == 1);
+  CHECK(into[0] == 2);
+  const std::array<std::uint8_t, 4> four{1, 2, 3, 4};
+  REQUIRE(::sendto(peer.socket, four.data(), 4, 0, reinterpret_cast<const sockaddr*>(&after), sizeof after) == 4);
+  CHECK(link.receive(std::span(into).first(3), kPatient) == 3);  // cut to the room
+  CHECK(link.receive(into, 0ns) == 0);
+  ::close(peer.socket);
+}
+
+TEST_CASE("descriptor channel: packets up to 131072 bytes, the rest of a longer one is cut") {
+  const auto [a, b] = DescriptorChannel::make_pair();
+  const DescriptorChannel one(a);
+  DescriptorChannel other(b);
+  CHECK(one.socket() == a);
+  for (const std::size_t size : {std::size_t{1}, std::size_t{131'071}, std::size_t{131'072}}) {
+    const std::string text(size, 'x');
+    CHECK(one.send(text));
+    const auto packet = other.receive(kPatient);
+    REQUIRE(packet);
+    CHECK((packet->text == text));
+    CHECK(packet->descriptor == -1);
+  }
+  CHECK(one.send(std::string(131'073, 'x')));
+  CHECK(other.receive(kPatient)->text.size() == 131'072);
+  CHECK_FALSE(one.send("text", 1'000'000));  // no descriptor of ours
+  CHECK_FALSE(other.receive(0ns));
+  CHECK_FALSE(other.closed());
+}

@@ -1,0 +1,157 @@
+// Waits on a wire: their time, what they report, and how an end that still owes an answer prolongs them.
+#include "devices/wire/wait.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "devices/wire/ends/end_at_work.h"
+#include "tests/devices/timeouts.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Real = std::chrono::steady_clock;
+
+struct WaitedLine {
+  WaitedLine() { REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0); }
+  ~WaitedLine() {
+    for (const int end : ends) ::close(end);
+  }
+  WaitedLine(const WaitedLine&) = delete;
+  WaitedLine& operator=(const WaitedLine&) = delete;
+  void put() const { REQUIRE(::send(ends[1], "x", 1, 0) == 1); }
+  std::array<int, 2> ends{-1, -1};
+};
+
+Nanoseconds spent(const std::function<void()>& act) {
+  const auto begin = Real::now();
+  act();
+  return Real::now() - begin;
+}
+
+}  // namespace
+
+TEST_CASE("wait: as long as asked and no shorter, no time at all for none") {
+  const WaitedLine line;
+  for (const Nanoseconds timeout : {Nanoseconds(3ms), Nanoseconds(1'050ms)}) {
+    const Nanoseconds took = spent([&] { CHECK(wait_for(line.ends[0], POLLIN, timeout) == 0); });
+    CHECK(took >= timeout);
+    CHECK(took < timeout + 10s);
+  }
+  for (const Nanoseconds timeout : {Nanoseconds(0), Nanoseconds(-1h)}) {
+    CHECK(spent([&] { CHECK(wait_for(line.ends[0], POLLIN, timeout) == 0); }) < 10s);
+  }
+}
+
+TEST_CASE("wait: reports what has happened, at once") {
+  const WaitedLine line;
+  CHECK(wait_for(line.ends[0], POLLOUT, 1h) == POLLOUT);
+  line.put();
+  for (const Nanoseconds timeout : {Nanoseconds(-1), Nanoseconds(0), Nanoseconds(1), Nanoseconds(1h)}) {
+    CHECK(wait_for(line.ends[0], POLLIN, timeout) == POLLIN);
+  }
+  ::shutdown(line.ends[1], SHUT_RDWR);
+  CHECK((wait_for(line.ends[0], POLLIN, 1h) & POLLHUP) != 0);
+  const int closed = ::dup(line.ends[0]);
+  ::close(closed);
+  CHECK(wait_for(closed, POLLIN, 1h) == POLLNVAL);
+}
+
+TEST_CASE("wait: the time left until a moment, once it has come a millisecond more while an end works") {
+  CHECK(left_until(Real::now() + 1h) > 59min);
+  CHECK(left_until(Real::now() + 1h) <= 1h);
+  CHECK(left_until(Real::now()) == 0ns);
+  CHECK(left_until(Real::now() - 1h) == 0ns);
+  EndAtWork end;  // at work until its first wait
+  CHECK(left_until(Real::now() + 1h) > 59min);
+  CHECK(left_until(Real::now()) == 1ms);
+  CHECK(left_until(Real::now() - 5s) == 1ms);
+  CHECK(left_until(Real::now() - 20s) == 0ns);  // it will never finish
+  end.leave();
+  CHECK(left_until(Real::now()) == 0ns);
+}
+
+TEST_CASE("wait: goes on while an end works, and takes what that one sends last") {
+  const WaitedLine line;
+  {
+    EndAtWork end;
+    std::thread worker = end.thread([&] {
+      std::this_thread::sleep_for(60ms);
+      [[maybe_unused]] const ssize_t sent = ::send(line.ends[1], "x", 1, 0);
+    });
+    CHECK(wait_for(line.ends[0], POLLIN, 1ms) == POLLIN);
+    worker.join();
+  }
+  std::array<char, 4> into{};
+  CHECK(::recv(line.ends[0], into.data(), into.size(), 0) == 1);
+  EndAtWork idle;
+  std::thread worker = idle.thread([] {});
+  worker.join();
+  CHECK(wait_for(line.ends[0], POLLIN, 1ms) == 0);
+}
+
+TEST_CASE("end at work: from its making to its first wait, with something to read, and never in a child") {
+  CHECK_FALSE(EndAtWork::any());
+  {
+    const EndAtWork made;
+    CHECK(EndAtWork::any());
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(EndAtWork::any() ? 1 : 0);
+    int status = -1;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    CHECK(status == 0);
+  }
+  CHECK_FALSE(EndAtWork::any());
+  const WaitedLine line;
+  {
+    EndAtWork end;
+    std::array<pollfd, 1> watched{pollfd{line.ends[0], POLLIN, 0}};
+    CHECK(end.wait(watched, 5ms) == 0);
+    CHECK(EndAtWork::any());  // works again, on what its wait brought
+    auto second = std::make_unique<EndAtWork>();
+    end.leave();
+    CHECK(EndAtWork::any());
+    second.reset();
+    CHECK_FALSE(EndAtWork::any());
+  }
+  EndAtWork end;
+  std::array<pollfd, 1> seen{pollfd{line.ends[0], POLLIN, 0}};
+  int ready = -1;
+  std::thread waiter([&] {
+    ready = end.wait(seen);
+    end.leave();
+  });
+  for (int i = 0; i < 20'000 && EndAtWork::any(); ++i) std::this_thread::sleep_for(1ms);
+  CHECK_FALSE(EndAtWork::any());  // it waits, and there is nothing to read
+  line.put();
+  waiter.join();
+  CHECK(ready == 1);
+  CHECK(seen[0].revents == POLLIN);
+}
+
+TEST_CASE("end at work: a wait ends with its time, in seconds and parts of them, and keeps the error's number") {
+  const WaitedLine line;
+  EndAtWork end;
+  std::array<pollfd, 1> watched{pollfd{line.ends[0], POLLIN, 0}};
+  for (const Nanoseconds longest : {Nanoseconds(0), Nanoseconds(7ms), Nanoseconds(1'020ms)}) {
+    const Nanoseconds took = spent([&] { CHECK(end.wait(watched, longest) == 0); });
+    CHECK(took >= longest);
+    CHECK(took < longest + 10s);
+  }
+  CHECK(end.wait(watched, Nanoseconds(-1)) == -1);
+  CHECK(errno == EINVAL);
+  line.put();
+  CHECK(end.wait(watched, 1h) == 1);
+}
