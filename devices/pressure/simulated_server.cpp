@@ -103,7 +103,7 @@ int SimulatedModule::Server::reply(std::span<const std::uint8_t> frame, Refusal 
 }
 
 std::vector<std::uint8_t> SimulatedModule::Server::catch_reply(std::span<const std::uint8_t> frame, Refusal refusal) {
-  std::array<int, 2> ends{-1, -1};
+  std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) return {};
   modbus_set_socket(modbus_, ends[0]);
   reply(frame, refusal);

@@ -21,7 +21,7 @@ constexpr std::size_t kMostBytes = 1U << 17U;  // a bench file is far smaller, a
 }  // namespace
 
 std::pair<int, int> DescriptorChannel::make_pair() {
-  std::array<int, 2> ends{-1, -1};
+  std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw Fault("TB-CHANNEL", "this computer", fmt::format("making a socket pair: {}", std::strerror(errno)),
                 "Close programs that hold many files open.");
@@ -48,11 +48,7 @@ bool DescriptorChannel::send(const std::string& text, int descriptor) const noex
     header->cmsg_len = CMSG_LEN(sizeof(int));
     std::memcpy(CMSG_DATA(header), &descriptor, sizeof(int));
   }
-  ssize_t sent = -1;
-  do {
-    sent = ::sendmsg(socket_, &message, MSG_DONTWAIT | MSG_NOSIGNAL);
-  } while (sent < 0 && errno == EINTR);
-  return sent == static_cast<ssize_t>(text.size());
+  return ::sendmsg(socket_, &message, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
 }
 
 std::optional<ChannelPacket> DescriptorChannel::receive(Nanoseconds timeout) {

@@ -34,10 +34,7 @@ class PacketLink final : public ReportLink {
   PacketLink& operator=(const PacketLink&) = delete;
 
   void write(std::span<const std::uint8_t> report) override {
-    ssize_t sent = -1;
-    do {
-      sent = ::send(socket_, report.data(), report.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    } while (sent < 0 && errno == EINTR);
+    const ssize_t sent = ::send(socket_, report.data(), report.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent == static_cast<ssize_t>(report.size())) return;
     throw Fault(
         "TB-HID-WRITE", description(),
@@ -77,10 +74,7 @@ class PacketLink final : public ReportLink {
   void fetch() {
     if (gone_) lost("closed by the other side");
     next_ = filled_ = 0;
-    int count = -1;
-    do {
-      count = ::recvmmsg(socket_, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
-    } while (count < 0 && errno == EINTR);
+    const int count = ::recvmmsg(socket_, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
     if (count < 0) {
       if (errno == EAGAIN) return;
       gone_ = true;

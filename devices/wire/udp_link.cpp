@@ -50,10 +50,7 @@ void UdpLink::renew() {
 }
 
 void UdpLink::send(std::span<const std::uint8_t> datagram) {
-  ssize_t sent = -1;
-  do {
-    sent = ::send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-  } while (sent < 0 && errno == EINTR);
+  const ssize_t sent = ::send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   if (sent != static_cast<ssize_t>(datagram.size())) fail("TB-UDP-LOST", "sending to", sent < 0 ? errno : EMSGSIZE);
 }
 

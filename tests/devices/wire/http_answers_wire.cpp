@@ -194,6 +194,12 @@ TEST_CASE("HTTP page: each time that runs out is told by what is missing, and ha
   ::close(deaf.socket);
 }
 
+TEST_CASE("HTTP page: a server that goes in the midst of the request") {
+  ScriptedPage page([](int socket) { (void)ScriptedPage::receive(socket); });
+  const std::string said = page.get(kPatient, 4096, "/" + std::string(std::size_t{1} << 24U, 'p'));
+  CHECK((said == "TB-HTTP-ANSWER: Connection reset by peer" || said == "TB-HTTP-ANSWER: Broken pipe"));
+}
+
 TEST_CASE("HTTP page: a long request reaches a slow reader whole") {
   const std::string path = "/" + std::string(std::size_t{1} << 23U, 'p');
   std::size_t received = 0;

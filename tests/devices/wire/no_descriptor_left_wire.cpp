@@ -1,0 +1,154 @@
+// What opens something where the program may open no more: a fault of its own, with the reason, and nothing left open.
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "devices/pressure/simulated_module.h"
+#include "devices/wire/descriptor_channel.h"
+#include "devices/wire/ends/loopback.h"
+#include "devices/wire/ends/page_server.h"
+#include "devices/wire/ends/pseudo_terminal.h"
+#include "devices/wire/ends/stream_end.h"
+#include "devices/wire/http_get.h"
+#include "devices/wire/modbus/modbus_link.h"
+#include "devices/wire/packet_link.h"
+#include "devices/wire/stream_link.h"
+#include "devices/wire/udp_link.h"
+#include "tests/devices/scripted_server.h"
+#include "tests/devices/test_chamber.h"
+#include "tests/devices/timeouts.h"
+
+using namespace tactbench::devices;
+
+namespace {
+
+std::vector<int> open_descriptors() {
+  std::vector<int> all;
+  for (int i = 0; i < 1024; ++i) {
+    if (::fcntl(i, F_GETFD) >= 0) all.push_back(i);
+  }
+  return all;
+}
+
+// Only `count` more descriptors can be opened, until the end of its block.
+class DescriptorsLeft {
+ public:
+  explicit DescriptorsLeft(int count) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const std::vector<int> open = open_descriptors();
+    rlimit limit = before_;
+    limit.rlim_cur = 0;
+    for (int left = count; left > 0 || std::binary_search(open.begin(), open.end(), static_cast<int>(limit.rlim_cur));
+         ++limit.rlim_cur) {
+      if (!std::binary_search(open.begin(), open.end(), static_cast<int>(limit.rlim_cur))) --left;
+    }
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  ~DescriptorsLeft() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  DescriptorsLeft(const DescriptorsLeft&) = delete;
+  DescriptorsLeft& operator=(const DescriptorsLeft&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+// `act` needs so many descriptors; with fewer it ends in this fault.
+void check_needs(int needed, const std::string& id, const std::function<void()>& act) {
+  for (int left = 0; left <= needed; ++left) {
+    INFO(id << ", " << left << " of " << needed << " descriptors left");
+    const std::vector<int> before = open_descriptors();
+    std::string said = "none", why;
+    {
+      const DescriptorsLeft limit(left);
+      const auto fault = fault_of(act);
+      if (fault) {
+        said = fault->id();
+        why = fault->what();
+      }
+    }
+    CHECK(said == (left < needed ? id : "none"));
+    if (left < needed) CHECK_THAT(why, Catch::Contains("Too many open files"));
+    CHECK(open_descriptors() == before);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("no descriptor left: links to instruments") {
+  const tactbench::tests::TemporaryFolder folder;
+  TurnedClock clock;
+  const StreamEnd tcp("tcp:0");
+  const StreamEnd local("unix:" + folder.path("end"));
+  const PseudoTerminal terminal;
+  const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test");
+  check_needs(1, "TB-UDP-OPEN", [&] { const UdpLink link("127.0.0.1", datagrams.port, "box"); });
+  check_needs(1, "TB-SERIAL-OPEN", [&] { (void)open_stream(tcp.address()); });
+  check_needs(1, "TB-SERIAL-OPEN", [&] { (void)open_stream(local.address()); });
+  check_needs(1, "TB-SERIAL-OPEN", [&] { (void)open_stream(terminal.path()); });
+  check_needs(2, "TB-CHANNEL", [&] {
+    const auto [a, b] = DescriptorChannel::make_pair();
+    ::close(a);
+    ::close(b);
+  });
+  ::close(datagrams.socket);
+  const std::string path = folder.path("packets");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  const int listener = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  REQUIRE(::listen(listener, 8) == 0);
+  check_needs(1, "TB-HID-OPEN", [&] { (void)open_packet_link(path); });
+  ::close(listener);
+}
+
+TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module") {
+  TurnedClock clock;
+  const BoundSocket bound = bind_loopback(SOCK_STREAM, 0, "test");
+  const auto get = [&] { (void)http_get({"127.0.0.1", bound.port, "/p", kShort, 4096}, "test", clock); };
+  {
+    const DescriptorsLeft none(0);
+    const auto fault = fault_of(get);
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-HTTP-OPEN");
+    CHECK_THAT(fault->what(), Catch::EndsWith("Too many open files"));
+  }
+  const auto read = [&] {
+    ModbusLink link({"127.0.0.1", bound.port, 1, kShort}, "device", clock);
+    std::uint16_t word = 0;
+    link.read_input_registers(0, std::span(&word, 1));
+  };
+  {
+    const DescriptorsLeft none(0);
+    const auto fault = fault_of(read);
+    REQUIRE(fault);
+    CHECK(fault->id() == "TB-MODBUS-CONNECT");
+    CHECK_THAT(fault->what(), Catch::EndsWith("Too many open files"));
+  }
+  ::close(bound.socket);
+}
+
+TEST_CASE("no descriptor left: simulated ends") {
+  const tactbench::tests::TemporaryFolder folder;
+  check_needs(1, "TB-SIM-LISTEN", [] { ::close(bind_loopback(SOCK_STREAM, 0, "test").socket); });
+  check_needs(1, "TB-SIM-LISTEN", [] { const PageServer page(0, "/p", "body", "test"); });
+  check_needs(2, "TB-SIM-LISTEN", [] { const PseudoTerminal terminal; });
+  check_needs(1, "TB-SIM-LISTEN", [] { const StreamEnd end("tcp:0"); });
+  check_needs(1, "TB-SIM-LISTEN", [&] { const StreamEnd end("unix:" + folder.path("end")); });
+  check_needs(2, "TB-SIM-LISTEN", [] { const StreamEnd end(""); });
+  TurnedClock clock;
+  TestChamber chamber(clock);
+  const ModuleProfile profile = module_profile("generic");
+  check_needs(2, "TB-SIM-LISTEN", [&] { const SimulatedModule module(profile, 0, chamber, clock); });
+  check_needs(3, "TB-SIM-LISTEN", [&] {
+    const SimulatedModule line({{1, profile, {}}}, SimulatedModule::Wire::kRtu, 0, chamber, clock);
+  });
+}
