@@ -164,6 +164,20 @@ TEST_CASE("module map: inputs of two words, one channel each for monitor and tra
   CHECK(swapped.read(4, 6, 3) == Words{0, 0xC040, 0});
 }
 
+TEST_CASE("module map: registers behind the last channel read 0, also where the wiring names such a channel") {
+  ModuleProfile profile = bare_profile();
+  profile.inputs.channels = 1;
+  profile.inputs.spare = 2;
+  for (const int reference : {1, 2}) {
+    SimulatedUnit wired{1, profile, {}};
+    wired.reference_channel = reference;
+    MapUnit unit(wired);
+    unit.chamber.reference_volts = Volts(5.0);
+    CHECK(unit.write(0x100, {500}) == Refusal::kNone);
+    CHECK(unit.read(4, 0, 3) == Words{16384, 0, 0});  // 5 V of 10 V for 32767 counts
+  }
+}
+
 TEST_CASE("module map: an input reads from one count below minus full scale up to full scale") {
   ModuleProfile profile = bare_profile();
   profile.inputs.channels = 2;

@@ -37,55 +37,55 @@ TEST_CASE("simulated line: each function's request has its own length") {
   const SimulatedLine line;
   CHECK(line.server.port() == 0);
   line.ask(kReadTime);
-  CHECK(line.answers(kTime));
+  REQUIRE(line.answers(kTime));
   line.ask({1, 16, 0x08, 0x00, 0, 1, 2, 0x10, 0x00});
-  CHECK(line.answers({1, 16, 0x08, 0x00, 0, 1}));
+  REQUIRE(line.answers({1, 16, 0x08, 0x00, 0, 1}));
   line.ask({1, 16, 0x11, 0x22, 0, 2, 4, 0, 2, 0, 1});
-  CHECK(line.answers({1, 16, 0x11, 0x22, 0, 2}));
+  REQUIRE(line.answers({1, 16, 0x11, 0x22, 0, 2}));
   line.ask({1, 23, 0x11, 0x22, 0, 2, 0x08, 0x00, 0, 1, 2, 0x20, 0x00});
-  CHECK(line.answers({1, 23, 4, 0, 2, 0, 1}));
+  REQUIRE(line.answers({1, 23, 4, 0, 2, 0, 1}));
   line.ask({1, 6, 0x11, 0x24, 0, 0});
-  CHECK(line.answers({1, 6, 0x11, 0x24, 0, 0}));
+  REQUIRE(line.answers({1, 6, 0x11, 0x24, 0, 0}));
   line.ask({1, 23, 0x08, 0x00, 0, 1, 0x11, 0x22, 0, 2, 4, 0, 1, 0, 0});
-  CHECK(line.answers({1, 23, 2, 0x20, 0x00}));
+  REQUIRE(line.answers({1, 23, 2, 0x20, 0x00}));
   line.ask({1, 4, 0, 0, 0, 1});
-  CHECK(line.answers({1, 4, 2, 0x20, 0x00}));
+  REQUIRE(line.answers({1, 4, 2, 0x20, 0x00}));
   CHECK(line.chamber.output().value() == Approx(10.0 * 0x2000 / 0x7FFF));
 }
 
 TEST_CASE("simulated line: each unit answers for itself, others are silent") {
   const SimulatedLine line;
   line.ask({7, 6, 0, 0, 0x01, 0x23});
-  CHECK(line.answers({7, 6, 0, 0, 0x01, 0x23}));
+  REQUIRE(line.answers({7, 6, 0, 0, 0x01, 0x23}));
   line.ask({7, 3, 0, 0, 0, 1});
-  CHECK(line.answers({7, 3, 2, 0x01, 0x23}));
+  REQUIRE(line.answers({7, 3, 2, 0x01, 0x23}));
   line.ask({7, 3, 0x11, 0x20, 0, 1});
-  CHECK(line.answers({7, 0x83, 2}));
+  REQUIRE(line.answers({7, 0x83, 2}));
   for (const std::uint8_t unit : RawBytes{0, 2, 6, 8}) {
     line.ask({unit, 3, 0, 0, 0, 1});
     CHECK(line.client.is_silent());
   }
   line.ask(kReadTime);
-  CHECK(line.answers(kTime));
+  REQUIRE(line.answers(kTime));
 }
 
 TEST_CASE("simulated line: a request byte by byte, several at once, and one that breaks off") {
   const SimulatedLine line;
   for (const std::uint8_t byte : rtu_frame(kReadTime)) line.client.send({byte});
-  CHECK(line.answers(kTime));
+  REQUIRE(line.answers(kTime));
   for (const std::uint8_t byte : rtu_frame(RawBytes{1, 16, 0x08, 0x00, 0, 1, 2, 0x10, 0x00})) line.client.send({byte});
-  CHECK(line.answers({1, 16, 0x08, 0x00, 0, 1}));
+  REQUIRE(line.answers({1, 16, 0x08, 0x00, 0, 1}));
   for (const std::uint8_t byte : rtu_frame(RawBytes{1, 23, 0x11, 0x20, 0, 1, 0x08, 0x00, 0, 1, 2, 0x20, 0x00})) {
     line.client.send({byte});
   }
-  CHECK(line.answers({1, 23, 2, 0x03, 0xE8}));
+  REQUIRE(line.answers({1, 23, 2, 0x03, 0xE8}));
   RawBytes three;
   for (int i = 0; i < 3; ++i) {
     const RawBytes one = rtu_frame(kReadTime);
     three.insert(three.end(), one.begin(), one.end());
   }
   line.client.send(three);
-  for (int i = 0; i < 3; ++i) CHECK(line.answers(kTime));
+  for (int i = 0; i < 3; ++i) REQUIRE(line.answers(kTime));
   line.client.send({1, 3, 0x11, 0x20});
   // After a silence what came is noise. A machine that holds the line up may not notice the first silence.
   bool answered = false;
@@ -108,7 +108,7 @@ TEST_CASE("simulated line: a request with any byte damaged is not answered, nor 
     line.client.send(bytes);
     CHECK(line.client.is_silent());
     line.ask(kReadTime);
-    CHECK(line.answers(kTime));
+    REQUIRE(line.answers(kTime));
   }
 }
 
@@ -122,13 +122,13 @@ TEST_CASE("simulated line: each injected fault") {
     line.ask(kReadTime);
   };
   asks(InjectedFault::kNone);
-  CHECK(line.answers(kTime));
+  REQUIRE(line.answers(kTime));
   for (const InjectedFault silent : {InjectedFault::kSilent, InjectedFault::kUnplugged}) {
     asks(silent);
     CHECK(line.client.is_silent());
   }
   asks(InjectedFault::kRefused);
-  CHECK(line.answers({1, 0x83, 4}));
+  REQUIRE(line.answers({1, 0x83, 4}));
   asks(InjectedFault::kCorrupt);
   RawBytes corrupt = rtu_frame(kTime);
   corrupt[1] ^= 0x10U;
@@ -136,19 +136,19 @@ TEST_CASE("simulated line: each injected fault") {
   asks(InjectedFault::kLate);
   CHECK(line.client.is_silent());
   asks(InjectedFault::kNone);
-  CHECK(line.answers(kTime));
-  CHECK(line.answers(kTime));
+  REQUIRE(line.answers(kTime));
+  REQUIRE(line.answers(kTime));
   CHECK(line.client.is_silent());
   const RawBytes reference{1, 4, 0, 1, 0, 1};
   line.ask(reference);
-  CHECK(line.answers({1, 4, 2, 0, 0}));
+  REQUIRE(line.answers({1, 4, 2, 0, 0}));
   line.chamber.reference_volts = Volts(10.0);
   next = InjectedFault::kStale;
   line.ask(reference);
-  CHECK(line.answers({1, 4, 2, 0, 0}));
+  REQUIRE(line.answers({1, 4, 2, 0, 0}));
   next = InjectedFault::kNone;
   line.ask(reference);
-  CHECK(line.answers({1, 4, 2, 0x7F, 0xFF}));
+  REQUIRE(line.answers({1, 4, 2, 0x7F, 0xFF}));
 }
 
 TEST_CASE("simulated line: silent or hung up after so many requests of its units") {
@@ -166,6 +166,6 @@ TEST_CASE("simulated line: silent or hung up after so many requests of its units
       line->ask(kReadTime);
     }
     CHECK(silent.client.is_silent());
-    CHECK(dead.client.is_closed());
+    REQUIRE(dead.client.is_closed());
   }
 }

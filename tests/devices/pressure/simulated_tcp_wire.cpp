@@ -49,16 +49,16 @@ TEST_CASE("simulated module: one unit answers every number, of several each its 
   CHECK(one.server.serial_port().empty());
   const RawLine client(one.server.port());
   for (const std::uint8_t unit : TcpBytes{0, 1, 2, 255}) {
-    CHECK(answers(client, {unit, 3, 0x11, 0x20, 0, 1}, {unit, 3, 2, 0x03, 0xE8}));
+    REQUIRE(answers(client, {unit, 3, 0x11, 0x20, 0, 1}, {unit, 3, 2, 0x03, 0xE8}));
   }
   TurnedClock clock;
   TestChamber chamber(clock);
   SimulatedModule two({{1, module_profile("generic"), {}}, {2, module_profile("generic"), {}}},
                       SimulatedModule::Wire::kTcp, 0, chamber, clock);
   const RawLine other(two.port());
-  CHECK(answers(other, {2, 6, 0, 0, 0, 5}, {2, 6, 0, 0, 0, 5}));
-  CHECK(answers(other, {1, 3, 0, 0, 0, 1}, {1, 3, 2, 0, 0}));
-  CHECK(answers(other, {2, 3, 0, 0, 0, 1}, {2, 3, 2, 0, 5}));
+  REQUIRE(answers(other, {2, 6, 0, 0, 0, 5}, {2, 6, 0, 0, 0, 5}));
+  REQUIRE(answers(other, {1, 3, 0, 0, 0, 1}, {1, 3, 2, 0, 0}));
+  REQUIRE(answers(other, {2, 3, 0, 0, 0, 1}, {2, 3, 2, 0, 5}));
   other.send(framed(1, {3, 3, 0, 0, 0, 1}));
   CHECK(other.is_silent());
 }
@@ -70,18 +70,18 @@ TEST_CASE("simulated module: discrete inputs and coils, and the valve on one of 
   profile.dump_coil = 3;
   SimulatedModule server({{1, profile, {}, true}}, SimulatedModule::Wire::kTcp, 0, chamber, clock);
   const RawLine client(server.port());
-  CHECK(answers(client, {1, 2, 0x10, 0x10, 0, 4}, {1, 2, 1, 0x0F}));
-  CHECK(answers(client, {1, 5, 0x10, 0x21, 0xFF, 0}, {1, 5, 0x10, 0x21, 0xFF, 0}));
-  CHECK(answers(client, {1, 2, 0x10, 0x10, 0, 4}, {1, 2, 1, 0x0D}));
-  CHECK(answers(client, {1, 2, 0x10, 0x11, 0, 1}, {1, 2, 1, 0}));
-  CHECK(answers(client, {1, 2, 0x10, 0x10, 0, 5}, {1, 0x82, 2}));
+  REQUIRE(answers(client, {1, 2, 0x10, 0x10, 0, 4}, {1, 2, 1, 0x0F}));
+  REQUIRE(answers(client, {1, 5, 0x10, 0x21, 0xFF, 0}, {1, 5, 0x10, 0x21, 0xFF, 0}));
+  REQUIRE(answers(client, {1, 2, 0x10, 0x10, 0, 4}, {1, 2, 1, 0x0D}));
+  REQUIRE(answers(client, {1, 2, 0x10, 0x11, 0, 1}, {1, 2, 1, 0}));
+  REQUIRE(answers(client, {1, 2, 0x10, 0x10, 0, 5}, {1, 0x82, 2}));
   CHECK(chamber.dumping);
-  CHECK(answers(client, {1, 5, 0, 3, 0xFF, 0}, {1, 5, 0, 3, 0xFF, 0}));
+  REQUIRE(answers(client, {1, 5, 0, 3, 0xFF, 0}, {1, 5, 0, 3, 0xFF, 0}));
   CHECK_FALSE(chamber.dumping);
-  CHECK(answers(client, {1, 5, 0, 3, 0, 0}, {1, 5, 0, 3, 0, 0}));
+  REQUIRE(answers(client, {1, 5, 0, 3, 0, 0}, {1, 5, 0, 3, 0, 0}));
   CHECK(chamber.dumping);
-  CHECK(answers(client, {1, 5, 0, 3, 0xFF, 1}, {1, 0x85, 3}));
-  CHECK(answers(client, {1, 5, 0, 4, 0xFF, 0}, {1, 0x85, 2}));
+  REQUIRE(answers(client, {1, 5, 0, 3, 0xFF, 1}, {1, 0x85, 3}));
+  REQUIRE(answers(client, {1, 5, 0, 4, 0xFF, 0}, {1, 0x85, 2}));
 }
 
 TEST_CASE("simulated module: several registers in one request, each at its place") {
@@ -90,25 +90,25 @@ TEST_CASE("simulated module: several registers in one request, each at its place
   ModuleProfile profile = module_profile("moxa-iologik-e1241");
   SimulatedModule server(profile, 0, chamber, clock);
   const RawLine client(server.port());
-  CHECK(answers(client, {1, 16, 0x04, 0x00, 0, 4, 8, 1, 2, 3, 4, 5, 6, 7, 8}, {1, 16, 0x04, 0x00, 0, 4}));
-  CHECK(answers(client, {1, 3, 0x04, 0x01, 0, 2}, {1, 3, 4, 3, 4, 5, 6}));
-  CHECK(answers(client, {1, 23, 0x04, 0x02, 0, 2, 0x04, 0x01, 0, 2, 4, 9, 8, 7, 6}, {1, 23, 4, 7, 6, 7, 8}));
-  CHECK(answers(client, {1, 3, 0x04, 0x00, 0, 4}, {1, 3, 8, 1, 2, 9, 8, 7, 6, 7, 8}));
+  REQUIRE(answers(client, {1, 16, 0x04, 0x00, 0, 4, 8, 1, 2, 3, 4, 5, 6, 7, 8}, {1, 16, 0x04, 0x00, 0, 4}));
+  REQUIRE(answers(client, {1, 3, 0x04, 0x01, 0, 2}, {1, 3, 4, 3, 4, 5, 6}));
+  REQUIRE(answers(client, {1, 23, 0x04, 0x02, 0, 2, 0x04, 0x01, 0, 2, 4, 9, 8, 7, 6}, {1, 23, 4, 7, 6, 7, 8}));
+  REQUIRE(answers(client, {1, 3, 0x04, 0x00, 0, 4}, {1, 3, 8, 1, 2, 9, 8, 7, 6, 7, 8}));
   // Refused in one half, neither is done.
-  CHECK(answers(client, {1, 23, 0x04, 0x03, 0, 2, 0x04, 0x00, 0, 1, 2, 0, 0}, {1, 0x97, 2}));
-  CHECK(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x03, 0, 2, 4, 0, 0, 0, 0}, {1, 0x97, 2}));
-  CHECK(answers(client, {1, 3, 0x04, 0x00, 0, 1}, {1, 3, 2, 1, 2}));
+  REQUIRE(answers(client, {1, 23, 0x04, 0x03, 0, 2, 0x04, 0x00, 0, 1, 2, 0, 0}, {1, 0x97, 2}));
+  REQUIRE(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x03, 0, 2, 4, 0, 0, 0, 0}, {1, 0x97, 2}));
+  REQUIRE(answers(client, {1, 3, 0x04, 0x00, 0, 1}, {1, 3, 2, 1, 2}));
   // Requests that are longer or shorter than what they say.
-  CHECK(answers(client, {1, 3, 0x04, 0x00, 0, 1, 0}, {1, 0x83, 3}));
-  CHECK(answers(client, {1, 2, 0x04, 0x00, 0, 1, 0}, {1, 0x82, 3}));
-  CHECK(answers(client, {1, 5, 0x04, 0x00, 0, 0, 0}, {1, 0x85, 3}));
-  CHECK(answers(client, {1, 6, 0x04, 0x00, 0, 1, 0}, {1, 0x86, 3}));
-  CHECK(answers(client, {1, 6, 0x04, 0x00, 0}, {1, 0x86, 3}));
-  CHECK(answers(client, {1, 16, 0x04, 0x00, 0, 1, 2, 0, 1, 0}, {1, 0x90, 3}));
-  CHECK(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x00, 0}, {1, 0x97, 3}));
-  CHECK(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x00, 0, 1, 2, 0}, {1, 0x97, 3}));
+  REQUIRE(answers(client, {1, 3, 0x04, 0x00, 0, 1, 0}, {1, 0x83, 3}));
+  REQUIRE(answers(client, {1, 2, 0x04, 0x00, 0, 1, 0}, {1, 0x82, 3}));
+  REQUIRE(answers(client, {1, 5, 0x04, 0x00, 0, 0, 0}, {1, 0x85, 3}));
+  REQUIRE(answers(client, {1, 6, 0x04, 0x00, 0, 1, 0}, {1, 0x86, 3}));
+  REQUIRE(answers(client, {1, 6, 0x04, 0x00, 0}, {1, 0x86, 3}));
+  REQUIRE(answers(client, {1, 16, 0x04, 0x00, 0, 1, 2, 0, 1, 0}, {1, 0x90, 3}));
+  REQUIRE(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x00, 0}, {1, 0x97, 3}));
+  REQUIRE(answers(client, {1, 23, 0x04, 0x00, 0, 1, 0x04, 0x00, 0, 1, 2, 0}, {1, 0x97, 3}));
   for (const std::uint8_t function : TcpBytes{0, 1, 7, 8, 15, 17, 22, 24, 43}) {
-    CHECK(answers(client, {1, function, 0, 0, 0, 1}, {1, static_cast<std::uint8_t>(function | 0x80U), 1}));
+    REQUIRE(answers(client, {1, function, 0, 0, 0, 1}, {1, static_cast<std::uint8_t>(function | 0x80U), 1}));
   }
 }
 
@@ -118,31 +118,31 @@ TEST_CASE("simulated module: each injected fault over TCP") {
   faults.inject = [&] { return next.load(); };
   SimulatedServer rig(faults);
   const RawLine client(rig.server.port());
-  CHECK(answers(client, kAskTime, kIsTime));
+  REQUIRE(answers(client, kAskTime, kIsTime));
   next = InjectedFault::kSilent;
   client.send(framed(1, kAskTime));
   CHECK(client.is_silent());
   next = InjectedFault::kRefused;
-  CHECK(answers(client, {1, 6, 0x11, 0x20, 1, 0}, {1, 0x86, 4}));
+  REQUIRE(answers(client, {1, 6, 0x11, 0x20, 1, 0}, {1, 0x86, 4}));
   next = InjectedFault::kNone;
-  CHECK(answers(client, kAskTime, kIsTime));  // the refused one has done nothing
-  CHECK(answers(client, {1, 6, 0x11, 0x20, 1, 0}, {1, 6, 0x11, 0x20, 1, 0}));
-  CHECK(answers(client, {1, 4, 0, 1, 0, 1}, {1, 4, 2, 0, 0}));
+  REQUIRE(answers(client, kAskTime, kIsTime));  // the refused one has done nothing
+  REQUIRE(answers(client, {1, 6, 0x11, 0x20, 1, 0}, {1, 6, 0x11, 0x20, 1, 0}));
+  REQUIRE(answers(client, {1, 4, 0, 1, 0, 1}, {1, 4, 2, 0, 0}));
   rig.chamber.reference_volts = Volts(10.0);
   next = InjectedFault::kStale;
-  CHECK(answers(client, {1, 4, 0, 1, 0, 1}, {1, 4, 2, 0, 0}));
+  REQUIRE(answers(client, {1, 4, 0, 1, 0, 1}, {1, 4, 2, 0, 0}));
   next = InjectedFault::kNone;
-  CHECK(answers(client, kAskTime, {1, 3, 2, 1, 0}));
-  CHECK(answers(client, {1, 4, 0, 1, 0, 1}, {1, 4, 2, 0x7F, 0xFF}));
+  REQUIRE(answers(client, kAskTime, {1, 3, 2, 1, 0}));
+  REQUIRE(answers(client, {1, 4, 0, 1, 0, 1}, {1, 4, 2, 0x7F, 0xFF}));
   next = InjectedFault::kCorrupt;
-  CHECK(answers(client, {1, 3, 0x30, 0, 0, 1}, {1, 0x93, 2}));  // an exception's function code, too
+  REQUIRE(answers(client, {1, 3, 0x30, 0, 0, 1}, {1, 0x93, 2}));  // an exception's function code, too
   // A late answer waits for its own client.
   next = InjectedFault::kLate;
   client.send(framed(7, kAskTime));
   CHECK(client.is_silent());
   next = InjectedFault::kNone;
   const RawLine other(rig.server.port());
-  CHECK(answers(other, kAskTime, {1, 3, 2, 1, 0}));
+  REQUIRE(answers(other, kAskTime, {1, 3, 2, 1, 0}));
   client.send(framed(8, kAskTime));
   const TcpBytes late = framed(7, {1, 3, 2, 1, 0});
   CHECK(client.receive(late.size()) == late);
@@ -150,11 +150,11 @@ TEST_CASE("simulated module: each injected fault over TCP") {
   CHECK(client.receive(own.size()) == own);
   next = InjectedFault::kUnplugged;
   client.send(framed(1, kAskTime));
-  CHECK(client.is_closed());
+  REQUIRE(client.is_closed());
   next = InjectedFault::kNone;
-  CHECK(answers(other, kAskTime, {1, 3, 2, 1, 0}));
+  REQUIRE(answers(other, kAskTime, {1, 3, 2, 1, 0}));
   const RawLine again(rig.server.port());
-  CHECK(answers(again, kAskTime, {1, 3, 2, 1, 0}));
+  REQUIRE(answers(again, kAskTime, {1, 3, 2, 1, 0}));
 }
 
 TEST_CASE("simulated module: silent or dead after so many requests, dead for every client") {
@@ -166,14 +166,14 @@ TEST_CASE("simulated module: silent or dead after so many requests, dead for eve
     const RawLine to_dead(dead.server.port());
     const RawLine beside(dead.server.port());
     for (long i = 0; i < after; ++i) {
-      CHECK(answers(to_silent, kAskTime, kIsTime));
-      CHECK(answers(to_dead, kAskTime, kIsTime));
+      REQUIRE(answers(to_silent, kAskTime, kIsTime));
+      REQUIRE(answers(to_dead, kAskTime, kIsTime));
     }
     to_silent.send(framed(1, kAskTime));
     CHECK(to_silent.is_silent());
     to_dead.send(framed(1, kAskTime));
-    CHECK(to_dead.is_closed());
-    CHECK(beside.is_closed());
+    REQUIRE(to_dead.is_closed());
+    REQUIRE(beside.is_closed());
   }
 }
 
@@ -188,14 +188,14 @@ TEST_CASE("simulated module: bytes that are no frame close their connection") {
   for (const TcpBytes& frame : frames) {
     const RawLine client(rig.server.port());
     client.send(frame);
-    CHECK(client.is_closed());
+    REQUIRE(client.is_closed());
   }
   const RawLine client(rig.server.port());
   client.send({0, 1, 0, 0, 0, 2, 1, 3});  // the shortest, and the longest
   CHECK(client.receive(9) == framed(1, {1, 0x83, 3}));
   TcpBytes longest{1, 3};
   longest.resize(254);
-  CHECK(answers(client, longest, {1, 0x83, 3}));
+  REQUIRE(answers(client, longest, {1, 0x83, 3}));
 }
 
 TEST_CASE("simulated module: 32 clients at once, a further one when one of them has gone") {
@@ -206,14 +206,14 @@ TEST_CASE("simulated module: 32 clients at once, a further one when one of them 
     REQUIRE(answers(*clients.back(), kAskTime, kIsTime));
   }
   // 0x1022: connections
-  CHECK(answers(*clients[0], {1, 3, 0x10, 0x22, 0, 1}, {1, 3, 2, 0, 32}));
+  REQUIRE(answers(*clients[0], {1, 3, 0x10, 0x22, 0, 1}, {1, 3, 2, 0, 32}));
   const RawLine further(rig.server.port());
   further.send(framed(9, kAskTime));
   CHECK(further.is_silent());
   clients[5].reset();
   const TcpBytes answer = framed(9, kIsTime);
   CHECK(further.receive(answer.size()) == answer);
-  CHECK(answers(*clients[0], {1, 3, 0x10, 0x22, 0, 1}, {1, 3, 2, 0, 32}));
+  REQUIRE(answers(*clients[0], {1, 3, 0x10, 0x22, 0, 1}, {1, 3, 2, 0, 32}));
 }
 
 TEST_CASE("simulated module: the port that it was given, or why not") {

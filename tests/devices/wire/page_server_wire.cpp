@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <memory>
 #include <string>
 #include <vector>
@@ -166,6 +167,9 @@ TEST_CASE("page of an instrument: its port is told where it is taken, and nothin
   for (const int none : {-1, 65536}) {
     CHECK(fault_id_of([&] { const PageServer other(none, "/p", "body", "instrument"); }) == "TB-SIM-LISTEN");
   }
+  errno = 0;
+  const auto last = fault_of([&] { const PageServer other(65535, "/p", "body", "instrument"); });
+  if (last) CHECK_THAT(last->what(), Catch::EndsWith("Address already in use"));  // another program's
   const auto client = open_stream("tcp:127.0.0.1:" + std::to_string(port));
   std::vector<pollfd> descriptors;
   page->add_to(descriptors);

@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <vector>
 
 #include "devices/wire/ends/stream_end.h"
@@ -98,6 +100,14 @@ TEST_CASE("stream end: takes a dead program's socket over, and neither a living 
     const StreamEnd living(address);
     CHECK(listening(address) == "TB-SIM-LISTEN: listening on " + address + ": Address already in use");
     CHECK(opening_end(address) == "none");
+    errno = ECONNREFUSED;  // an older call's
+    CHECK_THAT(listening(address), Catch::EndsWith("Address already in use"));
+    // Its queue is full, and it lives.
+    std::vector<std::unique_ptr<ByteStream>> clients;
+    while (fault_id_of([&] { clients.push_back(open_stream(address, kShort)); }) == "none")
+      REQUIRE(clients.size() < 99);
+    CHECK_THAT(listening(address), Catch::EndsWith("Address already in use"));
+    CHECK(std::filesystem::exists(folder.path("end")));
   }
   CHECK_FALSE(std::filesystem::exists(folder.path("end")));
   const int dead = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);

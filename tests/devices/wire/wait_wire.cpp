@@ -79,23 +79,27 @@ TEST_CASE("wait: the time left until a moment, once it has come a millisecond mo
   CHECK(left_until(Real::now()) == 1ms);
   CHECK(left_until(Real::now() - 5s) == 1ms);
   CHECK(left_until(Real::now() - 20s) == 0ns);  // it will never finish
+  const WaitedLine line;
+  for (const Nanoseconds none : {Nanoseconds(0), Nanoseconds(-1)}) {  // who does not wait does not wait for an end
+    CHECK(spent([&] { CHECK(wait_for(line.ends[0], POLLIN, none) == 0); }) < 10s);
+  }
   end.leave();
   CHECK(left_until(Real::now()) == 0ns);
 }
 
 TEST_CASE("wait: goes on while an end works, and takes what that one sends last") {
   const WaitedLine line;
-  {
+  for (const Nanoseconds timeout : {Nanoseconds(1), Nanoseconds(1ms)}) {
     EndAtWork end;
     std::thread worker = end.thread([&] {
       std::this_thread::sleep_for(60ms);
       [[maybe_unused]] const ssize_t sent = ::send(line.ends[1], "x", 1, 0);
     });
-    CHECK(wait_for(line.ends[0], POLLIN, 1ms) == POLLIN);
+    CHECK(wait_for(line.ends[0], POLLIN, timeout) == POLLIN);
     worker.join();
+    std::array<char, 4> into{};
+    CHECK(::recv(line.ends[0], into.data(), into.size(), 0) == 1);
   }
-  std::array<char, 4> into{};
-  CHECK(::recv(line.ends[0], into.data(), into.size(), 0) == 1);
   EndAtWork idle;
   std::thread worker = idle.thread([] {});
   worker.join();

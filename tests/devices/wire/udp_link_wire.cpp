@@ -1,0 +1,116 @@
+// UDP links: what they refuse and how it is told, and what renewing one means.
+#include "devices/wire/udp_link.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "devices/wire/ends/loopback.h"
+#include "tests/devices/fault_of.h"
+#include "tests/devices/timeouts.h"
+
+using namespace tactbench::devices;
+using namespace std::chrono_literals;
+
+namespace {
+
+using UdpBytes = std::vector<std::uint8_t>;
+
+template <class Act>
+std::string udp_says(Act&& act) {
+  const auto fault = fault_of(act);
+  if (!fault) return "none";
+  CHECK_FALSE(fault->remedy().empty());
+  return fault->id() + ": " + fault->what();
+}
+
+}  // namespace
+
+TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
+  for (const auto& [host, port] :
+       {std::pair{"localhost", 5}, std::pair{"127.0.0.1", 0}, std::pair{"127.0.0.1", 65536}}) {
+    CHECK(udp_says([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) ==
+          "TB-UDP-OPEN: box at " + std::string(host) + " port " + std::to_string(port) +
+              " (UDP): no address in numbers or no port");
+  }
+  const std::string broadcast = udp_says([] { const UdpLink link("255.255.255.255", 5, "box"); });
+  CHECK_THAT(broadcast, Catch::StartsWith("TB-UDP-OPEN: connecting to box at 255.255.255.255 port 5 (UDP): "));
+}
+
+TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  const std::string place = "box at 127.0.0.1 port " + std::to_string(peer.port) + " (UDP): ";
+  UdpLink link("127.0.0.1", peer.port, "box");
+  CHECK(link.peer() == "127.0.0.1 port " + std::to_string(peer.port) + " (UDP)");
+  UdpBytes into(8);
+  for (const Nanoseconds timeout : {Nanoseconds(-1), Nanoseconds(0), Nanoseconds(1ms)}) {
+    CHECK(link.receive(into, timeout) == 0);
+  }
+  CHECK(udp_says([&] { link.send(UdpBytes(70'000)); }) == "TB-UDP-LOST: sending to " + place + "Message too long");
+  const UdpBytes datagram{1, 2, 3};
+  link.send(datagram);
+  ::close(peer.socket);
+  const auto to_nobody = [&] {
+    const auto fault = fault_of([&] {
+      link.send(datagram);
+      (void)link.receive(into, kPatient);
+    });
+    REQUIRE(fault);
+    return *fault;
+  };
+  const Fault refused = to_nobody();
+  CHECK(refused.id() == "TB-UDP-LOST");
+  CHECK(refused.device() == "box");
+  CHECK(refused.what() == "receiving from " + place + "Connection refused");
+  CHECK(refused.remedy() == "No program listens there: check address and port in the bench file.");
+  // An old error is drained, and does not spoil the next exchange.
+  link.send(datagram);
+  pollfd waited{-1, 0, 0};
+  ::poll(&waited, 1, 1);
+  CHECK(link.drain() <= 1);
+  CHECK(link.drain() == 0);
+  const auto too_long = fault_of([&] { link.send(UdpBytes(70'000)); });
+  REQUIRE(too_long);
+  CHECK(too_long->remedy() == "Check power, network cable and address of the device.");
+}
+
+TEST_CASE("UDP: renewed it has another port, and what was sent to the old one never arrives") {
+  const BoundSocket peer = bind_loopback(SOCK_DGRAM, 0, "test");
+  UdpLink link("127.0.0.1", peer.port, "box");
+  const auto asks = [&] {
+    const UdpBytes datagram{1};
+    link.send(datagram);
+    pollfd waited{peer.socket, POLLIN, 0};
+    REQUIRE(::poll(&waited, 1, 20000) == 1);
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    UdpBytes some(8);
+    REQUIRE(::recvfrom(peer.socket, some.data(), some.size(), 0, reinterpret_cast<sockaddr*>(&from), &size) == 1);
+    return from;
+  };
+  const auto answer = [&](const sockaddr_in& to, std::uint8_t byte) {
+    return ::sendto(peer.socket, &byte, 1, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  };
+  const sockaddr_in before = asks();
+  link.renew();
+  const sockaddr_in after = asks();
+  CHECK(before.sin_port != after.sin_port);
+  answer(before, 1);
+  REQUIRE(answer(after, 2) == 1);
+  UdpBytes into(8);
+  CHECK(link.receive(into, kPatient) == 1);
+  CHECK(into[0] == 2);
+  const std::array<std::uint8_t, 4> four{1, 2, 3, 4};
+  REQUIRE(::sendto(peer.socket, four.data(), 4, 0, reinterpret_cast<const sockaddr*>(&after), sizeof after) == 4);
+  CHECK(link.receive(std::span(into).first(3), kPatient) == 3);  // cut to the room
+  CHECK(link.receive(into, 0ns) == 0);
+  ::close(peer.socket);
+}
