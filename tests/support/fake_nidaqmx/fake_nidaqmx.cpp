@@ -76,8 +76,8 @@ int count(const std::string& list) {
 }
 
 int put_text(const std::string& text, char* into, std::uint32_t size) {
-  if (into == nullptr || size == 0) return static_cast<int>(text.size() + 1);
-  if (size <= text.size()) return refuse(-200228, "buffer too small");
+  if (size == 0) return static_cast<int>(text.size() + 1);
+  if (into == nullptr || size <= text.size()) return refuse(-200228, "buffer too small");
   std::memcpy(into, text.c_str(), text.size() + 1);
   return 0;
 }
@@ -91,7 +91,7 @@ FakeDaqmx* tactbench::tests::tactbench_fake_daqmx() { return &card; }
 int DAQmxGetSysDevNames(char* names, std::uint32_t size) {
   if (const int code = enter("GetSysDevNames")) return code;
   std::string list;
-  for (const auto& device : card.devices) list += (list.empty() ? "" : ", ") + device.name;
+  for (const auto& device : card.devices) list += (list.empty() ? "" : card.separator) + device.name;
   return put_text(list, names, size);
 }
 

@@ -24,6 +24,7 @@ struct FakeDaqmx {
   using Levels = std::vector<std::uint8_t>;
 
   std::vector<Device> devices = {{}};
+  std::string separator = ", ";  // between their names
   // What input `channel` (0-based in its task) measures while the lines stand at `lines`, in sample n of this reading.
   std::function<double(const Levels& lines, int channel, int sample)> volts;
   std::string fail_function;  // "ReadAnalogF64": its call number `fail_call` (from 0) and all later return fail_code

@@ -88,6 +88,12 @@ TEST_CASE("daqmx devices: the one that is named, by its serial number in any wri
   DaqmxBench bench;
   bench.card.devices = {{"Dev1", "USB-6259", 0x01A2B3C4, false}, {"", "", 0, false}, {"cDAQ1Mod2", "NI 9205", 0, true}};
   CHECK(bench.api.list_devices().size() == 2);
+  for (const char* separator : {",", ", ", ",   "}) {
+    bench.card.separator = separator;
+    const auto devices = bench.api.list_devices();
+    REQUIRE(devices.size() == 2);
+    CHECK(devices[1].name == "cDAQ1Mod2");
+  }
   for (const char* serial : {"", "01A2B3C4", "1a2b3c4", "001A2B3C4"}) {
     CHECK(bench.api.device("Dev1", serial).product_type == "USB-6259");
   }
@@ -103,6 +109,13 @@ TEST_CASE("daqmx devices: the one that is named, by its serial number in any wri
   REQUIRE(fault);
   CHECK(fault->what() == std::string("Dev is configured; the driver sees Dev1 (USB-6259, serial 01A2B3C4), cDAQ1Mod2 "
                                      "(NI 9205, serial 00000000)"));
+}
+
+TEST_CASE("daqmx devices: a list without devices is no warning") {
+  DaqmxBench bench;
+  bench.card.devices.clear();
+  CHECK(bench.api.list_devices().empty());
+  CHECK(bench.api.warnings().empty());
 }
 
 TEST_CASE("daqmx devices: each call of the list that fails is told") {
