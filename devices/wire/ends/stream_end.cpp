@@ -23,6 +23,7 @@ namespace {
 
 constexpr const char* kTcpForm = "tcp:";
 constexpr const char* kUnixForm = "unix:";
+constexpr int kOn = 1;  // of a socket's option
 
 [[noreturn]] void fail_listen(const std::string& listen, const std::string& why) {
   throw Fault("TB-SIM-LISTEN", "simulated serial line", fmt::format("listening on {}: {}", listen, why),
@@ -60,8 +61,7 @@ void StreamEnd::plug_in() {
 void StreamEnd::listen_at(const void* address, std::size_t size) {
   const auto* generic = static_cast<const sockaddr*>(address);
   listener_ = ::socket(generic->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int one = 1;
-  if (listener_ >= 0) ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
+  if (listener_ >= 0) ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &kOn, sizeof kOn);
   if (listener_ < 0 || ::bind(listener_, generic, static_cast<socklen_t>(size)) != 0 || ::listen(listener_, 4) != 0) {
     const int error = errno;
     close_all({&listener_});
@@ -105,9 +105,8 @@ int StreamEnd::descriptor() const {
 std::size_t StreamEnd::receive(std::span<std::uint8_t> into) {
   if (!terminal_ && client_ < 0) {
     client_ = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    const int one = 1;
     if (client_ >= 0)
-      ::setsockopt(client_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);  // without effect on a local one
+      ::setsockopt(client_, IPPROTO_TCP, TCP_NODELAY, &kOn, sizeof kOn);  // without effect on a local one
     return 0;
   }
   const ssize_t got = ::read(descriptor(), into.data(), into.size());
