@@ -77,7 +77,7 @@ TEST_CASE("Digital F/T line: what is wrong with a reply is said, and with which"
         }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "a damaged reply came");
   CHECK(opened_with([](const Bytes&) {
           return rtu_frame(Bytes{kUnit + 1, 0x83, 2});
-        }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "refused with exception 2");
+        }) == std::string("TB-FORCE-PROTOCOL: ") + kFirst + "a damaged reply came");
   CHECK(opened_with([](const Bytes& answer) { return Bytes(answer.begin(), answer.begin() + 4); }) ==
         std::string("TB-FORCE-TIMEOUT: ") + kFirst + "4 of 255 bytes came within 20000 ms");
   CHECK(opened_with([](const Bytes&) {
