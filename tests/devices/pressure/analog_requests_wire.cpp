@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 namespace {
 
 using Notes = RecordedModule::Notes;
-using Counts = std::vector<std::uint16_t>;
+using WordsOut = std::vector<std::uint16_t>;
 
 ModuleProfile plain_profile() {
   ModuleProfile profile;
@@ -110,7 +110,7 @@ TEST_CASE("analog module: reading all reads inputs and outputs and writes nothin
     profile.outputs.readback = readback;
     Requests rig(profile);
     rig.server.set(0x10, {7, 8});
-    CHECK(rig.module.read_all() == (readback == 0 ? Counts{} : Counts{7, 8}));
+    CHECK(rig.module.read_all() == (readback == 0 ? WordsOut{} : WordsOut{7, 8}));
     CHECK(rig.server.notes() == (readback == 3   ? Notes{"4 0020 2", "3 0010 2"}
                                  : readback == 4 ? Notes{"4 0020 2", "4 0010 2"}
                                                  : Notes{"4 0020 2"}));
@@ -119,7 +119,7 @@ TEST_CASE("analog module: reading all reads inputs and outputs and writes nothin
   profile.outputs.channels = 1;
   Requests one(profile);
   one.server.set(0x10, {7, 8});
-  CHECK(one.module.read_all() == Counts{7});
+  CHECK(one.module.read_all() == WordsOut{7});
   profile.outputs.channels = 0;
   Requests inputs_only(profile);
   CHECK(inputs_only.module.read_all().empty());
@@ -200,7 +200,7 @@ TEST_CASE("analog module: each bit of a status word that counts, by channel and 
   ModuleProfile profile = plain_profile();
   profile.inputs.status_offset = 4;
   const struct {
-    Counts words;
+    WordsOut words;
     std::string says;
   } cases[] = {
       {{0, 0}, ""},
