@@ -25,8 +25,8 @@ struct Witnesses {
   std::optional<double> feedback_psi, reference_psi;
 };
 
-// Waits, feeding the module on the way: after a pause's proof the run goes on, which it cannot once the module has fallen
-// back. One that cannot be fed falls back to 0 V.
+// Waits, feeding the module on the way: after a pause's proof the run goes on, which it cannot once the module has
+// fallen back. One that cannot be fed falls back to 0 V.
 class FedWait {
  public:
   explicit FedWait(Rig& rig) : rig_(rig) {}

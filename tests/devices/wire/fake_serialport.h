@@ -24,7 +24,7 @@ struct FakeSerialPorts {
   int error_code = 0;                          // of the last error
   std::optional<std::string> error_text = "";  // empty: the library has none
   std::optional<int> write_takes;              // bytes that a write takes at most
-  int swallowed = 0;  // so many readings take what waits and return nothing
+  int swallowed = 0;                           // so many readings take what waits and return nothing
 
   // What has happened.
   std::vector<std::string> calls;  // settings, openings, flushes and writes, each with its number
