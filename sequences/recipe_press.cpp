@@ -14,12 +14,11 @@ constexpr double kSlowest = 0.001;  // mm/s: the least speed of the slowest axis
 // from, from + step, ... up to `to`.
 std::vector<double> grid_axis(const TomlTable& grid, const std::string& key) {
   const std::vector<double> range = grid.numbers(key);
-  const bool good = range.size() == 3 && range[2] > 0.0 && range[1] >= range[0];
-  const double count = good ? std::floor((range[1] - range[0]) / range[2] + 1e-9) + 1.0 : 0.0;
-  if (!good) {
+  if (range.size() != 3 || range[2] <= 0.0 || range[1] < range[0]) {
     grid.fail(key, fmt::format("'{}' must be [from, to, step] with a step above 0", key),
               fmt::format("e.g. {} = [10, 20, 2.54]", key));
   }
+  const double count = std::floor((range[1] - range[0]) / range[2] + 1e-9) + 1.0;
   if (count > static_cast<double>(kMostPositions)) {
     grid.fail(key, fmt::format("'{}' has {:.0f} positions", key, count),
               fmt::format("a larger step: a recipe may have {}", kMostPositions));

@@ -86,6 +86,9 @@ TEST_CASE("a grid is walked row by row, every other one backward") {
   const Recipe recipe = press_of("forces_n = [2]\n[press.grid]\nx = [10, 12, 1]\ny = [5, 7, 2]\n");
   const std::vector<std::pair<double, double>> expected = {{10, 5}, {11, 5}, {12, 5}, {12, 7}, {11, 7}, {10, 7}};
   CHECK(recipe.press.positions_mm == expected);
+  const Recipe tall = press_of("forces_n = [2]\n[press.grid]\nx = [1, 2, 1]\ny = [1, 5, 1]\n");
+  CHECK(tall.press.positions_mm == std::vector<std::pair<double, double>>{
+                                       {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 3}, {2, 3}, {2, 4}, {1, 4}, {1, 5}, {2, 5}});
 }
 
 TEST_CASE("a bad press recipe names its place") {
