@@ -40,7 +40,6 @@ void add_level(std::vector<Step>& steps, const Recipe& recipe, Step& step) {
     steps.push_back(step);
     ++step.ordinal;
   }
-  step.hold = false;
   step.dwell_s = dwell_s;
 }
 

@@ -96,6 +96,7 @@ TEST_CASE("a level between turning points lies on the grid, the turning point it
   // Three steps of 0.1 from 0.1 are 0.4 on paper; as sums of doubles they are not.
   const auto steps = compile(recipe_of("turning_points = [0.1, 0.4]\nstep = 0.1\n"), 0);
   REQUIRE(steps.size() == 4);
+  CHECK((steps[0].branch_from == Psi(0.1) && steps[0].branch_to == Psi(0.4)));
   CHECK(steps[1].setpoint.value() == Approx(0.2).epsilon(1e-12));
   CHECK(steps[2].setpoint.value() == Approx(0.3).epsilon(1e-12));
   CHECK(steps[3].setpoint == Psi(0.4));
@@ -111,6 +112,12 @@ TEST_CASE("the way back to a branch of a later repeat, field by field") {
     wanted.back().ramp_psi_per_s = 0.25;
   }
   check_same(way_back(recipe, 4, 1, 1), wanted);
+}
+
+TEST_CASE("the way back has the recipe's own cycles, even a single one") {
+  std::vector<Step> wanted;
+  append_cycles(wanted, 0, 1, 8.0, 1.0);
+  check_same(way_back(recipe_of(kUpAndDown + "[conditioning]\ncycles = 1\npeak = 8\n"), 0, 0, 0), wanted);
 }
 
 TEST_CASE("the way back of a press recipe is its own") {

@@ -91,6 +91,14 @@ TEST_CASE("cycles that a criterion may leave out are not in the shortest time") 
   CHECK(always[1].likely_s == Approx(8.0 / 2.0 + 2.0 + 10.0));
 }
 
+TEST_CASE("a contact twice as stiff under a servo twice as fast takes a quarter of the time") {
+  TimeModel stiff = slow_bench();
+  stiff.stiffness_n_per_mm = 40.0;
+  const std::vector<Recipe> recipes = {touch({}, "servo_mm_per_s = 0.1\n")};
+  const std::vector<StepTime> times = step_times(recipes, compile(recipes), stiff);
+  check_times({times.begin() + 5, times.begin() + 6}, {{3.75, 4.25, 5.25}});  // from 2 to 6 N: 1 s instead of 4 s
+}
+
 TEST_CASE("each recipe's first step bears its warm-up: none of it, half of it, all of it") {
   const Recipe warm = recipe_of("turning_points = [0, 4]\nstep = 4\n[warm_up]\nat_most_s = 100\n");
   const std::vector<StepTime> cold = times_of({recipe_of("turning_points = [0, 4]\nstep = 4\n")});

@@ -173,4 +173,6 @@ TEST_CASE("an impossible --set is refused and quoted as typed") {
 TEST_CASE("a NUL in a message is shown") {
   const FileError error("TB-FILE-KEY", std::string("a\0b\0c", 5), "w", "r");
   CHECK(std::string(error.what()) == "a\\x00b\\x00c");
+  const FileError ends("TB-FILE-KEY", std::string("\0\0", 2), "w", "r");
+  CHECK(std::string(ends.what()) == "\\x00\\x00");
 }
