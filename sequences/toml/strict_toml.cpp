@@ -122,6 +122,7 @@ TomlDocument TomlDocument::from_text(const std::string& text, const std::string&
 void TomlDocument::set(const Override& override_value, const std::string& prefix) {
   const std::string where = "--set " + prefix + override_value.key + "=" + override_value.value;
   node_->typed_prefix = prefix;
+  node_->typed.erase(override_value.key);  // of an earlier setting
   if (!override_value.typed.empty() && override_value.typed != override_value.value)
     node_->typed[override_value.key] = override_value.typed;
   toml::table holder;
