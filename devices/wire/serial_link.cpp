@@ -24,10 +24,12 @@ using Port = std::unique_ptr<sp_port, decltype(&sp_free_port)>;
 
 constexpr unsigned kWriteMilliseconds = 1000;
 
-std::string reason(sp_return result) {
+// The library gives numbers of bytes, too, in its enumeration of errors, which in C++ cannot hold them: they are taken
+// as int.
+std::string reason(int result) {
   if (result == SP_ERR_ARG) return "no such port";
   if (result == SP_ERR_SUPP) return "the port does not support that setting";
-  if (result != SP_ERR_FAIL) return fmt::format("libserialport's error {}", static_cast<int>(result));
+  if (result != SP_ERR_FAIL) return fmt::format("libserialport's error {}", result);
   char* text = sp_last_error_message();
   std::string copy = text != nullptr ? text : "unknown";
   sp_free_error_message(text);
@@ -43,12 +45,12 @@ class SerialLink final : public ByteStream {
   SerialLink& operator=(const SerialLink&) = delete;
 
   void write(std::span<const std::uint8_t> bytes) override {
-    const sp_return sent = sp_blocking_write(port_.get(), bytes.data(), bytes.size(), kWriteMilliseconds);
+    const int sent = sp_blocking_write(port_.get(), bytes.data(), bytes.size(), kWriteMilliseconds);
     if (sent < 0) lost("sending to", reason(sent));
     if (static_cast<std::size_t>(sent) < bytes.size()) {
       throw Fault("TB-SERIAL-TIMEOUT", name_,
-                  fmt::format("sending {} bytes to {}: {} were taken within {} ms", bytes.size(), name_,
-                              static_cast<int>(sent), kWriteMilliseconds),
+                  fmt::format("sending {} bytes to {}: {} were taken within {} ms", bytes.size(), name_, sent,
+                              kWriteMilliseconds),
                   "Check the cable and that no other device holds the line.");
     }
   }
@@ -59,10 +61,10 @@ class SerialLink final : public ByteStream {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
     for (auto left = timeout;; left = deadline - std::chrono::steady_clock::now()) {
       const short events = wait_for(handle_, POLLIN, left);
-      const sp_return got = sp_nonblocking_read(port_.get(), into.data(), into.size());
+      const int got = sp_nonblocking_read(port_.get(), into.data(), into.size());
       if (got > 0) return static_cast<std::size_t>(got);
       if (got < 0) lost("reading from", reason(got));
-      const sp_return waiting = sp_input_waiting(port_.get());
+      const int waiting = sp_input_waiting(port_.get());
       if (waiting < 0) lost("reading from", reason(waiting));
       if ((events & (POLLHUP | POLLERR | POLLNVAL)) != 0) lost("reading from", "the port hung up");
       if (events == 0) return 0;
@@ -70,9 +72,9 @@ class SerialLink final : public ByteStream {
   }
 
   std::size_t discard() override {
-    const sp_return waiting = sp_input_waiting(port_.get());
+    const int waiting = sp_input_waiting(port_.get());
     if (waiting < 0) lost("reading from", reason(waiting));
-    const sp_return flushed = sp_flush(port_.get(), SP_BUF_INPUT);
+    const int flushed = sp_flush(port_.get(), SP_BUF_INPUT);
     if (flushed != SP_OK) lost("reading from", reason(flushed));
     return static_cast<std::size_t>(waiting);
   }

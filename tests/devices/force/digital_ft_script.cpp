@@ -113,8 +113,8 @@ TEST_CASE("Digital F/T line: the range itself is no overload, a count beyond it 
       const auto fault = fault_of([&] { (void)sensor.read(2); });
       REQUIRE(fault);
       CHECK(fault->id() == "TB-FORCE-OVERLOAD");
-      constexpr std::array<const char*, 6> kAxisNames{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
-      CHECK_THAT(fault->what(), Catch::Contains(kAxisNames[axis]));
+      constexpr std::array<const char*, 6> kWords{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
+      CHECK_THAT(fault->what(), Catch::Contains(kWords[axis]));
       CHECK(script.jams() == 3);  // opening, and after each reading
     }
   }
