@@ -32,7 +32,9 @@ std::string number_of(const std::string& blob, int index) {
       byte(7), byte(6), low, blob, 8 * index + 1, blob);
 }
 
-std::string frames_view() {
+}  // namespace
+
+std::string frames_view_migration() {
   std::string numbers;
   const char* const wrench[] = {"fx_n", "fy_n", "fz_n", "tx_nmm", "ty_nmm", "tz_nmm"};
   const char* const place[] = {"x_mm", "y_mm", "z_mm"};
@@ -56,13 +58,6 @@ JOIN branches b ON b.branch = f.branch
 JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence;
 )sql",
                      numbers);
-}
-
-}  // namespace
-
-const char* frames_view_migration() {
-  static const std::string sql = frames_view();
-  return sql.c_str();
 }
 
 }  // namespace tactbench::db

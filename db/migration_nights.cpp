@@ -61,6 +61,6 @@ FROM nights n JOIN night_results s ON s.night = n.night;
 
 }  // namespace
 
-const char* nights_migration() { return kNights; }
+std::string nights_migration() { return kNights; }
 
 }  // namespace tactbench::db

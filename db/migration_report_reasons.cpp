@@ -3,7 +3,7 @@
 
 namespace tactbench::db {
 
-const char* report_reasons_migration() {
+std::string report_reasons_migration() {
   return "ALTER TABLE reports ADD COLUMN reason TEXT NOT NULL DEFAULT ''";  // '': replaces none, or is older than
                                                                             // schema 9
 }

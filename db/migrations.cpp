@@ -292,7 +292,7 @@ static_assert(kMigrations.size() + kFurther.size() == kSchemaVersion);
 
 }  // namespace
 
-const char* migration(std::int64_t version) {
+std::string migration(std::int64_t version) {
   const auto index = static_cast<std::size_t>(version);
   return index < kMigrations.size() ? kMigrations[index] : kFurther.at(index - kMigrations.size())();
 }

@@ -60,7 +60,7 @@ struct RunLook::Queries {
     connection.trust_no_schema();
   }
   sqlite::Connection connection;
-  sqlite::Statement after{connection, std::string(kColumns) + "LIMIT ?", true};  // asked for at every frame
+  sqlite::Statement after{connection, std::string(kColumns) + "LIMIT ?"};  // asked for at every frame
 };
 
 RunLook::RunLook(const RunStore& store, std::int64_t run) : run_(run), queries_(std::make_unique<Queries>(store)) {}
@@ -86,10 +86,8 @@ std::optional<SeenFrame> RunLook::newest() {
 std::int64_t RunLook::before_newest(int most) {
   sqlite::Statement row(queries_->connection,
                         "SELECT frame FROM frames WHERE frame > ? AND frame < ? ORDER BY frame DESC LIMIT 1 OFFSET ?");
-  std::int64_t frame = 0;
-  if (!row.bind(frames_above(run_), frames_below(run_), most).step()) return 0;
-  row.read(frame);
-  return frame - frames_above(run_);
+  const auto frame = row.bind(frames_above(run_), frames_below(run_), most).first<std::int64_t>();
+  return frame ? *frame - frames_above(run_) : 0;
 }
 
 }  // namespace tactbench::db

@@ -127,9 +127,7 @@ std::vector<std::string> RunStore::check_structure() const {
   {
     sqlite::Statement rows(database_->connection, "PRAGMA integrity_check");
     while (rows.step()) {
-      std::string line;
-      rows.read(line);
-      if (line != "ok") wrong.push_back(line);
+      if (const auto line = rows.value<std::string>(); line != "ok") wrong.push_back(line);
     }
   }
   for (ForeignObjects found = foreign_objects(database_->connection);
@@ -145,10 +143,8 @@ std::vector<std::string> RunStore::check_structure() const {
   sqlite::Statement rows(database_->connection,
                          "SELECT \"table\", rowid, parent FROM pragma_foreign_key_check ORDER BY 1, 2 LIMIT 100");
   while (rows.step()) {
-    std::string table, parent;
-    std::int64_t row = 0;
-    rows.read(table, row, parent);
-    wrong.push_back(fmt::format("row {} of {} names a row of {} that is not there", row, table, parent));
+    wrong.push_back(fmt::format("row {} of {} names a row of {} that is not there", rows.value<std::int64_t>(1),
+                                rows.value<std::string>(0), rows.value<std::string>(2)));
   }
   return wrong;
 }

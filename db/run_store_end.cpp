@@ -52,23 +52,19 @@ void RunStore::end_run(std::int64_t run, Outcome outcome, const std::string& rea
 
 int RunStore::mark_interrupted(const std::string& utc) {
   struct Dead {
-    std::int64_t run = 0, time_ns = 0;
+    std::int64_t run;
     std::string state;
   };
   sqlite::Transaction transaction(database_->connection);
   std::vector<Dead> found;
   {
     sqlite::Statement rows(database_->connection, "SELECT run, state FROM runs WHERE state <> 'ended' ORDER BY run");
-    while (rows.step()) {
-      Dead& dead = found.emplace_back();
-      rows.read(dead.run, dead.state);
-    }
+    while (rows.step()) found.push_back({rows.value<std::int64_t>(0), rows.value<std::string>(1)});
   }
-  for (Dead& dead : found) dead.time_ns = last_time_ns(dead.run);
   const std::string reason = "TB-RUN-INTERRUPTED: the process ended without closing the run";
   database_->open_runs.clear();
   for (const Dead& dead : found) {
-    database_->insert_event(dead.run, {dead.time_ns, "state", "TB-RUN-INTERRUPTED",
+    database_->insert_event(dead.run, {last_time_ns(dead.run), "state", "TB-RUN-INTERRUPTED",
                                        dead.state + " -> ended: found without a living process at the next start"});
     database_->close_run(dead.run, Outcome::kInterrupted, reason, SafeState::kUnknown, utc);
   }

@@ -50,8 +50,7 @@ std::map<std::int64_t, std::int64_t> RunStore::repeated_runs(const std::string& 
   std::map<std::map<std::string, std::string>, std::int64_t> by_figures;
   for (const std::int64_t run : runs) {
     sqlite::Statement row(database_->connection, "SELECT content_sha256 FROM runs WHERE run = ?");
-    std::string content;
-    if (row.bind(run).step()) row.read(content);
+    const std::string content = row.bind(run).first<std::string>().value_or("");
     const auto same = by_content.find(content);
     const auto alike = by_figures.find(values[run]);
     if (!content.empty() && same != by_content.end()) {
@@ -115,10 +114,9 @@ std::vector<BaselineRecord> RunStore::baselines() const {
   std::vector<BaselineRecord> baselines;
   while (rows.step()) {
     BaselineRecord row;
-    std::int64_t run = 0;
-    rows.read(row.baseline, row.subject, row.reason, row.accepted_by, row.accepted_utc, run);
+    rows.read(row.baseline, row.subject, row.reason, row.accepted_by, row.accepted_utc);
     if (baselines.empty() || baselines.back().baseline != row.baseline) baselines.push_back(row);
-    baselines.back().runs.push_back(run);
+    baselines.back().runs.push_back(rows.value<std::int64_t>(5));
   }
   return baselines;
 }

@@ -65,9 +65,8 @@ FitRecord RunStore::fit(std::int64_t fit) const {
   std::string there;
   sqlite::Statement rows(database_->connection, "SELECT fit, run FROM fits ORDER BY fit");
   while (rows.step()) {
-    std::int64_t number = 0, run = 0;
-    rows.read(number, run);
-    there += fmt::format("{}{} (run {})", there.empty() ? "" : ", ", number, run);
+    there += fmt::format("{}{} (run {})", there.empty() ? "" : ", ", rows.value<std::int64_t>(0),
+                         rows.value<std::int64_t>(1));
   }
   throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND",
                    fmt::format("store {} has no fit {}; it has {}", path(), fit, there.empty() ? "none yet" : there),

@@ -49,9 +49,7 @@ std::vector<NightRecord> RunStore::nights() const {
 
 std::int64_t RunStore::run_of_uuid(const std::string& uuid) const {
   sqlite::Statement row(database_->connection, "SELECT run FROM runs WHERE uuid = ?");
-  std::int64_t run = 0;
-  if (row.bind(uuid).step()) row.read(run);
-  return run;
+  return row.bind(uuid).first<std::int64_t>().value_or(0);
 }
 
 std::int64_t RunStore::last_run_of(const std::string& subject, std::int64_t seed, std::int64_t sensor_seed,
@@ -60,9 +58,7 @@ std::int64_t RunStore::last_run_of(const std::string& subject, std::int64_t seed
                         "SELECT coalesce(max(r.run), 0) FROM runs r WHERE r.seed = ? AND r.sensor_seed = ? AND "
                         "r.run < ? AND r.void_utc = '' AND EXISTS (SELECT 1 FROM figures f WHERE f.run = r.run AND "
                         "f.subject = ?)");
-  std::int64_t run = 0;
-  if (row.bind(seed, sensor_seed, before, subject).step()) row.read(run);
-  return run;
+  return row.bind(seed, sensor_seed, before, subject).first<std::int64_t>().value_or(0);
 }
 
 std::vector<std::string> RunStore::subjects() const {
@@ -88,12 +84,7 @@ std::map<std::string, double> RunStore::figures_of(std::int64_t run, const std::
   sqlite::Statement rows(database_->connection, "SELECT name, value FROM figures WHERE run = ? AND subject = ?");
   rows.bind(run, subject);
   std::map<std::string, double> figures;
-  while (rows.step()) {
-    std::string name;
-    double value = 0.0;
-    rows.read(name, value);
-    figures[name] = value;
-  }
+  while (rows.step()) figures[rows.value<std::string>(0)] = rows.value<double>(1);
   return figures;
 }
 

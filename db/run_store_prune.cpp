@@ -22,10 +22,8 @@ std::string why_whole(sqlite::Connection& connection, const RunRecord& run) {
   if (run.is_void()) return "void";
   if (has_tag(run, kPin)) return "pinned";
   sqlite::Statement reported(connection, "SELECT number FROM reports WHERE run = ? ORDER BY report_row DESC LIMIT 1");
-  if (!reported.bind(run.run).step()) return {};
-  std::string number;
-  reported.read(number);
-  return fmt::format("in the approved report {}", number);
+  const auto number = reported.bind(run.run).first<std::string>();
+  return number ? fmt::format("in the approved report {}", *number) : std::string();
 }
 
 }  // namespace
@@ -45,8 +43,7 @@ std::string RunStore::why_not_pruned(std::int64_t number) const {
                            "WHERE f.run = ?1 AND v.run <> ?1");
   others.bind(number);
   while (others.step()) {
-    std::int64_t other = 0;
-    others.read(other);
+    const auto other = others.value<std::int64_t>();
     if (const std::string whole = why_whole(connection, database_->run(other)); !whole.empty())
       return fmt::format("run {} is {}, and a verdict rests on both", other, whole);
   }

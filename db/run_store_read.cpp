@@ -1,7 +1,6 @@
 // Reading runs back.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <sstream>
 
 #include "db/run_store_database.h"
@@ -20,15 +19,13 @@ constexpr const char* kRunColumns =
 RunRecord run_of(const sqlite::Statement& row) {
   RunRecord r;
   std::string outcome, safe_state, tags;
-  double rest_s = 0.0;
   row.read(r.run, r.uuid, r.origin, r.state, outcome, r.reason, safe_state, r.operator_name, r.purpose, r.sensor_serial,
            r.scanner_serial, r.bench_id, r.bench_toml, r.bench_sha256, r.sensor_toml, r.sensor_sha256, r.overrides_json,
            r.program_version, r.git_commit, r.git_dirty, r.build_id, r.host, r.time_zone, r.seed, r.sensor_seed,
-           r.started_utc, r.ended_utc, r.content_sha256, r.seen_utc, rest_s, tags, r.notes, r.void_reason, r.void_by,
+           r.started_utc, r.ended_utc, r.content_sha256, r.seen_utc, r.rest_s, tags, r.notes, r.void_reason, r.void_by,
            r.void_utc);
   std::istringstream words(tags);
   for (std::string tag; words >> tag;) r.tags.push_back(tag);
-  if (!std::isnan(rest_s)) r.rest_s = rest_s;
   const auto known_outcome = outcome_from(outcome);
   const auto known_state = safe_state_from(safe_state);
   if (!known_outcome || !known_state) {
@@ -101,13 +98,10 @@ std::vector<BranchRecord> RunStore::Database::branches(std::int64_t run) {
                          "from_n, to_n FROM branches WHERE run = ? ORDER BY branch");
   rows.bind(run);
   std::vector<BranchRecord> branches;
-  double from_n = 0.0, to_n = 0.0;
   while (rows.step()) {
     BranchRecord& b = branches.emplace_back();
     rows.read(b.branch, b.sequence, b.repeat, b.ordinal, b.attempt, b.is_void, b.void_reason, b.from_psi, b.to_psi,
-              from_n, to_n);
-    if (!std::isnan(from_n)) b.from_n = from_n;
-    if (!std::isnan(to_n)) b.to_n = to_n;
+              b.from_n, b.to_n);
   }
   return branches;
 }
@@ -176,9 +170,7 @@ std::int64_t RunStore::last_time_ns(std::int64_t run) const {
                         "SELECT max(coalesce((SELECT max(time_ns) FROM events WHERE run = ?), 0),"
                         " coalesce((SELECT time_ns FROM frames WHERE frame > ? AND frame < ? "
                         "ORDER BY frame DESC LIMIT 1), 0))");
-  std::int64_t time_ns = 0;
-  if (row.bind(run, frames_above(run), frames_below(run)).step()) row.read(time_ns);
-  return time_ns;
+  return row.bind(run, frames_above(run), frames_below(run)).first<std::int64_t>().value_or(0);
 }
 
 std::vector<RunRecord> RunStore::runs() const { return runs(RunFilter()); }
@@ -255,27 +247,21 @@ void RunStore::each_frame(std::int64_t run, const std::function<void(const Frame
 std::int64_t RunStore::frame_count(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection, "SELECT count(*) FROM frames WHERE frame > ? AND frame < ?");
-  std::int64_t count = 0;
-  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(count);
-  return count;
+  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value_or(0);
 }
 
 std::int64_t RunStore::flagged_frame_count(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection,
                         "SELECT count(*) FROM frames WHERE frame > ? AND frame < ? AND flags != ''");
-  std::int64_t count = 0;
-  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(count);
-  return count;
+  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value_or(0);
 }
 
 int RunStore::scans_of_first_frame(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection,
                         "SELECT scans FROM frames WHERE frame > ? AND frame < ? ORDER BY frame LIMIT 1");
-  int scans = 0;
-  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(scans);
-  return scans;
+  return row.bind(frames_above(run), frames_below(run)).first<int>().value_or(0);
 }
 
 }  // namespace tactbench::db

@@ -19,10 +19,10 @@ std::vector<TimedSequence> RunStore::timed_sequences(const std::string& bench_id
 }
 
 std::int64_t RunStore::last_position(std::int64_t run) const {
-  sqlite::Statement row(database_->connection, "SELECT max(frame) FROM frames WHERE frame > ? AND frame < ?");
-  std::int64_t last = 0;
-  if (row.bind(frames_above(run), frames_below(run)).step()) row.read(last);
-  return last == 0 ? 0 : last - frames_above(run);
+  sqlite::Statement row(database_->connection,
+                        "SELECT frame FROM frames WHERE frame > ? AND frame < ? ORDER BY frame DESC LIMIT 1");
+  const auto last = row.bind(frames_above(run), frames_below(run)).first<std::int64_t>();
+  return last ? *last - frames_above(run) : 0;
 }
 
 std::optional<FrameTime> RunStore::frame_time(std::int64_t run, std::int64_t position) const {
@@ -30,8 +30,7 @@ std::optional<FrameTime> RunStore::frame_time(std::int64_t run, std::int64_t pos
     database_->time_statement =
         std::make_unique<sqlite::Statement>(database_->connection,
                                             "SELECT b.sequence, b.\"repeat\", f.ordinal, b.void, f.time_ns "
-                                            "FROM frames f JOIN branches b ON b.branch = f.branch WHERE f.frame = ?",
-                                            true);
+                                            "FROM frames f JOIN branches b ON b.branch = f.branch WHERE f.frame = ?");
   }
   sqlite::Statement& row = *database_->time_statement;
   std::optional<FrameTime> found;

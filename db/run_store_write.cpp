@@ -43,15 +43,13 @@ RunStore::Database::OpenRun& RunStore::Database::open_run(std::int64_t run) {
   const auto known = open_runs.find(run);
   if (known != open_runs.end()) return known->second;
   require_run(run);
-  std::string outcome;
   OpenRun open;
-  {
-    sqlite::Statement row(connection, "SELECT outcome FROM runs WHERE run = ? AND state = 'ended'");
-    if (row.bind(run).step()) {
-      row.read(outcome);
-      throw conflict(fmt::format("store {}: run {} has ended ({}) and takes no more", path, run, outcome),
-                     "start a new run");
-    }
+  const auto outcome = sqlite::Statement(connection, "SELECT outcome FROM runs WHERE run = ? AND state = 'ended'")
+                           .bind(run)
+                           .first<std::string>();
+  if (outcome) {
+    throw conflict(fmt::format("store {}: run {} has ended ({}) and takes no more", path, run, *outcome),
+                   "start a new run");
   }
   sqlite::Statement last(connection,
                          "SELECT frame, chain FROM frames WHERE frame > ? AND frame < ? "
@@ -205,15 +203,14 @@ std::int64_t RunStore::begin_branch(std::int64_t run, const BranchRecord& b) {
 }
 
 void RunStore::void_branch(std::int64_t branch, const std::string& reason) {
-  std::int64_t run = 0;
-  {
-    sqlite::Statement row(database_->connection, "SELECT run FROM branches WHERE branch = ?");
-    if (!row.bind(branch).step()) {
-      throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
-                       "name a branch that begin_branch gave");
-    }
-    row.read(run);
+  const auto known = sqlite::Statement(database_->connection, "SELECT run FROM branches WHERE branch = ?")
+                         .bind(branch)
+                         .first<std::int64_t>();
+  if (!known) {
+    throw StoreError(Cause::kUsage, "TB-STORE-NOT-FOUND", fmt::format("store {} has no branch {}", path(), branch),
+                     "name a branch that begin_branch gave");
   }
+  const std::int64_t run = *known;
   database_->open_run(run);
   sqlite::Transaction transaction(database_->connection);
   database_->require_open(run);
@@ -232,7 +229,7 @@ void RunStore::append_frame(std::int64_t run, const FrameRecord& f) {
   if (!open.chain) open.chain = database.header_digest(run);
   const Digest chain = database.hasher.frame(*open.chain, branch, f);
   if (!database.frame_statement) {
-    database.frame_statement = std::make_unique<sqlite::Statement>(database.connection, kInsertFrame, true);
+    database.frame_statement = std::make_unique<sqlite::Statement>(database.connection, kInsertFrame);
   }
   const auto of = [&](auto member) { return f.wrench ? std::optional(*f.wrench.*member) : std::nullopt; };
   database.frame_statement

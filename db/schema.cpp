@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <map>
@@ -141,7 +142,7 @@ void refuse_foreign(sqlite::Connection& connection, Foreign refused) {
   if (refused == Foreign::kRefuseAll) lines.insert(lines.end(), found.added.begin(), found.added.end());
   if (lines.empty()) return;
   constexpr std::size_t kShown = 5;
-  const std::size_t more = lines.size() > kShown ? lines.size() - kShown : 0;
+  const std::size_t more = lines.size() - std::min(lines.size(), kShown);
   lines.resize(lines.size() - more);
   throw StoreError(
       "TB-STORE-FOREIGN",

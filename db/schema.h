@@ -21,10 +21,10 @@ inline constexpr const char* kDamagedRemedy =
 inline constexpr std::int64_t kFramesPerRun = 1'000'000'000;
 
 // The SQL that migrates from `version` to the next one.
-const char* migration(std::int64_t version);
-const char* frames_view_migration();     // from 6 to 7
-const char* nights_migration();          // from 7 to 8
-const char* report_reasons_migration();  // from 8 to 9
+std::string migration(std::int64_t version);
+std::string frames_view_migration();     // from 6 to 7
+std::string nights_migration();          // from 7 to 8
+std::string report_reasons_migration();  // from 8 to 9
 
 // Refuses a newer schema (TB-STORE-NEWER), a version that no program has written, and a file with more pages than its
 // header states, because a write would overwrite them (TB-STORE-OPEN).

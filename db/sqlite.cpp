@@ -14,14 +14,10 @@ namespace tactbench::db::sqlite {
 
 namespace {
 
-// Path as a URI: all but the unreserved characters in percent form.
+// Path as a URI, with each character in percent form.
 std::string immutable_uri(const std::string& path) {
   std::string uri = "file:";
-  for (const char c : path) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
-                       c == '-' || c == '_' || c == '.' || c == '~';
-    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
+  for (const char c : path) uri += fmt::format("%{:02X}", static_cast<unsigned char>(c));
   return uri + "?immutable=1";
 }
 
@@ -137,18 +133,14 @@ void Connection::execute(const std::string& sql) {
 
 std::int64_t Connection::integer(const std::string& sql) {
   Statement statement(*this, sql);
-  std::int64_t value = 0;
   if (!statement.step()) fail(SQLITE_DONE, sql);
-  statement.read(value);
-  return value;
+  return statement.value<std::int64_t>();
 }
 
 std::string Connection::text(const std::string& sql) {
   Statement statement(*this, sql);
-  std::string value;
   if (!statement.step()) fail(SQLITE_DONE, sql);
-  statement.read(value);
-  return value;
+  return statement.value<std::string>();
 }
 
 void Connection::copy_to(Connection& target) const {
@@ -164,10 +156,8 @@ std::int64_t Connection::changes() const { return sqlite3_changes64(handle_); }
 bool Connection::in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_, "main") == 1; }
 
-Statement::Statement(Connection& connection, std::string_view sql, bool kept) : connection_(connection) {
-  const unsigned flags = kept ? SQLITE_PREPARE_PERSISTENT : 0U;
-  const int code =
-      sqlite3_prepare_v3(connection.handle(), sql.data(), static_cast<int>(sql.size()), flags, &handle_, nullptr);
+Statement::Statement(Connection& connection, std::string_view sql) : connection_(connection) {
+  const int code = sqlite3_prepare_v2(connection.handle(), sql.data(), static_cast<int>(sql.size()), &handle_, nullptr);
   if (code != SQLITE_OK) connection.fail(code, std::string(sql.substr(0, 80)));
 }
 

@@ -64,7 +64,7 @@ class Connection {
 // are blobs. A double that is not a number is NULL in the file and comes back as NaN.
 class Statement {
  public:
-  Statement(Connection& connection, std::string_view sql, bool kept = false);  // kept: run many times
+  Statement(Connection& connection, std::string_view sql);
   ~Statement();
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
@@ -87,6 +87,17 @@ class Statement {
   template <class... Values>
   void read(Values&... values) const {
     read_from(0, values...);
+  }
+  template <class Value>
+  [[nodiscard]] Value value(int column = 0) const {
+    Value value{};
+    read_from(column, value);
+    return value;
+  }
+  // The first value of the first row, or none of a query without a row.
+  template <class Value>
+  [[nodiscard]] std::optional<Value> first() {
+    return step() ? std::optional(value<Value>()) : std::nullopt;
   }
   [[nodiscard]] bool is_null(int column) const;
   template <class... Values>
@@ -122,6 +133,11 @@ class Statement {
     } else {
       value = get_text(column);
     }
+  }
+  template <class T>
+  void get(int column, std::optional<T>& value) const {
+    value.reset();
+    if (!is_null(column)) get(column, value.emplace());
   }
   template <class T>
   void get(int column, std::vector<T>& value) const {

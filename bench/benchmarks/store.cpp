@@ -108,7 +108,7 @@ class BareTable {
   void append(Frames frames, bool at_once) {
     if (!insert_) {
       insert_ = std::make_unique<db::sqlite::Statement>(
-          connection_, "INSERT INTO frames VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", true);
+          connection_, "INSERT INTO frames VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     }
     std::optional<db::sqlite::Transaction> transaction;
     if (at_once) transaction.emplace(connection_);

@@ -59,7 +59,7 @@ CopyBack::CopyBack(Link& link, const std::string& path) : link_(link), path_(pat
 }
 
 void CopyBack::copy(const Table& table, const std::string& from_where, const std::string& order) {
-  sqlite::Statement insert(*store_, table.into_store, true);
+  sqlite::Statement insert(*store_, table.into_store);
   read(link_, table.columns,
        fmt::format("SELECT {} FROM {} ORDER BY {}", qualified(table.columns, "t"), from_where, order),
        [&](const Row& row) {
@@ -70,7 +70,7 @@ void CopyBack::copy(const Table& table, const std::string& from_where, const std
 
 void CopyBack::add_sensors(const std::string& list, bool exactly) {
   const Table& table = sensors_table();
-  sqlite::Statement insert(*store_, table.into_store + " ON CONFLICT (serial) DO NOTHING", true);
+  sqlite::Statement insert(*store_, table.into_store + " ON CONFLICT (serial) DO NOTHING");
   std::map<std::string, std::string> registered;
   read(link_, table.columns,
        fmt::format(
@@ -96,7 +96,7 @@ void CopyBack::add_run_rows(const std::string& list) {
   const std::string names = names_of(columns);
   std::string places;
   for (std::size_t i = 0; i < columns.size(); ++i) places += fmt::format("{}?{}", i == 0 ? "" : ", ", i + 1);
-  sqlite::Statement insert(*store_, fmt::format("INSERT INTO runs ({}) VALUES ({})", names, places), true);
+  sqlite::Statement insert(*store_, fmt::format("INSERT INTO runs ({}) VALUES ({})", names, places));
   read(link_, columns,
        fmt::format("SELECT {}, coalesce(v.tags, ''), coalesce(v.notes, ''), coalesce(v.void_reason, ''), "
                    "coalesce(v.void_by, ''), coalesce(v.void_utc, '') FROM fleet.runs t LEFT JOIN ({}) v "
@@ -147,9 +147,9 @@ void CopyBack::add_fits(const std::string& list) {
                   qualified(taxels.columns, "t"), list),
       [&](const Row& row) { fits[row[0].integer].taxels.push_back(row); });
   const std::string names = names_of(fits_table().columns);
-  sqlite::Statement insert(
-      *store_, fmt::format("INSERT INTO fits ({}, run) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)", names), true);
-  sqlite::Statement insert_taxel(*store_, taxels.into_store, true);
+  sqlite::Statement insert(*store_,
+                           fmt::format("INSERT INTO fits ({}, run) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)", names));
+  sqlite::Statement insert_taxel(*store_, taxels.into_store);
   for (const auto& [number, fit] : fits) {
     const std::int64_t run = run_of_fit[number];
     if (sha256_of(fit) != fit.sha256) changed(link_, run, fmt::format("fit {} is", number));
@@ -204,7 +204,7 @@ void CopyBack::add_remarks(const std::string& list) {
     for (const auto& [table, rows] :
          {std::pair(&verdicts_table(), &Remarks::verdicts), std::pair(&figures_table(), &Remarks::figures),
           std::pair(&reports_table(), &Remarks::reports)}) {
-      sqlite::Statement insert(*store_, table->into_store, true);
+      sqlite::Statement insert(*store_, table->into_store);
       for (Row row : revision.remarks.*rows) {
         row.front().integer = revision.run;
         std::vector<Column> bound = table->columns;
@@ -226,15 +226,10 @@ void CopyBack::add_baselines() {
   std::map<std::string, std::int64_t> run_of;
   {
     sqlite::Statement rows(*store_, "SELECT uuid, run FROM runs");
-    while (rows.step()) {
-      std::string uuid;
-      std::int64_t run = 0;
-      rows.read(uuid, run);
-      run_of[uuid] = run;
-    }
+    while (rows.step()) run_of[rows.value<std::string>(0)] = rows.value<std::int64_t>(1);
   }
-  sqlite::Statement insert(*store_, "INSERT OR IGNORE INTO baselines VALUES (?, ?, ?, ?, ?)", true);
-  sqlite::Statement member(*store_, "INSERT OR IGNORE INTO baseline_runs VALUES (?, ?)", true);
+  sqlite::Statement insert(*store_, "INSERT OR IGNORE INTO baselines VALUES (?, ?, ?, ?, ?)");
+  sqlite::Statement member(*store_, "INSERT OR IGNORE INTO baseline_runs VALUES (?, ?)");
   std::map<std::string, std::int64_t> numbers;  // in the order of acceptance, since the last one of a subject counts
   for (const TextRow& row : link_.query(
            "SELECT b.baseline, b.subject, b.reason, b.accepted_by, b.accepted_utc, r.uuid FROM fleet.baselines b "

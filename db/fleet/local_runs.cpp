@@ -41,9 +41,9 @@ std::vector<LocalRun> LocalRuns::ended_runs() {
   sqlite::Statement rows(*connection_,
                          "SELECT run, uuid, content_sha256, started_utc, tags, notes, void_utc FROM runs "
                          "WHERE outcome <> 'incomplete' AND run NOT IN (SELECT run FROM pruned) ORDER BY run");
-  sqlite::Statement seals(*connection_, "SELECT kind, count, sha256 FROM seals WHERE run = ? ORDER BY kind", true);
+  sqlite::Statement seals(*connection_, "SELECT kind, count, sha256 FROM seals WHERE run = ? ORDER BY kind");
   sqlite::Statement figures(*connection_,
-                            "SELECT subject, name, value FROM figures WHERE run = ? ORDER BY subject, name", true);
+                            "SELECT subject, name, value FROM figures WHERE run = ? ORDER BY subject, name");
   const std::vector<Column> seal_columns = {{"kind", Kind::kText}, {"count", Kind::kInteger}, {"sha256", Kind::kText}};
   const std::vector<Column> figure_columns = {{"subject", Kind::kText}, {"name", Kind::kText}, {"value", Kind::kReal}};
   const std::vector<Column> own(5, {"", Kind::kText});
@@ -72,9 +72,7 @@ std::vector<LocalRun> LocalRuns::ended_runs() {
 std::int64_t LocalRuns::frame_count(std::int64_t run) {
   sqlite::Statement row(*connection_,
                         "SELECT count(*) FROM frames WHERE frame > ?1 * 1000000000 AND frame < (?1 + 1) * 1000000000");
-  std::int64_t count = 0;
-  if (row.bind(run).step()) row.read(count);
-  return count;
+  return row.bind(run).first<std::int64_t>().value_or(0);
 }
 
 std::int64_t LocalRuns::version() { return connection_->integer("PRAGMA data_version"); }
@@ -125,11 +123,7 @@ std::map<std::string, std::string> PushedNote::fingerprints() {
   if (!connection_) return found;
   sqlite::Statement rows(*connection_, "SELECT uuid, fingerprint FROM pushed WHERE fleet = ?");
   rows.bind(fleet_);
-  while (rows.step()) {
-    std::string uuid, fingerprint;
-    rows.read(uuid, fingerprint);
-    found[uuid] = fingerprint;
-  }
+  while (rows.step()) found[rows.value<std::string>(0)] = rows.value<std::string>(1);
   return found;
 }
 

@@ -27,10 +27,19 @@ void Link::State::wait(bool also_write, Time::time_point deadline) const {
 }
 
 void Link::State::flush() const {
-  for (int left = 0; (left = libpq().PQflush(handle)) != 0;) {
+  while (const int left = libpq().PQflush(handle)) {
     if (left < 0) fail_link();
     wait(true, Time::now() + silence);
     if (libpq().PQconsumeInput(handle) == 0) fail_link();
+  }
+}
+
+void Link::State::until_taken(const std::function<int()>& give) const {
+  for (;;) {
+    const int taken = give();
+    if (taken < 0) fail_link();
+    if (taken > 0) return;
+    flush();
   }
 }
 
@@ -106,10 +115,8 @@ void Link::copy_in(const std::string& sql, const std::function<bool(std::string&
       buffer.clear();
       going = more(buffer);
       if (buffer.empty()) continue;
-      int put = 0;
-      while ((put = libpq().PQputCopyData(state_->handle, buffer.data(), static_cast<int>(buffer.size()))) == 0)
-        state_->flush();
-      if (put < 0) state_->fail_link();
+      state_->until_taken(
+          [&] { return libpq().PQputCopyData(state_->handle, buffer.data(), static_cast<int>(buffer.size())); });
     }
   } catch (const FleetError&) {
     throw;
@@ -119,9 +126,7 @@ void Link::copy_in(const std::string& sql, const std::function<bool(std::string&
     }
     throw;
   }
-  int ended = 0;
-  while ((ended = libpq().PQputCopyEnd(state_->handle, nullptr)) == 0) state_->flush();
-  if (ended < 0) state_->fail_link();
+  state_->until_taken([&] { return libpq().PQputCopyEnd(state_->handle, nullptr); });
   (void)state_->finish(PGRES_COMMAND_OK);
 }
 

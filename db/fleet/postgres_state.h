@@ -61,8 +61,9 @@ struct Link::State {
 
   void wait(bool also_write, Time::time_point deadline) const;  // until the socket can be read, or also written
   void flush() const;
-  void send(const std::string& sql) const;       // statements without parameters
-  [[nodiscard]] Result next() const;             // of the statement under way; none: it is over
+  void until_taken(const std::function<int()>& give) const;  // part of a copy, which libpq takes now (1) or later (0)
+  void send(const std::string& sql) const;                   // statements without parameters
+  [[nodiscard]] Result next() const;                         // of the statement under way; none: it is over
   Result finish(ExecStatusType expected) const;  // its last result; an error of any is thrown after all were read
   [[noreturn]] void fail_link() const;
   [[noreturn]] void fail_text(const std::string& why) const;

@@ -83,10 +83,11 @@ Remarks remarks_in(sqlite::Connection& store, std::int64_t run,
     const auto [name, added] = fit_names.try_emplace(number);
     if (added) {
       sqlite::Statement row(store, "SELECT r.uuid, r.run FROM fits f JOIN runs r ON r.run = f.run WHERE f.fit = ?");
-      std::int64_t models_of = 0;
-      if (row.bind(number).step()) row.read(name->second.first, models_of);
-      for (const Fit& fit : fits_in(store, models_of)) {
-        if (fit.number == number) name->second.second = fit.sha256;
+      if (row.bind(number).step()) {
+        row.read(name->second.first);
+        for (const Fit& fit : fits_in(store, row.value<std::int64_t>(1))) {
+          if (fit.number == number) name->second.second = fit.sha256;
+        }
       }
     }
     uuid.bytes = name->second.first;

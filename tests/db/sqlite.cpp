@@ -34,7 +34,7 @@ std::string message_of(const std::string& id, const std::function<void()>& actio
 TEST_CASE("a statement that failed or finished keeps no value bound before") {
   Connection connection(":memory:", Access::kReadWrite);
   connection.execute("CREATE TABLE t (a INTEGER UNIQUE, b REAL, c TEXT, d BLOB)");
-  Statement insert(connection, "INSERT INTO t VALUES (?, ?, ?, ?)", true);
+  Statement insert(connection, "INSERT INTO t VALUES (?, ?, ?, ?)");
   using Text = std::optional<std::string>;
   using Blob = std::optional<std::vector<double>>;
   const Text text = "word";

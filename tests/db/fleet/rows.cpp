@@ -12,7 +12,16 @@
 #include "db/fleet/local_runs.h"
 
 using namespace tactbench;
-using namespace tactbench::db::fleet;
+using db::fleet::add_copy_header;
+using db::fleet::add_copy_row;
+using db::fleet::add_copy_trailer;
+using db::fleet::add_to_digest;
+using db::fleet::Column;
+using db::fleet::CopyReader;
+using db::fleet::FleetError;
+using db::fleet::Kind;
+using db::fleet::month_of;
+using db::fleet::Row;
 
 namespace {
 

@@ -1,0 +1,141 @@
+// Nights, baselines that were taken over, and what finds runs and figures for a merge: each by answers worked out by
+// hand.
+#include <catch2/catch.hpp>
+
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using Words = std::vector<std::string>;
+using Figures = std::map<std::string, double>;
+
+namespace {
+
+std::int64_t seeded(RunStore& store, std::int64_t seed, std::int64_t sensor_seed) {
+  db::RunRecord record = example_run();
+  record.seed = seed;
+  record.sensor_seed = sensor_seed;
+  return store_example(store, record);
+}
+
+}  // namespace
+
+TEST_CASE("each field of each night comes back, and each result beneath its own night") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  db::NightRecord first{
+      0, "small", "small.toml", "schema = 1\n", R"({"seeds":2})", 2, 3, "begun one", "end one", "program one", {}};
+  first.results = {{7, "g", R"({"x":1})", run}, {1, "a", "{}", 0}};
+  db::NightRecord second{0, "large",     "large.toml", "schema = 2\n", "{}", 1,
+                         1, "begun two", "end two",    "program two",  {}};
+  second.results = {{0, "z", R"({"y":2})", 0}};
+  CHECK(store.nights().empty());
+  CHECK(store.add_night(first) == 1);
+  CHECK(store.add_night(second) == 2);
+  const std::vector<db::NightRecord> nights = store.nights();
+  REQUIRE(nights.size() == 2);
+  CHECK((nights[0].night == 1 && nights[0].suite == "small" && nights[0].suite_file == "small.toml"));
+  CHECK((nights[0].suite_toml == "schema = 1\n" && nights[0].selection_json == R"({"seeds":2})"));
+  CHECK((nights[0].shard == 2 && nights[0].shards == 3 && nights[0].program == "program one"));
+  CHECK((nights[0].begun_utc == "begun one" && nights[0].ended_utc == "end one"));
+  REQUIRE(nights[0].results.size() == 2);  // in the order of their positions
+  CHECK((nights[0].results[0].position == 1 && nights[0].results[0].label == "a"));
+  CHECK((nights[0].results[0].first_run == 0 && nights[0].results[0].json == "{}"));
+  CHECK((nights[0].results[1].position == 7 && nights[0].results[1].label == "g"));
+  CHECK((nights[0].results[1].first_run == run && nights[0].results[1].json == R"({"x":1})"));
+  CHECK((nights[1].night == 2 && nights[1].suite == "large" && nights[1].suite_file == "large.toml"));
+  CHECK((nights[1].shard == 1 && nights[1].shards == 1 && nights[1].ended_utc == "end two"));
+  REQUIRE(nights[1].results.size() == 1);
+  CHECK((nights[1].results[0].label == "z" && nights[1].results[0].json == R"({"y":2})"));
+}
+
+TEST_CASE("a night that is refused half way leaves nothing") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::NightRecord night{0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}};
+  night.results = {{0, "a", "{}", 0}, {0, "a again", "{}", 0}};
+  CHECK(store_error([&] { store.add_night(night); }) == "TB-STORE-CONFLICT");
+  CHECK(store.nights().empty());
+  night.results.pop_back();
+  CHECK(store.add_night(night) == 1);
+}
+
+TEST_CASE("a run is found by its UUID, and one that is not there is none") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  CHECK(store.run_of_uuid("") == 0);
+  const std::int64_t first = store_example(store), second = store_example(store);
+  CHECK(store.run_of_uuid(store.run(first).uuid) == first);
+  CHECK(store.run_of_uuid(store.run(second).uuid) == second);
+  CHECK(store.run_of_uuid(store.run(first).uuid + "0") == 0);
+}
+
+TEST_CASE("the last run of a subject has both its seeds and its figures, lies before, and is not void") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 1, 2), third = seeded(store, 1, 3),
+                     fourth = seeded(store, 2, 2);
+  CHECK(store.last_run_of("a", 1, 2, 99) == 0);
+  for (const std::int64_t run : {first, second, third, fourth}) store.replace_figures(run, "a", {{"x", 1.0}});
+  store.replace_figures(first, "b", {{"x", 1.0}});
+  CHECK(store.last_run_of("a", 1, 2, 99) == second);
+  CHECK(store.last_run_of("a", 1, 2, second + 1) == second);
+  CHECK(store.last_run_of("a", 1, 2, second) == first);
+  CHECK(store.last_run_of("a", 1, 2, first) == 0);
+  CHECK(store.last_run_of("a", 1, 3, 99) == third);
+  CHECK(store.last_run_of("a", 2, 2, 99) == fourth);
+  CHECK(store.last_run_of("a", 2, 3, 99) == 0);
+  CHECK(store.last_run_of("b", 1, 2, 99) == first);
+  store.void_run(second, "gauge closed", "K. Lee", kUtc);
+  CHECK(store.last_run_of("a", 1, 2, 99) == first);
+}
+
+TEST_CASE("subjects are named once and in order, those of a run by themselves, and figures by run and subject") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
+  CHECK(store.subjects().empty());
+  CHECK(store.subjects_of(first).empty());
+  store.replace_figures(first, "b", {{"x_psi", 0.5}, {"y", 2.0}});
+  store.replace_figures(first, "a", {{"x_psi", 1.5}});
+  store.replace_figures(second, "c", {{"x_psi", 2.5}});
+  store.replace_figures(second, "a", {{"x_psi", 3.5}});
+  CHECK(store.subjects() == Words{"a", "b", "c"});
+  CHECK(store.subjects_of(first) == Words{"a", "b"});
+  CHECK(store.subjects_of(second) == Words{"a", "c"});
+  CHECK(store.subjects_of(99).empty());
+  CHECK(store.figures_of(first, "b") == Figures{{"x_psi", 0.5}, {"y", 2.0}});
+  CHECK(store.figures_of(first, "a") == Figures{{"x_psi", 1.5}});
+  CHECK(store.figures_of(second, "a") == Figures{{"x_psi", 3.5}});
+  CHECK(store.figures_of(second, "b").empty());
+  CHECK(store.figures_of(99, "a").empty());
+}
+
+TEST_CASE("a baseline that is taken over comes back as it was, and the last of a subject is the one accepted last") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = seeded(store, 1, 2), second = seeded(store, 3, 4);
+  CHECK_FALSE(store.last_baseline("rig"));
+  CHECK(store.take_baseline({0, "rig", "new film", "K. Lee", "2026-02-02", {second, first}}) == 1);
+  CHECK(store.take_baseline({0, "rig", "as made", "M. Ito", "2026-01-01", {first}}) == 2);
+  CHECK(store.take_baseline({0, "sensor", "other", "M. Ito", "2026-03-03", {second}}) == 3);
+  const auto last = store.last_baseline("rig");
+  REQUIRE(last);
+  CHECK((last->baseline == 1 && last->subject == "rig" && last->reason == "new film"));
+  CHECK((last->accepted_by == "K. Lee" && last->accepted_utc == "2026-02-02"));
+  CHECK(last->runs == std::vector<std::int64_t>{first, second});
+  REQUIRE(store.last_baseline("sensor"));
+  CHECK(store.last_baseline("sensor")->runs == std::vector<std::int64_t>{second});
+  CHECK_FALSE(store.last_baseline("none"));
+  // Of two that were accepted at one time the later one counts.
+  CHECK(store.take_baseline({0, "rig", "once more", "K. Lee", "2026-02-02", {second}}) == 4);
+  CHECK(store.last_baseline("rig")->baseline == 4);
+  CHECK(store.baselines().size() == 4);
+  CHECK(store_error([&] {
+          store.take_baseline({0, "rig", "why", "K. Lee", "2026-04-04", {99}});
+        }) == "TB-STORE-CONFLICT");
+  CHECK(store.baselines().size() == 4);
+}

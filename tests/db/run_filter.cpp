@@ -1,0 +1,150 @@
+// Which runs and checks a question finds, condition by condition.
+#include <catch2/catch.hpp>
+
+#include "db/sqlite.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+using Numbers = std::vector<std::int64_t>;
+
+namespace {
+
+Numbers numbers_of(const std::vector<db::RunRecord>& runs) {
+  Numbers numbers;
+  for (const db::RunRecord& run : runs) numbers.push_back(run.run);
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("runs are found by their sensor, their start and their content, and by all of these at once") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::SensorRecord other = example_sensor();
+  other.serial = "S-2";
+  store.add_sensor(other);
+  for (const auto& [serial, start] :
+       {std::pair("S-1", "2026-01-01T00:00:00Z"), std::pair("S-2", "2026-01-02T00:00:00Z"),
+        std::pair("S-1", "2026-01-03T00:00:00Z")}) {
+    db::RunRecord record = example_run();
+    record.sensor_serial = serial;
+    record.started_utc = start;
+    store_example(store, record);
+  }
+  const std::string content = store.run(1).content_sha256;  // 1 and 3 have the same: their start does not count
+  REQUIRE(store.run(3).content_sha256 == content);
+  const auto found = [&](const std::string& serial, const std::string& since, const std::string& sha256) {
+    db::RunFilter filter;
+    filter.sensor_serial = serial;
+    filter.since_utc = since;
+    filter.content_sha256 = sha256;
+    return numbers_of(store.runs(filter));
+  };
+  CHECK(numbers_of(store.runs()) == Numbers{1, 2, 3});
+  CHECK(found("", "", "") == Numbers{1, 2, 3});
+  CHECK(found("S-1", "", "") == Numbers{1, 3});
+  CHECK(found("S-2", "", "") == Numbers{2});
+  CHECK(found("S-3", "", "").empty());
+  CHECK(found("", "2026-01-02T00:00:00Z", "") == Numbers{2, 3});
+  CHECK(found("", "2026-01-02T00:00:01Z", "") == Numbers{3});
+  CHECK(found("", "", content) == Numbers{1, 3});
+  CHECK(found("S-1", "2026-01-02T00:00:00Z", "") == Numbers{3});
+  CHECK(found("S-2", "", content).empty());
+  CHECK(found("", "2026-01-02T00:00:00Z", content) == Numbers{3});
+  CHECK(found("S-1", "2026-01-01T00:00:00Z", content) == Numbers{1, 3});
+  CHECK(found("S-1", "2026-01-03T00:00:00Z", content) == Numbers{3});
+}
+
+TEST_CASE("the last check is that of one sensor, kind and verdict, of a run before") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::SensorRecord other = example_sensor();
+  other.serial = "S-2";
+  store.add_sensor(other);
+  const std::int64_t first = begin_example(store).run, second = begin_example(store).run;
+  db::RunRecord elsewhere = example_run();
+  elsewhere.sensor_serial = "S-2";
+  const std::int64_t third = begin_example(store, elsewhere).run;
+  store.append_check(first, {first, 1, "seating", "pass", R"({"a":1})", {0.5}});
+  store.append_check(first, {first, 2, "seating", "pass", R"({"a":2})", {1.5, 2.5}});
+  store.append_check(second, {second, 3, "seating", "fail", "{}", {}});
+  store.append_check(second, {second, 4, "tare", "pass", "{}", {}});
+  store.append_check(third, {third, 5, "seating", "pass", "{}", {}});
+  const auto time = [&](const std::string& serial, const std::string& kind, const std::string& verdict,
+                        std::int64_t before) {
+    const auto check = store.last_check(serial, kind, verdict, before);
+    return check ? check->time_ns : 0;
+  };
+  CHECK(time("S-1", "seating", "pass", 99) == 2);
+  CHECK(time("S-1", "seating", "pass", second) == 2);
+  CHECK(time("S-1", "seating", "pass", first) == 0);
+  CHECK(time("S-1", "seating", "fail", 99) == 3);
+  CHECK(time("S-1", "seating", "fail", second) == 0);
+  CHECK(time("S-1", "tare", "pass", 99) == 4);
+  CHECK(time("S-1", "tare", "fail", 99) == 0);
+  CHECK(time("S-2", "seating", "pass", 99) == 5);
+  const auto check = store.last_check("S-1", "seating", "pass", 99);
+  REQUIRE(check);
+  CHECK((check->run == first && check->kind == "seating" && check->verdict == "pass"));
+  CHECK((check->detail_json == R"({"a":2})" && check->data == std::vector<double>{1.5, 2.5}));
+}
+
+TEST_CASE("of several fits the last one of a run, or of its model, is found, and a missing one is named beside them") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t first = store_example(store), second = store_example(store);
+  CHECK_FALSE(store.latest_fit(first));
+  const auto add = [&](std::int64_t run, const std::string& model) {
+    return store.add_fit({0, run, model, "{}", "{}", "0.1.0", kUtc, "{}"}, {});
+  };
+  CHECK((add(first, "elam") == 1 && add(second, "elam") == 2 && add(first, "gpi") == 3));
+  REQUIRE(store.latest_fit(first));
+  CHECK((store.latest_fit(first)->fit == 3 && store.latest_fit(first)->model == "gpi"));
+  CHECK(store.latest_fit(first, "elam")->fit == 1);
+  CHECK(store.latest_fit(second)->fit == 2);
+  CHECK_FALSE(store.latest_fit(second, "gpi"));
+  std::string message;
+  CHECK(store_error([&] { (void)store.fit(9); }, &message) == "TB-STORE-NOT-FOUND");
+  CHECK_THAT(message, Catch::Contains("has no fit 9; it has 1 (run 1), 2 (run 2), 3 (run 1) | make one"));
+}
+
+TEST_CASE("figures of runs that nobody has are refused, and questions without a run have their own zero") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t empty = begin_example(store).run;
+  CHECK((store.frame_count(empty) == 0 && store.flagged_frame_count(empty) == 0));
+  CHECK(store.scans_of_first_frame(empty) == 0);
+  CHECK(store.last_time_ns(empty) == 0);
+  CHECK(store_error([&] { (void)store.flagged_frame_count(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.scans_of_first_frame(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.why_not_pruned(99); }) == "TB-STORE-NOT-FOUND");
+  CHECK(store_error([&] { (void)store.prune_frames(99, "a rule", kUtc); }) == "TB-STORE-NOT-FOUND");
+}
+
+TEST_CASE("flagged frames are counted in their own run, and the first frame is that of the run") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const auto with_scans = [&](const Begun& begun, int scans, const std::string& flags) {
+    db::FrameRecord frame = example_frame(begun.branch, scans);
+    frame.scans = scans;
+    frame.counts.resize(static_cast<std::size_t>(6 * scans));
+    frame.flags = flags;
+    store.append_frame(begun.run, frame);
+  };
+  const Begun first = begin_example(store), second = begin_example(store), third = begin_example(store);
+  for (const auto& [begun, scans] : {std::pair(first, 2), std::pair(second, 3), std::pair(third, 4)}) {
+    with_scans(begun, scans, "dwell");
+    with_scans(begun, scans + 10, "");
+    with_scans(begun, scans + 20, "left-band");
+  }
+  CHECK(store.flagged_frame_count(second.run) == 2);
+  CHECK(store.frame_count(second.run) == 3);
+  CHECK(store.scans_of_first_frame(first.run) == 2);
+  CHECK(store.scans_of_first_frame(second.run) == 3);
+  CHECK(store.last_time_ns(second.run) == example_frame(1, 23).time_ns);
+}

@@ -1,0 +1,194 @@
+// Rows of a run at the edges that neighbours and changes from outside make: branches in turn, keys of tags, frames of
+// no branch, frames that came back.
+#include <catch2/catch.hpp>
+
+#include "db/hash_chain.h"
+#include "db/sqlite.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using Catch::Contains;
+using db::RunStore;
+using db::sqlite::Access;
+using db::sqlite::Connection;
+using Words = std::vector<std::string>;
+
+TEST_CASE("frames of two branches and of two runs in turn each have the place of their own branch") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const Begun one = begin_example(store), other = begin_example(store);
+  db::BranchRecord next = example_branch();
+  next.ordinal = 1;
+  const std::int64_t second = store.begin_branch(one.run, next);
+  for (int i = 0; i < 3; ++i) {
+    store.append_frame(one.run, example_frame(one.branch, i));
+    store.append_frame(one.run, example_frame(second, i));
+    store.append_frame(other.run, example_frame(other.branch, i));
+  }
+  std::string message;
+  CHECK(store_error([&] { store.append_frame(one.run, example_frame(other.branch, 4)); }, &message) ==
+        "TB-STORE-CONFLICT");
+  CHECK_THAT(message, Contains("run 1 has no branch 2") && Contains("begin the branch first"));
+  store.append_frame(other.run, example_frame(other.branch, 3));
+  CHECK(store_error([&] { store.append_frame(one.run, example_frame(other.branch, 4)); }) == "TB-STORE-CONFLICT");
+  for (const std::int64_t run : {one.run, other.run}) {
+    store.end_run(run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+    CHECK(store.check_content(run).holds());
+    CHECK(store.content_hash(run) == store.run(run).content_sha256);
+  }
+  CHECK((store.frame_count(one.run) == 6 && store.frame_count(other.run) == 4));
+}
+
+TEST_CASE("a key of a tag is the whole word before its sign, and has one value") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  store.set_tags(run, {"lot=A", "lots=B", "lo=C", "lot", "a=b"}, {});
+  store.set_tags(run, {"lot=D"}, {});
+  CHECK(store.run(run).tags == Words{"a=b", "lo=C", "lot", "lot=D", "lots=B"});
+  store.set_tags(run, {"lot"}, {"a=c"});
+  CHECK(store.run(run).tags == Words{"a=b", "lo=C", "lot", "lot=D", "lots=B"});
+  std::string message;
+  CHECK(store_error([&] { store.set_tags(run, {"a=b=c"}, {}); }, &message) == "TB-STORE-TAG");
+  CHECK_THAT(message, Contains("'a=b=c' is not a valid tag") && Contains("up to 64"));
+}
+
+TEST_CASE(
+    "a frame of no branch of its run is told by its place and still enters the hash, wherever its branch would lie") {
+  for (const char* branch : {"-1", "2", "77"}) {
+    CAPTURE(branch);
+    const TemporaryFolder folder;
+    RunStore store = RunStore::open(folder.path("runs.db"));
+    const Begun begun = begin_example(store), other = begin_example(store);  // branches 1 and 2
+    db::BranchRecord next = example_branch();
+    next.attempt = 1;
+    const std::int64_t third = store.begin_branch(begun.run, next);
+    REQUIRE((begun.branch == 1 && other.branch == 2 && third == 3));
+    store.append_frame(begun.run, example_frame(begun.branch, 0));
+    store.append_frame(begun.run, example_frame(third, 1));
+    store.append_frame(begun.run, example_frame(third, 2));
+    store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+    const std::string before = store.content_hash(begun.run);
+    Connection(store.path(), Access::kReadWrite)
+        .execute("PRAGMA foreign_keys = OFF; UPDATE frames SET branch = " + std::string(branch) +
+                 " WHERE frame % 10 = 2");
+    const db::ContentCheck check = store.check_content(begun.run);
+    CHECK_THAT(check.difference, Contains("frame 2 (of no branch of this run): its row"));
+    CHECK(check.computed_sha256 == store.content_hash(begun.run));
+    CHECK(check.computed_sha256 != before);
+    // As if it were of a branch 0 of sequence 0, which nothing else says of it.
+    db::HashChain chain;
+    db::Digest link = chain.header(store.run(begun.run));
+    const auto branches = store.branches(begun.run);
+    link = chain.frame(link, branches[0], example_frame(1, 0));
+    link = chain.frame(link, {}, example_frame(0, 1));
+    link = chain.frame(link, branches[1], example_frame(3, 2));
+    db::RunEnd end;
+    end.branches = branches;
+    end.outcome = db::Outcome::kCompleted;
+    end.safe = db::SafeState::kVerified;
+    CHECK(db::hex(chain.close(link, 3, end)) == check.computed_sha256);
+  }
+}
+
+TEST_CASE("frames that came back after all were removed are told, with the day of the removal") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  store_example(store);
+  store_example(store);
+  store.set_tags(2, {"nightly"}, {});
+  store.prune_frames(2, "a rule", "2026-07-08T00:00:00Z");
+  CHECK(store.check_content(2).holds());
+  Connection raw(store.path(), Access::kReadWrite);
+  raw.execute(
+      "CREATE TEMP TABLE kept AS SELECT * FROM frames WHERE frame = 1000000001; UPDATE kept SET frame = 2000000001, "
+      "branch = 3; INSERT INTO frames SELECT * FROM kept");
+  CHECK(store.check_content(2).difference == "1 frames are there, and all were removed on 2026-07-08T00:00:00Z");
+  std::string message;
+  CHECK(store_error([&] { (void)store.frames(2); }, &message) == "TB-STORE-PRUNED");
+  CHECK_THAT(message, Contains("the frames of run 2 were removed on 2026-07-08T00:00:00Z, by the rule a rule"));
+}
+
+TEST_CASE("texts are compared with their own hashes only where there are such") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  db::RunRecord record = example_run();
+  record.bench_sha256 = std::string(63, 'a');  // no SHA-256
+  record.sensor_sha256 = std::string(65, 'a');
+  const std::int64_t run = store_example(store, record);
+  Connection(store.path(), Access::kReadWrite).execute("UPDATE runs SET bench_toml = 'x', sensor_toml = 'y'");
+  CHECK_THAT(store.check_content(run).difference, Contains("the run's row, a sequence, a device, or frame 1 "));
+}
+
+TEST_CASE("runs copied in any order keep their verdicts beside the fits of each") {
+  const TemporaryFolder folder;
+  RunStore source = RunStore::open(folder.path("a.db")), target = RunStore::open(folder.path("b.db"));
+  for (int i = 0; i < 3; ++i) store_example(source);
+  const auto fit_of = [&](std::int64_t run, const std::string& model) {
+    db::FitTaxelRecord taxel;
+    taxel.status = "fitted";
+    taxel.noise_v = static_cast<double>(run);
+    return source.add_fit({0, run, model, "{}", "{}", "0.1.0", kUtc, "{}"}, {taxel});
+  };
+  const std::int64_t of_two = fit_of(2, "two"), of_three = fit_of(3, "three"), again = fit_of(3, "again");
+  const auto verdict = [](const std::string& criterion) {
+    db::VerdictRecord record;
+    record.criterion = criterion;
+    record.verdict = "pass";
+    record.limits_sha256 = criterion;
+    return record;
+  };
+  source.replace_verdicts(1, of_two, {verdict("by two")});
+  source.replace_verdicts(1, of_three, {verdict("by three")});
+  source.replace_verdicts(1, again, {verdict("by again")});
+  store_example(target);
+  (void)target.add_fit({0, 1, "own", "{}", "{}", "0.1.0", kUtc, "{}"}, {});
+  CHECK(target.copy_runs_from(source, {3, 1}) == std::vector<std::int64_t>{2, 3});
+  CHECK(target.copy_runs_from(source, {2}) == std::vector<std::int64_t>{4});
+  const std::vector<db::VerdictRecord> verdicts = target.verdicts(3);
+  REQUIRE(verdicts.size() == 3);
+  CHECK((verdicts[0].criterion == "by two" && verdicts[0].fit == 0));  // the run of its fit came later
+  CHECK((verdicts[1].criterion == "by three" && target.fit(verdicts[1].fit).model == "three"));
+  CHECK((verdicts[2].criterion == "by again" && target.fit(verdicts[2].fit).model == "again"));
+  CHECK(verdicts[1].model_run == 2);
+  REQUIRE(target.fits(4).size() == 1);
+  CHECK(target.fit_taxels(target.fits(4)[0].fit).at(0).noise_v == 2.0);
+  for (const std::int64_t run : {2, 3, 4}) {
+    CHECK(target.check_content(run).holds());
+    CHECK(target.check_seals(run).empty());
+  }
+  CHECK(target.check_structure().empty());
+  std::string message;
+  CHECK(store_error([&] { (void)target.copy_runs_from(source, {1}); }, &message) == "TB-STORE-EXISTS");
+  CHECK_THAT(message, Contains("run 1 is in " + folder.path("b.db") + " already, as run 3 | leave it out"));
+}
+
+TEST_CASE("nights, too, are missed when they were deleted, and interrupted runs are counted") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  CHECK(store.mark_interrupted(kUtc) == 0);
+  (void)store.add_night({0, "small", "f", "t", "{}", 1, 1, kUtc, kUtc, "p", {}});
+  CHECK(store.check_structure().empty());
+  Connection(store.path(), Access::kReadWrite).execute("DELETE FROM nights");
+  CHECK(store.check_structure() == Words{"nights: 1 were stored, 0 are there, and none is ever deleted"});
+  const Begun first = begin_example(store), second = begin_example(store);
+  store.append_event(first.run, {41, "note", "", ""});
+  store.append_frame(second.run, example_frame(second.branch, 3));
+  store.set_state(second.run, "running", {5, "state", "", "prepared -> running"});
+  CHECK(store.mark_interrupted("2026-07-08T00:00:00Z") == 2);
+  CHECK(store.mark_interrupted(kUtc) == 0);
+  const auto last = [&](std::int64_t run) { return store.events(run).back(); };
+  CHECK((last(first.run).time_ns == 41 && last(second.run).time_ns == example_frame(1, 3).time_ns));
+  CHECK((last(first.run).kind == "state" && last(first.run).id == "TB-RUN-INTERRUPTED"));
+  CHECK_THAT(last(first.run).detail, Catch::StartsWith("prepared -> ended: "));
+  CHECK_THAT(last(second.run).detail, Catch::StartsWith("running -> ended: "));
+  for (const Begun& begun : {first, second}) {
+    const db::RunRecord record = store.run(begun.run);
+    CHECK((record.outcome == db::Outcome::kInterrupted && record.safe_state == db::SafeState::kUnknown));
+    CHECK((record.state == "ended" && record.ended_utc == "2026-07-08T00:00:00Z"));
+    CHECK_THAT(record.reason, Catch::StartsWith("TB-RUN-INTERRUPTED: "));
+    CHECK(store.check_content(begun.run).holds());
+  }
+}
