@@ -19,9 +19,8 @@ constexpr const char* kColumns =
 SeenFrame frame_of(const sqlite::Statement& row, std::int64_t above, const std::string& path) {
   SeenFrame seen;
   FrameRecord shape;
-  bool pressed = false;
   row.read(seen.position, seen.time_ns, seen.setpoint_psi, seen.feedback_psi, seen.reference_psi, shape.rows,
-           shape.columns, shape.scans, shape.counts, seen.flags, seen.is_void, pressed);
+           shape.columns, shape.scans, shape.counts, seen.flags, seen.is_void);
   if (!fits_its_shape(shape)) {
     throw StoreError("TB-STORE-SQL",
                      fmt::format("store {}: frame {} does not hold scans x rows x columns counts", path, seen.position),
@@ -32,7 +31,7 @@ SeenFrame frame_of(const sqlite::Statement& row, std::int64_t above, const std::
   seen.columns = shape.columns;
   seen.scans = shape.scans;
   seen.counts = std::move(shape.counts);
-  if (pressed) {
+  if (row.value<bool>(11)) {
     WrenchRecord& wrench = seen.wrench.emplace();
     row.read_from(12, wrench.target_n, wrench.force_start_n, wrench.wrench, wrench.place_mm);
   }
