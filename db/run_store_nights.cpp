@@ -58,7 +58,7 @@ std::int64_t RunStore::last_run_of(const std::string& subject, std::int64_t seed
                         "SELECT coalesce(max(r.run), 0) FROM runs r WHERE r.seed = ? AND r.sensor_seed = ? AND "
                         "r.run < ? AND r.void_utc = '' AND EXISTS (SELECT 1 FROM figures f WHERE f.run = r.run AND "
                         "f.subject = ?)");
-  return row.bind(seed, sensor_seed, before, subject).first<std::int64_t>().value_or(0);
+  return row.bind(seed, sensor_seed, before, subject).first<std::int64_t>().value();
 }
 
 std::vector<std::string> RunStore::subjects() const {

@@ -170,7 +170,7 @@ std::int64_t RunStore::last_time_ns(std::int64_t run) const {
                         "SELECT max(coalesce((SELECT max(time_ns) FROM events WHERE run = ?), 0),"
                         " coalesce((SELECT time_ns FROM frames WHERE frame > ? AND frame < ? "
                         "ORDER BY frame DESC LIMIT 1), 0))");
-  return row.bind(run, frames_above(run), frames_below(run)).first<std::int64_t>().value_or(0);
+  return row.bind(run, frames_above(run), frames_below(run)).first<std::int64_t>().value();
 }
 
 std::vector<RunRecord> RunStore::runs() const { return runs(RunFilter()); }
@@ -247,14 +247,14 @@ void RunStore::each_frame(std::int64_t run, const std::function<void(const Frame
 std::int64_t RunStore::frame_count(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection, "SELECT count(*) FROM frames WHERE frame > ? AND frame < ?");
-  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value_or(0);
+  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value();
 }
 
 std::int64_t RunStore::flagged_frame_count(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection,
                         "SELECT count(*) FROM frames WHERE frame > ? AND frame < ? AND flags != ''");
-  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value_or(0);
+  return row.bind(frames_above(run), frames_below(run)).first<std::int64_t>().value();
 }
 
 int RunStore::scans_of_first_frame(std::int64_t run) const {

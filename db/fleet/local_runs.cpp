@@ -72,7 +72,7 @@ std::vector<LocalRun> LocalRuns::ended_runs() {
 std::int64_t LocalRuns::frame_count(std::int64_t run) {
   sqlite::Statement row(*connection_,
                         "SELECT count(*) FROM frames WHERE frame > ?1 * 1000000000 AND frame < (?1 + 1) * 1000000000");
-  return row.bind(run).first<std::int64_t>().value_or(0);
+  return row.bind(run).first<std::int64_t>().value();
 }
 
 std::int64_t LocalRuns::version() { return connection_->integer("PRAGMA data_version"); }

@@ -26,11 +26,15 @@ void Link::State::wait(bool also_write, Time::time_point deadline) const {
   }
 }
 
+void Link::State::take_input() const {
+  if (libpq().PQconsumeInput(handle) == 0) fail_link();
+}
+
 void Link::State::flush() const {
   while (const int left = libpq().PQflush(handle)) {
     if (left < 0) fail_link();
     wait(true, Time::now() + silence);
-    if (libpq().PQconsumeInput(handle) == 0) fail_link();
+    take_input();
   }
 }
 
@@ -51,7 +55,7 @@ Result Link::State::next() const {
   flush();
   while (libpq().PQisBusy(handle) != 0) {
     wait(false, Time::now() + silence);
-    if (libpq().PQconsumeInput(handle) == 0) fail_link();
+    take_input();
   }
   return Result(libpq().PQgetResult(handle));
 }
@@ -144,7 +148,7 @@ void Link::copy_out(const std::string& sql, const std::function<void(std::string
       take({piece.bytes, static_cast<std::size_t>(size)});
     } else if (size == 0) {
       state_->wait(false, Time::now() + state_->silence);
-      if (libpq().PQconsumeInput(state_->handle) == 0) state_->fail_link();
+      state_->take_input();
     } else {
       break;  // its end, or an error, which the result holds
     }

@@ -60,6 +60,7 @@ struct Link::State {
   ~State() { libpq().PQfinish(handle); }
 
   void wait(bool also_write, Time::time_point deadline) const;  // until the socket can be read, or also written
+  void take_input() const;
   void flush() const;
   void until_taken(const std::function<int()>& give) const;  // part of a copy, which libpq takes now (1) or later (0)
   void send(const std::string& sql) const;                   // statements without parameters

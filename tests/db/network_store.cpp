@@ -144,3 +144,16 @@ TEST_CASE("a file system behind FUSE is named as the mount table names it") {
   CHECK(id == "TB-STORE-NETWORK");
   CHECK_THAT(message, Catch::Contains("(" + type + ")"));
 }
+
+TEST_CASE("the number of a file system that fills 32 bits is known with a sign and without") {
+  const TemporaryFolder folder;
+  networked = folder.path();
+  for (const std::int64_t number : {std::int64_t{0xff534d42}, std::int64_t{0xff534d42} - (std::int64_t{1} << 32)}) {
+    magic_there = number;
+    std::string message;
+    CHECK(store_error([&] { RunStore::open(folder.path("runs.db")); }, &message) == "TB-STORE-NETWORK");
+    CHECK_THAT(message, Catch::Contains("(CIFS)"));
+  }
+  networked.clear();
+  magic_there = 0x6969;
+}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -168,5 +169,20 @@ struct Fleet {
     return answers;
   }
 };
+
+// The rows that a server was sent for a table, between the beginning and the end that PostgreSQL's manual asks for.
+inline std::vector<Row> sent_for(const std::vector<std::string>& heard, const Table& table) {
+  std::vector<Row> found;
+  db::fleet::CopyReader reader(table.columns, [&](const Row& row) { found.push_back(row); });
+  const auto statement =
+      std::find(heard.begin(), heard.end(), "Q" + db::fleet::copy_into(table) + std::string(1, '\0'));
+  REQUIRE(statement != heard.end());
+  std::string all;
+  for (auto one = statement + 1; one != heard.end() && one->front() == 'd'; ++one) all += one->substr(1);
+  reader.piece(all);
+  CHECK(all.ends_with("\377\377"));
+  CHECK(all.find("PGCOPY", 1) == std::string::npos);
+  return found;
+}
 
 }  // namespace tactbench::tests::postgres

@@ -127,6 +127,20 @@ TEST_CASE("fleet link: a server that goes, or says that it goes, is lost, and on
   CHECK(told_after(done("SELECT")).id == "TB-FLEET-SILENT");  // it is not over
 }
 
+TEST_CASE("fleet link: a link that was lost stays lost, whatever is asked of it") {
+  if (!built_with_libpq()) return;
+  Server server({started(), kHangsUp});
+  Link link(server.conninfo(), kSoon);
+  const auto nothing = [](std::string&) { return false; };
+  for (int round = 0; round < 2; ++round) {
+    CHECK(told([&] { (void)link.query("SELECT $1", {"a"}); }).id == "TB-FLEET-LOST");
+    CHECK(told([&] { link.execute("SELECT 1"); }).id == "TB-FLEET-LOST");
+    CHECK(told([&] { link.copy_in("COPY t FROM STDIN", nothing); }).id == "TB-FLEET-LOST");
+    CHECK(told([&] { link.copy_out("COPY t TO STDOUT", [](std::string_view) {}); }).id == "TB-FLEET-LOST");
+    CHECK(told([&] { const Transaction transaction(link); }).id == "TB-FLEET-LOST");
+  }
+}
+
 TEST_CASE("fleet link: of several statements the one that failed is told, after all were read") {
   if (!built_with_libpq()) return;
   Server server({started(), done("BEGIN") + done("SELECT") + error("42601", "the third") + ready(),

@@ -34,17 +34,6 @@ void add(std::vector<Answer>& answers, const std::vector<Answer>& more) {
   answers.insert(answers.end(), more.begin(), more.end());
 }
 
-// The rows that a server was sent for a table.
-std::vector<Row> sent_for(const std::vector<std::string>& heard, const Table& table) {
-  std::vector<Row> found;
-  db::fleet::CopyReader reader(table.columns, [&](const Row& row) { found.push_back(row); });
-  const auto statement =
-      std::find(heard.begin(), heard.end(), "Q" + db::fleet::copy_into(table) + std::string(1, '\0'));
-  REQUIRE(statement != heard.end());
-  for (auto one = statement + 1; one != heard.end() && one->front() == 'd'; ++one) reader.piece(one->substr(1));
-  return found;
-}
-
 }  // namespace
 
 TEST_CASE("fleet push: a new run is sent table by table, read back, compared and kept") {

@@ -1,9 +1,12 @@
 // What a push asks a server and what it makes of the answers, against a server by script: which runs wait, remarks that
 // came later, baselines, fits of the fleet's own.
+#include <sqlite3.h>
+
 #include <catch2/catch.hpp>
 
 #include "db/fleet/push.h"
 #include "db/fleet/remarks.h"
+#include "tests/db/fleet/fleet_example.h"
 #include "tests/db/fleet/scripted_postgres.h"
 #include "tests/db/store_example.h"
 
@@ -91,8 +94,13 @@ TEST_CASE("fleet push: of a run that is there its new fits and remarks alone are
                  rows(1, {{"an earlier one"}}), rows(1, {{"9"}}), copy('G'), ok("COPY"), ok("COMMIT")});
   {
     db::fleet::Link link(server.conninfo());
+    int read_states = 0;  // of the store, each from BEGIN to ROLLBACK
+    sqlite3_rollback_hook(
+        local.connection().handle(), [](void* count) { ++*static_cast<int*>(count); }, &read_states);
     const PushedRun pushed = Push(link, local, "host:/runs.db", folder.path()).push({own, false});
     CHECK((pushed.number == 41 && pushed.frames == 0 && pushed.fits == 2 && pushed.remarks));
+    CHECK((read_states == 1 && !local.connection().in_transaction()));
+    sqlite3_rollback_hook(local.connection().handle(), nullptr, nullptr);
   }
   const Words heard = said(server);
   REQUIRE(heard.size() == 15);
@@ -113,6 +121,12 @@ TEST_CASE("fleet push: of a run that is there its new fits and remarks alone are
   CHECK_THAT(heard[11], Contains("INSERT INTO fleet.revisions") && Contains("a note") && Contains(own.fingerprint));
   CHECK_THAT(heard[12], Contains("COPY fleet.figures"));
   CHECK(heard[14] == "COMMIT");
+  const std::vector<std::string> messages = server.heard();
+  const std::vector<db::fleet::Row> taxels = sent_for(messages, db::fleet::fit_taxels_table()),
+                                    figures = sent_for(messages, db::fleet::figures_table());
+  REQUIRE((taxels.size() == 1 && figures.size() == 1));
+  CHECK((taxels[0][0].integer == 7 && taxels[0][2].bytes == "fitted"));
+  CHECK((figures[0][0].integer == 9 && figures[0][2].bytes == "x_psi" && figures[0][3].real == 0.5));
 }
 
 TEST_CASE("fleet push: remarks that another push brought are not sent again, and nothing stays of a push that failed") {
