@@ -90,12 +90,11 @@ int Push::push_baselines() {
         "SELECT b.baseline, b.subject, b.reason, b.accepted_by, b.accepted_utc, r.uuid FROM baselines "
         "b JOIN baseline_runs m ON m.baseline = b.baseline JOIN runs r ON r.run = m.run");
     while (rows.step()) {
-      std::int64_t number = 0;
+      Baseline& baseline = baselines[rows.value<std::int64_t>()];
       std::vector<std::string> said(4);
-      std::string uuid;
-      rows.read(number, said[0], said[1], said[2], said[3], uuid);
-      baselines[number].said = said;
-      baselines[number].runs.insert(uuid);
+      rows.read_from(1, said[0], said[1], said[2], said[3]);
+      baseline.said = said;
+      baseline.runs.insert(rows.value<std::string>(5));
     }
   }
   if (baselines.empty()) return 0;

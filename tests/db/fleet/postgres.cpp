@@ -2,7 +2,11 @@
 // called.
 #include "db/fleet/postgres.h"
 
+#include <signal.h>
+#include <sys/time.h>
+
 #include <catch2/catch.hpp>
+#include <chrono>
 
 #include "tests/db/fleet/scripted_postgres.h"
 
@@ -139,6 +143,24 @@ TEST_CASE("fleet link: a link that was lost stays lost, whatever is asked of it"
     CHECK(told([&] { link.copy_out("COPY t TO STDOUT", [](std::string_view) {}); }).id == "TB-FLEET-LOST");
     CHECK(told([&] { const Transaction transaction(link); }).id == "TB-FLEET-LOST");
   }
+}
+
+TEST_CASE("fleet link: signals neither end a wait nor lengthen it") {
+  if (!built_with_libpq()) return;
+  Server server({started(), ""});
+  Link link(server.conninfo(), kSoon);
+  struct sigaction noticed {
+  }, before{};
+  noticed.sa_handler = [](int) {};  // without SA_RESTART: what waits is interrupted
+  REQUIRE(::sigaction(SIGALRM, &noticed, &before) == 0);
+  const itimerval often{{0, 20'000}, {0, 20'000}}, never{};
+  const auto begun = std::chrono::steady_clock::now();
+  ::setitimer(ITIMER_REAL, &often, nullptr);
+  const Told said = told([&] { link.execute("SELECT 1"); });
+  ::setitimer(ITIMER_REAL, &never, nullptr);
+  ::sigaction(SIGALRM, &before, nullptr);
+  CHECK(said.id == "TB-FLEET-SILENT");
+  CHECK(std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(900));
 }
 
 TEST_CASE("fleet link: of several statements the one that failed is told, after all were read") {

@@ -79,6 +79,7 @@ TEST_CASE("fleet server: words that name no server are the caller's, in libpq's 
 }
 
 TEST_CASE("fleet server: libpq's version is written as PostgreSQL writes it") {
+  CHECK(built_with_libpq() == !libpq_version().empty());
   if (!built_with_libpq()) return;
   void* const library = ::dlopen("libpq.so.5", RTLD_NOW | RTLD_LOCAL);
   REQUIRE(library != nullptr);
