@@ -78,7 +78,7 @@ void BudgetMaker::find_histories(const Dataset& dataset, int threads) {
   const std::size_t width = fit_.array().size();
   for (std::size_t level = 0; level < errors_.levels.size(); ++level)
     for (std::size_t taxel = 0; taxel < width; ++taxel)
-      histories_.corrections.push_back(errors_.levels[level].readings > 0 ? mean_error(level, taxel) : kNan);
+      histories_.corrections.push_back(mean_error(level, taxel));  // NaN without readings
   std::vector<std::string> fitted_names;
   for (const SequenceData& sequence : dataset.sequences) fitted_names.push_back(sequence.name);
   std::vector<const Dataset*> repeated, other;

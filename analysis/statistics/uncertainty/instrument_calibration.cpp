@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
@@ -24,8 +23,7 @@ std::string member_text(const DeviceJson& json, const char* name) {
 
 double member_number(const DeviceJson& json, const char* name) {
   const bool there = json.is_object() && json.contains(name) && json[name].is_number();
-  const double value = there ? json[name].get<double>() : 0.0;
-  return std::isfinite(value) ? value : 0.0;
+  return there ? json[name].get<double>() : 0.0;  // JSON has no number that is not finite
 }
 
 // The stated part of a typed text; problems go to `remarks`.

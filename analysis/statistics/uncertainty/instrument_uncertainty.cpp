@@ -16,8 +16,7 @@ using InstrumentJson = nlohmann::json;
 
 double limit_in(const InstrumentJson& json, const std::string& key) {
   if (!json.is_object() || !json.contains(key) || !json[key].is_number()) return 0.0;
-  const double value = json[key].get<double>();
-  return std::isfinite(value) && value > 0.0 ? value : 0.0;
+  return std::max(0.0, json[key].get<double>());  // JSON has no number that is not finite
 }
 
 }  // namespace

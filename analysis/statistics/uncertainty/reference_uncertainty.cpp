@@ -17,15 +17,14 @@ using ReferenceJson = nlohmann::json;
 
 double positive_number(const ReferenceJson& json, const char* key) {
   if (!json.contains(key) || !json[key].is_number()) return 0.0;
-  const double value = json[key].get<double>();
-  return std::isfinite(value) && value > 0.0 ? value : 0.0;
+  return std::max(0.0, json[key].get<double>());  // JSON has no number that is not finite
 }
 
 std::vector<double> numbers_in(const ReferenceJson& json, const char* key) {
   std::vector<double> numbers;
   if (!json.contains(key) || !json[key].is_array()) return numbers;
   for (const ReferenceJson& item : json[key]) {
-    if (!item.is_number() || !std::isfinite(item.get<double>())) return {};
+    if (!item.is_number()) return {};
     numbers.push_back(item.get<double>());
   }
   return numbers;
