@@ -40,8 +40,8 @@ typename FrameCompensator<Real>::State::LanePiece FrameCompensator<Real>::State:
   const auto from = static_cast<Real>(piece.from), to = static_cast<Real>(piece.to), above = next_above(from);
   const auto x = static_cast<Real>(piece.at), slope = static_cast<Real>(piece.slope);
   const Real residual2 = residual2_at(at, piece.along(0.5 * (piece.from + piece.to)));
-  if (at.t.rises) return {above, to, from, x, slope, Real(0), Real(0), residual2, piece};
-  return {-to, -above, -from, x, -slope, Real(0), Real(0), residual2, piece};
+  if (at.t.rises) return {above, to, from, x, slope, residual2, piece};
+  return {-to, -above, -from, x, -slope, residual2, piece};
 }
 
 // A piece's sensitivities are the larger ones of its two ends: points between are observed at least as well.

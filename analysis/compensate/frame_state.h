@@ -15,9 +15,10 @@ struct FrameCompensator<Real>::State {
 
   // A piece of a curve as a lane's rows hold it, and where it came from, in the sensor's outputs.
   struct LanePiece {
-    Real low, high, origin, at, slope, own, worst;
+    Real low, high, origin, at, slope;
     Real residual2;  // at its middle, squared
     CurvePiece piece;
+    Real own = 0, worst = 0;  // look_up's
     [[nodiscard]] bool holds(Real mean) const { return mean >= low && mean <= high; }
     [[nodiscard]] Real along(Real mean) const { return at + slope * (mean - origin); }
   };

@@ -44,7 +44,8 @@ std::vector<ElamModel> curve_models() {
   std::vector<ElamModel> models = Array(options).taxels;
   models.push_back(model_of(paper_loop(), kPrinted));
   for (const ElamParameters& p : {ElamParameters{1.0, 1.0, 0.0, 1.0, 1.0}, ElamParameters{0.0, 0.0, 0.0, 0.0, 0.0},
-                                  ElamParameters{0.5, 0.5, 0.01, 0.4, 0.5}, ElamParameters{0.3, 0.9, -0.02, 1.1, 0.2}})
+                                  ElamParameters{0.5, 0.5, 0.01, 0.4, 0.5}, ElamParameters{0.3, 0.9, -0.02, 1.1, 0.2},
+                                  ElamParameters{1.0, 0.5, 0.0, 1.0, 0.5}})
     models.push_back(model_of(paper_loop(), p));
   std::vector<ElamModel> both = models;
   for (ElamModel& model : models) model.options.exact_outer = !model.options.exact_outer;
@@ -59,6 +60,7 @@ void check_like(const TaxelPattern& p, const ComposedCurve& fast, const ElamMode
   CHECK(fast.y_turn == Approx(plain.turn_y() - y0).margin(1e-9));
   CHECK(fast.xs == Approx(plain.split_x()).margin(1e-9));
   CHECK(fast.ys == Approx(plain.split_y() - y0).margin(1e-9));
+  CurvePiece last{-1.0, 0.0, 0.0, 0.0, 0, 0};
   for (int i = -10; i <= 110; ++i) {
     const double y = p.span * (0.01 * i + 0.00137), x = input_at(p, fast, y);
     if (std::abs(x - plain.input(y + y0)) > 1e-7) FAIL_CHECK("at " << y << " V " << x << " psi");
@@ -67,7 +69,15 @@ void check_like(const TaxelPattern& p, const ComposedCurve& fast, const ElamMode
       if (!piece.holds(y)) FAIL_CHECK("at " << y << " V the piece is from " << piece.from << " to " << piece.to);
       if (std::abs(piece.along(y) - x) > 1e-7) FAIL_CHECK("at " << y << " V the piece gives " << piece.along(y));
       if (std::abs(input_at(p, fast, y, near) - x) > 1e-12) FAIL_CHECK("depends on where it began to search");
-      if (piece.index > index_above(p)) FAIL_CHECK("no such piece");
+      // Pieces within the curve are counted by rising output; below and above it they have numbers of their own.
+      const bool below = y <= (fast.ascending ? fast.y_turn : 0.0), above = y > (fast.ascending ? p.span : fast.y_turn);
+      if (below && piece.index != index_below(p)) FAIL_CHECK("at " << y << " V not the place below the curve");
+      if (above && piece.index != index_above(p)) FAIL_CHECK("at " << y << " V not the place above the curve");
+      if (below || above) continue;
+      if (piece.index >= p.x.size()) FAIL_CHECK("at " << y << " V no such piece");
+      if (last.from >= 0.0 && (piece.index < last.index || (piece.index == last.index) != (piece.from == last.from)))
+        FAIL_CHECK("at " << y << " V piece " << piece.index << " after " << last.index);
+      last = piece;
     }
     const double s = p.step, steepest = std::max(x - input_at(p, fast, y - s), input_at(p, fast, y + s) - x) / s;
     if (std::abs(sensitivity(p, fast, y, x, 0) - steepest) > 1e-6) FAIL_CHECK("sensitivity at " << y << " V");
