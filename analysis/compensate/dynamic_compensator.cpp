@@ -33,7 +33,7 @@ void DynamicTaxelCompensator::reset() {
   dynamics_ = {};
   work_unseen(setup_->dynamics, dynamics_, setup_->worked_s, setup_->x_high - setup_->x_low);
   last_x_ = last_slope_ = last_output_ = 0.0;
-  last_factor_ = creep_factor(setup_->dynamics, dynamics_, {}, 0.0, taxel_->creep_scale);
+  last_factor_ = 1.0;  // of no account until a reading has a slope
 }
 
 void DynamicTaxelCompensator::rest(double seconds) {
@@ -43,7 +43,6 @@ void DynamicTaxelCompensator::rest(double seconds) {
   advance(setup_->dynamics, gone_on, {setup_->dynamics, seconds}, 0.0);
   reset();
   dynamics_ = gone_on;
-  last_factor_ = creep_factor(setup_->dynamics, dynamics_, {}, 0.0, taxel_->creep_scale);
 }
 
 void DynamicTaxelCompensator::reset_unknown() {

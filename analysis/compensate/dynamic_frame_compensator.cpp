@@ -32,13 +32,9 @@ void DynamicFrameCompensator<Real>::State::start(std::size_t taxel, bool is_unkn
   b.mean[i] = is_unknown ? kMany : Real(0);
   b.weight[i] = b.extreme_weight[i] = 1;
   b.extreme[i] = b.turn[i] = 0;
-  Real sum = -shared.creep_all;
-  for (std::size_t j = 0; j < kCreepElements; ++j) {
-    b.psi[j][i] = static_cast<Real>(begin.psi[j]);
-    sum += static_cast<Real>(dynamics.creep_share[j] * begin.psi[j]);
-  }
+  for (std::size_t j = 0; j < kCreepElements; ++j) b.psi[j][i] = static_cast<Real>(begin.psi[j]);
   b.late[i] = b.last_x[i] = b.last_slope[i] = b.last_mean[i] = 0;
-  b.last_share[i] = Real(1) / (Real(1) + b.creep_scale[i] * sum);
+  b.last_share[i] = 1;  // of no account until a reading has a slope
   b.pressure[i] = shared.lowest;
   b.uncertainty[i] = is_unknown ? shared.span : Real(0);
   b.residual[i] = b.doubted[i] = 0;
