@@ -67,6 +67,28 @@ TEST_CASE("a curve that is already monotone is not changed") {
   CHECK(Values(once.y().begin(), once.y().end()) == Values(twice.y().begin(), twice.y().end()));
 }
 
+TEST_CASE("a curve that falls at its first or its last step alone is made to rise there") {
+  const PatternCurve first(Values{0, 10, 20, 30}, Values{1, 0.5, 2, 3}, 1, 3);
+  check_strictly_rising(first);
+  CHECK(first.y()[1] == Approx(1.0));
+  CHECK(first.y()[2] == Approx(2.0));
+  const PatternCurve last(Values{0, 10, 20, 30}, Values{1, 2, 3.5, 3}, 1, 3);
+  check_strictly_rising(last);
+  CHECK(last.y()[1] == Approx(2.0));
+  CHECK(last.y()[2] == Approx(3.0));
+}
+
+TEST_CASE("a step of half of the minimum slope is kept, of less it is raised to the whole") {
+  // Over 2 and 2: the minimum is 1e-9.
+  CHECK(PatternCurve(Values{0, 1, 2}, Values{0, 0.5 * 1e-9, 2}, 0, 2).y()[1] == 0.5 * 1e-9);
+  CHECK(PatternCurve(Values{0, 1, 2}, Values{0, 0.49 * 1e-9, 2}, 0, 2).y()[1] == Approx(1e-9));
+}
+
+TEST_CASE("knots that a minimum slope cannot keep apart are refused, at the first step and at the last") {
+  CHECK_THROWS_WITH(PatternCurve(Values{0, 1e-12, 2}, Values{1, 0.5, 3}, 1, 3), Catch::Contains("too close"));
+  CHECK_THROWS_WITH(PatternCurve(Values{0, 2 - 1e-12, 2}, Values{1, 3.5, 3}, 1, 3), Catch::Contains("too close"));
+}
+
 TEST_CASE("grids need not be uniform") {
   const Values x{0, 0.1, 0.2, 50, 59, 60}, y{0, 1, 2, 3, 4, 5};
   const PatternCurve curve(x, y, 0, 5);
