@@ -1,0 +1,60 @@
+// The fast compensator's curves at their bounds: what is saturated, and which turns are at an end of the range.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/compensate/composed_curve.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// 0 to 100 psi are 3 units of output: up by 1 at 50 psi, down by 2.5.
+TaxelPattern bent_pattern(double alpha_d) {
+  TaxelPattern p;
+  p.x = {0.0, 50.0, 100.0};
+  p.ascending = {{0.0, 1.0, 3.0}, {50.0, 25.0}};
+  p.descending = {{0.0, 2.5, 3.0}, {20.0, 100.0}};
+  p.parameters = {alpha_d, 0.5, 0.0, 0.5, 0.5};
+  p.noise_v = 1.0;
+  p.span = 3.0;
+  return p;
+}
+
+void check_reads(const TaxelPattern& p, double y, double x) {
+  const ComposedCurve fall = curve_from(p, false, 100.0, 3.0, 100.0);
+  CHECK(input_at(p, fall, y) == Approx(x));
+  CHECK(piece_at(p, fall, y, 0).along(y) == Approx(x));
+}
+
+}  // namespace
+
+TEST_CASE("fast curves: the upper piece of a fall is straight when its pattern rises by no more than is saturated") {
+  // The split lies at 25 psi and 1.5, on the pattern at 1.25: it rises by 1.75. At 2, a third of the way up, the
+  // pattern reads 1.25 + 1.75 / 3, 36.67 psi; a straight line a third of 75 psi more than 25.
+  TaxelPattern p = bent_pattern(0.25);
+  p.saturated = std::nextafter(1.75, 0.0);
+  check_reads(p, 2.0, 25.0 + 35.0 / 3.0);
+  p.saturated = 1.75;
+  check_reads(p, 2.0, 50.0);
+}
+
+TEST_CASE("fast curves: the lower piece of a fall is straight when its pattern rises by no more than is saturated") {
+  // The split lies at 75 psi and 1.5, on the pattern at 2.75. At 0.75 the pattern reads 1.375, 27.5 psi; a straight
+  // line half of 75 psi.
+  TaxelPattern p = bent_pattern(0.75);
+  p.saturated = std::nextafter(2.75, 0.0);
+  check_reads(p, 0.75, 27.5);
+  p.saturated = 2.75;
+  check_reads(p, 0.75, 37.5);
+}
+
+TEST_CASE("fast curves: a turn at exactly a hundredth of the range from its end is an external branch's") {
+  TaxelPattern p = bent_pattern(0.5);
+  p.exact_outer = true;
+  // Up from 1 psi and 0.02 the split's output is 1.51: on the pattern at 62.75 psi, by the formula at 50.5.
+  CHECK(curve_from(p, true, 1.0, 0.02, 1.0).xs == Approx(62.75));
+  CHECK(curve_from(p, true, 1.001, 0.02, 1.001).xs == Approx(1.001 + 0.5 * 98.999));
+  // Down from 99 psi and 2.99 with a split at 49.5 psi, where the pattern has 2.475 of 3; by the formula half.
+  CHECK(curve_from(p, false, 99.0, 2.99, 99.0).ys == Approx(2.475 / 3.0 * 2.99));
+  CHECK(curve_from(p, false, 98.999, 2.99, 98.999).ys == Approx(0.5 * 2.99));
+}
