@@ -178,7 +178,7 @@ TEST_CASE("UDP, packets, channels: what an end that works sends late is waited f
   const DescriptorChannel one(a);
   DescriptorChannel other(b);
   {
-    const EndAtWork end;  // it never finishes
+    const auto held_end = std::make_unique<EndAtWork>();  // it never finishes
     const auto begin = std::chrono::steady_clock::now();
     CHECK(link.receive(into, 0ns) == 0);
     CHECK(packets.read(8, 0ns).empty());
@@ -186,7 +186,8 @@ TEST_CASE("UDP, packets, channels: what an end that works sends late is waited f
     CHECK(std::chrono::steady_clock::now() - begin < 10s);
   }
   for (const Nanoseconds timeout : {Nanoseconds(1), Nanoseconds(kPatient)}) {
-    EndAtWork end;
+    const auto held_end = std::make_unique<EndAtWork>();
+    EndAtWork& end = *held_end;
     std::thread worker = end.thread([&] {
       const auto late = [] { std::this_thread::sleep_for(20ms); };
       late();

@@ -22,6 +22,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
+// On the stack its mutex may lie where another's lay before, which ThreadSanitizer then takes for one.
+std::unique_ptr<EndAtWork> on_the_heap() { return std::make_unique<EndAtWork>(); }
+
 using Real = std::chrono::steady_clock;
 
 struct WaitedLine {
@@ -74,7 +77,8 @@ TEST_CASE("wait: the time left until a moment, once it has come a millisecond mo
   CHECK(left_until(Real::now() + 1h) <= 1h);
   CHECK(left_until(Real::now()) == 0ns);
   CHECK(left_until(Real::now() - 1h) == 0ns);
-  EndAtWork end;  // at work until its first wait
+  const auto held_end = on_the_heap();  // at work until its first wait
+  EndAtWork& end = *held_end;
   CHECK(left_until(Real::now() + 1h) > 59min);
   CHECK(left_until(Real::now()) == 1ms);
   CHECK(left_until(Real::now() - 5s) == 1ms);
@@ -90,7 +94,8 @@ TEST_CASE("wait: the time left until a moment, once it has come a millisecond mo
 TEST_CASE("wait: goes on while an end works, and takes what that one sends last") {
   const WaitedLine line;
   for (const Nanoseconds timeout : {Nanoseconds(1), Nanoseconds(1ms)}) {
-    EndAtWork end;
+    const auto held_end = on_the_heap();
+    EndAtWork& end = *held_end;
     std::thread worker = end.thread([&] {
       std::this_thread::sleep_for(60ms);
       [[maybe_unused]] const ssize_t sent = ::send(line.ends[1], "x", 1, 0);
@@ -100,7 +105,8 @@ TEST_CASE("wait: goes on while an end works, and takes what that one sends last"
     std::array<char, 4> into{};
     CHECK(::recv(line.ends[0], into.data(), into.size(), 0) == 1);
   }
-  EndAtWork idle;
+  const auto held_idle = on_the_heap();
+  EndAtWork& idle = *held_idle;
   std::thread worker = idle.thread([] {});
   worker.join();
   CHECK(wait_for(line.ends[0], POLLIN, 1ms) == 0);
@@ -109,7 +115,7 @@ TEST_CASE("wait: goes on while an end works, and takes what that one sends last"
 TEST_CASE("end at work: from its making to its first wait, with something to read, and never in a child") {
   CHECK_FALSE(EndAtWork::any());
   {
-    const EndAtWork made;
+    const auto held_made = on_the_heap();
     CHECK(EndAtWork::any());
     const pid_t child = ::fork();
     if (child == 0) ::_exit(EndAtWork::any() ? 1 : 0);
@@ -120,7 +126,8 @@ TEST_CASE("end at work: from its making to its first wait, with something to rea
   CHECK_FALSE(EndAtWork::any());
   const WaitedLine line;
   {
-    EndAtWork end;
+    const auto held_end = on_the_heap();
+    EndAtWork& end = *held_end;
     std::array<pollfd, 1> watched{pollfd{line.ends[0], POLLIN, 0}};
     CHECK(end.wait(watched, 5ms) == 0);
     CHECK(EndAtWork::any());  // works again, on what its wait brought
@@ -130,7 +137,8 @@ TEST_CASE("end at work: from its making to its first wait, with something to rea
     second.reset();
     CHECK_FALSE(EndAtWork::any());
   }
-  EndAtWork end;
+  const auto held_end = on_the_heap();
+  EndAtWork& end = *held_end;
   std::array<pollfd, 1> seen{pollfd{line.ends[0], POLLIN, 0}};
   int ready = -1;
   std::thread waiter([&] {
@@ -147,7 +155,8 @@ TEST_CASE("end at work: from its making to its first wait, with something to rea
 
 TEST_CASE("end at work: a wait ends with its time, in seconds and parts of them, and keeps the error's number") {
   const WaitedLine line;
-  EndAtWork end;
+  const auto held_end = on_the_heap();
+  EndAtWork& end = *held_end;
   std::array<pollfd, 1> watched{pollfd{line.ends[0], POLLIN, 0}};
   for (const Nanoseconds longest : {Nanoseconds(0), Nanoseconds(7ms), Nanoseconds(1'020ms)}) {
     const Nanoseconds took = spent([&] { CHECK(end.wait(watched, longest) == 0); });
