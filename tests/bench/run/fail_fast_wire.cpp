@@ -1,0 +1,73 @@
+// A recipe's [limits]: a run that cannot be of use ends at the first frame of the highest level, and not later.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct Ended {
+  bench::RunResult result;
+  std::vector<double> levels;  // of its frames, psi
+};
+
+Ended run_with(const std::string& limits, const std::string& defects) {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  const std::vector<sequences::Override> defective = {{"simulation.defect", defects}};
+  bench::RunRequest request = small_request(defects.empty() ? std::vector<sequences::Override>() : defective);
+  request.overrides.clear();
+  request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
+      "schema = 1\nname = \"peaks\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 20\nrepeats = 2\n[limits]\n" +
+          limits,
+      "peaks.toml"))};
+  Ended ended{run_small(request, store), {}};
+  for (const db::FrameRecord& frame : store.frames(1)) ended.levels.push_back(frame.setpoint_psi);
+  return ended;
+}
+
+const std::string kSound;
+const std::string kTwoDead = "[{kind=\"dead\",row=0,column=0},{kind=\"dead\",row=15,column=15}]";
+
+void check_ends_at_the_peak(const Ended& ended, const std::string& why) {
+  REQUIRE(ended.result.error);
+  CHECK(ended.result.error->id() == "TB-RUN-HOPELESS");
+  CHECK(ended.result.error->code() == bench::ExitCode::kCriterionFailed);
+  CHECK_THAT(ended.result.error->what(),
+             Catch::StartsWith("at the first 60 psi the array answers with ") && Catch::Contains(why));
+  CHECK(ended.result.outcome == db::Outcome::kFailed);
+  CHECK(ended.result.safe == db::SafeState::kVerified);
+  CHECK(ended.levels == std::vector<double>{0, 20, 40, 60});
+}
+
+void check_goes_on(const Ended& ended) {
+  INFO((ended.result.error ? ended.result.error->what() : ""));
+  CHECK(ended.result.outcome == db::Outcome::kCompleted);
+  CHECK(ended.levels.size() == 14);
+}
+
+}  // namespace
+
+TEST_CASE("run: with more dead taxels than its recipe allows it ends at the first peak") {
+  check_ends_at_the_peak(run_with("most_dead_taxels = 0\n", kTwoDead), " V on average and 2 taxels not at all");
+  check_ends_at_the_peak(run_with("most_dead_taxels = 1\n", kTwoDead), " V on average and 2 taxels not at all");
+  check_goes_on(run_with("most_dead_taxels = 2\n", kTwoDead));
+  check_goes_on(run_with("most_dead_taxels = 0\n", kSound));
+  check_goes_on(run_with("most_dead_taxels = -1\n", kTwoDead));
+}
+
+TEST_CASE("run: with a weaker array than its recipe asks for it ends at the first peak") {
+  const Ended weak = run_with("least_response_v = 4.5\n", kSound);
+  check_ends_at_the_peak(weak, " V on average and 0 taxels not at all");
+  const std::string said = weak.result.error->what();
+  const std::string before = "answers with ";
+  const double response = std::stod(said.substr(said.find(before) + before.size()));
+  CHECK(response > 0.3);
+  check_goes_on(run_with(fmt::format("least_response_v = {}\n", response - 0.01), kSound));
+  check_ends_at_the_peak(run_with(fmt::format("least_response_v = {}\n", response + 0.01), kSound), "V on average");
+}
