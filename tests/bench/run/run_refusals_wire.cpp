@@ -1,0 +1,63 @@
+// What ends a run that cannot go on, or was asked for what its bench does not have.
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "tests/support/process.h"
+#include "tests/support/small_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct Refused {
+  TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  void check(const std::string& id, bench::ExitCode code, const std::string& words) {
+    const bench::RunResult result = run_small(request, store);
+    REQUIRE(result.error);
+    CHECK(result.error->id() == id);
+    CHECK(result.error->code() == code);
+    CHECK_THAT(result.error->what(), Catch::Contains(words));
+    CHECK(result.safe == db::SafeState::kVerified);
+    CHECK(result.outcome == db::Outcome::kFailed);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("run: a step that takes longer than its recipe allows ends it") {
+  Refused run;
+  run.request.recipes = {small_recipe("dwell_s = 2\n[timeout]\nstep_s = 1.5\n")};
+  run.check("TB-STEP-TIMEOUT", bench::ExitCode::kDevice, "a step took longer than 1.5 s");
+  Refused longer;
+  longer.request.recipes = {small_recipe("dwell_s = 2\n[timeout]\nstep_s = 30\n")};
+  CHECK(run_small(longer.request, longer.store).outcome == db::Outcome::kCompleted);
+}
+
+TEST_CASE("run: a file that holds no state of the film is not taken for one, and one that it wrote is") {
+  Refused run;
+  run.request.specimen_state_file = run.folder.path("film");
+  std::ofstream(run.request.specimen_state_file) << "name = \"film\"\n";
+  run.check("TB-SPECIMEN-STATE", bench::ExitCode::kUsage, "not a specimen state");
+  std::filesystem::remove(run.request.specimen_state_file);
+  CHECK(run_small(run.request, run.store).outcome == db::Outcome::kCompleted);
+  CHECK(run_small(run.request, run.store).outcome == db::Outcome::kCompleted);
+}
+
+TEST_CASE("run: a recipe that presses needs a stage and a force sensor") {
+  for (const bool without_stage : {true, false}) {
+    Refused run;
+    run.request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
+        "schema = 1\nname = \"press\"\nkind = \"press\"\nrepeats = 1\n[press]\nobject = \"ring\"\n"
+        "positions_mm = [[30, 30]]\nforces_n = [5]\n",
+        "press.toml"))};
+    run.request.assume_yes = true;
+    if (without_stage) run.request.bench.stage.reset();
+    if (!without_stage) run.request.bench.force.reset();
+    CHECK_THROWS_WITH(
+        run_small(run.request, run.store),
+        Catch::Contains(without_stage ? "needs a stage, which bench" : "needs a force sensor, which bench"));
+  }
+}
