@@ -30,7 +30,7 @@ PseudoTerminal::PseudoTerminal() {
   }
   if (!raw) {
     const int error = errno;
-    hang_up();
+    close_both();
     throw Fault("TB-SIM-LISTEN", "pseudo-terminal", fmt::format("making a pseudo-terminal: {}", std::strerror(error)),
                 "Check that /dev/pts is mounted and that the system has pseudo-terminals left.");
   }
@@ -38,6 +38,10 @@ PseudoTerminal::PseudoTerminal() {
 }
 
 void PseudoTerminal::hang_up() {
+  if (master_ >= 0) ::close(std::exchange(master_, -1));
+}
+
+void PseudoTerminal::close_both() {
   for (int* descriptor : {&slave_, &master_}) {
     if (*descriptor >= 0) ::close(std::exchange(*descriptor, -1));
   }

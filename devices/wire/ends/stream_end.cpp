@@ -43,6 +43,7 @@ StreamEnd::StreamEnd(std::string listen) : listen_(std::move(listen)) { plug_in(
 void StreamEnd::plug_in() {
   hang_up();
   if (listen_.empty()) {
+    terminal_.reset();  // first: the new one may then have the same path
     terminal_ = std::make_unique<PseudoTerminal>();
     address_ = terminal_->path();
   } else if (listen_.starts_with(kTcpForm)) {
@@ -125,7 +126,7 @@ void StreamEnd::send(std::span<const std::uint8_t> bytes) {
 }
 
 void StreamEnd::hang_up() {
-  terminal_.reset();
+  if (terminal_) terminal_->hang_up();
   if (listener_ >= 0 && listen_.starts_with(kUnixForm)) ::unlink(listen_.c_str() + std::strlen(kUnixForm));
   // Closes the listener first: a client that sees the connection break must not get a new one.
   close_all({&listener_, &client_});

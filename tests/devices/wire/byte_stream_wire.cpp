@@ -124,6 +124,9 @@ TEST_CASE("a hung-up pseudo-terminal is a loss and not silence") {
   CHECK(fault_id_of([&] { stream->write(out); }) == "TB-SERIAL-LOST");
   CHECK(fault_id_of([&] { stream->discard(); }) == "TB-SERIAL-LOST");
   CHECK(terminal.master() == -1);
+  const PseudoTerminal another;
+  CHECK(another.path() != terminal.path());  // which another program's terminal might have, and the client would open
+  CHECK(fault_id_of([&] { (void)open_stream(terminal.path()); }) == "TB-SERIAL-OPEN");
 }
 
 TEST_CASE("a writer is not blocked for ever by an end that reads nothing") {
