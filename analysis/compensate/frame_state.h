@@ -18,7 +18,7 @@ struct FrameCompensator<Real>::State {
     Real low, high, origin, at, slope;
     Real residual2;  // at its middle, squared
     CurvePiece piece;
-    Real own = 0, worst = 0;  // look_up's
+    Real own = 0, worst = 0;  // look_up() sets them
     [[nodiscard]] bool holds(Real mean) const { return mean >= low && mean <= high; }
     [[nodiscard]] Real along(Real mean) const { return at + slope * (mean - origin); }
   };

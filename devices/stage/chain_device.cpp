@@ -254,8 +254,8 @@ void ChainDevice::receive(const ZaberFrame& frame, Nanoseconds now, std::uint8_t
       const bool position = data == static_cast<std::int32_t>(kSetPosition);
       if (!position && found == settings_.end()) return answer(kError, 53);
       // Carries the setting's number, but replies to a "return" command, which mode bit 0 (silence) does not cover.
-      return position ? replies.push_back({number_, kSetPosition, counter(now), frame.id})
-                      : replies.push_back({number_, found->first, found->second, frame.id});
+      return replies.push_back(
+          {number_, static_cast<ZaberCommand>(data), position ? counter(now) : found->second, frame.id});
     }
     case kRestoreSettings:
       return data == 0 ? answer(kRestoreSettings, data) : answer(kError, 36);

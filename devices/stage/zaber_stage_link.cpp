@@ -109,7 +109,7 @@ void ZaberStage::renumber() {
 void ZaberStage::arm() {
   const std::lock_guard lock(mutex_);
   turner_ = std::this_thread::get_id();
-  drop();  // motions under way are discarded; nothing is sent again
+  drop();  // each axis's record begins anew below: motions under way are discarded, and nothing is sent again
   halted_ = false;
   try {
     open();

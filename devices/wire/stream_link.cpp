@@ -122,6 +122,7 @@ Descriptor open_pty(const std::string& path) {
   Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (opened.get() < 0) fail_open_stream(path, std::strerror(errno));
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) fail_open_stream(path, std::strerror(errno));
     throw Fault("TB-SERIAL-BUSY", path, fmt::format("opening {}: another program or device holds it", path),
                 "Close the other program, or correct the address in the bench file.");
   }
