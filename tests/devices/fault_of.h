@@ -20,15 +20,29 @@ std::optional<Fault> fault_of(Act&& act) {
   return std::nullopt;
 }
 
-// The fault's id, "none" when there was none. Each fault has to state the event, its device, and a remedy.
+// The same; each fault has to state the event, its device, and a remedy.
 template <class Act>
-std::string fault_id_of(Act&& act) {
+std::optional<Fault> whole_fault_of(Act&& act) {
   const auto fault = fault_of(act);
-  if (!fault) return "none";
+  if (!fault) return fault;
   CHECK_FALSE(std::string(fault->what()).empty());
   CHECK_FALSE(fault->device().empty());
   CHECK_FALSE(fault->remedy().empty());
-  return fault->id();
+  return fault;
+}
+
+// The fault's id, "none" when there was none.
+template <class Act>
+std::string fault_id_of(Act&& act) {
+  const auto fault = whole_fault_of(act);
+  return fault ? fault->id() : "none";
+}
+
+// The fault's id and event, "none" when there was none.
+template <class Act>
+std::string fault_words_of(Act&& act) {
+  const auto fault = whole_fault_of(act);
+  return fault ? fault->id() + ": " + fault->what() : "none";
 }
 
 }  // namespace tactbench::devices

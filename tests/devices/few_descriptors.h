@@ -1,14 +1,12 @@
 // A process that may open so many more descriptors and no others, while this lives.
 #pragma once
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <iterator>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace tactbench::tests {
@@ -17,12 +15,8 @@ class FewDescriptors {
  public:
   explicit FewDescriptors(int left) {
     if (::getrlimit(RLIMIT_NOFILE, &before_) != 0) throw std::runtime_error("no limit of descriptors");
-    int highest = 2;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
-      highest = std::max(highest, std::stoi(entry.path().filename().string()));
-    }
     rlimit few = before_;
-    few.rlim_cur = static_cast<rlim_t>(highest + 1 + left);
+    few.rlim_cur = static_cast<rlim_t>(std::max(2, open().back()) + 1 + left);
     if (::setrlimit(RLIMIT_NOFILE, &few) != 0) throw std::runtime_error("the limit of descriptors is fixed");
     for (int copy = ::dup(2); copy >= 0; copy = ::dup(2)) taken_.push_back(copy);
     for (int i = 0; i < left; ++i, taken_.pop_back()) ::close(taken_.back());
@@ -34,9 +28,12 @@ class FewDescriptors {
   FewDescriptors(const FewDescriptors&) = delete;
   FewDescriptors& operator=(const FewDescriptors&) = delete;
 
-  [[nodiscard]] static auto open() {
-    const std::filesystem::directory_iterator all("/proc/self/fd");
-    return std::distance(begin(all), end(all));
+  // Those that are open, ascending.
+  [[nodiscard]] static std::vector<int> open() {
+    std::vector<int> all;
+    for (int i = 0; i < 1024; ++i)
+      if (::fcntl(i, F_GETFD) >= 0) all.push_back(i);
+    return all;
   }
 
  private:

@@ -25,9 +25,7 @@ constexpr double kPatience_s = 30.0;  // of process time, after the end of the r
 constexpr int kRepeats = 2;
 constexpr int kHeldUp = 2;  // times that a run may end by a time-out before its fault strikes, and is done anew
 
-const char* kLevels = R"(schema = 1
-name = "levels"
-unit = "psi"
+const std::string kLevels = R"(unit = "psi"
 turning_points = [0, 60, 20, 60, 0]
 step = 20
 dwell_s = 0.5
@@ -41,22 +39,7 @@ tolerance_psi = 0.5
 branch = 1
 )";
 
-const char* kPress = R"(schema = 1
-name = "press"
-kind = "press"
-dwell_s = 0.5
-repeats = 2
-[press]
-object = "ring"
-positions_mm = [[30, 30]]
-forces_n = [5, 30]
-servo_mm_per_s = 0.05
-[conditioning]
-cycles = 1
-peak_n = 10
-[retry]
-branch = 1
-)";
+const std::string kPress = press_text(2) + "[retry]\nbranch = 1\n";
 
 // Lost replies cost real time. A busy machine may need longer for an answer, though seldom: see kHeldUp.
 const std::vector<sequences::Override> kImpatient = {{"module.response_timeout_ms", "100"},
@@ -66,8 +49,7 @@ const std::vector<sequences::Override> kImpatient = {{"module.response_timeout_m
 
 bench::RunRequest request_for(Bench bench, const std::vector<sequences::Override>& overrides = {}) {
   bench::RunRequest request = small_request(overrides);
-  request.recipes = {sequences::parse_recipe(
-      sequences::TomlDocument::from_text(bench == Bench::kChamber ? kLevels : kPress, "faults.toml"))};
+  request.recipes = {recipe_of(bench == Bench::kChamber ? kLevels : kPress)};
   request.assume_yes = true;
   return request;
 }

@@ -9,12 +9,23 @@
 
 namespace tactbench::tests {
 
+// Of the text behind schema and name.
+inline sequences::Recipe recipe_of(const std::string& text) {
+  return sequences::parse_recipe(
+      sequences::TomlDocument::from_text("schema = 1\nname = \"small\"\n" + text, "small.toml"));
+}
+
 // 0 - 8 - 2 - 8 - 0 psi in steps of 2, two repeats, one conditioning cycle: 15 frames a repeat.
 inline sequences::Recipe small_recipe(const std::string& more = {}) {
-  return sequences::parse_recipe(sequences::TomlDocument::from_text(
-      "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 8, 2, 8, 0]\nstep = 2\nrepeats = 2\n" + more +
-          "[conditioning]\ncycles = 1\npeak = 20\n",
-      "small.toml"));
+  return recipe_of("unit = \"psi\"\nturning_points = [0, 8, 2, 8, 0]\nstep = 2\nrepeats = 2\n" + more +
+                   "[conditioning]\ncycles = 1\npeak = 20\n");
+}
+
+// Presses a ring with 5 and 30 N in one place, after a cycle of 10 N; of the text behind the name.
+inline std::string press_text(int repeats) {
+  return "kind = \"press\"\ndwell_s = 0.5\nrepeats = " + std::to_string(repeats) +
+         "\n[press]\nobject = \"ring\"\npositions_mm = [[30, 30]]\nforces_n = [5, 30]\nservo_mm_per_s = 0.05\n"
+         "[conditioning]\ncycles = 1\npeak_n = 10\n";
 }
 
 inline bench::RunRequest small_request(const std::vector<sequences::Override>& bench_overrides = {},

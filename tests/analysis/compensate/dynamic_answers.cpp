@@ -8,24 +8,11 @@
 #include "analysis/identify/taxel_stream.h"
 #include "analysis/models/linearised.h"
 #include "analysis/models/preisach.h"
+#include "tests/analysis/compensate/straight_setup.h"
 
 using namespace tactbench::analysis;
 
 namespace {
-
-DynamicSetup straight_setup(double noise_v = 0.0) {
-  DynamicSetup setup;
-  setup.x_high = 60.0;
-  setup.intervals = 1;
-  setup.volts_per_count = 1e-4;
-  DynamicTaxel taxel;
-  taxel.usable = true;
-  taxel.divider.zero = 0.5;
-  taxel.everett = {0.0, 6.0, 0.0};
-  taxel.noise_v = noise_v;
-  setup.taxels.push_back(taxel);
-  return setup;
-}
 
 // A creep whose target is 1 under any load, so that no pressure has to be guessed for it.
 DynamicSetup creeping_setup() {

@@ -9,6 +9,7 @@
 
 #include "analysis/compensate/dynamic_frame_compensator.h"
 #include "tests/analysis/compensate/frames.h"
+#include "tests/analysis/compensate/straight_setup.h"
 #include "tests/analysis/support/dynamic_plant.h"
 
 using namespace synthetic;
@@ -143,19 +144,9 @@ TEST_CASE("held outputs of ELAM with hysteresis: the plain form's pressure, and 
 
 namespace {
 
-// 60 psi are 6 V above 0.5 V, up and down.
 DynamicSetup line_film(bool unknown) {
-  DynamicSetup setup;
-  setup.x_high = 60.0;
-  setup.intervals = 1;
-  setup.volts_per_count = kVoltsACount;
+  DynamicSetup setup = straight_setup(kNoiseV);
   setup.start_unknown = unknown;
-  DynamicTaxel taxel;
-  taxel.usable = true;
-  taxel.divider.zero = 0.5;
-  taxel.everett = {0.0, 6.0, 0.0};
-  taxel.noise_v = kNoiseV;
-  setup.taxels.push_back(taxel);
   return setup;
 }
 

@@ -2,12 +2,14 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tests/analysis/report/report_example.h"
+#include "tests/analysis/report/report_example_full.h"
 #include "tests/analysis/report/report_page.h"
 #include "tests/analysis/support/models.h"
 
@@ -81,4 +83,31 @@ TEST_CASE("the list of contents calls the models ELAM where they are, and where 
   CHECK(contents_of(without) == entries_with("ELAM"));
   CHECK(not_available(without, "no models were made from this run") == kOfEvaluation);
   CHECK(not_available(without, "the run sweeps no full loop to evaluate models on").empty());
+}
+
+TEST_CASE("a whole report's sections: in the order of the contents, and named when they lack models or an evaluation") {
+  ReportInput input = example::full_input();
+  const std::string page = render_report(input).html;
+  CHECK(contents_of(page) == entries_with("ELAM"));
+  std::size_t at = 0;
+  for (const auto& [id, title] : contents_of(page)) {
+    INFO(id);
+    at = page.find("<h2 id=\"" + id + "\"", at);
+    REQUIRE(at != std::string::npos);
+  }
+  CHECK(not_available(page, "no models were made from this run").empty());
+  input.evaluation = {};
+  CHECK(not_available(render_report(input).html, "the run sweeps no full loop to evaluate models on") == kOfEvaluation);
+  input.fit = {};
+  CHECK(not_available(render_report(input).html, "no models were made from this run") == kOfEvaluation);
+}
+
+TEST_CASE("a report's data: one member for each section that has data of its own, in the order of the page") {
+  const auto json = nlohmann::ordered_json::parse(render_report(example::full_input()).json);
+  std::vector<std::string> members;
+  for (const auto& section : json["sections"].items()) members.push_back(section.key());
+  CHECK(members ==
+        std::vector<std::string>{"health", "raw", "models", "compensation", "studies", "objects", "uncertainty"});
+  CHECK(json["schema"] == "tactbench.report");
+  CHECK(json["version"] == 2);
 }

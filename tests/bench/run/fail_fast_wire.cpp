@@ -22,10 +22,8 @@ Ended run_with(const std::string& limits, const std::string& defects) {
   const std::vector<sequences::Override> defective = {{"simulation.defect", defects}};
   bench::RunRequest request = small_request(defects.empty() ? std::vector<sequences::Override>() : defective);
   request.overrides.clear();
-  request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
-      "schema = 1\nname = \"peaks\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 20\nrepeats = 2\n[limits]\n" +
-          limits,
-      "peaks.toml"))};
+  request.recipes = {
+      recipe_of("unit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 20\nrepeats = 2\n[limits]\n" + limits)};
   Ended ended{run_small(request, store), {}};
   for (const db::FrameRecord& frame : store.frames(1)) ended.levels.push_back(frame.setpoint_psi);
   return ended;

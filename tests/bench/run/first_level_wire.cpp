@@ -27,11 +27,9 @@ TEST_CASE("run: a repeat may begin at any level, and fall, rise or stay from the
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
-  request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
-      fmt::format("schema = 1\nname = \"w\"\nunit = \"psi\"\nturning_points = {}\nstep = 10\nrepeats = 2\n"
-                  "[conditioning]\ncycles = 1\npeak = 20\n",
-                  row.turning_points),
-      "first.toml"))};
+  request.recipes = {recipe_of(fmt::format(
+      "unit = \"psi\"\nturning_points = {}\nstep = 10\nrepeats = 2\n[conditioning]\ncycles = 1\npeak = 20\n",
+      row.turning_points))};
   const bench::RunResult result = run_small(request, store);
   INFO((result.error ? result.error->what() : ""));
   REQUIRE(result.outcome == db::Outcome::kCompleted);

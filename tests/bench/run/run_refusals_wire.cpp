@@ -49,10 +49,7 @@ TEST_CASE("run: a file that holds no state of the film is not taken for one, and
 TEST_CASE("run: a recipe that presses needs a stage and a force sensor") {
   for (const bool without_stage : {true, false}) {
     Refused run;
-    run.request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
-        "schema = 1\nname = \"press\"\nkind = \"press\"\nrepeats = 1\n[press]\nobject = \"ring\"\n"
-        "positions_mm = [[30, 30]]\nforces_n = [5]\n",
-        "press.toml"))};
+    run.request.recipes = {recipe_of(press_text(1))};
     run.request.assume_yes = true;
     if (without_stage) run.request.bench.stage.reset();
     if (!without_stage) run.request.bench.force.reset();

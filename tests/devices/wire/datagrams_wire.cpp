@@ -22,6 +22,7 @@
 #include "devices/wire/packet_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/fault_of.h"
+#include "tests/devices/packet_listener.h"
 #include "tests/devices/timeouts.h"
 #include "tests/support/process.h"
 
@@ -33,30 +34,11 @@ namespace {
 
 using Datagram = std::vector<std::uint8_t>;
 
-template <class Act>
-std::string told_of(Act&& act) {
-  const auto fault = fault_of(act);
-  if (!fault) return "none";
-  CHECK_FALSE(fault->remedy().empty());
-  return fault->id() + ": " + fault->what();
-}
-
 // The other side of a packet link.
 struct PacketPeer {
-  explicit PacketPeer(std::string at) : path(std::move(at)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::copy(path.begin(), path.end(), address.sun_path);
-    listener = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-    REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-    REQUIRE(::listen(listener, 1) == 0);
-    link = open_packet_link(path);
-    peer = ::accept(listener, nullptr, nullptr);
-  }
-  ~PacketPeer() {
-    go();
-    ::close(listener);
-  }
+  explicit PacketPeer(std::string at)
+      : path(std::move(at)), listener(path), link(open_packet_link(path)), peer(listener.accept()) {}
+  ~PacketPeer() { go(); }
   PacketPeer(const PacketPeer&) = delete;
   PacketPeer& operator=(const PacketPeer&) = delete;
   void go() {
@@ -71,8 +53,9 @@ struct PacketPeer {
     return into;
   }
   std::string path;
-  int listener = -1, peer = -1;
+  PacketListener listener;
   std::unique_ptr<ReportLink> link;
+  int peer;
 };
 
 }  // namespace
@@ -133,14 +116,14 @@ TEST_CASE("packet link: what was sent before the end is read, then the end is to
   CHECK(rig.read(8) == Datagram{2});
   const std::string lost =
       "TB-HID-LOST: reading a report from packet socket " + rig.path + ": closed by the other side";
-  for (int i = 0; i < 2; ++i) CHECK(told_of([&] { (void)rig.read(8); }) == lost);
-  CHECK(told_of([&] { (void)rig.link->drain(); }) == lost);
+  for (int i = 0; i < 2; ++i) CHECK(fault_words_of([&] { (void)rig.read(8); }) == lost);
+  CHECK(fault_words_of([&] { (void)rig.link->drain(); }) == lost);
   const Datagram report{1, 2, 3};
-  CHECK(told_of([&] { rig.link->write(report); }) ==
+  CHECK(fault_words_of([&] { rig.link->write(report); }) ==
         "TB-HID-WRITE: sending a report of 3 bytes to packet socket " + rig.path + ": Broken pipe");
   PacketPeer at_once(folder.path("other"));
   at_once.go();
-  CHECK_THAT(told_of([&] { (void)at_once.read(8, 0ns); }), Catch::Contains("closed by the other side"));
+  CHECK_THAT(fault_words_of([&] { (void)at_once.read(8, 0ns); }), Catch::Contains("closed by the other side"));
 }
 
 TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full queue") {
@@ -152,13 +135,13 @@ TEST_CASE("packet link: paths that are empty, too long, of nobody, or of a full 
     CHECK(rig.link->description() == "packet socket " + longest);
   }
   for (const std::string& path : {std::string(), longest + "y"}) {
-    CHECK(told_of([&] { (void)open_packet_link(path); }) ==
+    CHECK(fault_words_of([&] { (void)open_packet_link(path); }) ==
           "TB-HID-OPEN: opening the packet socket " + path + ": the path is empty or too long");
   }
   const std::string nobody = folder.path("nobody");
-  CHECK(told_of([&] { (void)open_packet_link(nobody); }) ==
+  CHECK(fault_words_of([&] { (void)open_packet_link(nobody); }) ==
         "TB-HID-OPEN: opening the packet socket " + nobody + ": No such file or directory");
-  CHECK_THAT(told_of([&] { (void)open_packet_link(longest); }), Catch::EndsWith(": Connection refused"));
+  CHECK_THAT(fault_words_of([&] { (void)open_packet_link(longest); }), Catch::EndsWith(": Connection refused"));
 }
 
 TEST_CASE("UDP, packets, channels: what an end that works sends late is waited for, unless no wait was asked for") {

@@ -24,6 +24,7 @@
 #include "devices/wire/packet_link.h"
 #include "devices/wire/stream_link.h"
 #include "devices/wire/udp_link.h"
+#include "tests/devices/packet_listener.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
 
@@ -238,12 +239,7 @@ TEST_CASE("descriptor 0: an exchange with a page that fails closes its socket") 
 TEST_CASE("descriptor 0: a packet link") {
   const tactbench::tests::TemporaryFolder folder;
   const std::string path = folder.path("peer");
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::copy(path.begin(), path.end(), address.sun_path);
-  const int listener = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  REQUIRE(::listen(listener, 1) == 0);
+  PacketListener listener(path);
   const NoInput none;
   {
     const auto link = open_packet_link(path);
@@ -251,7 +247,7 @@ TEST_CASE("descriptor 0: a packet link") {
     link->write(kSome);
   }
   CHECK_FALSE(zero_is_open());
-  ::close(listener);
+  listener.close();
   CHECK(fault_id_of([&] { (void)open_packet_link(path); }) == "TB-HID-OPEN");
   CHECK_FALSE(zero_is_open());
 }

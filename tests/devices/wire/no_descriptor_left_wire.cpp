@@ -23,6 +23,7 @@
 #include "devices/wire/stream_link.h"
 #include "devices/wire/udp_link.h"
 #include "tests/devices/few_descriptors.h"
+#include "tests/devices/packet_listener.h"
 #include "tests/devices/scripted_server.h"
 #include "tests/devices/test_chamber.h"
 #include "tests/devices/timeouts.h"
@@ -31,14 +32,6 @@ using namespace tactbench::devices;
 using tactbench::tests::FewDescriptors;
 
 namespace {
-
-std::vector<int> open_descriptors() {
-  std::vector<int> all;
-  for (int i = 0; i < 1024; ++i) {
-    if (::fcntl(i, F_GETFD) >= 0) all.push_back(i);
-  }
-  return all;
-}
 
 // Nothing is asserted while none is left: UndefinedBehaviorSanitizer opens a pipe to look at a pointer.
 std::optional<Fault> without_descriptors(const std::function<void()>& act) {
@@ -50,7 +43,7 @@ std::optional<Fault> without_descriptors(const std::function<void()>& act) {
 void check_needs(int needed, const std::string& id, const std::function<void()>& act) {
   for (int left = 0; left <= needed; ++left) {
     INFO(id << ", " << left << " of " << needed << " descriptors left");
-    const std::vector<int> before = open_descriptors();
+    const std::vector<int> before = FewDescriptors::open();
     std::string said = "none", why;
     {
       const FewDescriptors limit(left);
@@ -62,7 +55,7 @@ void check_needs(int needed, const std::string& id, const std::function<void()>&
     }
     CHECK(said == (left < needed ? id : "none"));
     if (left < needed) CHECK_THAT(why, Catch::Contains("Too many open files"));
-    CHECK(open_descriptors() == before);
+    CHECK(FewDescriptors::open() == before);
   }
 }
 
@@ -86,14 +79,8 @@ TEST_CASE("no descriptor left: links to instruments") {
   });
   ::close(datagrams.socket);
   const std::string path = folder.path("packets");
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::copy(path.begin(), path.end(), address.sun_path);
-  const int listener = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  REQUIRE(::listen(listener, 8) == 0);
+  const PacketListener listener(path);
   check_needs(1, "TB-HID-OPEN", [&] { (void)open_packet_link(path); });
-  ::close(listener);
 }
 
 TEST_CASE("no descriptor left: a page that is asked for, and a Modbus module") {

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "tests/devices/packet_listener.h"
 #include "tests/devices/timeouts.h"
 #include "tests/support/process.h"
 
@@ -19,21 +20,15 @@ using namespace tactbench::tests;
 TEST_CASE("a packet link whose peer goes with reports unread is lost, with the kernel's reason") {
   const TemporaryFolder folder;
   const std::string path = folder.path("peer.sock");
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::copy(path.begin(), path.end(), address.sun_path);
-  const int listener = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  REQUIRE(::listen(listener, 1) == 0);
+  PacketListener listener(path);
   const auto link = open_packet_link(path);
-  const int peer = ::accept(listener, nullptr, nullptr);
-  REQUIRE(peer >= 0);
+  const int peer = listener.accept();
   std::array<std::uint8_t, 64> into{};
   CHECK(link->read(into, Nanoseconds(0)) == 0);
   const std::array<std::uint8_t, 3> report{1, 2, 3};
   link->write(report);
   ::close(peer);
-  ::close(listener);
+  listener.close();
   CHECK_THROWS_WITH(link->read(into, kPatient), Catch::Contains("reading a report from packet socket " + path) &&
                                                     Catch::Contains("Connection reset by peer"));
   CHECK_THROWS_WITH(link->read(into, kPatient), Catch::Contains("closed by the other side"));

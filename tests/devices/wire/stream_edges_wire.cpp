@@ -18,6 +18,7 @@
 #include "devices/wire/ends/pseudo_terminal.h"
 #include "devices/wire/stream_link.h"
 #include "tests/devices/fault_of.h"
+#include "tests/devices/full_queue.h"
 #include "tests/devices/timeouts.h"
 
 using namespace tactbench::devices;
@@ -25,17 +26,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-template <class Act>
-std::string complaint(Act&& act) {
-  const auto fault = fault_of(act);
-  if (!fault) return "none";
-  CHECK_FALSE(fault->device().empty());
-  CHECK_FALSE(fault->remedy().empty());
-  return fault->id() + ": " + fault->what();
-}
-
 std::string opening(const std::string& address) {
-  return complaint([&] { (void)open_stream(address, kShort); });
+  return fault_words_of([&] { (void)open_stream(address, kShort); });
 }
 
 }  // namespace
@@ -59,30 +51,16 @@ TEST_CASE("stream: each form of address that is wrong, and each opening that fai
   CHECK(opening(terminal.path()) ==
         "TB-SERIAL-BUSY: opening " + terminal.path() + ": another program or device holds it");
   CHECK(opening("unix:/nowhere/at/all") == "TB-SERIAL-OPEN: opening unix:/nowhere/at/all: No such file or directory");
-  const BoundSocket datagrams = bind_loopback(SOCK_DGRAM, 0, "test");
-  const std::string nobody = "tcp:127.0.0.1:" + std::to_string(datagrams.port);
+  const FullQueue unheard;
+  const std::string nobody = "tcp:127.0.0.1:" + std::to_string(unheard.port());
   CHECK(opening(nobody) == "TB-SERIAL-OPEN: opening " + nobody + ": Connection refused");
-  ::close(datagrams.socket);
 }
 
 TEST_CASE("stream: an opening that nobody answers ends after its time") {
-  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  REQUIRE(::listen(listener, 0) == 0);
-  std::vector<int> waiting;
-  for (int i = 0; i < 4; ++i) {  // they fill its queue
-    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    ::connect(waiting.back(), reinterpret_cast<const sockaddr*>(&address), size);
-  }
-  const std::string name = "tcp:127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  FullQueue queue;
+  queue.fill();
+  const std::string name = "tcp:127.0.0.1:" + std::to_string(queue.port());
   CHECK(opening(name) == "TB-SERIAL-OPEN: opening " + name + ": Connection timed out");
-  for (const int each : waiting) ::close(each);
-  ::close(listener);
 }
 
 TEST_CASE("stream: an IPv6 address stands in brackets") {
@@ -133,13 +111,15 @@ TEST_CASE("stream: what is lost is told with the address and the system's reason
   CHECK(socket->read(into, 0ns) == 0);
   CHECK(socket->read(into, 1ms) == 0);
   ::close(line[1]);
-  CHECK(complaint([&] { (void)socket->read(into, kPatient); }) ==
+  CHECK(fault_words_of([&] { (void)socket->read(into, kPatient); }) ==
         "TB-SERIAL-LOST: reading from the line: closed by the other side");
-  CHECK(complaint([&] { socket->write(bytes); }) == "TB-SERIAL-LOST: sending to the line: Broken pipe");
+  CHECK(fault_words_of([&] { socket->write(bytes); }) == "TB-SERIAL-LOST: sending to the line: Broken pipe");
   const auto full = adopt_stream(::open("/dev/full", O_RDWR | O_CLOEXEC), "a full disk");
-  CHECK(complaint([&] { full->write(bytes); }) == "TB-SERIAL-LOST: sending to a full disk: No space left on device");
+  CHECK(fault_words_of([&] { full->write(bytes); }) ==
+        "TB-SERIAL-LOST: sending to a full disk: No space left on device");
   const auto folder = adopt_stream(::open("/", O_RDONLY | O_CLOEXEC), "a folder");
-  CHECK(complaint([&] { (void)folder->read(into, 0ns); }) == "TB-SERIAL-LOST: reading from a folder: Is a directory");
+  CHECK(fault_words_of([&] { (void)folder->read(into, 0ns); }) ==
+        "TB-SERIAL-LOST: reading from a folder: Is a directory");
 }
 
 TEST_CASE("stream: discarding ends at a sender that never stops") {
@@ -154,7 +134,7 @@ TEST_CASE("stream: what is not taken in time is told by its number of bytes, a s
   std::iota(many.begin(), many.end(), std::uint8_t{0});
   {
     const auto hurried = adopt_stream(::fcntl(line[0], F_DUPFD_CLOEXEC, 0), "the line", 2ms);
-    const std::string said = complaint([&] { hurried->write(many); });
+    const std::string said = fault_words_of([&] { hurried->write(many); });
     CHECK_THAT(said, Catch::StartsWith("TB-SERIAL-TIMEOUT: sending 1048576 bytes to the line: ") &&
                          Catch::EndsWith(" were not taken within 0.002 s"));
     std::vector<std::uint8_t> taken(many.size());
@@ -175,7 +155,7 @@ TEST_CASE("stream: what is not taken in time is told by its number of bytes, a s
     }
   });
   const auto patient = adopt_stream(line[0], "the line", kPatient);
-  CHECK(complaint([&] { patient->write(many); }) == "none");
+  CHECK(fault_words_of([&] { patient->write(many); }) == "none");
   reader.join();
   CHECK((read == many));
   ::close(line[1]);

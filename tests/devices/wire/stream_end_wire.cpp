@@ -27,21 +27,12 @@ using tactbench::tests::TemporaryFolder;
 
 namespace {
 
-template <class Act>
-std::string end_complaint(Act&& act) {
-  const auto fault = fault_of(act);
-  if (!fault) return "none";
-  CHECK_FALSE(fault->device().empty());
-  CHECK_FALSE(fault->remedy().empty());
-  return fault->id() + ": " + fault->what();
-}
-
 std::string opening_end(const std::string& address) {
-  return end_complaint([&] { (void)open_stream(address, kShort); });
+  return fault_words_of([&] { (void)open_stream(address, kShort); });
 }
 
 std::string listening(const std::string& listen) {
-  return end_complaint([&] { const StreamEnd end(listen); });
+  return fault_words_of([&] { const StreamEnd end(listen); });
 }
 
 void next_event(const StreamEnd& end) {

@@ -24,24 +24,16 @@ namespace {
 
 using UdpBytes = std::vector<std::uint8_t>;
 
-template <class Act>
-std::string udp_says(Act&& act) {
-  const auto fault = fault_of(act);
-  if (!fault) return "none";
-  CHECK_FALSE(fault->remedy().empty());
-  return fault->id() + ": " + fault->what();
-}
-
 }  // namespace
 
 TEST_CASE("UDP: addresses that are none, and one that cannot be connected to") {
   for (const auto& [host, port] :
        {std::pair{"localhost", 5}, std::pair{"127.0.0.1", 0}, std::pair{"127.0.0.1", 65536}}) {
-    CHECK(udp_says([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) ==
+    CHECK(fault_words_of([&, host = host, port = port] { const UdpLink link(host, port, "box"); }) ==
           "TB-UDP-OPEN: box at " + std::string(host) + " port " + std::to_string(port) +
               " (UDP): no address in numbers or no port");
   }
-  const std::string broadcast = udp_says([] { const UdpLink link("255.255.255.255", 5, "box"); });
+  const std::string broadcast = fault_words_of([] { const UdpLink link("255.255.255.255", 5, "box"); });
   CHECK_THAT(broadcast, Catch::StartsWith("TB-UDP-OPEN: connecting to box at 255.255.255.255 port 5 (UDP): "));
 }
 
@@ -54,7 +46,8 @@ TEST_CASE("UDP: nobody there, too much at once, and nothing in time") {
   for (const Nanoseconds timeout : {Nanoseconds(-1), Nanoseconds(0), Nanoseconds(1ms)}) {
     CHECK(link.receive(into, timeout) == 0);
   }
-  CHECK(udp_says([&] { link.send(UdpBytes(70'000)); }) == "TB-UDP-LOST: sending to " + place + "Message too long");
+  CHECK(fault_words_of([&] { link.send(UdpBytes(70'000)); }) ==
+        "TB-UDP-LOST: sending to " + place + "Message too long");
   const UdpBytes datagram{1, 2, 3};
   link.send(datagram);
   ::close(peer.socket);

@@ -21,9 +21,6 @@ SELF_CHECKS = {
     "sequences": ("sequences/compile.cpp", "double of_repeat(const std::vector<double>& values, int repeat) {"),
 }
 
-# Times that a test has to fail again. What waits on sockets or the real clock fails now and then on a busy machine alone.
-AGAIN, AGAIN_WITH_WAITS = 1, 4
-
 
 @dataclasses.dataclass
 class Verdict:

@@ -5,6 +5,7 @@
 #include "analysis/report/results.h"
 #include "analysis/statistics/conformity/mpe.h"
 #include "analysis/statistics/studies/studies.h"
+#include "tests/analysis/support/alike.h"
 #include "tests/analysis/support/effect_runs.h"
 #include "tests/analysis/support/straight_array.h"
 
@@ -22,18 +23,6 @@ Dataset negated(Dataset data) {
 SensorModel falling(SensorModel fit) {
   fit.falling = true;
   return fit;
-}
-
-// NaN is like NaN.
-void check_alike(const std::vector<double>& found, const std::vector<double>& expected) {
-  REQUIRE(found.size() == expected.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    INFO("place " << i);
-    if (std::isnan(expected[i]))
-      CHECK(std::isnan(found[i]));
-    else
-      CHECK(found[i] == Approx(expected[i]));
-  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "analysis/statistics/numbers/moments.h"
 #include "analysis/statistics/studies/studies.h"
+#include "tests/analysis/support/alike.h"
 
 using namespace tactbench::analysis;
 
@@ -20,14 +21,7 @@ const std::vector<int> kAsItLay{0, 1, 2, 3}, kHalfTurned{3, 2, 1, 0};
 const Maps kTwoRuns{{1, 2, 4, 9}, {3, 3, 5, 5}};
 
 void check_map(const std::vector<double>& found, const std::vector<double>& expected) {
-  REQUIRE(found.size() == expected.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    INFO("place " << i);
-    if (std::isnan(expected[i]))
-      CHECK(std::isnan(found[i]));
-    else
-      CHECK(found[i] == Approx(expected[i]).margin(1e-12));
-  }
+  check_alike(found, expected, 1e-12);
 }
 
 // Estimates of one sweep: at each level the level itself and `factor` times the run's row.

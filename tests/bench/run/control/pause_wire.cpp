@@ -15,32 +15,9 @@ using bench::Command;
 
 namespace {
 
-const char* kLevels = R"(schema = 1
-name = "levels"
-unit = "psi"
-turning_points = [0, 60, 50, 60, 0]
-step = 10
-dwell_s = 2
-repeats = 1
-[conditioning]
-cycles = 1
-peak = 60
-)";
-
-const char* kPress = R"(schema = 1
-name = "press"
-kind = "press"
-dwell_s = 0.5
-repeats = 1
-[press]
-object = "ring"
-positions_mm = [[30, 30]]
-forces_n = [5, 30]
-servo_mm_per_s = 0.05
-[conditioning]
-cycles = 1
-peak_n = 10
-)";
+const std::string kLevels =
+    "unit = \"psi\"\nturning_points = [0, 60, 50, 60, 0]\nstep = 10\ndwell_s = 2\nrepeats = 1\n"
+    "[conditioning]\ncycles = 1\npeak = 60\n";
 
 // Resumes each pause of the run, until the run ends.
 void resume_each_pause(const std::string& socket) {
@@ -54,12 +31,12 @@ void resume_each_pause(const std::string& socket) {
 }  // namespace
 
 TEST_CASE("control: a run may pause at the end of every branch, whatever its load there") {
-  const auto& [recipe, branches] = GENERATE(table<std::string, int>({{kLevels, 4}, {kPress, 2}}));
+  const auto& [recipe, branches] = GENERATE(table<std::string, int>({{kLevels, 4}, {press_text(1), 2}}));
   INFO(recipe);
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
-  request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(recipe, "pause.toml"))};
+  request.recipes = {recipe_of(recipe)};
   request.assume_yes = true;
   std::thread person;
   int asked = 0;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "devices/wire/modbus/modbus_link.h"
+#include "tests/devices/full_queue.h"
 #include "tests/devices/scripted_line.h"
 #include "tests/devices/test_chamber.h"
 
@@ -173,27 +174,13 @@ TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, 
       Catch::StartsWith("TB-MODBUS-CONNECT: connecting to device at no host.invalid:1502 unit 1: the host's name "
                         "has no address ("));
   CHECK_THAT(complaint_of({"127.0.0.1", 1502, 1, 1us}), !Catch::Contains("is not valid"));
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  const int port = ntohs(address.sin_port);  // bound, and nobody listens
+  FullQueue queue;
+  const int port = queue.port();  // nobody listens
   CHECK_THAT(complaint_of({"127.0.0.1", port, 1, kPatient}),
              Catch::StartsWith("TB-MODBUS-CONNECT: ") && Catch::EndsWith("Connection refused"));
-  // A full queue: the connection is not answered.
-  REQUIRE(::listen(socket, 0) == 0);
-  std::vector<int> waiting;
-  for (int i = 0; i < 4; ++i) {
-    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    ::connect(waiting.back(), reinterpret_cast<const sockaddr*>(&address), size);
-  }
+  queue.fill();
   CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT: connecting to device at 127.0.0.1:" +
                                                             std::to_string(port) + " unit 1: no answer within 150 ms");
-  for (const int each : waiting) ::close(each);
-  ::close(socket);
 }
 
 TEST_CASE("modbus line: a host's name is looked up") {
