@@ -1,0 +1,184 @@
+// Streams of a taxel whose model has lag and creep are its dynamic compensator's, call by call.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "analysis/compensate/dynamic_compensator.h"
+#include "analysis/compensate/dynamic_frame_compensator.h"
+#include "analysis/error.h"
+#include "analysis/identify/dynamic_setup_of.h"
+#include "analysis/identify/stored/array_stream.h"
+#include "analysis/identify/streams/recording_stream.h"
+#include "analysis/identify/taxel_stream.h"
+#include "analysis/models/linearised.h"
+#include "analysis/models/preisach.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+// Two intervals from 10 to 50 psi: cells of 1, 2 and 4 V behind a divider.
+SensorModel creeping_film(bool falling = false) {
+  SensorModel model;
+  model.source = "run 5";
+  model.rows = model.columns = 1;
+  model.falling = falling;
+  model.dynamics.emplace();
+  model.dynamics->shared.creep_share = {0.03, 0.02, 0.01};
+  model.dynamics->shared.lag_share = 0.1;
+  model.dynamics->shared.lag_s = 3.0;
+  ModelTaxel& taxel = model.taxels.emplace_back();
+  taxel.taxel = 0;
+  taxel.status = TaxelStatus::kFitted;
+  taxel.noise = 0.002;
+  taxel.creep_scale = 1.5;
+  taxel.lag_share = 0.1;
+  taxel.fit.full_scale = 7.0 / (1.0 + 7.0 / 8.0);
+  taxel.loop_low = 0.5;
+  taxel.fit.model = std::make_shared<LinearisedModel>(
+      Divider{0.5, 0.125}, std::make_shared<PreisachModel>(10.0, 50.0, 0.0, std::vector<double>{1, 2, 4}));
+  return model;
+}
+
+void check_alike(const Compensated& a, const Compensated& b) {
+  CHECK(a.pressure_psi == b.pressure_psi);
+  CHECK(a.uncertainty_psi == b.uncertainty_psi);
+  CHECK((a.unknown == b.unknown && a.flat == b.flat && a.out_of_range == b.out_of_range));
+}
+
+struct Measured {
+  double volts, seconds;
+};
+const std::vector<Measured> kMeasured{{1.0, 0.0}, {2.5, 2.0}, {2.2, 5.0}, {1.5, 1.0}, {2.0, 8.0}, {3.5, 3.0}};
+
+template <class Own>
+void check_steps(Own& own, DynamicTaxelCompensator& plain) {
+  for (const auto& [volts, seconds] : kMeasured) check_alike(own.step(volts, seconds), plain.step(volts, seconds));
+}
+
+std::string refused_stream(SensorModel model, bool recording) {
+  model.taxels[0].creep_scale = 11.0;
+  try {
+    if (recording)
+      const RecordingStream stream(model, model.taxels[0]);
+    else
+      const TaxelStream stream(model, model.taxels[0]);
+  } catch (const AnalysisError& error) {
+    CHECK(error.id() == "TB-MODEL-COMPENSATOR");
+    CHECK(error.remedy() == "check its parameters (tactbench model show), or fit it again");
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("streams of dynamic models: steps, conditioning, rests and unknown starts are the compensator's",
+          "[dynamic]") {
+  for (const double noisier : {1.0, 3.0}) {
+    CAPTURE(noisier);
+    const SensorModel model = creeping_film();
+    const DynamicSetup setup = dynamic_setup_of(model, model.taxels, 1.0, noisier);
+    DynamicTaxelCompensator plain(setup, 0);
+    RecordingStream recording(model, model.taxels[0], noisier);
+    check_steps(recording, plain);
+    CHECK(recording.ascending() == plain.ascending());
+    check_alike(recording.step(1.2, 1.0), plain.step(1.2, 1.0));
+    CHECK_FALSE(plain.ascending());
+    CHECK_FALSE(recording.ascending());
+    recording.work(30.0);
+    plain.work(30.0);
+    check_steps(recording, plain);
+    recording.reset();
+    plain.reset();
+    check_steps(recording, plain);
+    recording.reset_unknown();
+    plain.reset_unknown();
+    const Compensated first = recording.step(2.0, 1.0);
+    CHECK(first.unknown);
+    check_alike(first, plain.step(2.0, 1.0));
+    check_steps(recording, plain);
+
+    plain.reset();
+    TaxelStream taxel(model, model.taxels[0], noisier);
+    check_steps(taxel, plain);
+    taxel.work(30.0);
+    plain.work(30.0);
+    check_steps(taxel, plain);
+    taxel.rest(20.0);
+    plain.rest(20.0);
+    check_steps(taxel, plain);
+    taxel.reset();
+    plain.reset();
+    check_steps(taxel, plain);
+  }
+}
+
+TEST_CASE("streams of dynamic models: outputs are given as they rise, and only fitted taxels have lag and creep",
+          "[dynamic]") {
+  const SensorModel rising = creeping_film(), falling = creeping_film(true);
+  RecordingStream one(rising, rising.taxels[0]), other(falling, falling.taxels[0]);
+  TaxelStream first(rising, rising.taxels[0]), second(falling, falling.taxels[0]);
+  for (const auto& [volts, seconds] : kMeasured) {
+    check_alike(one.step(volts, seconds), other.step(volts, seconds));
+    check_alike(first.step(volts, seconds), second.step(volts, seconds));
+  }
+  SensorModel unfit = creeping_film();
+  unfit.taxels[0].status = TaxelStatus::kUnfit;
+  RecordingStream still(unfit, unfit.taxels[0]);
+  TaxelStream quiet(unfit, unfit.taxels[0]);
+  // Half of the first cell: 1 V / 2 behind the divider; time changes nothing.
+  const double volts = 0.5 + 0.5 / (1.0 + 0.5 / 8.0);
+  for (const double seconds : {0.0, 100.0}) {
+    CHECK(still.step(volts, seconds).pressure_psi == Approx(20.0));
+    CHECK(quiet.step(volts, seconds).pressure_psi == Approx(20.0));
+    still.work(5.0);
+    quiet.work(5.0);
+  }
+  quiet.rest(5.0);
+  CHECK(quiet.step(volts, 0.0).pressure_psi == Approx(20.0));
+}
+
+TEST_CASE("streams of dynamic models: numbers that make no compensator are refused with the taxel's", "[dynamic]") {
+  for (const bool recording : {true, false})
+    CHECK(refused_stream(creeping_film(), recording) ==
+          "run 5, taxel 0: dynamic compensator: its creep is not within 0 and 10");
+}
+
+TEST_CASE("frames of dynamic models are the frame compensator's, with noise, lost frames, intervals and validity",
+          "[dynamic]") {
+  for (const bool falling : {false, true}) {
+    const SensorModel model = creeping_film(falling);
+    DynamicSetup setup = dynamic_setup_of(model, model.taxels, 0.001, 2.0);
+    setup.longest_gap = 1;
+    DynamicFrameCompensator<float> plain(setup);
+    ArrayStream stream(model, 0.001, 2.0, 1);
+    float pressure = 0.0F, uncertainty = 0.0F, other_pressure = 0.0F, other_uncertainty = 0.0F;
+    std::uint16_t status = 0, other_status = 0;
+    const ArrayStream::Output own{std::span(&pressure, 1), std::span(&uncertainty, 1), std::span(&status, 1)};
+    const ArrayStream::Output other{std::span(&other_pressure, 1), std::span(&other_uncertainty, 1),
+                                    std::span(&other_status, 1)};
+    const auto same = [&] {
+      CHECK((pressure == other_pressure && uncertainty == other_uncertainty && status == other_status));
+    };
+    for (int round = 0; round < 3; ++round) {
+      stream.set_interval(2.0);
+      plain.set_interval(2.0);
+      for (const auto& [volts, seconds] : kMeasured) {
+        const float measured = static_cast<float>(falling ? -volts : volts);
+        stream.frame(std::span(&measured, 1), own);
+        plain.frame(std::span(&measured, 1), other);
+        same();
+        CHECK(((status & kTaxelOutside) != 0) == (round == 1));
+      }
+      stream.set_outside_validity(round == 0);
+      plain.set_outside_validity(round == 0);
+      for (int lost = 0; lost <= round; ++lost) {
+        stream.lost_frame(own);
+        plain.lost_frame(other);
+        same();
+      }
+    }
+  }
+}
