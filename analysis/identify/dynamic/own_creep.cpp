@@ -22,9 +22,7 @@ Dataset mean_of(const Dataset& data, const std::vector<bool>& usable) {
   mean.rows = mean.columns = 1;
   const auto width = static_cast<std::size_t>(data.taxels());
   const auto count = static_cast<double>(std::ranges::count(usable, true));
-  double squares = 0.0;
-  for (std::size_t t = 0; t < width; ++t) squares += usable[t] ? data.noise_v[t] * data.noise_v[t] : 0.0;
-  mean.noise_v = {std::sqrt(squares) / count};
+  mean.noise_v = {0.0};  // no misfit depends on it
   mean.at_limit = {false};
   for (SequenceData& sequence : mean.sequences)
     for (Repeat& repeat : sequence.repeats) {
