@@ -7,6 +7,8 @@
 #include "analysis/compensate/dynamic_compensator.h"
 #include "analysis/compensate/dynamic_frame_compensator.h"
 #include "analysis/error.h"
+#include "analysis/identify/dynamic/dynamic_alone.h"
+#include "analysis/identify/dynamic/undone.h"
 #include "analysis/identify/dynamic_setup_of.h"
 #include "analysis/identify/stored/array_stream.h"
 #include "analysis/identify/streams/recording_stream.h"
@@ -138,6 +140,35 @@ TEST_CASE("streams of dynamic models: outputs are given as they rise, and only f
   }
   quiet.rest(5.0);
   CHECK(quiet.step(volts, 0.0).pressure_psi == Approx(20.0));
+}
+
+TEST_CASE("streams of dynamic models: a taxel is read alone, whatever the ranges of those beside it", "[dynamic]") {
+  SensorModel model = creeping_film();
+  for (const double high : {60.0, 70.0}) {
+    model.taxels.push_back(model.taxels[0]);
+    model.taxels.back().taxel = static_cast<int>(model.taxels.size()) - 1;
+    model.taxels.back().fit.model = std::make_shared<LinearisedModel>(
+        Divider{0.5, 0.125}, std::make_shared<PreisachModel>(10.0, high, 0.0, std::vector<double>{1, 2, 4}));
+  }
+  // At the end of all cells, 7 V behind the divider, at the far end of each one's own range.
+  const double full = 0.5 + 7.0 / (1.0 + 7.0 / 8.0) * 0.94;
+  Histories histories;
+  for (std::size_t t = 0; t < 3; ++t) {
+    CAPTURE(t);
+    RecordingStream recording(model, model.taxels[t]);
+    TaxelStream stream(model, model.taxels[t]);
+    CHECK(recording.step(full).pressure_psi > 45.0);
+    CHECK(stream.step(full).pressure_psi > 45.0);
+    TaxelHistories& own = histories.taxels.emplace_back();
+    own.taxel = static_cast<int>(t);
+    own.score = {{"a", {10, 30}, {0.5, 2.0}, {}, {0.0, 1.0}, {0.0, 1.0}}};
+  }
+  const Histories undone = creep_and_lag_undone(model, histories);
+  for (std::size_t t = 0; t < 3; ++t) {
+    CHECK(undone.taxels[t].score[0].y[0] == Approx(0.5));
+    CHECK(undone.taxels[t].score[0].y[1] > 2.0);
+    CHECK(undone.taxels[t].score[0].x[1] < 30.0);
+  }
 }
 
 TEST_CASE("streams of dynamic models: numbers that make no compensator are refused with the taxel's", "[dynamic]") {
