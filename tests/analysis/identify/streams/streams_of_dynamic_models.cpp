@@ -43,7 +43,7 @@ SensorModel creeping_film(bool falling = false) {
   return model;
 }
 
-void check_alike(const Compensated& a, const Compensated& b) {
+void check_same_reading(const Compensated& a, const Compensated& b) {
   CHECK(a.pressure_psi == b.pressure_psi);
   CHECK(a.uncertainty_psi == b.uncertainty_psi);
   CHECK((a.unknown == b.unknown && a.flat == b.flat && a.out_of_range == b.out_of_range));
@@ -56,7 +56,8 @@ const std::vector<Measured> kMeasured{{1.0, 0.0}, {2.5, 2.0}, {2.2, 5.0}, {1.5, 
 
 template <class Own>
 void check_steps(Own& own, DynamicTaxelCompensator& plain) {
-  for (const auto& [volts, seconds] : kMeasured) check_alike(own.step(volts, seconds), plain.step(volts, seconds));
+  for (const auto& [volts, seconds] : kMeasured)
+    check_same_reading(own.step(volts, seconds), plain.step(volts, seconds));
 }
 
 std::string refused_stream(SensorModel model, bool recording) {
@@ -86,7 +87,7 @@ TEST_CASE("streams of dynamic models: steps, conditioning, rests and unknown sta
     RecordingStream recording(model, model.taxels[0], noisier);
     check_steps(recording, plain);
     CHECK(recording.ascending() == plain.ascending());
-    check_alike(recording.step(1.2, 1.0), plain.step(1.2, 1.0));
+    check_same_reading(recording.step(1.2, 1.0), plain.step(1.2, 1.0));
     CHECK_FALSE(plain.ascending());
     CHECK_FALSE(recording.ascending());
     recording.work(30.0);
@@ -99,7 +100,7 @@ TEST_CASE("streams of dynamic models: steps, conditioning, rests and unknown sta
     plain.reset_unknown();
     const Compensated first = recording.step(2.0, 1.0);
     CHECK(first.unknown);
-    check_alike(first, plain.step(2.0, 1.0));
+    check_same_reading(first, plain.step(2.0, 1.0));
     check_steps(recording, plain);
 
     plain.reset();
@@ -123,8 +124,8 @@ TEST_CASE("streams of dynamic models: outputs are given as they rise, and only f
   RecordingStream one(rising, rising.taxels[0]), other(falling, falling.taxels[0]);
   TaxelStream first(rising, rising.taxels[0]), second(falling, falling.taxels[0]);
   for (const auto& [volts, seconds] : kMeasured) {
-    check_alike(one.step(volts, seconds), other.step(volts, seconds));
-    check_alike(first.step(volts, seconds), second.step(volts, seconds));
+    check_same_reading(one.step(volts, seconds), other.step(volts, seconds));
+    check_same_reading(first.step(volts, seconds), second.step(volts, seconds));
   }
   SensorModel unfit = creeping_film();
   unfit.taxels[0].status = TaxelStatus::kUnfit;
