@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "analysis/compensate/dynamic_compensator.h"
@@ -212,5 +213,31 @@ TEST_CASE("frames of dynamic models are the frame compensator's, with noise, los
         same();
       }
     }
+  }
+}
+
+TEST_CASE(
+    "streams of models without time: the range goes from the loop's low end over the full scale, and six noises") {
+  SensorModel model = creeping_film();
+  model.dynamics.reset();
+  ModelTaxel& taxel = model.taxels[0];
+  taxel.fit.model = std::make_shared<PreisachModel>(10.0, 50.0, 0.5, std::vector<double>{1, 2, 4});
+  taxel.fit.full_scale = 7.0;
+  taxel.zero = 1.0;
+  taxel.gain = 2.0;  // outputs from 2 to 16 V
+  for (const auto& [noise, noisier, band] : {std::tuple(0.0, 1.0, 0.0), {0.125, 1.0, 0.75}, {0.125, 2.0, 1.5}}) {
+    taxel.noise = noise;
+    CAPTURE(noise, noisier);
+    const auto out = [&, more = noisier](double volts) {
+      TaxelStream stream(model, taxel, more);
+      RecordingStream recording(model, taxel, more);
+      const bool of_range = stream.step(volts).out_of_range;
+      CHECK(recording.step(volts).out_of_range == of_range);
+      return of_range;
+    };
+    CHECK_FALSE(out(16.0 + band));
+    CHECK(out(16.0625 + band));
+    CHECK_FALSE(out(2.0 - band));
+    CHECK(out(1.9375 - band));
   }
 }
