@@ -16,15 +16,17 @@ namespace tactbench::db::fleet {
 
 using TextRow = std::vector<std::string>;  // NULL as ""
 
-inline constexpr std::chrono::seconds kSilence(60);  // without a byte the server counts as lost
+inline constexpr std::chrono::seconds kPatience(10);  // for connecting
+inline constexpr std::chrono::seconds kSilence(60);   // without a byte the server counts as lost
 
 class Link {
  public:
   // `conninfo`: as psql takes it, "host=... dbname=...", "postgresql://...", "service=...". What it does not say comes
-  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT). Blocks for 10 s at most. `silence`:
-  // how long the server may send no byte while something is asked. TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS,
-  // TB-FLEET-CONNINFO.
-  explicit Link(const std::string& conninfo, std::chrono::seconds silence = kSilence);
+  // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT). Blocks for `patience` at most.
+  // `silence`: how long the server may send no byte while something is asked. TB-FLEET-CONNECT, TB-FLEET-LOGIN,
+  // TB-FLEET-TLS, TB-FLEET-CONNINFO.
+  explicit Link(const std::string& conninfo, std::chrono::seconds silence = kSilence,
+                std::chrono::seconds patience = kPatience);
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;

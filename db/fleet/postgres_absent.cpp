@@ -15,7 +15,7 @@ namespace {
 struct Link::State {
   std::string where, user;
 };
-Link::Link(const std::string&, std::chrono::seconds) { not_built(); }
+Link::Link(const std::string&, std::chrono::seconds, std::chrono::seconds) { not_built(); }
 Link::~Link() = default;
 std::vector<TextRow> Link::query(const std::string&, const std::vector<std::string>&) { not_built(); }
 void Link::execute(const std::string&) { not_built(); }

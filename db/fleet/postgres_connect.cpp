@@ -127,7 +127,8 @@ std::string libpq_version() {
   return fmt::format("{}.{}", libpq().PQlibVersion() / 10000, libpq().PQlibVersion() % 10000);
 }
 
-Link::Link(const std::string& conninfo, std::chrono::seconds silence) : state_(std::make_unique<State>()) {
+Link::Link(const std::string& conninfo, std::chrono::seconds silence, std::chrono::seconds patience)
+    : state_(std::make_unique<State>()) {
   state_->silence = silence;
   state_->where = where_of(conninfo);
   // Before what is given, which takes precedence.
@@ -147,13 +148,13 @@ Link::Link(const std::string& conninfo, std::chrono::seconds silence) : state_(s
   libpq().PQsetErrorVerbosity(handle, PQERRORS_VERBOSE);  // brings the SQLSTATE, which is the same in every language
   libpq().PQsetNoticeProcessor(
       handle, [](void*, const char*) {}, nullptr);
-  const auto deadline = Time::now() + kPatience;
+  const auto deadline = Time::now() + patience;
   for (PostgresPollingStatusType polled = PGRES_POLLING_WRITING; libpq().PQstatus(handle) != CONNECTION_BAD;) {
     pollfd socket{libpq().PQsocket(handle), static_cast<short>(polled == PGRES_POLLING_READING ? POLLIN : POLLOUT), 0};
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Time::now()).count();
     const int ready = left > 0 ? ::poll(&socket, 1, static_cast<int>(left)) : 0;
     if (ready < 0 && errno == EINTR) continue;
-    if (ready == 0) fail_connect(state_->where, fmt::format("no answer within {} s", kPatience.count()));
+    if (ready == 0) fail_connect(state_->where, fmt::format("no answer within {} s", patience.count()));
     polled = libpq().PQconnectPoll(handle);
     if (polled == PGRES_POLLING_OK || polled == PGRES_POLLING_FAILED) break;
   }

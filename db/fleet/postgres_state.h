@@ -33,7 +33,6 @@ struct Libpq {
 const Libpq& libpq();
 
 using Time = std::chrono::steady_clock;
-inline constexpr std::chrono::seconds kPatience(10);  // for connecting
 
 struct FreeResult {
   void operator()(PGresult* result) const { libpq().PQclear(result); }

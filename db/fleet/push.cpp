@@ -11,8 +11,6 @@ namespace tactbench::db::fleet {
 
 namespace {
 
-constexpr std::uintmax_t kLargestScratch = 64 << 20;  // then what was read back begins anew
-
 // The store's one state for as long as a run is sent.
 class Reading {
  public:
@@ -54,8 +52,12 @@ struct Push::InsertedRow {
   }
 };
 
-Push::Push(Link& link, LocalRuns& store, std::string source, std::string scratch)
-    : link_(link), store_(store), source_(std::move(source)), scratch_(std::move(scratch)) {}
+Push::Push(Link& link, LocalRuns& store, std::string source, std::string scratch, std::uintmax_t largest_scratch)
+    : link_(link),
+      store_(store),
+      source_(std::move(source)),
+      scratch_(std::move(scratch)),
+      largest_scratch_(largest_scratch) {}
 
 std::vector<Waiting> Push::waiting() {
   const std::vector<LocalRun> runs = store_.ended_runs();
@@ -154,7 +156,7 @@ std::int64_t Push::send(const Table& table, std::int64_t number, const LocalRun&
 }
 
 void Push::compare(std::int64_t number, const LocalRun& run) {
-  if (read_back_ && read_back_->bytes() > kLargestScratch) {
+  if (read_back_ && read_back_->bytes() > largest_scratch_) {
     const std::string old = read_back_->path();
     read_back_.reset();
     std::filesystem::remove(old);

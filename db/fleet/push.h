@@ -29,10 +29,14 @@ struct PushedRun {
   bool remarks = false;     // a new revision was sent
 };
 
+inline constexpr std::uintmax_t kLargestScratch = 64 << 20;  // bytes
+
 class Push {
  public:
-  // `source`: names the store in the fleet, "host:/path/runs.db". `scratch`: an empty folder for what is read back.
-  Push(Link& link, LocalRuns& store, std::string source, std::string scratch);
+  // `source`: names the store in the fleet, "host:/path/runs.db". `scratch`: an empty folder for what is read back,
+  // which begins anew before a run when it is larger than `largest_scratch`.
+  Push(Link& link, LocalRuns& store, std::string source, std::string scratch,
+       std::uintmax_t largest_scratch = kLargestScratch);
 
   // What the fleet does not have, in the order of the runs; one query.
   std::vector<Waiting> waiting();
@@ -58,6 +62,7 @@ class Push {
   std::map<std::int64_t, std::pair<std::string, std::string>> fit_names_;
   std::unique_ptr<CopyBack> read_back_;
   int scratch_files_ = 0;
+  std::uintmax_t largest_scratch_;
 };
 
 // Adds a fit that was made in the fleet, on a run of it, in place of the fit with the hash `parent_sha256` ("": none).

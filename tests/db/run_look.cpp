@@ -94,6 +94,19 @@ TEST_CASE("a frame that is looked at has all that was measured, and whether it c
   CHECK_FALSE(look.newest()->is_void);  // of no branch
 }
 
+TEST_CASE("a frame that was pressed with no force yet is a pressed one, too") {
+  Looked looked;
+  db::FrameRecord frame = example_frame(looked.branch, 7);
+  frame.wrench->target_n = 0.0;
+  frame.wrench->force_start_n = 0.0;
+  looked.store.append_frame(looked.run, frame);
+  db::RunLook look = looked.look();
+  const std::optional<db::SeenFrame> seen = look.newest();
+  REQUIRE((seen && seen->wrench));
+  CHECK((seen->wrench->target_n == 0.0 && seen->wrench->force_start_n == 0.0));
+  CHECK((seen->wrench->wrench == frame.wrench->wrench && seen->wrench->place_mm == frame.wrench->place_mm));
+}
+
 TEST_CASE("a frame whose counts do not fit its shape is not shown, and the next question finds the others") {
   const Looked looked;
   Connection(looked.store.path(), Access::kReadWrite)

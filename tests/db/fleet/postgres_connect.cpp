@@ -123,4 +123,23 @@ TEST_CASE("fleet server: a refusal at the door is told by its code, and without 
   CHECK_THAT(nobody.message, Contains("cannot be reached: "));
 }
 
+TEST_CASE("fleet server: one that says nothing is given up when the patience with it is over") {
+  if (!built_with_libpq()) return;
+  const BareEnvironment bare;
+  for (const bool says_a_part : {false, true}) {
+    // The part asks for a password, but for its last byte.
+    const std::string asks = message('R', number(3, 4));
+    Server server({Answer(says_a_part ? asks.substr(0, asks.size() - 1) : "")});
+    const auto begun = std::chrono::steady_clock::now();
+    const Told error = told([&] { const Link link(server.conninfo(), kSilence, kSoon); });
+    CHECK(error.id == "TB-FLEET-CONNECT");
+    CHECK(error.cause == FleetCause::kLink);
+    CHECK(error.message == "fleet " + server.where() + ": cannot be reached: no answer within 1 s");
+    CHECK_THAT(error.remedy, Contains("check host, port and database"));
+    CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(990));
+  }
+  CHECK(kPatience == std::chrono::seconds(10));
+  CHECK(kSilence == std::chrono::seconds(60));
+}
+
 }  // namespace tactbench::tests::postgres

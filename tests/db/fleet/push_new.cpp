@@ -109,6 +109,41 @@ TEST_CASE("fleet push: the month is made once, and a copy that is read back serv
   CHECK(std::filesystem::exists(scratch.path("read-back-2.db")));
 }
 
+TEST_CASE(
+    "fleet push: a copy that is read back begins anew when it is larger than may be, and not when it is as large") {
+  if (!db::fleet::built_with_libpq()) return;
+  const Fleet fleet;
+  LocalRuns local(fleet.store.path());
+  const LocalRun own = local.ended_runs().at(0);
+  CHECK(db::fleet::kLargestScratch == 67'108'864);
+  std::uintmax_t size = 1;
+  for (const int less : {-1, 0, 1}) {  // what may be, below what one run takes; before that is known
+    std::vector<Answer> answers = {started()};
+    for (const bool first : {true, false}) {
+      add(answers, until_sent(first));
+      add(answers, fleet.content(true));
+      add(answers, {rows(2, {{fleet.fit.sha256, "0"}}), rows(1, {{own.fingerprint}}), finished("COMMIT")});
+    }
+    Server server(answers);
+    const TemporaryFolder scratch;
+    const std::string one = scratch.path("read-back-1.db"), two = scratch.path("read-back-2.db");
+    db::fleet::Link link(server.conninfo(), kSoon);
+    Push push(link, local, "host:/runs.db", scratch.path(),
+              less < 0 ? db::fleet::kLargestScratch : size - static_cast<std::uintmax_t>(less));
+    CHECK(push.push({own, true}).frames == 3);
+    CHECK((std::filesystem::exists(one) && !std::filesystem::exists(two)));
+    if (less < 0) {
+      size = std::filesystem::file_size(one);
+    } else if (less == 0) {
+      CHECK_FALSE(store_error([&] { (void)push.push({own, true}); }).empty());  // the copy has a run of this number
+      CHECK((std::filesystem::exists(one) && !std::filesystem::exists(two)));
+    } else {
+      CHECK(push.push({own, true}).frames == 3);
+      CHECK((!std::filesystem::exists(one) && std::filesystem::exists(two)));
+    }
+  }
+}
+
 TEST_CASE("fleet push: what comes to the server otherwise is not kept, and a store that changed is told as such") {
   if (!db::fleet::built_with_libpq()) return;
   Fleet fleet;
