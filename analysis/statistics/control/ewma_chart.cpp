@@ -44,7 +44,7 @@ double chart_probability(double statistic, int start_up) {
   std::size_t row = 0;
   while (row + 2 < kSizes && kStartUps[row + 1] < start_up) ++row;
   const double from = 1.0 / kStartUps[row], to = 1.0 / kStartUps[row + 1];
-  const double share = std::clamp((from - 1.0 / start_up) / (from - to), 0.0, 1.0);
+  const double share = (from - 1.0 / start_up) / (from - to);
   return std::min(1.0, one_run * std::lerp(worth_in_row(row, place), worth_in_row(row + 1, place), share));
 }
 

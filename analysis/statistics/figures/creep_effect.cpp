@@ -41,7 +41,7 @@ class HoldReader {
  public:
   HoldReader(const Repeat& repeat, const HeldFrames& hold, std::size_t width)
       : repeat_(&repeat), hold_(&hold), width_(width) {}
-  // Linear between two frames; before the first one the first.
+  // Linear between two frames; before the first one the first. `time_s` at most that of the last one.
   [[nodiscard]] HoldMoment at(std::size_t taxel, double time_s) const {
     std::size_t after = hold_->first;
     while (after + 1 < hold_->end && hold_->held_s(*repeat_, after) < time_s) ++after;
@@ -49,7 +49,7 @@ class HoldReader {
     if (after == hold_->first) return high;
     const HoldMoment low = frame(taxel, after - 1);
     const double begin = hold_->held_s(*repeat_, after - 1), end = hold_->held_s(*repeat_, after);
-    const double share = std::min(1.0, (time_s - begin) / (end - begin));
+    const double share = (time_s - begin) / (end - begin);
     return {std::lerp(low.volts, high.volts, share), std::lerp(low.reference_psi, high.reference_psi, share)};
   }
   [[nodiscard]] HoldMoment end(std::size_t taxel) const {

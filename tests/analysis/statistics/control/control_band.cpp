@@ -23,6 +23,15 @@ TEST_CASE("Student quantiles are those of the tables") {
   CHECK(student_two_sided(1.959964, std::numeric_limits<double>::infinity()) == Approx(0.05).epsilon(1e-6));
   CHECK(student_two_sided(std::numeric_limits<double>::infinity(), 3.0) == 0.0);
   CHECK(std::isnan(student_two_sided(1.0, 0.0)));
+  // Of one degree of freedom, Cauchy's distribution: 1/2 beyond 1, and the quantile at 3/4 is 1.
+  CHECK(student_two_sided(1.0, 1.0) == Approx(0.5));
+  CHECK(student_quantile(0.75, 1.0) == Approx(1.0));
+  // Of a half and 1e300 degrees of freedom there are some, too, and none of -1 or of no t.
+  CHECK(student_two_sided(0.0, 0.5) == 1.0);
+  CHECK(student_quantile(0.5, 0.5) == Approx(0.0).margin(1e-12));
+  CHECK(std::isnan(student_two_sided(1.0, -1.0)));
+  CHECK(std::isnan(student_two_sided(std::nan(""), 3.0)));
+  CHECK(std::isnan(student_quantile(0.0, 4.0)));
 }
 
 TEST_CASE("a control band is the prediction interval of a normal sample") {

@@ -124,6 +124,20 @@ TEST_CASE("creep by hand: of two holds of one level and branch the larger share,
   CHECK_THAT(branches.in_words(), Catch::Contains("40.0 psi unloading for 40 s: 7.50 %"));
 }
 
+TEST_CASE("creep by hand: of several levels the earliest end and the latest begin count for the effect") {
+  const Dataset short_one = held_once({.first_v = steps_to(2.1)}),
+                long_one = held_once({.psi = 20.0, .first_v = steps_to(2.1, 30), .reference_end_psi = 20.0}),
+                late = held_once({.psi = 30.0, .from_s = 3.0, .first_v = steps_to(2.1), .reference_end_psi = 30.0});
+  for (const auto& runs : {std::vector{short_one, long_one}, std::vector{long_one, short_one}}) {
+    const CreepEffect effect = straight_effect(runs);
+    CHECK(effect.levels.size() == 2);
+    CHECK(effect.to_s == 40.0);
+    CHECK_FALSE(effect.extrapolated_back);
+  }
+  CHECK(straight_effect({short_one, late}).extrapolated_back);
+  CHECK(straight_effect({late, short_one}).extrapolated_back);
+}
+
 TEST_CASE(
     "creep shares by hand: between held levels, beyond them, of a branch or the other, of a taxel that has none") {
   CreepEffect effect;

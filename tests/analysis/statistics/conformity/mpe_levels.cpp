@@ -1,0 +1,127 @@
+// U of a reading at levels beside and between those of the budgets, each with a U of its own, and shares of taxels.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "analysis/statistics/conformity/mpe.h"
+#include "analysis/statistics/numbers/moments.h"
+#include "tests/analysis/support/straight_array.h"
+
+using namespace tactbench;
+using namespace tactbench::analysis;
+
+namespace mpe_levels {
+namespace {
+
+LevelUncertainty budget_at(double pressure_psi, bool up, double first, double second) {
+  LevelUncertainty level;
+  level.pressure_psi = pressure_psi;
+  level.up = up;
+  level.expanded_psi = {first, second, kNan};
+  return level;
+}
+
+// In no order. Of each branch and level another U.
+Uncertainty unequal() {
+  Uncertainty out;
+  out.levels = {budget_at(40, true, 3, 5), budget_at(20, true, 1, 2), budget_at(40, false, 13, 17),
+                budget_at(20, false, 7, 11)};
+  return out;
+}
+
+MpeFigure figure_at(double low_psi, double high_psi, double share, const Uncertainty& known, const Dataset& data) {
+  const Limits::Mpe list[] = {{low_psi, high_psi, 8.0, share}};
+  const std::vector<MpeFigure> figures = mpe_figures(data, straight_array::straight_fit(), &known, list, 1);
+  REQUIRE(figures.size() == 1);
+  return figures.front();
+}
+
+void check_shares(double psi, const std::vector<double>& value_psi, const std::vector<double>& expanded_psi,
+                  const Dataset& data = straight_array::known_loop()) {
+  INFO("at " << psi << " psi");
+  const Uncertainty known = unequal();
+  for (const std::size_t taxels : {1U, 2U}) {
+    const MpeFigure figure = figure_at(psi, psi, taxels == 1 ? 0.5 : 0.95, known, data);
+    CHECK(figure.value_psi == Approx(value_psi[taxels - 1]));
+    CHECK(figure.expanded_psi == Approx(expanded_psi[taxels - 1]));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("mpe: at a level with budgets its own U counts, beyond them the nearest") {
+  // Errors on the way down: 1 and 3 psi at 40 psi, 6 and 1 at 20 psi. Of |error| + U the larger of both branches
+  // counts.
+  check_shares(20, {1, 6}, {12 - 1, 13 - 6});
+  check_shares(40, {1, 3}, {14 - 1, 20 - 3});
+  check_shares(0, {0, 0}, {7, 11});  // U at 20 psi, unloading
+  check_shares(60, {0, 0}, {3, 5});  // the turn belongs to loading: U at 40 psi
+}
+
+TEST_CASE("mpe: between two levels with budgets the larger of both counts") {
+  using namespace straight_array;
+  const std::vector<Sample> steps{{0, 0}, {30, 30}, {60, 60}, {30, 30}, {0, 0}};
+  check_shares(30, {1, 2}, {15 - 1, 18 - 2},
+               dataset_of({{"loop", {repeat_of(steps, {{0, 30, 60, 32, 0}, {0, 30, 60, 31, 0}})}}}));
+}
+
+TEST_CASE("mpe: errors are means of the frames at a level and branch, not of their absolutes") {
+  using namespace straight_array;
+  // At 30 psi upward +4 and -2 of the first taxel: 1 in the mean; +1 and +2 of the second.
+  const std::vector<Sample> steps{{0, 0}, {30, 30}, {60, 60}};
+  const Dataset data = dataset_of(
+      {{"up", {repeat_of(steps, {{0, 34, 60}, {0, 31, 60}}), repeat_of(steps, {{0, 28, 60}, {0, 32, 60}})}}});
+  CHECK(figure_at(30, 30, 0.5, unequal(), data).value_psi == Approx(1.0));
+  CHECK(figure_at(30, 30, 0.95, unequal(), data).value_psi == Approx(1.5));
+  CHECK(figure_at(30, 30, 0.95, unequal(), data).levels == 1);
+}
+
+TEST_CASE("mpe: a taxel without U at a level has none, and a share that needs it has none either") {
+  Uncertainty known = unequal();
+  known.levels[3].expanded_psi[1] = kNan;  // 20 psi down of the second: U at 40 psi is the nearest
+  const Dataset data = straight_array::known_loop();
+  CHECK(figure_at(20, 20, 0.5, known, data).expanded_psi == Approx(13 - 1));
+  known.levels[2].expanded_psi[1] = kNan;  // no level of its branch is left
+  const MpeFigure first = figure_at(20, 20, 0.5, known, data);
+  CHECK(first.value_psi == Approx(1.0));
+  CHECK(first.expanded_psi == Approx(13 - 1));
+  CHECK(std::isnan(figure_at(20, 20, 0.95, known, data).expanded_psi));
+  CHECK(figure_at(20, 20, 0.95, known, data).value_psi == Approx(6.0));
+  CHECK(std::isnan(figure_at(0, 60, 0.95, known, data).expanded_psi));
+}
+
+TEST_CASE("mpe: levels of a span are counted by branch, with both ends and a millionth of a psi beyond") {
+  const Dataset data = straight_array::known_loop();
+  const auto levels = [&](double low, double high) { return figure_at(low, high, 0.95, unequal(), data).levels; };
+  CHECK(levels(0, 60) == 7);
+  CHECK(levels(20, 40) == 4);
+  CHECK(levels(20.0000009, 39.9999991) == 4);
+  CHECK(levels(20.0000011, 40) == 2);
+  CHECK(levels(20, 39.9999989) == 2);
+  CHECK(levels(25, 35) == 0);
+  CHECK(figure_at(20.0000011, 40, 0.95, unequal(), data).value_psi == Approx(3.0));
+  CHECK(figure_at(20, 39.9999989, 0.95, unequal(), data).value_psi == Approx(6.0));
+  CHECK(figure_at(20.0000009, 20.0000009, 0.95, unequal(), data).value_psi == Approx(6.0));
+}
+
+TEST_CASE("mpe: the smallest share is that of one taxel, and the scope says levels and share") {
+  CHECK(figure_at(20, 20, 0.0, unequal(), straight_array::known_loop()).value_psi == Approx(1.0));
+  CHECK(figure_at(20, 20, 1.0, unequal(), straight_array::known_loop()).value_psi == Approx(6.0));
+  CHECK(scope_of({2.5, 2.5, 1.0, 0.995}) == "2.5 psi 99.5 %");
+  CHECK(scope_of({2.5, 7.25, 1.0, 1.0}) == "2.5-7.25 psi 100 %");
+  CHECK(mpe_figures(straight_array::known_loop(), straight_array::straight_fit(), nullptr, {}).empty());
+}
+
+TEST_CASE("mpe: U of a judged figure states half of itself as combined, k = 2, and its run") {
+  const MpeFigure figures[] = {{"a", 3.0, 1.5, 2}, {"b", 4.0, kNan, 0}};
+  const std::vector<JudgedUncertainty> all = mpe_uncertainties(figures, 31);
+  REQUIRE(all.size() == 2);
+  CHECK((all[0].criterion == "mpe" && all[0].scope == "a" && all[0].unit == "psi" && all[0].run == 31));
+  CHECK((all[0].expanded == 1.5 && all[0].combined == 0.75 && all[0].factor == 2.0 && all[0].missing.empty()));
+  CHECK(all[0].dof == kInfiniteDof);
+  CHECK_THAT(all[0].basis, Catch::StartsWith("U of one taxel's reading at its level and branch (section Uncertainty)"));
+  CHECK_THAT(all[0].basis, Catch::EndsWith("the |error| that this share of the taxels does not exceed"));
+  CHECK((all[1].scope == "b" && std::isnan(all[1].expanded) && all[1].basis.empty() && all[1].run == 31));
+  CHECK(all[1].missing == "no budget of a reading at the levels judged");
+}
+
+}  // namespace mpe_levels
