@@ -58,9 +58,15 @@ TEST_CASE("a file that is not a database is refused") {
   CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
   write_file(folder.path("runs.db"), "short");
   refused(folder, "TB-STORE-OPEN");
-  // A valid header over random bytes
+  write_file(folder.path("runs.db"), "x");
+  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
+  // A valid header but for its last byte, and one over random bytes
   write_file(folder.path("good.db"), "");
   RunStore::open(folder.path("good.db"));
+  write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 99));
+  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), Catch::Contains("neither a store"));
+  write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100));
+  CHECK_THAT(refused(folder, "TB-STORE-OPEN"), !Catch::Contains("neither a store"));
   write_file(folder.path("runs.db"), read_file(folder.path("good.db")).substr(0, 100) + std::string(8092, 'x'));
   refused(folder, "TB-STORE-OPEN");
 }

@@ -68,6 +68,56 @@ TEST_CASE("fleet copy back: a run of the fleet is a store with all that was meas
   CHECK(server.statements().at(0) == "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
 }
 
+TEST_CASE("fleet copy back: rows are asked for by their runs, frames by their months, remarks by their revisions") {
+  if (!db::fleet::built_with_libpq()) return;
+  const Fleet fleet;
+  Server server(fleet.all(fleet.fit.sha256, db::fleet::sha256_of(fleet.remarks), {fleet.sensor}));
+  {
+    db::fleet::Link link(server.conninfo(), kSoon);
+    CopyBack(link, fleet.folder.path("back.db")).add_runs({kRun}, Frames::kWith);
+  }
+  const std::vector<std::string> asked = server.statements();
+  REQUIRE(asked.size() == 18);
+  const auto check_ends = [&](std::size_t at, const std::string& end) {
+    CHECK_THAT(asked[at], Catch::StartsWith("COPY (SELECT "));
+    CHECK_THAT(asked[at], Catch::EndsWith(end + ") TO STDOUT (FORMAT binary)"));
+  };
+  const std::string own = " = ANY('{41}'::bigint[])", revision = " = ANY('{9}'::bigint[])";
+  for (const std::size_t at : {1U, 2U})
+    check_ends(at,
+               "FROM fleet.sensors t WHERE (serial, type_sha256, scanner_serial) IN (SELECT sensor_serial, "
+               "sensor_type_sha256, sensor_scanner FROM fleet.runs WHERE run" +
+                   own + ") ORDER BY 1");
+  check_ends(
+      3, "WHERE run" + own + " ORDER BY run, revision DESC) v ON v.run = t.run WHERE t.run" + own + " ORDER BY t.run");
+  std::size_t at = 4;
+  for (const Table& table : db::fleet::content_tables())
+    check_ends(at++, std::string("FROM fleet.") + table.name + " t WHERE t.run" + own + " ORDER BY 1, 2");
+  REQUIRE(at == 10);
+  CHECK_THAT(asked[10], Catch::StartsWith("COPY (SELECT t.\"run\", t.\"month\", t.\"position\", "));
+  check_ends(10, "FROM fleet.frames t WHERE t.month = ANY('{202405}'::bigint[]) AND t.run" + own +
+                     " ORDER BY t.month, t.run, t.position");
+  check_ends(11, "t.\"run\", t.\"sha256\" FROM fleet.fits t WHERE run" + own + " ORDER BY fit");
+  check_ends(12, "FROM fleet.fit_taxels t JOIN fleet.fits f ON f.fit = t.fit WHERE f.run" + own + " ORDER BY 1, 2");
+  check_ends(13, "FROM fleet.revisions WHERE run" + own + " ORDER BY run, revision DESC");
+  check_ends(14, "FROM fleet.verdicts t WHERE t.revision" + revision + " ORDER BY 1, 2, 3");
+  check_ends(15, "FROM fleet.figures t WHERE t.revision" + revision + " ORDER BY 1, 2, 3");
+  check_ends(16, "FROM fleet.reports t WHERE t.revision" + revision + " ORDER BY 1, 2, 3");
+  CHECK(asked[17] == "ROLLBACK");
+
+  // Several runs of several months.
+  std::vector<Answer> answers = {started()};
+  for (const Answer& answer : fleet.content(true)) answers.push_back(answer);
+  answers[answers.size() - 2] = rows(1, {{"202406"}, {"202405"}, {"202406"}});
+  Server second(answers);
+  {
+    db::fleet::Link link(second.conninfo(), kSoon);
+    CopyBack(link, fleet.folder.path("two.db")).add_content({kRun, 42}, Frames::kWith);
+  }
+  CHECK_THAT(second.statements().back(),
+             Contains("t.month = ANY('{202405,202406}'::bigint[]) AND t.run = ANY('{41,42}'::bigint[])"));
+}
+
 TEST_CASE("fleet copy back: content alone comes with or without frames, and a list takes one of two registrations") {
   if (!db::fleet::built_with_libpq()) return;
   const Fleet fleet;
