@@ -84,15 +84,10 @@ std::size_t chosen_level(const std::vector<LevelUncertainty>& levels) {
     low = std::fmin(low, level.pressure_psi);
     high = std::fmax(high, level.pressure_psi);
   }
-  std::size_t best = 0;
-  double nearest = kInfiniteDof;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double off = std::abs(levels[i].pressure_psi - 0.5 * (low + high)) + (levels[i].up ? 1e-9 : 0.0);
-    if (off >= nearest) continue;
-    nearest = off;
-    best = i;
-  }
-  return best;
+  const auto off = [&](const LevelUncertainty& level) {
+    return std::abs(level.pressure_psi - 0.5 * (low + high)) + (level.up ? 1e-9 : 0.0);
+  };
+  return static_cast<std::size_t>(std::ranges::min_element(levels, {}, off) - levels.begin());
 }
 
 // A centre of pressure moves by the taxels' own errors alone; the array is evenly loaded.

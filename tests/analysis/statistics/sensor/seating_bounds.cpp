@@ -125,6 +125,8 @@ TEST_CASE("seating bounds: the mean may differ by a fifth, by half it fails, and
   CHECK(by(0.49, 7.49).verdict == "pass");
   CHECK(by(0.79).mean_ratio.value() == Approx(0.79));
   CHECK_FALSE(check_seating(10, 10, even_frames(1.0), even_frames(0.0)).mean_ratio);  // nothing to compare with
+  // However small: four taxels of 0.2 V.
+  CHECK(check_seating(2, 2, even_frames(0.15, 8.0, 4), even_frames(0.2, 8.0, 4)).mean_ratio.value() == Approx(0.75));
 }
 
 TEST_CASE("seating bounds: taxels below 10 mV are dead one by one, and more than 2 % of them are a warning") {

@@ -62,6 +62,22 @@ TEST_CASE("reference: a correction whose points do not rise, do not match or are
   CHECK(reference_of(correction("[10]", "[0.3]", R"(,"coverage_factor":-1)")).coverage_factor == 2.0);
 }
 
+TEST_CASE("reference: what is no number is as if it were not there, member by member") {
+  const ReferenceUncertainty found = reference_of(
+      R"("drift_psi":"0.05","resolution_psi":"0.25","hysteresis_psi":"0.1","zero_psi":[0.1],"temperature_psi":null)");
+  CHECK((found.drift_stated_psi == 0.0 && found.resolution_psi == Approx(20.0 * 10.0 / 40000.0)));
+  for (const ReferenceLimit& limit : found.limits) CHECK(limit.half_width_psi == 0.0);
+  CHECK(reference_of(R"("expanded_uncertainty_psi":"0.1")").reading_psi.empty());
+  CHECK_FALSE(reference_of(R"("expanded_uncertainty_psi":"0.1")").certificate_missing.empty());
+  const ReferenceUncertainty factor = reference_of(correction("[10]", "[0.3]", R"(,"coverage_factor":"3")"));
+  CHECK((factor.coverage_factor == 2.0 && factor.expanded_psi == std::vector<double>{0.3}));
+  db::RunRecord run;
+  for (const char* calibration : {R"({"volts_per_count":"0.25"})", "{}", "[0.25]", ""}) {
+    run.devices = {{"tactile scanner", "T", "3", "", "simulated", calibration}};
+    CHECK(scanner_step_v(run) == 0.0);
+  }
+}
+
 TEST_CASE("reference: one step of the converter that reads it is its volts times the span's psi a volt") {
   const auto step = [](const std::string& module, const std::string& members = "") {
     return reference_uncertainty(read_by(members, module)).resolution_psi;

@@ -25,11 +25,12 @@ TemperatureEffect temperature_effect_in(const Example& example, const std::vecto
 TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, two taxels, two repeats, 5 K") {
   // 0.5 V at 0 psi, 0.1 V a psi. At 28 degC the taxels' zeros are 0.4 and 0.2 V higher, their gains 3 and 1 % (2 and 0
   // % and 4 and 2 % in the two repeats; the zeros 20 mV less and more).
-  const auto loops = [](double celsius, double warm) {
+  const auto loops = [](double celsius, double warm,
+                        const std::vector<double>& levels = {0, 10, 20, 30, 40, 30, 20, 10, 0}) {
     SequenceData sequence{"loop", {}};
     for (const double r : {-1.0, 1.0}) {
       Repeat repeat;
-      for (const double psi : {0.0, 10.0, 20.0, 30.0, 40.0, 30.0, 20.0, 10.0, 0.0}) {
+      for (const double psi : levels) {
         repeat.steps.push_back({psi, psi});
         for (const auto& [zero, share] : {std::pair{0.4, 0.03}, std::pair{0.2, 0.01}})
           repeat.volts.push_back(0.5 + 0.1 * psi + warm * (zero + 0.02 * r + (share + 0.01 * r) * 0.1 * psi));
@@ -82,7 +83,24 @@ TEST_CASE("changes, coefficients and their uncertainties by hand: five levels, t
   CHECK(wider.half_width_c() == Approx(std::sqrt(0.15 * 0.15 + 3.0 * 0.04)));  // 0.377 K
   CHECK(wider.width_v(2.0) == Approx(std::sqrt(0.15 * 0.15 + 0.12) * volts_a_kelvin));
   CHECK_THAT(wider.in_words(), Catch::Contains("its own calibration with u = 0.200 K"));
-  CHECK_THAT(effect.in_words(), Catch::Contains("the thermometer's own calibration is not stated"));
+  CHECK(effect.in_words() ==
+        "2 runs at 23.0 to 28.0 °C: output over its zero (+0.4000 ± 0.2000) % a kelvin, zero (+60.000 ± 4.000) mV a "
+        "kelvin (standard uncertainties from the scatter of the repeats, 2 degrees of freedom); single taxels ± 0.2828 "
+        "% a kelvin; taken over 22.90 to 23.10 °C, the readings of this run, and the thermometer's step of 0.100 °C; "
+        "the thermometer's own calibration is not stated. Made within a day, and mounted once as far as the runs show; "
+        "what else changed between two runs, such as conditioning or rest, cannot be distinguished from the "
+        "temperature and is contained");
+  // Over both runs: 5 K and half a step; beside it the thermometer's own rectangle.
+  CHECK(effect.half_width_of_runs_c() == Approx(5.05));
+  CHECK(wider.half_width_of_runs_c() == Approx(std::sqrt(5.05 * 5.05 + 3.0 * 0.04)));
+  // Five levels are needed, of each run.
+  const std::vector<double> four{0, 10, 20, 40, 20, 10, 0};
+  CHECK(
+      temperature_effect_of(loops(23.0, 0.0, four), std::vector<Dataset>{loops(28.0, 1.0)}, fit, kStepC).not_assessed ==
+      "this run has no full loop of at least five levels");
+  CHECK(
+      temperature_effect_of(loops(23.0, 0.0), std::vector<Dataset>{loops(28.0, 1.0, four)}, fit, kStepC).not_assessed ==
+      "no further run sweeps five levels of this run's loop at another temperature");
 }
 
 TEST_CASE("the coefficient's own uncertainty is the repeats' scatter over the kelvins between two runs") {
