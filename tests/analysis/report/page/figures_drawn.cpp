@@ -82,6 +82,13 @@ TEST_CASE("drawn: an area, dots and a line of one point in a small chart from 0,
       R"~(<text x="68.4" y="193">another long name</text></svg>)~");
 }
 
+TEST_CASE("drawn: an axis from 0 begins there, however far away the values are") {
+  const std::vector<Series> series{{"", {1, 2}, {30, 50}, 0, false, false}};
+  const std::string zero = R"~(text-anchor="end">0</text>)~";
+  CHECK_THAT(line_chart({"t", "x", "y", series, 300, 240, true}).value, Catch::Contains(zero));
+  CHECK_THAT(line_chart({"t", "x", "y", series, 300, 240, false}).value, !Catch::Contains(zero));
+}
+
 TEST_CASE("drawn: axes of an empty chart") {
   CHECK(line_chart({"t", "x", "y", {}, 300, 240, false}).value ==
         R"~(<svg role="img" class="chart" viewBox="0 0 300 240" width="300" height="240"><title>t</title>)~"

@@ -95,6 +95,7 @@ TEST_CASE("the indication's map by hand: sensitivities with two decimals on a sc
   check_once(page(), "Standard deviation 14.1 %, lowest 0.90, highest 1.10.");
   input.behaviour.gain = {0.9, kNone, 0.9, kNone, kNone, kNone};
   check_once(page(), numbered_map({title, 2, 3, {0.9, kNone, 0.9, kNone, kNone, kNone}, {0.9, 0.901}, 480.0}, 2).value);
+  check_once(page(), colour_bar({0.9, 0.901}, "Colour scale of the map of relative sensitivity", "× mean", 2).value);
   input.behaviour.gain.assign(6, kNone);
   check_none(page(), "Map of relative sensitivity");
 }

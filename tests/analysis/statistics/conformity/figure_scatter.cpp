@@ -135,6 +135,17 @@ TEST_CASE("one taxel alone has no spread over taxels") {
   CHECK(std::isnan(e.taxel_mean_error_psi[1]));
 }
 
+TEST_CASE("of taxels that err alike the first is the worst one") {
+  // Both read 10 psi too much at 40 psi upward: 2.5 and 5 V.
+  const Evaluation e =
+      evaluate(dataset_of({{"a",
+                            {repeat_of({{0, 0}, {20, 20}, {40, 40}, {60, 60}, {40, 40}, {20, 20}, {0, 0}},
+                                       {{0, 20, 50, 60, 40, 20, 0}, {0, 20, 50, 60, 40, 20, 0}})}}}),
+               straight_fit(), 1);
+  REQUIRE(e.taxel_mean_error_psi[0] == e.taxel_mean_error_psi[1]);
+  CHECK(e.worst_taxel == 0);
+}
+
 TEST_CASE("the largest error of a run: whose it is, and at which pressure") {
   const Evaluation e = evaluate(known_loop(), straight_fit(), 1);
   CHECK(e.max_error_taxel == 0);

@@ -85,6 +85,11 @@ TEST_CASE("reference: one step of the converter that reads it is its volts times
   CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":0,"high":10})") == Approx(20.0 * 10.0 / 40000.0));
   CHECK(step(R"({"raw_low":-10000,"raw_high":30000,"low":-2,"high":8})") == Approx(20.0 * 10.0 / 40000.0));
   CHECK(step(R"({"raw_low":100,"raw_high":100,"low":0,"high":10})") == 0.0);
+  // An end that is not stated is 0.
+  CHECK(step(R"({"raw_high":40000,"low":0,"high":10})") == Approx(20.0 * 10.0 / 40000.0));
+  CHECK(step(R"({"raw_low":-40000,"low":0,"high":10})") == Approx(20.0 * 10.0 / 40000.0));
+  CHECK(step(R"({"raw_low":0,"raw_high":40000,"high":10})") == Approx(20.0 * 10.0 / 40000.0));
+  CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":-10})") == Approx(20.0 * 10.0 / 40000.0));
   CHECK(step(R"({"raw_low":0,"raw_high":100,"low":10,"high":0})") == 0.0);
   CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":0,"high":10})", R"("resolution_psi":0.25)") == 0.25);
   CHECK(step(R"({"raw_low":0,"raw_high":40000,"low":0,"high":10})", R"("volts_high":0)") == 0.0);
