@@ -156,3 +156,13 @@ TEST_CASE("fleet: a note that is damaged, or loses its tables, is as if nothing 
   trying.keep_try("2026-01-03T00:00:00Z", "away");
   CHECK(trying.last().error.empty());
 }
+
+TEST_CASE("fleet's local runs: a view that somebody added to the store is not read") {
+  const tests::TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  tests::store_example(store);
+  db::sqlite::Connection(store.path(), db::sqlite::Access::kReadWrite).execute("CREATE VIEW mine AS SELECT 1");
+  db::fleet::LocalRuns local(store.path());
+  CHECK(local.connection().integer("SELECT count(*) FROM runs") == 1);
+  CHECK_FALSE(tests::store_error([&] { (void)local.connection().integer("SELECT * FROM mine"); }).empty());
+}
