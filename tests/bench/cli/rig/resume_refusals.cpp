@@ -1,0 +1,73 @@
+// What resume refuses of a stored run before any device is opened, and what commands say when no run is live.
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// A store whose one run has these settings and is of the simulated bench.
+struct StoreToResume {
+  explicit StoreToResume(const std::string& overrides) {
+    db::RunRecord run = example_run();
+    run.overrides_json = overrides;
+    run.bench_id = "another-rig";
+    run.bench_toml = read_file(bench::find_config("simulated.toml"));
+    (void)begin_example(store, run);
+  }
+  Finished resume(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"resume", "1", "--db", folder.path("runs.db")};
+    words.insert(words.end(), more.begin(), more.end());
+    return verb_here(bench::add_control, words);
+  }
+  TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+};
+
+}  // namespace
+
+TEST_CASE("resume: settings that cannot be read, and a bench that is another") {
+  for (const char* broken : {"{", "7", R"([{"key":"a"}])", R"([{"key":1,"value":"1"}])"}) {
+    INFO(broken);
+    const StoreToResume store(broken);
+    const Finished refused = store.resume();
+    CHECK(refused.code == 5);
+    CHECK(refused.err == "error: the settings (--set) kept with run 1 cannot be read [TB-RESUME-SETTINGS]\n  at: " +
+                             store.folder.path("runs.db") +
+                             "\n  try: tactbench db check shows what else is damaged; start a new run\n");
+  }
+  const StoreToResume store("[]");
+  CHECK(store.resume().err ==
+        "error: run 1 belongs to bench 'another-rig', not to 'simulated-rig' [TB-RESUME-BENCH]\n  "
+        "try: resume it on its own bench, or start a new run\n");
+  const Finished named = store.resume({"--bench", "simulated.toml"});
+  CHECK(named.code == 2);
+  CHECK(named.err ==
+        "error: run 1 belongs to bench 'another-rig', not to 'simulated-rig' [TB-RESUME-BENCH]\n  at: "
+        "simulated.toml\n  try: resume it on its own bench, or start a new run\n");
+  const StoreToResume settings(R"([{"key":"limits.comand_psi","value":"1"}])");
+  CHECK_THAT(settings.resume().err, Catch::Contains("[TB-FILE-KEY]") && Catch::Contains("limits.comand_psi"));
+  CHECK_THAT(verb_here(bench::add_control, {"resume", "9", "--db", store.folder.path("runs.db")}).err,
+             Catch::Contains("[TB-STORE-NOT-FOUND]"));
+}
+
+TEST_CASE("pause, stop, abort and panic of a bench without a run say that none is live") {
+  for (const char* word : {"pause", "stop", "abort", "panic"}) {
+    INFO(word);
+    const Finished none = verb_here(bench::add_control, {word, "--bench", "no-such-bench"});
+    CHECK(none.code == 2);
+    CHECK_THAT(none.err,
+               Catch::StartsWith("error: no live run answers [TB-RUN-NOT-LIVE]\n  at: runs listed in "
+                                 "/proc/net/unix as @") &&
+                   Catch::EndsWith("\n  try: see `tactbench runs list`; continue an ended run with `tactbench "
+                                   "resume RUN`\n"));
+    const Finished numbered = verb_here(bench::add_control, {word, "712", "--bench", "no-such-bench"});
+    CHECK_THAT(numbered.err, Catch::StartsWith("error: no live run 712 answers [TB-RUN-NOT-LIVE]\n"));
+  }
+}

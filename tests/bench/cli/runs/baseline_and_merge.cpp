@@ -1,0 +1,181 @@
+// What baseline accept, runs merge and nightly refuse of stores that lack what they need, and what baseline prints of
+// several subjects.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct StoreOfFigures {
+  // Run after run, with its own content, and this figure of the subject.
+  void add(const std::string& subject, std::size_t count) {
+    db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+    for (std::size_t i = 0; i < count; ++i) {
+      db::RunRecord run = example_run();
+      run.seed = ++seed_;
+      store.replace_figures(store_example(store, run), subject, {{"error_psi", 0.25 * static_cast<double>(seed_)}});
+    }
+  }
+  Finished accept(std::vector<std::string> runs, const std::vector<std::string>& more = {}) const {
+    runs.insert(runs.begin(), {"baseline", "accept", "--db", path, "--by", "K. Lee", "--reason", "as made"});
+    runs.insert(runs.end(), more.begin(), more.end());
+    return verb_here(bench::add_baseline, runs);
+  }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+
+ private:
+  std::int64_t seed_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("baseline accept: what is no run or range is refused, and so are runs without figures") {
+  StoreOfFigures store;
+  store.add("rig/a", 1);
+  {
+    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    store_example(open);  // run 2, without figures
+  }
+  for (const char* word : {"0", "-1", "1-", "1-0", "x", "1x", "1-2x", "1-2-3", " 1", "1 ", "99999999999999999999"}) {
+    INFO(word);
+    const Finished refused = store.accept({"--", word});
+    CHECK(refused.code == 2);
+    CHECK(refused.err == "error: '" + std::string(word) +
+                             "' is not a run [TB-USAGE]\n  at: RUNS\n  try: a number, or a range such as 12-55\n");
+  }
+  const std::string none =
+      "error: none of these runs has stored figures [TB-BASELINE-NO-FIGURES]\n  at: " + store.path +
+      "\n  try: nightly --db and fit store figures; tactbench trend lists them\n";
+  for (const char* runs : {"2", "2-99", "5-4"}) {
+    const Finished refused = store.accept({runs});
+    CHECK(refused.code == 2);
+    CHECK(refused.err == none);
+    CHECK(refused.out.empty());
+  }
+  CHECK_THAT(store.accept({"99"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  CHECK_THAT(store.accept({"1"}).err,
+             Catch::StartsWith("error: rig/a has 1 measurement among these runs; a chart needs 8, and 20 are "
+                               "recommended [TB-BASELINE-SHORT]\n  at: " +
+                               store.path + "\n  try: measure 7 more, or name the runs of the other subjects alone\n"));
+  db::RunStore::open(store.path, db::Durability::kNormal).void_run(2, "by hand", "K. Lee", kUtc);
+  CHECK_THAT(store.accept({"2"}).err, Catch::Contains("[TB-RUN-VOID]"));
+  CHECK(store.accept({"2", "--void-too"}).code == 2);
+  CHECK(nlohmann::json::parse(verb_here(bench::add_baseline, {"baseline", "list", "--db", store.path, "--json"}).out)
+            .at("baselines")
+            .empty());
+}
+
+TEST_CASE("baseline accept: each subject has its own runs of a range, and a short night is told how to be longer") {
+  StoreOfFigures store;
+  store.add("rig/a", 8);          // runs 1 to 8
+  store.add("nightly/short", 7);  // 9 to 15
+  const Finished refused = store.accept({"1-15"});
+  CHECK(refused.err ==
+        "error: nightly/short has 7 measurements among these runs; a chart needs 8, and 20 are recommended "
+        "[TB-BASELINE-SHORT]\n  at: " +
+            store.path +
+            "\n  try: carry them out with seeds of their own: tactbench nightly SUITE --db FILE --seeds 20\n");
+  CHECK_THAT(store.accept({"2-8"}).err, Catch::Contains("rig/a has 7 measurements"));
+  store.add("nightly/short", 1);  // 16
+  CHECK_THAT(store.accept({"1-15"}).err, Catch::Contains("nightly/short has 7 measurements"));
+  const std::string few = "fewer than 20 runs: charts find small shifts later (docs/nights.md)\n";
+  CHECK(store.accept({"1-8", "9-16", "3"}).out ==
+        "nightly/short                            8 runs accepted\n"
+        "rig/a                                    8 runs accepted\n" +
+            few);
+  store.add("rig/a", 12);  // 17 to 28
+  CHECK(store.accept({"1-8", "17-27"}).out == "rig/a                                    19 runs accepted\n" + few);
+  CHECK(store.accept({"1-8", "17-28"}).out == "rig/a                                    20 runs accepted\n");
+  const nlohmann::json told = nlohmann::json::parse(store.accept({"1-8", "17-28"}, {"--json"}).out);
+  CHECK(told.at("store") == store.path);
+  REQUIRE(told.at("baselines").size() == 1);
+  const nlohmann::json& one = told.at("baselines").at(0);
+  CHECK(one.at("baseline") == 5);
+  CHECK(one.at("subject") == "rig/a");
+  CHECK(one.at("counted") == 20);
+  CHECK(one.at("runs").size() == 20);
+  CHECK(one.at("runs").at(8) == 17);
+  const nlohmann::json listed =
+      nlohmann::json::parse(verb_here(bench::add_baseline, {"baseline", "list", "--db", store.path, "--json"}).out);
+  CHECK(listed.at("baselines").size() == 5);
+  CHECK(listed.at("baselines").at(0).at("accepted_by") == "K. Lee");
+  CHECK(listed.at("baselines").at(0).at("reason") == "as made");
+}
+
+TEST_CASE("runs merge: stores without a night give no file of one, and what came is told") {
+  StoreOfFigures store, other;
+  store.add("rig/a", 2);
+  other.add("rig/a", 1);
+  const std::string all = store.folder.path("all.db");
+  const auto merge = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"runs", "merge", store.path, other.path, "--db", all};
+    words.insert(words.end(), more.begin(), more.end());
+    return verb_here(bench::add_runs, words);
+  };
+  for (const char* file : {"--html", "--junit", "--metrics"}) {
+    const std::string target = store.folder.path("night");
+    const Finished refused = merge({file, target});
+    CHECK(refused.code == 2);
+    CHECK(refused.err ==
+          "error: these stores brought no night, and files of one were asked for [TB-MERGE-NIGHT]\n  at: " + all +
+              "\n  try: leave out --html, --junit and --metrics\n");
+    CHECK_FALSE(std::filesystem::exists(target));
+    std::filesystem::remove(all);
+  }
+  const Finished merged = merge({});
+  CHECK(merged.code == 0);
+  CHECK(merged.out == all + ": 3 runs taken from 2 stores\n");
+  CHECK(merge({}).out == all + ": 0 runs taken from 2 stores; 3 there already\n");
+  const nlohmann::json told = nlohmann::json::parse(merge({"--json"}).out);
+  CHECK(told.at("parts") == nlohmann::json({store.path, other.path}));
+  CHECK(told.at("nights").empty());
+  CHECK(told.at("there") == 3);
+}
+
+TEST_CASE("nightly: one part of a night needs a store of its own, and no page") {
+  StoreOfFigures store;
+  store.add("rig/a", 1);
+  const std::string suite = store.folder.path("suite.toml");
+  write_file(suite,
+             "schema = 1\nname = \"s\"\n[[scenario]]\nname = \"a\"\nabout = \"b\"\n[[scenario]]\nname = \"c\"\n"
+             "about = \"d\"\nseed = 5\n");
+  const auto night = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"nightly", suite};
+    words.insert(words.end(), more.begin(), more.end());
+    return verb_here(bench::add_nightly, words);
+  };
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& said) {
+    const Finished finished = night(more);
+    CHECK(finished.code == 2);
+    CHECK(finished.err == "error: " + said + "\n");
+    CHECK(finished.out.empty());
+  };
+  refused(
+      {"--shard", "1/2"},
+      "one part of a night is kept in a store, and none is named [TB-USAGE]\n  at: --shard\n  try: add --db FILE, one "
+      "for each part; tactbench runs merge puts them together");
+  refused({"--shard", "1/2", "--db", store.path, "--html", "x.html"},
+          "a page is of a whole night, and this is one part of it [TB-USAGE]\n  at: --html\n  try: leave it out; "
+          "tactbench runs merge --html writes the page of the whole night");
+  refused({"--shard", "1/2", "--db", store.path},
+          "this store holds runs, and one part of a night needs a store of its own [TB-SHARD-STORE]\n  at: " +
+              store.path + "\n  try: name a new file");
+  CHECK(night({"--list"}).out == "a                            b\nc                            d\n");
+  CHECK(night({"--list", "--only", "c"}).out == "c                            d\n");
+  CHECK_THAT(night({"--list", "--only", "x"}).err, Catch::Contains("[TB-NIGHTLY-SCENARIO]"));
+  const nlohmann::json listed = nlohmann::json::parse(night({"--list", "--json", "--seed", "9", "--seeds", "3"}).out);
+  CHECK(listed.at("schema") == "tactbench.nightly.list");
+  CHECK(listed.at("suite") == "s");
+  REQUIRE(listed.at("scenarios").size() == 2);
+  CHECK(listed.at("scenarios").at(0) == nlohmann::json::parse(R"({"name": "a", "about": "b", "seed": 1})"));
+  CHECK(listed.at("scenarios").at(1) == nlohmann::json::parse(R"({"name": "c", "about": "d", "seed": 5})"));
+}

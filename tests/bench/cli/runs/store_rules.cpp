@@ -1,0 +1,149 @@
+// Dates and rules that verbs of the store take, each at its edges, and what db prune prints and tells of runs that are
+// known row by row.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/common/utc.h"
+#include "db/sqlite.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct StoreOfRules {
+  Finished prune(const std::string& rule, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"db", "prune", "--db", path, "--keep=" + rule};
+    words.insert(words.end(), more.begin(), more.end());
+    return verb_here(bench::add_db, words);
+  }
+  Finished since(const std::string& date) const {
+    return verb_here(bench::add_runs, {"runs", "list", "--db", path, "--since=" + date});
+  }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+};
+
+void add_night_run(db::RunStore& store, const std::string& started, const std::vector<std::string>& tags) {
+  db::RunRecord run = example_run();
+  run.started_utc = started;
+  store.set_tags(store_example(store, run), tags, {});
+}
+
+}  // namespace
+
+TEST_CASE("db prune --keep takes days, weeks and dates, at their edges") {
+  const StoreOfRules store;
+  db::RunStore::open(store.path, db::Durability::kNormal);
+  for (const char* rule : {"1d", "36500d", "1w", "0000-00-00", "9999-99-99"}) {
+    INFO(rule);
+    CHECK(store.prune(rule).code == 0);
+  }
+  for (const char* rule :
+       {"d",          "0d",         "0w",         "36501d",       "36501w",     "-1d",         "1m",
+        "1dd",        "1 d",        "1",          "99999999999d", "2026-01-3",  "2026-01-311", "/026-01-31",
+        ":026-01-31", "2026-01-3/", "2026-01-3:", "2026/01-31",   "2026-01/31", "2026-1-311"}) {
+    INFO(rule);
+    const Finished refused = store.prune(rule);
+    CHECK(refused.code == 2);
+    CHECK(refused.err == "error: '" + std::string(rule) +
+                             "' names no nights to keep [TB-USAGE]\n  at: --keep\n  try: days or weeks back from now "
+                             "(30d, 8w), or the first day to keep (2026-01-31, UTC)\n");
+  }
+  // Of a day of UTC, which may turn meanwhile.
+  for (const auto& [rule, days] : std::vector<std::pair<std::string, int>>{{"3d", 3}, {"2w", 14}, {"1d", 1}}) {
+    const std::string before = bench::utc_days_ago(days);
+    const nlohmann::json told = nlohmann::json::parse(store.prune(rule, {"--json"}).out);
+    CHECK((before <= told.at("begin_of_kept") && told.at("begin_of_kept") <= bench::utc_days_ago(days)));
+  }
+}
+
+TEST_CASE("runs list --since takes a date, with or without a time") {
+  const StoreOfRules store;
+  {
+    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    add_night_run(open, "2024-05-01T09:00:00Z", {});
+  }
+  const auto lists = [&](const std::string& date) {
+    const Finished list = store.since(date);
+    CHECK(list.code == 0);
+    return list.out.find("\n    1  2024-05-01T09:00:00Z ") != std::string::npos;
+  };
+  CHECK(lists("0000-00-00"));
+  CHECK(lists("2024-05-01"));
+  CHECK(lists("2024-05-01T09:00:00Z"));
+  CHECK_FALSE(lists("2024-05-01T09:00:01Z"));
+  CHECK_FALSE(lists("9999-99-99"));
+  for (const char* date : {"2024-05-0", "2024-05", "/024-05-01", ":024-05-01", "2024-05-0/", "2024-05-0:", "2024/05-01",
+                           "2024-05:01", "20240-5-01", "yesterday12"}) {
+    INFO(date);
+    const Finished refused = store.since(date);
+    CHECK(refused.code == 2);
+    CHECK(refused.err == "error: '" + std::string(date) +
+                             "' is not a date [TB-USAGE]\n  at: --since\n  try: write it as 2026-01-31, or "
+                             "2026-01-31T12:00:00Z (UTC)\n");
+  }
+}
+
+TEST_CASE("db prune prints what would go, what went and what stays, and tells the same as JSON") {
+  const StoreOfRules store;
+  {
+    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    add_night_run(open, "2024-05-01T09:00:00Z", {"nightly"});
+    add_night_run(open, "2024-05-01T10:00:00Z", {"nightly", "pinned"});
+    add_night_run(open, "2024-05-01T11:00:00Z", {"other"});
+    add_night_run(open, "2024-05-01T12:00:00Z", {"nightly"});
+    add_night_run(open, "2024-05-02T00:00:00Z", {"nightly"});  // of the first day to keep
+    add_night_run(open, "2024-05-02", {"nightly"});
+  }
+  const std::string rule = "nights before 2024-05-02 (--keep 2024-05-02): ",
+                    stay = "; figures, hashes, models and verdicts stay\n  run 2 stays whole: pinned\n";
+  CHECK(store.prune("2024-05-02").out ==
+        rule + "6 frames of 2 runs would go" + stay + "nothing was changed: add --yes\n");
+  CHECK(store.prune("2024-05-02", {"--shrink"}).out ==
+        rule + "6 frames of 2 runs would go" + stay + "nothing was changed: add --yes\n");
+  const nlohmann::json asked = nlohmann::json::parse(store.prune("2024-05-02", {"--json"}).out);
+  CHECK(asked.at("done") == false);
+  CHECK(asked.at("runs") == nlohmann::json({1, 4}));
+  CHECK(asked.at("frames") == 6);
+  CHECK(asked.at("bytes") == 0);
+  CHECK(asked.at("file_bytes") == asked.at("file_bytes_before"));
+  // 3 frames each of 12 counts of 2 bytes, and 2 points of 16 bytes of their traces.
+  CHECK(store.prune("2024-05-01T", {}).code == 2);
+  const Finished one = store.prune("2024-05-02", {"--yes"});
+  CHECK(one.out == rule + "6 frames of 2 runs removed, 0.0 MB of counts and traces" + stay +
+                       "the file keeps its length, and later runs fill it; --shrink gives the space back\n");
+  const std::string none = rule + "0 frames of 0 runs removed, 0.0 MB of counts and traces" + stay;
+  CHECK(store.prune("2024-05-02", {"--yes"}).out == none);
+  CHECK_THAT(store.prune("2024-05-02", {"--yes", "--shrink"}).out, Catch::StartsWith(none + store.path + ": 0.") &&
+                                                                       Catch::EndsWith(" MB\n") &&
+                                                                       Catch::Contains(" MB, before 0."));
+  CHECK_THAT(verb_here(bench::add_db, {"db", "check", store.path}).out,
+             Catch::EndsWith("of 2 runs the frames were removed by a rule (db prune): they were not checked\n"));
+  const nlohmann::json told = nlohmann::json::parse(store.prune("2024-05-03", {"--yes", "--json"}).out);
+  CHECK(told.at("done") == true);
+  CHECK(told.at("runs") == nlohmann::json({5, 6}));
+  CHECK(told.at("frames") == 6);
+  CHECK(told.at("bytes") == 6 * (24 + 32));
+  CHECK(told.at("kept") == nlohmann::json::parse(R"([{"run": 2, "why": "pinned"}])"));
+}
+
+TEST_CASE("db prune leaves a damaged run whole, and says so") {
+  const StoreOfRules store;
+  {
+    db::RunStore open = db::RunStore::open(store.path, db::Durability::kNormal);
+    add_night_run(open, "2024-05-01T09:00:00Z", {"nightly"});
+    add_night_run(open, "2024-05-01T10:00:00Z", {"nightly"});
+  }
+  db::sqlite::Connection(store.path, db::sqlite::Access::kReadWrite)
+      .execute("UPDATE frames SET reference_psi = reference_psi + 1e-9 WHERE rowid = (SELECT min(rowid) FROM frames)");
+  const Finished pruned = store.prune("2024-05-02", {"--yes"});
+  CHECK(pruned.code == 0);
+  CHECK_THAT(pruned.out, Catch::Contains("3 frames of 1 run removed") && Catch::Contains("\n  run 1 stays whole: "));
+  CHECK(db::RunStore::open_read_only(store.path).frame_count(1) == 3);
+}
