@@ -141,3 +141,94 @@ TEST_CASE("calibrate words: the words that carry on leave out what the profile a
         "tactbench calibrate MY-1 --db b.db --operator 'A. O'\\''Neil' --recipe descending --recipe ascending --set "
         "recipe.repeats=1 --seed 7 --run 3");
 }
+
+TEST_CASE("calibrate words: every option that is not as standard is among the words that carry on") {
+  const tests::TemporaryFolder folder;
+  Session session;
+  session.profile = ProfileOptions(folder.path("none.toml"));
+  CalibrateOptions options;
+  options.serial = "";
+  CHECK(calibrate_again(options, session, 0, 0) == "tactbench calibrate '' --bench '' --operator ''");
+  options.serial = "a b";
+  options.bench = "b.toml";
+  options.operator_name = "me";
+  options.held_out_recipes = {"noise", "a&b"};
+  options.limits = "own.toml";
+  options.lab = "lab.toml";
+  options.model = "elam";
+  options.metadata.lot = "A7";
+  options.metadata.order = "55/26";
+  options.metadata.pairs = {"film=B12", "x=y"};
+  options.seeds.sensor_seed = 0;
+  CHECK(
+      calibrate_again(options, session, 0, 4) ==
+      "tactbench calibrate 'a b' --bench b.toml --operator me --held-out-recipe noise --held-out-recipe 'a&b' --limits "
+      "own.toml --lab lab.toml --model elam --lot A7 --order 55/26 --meta film=B12 --meta x=y --sensor-seed 0 "
+      "--held-out 4");
+  CalibrateOptions plain;
+  plain.serial = "aZ09_-./:=,+%@";  // no quotes for any of these
+  plain.bench = "b";
+  plain.operator_name = "me";
+  CHECK(calibrate_again(plain, session, 0, 0) == "tactbench calibrate aZ09_-./:=,+%@ --bench b --operator me");
+}
+
+TEST_CASE("calibrate words: the page of a verdict, and the same as JSON") {
+  CalibrationResult result;
+  result.sensor = "MY-1";
+  result.origin = "simulated";
+  result.limits = "gripper";
+  result.registered = true;
+  result.run = 1;
+  result.held_out = 2;
+  result.fit = small_fit();
+  result.fit.model.model = "elam";
+  result.fit.model.run = 1;
+  result.fit.evaluations.back().evaluation.run = 2;
+  result.fit.evaluations.back().evaluation.mean_error_psi = 0.9031;
+  result.judgement = judgement_of({kGood, kDead});
+  result.judgement.notes.remarks = {"run 7 is void"};
+  result.report_number = "7-a";
+  result.report_path = "reports/run-1.html";
+  CHECK(verdict_page(result) == "\n" + large_word("FAIL", "SIMULATED  ") +
+                                    "\nsensor MY-1: simulated fail: taxels not modelled: 1 (tolerance limit 0), on "
+                                    "held-out run 2\nbad taxels: row 0, column 1 (dead); row 1, column 2 (saturated)\n"
+                                    "note: run 7 is void\n");
+  CHECK(fit_line(result) ==
+        "elam on run 1: 4 of 6 taxels fitted; on run 2 mean |error| 0.903 psi, worst taxel 3.40 psi");
+  const auto json = calibration_json(result);
+  CHECK(json.at("sensor") == "MY-1");
+  CHECK(json.at("registered") == true);
+  CHECK((json.at("run") == 1 && json.at("held_out") == 2));
+  CHECK(json.at("verdict") == "fail");
+  CHECK(json.at("shown") == "simulated fail");
+  CHECK(json.at("bad_taxels").size() == 2);
+  CHECK(json.at("evaluations").size() == 2);
+  CHECK(json.at("verdicts").size() == 2);
+  CHECK(json.at("report").at("number") == "7-a");
+  result.origin = "hardware";
+  result.judgement = judgement_of({row("mismatch", "8 psi up", 1, 1, "FS", "report only")});
+  for (int taxel = 6; taxel < 18; ++taxel) {
+    analysis::ModelTaxel& own = result.fit.model.taxels.emplace_back();
+    own.taxel = taxel;
+    own.status = taxel < 16 ? analysis::TaxelStatus::kDead : analysis::TaxelStatus::kFitted;
+  }
+  const std::string listed = verdict_page(result);
+  CHECK_THAT(listed, Catch::StartsWith("\nsensor MY-1: ") &&
+                         Catch::Contains(": limits 'gripper' only list figures: they state no verdict\nbad taxels: ") &&
+                         Catch::EndsWith("row 5, column 0 (dead)\n"));
+  result.fit.model.taxels[16].status = analysis::TaxelStatus::kDead;
+  CHECK_THAT(verdict_page(result), Catch::EndsWith("row 5, column 0 (dead); and 1 more, in the report\n"));
+  result.fit.model.taxels.clear();
+  CHECK_THAT(verdict_page(result), Catch::EndsWith("\nbad taxels: none\n"));
+}
+
+TEST_CASE(
+    "calibrate words: an earlier verdict that is worse is the reason, and a value within the uncertainty says so") {
+  Judgement judgement = judgement_of({kGood});
+  judgement.notes.stored_worse = {kDead};
+  CHECK(reason_text(judgement, "gripper", 2) == "an earlier verdict on these models is fail");
+  CHECK(reason_text(judgement_of({row("mean_compensation_error", "array", 1.1, 1, "psi", "conditional fail")}), "x", 2,
+                    analysis::PressureUnit::kKilopascal) ==
+        "mean absolute error: 7.58 kPa (tolerance limit 6.89 kPa), within the uncertainty above the limit, on held-out "
+        "run 2");
+}
