@@ -207,3 +207,37 @@ TEST_CASE("errors for a misspelled verb, no verb and an unknown option name the 
   CHECK(call(folder, {"--version"}).code == 0);
   CHECK(call(folder, {"--help"}).code == 0);
 }
+
+TEST_CASE("errors of a group of verbs, of values and of words beyond an option, by the letter") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& said) {
+    const Finished finished = call(folder, words);
+    CHECK(finished.code == 2);
+    CHECK(finished.err == "error: " + said + "\n");
+    CHECK(finished.out.empty());
+  };
+  const std::string verbs = "list, show, tag, note, void, export, copy, merge, diff",
+                    at = " [TB-USAGE]\n  at: command line";
+  refused({"runs"}, "'tactbench runs' needs a verb after it" + at + "\n  try: one of: " + verbs);
+  refused({"runs", "lst"}, "there is no verb 'lst' of 'tactbench runs'" + at + "\n  try: did you mean 'list'?");
+  refused({"runs", "zzzzzz"}, "there is no verb 'zzzzzz' of 'tactbench runs'" + at + "\n  try: one of: " + verbs);
+  refused({"runs", "--all"}, "'tactbench runs' needs a verb after it" + at + "\n  try: one of: " + verbs);
+  refused({"runs", "list", "--sensr=x", "-5"},
+          "there is no option '--sensr' of 'tactbench runs list'" + at + "\n  try: did you mean '--sensor'?");
+  refused({"runs", "list", "-z"}, "there is no option '-z' of 'tactbench runs list'" + at +
+                                      "\n  try: tactbench runs list --help lists what is taken");
+  const std::string help = "\n  try: see tactbench --help, or tactbench VERB --help\n";
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"runs", "list", "-5"}, {"runs", "list", "x"}, {"runs", "show", "x"}, {"-5"}}) {
+    const Finished finished = call(folder, words);
+    CAPTURE(words, finished.err);
+    CHECK(finished.code == 2);
+    CHECK(finished.err.ends_with(at + help));
+  }
+  // The state of the rig is told where a verb may have touched it.
+  for (const char* verb : {"run", "calibrate", "resume", "rig", "devices", "live", "pause", "stop", "abort", "panic",
+                           "simulate", "dead-man", "demo"})
+    CHECK_THAT(call(folder, {verb, "--zzzzzz"}).err, Catch::Contains("\n  state: "));
+  for (const char* verb : {"plan", "fit", "runs", "status", "watch", "nightly", "init", "selfcheck"})
+    CHECK_THAT(call(folder, {verb, "--zzzzzz"}).err, !Catch::Contains("\n  state: "));
+}
