@@ -1,0 +1,186 @@
+// reports list and reports verify of a store whose signed reports are known row by row.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/cli/reports/reports_verify.h"
+#include "db/sqlite.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// Two runs; of the first two signed reports, of the second, which is hardware's, one.
+struct SignedStore {
+  SignedStore() {
+    store_example(store);
+    db::RunRecord other = example_run();
+    other.origin = "hardware";
+    store_example(store, other);
+    store.add_report({1, "1-0000000a", "h", "K. Lee", "2026-01-02T00:00:00Z", "", ""});
+    store.add_report({1, "1-0000000b", "i", "M. Ito", "2026-01-03T00:00:00Z", "1-0000000a", "serial corrected"});
+    store.add_report({2, "2-0000000c", "j", "K. Lee", "2026-01-04T00:00:00Z", "", ""});
+  }
+  Finished reports(std::vector<std::string> words) const {
+    words.insert(words.begin(), "reports");
+    words.insert(words.end(), {"--db", path});
+    return verb_here(bench::add_reports, words);
+  }
+  // The file of a report where `report` puts it, and its hash in the notes of the run.
+  std::string write_report_file(std::int64_t run, const std::string& name, const std::string& number) {
+    std::filesystem::create_directories(folder.path("reports"));
+    std::string file = folder.path("reports/" + name);
+    const std::string text = "<p>" + name + "</p><title>" + number + ", signed</title>";
+    write_file(file, text);
+    store.add_note(run, "2026-01-05T00:00:00Z " + bench::report_file_note(number, db::sha256_hex(text)));
+    return file;
+  }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+};
+
+}  // namespace
+
+TEST_CASE("reports list: each signed report with its run, who signed it, what it replaces and why") {
+  SignedStore store;
+  const std::string head =
+      "report              sensor        signed (UTC)          by                  replaces            file\n";
+  const std::string first =
+      "1-0000000a          S-1           2026-01-02T00:00:00Z  K. Lee                                  elsewhere "
+      "(simulated)\n"
+      "1-0000000b          S-1           2026-01-03T00:00:00Z  M. Ito              1-0000000a          elsewhere "
+      "(simulated)\n"
+      "    reason: serial corrected\n";
+  const std::string second =
+      "2-0000000c          S-1           2026-01-04T00:00:00Z  K. Lee                                  elsewhere\n";
+  CHECK(store.reports({"list"}).out == head + first + second);
+  CHECK(store.reports({"list", "1"}).out == head + first);
+  CHECK(store.reports({"list", "2"}).out == head + second);
+  CHECK_THAT(store.reports({"list", "3"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  const std::string file = store.write_report_file(2, "run-2-0000000c.pdf", "2-0000000c");
+  CHECK_THAT(store.reports({"list", "2"}).out, Catch::EndsWith("  " + file + "\n"));
+  const auto told = nlohmann::json::parse(store.reports({"list", "--json"}).out).at("reports");
+  REQUIRE(told.size() == 3);
+  CHECK(told.at(1) == nlohmann::json{{"number", "1-0000000b"},
+                                     {"run", 1},
+                                     {"sensor", "S-1"},
+                                     {"origin", "simulated"},
+                                     {"signed", "2026-01-03T00:00:00Z"},
+                                     {"by", "M. Ito"},
+                                     {"replaces", "1-0000000a"},
+                                     {"reason", "serial corrected"},
+                                     {"sha256", "i"},
+                                     {"file", ""}});
+  CHECK(told.at(2).at("file") == file);
+  db::RunStore::open(store.folder.path("empty.db"), db::Durability::kNormal);
+  CHECK_THAT(verb_here(bench::add_reports, {"reports", "list", "--db", store.folder.path("empty.db")}).out,
+             Catch::EndsWith("no report is signed: tactbench report RUN --approve-by NAME signs one\n"));
+}
+
+TEST_CASE("reports verify: what is neither a file nor a number, and numbers that nobody signed") {
+  SignedStore store;
+  for (const char* word : {"what", "1-0000000", "1-0000000aa", "-0000000a", "a-0000000a", "1-0000000g", "1-0000000A",
+                           "10000000a", "", "1-"}) {
+    INFO(word);
+    const Finished refused = verb_here(bench::add_reports, {"reports", "verify", "--db", store.path, "--", word});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err,
+               Catch::StartsWith("error: '" + std::string(word) +
+                                 "' is neither a file nor the number of a report [TB-USAGE]\n  at: reports "
+                                 "verify\n  try: a number is as in 1-2ccd46bc"));
+  }
+  const Finished unknown = store.reports({"verify", "1234567890-09afaf90"});
+  CHECK(unknown.code == 1);
+  CHECK(unknown.out == "report 1234567890-09afaf90 is none that was signed in " + store.path + "\n");
+  const auto told = nlohmann::json::parse(store.reports({"verify", "1-ffffffff", "--json"}).out);
+  CHECK(told.at("signed") == false);
+  CHECK(told.at("files").at(0).at("state") == "unknown");
+  CHECK_FALSE(told.contains("run"));
+}
+
+TEST_CASE("reports verify: a file that is unchanged, changed, of another time, or not there") {
+  SignedStore store;
+  const std::string of_first =
+                        "report 1-0000000a: of run 1, sensor S-1 (simulated); signed by K. Lee, "
+                        "2026-01-02T00:00:00Z\n",
+                    of_second = "report 2-0000000c: of run 2, sensor S-1; signed by K. Lee, 2026-01-04T00:00:00Z\n",
+                    replaced = "replaced by report 1-0000000b: serial corrected\n";
+  const Finished nowhere = store.reports({"verify", "1-0000000a"});
+  CHECK(nowhere.code == 6);
+  CHECK(nowhere.out == of_first + "its file does not lie beside the store: name it\n" + replaced);
+  const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
+  const std::string unchanged = ": unchanged since it was written (2026-01-05T00:00:00Z)\n";
+  CHECK(store.reports({"verify", "2-0000000c"}).out == of_second + page + unchanged);
+  const Finished by_name = store.reports({"verify", page});
+  CHECK(by_name.code == 0);
+  CHECK(by_name.out == of_second + page + unchanged);
+  const std::string copy = store.write_report_file(2, "run-2-0000000c.json", "2-0000000c");
+  CHECK(store.reports({"verify", "2-0000000c"}).out == of_second + page + unchanged + copy + unchanged);
+  write_file(page, read_file(page) + " ");
+  const std::string changed = ": CHANGED: it is none of the files that were written of this report\n";
+  const Finished one_changed = store.reports({"verify", "2-0000000c"});
+  CHECK(one_changed.code == 1);
+  CHECK(one_changed.out == of_second + page + changed + copy + unchanged);
+  // Signed by a program that kept no hash of the file.
+  const std::string old = store.folder.path("old");
+  write_file(old, "1-0000000a, signed");
+  const Finished untold = store.reports({"verify", old});
+  CHECK(untold.code == 6);
+  CHECK(untold.out ==
+        of_first + old + ": cannot be told: the program that signed it kept no hash of its file\n" + replaced);
+  const std::string letter = store.folder.path("letter");
+  write_file(letter, "dear diary");
+  const Finished no_report = store.reports({"verify", letter});
+  CHECK(no_report.code == 6);
+  CHECK(no_report.out == letter +
+                             ": no signed report: of others the store keeps nothing; `tactbench report RUN` makes "
+                             "them anew\n");
+  const auto told = nlohmann::json::parse(store.reports({"verify", page, "--json"}).out);
+  CHECK(told.at("files").at(0) ==
+        nlohmann::json{{"file", page}, {"sha256", db::sha256_hex(read_file(page))}, {"state", "changed"}});
+  CHECK(told.at("replaced_by") == "");
+  CHECK(nlohmann::json::parse(store.reports({"verify", old, "--json"}).out).at("replaced_because") ==
+        "serial corrected");
+}
+
+TEST_CASE("reports verify: a void run and a changed store outweigh an unchanged file") {
+  SignedStore store;
+  const std::string page = store.write_report_file(2, "run-2-0000000c.html", "2-0000000c");
+  store.store.void_run(2, "gauge closed", "K. Lee", kUtc);
+  const Finished of_void = store.reports({"verify", page});
+  CHECK(of_void.code == 1);
+  CHECK_THAT(of_void.out, Catch::EndsWith("(2026-01-05T00:00:00Z)\nrun 2 is VOID: gauge closed (K. Lee)\n"));
+  db::sqlite::Connection(store.path, db::sqlite::Access::kReadWrite)
+      .execute(
+          "UPDATE frames SET status = 9 WHERE frame / 1000000000 = 2; UPDATE reports SET approved_by = 'B' WHERE run "
+          "= 2");
+  const Finished changed = store.reports({"verify", page});
+  CHECK(changed.code == 1);
+  CHECK_THAT(changed.out, Catch::Contains("\nthe store was changed: approvals") &&
+                              Catch::Contains("\nthe run's data were changed: "));
+}
+
+TEST_CASE("the hash of a report's file is kept once, and of signed reports alone") {
+  SignedStore store;
+  bench::Session session;
+  session.db = store.path;
+  const std::string file = store.folder.path("r.html");
+  write_file(file, "page");
+  const auto notes = [&] { return store.store.run(1).notes; };
+  const std::string before = notes();
+  bench::keep_file_of_signed(file, "1-ffffffff", 1, session);
+  bench::keep_file_of_signed(file + ".none", "1-0000000a", 1, session);
+  CHECK(notes() == before);
+  bench::keep_file_of_signed(file, "1-0000000a", 1, session);
+  const std::string kept = notes();
+  CHECK_THAT(kept, Catch::EndsWith("Z file of the signed report 1-0000000a: sha256 " + db::sha256_hex("page")) ||
+                       Catch::EndsWith(db::sha256_hex("page") + "\n"));
+  bench::keep_file_of_signed(file, "1-0000000a", 1, session);
+  CHECK(notes() == kept);
+}
