@@ -1,0 +1,143 @@
+// runs export as CSV by the letter: signs and digits of times, numbers that are none, typed texts, remarks of a run.
+#include <catch2/catch.hpp>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "db/sqlite.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct StoreToExport {
+  Finished exported(const std::string& run, const std::string& format = "csv") const {
+    return verb_here(bench::add_runs,
+                     {"runs", "export", run, "--db", path, "--format", format, "-o", folder.path("out"), "--replace"});
+  }
+  [[nodiscard]] std::string text() const { return read_file(folder.path("out")); }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+};
+
+db::FrameRecord plain_frame(std::int64_t branch) {
+  db::FrameRecord frame;
+  frame.branch = branch;
+  frame.rows = frame.columns = frame.scans = 1;
+  frame.counts = {7};
+  return frame;
+}
+
+}  // namespace
+
+TEST_CASE("export CSV: times in seconds with all their digits, and nothing for a number that is none") {
+  StoreToExport store;
+  db::RunRecord run = example_run();
+  run.devices.clear();  // volts of a count are not known
+  const Begun begun = begin_example(store.store, run);
+  const std::vector<std::int64_t> times = {0, 1, 1'000'000'000, 71'850'000'000, -1'500'000'000, -1};
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    db::FrameRecord frame = plain_frame(begun.branch);
+    frame.ordinal = static_cast<int>(i);
+    frame.time_ns = times[i];
+    frame.reference_psi = std::numeric_limits<double>::quiet_NaN();
+    frame.feedback_psi = 1.0 / 3.0;
+    store.store.append_frame(begun.run, frame);
+  }
+  store.store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+  const Finished told = store.exported("1");
+  CHECK(told.code == 0);
+  const std::string table = store.text();
+  CHECK(told.out == "run 1: " + std::to_string(table.size()) + " bytes of csv in " + store.folder.path("out") + "\n");
+  CHECK_THAT(table,
+             Catch::Contains("\n# volts_per_count: not stated\n") && Catch::Contains(",flags,scan,counts_r0_c0\n"));
+  std::string rows;
+  for (const auto& [position, seconds] : std::vector<std::pair<int, std::string>>{
+           {1, "0"}, {2, "0.000000001"}, {3, "1"}, {4, "71.85"}, {5, "-1.5"}, {6, "-0.000000001"}})
+    rows += std::to_string(position) + ",1,down,0,0,0,0," + std::to_string(position - 1) +
+            ",0,0.3333333333333333,,,,,,,,,,,," + seconds + ",0,0,0,0,,0,7\n";
+  CHECK(table.substr(table.find("counts_r0_c0\n") + 13) == rows);
+}
+
+TEST_CASE("export CSV: the lines before the table, of a run with remarks, and fields that hold commas and quotes") {
+  StoreToExport store;
+  db::RunRecord run = example_run();
+  run.operator_name = "A\nB";
+  run.bench_id = "";
+  run.sequences[1].name = "a,b";
+  const Begun begun = begin_example(store.store, run);
+  for (const char* flags : {"x\"y", "x,y", "plain"}) {
+    db::FrameRecord frame = plain_frame(begun.branch);
+    frame.flags = flags;
+    frame.ordinal = flags[1] == '"' ? 0 : flags[1] == ',' ? 1 : 2;
+    store.store.append_frame(begun.run, frame);
+  }
+  store.store.end_run(begun.run, db::Outcome::kAborted, "", db::SafeState::kVerified, kUtc);
+  store.store.set_tags(1, {"lot=A7", "film=B12", "night"}, {});
+  store.store.void_run(1, "door, open", "K. Lee", kUtc);
+  REQUIRE(store.exported("1").code == 0);
+  const std::string table = store.text();
+  const db::RunRecord stored = store.store.run(1);
+  CHECK(table.substr(0, table.find("# units: ")) ==
+        "# tactbench: frames of run 1\n# origin: simulated\n# sensor: S-1\n# scanner: SC-7\n# bench: not stated\n"
+        "# recipes: up, a,b\n# operator: A\\x0aB\n# metadata film: B12\n# metadata lot: A7\n"
+        "# started_utc: 2024-05-01T09:00:00Z\n# outcome: aborted\n# void: door, open\n# uuid: " +
+            stored.uuid + "\n# content_sha256: " + stored.content_sha256 +
+            "\n# program: 0.1.0 0123abc\n# volts_per_count: 0.1\n");
+  CHECK_THAT(table, Catch::Contains("\n1,1,\"a,b\",0,") && Catch::Contains(",\"x\"\"y\",0,7,0.7\n") &&
+                        Catch::Contains(",\"x,y\",0,7,0.7\n") && Catch::Contains(",plain,0,7,0.7\n"));
+}
+
+TEST_CASE("export: a frame of a branch that the run lacks is damage, and said so") {
+  StoreToExport store;
+  const Begun begun = begin_example(store.store);
+  store.store.append_frame(begun.run, plain_frame(begun.branch));
+  store.store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+  db::sqlite::Connection raw(store.path, db::sqlite::Access::kReadWrite);
+  raw.execute("PRAGMA foreign_keys = OFF; DELETE FROM branches WHERE branch = (SELECT max(branch) FROM branches)");
+  for (const char* format : {"csv", "json"}) {
+    INFO(format);
+    const Finished refused = store.exported("1", format);
+    CHECK(refused.code == 5);
+    CHECK_THAT(refused.err,
+               Catch::StartsWith("error: a frame names the branch ") &&
+                   Catch::Contains(", which the run lacks [TB-STORE-SQL]\n  at: runs export\n  try: tactbench "
+                                   "verify RUN shows what else differs\n"));
+  }
+}
+
+TEST_CASE("runs copy: sorted, once each, with a note on verdicts that stay behind") {
+  StoreToExport store;
+  for (int i = 0; i < 3; ++i) (void)store_example(store.store);
+  db::FitRecord fit;
+  fit.run = 1;
+  fit.model = "elam";
+  db::VerdictRecord verdict;
+  verdict.verdict = "pass";
+  verdict.limits_sha256 = "l";
+  const std::int64_t own = store.store.add_fit(fit, {});
+  for (const std::int64_t judged : {2, 3}) store.store.replace_verdicts(judged, own, {verdict});
+  const std::string to = store.folder.path("to.db");
+  const auto note = [](int judged) {
+    const std::string run = std::to_string(judged);
+    return "note: the models of run 1 were judged on run " + run +
+           ", which is not copied: that verdict is left behind; to include it, copy both into a new store: tactbench "
+           "runs copy 1 " +
+           run + " --to FILE\n";
+  };
+  CHECK(verb_here(bench::add_runs, {"runs", "copy", "2", "1", "2", "--db", store.path, "--to", to}).out ==
+        "run 1 is run 1 of " + to + "\nrun 2 is run 2 of " + to + "\n" + note(3));
+  CHECK(verb_here(bench::add_runs, {"runs", "copy", "1", "--db", store.path, "--to", to + "2"}).out ==
+        "run 1 is run 1 of " + to + "2\n" + note(2) + note(3));
+  const auto told = nlohmann::json::parse(
+      verb_here(bench::add_runs, {"runs", "copy", "3", "--db", store.path, "--to", to, "--json"}).out);
+  CHECK(told.at("runs") == nlohmann::json::parse(R"([{"run": 3, "copy": 3}])"));
+  CHECK(told.at("verdicts_left_behind").empty());
+  CHECK_THAT(verb_here(bench::add_runs, {"runs", "copy", "x", "--db", store.path, "--to", to}).err,
+             Catch::StartsWith("error: 'x' is not a run number [TB-USAGE]\n  at: command line\n"));
+}
