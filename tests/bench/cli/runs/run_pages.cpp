@@ -1,6 +1,7 @@
 // runs show and runs diff of runs that are known row by row: verdicts by models and limits, remarks, settings,
 // metadata.
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -189,4 +190,41 @@ TEST_CASE("runs diff: verdicts stand beside each other, and a run with fewer fra
   CHECK_THAT(less.out,
              Catch::Contains("\nframes: 3 of run 1 and 1 of run 3, 1 equal in place\ncontent: not the same\n") &&
                  Catch::Contains("outcome") && !Catch::Contains("first frame"));
+}
+
+TEST_CASE("runs show: the whole page of a run") {
+  StoreOfPages store;
+  store.add();
+  const db::RunRecord run = store.store.run(1);
+  const std::string bench = run.bench_sha256.substr(0, 12);
+  CHECK(store.runs({"show", "1"}).out ==
+        "run 1 (" + run.uuid +
+            ")\n  origin        simulated\n  outcome       completed: all steps done\n  safe state    verified\n"
+            "  sensor        S-1, scanner SC-7\n  operator      N. Nobody\n"
+            "  purpose       test \"of\" the store\\x0a\n  bench         bench-a (sha256 " +
+            bench +
+            ")\n  started       2024-05-01T09:00:00Z\n  ended         2024-05-01T10:00:00Z\n"
+            "  program       0.1.0 (0123abc, modified)\n  content       " +
+            run.content_sha256 +
+            "\n  recipe        up: 2 x 3 frames (sha256 ra)\n  recipe        down: 1 x 4 frames (sha256 rb)\n"
+            "  device        regulator: R-1, serial 0001, simulated\n"
+            "  device        tactile scanner: T-1, serial SC-7, simulated\n  frames        3\n"
+            "  check             0.000 s  seating pass: rows 3\n"
+            "  event             0.000 s  state  prepared -> running\n"
+            "  event             0.000 s  fault TB-SCANNER-SILENT no report\n");
+}
+
+TEST_CASE("runs diff: the first count of a frame, and a frame of no shape") {
+  StoreOfPages store;
+  for (const std::uint16_t first : std::vector<std::uint16_t>{1, 2}) {
+    const Begun begun = begin_example(store.store);
+    db::FrameRecord frame = example_frame(begun.branch, 0);
+    frame.counts[0] = first;
+    store.store.append_frame(begun.run, frame);
+    store.store.end_run(begun.run, db::Outcome::kCompleted, "", db::SafeState::kVerified, kUtc);
+  }
+  CHECK_THAT(
+      store.runs({"diff", "1", "2"}).out,
+      Catch::Contains("\nframes: 1 of run 1 and 1 of run 2, 0 equal in place\nfirst frame that differs: 1: scan 0, "
+                      "taxel 0: 1 and 2 counts\n"));
 }

@@ -1,7 +1,9 @@
 // Pages that the program writes of itself: the reference of keys as it stands in docs, roff of single letters and
 // sentences, and the frames of the scripts that complete words.
+#include <CLI/CLI.hpp>
 #include <catch2/catch.hpp>
 #include <string>
+#include <vector>
 
 #include "bench/cli/words/command_tree.h"
 #include "bench/cli/words/key_manual.h"
@@ -85,4 +87,50 @@ TEST_CASE("completion scripts begin and end as their shells need it") {
       "  test \"$verb\" = \"$argv[1]\"\nend\ncomplete -c tactbench -f\n"
       "complete -c tactbench -n '__tactbench_at \"\"' -a runs -d 'stored'\n"
       "complete -c tactbench -n '__tactbench_at \" runs\"' -a export -d 'write'\n");
+}
+
+TEST_CASE("the manual page: names of values in capitals, and the pages of section 5 at its end") {
+  CommandNode verb{"run", "run", "carry out", "", {}, {}};
+  verb.arguments = {{{"--x2-yz"}, "a size", "", ArgumentKind::kNumber, {}, false, true, false}};
+  const std::string page = manual_page({"", "", "all", "", {}, {verb}}, "0.1", "2026-01-31");
+  CHECK_THAT(page, Catch::Contains(".TP\n\\fB\\-\\-x2\\-yz\\fR \\fIX2\\-YZ\\fR\na size\n"));
+  std::string also = "\n.SH SEE ALSO\n";
+  for (const std::string& name : key_manual_names())
+    also += (also.ends_with("\n") ? "" : ", ") + ("\\fB" + roff(name) + "\\fR(5)");
+  CHECK_THAT(page, Catch::EndsWith(also + "\n"));
+  CHECK(page.find("Common options") == std::string::npos);
+}
+
+TEST_CASE("the manual page: options of five verbs stand once, those of four with each") {
+  const CommandArgument option{{"--json"}, "as JSON", "", ArgumentKind::kFlag, {}, false, false, false};
+  for (const int count : {4, 5}) {
+    CommandNode root{"", "", "all", "same end", {}, {}};
+    for (int i = 0; i < count; ++i) {
+      const std::string name = "verb" + std::to_string(i);
+      root.verbs.push_back({name, name, "do", i == 0 ? "same end" : "its end", {option}, {}});
+    }
+    const std::string page = manual_page(root, "0.1", "2026-01-31"), entry = ".TP\n\\fB\\-\\-json\\fR\nas JSON\n";
+    std::size_t entries = 0, named = 0, ends = 0;
+    for (std::size_t at = 0; (at = page.find(entry, at)) != std::string::npos; ++at) ++entries;
+    for (std::size_t at = 0; (at = page.find(".PP\nCommon options: \\fB\\-\\-json\\fR.\n", at)) != std::string::npos;
+         ++at)
+      ++named;
+    for (std::size_t at = 0; (at = page.find("its end", at)) != std::string::npos; ++at) ++ends;
+    CHECK(entries == (count == 5 ? 1U : 4U));
+    CHECK(named == (count == 5 ? 5U : 0U));
+    CHECK(ends == static_cast<std::size_t>(count) - 1);
+    CHECK(page.find("same end") == std::string::npos);  // the footer of all
+  }
+}
+
+TEST_CASE("an option's words are those between braces in its type, and none without both") {
+  const auto choices = [](const char* type) {
+    CLI::App app("all", "tactbench");
+    std::string value;
+    app.add_option("--kind", value, "kind")->type_name(type);
+    return command_tree(app).arguments.back().choices;
+  };
+  using Words = std::vector<std::string>;
+  CHECK(choices("TEXT:{a,b}") == Words{"a", "b"});
+  for (const char* type : {"TEXT", "TEXT:{a", "TEXT:a}", "TEXT:}a{"}) CHECK(choices(type) == Words{});
 }
