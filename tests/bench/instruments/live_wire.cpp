@@ -3,6 +3,10 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "analysis/compensate/frame_compensator.h"
 #include "bench/instruments/live.h"
@@ -18,9 +22,9 @@ using namespace tactbench::tests;
 namespace {
 
 // A fitted run of the small recipe up to 60 psi.
-std::int64_t fitted_run(const std::string& path) {
+std::int64_t fitted_run(const std::string& path, const std::vector<sequences::Override>& overrides = {}) {
   db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
-  bench::RunRequest request = small_request();
+  bench::RunRequest request = small_request(overrides);
   request.recipes = {sequences::parse_recipe(sequences::TomlDocument::from_text(
       "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\nrepeats = 1\n"
       "[conditioning]\ncycles = 1\npeak = 60\n",
@@ -31,7 +35,92 @@ std::int64_t fitted_run(const std::string& path) {
   return result.run;
 }
 
+// Of the last frame in the table that `live --csv` wrote, what its lines say.
+struct LastFrame {
+  int flat = 0, unknown = 0, out_of_range = 0, dead = 0, outside = 0, lost = 0, taxels = 0, highest_at = -1;
+  double sum_psi = 0.0, highest_psi = 0.0;
+};
+LastFrame last_frame_of(const std::string& table, int frame) {
+  LastFrame last;
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(std::to_string(frame) + ",")) continue;
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    const unsigned bits = static_cast<unsigned>(std::stoul(cells.at(5)));
+    const double psi = std::stod(cells.at(3));
+    const auto has = [&](unsigned bit) { return (bits & bit) != 0 ? 1 : 0; };
+    last.flat += has(analysis::kTaxelFlat);
+    last.unknown += has(analysis::kTaxelUnknown);
+    last.out_of_range += has(analysis::kTaxelOutOfRange);
+    last.dead += has(analysis::kTaxelDead);
+    last.outside += has(analysis::kTaxelOutside);
+    last.lost += has(analysis::kTaxelLost);
+    if (has(analysis::kTaxelDead) != 0) continue;
+    ++last.taxels;
+    last.sum_psi += psi;
+    if (last.highest_at >= 0 && psi <= last.highest_psi) continue;
+    last.highest_psi = psi;
+    last.highest_at = std::stoi(cells.at(2));
+  }
+  return last;
+}
+
 }  // namespace
+
+TEST_CASE("live: the verb sums up its last frame as the table has it, in words and as JSON") {
+  const TemporaryFolder folder;
+  const std::int64_t run =
+      fitted_run(folder.path("runs.db"), {{"simulation.defect", "[{kind=\"dead\",row=2,column=5}]"}});
+  const auto live = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"live",    "--bench", "simulated.toml", "--model", std::to_string(run),
+                                      "--db",    "runs.db", "--interval",     "0",       "--csv",
+                                      "live.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(program_path(), words, folder.path());
+  };
+  for (const bool elsewhere : {false, true}) {
+    std::vector<std::string> words = {"--frames", "3", "--json"};
+    if (elsewhere) words.insert(words.end(), {"--set", "simulation.scanner_serial=\"ANOTHER\""});
+    const Finished done = live(words);
+    INFO(done.err);
+    REQUIRE(done.code == 0);
+    const std::string table = read_file(folder.path("live.csv"));
+    CHECK(table.starts_with("frame,time_s,taxel,pressure_psi,uncertainty_psi,status\n0,"));
+    const LastFrame last = last_frame_of(table, 2);
+    CHECK(last.dead == 1);
+    CHECK(last.taxels == 255);
+    CHECK((last.outside > 0) == elsewhere);
+    const auto told = nlohmann::json::parse(done.out);
+    CHECK(told.at("frames") == 3);
+    CHECK(told.at("lost_frames") == 0);
+    CHECK(told.at("origin") == "simulated");
+    CHECK(told.at("outside_validity").empty() == !elsewhere);
+    const auto& frame = told.at("last_frame");
+    CHECK(frame.at("mean_psi").get<double>() == Approx(last.sum_psi / 255).margin(1e-3));
+    CHECK(frame.at("highest_psi").get<double>() == Approx(last.highest_psi).margin(1e-3));
+    CHECK(frame.at("flat") == last.flat);
+    CHECK(frame.at("unknown") == last.unknown);
+    CHECK(frame.at("out_of_range") == last.out_of_range);
+    CHECK(frame.at("dead") == 1);
+    CHECK(frame.at("outside_validity") == last.outside);
+    CHECK(frame.at("lost") == last.lost);
+  }
+  const Finished words = live({"--frames", "1"});
+  REQUIRE(words.code == 0);
+  const LastFrame only = last_frame_of(read_file(folder.path("live.csv")), 0);
+  CHECK_THAT(words.out,
+             Catch::StartsWith("frame      0  mean ") &&
+                 Catch::Contains(" psi at " + std::to_string(only.highest_at / 16) + "," +
+                                 std::to_string(only.highest_at % 16) + "  flat " + std::to_string(only.flat) +
+                                 " unknown " + std::to_string(only.unknown) + " out of range " +
+                                 std::to_string(only.out_of_range) + " dead 1 lost 0  ") &&
+                 Catch::Contains("\n1 frame, 0 lost; request to compensated values: median "));
+  const Finished elsewhere = live({"--frames", "1", "-q", "--set", "simulation.scanner_serial=\"ANOTHER\""});
+  CHECK_THAT(elsewhere.err, Catch::Contains("outside the model's validity, all values are flagged: "));
+  CHECK_THAT(elsewhere.out, Catch::StartsWith("1 frame, 0 lost; "));
+}
 
 TEST_CASE("live: frames of an unloaded array are near zero, its latency is measured, lost frames are counted") {
   const TemporaryFolder folder;
@@ -87,7 +176,13 @@ TEST_CASE("live: frames of an unloaded array are near zero, its latency is measu
   const auto once = [](const bench::LiveFrame&) { return false; };
   CHECK(bench::live_frames(small_request().bench, model, {.frames = 0, .interval_s = 0.0}, once).frames == 1);
   other.rows = 8;
-  CHECK_THROWS_AS(bench::live_frames(small_request().bench, other, {}, see), bench::Error);
+  try {
+    (void)bench::live_frames(small_request().bench, other, {}, see);
+    FAIL("a model of another array was taken");
+  } catch (const bench::Error& error) {
+    CHECK(error.id() == "TB-LIVE-SHAPE");
+    CHECK(error.code() == bench::ExitCode::kUsage);
+  }
 }
 
 TEST_CASE("live: the verb prints JSON and writes a table, Ctrl-C ends it cleanly") {
