@@ -111,6 +111,57 @@ TEST_CASE("export: a frame of a branch that the run lacks is damage, and said so
   }
 }
 
+TEST_CASE("export JSON: every list of a run, item by item") {
+  StoreToExport store;
+  (void)store_example(store.store);
+  db::VerdictRecord verdict{1, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", "pass", "limits", "sha"};
+  store.store.replace_verdicts(1, 0, {verdict});
+  const Finished told = store.exported("1", "json");
+  CHECK(told.code == 0);
+  CHECK_THAT(told.out, Catch::Contains(" bytes of json in "));
+  const auto document = nlohmann::json::parse(store.text());
+  CHECK(document.at("schema") == "tactbench.run");
+  CHECK(document.at("bench_toml") == "id = \"bench-a\"\n");
+  CHECK(document.at("sensor_toml") == "rows = 3\n");
+  CHECK(document.at("recipes").at(1).at("toml") == "recipe b");
+  CHECK(document.at("devices").at(0).at("calibration") == nlohmann::json{{"span", 1}});
+  CHECK(document.at("events") == nlohmann::json::parse(R"([
+    {"time_ns": 5, "kind": "state", "id": "", "detail": "prepared -> running"},
+    {"time_ns": 6, "kind": "fault", "id": "TB-SCANNER-SILENT", "detail": "no report"}])"));
+  CHECK(document.at("checks") ==
+        nlohmann::json::parse(R"([{"time_ns": 4, "kind": "seating", "verdict": "pass", "detail": {"rows": 3}}])"));
+  CHECK(document.at("series") ==
+        nlohmann::json::parse(R"([{"sequence": 0, "taxel": 3, "input": [0.5, 1.5], "output": [2.5, 3.5]}])"));
+  REQUIRE(document.at("verdicts").size() == 1);
+  CHECK(document.at("verdicts").at(0).at("shown") == "simulated pass");
+  REQUIRE(document.at("frames").size() == 3);
+  const nlohmann::json& frame = document.at("frames").at(2);
+  const db::FrameRecord known = example_frame(0, 1);
+  CHECK((frame.at("sequence") == 1 && frame.at("attempt") == 1 && frame.at("void") == false && frame.at("step") == 1));
+  CHECK(document.at("frames").at(0).at("void") == true);
+  CHECK((frame.at("setpoint_psi") == known.setpoint_psi && frame.at("feedback_psi") == known.feedback_psi &&
+         frame.at("reference_psi") == known.reference_psi));
+  CHECK((frame.at("setpoint_counts") == 101 && frame.at("feedback_counts") == -201 &&
+         frame.at("reference_counts") == 301));
+  CHECK((frame.at("time_ns") == known.time_ns && frame.at("since_command_ns") == known.since_command_ns &&
+         frame.at("in_band_ns") == known.in_band_ns && frame.at("device_time_us") == known.device_time_us));
+  CHECK((frame.at("status") == 4 && frame.at("flags") == "dwell" && frame.at("rows") == 3 && frame.at("columns") == 2 &&
+         frame.at("scans") == 2));
+  CHECK(frame.at("counts") == nlohmann::json(known.counts));
+  CHECK(frame.at("target_n") == 6.1);
+  CHECK(frame.at("wrench_n_nmm") == nlohmann::json({0.1, 0.2, -6.2, 1.5, 2.5, 3.5}));
+  CHECK(frame.at("wrench_raw") == nlohmann::json({11.0, 12.0, 13.0, 14.0, 15.0, 16.5}));
+  CHECK(frame.at("place_mm") == nlohmann::json({20.1, 30.2, 41.3}));
+  // A series comes first as a table.
+  REQUIRE(store.exported("1").code == 0);
+  CHECK(store.text() == "sequence,name,taxel,position,input,output\n0,up,3,0,0.5,2.5\n0,up,3,1,1.5,3.5\n");
+  const auto json = nlohmann::json::parse(
+      verb_here(bench::add_runs, {"runs", "export", "1", "--db", store.path, "-o", store.folder.path("new"), "--json"})
+          .out);
+  CHECK(json.at("format") == "csv");
+  CHECK(json.at("bytes") == store.text().size());
+}
+
 TEST_CASE("runs copy: sorted, once each, with a note on verdicts that stay behind") {
   StoreToExport store;
   for (int i = 0; i < 3; ++i) (void)store_example(store.store);

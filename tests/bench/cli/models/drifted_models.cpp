@@ -1,9 +1,12 @@
 // What model show, model adjust and fit --check tell as JSON, of a table and the same table a constant higher.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "analysis/identify/stored/model_document.h"
 #include "tests/bench/cli/play_table.h"
 #include "tests/bench/cli/verb_here.h"
 
@@ -65,10 +68,19 @@ TEST_CASE("model adjust: the zero, or zero and gain, in words and as JSON, and n
   CHECK_THAT(told.out,
              Catch::StartsWith(of.child + ": ") && Catch::Contains("\n  mean residual on " + of.raised + ": ") &&
                  Catch::EndsWith("; parent " + zero.at("parent_sha256").get<std::string>().substr(0, 12) + "\n"));
-  CHECK(of.say({"model", "adjust", of.model, of.raised, "--gain", "-o", of.child}).code == 0);
+  const auto percent = [](const nlohmann::json& share) { return fmt::format("{:.3f}", 100.0 * share.get<double>()); };
+  const nlohmann::json& drift = zero.at("drift");
+  CHECK_THAT(told.out, Catch::Contains(of.raised + ": " + percent(drift.at("as_is_fs")) + " % FS before, " +
+                                       percent(drift.at("zeroed_fs")) + " after; "));
+  const Finished gain = of.say({"model", "adjust", of.model, of.raised, "--gain", "-o", of.child});
+  CHECK(gain.code == 0);
+  CHECK_THAT(gain.out, Catch::Contains(" % FS before, " + percent(drift.at("adjusted_fs")) + " after; "));
   const Finished shown = of.say({"model", "show", of.child});
   CHECK_THAT(shown.out,
              Catch::Contains("\n  parent        " + zero.at("parent_sha256").get<std::string>().substr(0, 12) + ": "));
+  const std::size_t parameters = analysis::load_model(of.child, nullptr).taxels.back().fit.model->parameters().size();
+  REQUIRE(parameters > 24);
+  CHECK_THAT(shown.out, Catch::EndsWith("\n  and " + std::to_string(parameters - 24) + " more (--json)\n"));
 }
 
 TEST_CASE("fit --check: a good model and a drifted one, what lies outside, in words and as JSON") {
@@ -91,4 +103,15 @@ TEST_CASE("fit --check: a good model and a drifted one, what lies outside, in wo
   CHECK(raised.at("outside_validity").empty());
   CHECK(raised.at("as_is_fs").get<double>() > 10.0 * raised.at("zeroed_fs").get<double>());
   CHECK(raised.at("tolerance_fs").get<double>() > 0.0);
+  const auto percent = [&](const char* name) { return fmt::format("{:.3f}", 100.0 * raised.at(name).get<double>()); };
+  const std::string words = check(of.raised).out;
+  CHECK_THAT(words, Catch::Contains("\n  mean residual of 1 taxel, % FS: as it is " + percent("as_is_fs") +
+                                    ", re-zeroed " + percent("zeroed_fs") + ", with gain " + percent("adjusted_fs") +
+                                    " (tolerance " + percent("tolerance_fs") + ")\n"));
+  const nlohmann::json& taxel = raised.at("taxels").at(0);
+  const auto with_u = [&](const char* name, const char* u) {
+    return fmt::format("{:.5f} +- {:.5f}", taxel.at(name).get<double>(), taxel.at(u).get<double>());
+  };
+  CHECK_THAT(words, Catch::EndsWith(fmt::format("\n       0{:>24}{:>24}{:>10}\n", with_u("zero_with_gain", "zero_u"),
+                                                with_u("gain", "gain_u"), percent("as_is_fs"))));
 }

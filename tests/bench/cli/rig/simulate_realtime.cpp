@@ -66,6 +66,10 @@ TEST_CASE(
   INFO(done.err);
   REQUIRE(done.code == 0);
   CHECK_THAT(done.err, Catch::Contains("vented, verified") && Catch::Contains("'nonsense' is not a pressure"));
+  for (const char* asked :
+       {" 1 of 4: 0 psi, increasing. Hand gauge reads [psi, q ends]: ", " 2 of 4: 20 psi, increasing. ",
+        " 3 of 4: 20 psi, decreasing. ", " 4 of 4: 0 psi, decreasing. "})
+    CHECK_THAT(done.err, Catch::Contains(asked));
   const json result = json::parse(done.out);
   CHECK(result["correction_psi"][1].get<double>() == Approx(0.3).margin(0.15));
   REQUIRE(run_program(kProgram, {"init"}, folder.path()).code == 0);
