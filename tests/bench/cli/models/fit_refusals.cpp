@@ -1,9 +1,12 @@
 // What fit, predict and compensate refuse of their words, each with what it says.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "bench/cli/models/fit_choice.h"
 #include "bench/cli/models/fit_many.h"
 #include "bench/cli/runs/source.h"
 #include "tests/bench/cli/verb_here.h"
@@ -164,6 +167,49 @@ TEST_CASE("fit: a table is not judged, not scored on itself, and each target is 
                              ": it is no independent data for them [TB-RUN-OWN]\n  at: --score\n  try: name other runs "
                              "or tables, or with --fit the sequences to fit, and score on the others\n"));
   CHECK_THAT(said({"--model", "elam,poly", "--score", folder.path("none.csv")}), Catch::Contains("[TB-TABLE-OPEN]"));
+}
+
+TEST_CASE("fit: the stages of its progress, with the shares of the time that each model takes") {
+  const auto stages = [](const std::vector<std::string>& models) {
+    std::string text;
+    for (const bench::WorkStage& stage : bench::fit_stages(models))
+      text += fmt::format("{} {:g}{}; ", stage.name, stage.share, stage.counted ? "" : " uncounted");
+    return text;
+  };
+  const std::string begin = "reading the data 1; ", end = fmt::format("{} 1 uncounted; ", bench::kFiguresStage);
+  CHECK(stages({}) == begin + "dynamic 10; elam 1; " + end);
+  CHECK(stages({"gpi", "mpi", "poly", "preisach", "monotone", "elam", "dynamic", "other"}) ==
+        begin + "gpi 85; mpi 4; poly 4; preisach 5; monotone 0.5; elam 1; dynamic 10; other 1; " + end);
+}
+
+TEST_CASE("fit: why ELAM is made where no model is named") {
+  bench::FitModelsOptions options;
+  analysis::Histories histories;
+  histories.origin = "simulated";
+  CHECK(bench::why_elam(options, histories).empty());
+  histories.origin = "imported";
+  histories.source = "t.csv";
+  options.source = "t.csv";
+  CHECK(bench::why_elam(options, histories) == "that is of runs of a bench, and t.csv is a table");
+  histories.source = "run 3";
+  options.source = "3";
+  CHECK(bench::why_elam(options, histories) == "that is of runs of a bench, and run 3 is imported");
+  for (const char* origin : {"imported", "simulated"}) {
+    histories.origin = origin;
+    options.elam_since = "so";
+    CHECK(bench::why_elam(options, histories) == "so");
+  }
+  // Inner branches are open where every fitted taxel leaves something open.
+  analysis::SensorModel model;
+  CHECK(bench::without_inner_branches(model));
+  for (int taxel = 0; taxel < 2; ++taxel) {
+    model.taxels.emplace_back().status = analysis::TaxelStatus::kFitted;
+    model.taxels.back().fit.undetermined = {"w"};
+  }
+  model.taxels.emplace_back().status = analysis::TaxelStatus::kDead;
+  CHECK(bench::without_inner_branches(model));
+  model.taxels[1].fit.undetermined.clear();
+  CHECK_FALSE(bench::without_inner_branches(model));
 }
 
 TEST_CASE("sources: a run is named by up to eighteen digits, and a list by its commas") {

@@ -1,4 +1,6 @@
 // What a report's options and its signature are checked for, before anything is written.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>
@@ -141,17 +143,22 @@ TEST_CASE("report signing: without a verdict it is to be confirmed, and a bad on
   CHECK(warned("", "no data") == "warning: signed with the verdict simulated inconclusive, not judged: no data\n");
 }
 
-TEST_CASE("report stages: of one run, or one for each run, and the writing at the end") {
-  ReportOptions options;
-  options.runs = {3, 4};
-  const std::vector<WorkStage> one = report_stages(options);
-  REQUIRE(one.size() == 4);
-  CHECK((one[0].name == "figures" && one[3].name == kWritingReport));
-  options.batch = true;
-  const std::vector<WorkStage> many = report_stages(options);
-  REQUIRE(many.size() == 3);
-  CHECK((many[0].name == "run 3" && many[1].name == "run 4" && many[2].name == kWritingReport));
-  options.batch = false;
-  options.compare = true;
-  CHECK(report_stages(options).size() == 3);
+TEST_CASE("report stages: of one run, or one for each run, with their shares, and the writing at the end") {
+  const auto stages = [](bool several, const char* format) {
+    ReportOptions options;
+    options.runs = {3, 4};
+    options.batch = several;
+    options.format = format;
+    std::string text;
+    for (const WorkStage& stage : report_stages(options))
+      text += fmt::format("{} {:g}{}; ", stage.name, stage.share, stage.counted ? " counted" : "");
+    return text;
+  };
+  CHECK(stages(false, "html") == fmt::format("figures 2; models 4; uncertainty 4; {} 1; ", kWritingReport));
+  CHECK(stages(false, "pdf") == fmt::format("figures 2; models 4; uncertainty 4; {} 8; ", kWritingReport));
+  CHECK(stages(true, "json") == fmt::format("run 3 2; run 4 2; {} 1; ", kWritingReport));
+  ReportOptions compare;
+  compare.runs = {3, 4};
+  compare.compare = true;
+  CHECK(report_stages(compare).size() == 3);
 }
