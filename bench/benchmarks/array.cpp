@@ -82,14 +82,18 @@ std::vector<Figure> benchmark_array(int rounds) {
                                                             for (int i = 0; i < kScored; ++i)
                                                               plant.scan(counts, status);
                                                           }});
-  const double per_frame = 1e6 / kScored, scan = per_frame * taken[2], wire = median_scan_us();
+  return figures_of(ArrayTimes{taken[0], taken[1], taken[2], median_scan_us()});
+}
+
+std::vector<Figure> figures_of(const ArrayTimes& times) {
+  const double per_frame = 1e6 / kScored, scan = per_frame * times.counts_s;
   FigureList figures("array");
-  figures.add("plain_plays", per_frame * taken[0], "us/frame");
-  figures.add("specimen_moved_and_read", per_frame * taken[1], "us/frame");
-  figures.add("specimen_over_plain_plays", taken[1] / taken[0], "x");
+  figures.add("plain_plays", per_frame * times.plain_s, "us/frame");
+  figures.add("specimen_moved_and_read", per_frame * times.specimen_s, "us/frame");
+  figures.add("specimen_over_plain_plays", times.specimen_s / times.plain_s, "x");
   figures.add("counts_with_noise", scan, "us/frame");
-  figures.add("frame_on_the_wire", wire, "us");
-  figures.add("share_of_the_wire", scan / wire, "1");
+  figures.add("frame_on_the_wire", times.wire_us, "us");
+  figures.add("share_of_the_wire", scan / times.wire_us, "1");
   return figures.take();
 }
 

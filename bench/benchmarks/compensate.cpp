@@ -231,13 +231,17 @@ std::vector<Figure> benchmark_compensate(int rounds) {
     const double taken = fast_seconds(rounds, large, many, all) / static_cast<double>(large.frames);
     figures.add(fmt::format("growth_{0}x{0}_per_taxel", side), 1e9 * taken / static_cast<double>(side * side), "ns");
   }
-  // The plain form computes uncertainty and flags too; the bare one is the simplest form.
-  figures.add("speedup", plain / fast, "x");
-  figures.add_at_least("speedup_over_bare", bare / fast, 3.0);
-  figures.add_at_most("over_scale_only", fast / scale, 25.0);
-  figures.add("turning_slowdown", turn / plain_turn, "x");
-  figures.add_at_most("turning_slowdown_over_bare", turn / bare_turn, 2.5);
+  add_ratios(figures, {scale, plain, bare, fast, turn, plain_turn, bare_turn});
   return figures.take();
+}
+
+// The plain form computes uncertainty and flags too; the bare one is the simplest form.
+void add_ratios(FigureList& figures, const CompensateTimes& times) {
+  figures.add("speedup", times.plain / times.fast, "x");
+  figures.add_at_least("speedup_over_bare", times.bare / times.fast, 3.0);
+  figures.add_at_most("over_scale_only", times.fast / times.scale, 25.0);
+  figures.add("turning_slowdown", times.turn / times.plain_turn, "x");
+  figures.add_at_most("turning_slowdown_over_bare", times.turn / times.bare_turn, 2.5);
 }
 
 }  // namespace tactbench::bench

@@ -28,4 +28,11 @@ CompensationCase tiled(const CompensationCase& from, std::size_t times, std::siz
 // Best of `rounds` for each, in turn; ratios and their goals as figures of their own.
 std::vector<Figure> benchmark_compensate(int rounds);
 
+// Microseconds a frame of 256 taxels.
+struct CompensateTimes {
+  double scale = 0.0, plain = 0.0, bare = 0.0, fast = 0.0;  // slow cycles
+  double turn = 0.0, plain_turn = 0.0, bare_turn = 0.0;     // random counts
+};
+void add_ratios(FigureList& figures, const CompensateTimes& times);
+
 }  // namespace tactbench::bench

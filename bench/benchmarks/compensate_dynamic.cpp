@@ -20,14 +20,7 @@ using namespace analysis;
 constexpr std::size_t kDynamicTaxels = 256, kDynamicIntervals = 20;
 constexpr double kDynamicNoise = 0.004, kDynamicVoltsPerCount = 5.0 / 65536.0;
 
-struct DynamicCase {
-  DynamicSetup setup;
-  std::vector<std::uint16_t> counts;
-  std::size_t frames = 0;
-};
-
-// Preisach densities that fall off from the diagonal, a divider of about 4 V, lag and creep.
-DynamicCase dynamic_case(std::vector<PreisachModel>& films) {
+DynamicCase dynamic_case(std::vector<PreisachModel>& films, std::size_t taxels) {
   DynamicCase c;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform;
@@ -37,7 +30,7 @@ DynamicCase dynamic_case(std::vector<PreisachModel>& films) {
   c.setup.volts_per_count = kDynamicVoltsPerCount;
   c.setup.start_unknown = false;
   c.setup.dynamics.creep_share = {0.015, 0.012, 0.01};
-  for (std::size_t t = 0; t < kDynamicTaxels; ++t) {
+  for (std::size_t t = 0; t < taxels; ++t) {
     std::vector<double> weights;
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i)
@@ -61,10 +54,11 @@ DynamicCase dynamic_case(std::vector<PreisachModel>& films) {
   return c;
 }
 
-// As slow_cycles: in phase, 0-60-10-50-0 psi.
-DynamicCase slow_dynamic(std::size_t frames) {
+}  // namespace
+
+DynamicCase slow_dynamic(std::size_t taxels, std::size_t frames) {
   std::vector<PreisachModel> films;
-  DynamicCase c = dynamic_case(films);
+  DynamicCase c = dynamic_case(films, taxels);
   c.frames = frames;
   std::vector<std::unique_ptr<ModelState>> states;
   for (const PreisachModel& film : films) states.push_back(film.state());
@@ -85,10 +79,9 @@ DynamicCase slow_dynamic(std::size_t frames) {
   return c;
 }
 
-// As random_frames: counts drawn anew for each frame and taxel.
-DynamicCase random_dynamic(std::size_t frames) {
+DynamicCase random_dynamic(std::size_t taxels, std::size_t frames) {
   std::vector<PreisachModel> films;
-  DynamicCase c = dynamic_case(films);
+  DynamicCase c = dynamic_case(films, taxels);
   c.frames = frames;
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform;
@@ -97,6 +90,8 @@ DynamicCase random_dynamic(std::size_t frames) {
       c.counts.push_back(static_cast<std::uint16_t>(3.2 * uniform(random) / kDynamicVoltsPerCount));
   return c;
 }
+
+namespace {
 
 // A frame's time in microseconds.
 template <class Compensator>
@@ -113,7 +108,7 @@ double us_a_frame(int rounds, Compensator& compensator, const std::vector<std::u
 
 std::vector<Figure> benchmark_compensate_dynamic(int rounds) {
   FigureList figures("compensate-dynamic");
-  const DynamicCase slow = slow_dynamic(20000), random = random_dynamic(1000);
+  const DynamicCase slow = slow_dynamic(kDynamicTaxels, 20000), random = random_dynamic(kDynamicTaxels, 1000);
   const CompensationCase elam_slow = slow_cycles(kDynamicTaxels, 20000),
                          elam_random = random_frames(kDynamicTaxels, 1000);
   for (const Dispatch level : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {

@@ -55,15 +55,6 @@ const std::vector<Condition>& conditions() {
   return list;
 }
 
-struct CoveredErrors {
-  ErrorSum error;
-  double covered = 0.0;  // samples whose error is within twice the uncertainty
-  void add(const CoveredErrors& other) {
-    error.add(other.error);
-    covered += other.covered;
-  }
-};
-
 template <class Errors>
 Errors total_of(const std::vector<Errors>& taxels) {
   Errors all;
@@ -114,12 +105,6 @@ ErrorSum of_model(const std::vector<ModelFit>& fits, const Histories& histories,
   return total_of(errors);
 }
 
-// Means of all sensors, by condition; `others` by condition and model.
-struct ErrorsOfSpecimen {
-  std::map<std::string, CoveredErrors> dynamic, alone, elam;  // alone: the dynamic model without lag and creep
-  std::map<std::string, ErrorSum> others;
-};
-
 void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, const std::string& folder,
                 bool all_models) {
   db::RunStore store = db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor_seed, harsh ? "harsh" : "paper"),
@@ -151,6 +136,8 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
   }
 }
 
+}  // namespace
+
 void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh) {
   const std::string prefix = harsh ? "harsh_" : "";
   for (const Condition& condition : conditions()) {
@@ -178,8 +165,6 @@ void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh
   }
   for (const auto& [name, other] : errors.others) figures.add(prefix + name, other.mean(), "psi");
 }
-
-}  // namespace
 
 std::vector<Figure> benchmark_compensation_error(const std::vector<unsigned>& sensor_seeds, const std::string& folder,
                                                  bool all_models) {

@@ -3,9 +3,11 @@
 // chosen on.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
+#include "analysis/statistics/scoring/score.h"
 #include "bench/benchmarks/figure.h"
 
 namespace tactbench::bench {
@@ -14,5 +16,22 @@ namespace tactbench::bench {
 // others too, as they are and on the linearised output, by the one rule of comparison, every eighth taxel.
 std::vector<Figure> benchmark_compensation_error(const std::vector<unsigned>& sensor_seeds, const std::string& folder,
                                                  bool all_models = false);
+
+struct CoveredErrors {
+  analysis::ErrorSum error;
+  double covered = 0.0;  // samples whose error is within twice the uncertainty
+  void add(const CoveredErrors& other) {
+    error.add(other.error);
+    covered += other.covered;
+  }
+};
+
+// Means of all sensors, by condition; `others` by condition and model.
+struct ErrorsOfSpecimen {
+  std::map<std::string, CoveredErrors> dynamic, alone, elam;  // alone: the dynamic model without lag and creep
+  std::map<std::string, analysis::ErrorSum> others;
+};
+// Throws std::out_of_range when one of the conditions is missing.
+void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh);
 
 }  // namespace tactbench::bench

@@ -59,11 +59,6 @@ const std::vector<Use>& uses() {
   return list;
 }
 
-struct Covered {
-  double inside = 0.0, not_valid = 0.0;  // pairs; sensors of which the report says that U does not cover the use
-  std::vector<double> errors, expanded;  // of each pair
-};
-
 void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, Steps steps,
                 Covered& covered) {
   std::vector<std::vector<StepKind>> kinds;
@@ -100,8 +95,6 @@ void add_errors(const std::vector<KnownRun>& runs, const SensorModel& fit, const
                 Steps steps, Covered& covered) {
   for (const KnownRun& run : runs) add_errors(run, fit, stated, steps, covered);
 }
-
-using Coverages = std::map<std::string, Covered>;  // by specimen, calibration, model and use
 
 // One sensor: its calibrations, what a careful user gives beside them, and its uses.
 class CoverageOfSensor {
@@ -204,8 +197,12 @@ std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std
   for (const bool harsh : {false, true})
     for (const unsigned seed : options.sensor_seeds)
       if (harsh ? options.harsh : options.paper) CoverageOfSensor({harsh, seed}, options, folder).add_to(coverages);
+  return figures_of(coverages);
+}
+
+std::vector<Figure> figures_of(const Coverages& coverages) {
   FigureList figures("coverage");
-  for (auto& [name, covered] : coverages) {
+  for (const auto& [name, covered] : coverages) {
     if (covered.not_valid > 0.0) figures.add(name + "_not_valid", covered.not_valid, "sensors");
     if (covered.errors.empty()) continue;
     figures.add(name, 100.0 * covered.inside / static_cast<double>(covered.errors.size()), "%");

@@ -2,6 +2,7 @@
 // pressure, which neither models nor budgets see.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,12 @@ struct CoverageOptions {
 // the half-width of the smallest interval about 0 that covers 95 % of the same errors; or how many sensors the report
 // calls U not valid for. Runs are made in `folder`.
 std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder);
+
+struct Covered {
+  double inside = 0.0, not_valid = 0.0;  // pairs; sensors of which the report says that U does not cover the use
+  std::vector<double> errors, expanded;  // of each pair
+};
+using Coverages = std::map<std::string, Covered>;  // by specimen, calibration, model and use
+std::vector<Figure> figures_of(const Coverages& coverages);
 
 }  // namespace tactbench::bench

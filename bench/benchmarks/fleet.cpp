@@ -45,40 +45,43 @@ std::vector<Figure> benchmark_fleet(int rounds, const std::string& conninfo, con
   // As fleet.frames, without partitions.
   link.execute(fmt::format("DROP TABLE IF EXISTS public.{0}; CREATE TABLE public.{0} (LIKE fleet.frames INCLUDING ALL)",
                            kTable));
-  double push_s = 1e9, copy_s = 1e9, again_s = 1e9;
-  double frames = 0.0;
+  FleetTimes best{.push_s = 1e9, .copy_s = 1e9, .again_s = 1e9};
   for (int round = 0; round < rounds; ++round) {
     const std::string path = fmt::format("{}/{}.db", folder, round);
     {
       db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
       for (int i = 0; i < kFleetRuns; ++i) (void)store_run(store, dataset);
     }
-    frames = 0.0;
+    best.frames = 0.0;
     fleet::LocalRuns store(path);
-    push_s = std::min(push_s, best_seconds(1, [&] {
-                        fleet::Push push(link, store, path, folder);
-                        for (const fleet::Waiting& one : push.waiting())
-                          frames += static_cast<double>(push.push(one).frames);
-                      }));
+    best.push_s = std::min(best.push_s, best_seconds(1, [&] {
+                             fleet::Push push(link, store, path, folder);
+                             for (const fleet::Waiting& one : push.waiting())
+                               best.frames += static_cast<double>(push.push(one).frames);
+                           }));
     const std::string file = fmt::format("{}/{}.copy", folder, round);
     psql(conninfo,
          fmt::format("\\copy (SELECT f.* FROM fleet.frames f WHERE run IN (SELECT run FROM fleet.revisions WHERE "
                      "source = '{}') ORDER BY run, position) TO '{}' (FORMAT binary)",
                      path, file));
     link.execute(fmt::format("TRUNCATE public.{}", kTable));
-    copy_s = std::min(copy_s, best_seconds(1, [&] {
-                        psql(conninfo, fmt::format("\\copy public.{} FROM '{}' (FORMAT binary)", kTable, file));
-                      }));
-    again_s =
-        std::min(again_s, best_seconds(5, [&] { keep(fleet::Push(link, store, path, folder).waiting().size()); }));
+    best.copy_s = std::min(best.copy_s, best_seconds(1, [&] {
+                             psql(conninfo, fmt::format("\\copy public.{} FROM '{}' (FORMAT binary)", kTable, file));
+                           }));
+    best.again_s =
+        std::min(best.again_s, best_seconds(5, [&] { keep(fleet::Push(link, store, path, folder).waiting().size()); }));
   }
   link.execute(fmt::format("DROP TABLE public.{}", kTable));
+  return figures_of(best);
+}
+
+std::vector<Figure> figures_of(const FleetTimes& times) {
   FigureList figures("fleet");
-  figures.add_at_least("push", frames / push_s, 5000, "frames/s");
-  figures.add("psql_copy", frames / copy_s, "frames/s");
-  figures.add_at_least("push_over_copy", copy_s / push_s, 0.5);
-  figures.add("push_a_run", 1e3 * push_s / kFleetRuns, "ms");
-  figures.add_at_most("push_again_a_run", 1e3 * again_s / kFleetRuns, 1.0, "ms");
+  figures.add_at_least("push", times.frames / times.push_s, 5000, "frames/s");
+  figures.add("psql_copy", times.frames / times.copy_s, "frames/s");
+  figures.add_at_least("push_over_copy", times.copy_s / times.push_s, 0.5);
+  figures.add("push_a_run", 1e3 * times.push_s / kFleetRuns, "ms");
+  figures.add_at_most("push_again_a_run", 1e3 * times.again_s / kFleetRuns, 1.0, "ms");
   return figures.take();
 }
 

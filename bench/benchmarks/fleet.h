@@ -14,4 +14,11 @@ namespace tactbench::bench {
 // PATH.
 std::vector<Figure> benchmark_fleet(int rounds, const std::string& conninfo, const std::string& folder);
 
+// The best times over all rounds.
+struct FleetTimes {
+  double frames = 0.0;  // of one round's runs
+  double push_s = 0.0, copy_s = 0.0, again_s = 0.0;
+};
+std::vector<Figure> figures_of(const FleetTimes& times);
+
 }  // namespace tactbench::bench

@@ -13,4 +13,12 @@ namespace tactbench::bench {
 // Figures a characterization are measured; those of a million are these times a million, without what grows faster.
 std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder);
 
+// What was spent on all of the rigs together.
+struct ManyRigsSpent {
+  int rigs = 0;
+  double carried_out_s = 0.0, merged_s = 0.0, pruning_s = 0.0;
+  double kept_bytes = 0.0, left_bytes = 0.0, page_bytes = 0.0;  // the store, after its pruning, and the night's page
+};
+std::vector<Figure> figures_of(const ManyRigsSpent& spent);
+
 }  // namespace tactbench::bench

@@ -33,13 +33,12 @@ double thread_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-struct PageRunTimes {
-  double wall_s = 0.0, processor_s = 0.0;  // of the sequencer's thread, from the first step to the last
-  std::int64_t frames = 0;
+struct RunBeside {
+  PageRunTimes times;
   std::vector<PageClock::time_point> stored;  // when each frame was stored, or a little later
 };
 
-PageRunTimes run_beside(const std::string& db, int repeats, double pace) {
+RunBeside run_beside(const std::string& db, int repeats, double pace) {
   db::RunStore store = db::RunStore::open(db, db::Durability::kNormal);
   RunRequest request;
   request.bench = read_bench(find_config("simulated.toml"), {}, {1, 1});
@@ -58,7 +57,7 @@ PageRunTimes run_beside(const std::string& db, int repeats, double pace) {
   request.operator_name = "benchmark";
   request.check_seating = false;
   request.pace = pace;
-  PageRunTimes times;
+  RunBeside run;
   PageClock::time_point first{}, last{};
   double first_s = 0.0, last_s = 0.0;
   bool measured = false;
@@ -69,16 +68,15 @@ PageRunTimes run_beside(const std::string& db, int repeats, double pace) {
       first = last;
       first_s = last_s;
     }
-    if (measured) times.stored.push_back(last);
+    if (measured) run.stored.push_back(last);
     measured = sequences::takes_frame(step);
   };
   Progress quiet(Progress::Mode::kQuiet);
   const RunResult result = characterize(request, store, quiet);
   if (result.error) throw *result.error;
-  times.wall_s = std::chrono::duration<double>(last - first).count();
-  times.processor_s = last_s - first_s;
-  times.frames = result.frames_kept;
-  return times;
+  run.times = {std::chrono::duration<double>(last - first).count(), last_s - first_s,
+               static_cast<double>(result.frames_kept)};
+  return run;
 }
 
 // Processor seconds to write these events to /dev/null, once for each viewer.
@@ -103,51 +101,64 @@ void measure_serving(FigureList& figures, const std::string& folder) {
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   const double before_s = page.processor_s();
   const auto begun = PageClock::now();
-  const PageRunTimes run = run_beside(db, 1, kPace);
-  const double took_s = passed_since(begun);
-  const double page_s = page.processor_s() - before_s;
-  std::vector<double> delays_ms;
+  const RunBeside run = run_beside(db, 1, kPace);
+  PageServed served;
+  served.took_s = passed_since(begun);
+  served.frames = run.times.frames;
+  served.page_s = page.processor_s() - before_s;
   for (const auto& [position, came] : viewers.pictures()) {
     const auto index = static_cast<std::size_t>(position - 1);
     if (came > begun && position > 0 && index < run.stored.size())
-      delays_ms.push_back(std::chrono::duration<double, std::milli>(came - run.stored[index]).count());
+      served.delays_ms.push_back(std::chrono::duration<double, std::milli>(came - run.stored[index]).count());
   }
-  if (delays_ms.size() < 10) throw std::runtime_error("the viewers saw too little of the run");
-  figures.add("frames", static_cast<double>(run.frames) / took_s, "1/s");
-  figures.add("pictures", static_cast<double>(delays_ms.size()) / took_s, "1/s");
-  figures.add_at_most("core", 100.0 * page_s / took_s, 1.0, "%");
-  figures.add("core_bare_writes", 100.0 * bare_writes_s(viewers.text()) / took_s, "%");
-  figures.add_at_most("resident", page.resident_mb(), 20.0, "MB");
-  figures.add("stored_to_viewer_median", analysis::quantile_of(delays_ms, 0.5), "ms");
-  figures.add_at_most("stored_to_viewer_p95", analysis::quantile_of(delays_ms, 0.95), 150.0, "ms");
+  if (served.delays_ms.size() < 10) throw std::runtime_error("the viewers saw too little of the run");
+  served.bare_writes_s = bare_writes_s(viewers.text());
+  served.resident_mb = page.resident_mb();
+  add_figures(figures, served);
 }
 
 void measure_run(FigureList& figures, int rounds, const std::string& folder) {
   constexpr int kPageRepeats = 10;
-  std::vector<double> wall, processor;
-  double alone_us = 0.0;
+  std::vector<PageRunPair> pairs;
   for (int round = 0; round < rounds; ++round) {
-    const PageRunTimes alone = run_beside(fmt::format("{}/alone-{}.db", folder, round), kPageRepeats, 0.0);
+    const RunBeside alone = run_beside(fmt::format("{}/alone-{}.db", folder, round), kPageRepeats, 0.0);
     const std::string db = fmt::format("{}/seen-{}.db", folder, round);
     (void)run_beside(db, 1, 0.0);
     const PageProcess page(db, folder);
     PageViewers viewers(page, kViewers, 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     const auto begun = PageClock::now();
-    const PageRunTimes seen = run_beside(db, kPageRepeats, 0.0);
+    const RunBeside seen = run_beside(db, kPageRepeats, 0.0);
     const auto& pictures = viewers.pictures();
     if (std::ranges::none_of(pictures, [&](const auto& picture) { return picture.second > begun; }))
       throw std::runtime_error("the viewers did not see the run");
-    wall.push_back(seen.wall_s / alone.wall_s);
-    processor.push_back(seen.processor_s / alone.processor_s);
-    alone_us = 1e6 * alone.wall_s / static_cast<double>(alone.frames);
+    pairs.push_back({alone.times, seen.times});
   }
-  figures.add("step", alone_us, "us");
-  figures.add("step_with_viewers_wall", analysis::quantile_of(wall, 0.5), "x");
-  figures.add_at_most("step_with_viewers", analysis::quantile_of(processor, 0.5), 1.02);
+  add_figures(figures, pairs);
 }
 
 }  // namespace
+
+void add_figures(FigureList& figures, const PageServed& served) {
+  figures.add("frames", served.frames / served.took_s, "1/s");
+  figures.add("pictures", static_cast<double>(served.delays_ms.size()) / served.took_s, "1/s");
+  figures.add_at_most("core", 100.0 * served.page_s / served.took_s, 1.0, "%");
+  figures.add("core_bare_writes", 100.0 * served.bare_writes_s / served.took_s, "%");
+  figures.add_at_most("resident", served.resident_mb, 20.0, "MB");
+  figures.add("stored_to_viewer_median", analysis::quantile_of(served.delays_ms, 0.5), "ms");
+  figures.add_at_most("stored_to_viewer_p95", analysis::quantile_of(served.delays_ms, 0.95), 150.0, "ms");
+}
+
+void add_figures(FigureList& figures, const std::vector<PageRunPair>& pairs) {
+  std::vector<double> wall, processor;
+  for (const auto& [alone, seen] : pairs) {
+    wall.push_back(seen.wall_s / alone.wall_s);
+    processor.push_back(seen.processor_s / alone.processor_s);
+  }
+  figures.add("step", 1e6 * pairs.back().alone.wall_s / pairs.back().alone.frames, "us");
+  figures.add("step_with_viewers_wall", analysis::quantile_of(wall, 0.5), "x");
+  figures.add_at_most("step_with_viewers", analysis::quantile_of(processor, 0.5), 1.02);
+}
 
 std::vector<Figure> benchmark_page(int rounds, const std::string& folder) {
   FigureList figures("page");

@@ -11,4 +11,22 @@ namespace tactbench::bench {
 // `rounds`: pairs of runs, without the page and with it. Makes its stores in `folder`.
 std::vector<Figure> benchmark_page(int rounds, const std::string& folder);
 
+// What was measured while the page served a run.
+struct PageServed {
+  double took_s = 0.0, frames = 0.0;
+  double page_s = 0.0, bare_writes_s = 0.0;  // of a processor
+  double resident_mb = 0.0;
+  std::vector<double> delays_ms;  // of each picture, from the frame's storing to the viewer
+};
+// A run's frames from the first step to the last.
+struct PageRunTimes {
+  double wall_s = 0.0, processor_s = 0.0;  // processor: of the sequencer's thread
+  double frames = 0.0;
+};
+struct PageRunPair {
+  PageRunTimes alone, seen;
+};
+void add_figures(FigureList& figures, const PageServed& served);
+void add_figures(FigureList& figures, const std::vector<PageRunPair>& pairs);
+
 }  // namespace tactbench::bench

@@ -11,4 +11,9 @@ namespace tactbench::bench {
 // A run of both sequences, five repeats, 256 taxels, evaluated with its own fit. Best of `rounds`. Writes to `folder`.
 std::vector<Figure> benchmark_report(int rounds, const std::string& folder);
 
+struct ReportTimes {
+  double bytes = 0.0, write_s = 0.0, rendered_s = 0.0;
+};
+std::vector<Figure> figures_of(const ReportTimes& times);
+
 }  // namespace tactbench::bench

@@ -116,21 +116,25 @@ double frames_again(const std::vector<db::FrameRecord>& frames, int round, const
 
 std::vector<Figure> benchmark_sequence(int rounds, const std::string& folder) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  double run_s = kNone, exchanges_s = kNone, store_s = kNone;
-  std::size_t steps = 0;
+  SequenceTimes best{0.0, kNone, kNone, kNone};
   for (int round = 1; round <= rounds; ++round) {
     const Taken taken = run_once(round, fmt::format("{}/run-{}.db", folder, round));
-    steps = taken.frames.size();
-    run_s = std::min(run_s, taken.run_s);
-    exchanges_s = std::min(exchanges_s, exchanges_again(round, taken.frames));
-    store_s = std::min(store_s, frames_again(taken.frames, round, fmt::format("{}/bare-{}.db", folder, round)));
+    best.steps = static_cast<double>(taken.frames.size());
+    best.run_s = std::min(best.run_s, taken.run_s);
+    best.exchanges_s = std::min(best.exchanges_s, exchanges_again(round, taken.frames));
+    best.store_s =
+        std::min(best.store_s, frames_again(taken.frames, round, fmt::format("{}/bare-{}.db", folder, round)));
   }
-  const double per_step = 1e6 / static_cast<double>(steps);
-  return {{"sequence_steps", static_cast<double>(steps), "1"},
-          {"sequence_run", run_s * per_step, "us/step"},
-          {"sequence_bare_exchanges", exchanges_s * per_step, "us/step"},
-          {"sequence_bare_store", store_s * per_step, "us/step"},
-          {"sequence_ratio", run_s / (exchanges_s + store_s), "x"}};
+  return figures_of(best);
+}
+
+std::vector<Figure> figures_of(const SequenceTimes& times) {
+  const double per_step = 1e6 / times.steps;
+  return {{"sequence_steps", times.steps, "1"},
+          {"sequence_run", times.run_s * per_step, "us/step"},
+          {"sequence_bare_exchanges", times.exchanges_s * per_step, "us/step"},
+          {"sequence_bare_store", times.store_s * per_step, "us/step"},
+          {"sequence_ratio", times.run_s / (times.exchanges_s + times.store_s), "x"}};
 }
 
 }  // namespace tactbench::bench

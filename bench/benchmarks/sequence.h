@@ -13,4 +13,10 @@ namespace tactbench::bench {
 // (exchanges + store). Best of `rounds`, each of the three on its own. Writes to `folder`.
 std::vector<Figure> benchmark_sequence(int rounds, const std::string& folder);
 
+// The best seconds of each; `steps` of one run.
+struct SequenceTimes {
+  double steps = 0.0, run_s = 0.0, exchanges_s = 0.0, store_s = 0.0;
+};
+std::vector<Figure> figures_of(const SequenceTimes& times);
+
 }  // namespace tactbench::bench

@@ -189,18 +189,23 @@ std::vector<Figure> benchmark_store(int rounds, const std::string& folder) {
     bare_read.read(kReadings, [&] { keep(bare_table.read().size()); });
     read.read(kReadings, [&] { keep(normal_run.read().size()); });
   }
+  return figures_of(StoreTimes{plain.seconds(), full.seconds(), bare.seconds(), normal.seconds(), grouped.seconds(),
+                               bare_read.seconds(), read.seconds()});
+}
+
+std::vector<Figure> figures_of(const StoreTimes& times) {
   const double per_durable = 1e6 / static_cast<double>(kDurable), per_frame = 1e6 / static_cast<double>(kFrames);
   FigureList figures("store");
-  figures.add("append_and_fdatasync", per_durable * plain.seconds(), "us/frame");
-  figures.add("full", per_durable * full.seconds(), "us/frame");
-  figures.add_at_most("full_over_floor", full.seconds() / plain.seconds(), 1.5);
-  figures.add("bare_insert", per_frame * bare.seconds(), "us/frame");
-  figures.add("normal", per_frame * normal.seconds(), "us/frame");
-  figures.add_at_most("normal_over_bare", normal.seconds() / bare.seconds(), 1.25);
-  figures.add("bare_insert_groups_of_100", per_frame * grouped.seconds(), "us/frame");
-  figures.add("bare_read", per_frame * bare_read.seconds(), "us/frame");
-  figures.add("read", per_frame * read.seconds(), "us/frame");
-  figures.add_at_most("read_over_bare", read.seconds() / bare_read.seconds(), 1.3);
+  figures.add("append_and_fdatasync", per_durable * times.plain, "us/frame");
+  figures.add("full", per_durable * times.full, "us/frame");
+  figures.add_at_most("full_over_floor", times.full / times.plain, 1.5);
+  figures.add("bare_insert", per_frame * times.bare, "us/frame");
+  figures.add("normal", per_frame * times.normal, "us/frame");
+  figures.add_at_most("normal_over_bare", times.normal / times.bare, 1.25);
+  figures.add("bare_insert_groups_of_100", per_frame * times.grouped, "us/frame");
+  figures.add("bare_read", per_frame * times.bare_read, "us/frame");
+  figures.add("read", per_frame * times.read, "us/frame");
+  figures.add_at_most("read_over_bare", times.read / times.bare_read, 1.3);
   return figures.take();
 }
 

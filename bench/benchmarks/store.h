@@ -13,4 +13,12 @@ namespace tactbench::bench {
 // without a hash chain, checks and references.
 std::vector<Figure> benchmark_store(int rounds, const std::string& folder);
 
+// Seconds for 1000 frames (plain, full) or 3310.
+struct StoreTimes {
+  double plain = 0.0, full = 0.0;
+  double bare = 0.0, normal = 0.0, grouped = 0.0;  // written
+  double bare_read = 0.0, read = 0.0;
+};
+std::vector<Figure> figures_of(const StoreTimes& times);
+
 }  // namespace tactbench::bench

@@ -33,4 +33,38 @@ TEST_CASE("a large store holds as many runs as asked for, the last two of them r
     CHECK(run.started_utc.substr(0, 10) == (i < 5 ? "2025-06-01" : "2026-01-31"));
     CHECK(store.frame_count(run.run) == 40);
   }
+  const std::vector<db::FrameRecord> frames = store.frames(8);  // the eighth is number 7
+  REQUIRE(frames.size() == 40);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const db::FrameRecord& frame = frames[i];
+    INFO("frame " << i);
+    CHECK(frame.ordinal == static_cast<int>(i));
+    CHECK((frame.rows == 16 && frame.columns == 16 && frame.scans == 1));
+    CHECK((frame.setpoint_psi == 1.5 * static_cast<double>(i) && frame.reference_psi == frame.setpoint_psi));
+    CHECK(frame.feedback_psi == frame.setpoint_psi);
+    CHECK(frame.time_ns == static_cast<std::int64_t>(i) * 2'000'000'000);
+    CHECK(frame.trace.size() == 10);
+    REQUIRE(frame.counts.size() == 256);
+    CHECK(frame.counts[0] == 7);
+    CHECK(frame.counts[1] == 251 * i + 7);
+    CHECK(frame.counts[255] == 251 * i + 1785);
+  }
+  const db::RunRecord bulk = store.run(8);
+  CHECK(bulk.outcome == db::Outcome::kCompleted);
+  CHECK(bulk.seed == 7);
+  CHECK(bulk.tags == std::vector<std::string>{"nightly"});
+  CHECK((bulk.bench_toml.size() == 3000 && bulk.sensor_toml.size() == 600));
+  REQUIRE(bulk.sequences.size() == 1);
+  CHECK(bulk.sequences[0].name == "frames");
+  CHECK((bulk.sequences[0].repeats == 1 && bulk.sequences[0].frames_per_repeat == 40));
+  CHECK(bulk.sequences[0].recipe_toml.size() == 1500);
+  const std::vector<db::FigureRecord> figures = store.figures("bulk/7");
+  CHECK(figures.size() == 12);
+  for (const db::FigureRecord& figure : figures) {
+    if (figure.name == "figure_0_psi") CHECK(figure.value == Approx(0.98935824662338).epsilon(1e-12));      // sin 8
+    if (figure.name == "figure_11_psi") CHECK(figure.value == Approx(-0.1760756199485871).epsilon(1e-12));  // sin 85
+  }
+  CHECK(store.fits(8).size() == 1);
+  CHECK(store.verdicts(8).size() == 4);
+  for (const db::VerdictRecord& verdict : store.verdicts(8)) CHECK(verdict.verdict == std::string("pass"));
 }
