@@ -85,3 +85,15 @@ TEST_CASE("benchmark array and benchmark sequence print figures") {
   CHECK(goals_of("array").empty());
   CHECK(goals_of("sequence").empty());
 }
+TEST_CASE("benchmark page and benchmark compensate-dynamic print their goals beside their figures") {
+  CHECK(goals_of("page") == std::map<std::string, double>{{"core_goal_at_most", 1.0},
+                                                          {"resident_goal_at_most", 20.0},
+                                                          {"stored_to_viewer_p95_goal_at_most", 150.0},
+                                                          {"step_with_viewers_goal_at_most", 1.02}});
+  std::map<std::string, double> goals = goals_of("compensate-dynamic");
+  CHECK(goals["memory_a_taxel_goal_at_most"] == 2048.0);
+  // Beside the memory those of one vector level, which older processors have not.
+  goals.erase("memory_a_taxel_goal_at_most");
+  if (!goals.empty())
+    CHECK(goals == std::map<std::string, double>{{"slow_avx2_goal_at_most", 2.0}, {"turning_avx2_goal_at_most", 12.0}});
+}

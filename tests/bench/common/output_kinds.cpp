@@ -1,0 +1,147 @@
+// The whole table of beginnings by which files are known, and names that are open files already.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/common/error.h"
+#include "bench/common/output_file.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+constexpr const char* kNotOurs = "a file that tactbench did not write";
+
+}  // namespace
+
+TEST_CASE("a file's kind: each beginning in the table, and none of them without its last byte") {
+  const std::string log = "the log or the lock of an SQLite database";
+  const std::vector<std::pair<std::string, std::string>> kinds = {
+      {std::string("SQLite format 3\0", 16), "an SQLite database (a store, perhaps)"},
+      {"\x37\x7f\x06\x82", log},
+      {"\x37\x7f\x06\x83", log},
+      {"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", log},
+      {"%PDF-", "a PDF"},
+      {"\x89HDF\r\n\x1a\n", "an HDF5 file"},
+      {"<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta "
+       "http-equiv=\"Content-Security-Policy\"",
+       "a page of tactbench (HTML)"},
+      {"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=", "JUnit XML"},
+      {"# HELP tactbench_", "metrics of tactbench"},
+      {"# Talk of tactbench nightly, scenario ", "the output of a night's scenario"},
+      {"tactbench selfcheck, ", "a record of tactbench selfcheck"},
+      {"# Written by `tactbench simulate`", "a bench file of tactbench simulate"},
+      {"# correction of ", "a correction of a reference"},
+      {"# SIMULATED correction of ", "a correction of a reference"},
+      {"frame,sequence,recipe,repeat,branch,", "frames of a run (CSV)"},
+      {"# tactbench: frames of run ", "frames of a run (CSV)"},
+  };
+  for (const auto& [beginning, kind] : kinds) {
+    INFO(kind);
+    CHECK(kind_of_file(beginning) == kind);
+    CHECK(kind_of_file(beginning + "\x01more\n") == kind);
+    CHECK(kind_of_file(beginning.substr(0, beginning.size() - 1)) == kNotOurs);
+    CHECK(kind_of_file(" " + beginning) == kNotOurs);
+  }
+}
+
+TEST_CASE("a file's kind: documents with blanks of all kinds before each part of their beginning") {
+  CHECK(kind_of_file(" \t\r\n{ \t\r\n\"schema\" \t\r\n: \t\r\n\"tactbench.x\"") == "a tactbench.x document (JSON)");
+  CHECK(kind_of_file("{\"schema\":\"tactbench.\"}") == "a tactbench. document (JSON)");
+  CHECK(kind_of_file("{\"schema\":\"tactbench.cut") == "a tactbench.cut document (JSON)");
+  for (const char* other : {"\"schema\":\"tactbench.x\"", "{:\"tactbench.x\"", "{\"schema\"\"tactbench.x\"",
+                            "{\"schema\":\"tactbenchx\"", "{\"schema\":tactbench.x", "{\v\"schema\":\"tactbench.x\""})
+    CHECK(kind_of_file(other) == kNotOurs);
+}
+
+TEST_CASE("a file's kind: tables by their first line, which has a separator and no control characters") {
+  CHECK(kind_of_file("a,b\n") == "a table (CSV) with the columns a,b");
+  CHECK(kind_of_file("a;b\nx") == "a table (CSV) with the columns a;b");
+  CHECK(kind_of_file("a\tb\r\n") == "a table (CSV) with the columns a\tb\r");
+  CHECK(kind_of_file("a b,\x7f\xc3\n\x01") == "a table (CSV) with the columns a b,\x7f\xc3");
+  CHECK(kind_of_file(" ,\n") == "a table (CSV) with the columns  ,");
+  for (const char* other : {"a,b", "a b\n", "\na,b\n", "a,\x1f\n", "a,\x0b\n", "\n"})
+    CHECK(kind_of_file(other) == kNotOurs);
+}
+
+TEST_CASE("what would be written over is told in at most 120 characters, with what would take its place") {
+  const TemporaryFolder folder;
+  const auto complaint_for = [&](std::size_t columns) {
+    const std::string path = folder.path("t" + std::to_string(columns));
+    write_file(path, std::string(columns - 1, 'c') + ",\n1\n");
+    try {
+      write_output(path, "x,y\n1,2\n", false);
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-FILE-EXISTS");
+      CHECK(error.remedy() == "write to another name, or add --replace if it is not needed any more");
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  // "a table (CSV) with the columns " has 31 characters.
+  const std::string start = "there is a table (CSV) with the columns ",
+                    end = ", and a table (CSV) with the columns x,y would take its place";
+  CHECK(complaint_for(89) == start + std::string(88, 'c') + "," + end);
+  CHECK(complaint_for(90) == start + std::string(89, 'c') + "..." + end);
+  CHECK(complaint_for(2) == start + "c," + end);
+}
+
+TEST_CASE("names of open files are written into where they stand, whatever was there") {
+  const TemporaryFolder folder;
+  for (const char* form : {"/dev/fd/", "/proc/self/fd/"}) {
+    INFO(form);
+    write_file(folder.path("f"), "my notes\nmore\n");
+    const int file = ::open(folder.path("f").c_str(), O_WRONLY | O_CLOEXEC);
+    REQUIRE(file >= 0);
+    CHECK(::lseek(file, 3, SEEK_SET) == 3);
+    write_output(form + std::to_string(file), "NO", false);
+    CHECK(read_file(folder.path("f")) == "my NOtes\nmore\n");
+    write_output(form + std::to_string(file), "T", false);  // behind what was written
+    CHECK(read_file(folder.path("f")) == "my NOTes\nmore\n");
+    ::close(file);
+    try {
+      write_output(form + std::to_string(file), "x", false);
+      FAIL("it is closed");
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-FILE-WRITE");
+      CHECK(std::string(error.what()) == "cannot write the file: Bad file descriptor");
+      CHECK(error.remedy() == "check folder, space and permissions");
+    }
+  }
+}
+
+TEST_CASE("text of any length is written, and how many bytes it has is told") {
+  const TemporaryFolder folder;
+  for (const std::size_t size : {0U, 1U, 65'535U, 65'536U, 65'537U, 200'000U}) {
+    std::string text(size, 'x');
+    for (std::size_t i = 0; i < size; i += 1000) text[i] = static_cast<char>('a' + i / 1000 % 26);
+    const std::string path = folder.path(std::to_string(size));
+    CHECK(write_output(
+              path, "k", [&](std::ostream& stream) { stream << text; }, false) == size);
+    CHECK(read_file(path) == text);
+    CHECK(write_output(
+              path, "k",
+              [&](std::ostream& stream) {
+                for (const char c : text) stream.put(c);
+              },
+              true) == size);
+    CHECK(read_file(path) == text);
+  }
+}
+
+TEST_CASE("a whole file is written with its folders, or not at all") {
+  const TemporaryFolder folder;
+  write_whole(folder.path("a/b/c"), "one");
+  write_whole(folder.path("a/b/c"), "two");
+  CHECK(read_file(folder.path("a/b/c")) == "two");
+  CHECK_THROWS_AS(write_whole(folder.path("a/b"), "x"), Error);
+  CHECK(read_file(folder.path("a/b/c")) == "two");
+  CHECK_THROWS_AS(write_whole(folder.path("a/b/c/d"), "x"), Error);
+}

@@ -1,0 +1,202 @@
+// Nights in a store: their runs are taken once, and compared with the last ones of the same seeds. No rig: the stores
+// of scenarios are written here.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/nightly/night_store.h"
+#include "bench/nightly/suite.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+Suite suite_of_seeds(int seeds) {
+  return with_seeds(parse_suite("schema = 1\nname = \"s\"\n[[scenario]]\nname = \"one\"\nabout = \"first\"\n"
+                                "[[scenario]]\nname = \"two\"\nabout = \"second\"\n"
+                                "[[scenario]]\nname = \"three\"\nabout = \"third\"\n",
+                                "s.toml"),
+                    seeds);
+}
+
+struct NightRun {
+  std::string purpose = "nightly: one";
+  std::int64_t seed = 1;
+  std::uint16_t counts = 7;  // of its only frame
+};
+
+// The store of one scenario, with these runs; its result has these figures.
+ScenarioResult carried_out(const std::string& path, const std::string& label, const std::vector<NightRun>& runs,
+                           const std::map<std::string, double>& figures) {
+  std::filesystem::remove(path);
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  store.add_sensor({"SIM-0001", "t", "", db::sha256_hex(""), "", "", ""});
+  ScenarioResult result;
+  result.name = label;
+  result.figures = figures;
+  for (const NightRun& own : runs) {
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = "simulated";
+    run.state = "prepared";
+    run.sensor_serial = "SIM-0001";
+    run.operator_name = "nightly";
+    run.purpose = own.purpose;
+    run.seed = own.seed;
+    run.sensor_seed = 1;
+    run.started_utc = "2026-01-02T03:04:05Z";
+    run.git_commit = "0123456789abcdef0123";
+    run.sequences = {{0, "s", "", "", 1, 1}};
+    const std::int64_t number = store.begin_run(run);
+    db::FrameRecord frame;
+    frame.branch = store.begin_branch(number, {});
+    frame.rows = frame.columns = frame.scans = 1;
+    frame.counts = {own.counts};
+    store.append_frame(number, frame);
+    store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-01-02T03:05:00Z");
+    result.runs.push_back({number, "completed", "", "verified", store.run(number).content_sha256});
+  }
+  return result;
+}
+
+// A main store, and nights that are taken into it from a folder.
+class KeptNights {
+ public:
+  KeptNights() : store_(db::RunStore::open(folder_.path("main.db"), db::Durability::kNormal)) {}
+  // Whether anything of the night was not there yet.
+  bool take(const Suite& suite, std::vector<ScenarioResult>& results, const std::string& begun_utc) {
+    db::NightRecord night;
+    night.suite = "s";
+    night.suite_file = "s.toml";
+    night.suite_toml = suite.text;
+    night.selection_json = to_json(Selection{});
+    night.begun_utc = begun_utc;
+    night.ended_utc = "2026-01-03T00:00:00Z";
+    night.program = "p";
+    return take_night(night, suite, results, in_stores_of(folder_.path()), store_);
+  }
+  ScenarioResult made(const std::string& label, const std::vector<NightRun>& runs,
+                      const std::map<std::string, double>& figures) const {
+    return carried_out(folder_.path(label + ".db"), label, runs, figures);
+  }
+  [[nodiscard]] const db::RunStore& store() const { return store_; }
+
+ private:
+  TemporaryFolder folder_;
+  db::RunStore store_;
+};
+
+// One scenario's night, taken and compared.
+ScenarioResult night_of_one(KeptNights& nights, const std::vector<NightRun>& runs,
+                            const std::map<std::string, double>& figures, const std::string& begun_utc) {
+  std::vector<ScenarioResult> results{nights.made("one", runs, figures)};
+  CHECK(nights.take(suite_of_seeds(1), results, begun_utc));
+  (void)compare_night(suite_of_seeds(1), results, nights.store());
+  return results[0];
+}
+
+using Lines = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("a night's runs are taken once, with its tag, its figures and its results") {
+  KeptNights nights;
+  std::vector<ScenarioResult> results{
+      nights.made("one", {{}}, {{"a", 2.0}}),
+      nights.made("two", {{.purpose = "nightly: two"}, {.purpose = "nightly: two"}}, {{"b", 3.0}})};
+  ScenarioResult none;
+  none.name = "three";  // broke off before its first run
+  results.push_back(none);
+  const std::vector<ScenarioResult> before = results;
+  CHECK(nights.take(suite_of_seeds(1), results, "2026-01-02T00:00:00Z"));
+  CHECK(results[0].runs[0].run == 1);
+  CHECK((results[1].runs[0].run == 2 && results[1].runs[1].run == 3));
+  const std::vector<db::RunRecord> runs = nights.store().runs();
+  REQUIRE(runs.size() == 3);
+  for (const db::RunRecord& run : runs) CHECK(nights.store().run(run.run).tags == Lines{"nightly"});
+  CHECK(nights.store().figures_of(1, "nightly/one") == std::map<std::string, double>{{"a", 2.0}});
+  CHECK(nights.store().figures_of(2, "nightly/two") == std::map<std::string, double>{{"b", 3.0}});
+  CHECK(nights.store().figures_of(3, "nightly/two").empty());
+  REQUIRE(nights.store().nights().size() == 1);
+  const std::vector<db::NightResultRecord> rows = nights.store().nights()[0].results;
+  REQUIRE(rows.size() == 3);
+  CHECK((rows[0].position == 0 && rows[0].first_run == 1 && rows[0].label == "one"));
+  CHECK((rows[1].position == 1 && rows[1].first_run == 2));
+  CHECK((rows[2].position == 2 && rows[2].first_run == 0));
+  CHECK(result_from_json(rows[1].json).runs[1].run == 3);
+  // The same again, and the same of another hour.
+  std::vector<ScenarioResult> again = before;
+  CHECK_FALSE(nights.take(suite_of_seeds(1), again, "2026-01-02T00:00:00Z"));
+  CHECK(again[1].runs[1].run == 3);
+  CHECK(nights.store().runs().size() == 3);
+  again = before;
+  CHECK(nights.take(suite_of_seeds(1), again, "2026-01-02T01:00:00Z"));
+  CHECK(nights.store().runs().size() == 3);
+  CHECK(nights.store().nights().size() == 2);
+}
+
+TEST_CASE("fixed seeds: the first night, one of the same frames with other figures, one of other frames") {
+  KeptNights nights;
+  const ScenarioResult first =
+      night_of_one(nights, {{}}, {{"a", 2.0}, {"b", 5.0}, {"c", 1.0}, {"d", 0.0}}, "2026-01-02T00:00:00Z");
+  CHECK(first.compared == "first run with this seed");
+  CHECK((first.remarks.empty() && first.wrong.empty()));
+  const ScenarioResult second = night_of_one(
+      nights, {{}}, {{"a", 2.5}, {"c", 1.0000000009}, {"d", 0.0}, {"e", 4.0}, {"f", 4.0}}, "2026-01-03T00:00:00Z");
+  CHECK(second.compared == "same frames as run 1");
+  CHECK(second.remarks == Lines{"a is 2.5, was 2 in run 1, of the same frames",
+                                "b is missing; run 1 has it, of the same frames",
+                                "2 figures that run 1 does not have, of the same frames"});
+  const ScenarioResult third = night_of_one(
+      nights, {{}}, {{"a", 2.5}, {"c", 1.0000000029}, {"d", 1e-300}, {"e", 4.0}, {"f", 4.0}}, "2026-01-04T00:00:00Z");
+  CHECK(third.compared == "same frames as run 2");
+  CHECK(third.remarks ==
+        Lines{"c is 1, was 1 in run 2, of the same frames", "d is 1e-300, was 0 in run 2, of the same frames"});
+  const ScenarioResult fourth = night_of_one(nights, {{.counts = 8}}, {{"a", 9.0}}, "2026-01-05T00:00:00Z");
+  CHECK(fourth.compared == "frames changed since run 3 (2026-01-02, commit 0123456789ab)");
+  CHECK(fourth.remarks ==
+        Lines{"with the same seeds the frames changed since run 3 (2026-01-02, commit 0123456789ab)"});
+  const ScenarioResult other = night_of_one(nights, {{.seed = 2}}, {{"a", 9.0}}, "2026-01-06T00:00:00Z");
+  CHECK(other.compared == "first run with this seed");
+}
+
+TEST_CASE("fixed seeds: held-out runs count as well, one by one, and runs of another purpose are none of them") {
+  KeptNights nights;
+  const std::vector<NightRun> two{{}, {.seed = 1'000'001, .counts = 9}};
+  (void)night_of_one(nights, two, {{"a", 2.0}}, "2026-01-02T00:00:00Z");
+  CHECK(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-03T00:00:00Z").compared == "same frames as run 1");
+  CHECK(night_of_one(nights, {{}, {.seed = 1'000'001, .counts = 10}}, {{"a", 2.0}}, "2026-01-04T00:00:00Z").compared ==
+        "frames changed since run 3 (2026-01-02, commit 0123456789ab)");
+  // The first run alone: it is the same.
+  CHECK(night_of_one(nights, {{}}, {{"a", 2.0}}, "2026-01-05T00:00:00Z").compared == "same frames as run 5");
+  // Run 7 has no second one behind it: the next is of the night that is compared.
+  CHECK(night_of_one(nights, two, {{"a", 2.0}}, "2026-01-06T00:00:00Z").compared ==
+        "frames changed since run 7 (2026-01-02, commit 0123456789ab)");
+}
+
+TEST_CASE("a night of several seeds shows each scenario once, with the newest seed's figures") {
+  KeptNights nights;
+  const Suite suite = suite_of_seeds(2);
+  std::vector<ScenarioResult> results{nights.made("one-seed-1", {{}}, {{"a", 2.0}}),
+                                      nights.made("one-seed-2", {{.seed = 2}}, {{"a", 3.0}}),
+                                      nights.made("two-seed-1", {{.purpose = "nightly: two"}}, {{"a", 4.0}})};
+  ScenarioResult none;
+  none.name = "two-seed-2";
+  results.push_back(none);
+  CHECK(nights.take(suite, results, "2026-01-02T00:00:00Z"));
+  const std::vector<Followed> followed = compare_night(suite, results, nights.store());
+  REQUIRE(followed.size() == 2);
+  CHECK(followed[0].subject == "nightly/one");
+  REQUIRE(followed[0].figures.size() == 1);
+  CHECK(followed[0].figures[0].values == std::vector<double>{2.0, 3.0});
+  CHECK(followed[0].run == 2);
+  CHECK(followed[1].subject == "nightly/two");
+  CHECK(followed[1].figures[0].values == std::vector<double>{4.0});
+  CHECK(results[0].compared == "first run with this seed");
+  CHECK(results[2].compared == "first run with this seed");
+  CHECK(results[3].compared.empty());
+}

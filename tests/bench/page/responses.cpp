@@ -1,0 +1,133 @@
+// The page's answers: every place with its right, every file with its type, every field, and what a target says.
+#include "bench/page/responses.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/page/assets.h"
+
+using namespace tactbench::bench;
+
+namespace {
+
+std::string fields_text(const HttpResponse& response) {
+  std::string text;
+  for (const auto& [name, value] : response.fields) text += name + ": " + value + "\n";
+  return text;
+}
+
+constexpr const char* kKeptToItself =
+    "X-Content-Type-Options: nosniff\nReferrer-Policy: no-referrer\nCache-Control: no-store\n"
+    "Cross-Origin-Resource-Policy: same-origin\nCross-Origin-Opener-Policy: same-origin\n";
+
+}  // namespace
+
+TEST_CASE("page responses: each of the page's own files, its type and its text") {
+  struct Own {
+    const char *path, *name, *type;
+  };
+  for (const Own& own :
+       {Own{"/", "page.html", "text/html; charset=utf-8"}, Own{"/page.css", "page.css", "text/css; charset=utf-8"},
+        Own{"/page.js", "page.js", "text/javascript; charset=utf-8"},
+        Own{"/link.js", "link.js", "text/javascript; charset=utf-8"},
+        Own{"/draw.js", "draw.js", "text/javascript; charset=utf-8"},
+        Own{"/now.js", "now.js", "text/javascript; charset=utf-8"},
+        Own{"/panels.js", "panels.js", "text/javascript; charset=utf-8"},
+        Own{"/seen.js", "seen.js", "text/javascript; charset=utf-8"},
+        Own{"/store.js", "store.js", "text/javascript; charset=utf-8"},
+        Own{"/icon.svg", "icon.svg", "image/svg+xml"}}) {
+    INFO(own.path);
+    const auto file = own_file(own.path);
+    REQUIRE(file);
+    CHECK(file->status == 200);
+    CHECK(file->type == own.type);
+    CHECK_FALSE(file->body->empty());
+    CHECK(*file->body == asset(own.name));
+    CHECK_FALSE(file->stream);
+    CHECK(needs_of(own.path) == PageNeeds::kNothing);
+  }
+  for (const char* none : {"", "/page.html", "/page.css/", "/reference-errors.md", "page.js"}) {
+    INFO(none);
+    CHECK_FALSE(own_file(none));
+    CHECK_FALSE(needs_of(none));
+  }
+}
+
+TEST_CASE("page responses: each place that needs a right, and documents whose names are the secret") {
+  for (const char* read : {"/events", "/loop", "/runs", "/sensors", "/nights", "/make/report", "/make/compare",
+                           "/make/sensor", "/make/nights", "/make/night"}) {
+    INFO(read);
+    CHECK(needs_of(read) == PageNeeds::kRead);
+    CHECK_FALSE(own_file(read));
+  }
+  CHECK(needs_of("/command") == PageNeeds::kCommand);
+  CHECK(needs_of("/document/12ab") == PageNeeds::kNothing);
+  CHECK_FALSE(needs_of("/document"));
+  CHECK_FALSE(needs_of("/commands"));
+}
+
+TEST_CASE("page responses: what a browser is told to keep to itself, with the page's policy or a document's") {
+  const std::string page = fields_text(guarded(text_response(404, "x")));
+  CHECK(page ==
+        "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+        "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\n" +
+            std::string(kKeptToItself));
+  const HttpResponse document = document_response("<p>a</p>");
+  CHECK(document.status == 200);
+  CHECK(document.type == "text/html; charset=utf-8");
+  CHECK(*document.body == "<p>a</p>");
+  CHECK(fields_text(guarded(document)) ==
+        "Content-Security-Policy: default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+        "form-action 'none'; frame-ancestors 'self'; sandbox allow-popups\n" +
+            std::string(kKeptToItself));
+}
+
+TEST_CASE("page responses: JSON and events") {
+  const HttpResponse json = json_response(418, {{"b", 1}, {"a", "x"}});
+  CHECK(json.status == 418);
+  CHECK(json.type == "application/json");
+  CHECK(nlohmann::ordered_json::parse(*json.body).dump() == "{\"b\":1,\"a\":\"x\"}");
+  CHECK(*event_text("news", {{"n", 3}}) == "event: news\ndata: {\"n\":3}\n\n");
+}
+
+TEST_CASE("page responses: numbers of a query are whole ones and nothing else") {
+  HttpRequest request;
+  request.query = {{"a", "12"}, {"b", "-3"}, {"c", "12x"}, {"d", ""}, {"e", "9223372036854775808"}, {"f", " 1"}};
+  CHECK(number_in(request, "a", 5) == 12);
+  CHECK(number_in(request, "b", 5) == -3);
+  for (const char* none : {"c", "d", "e", "f", "g"}) CHECK(number_in(request, none, 5) == 5);
+  CHECK(number_in(request, "g") == 0);
+}
+
+TEST_CASE("page targets: escapes of both cases at all places, broken ones as they are") {
+  CHECK(url_decoded("%41%4a%4Ab%7e") == "AJJb~");
+  CHECK(url_decoded("%00") == std::string(1, '\0'));
+  CHECK(url_decoded("%09%90%aF%Fa%fF") == "\x09\x90\xaf\xfa\xff");
+  for (const char* broken : {"%", "%4", "a%4", "%g1", "%1g", "%/0", "%:0", "%0@", "%0G", "%0`", "%0g", "x%%"})
+    CHECK(url_decoded(broken) == broken);
+  CHECK(url_decoded("%%41") == "%A");
+  CHECK(url_decoded("a+b") == "a b");
+  CHECK(url_decoded("%2B") == "+");
+  CHECK(lower_case("Host-X9_\xC4") == "host-x9_\xC4");
+}
+
+TEST_CASE("page targets: a query's pairs, with and without values, the last one of a name") {
+  const auto query_of = [](const std::string& target) {
+    HttpRequest request;
+    read_target(target, request);
+    std::string text = request.path;
+    for (const auto& [name, value] : request.query) text += " " + name + "=" + value;
+    return text;
+  };
+  CHECK(query_of("/a") == "/a");
+  CHECK(query_of("/a?") == "/a");
+  CHECK(query_of("?x=1") == " x=1");
+  CHECK(query_of("/a?x") == "/a x=");
+  CHECK(query_of("/a?x=") == "/a x=");
+  CHECK(query_of("/a?x=1&y=2") == "/a x=1 y=2");
+  CHECK(query_of("/a?x=1&x=2&") == "/a x=2");
+  CHECK(query_of("/a?x=1=2?y") == "/a x=1=2?y");
+  CHECK(query_of("/%41?=7") == "/%41 =7");
+  CHECK(query_of("/a?b%3d=%26") == "/a b==&");
+}

@@ -1,0 +1,134 @@
+// The progress line as it reaches standard error, in each mode, and which mode a process takes.
+#include <fcntl.h>
+#include <pty.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "bench/run/control/progress.h"
+#include "tests/support/process.h"
+#include "tests/support/variable.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+// Standard error goes elsewhere while this lives.
+class StandardErrorTo {
+ public:
+  explicit StandardErrorTo(int descriptor) : before_(::dup(STDERR_FILENO)) {
+    std::fflush(stderr);
+    ::dup2(descriptor, STDERR_FILENO);
+  }
+  ~StandardErrorTo() {
+    std::fflush(stderr);
+    ::dup2(before_, STDERR_FILENO);
+    ::close(before_);
+  }
+  StandardErrorTo(const StandardErrorTo&) = delete;
+  StandardErrorTo& operator=(const StandardErrorTo&) = delete;
+
+ private:
+  int before_;
+};
+
+std::string said_by(const std::function<void()>& act) {
+  const TemporaryFolder folder;
+  const int file = ::open(folder.path("said").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  {
+    const StandardErrorTo elsewhere(file);
+    act();
+  }
+  ::close(file);
+  return read_file(folder.path("said"));
+}
+
+RunStatus status_with_estimate() {
+  RunStatus status;
+  status.label = "run";
+  status.phase = "warming up";
+  status.step = 1;
+  status.steps = 4;
+  status.left_s = 120.0;
+  status.left_high_s = 150.0;
+  status.rate = 2.0;
+  return status;
+}
+
+}  // namespace
+
+TEST_CASE("progress: a plain line, one that is renewed, and none where nothing is asked for") {
+  const RunStatus status = status_with_estimate();
+  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:  25 %  1:00 left  warming up\n");
+  CHECK(said_by([&] { Progress(Progress::Mode::kQuiet).show(status); }).empty());
+  CHECK(said_by([&] {
+          Progress progress(Progress::Mode::kTerminal);
+          progress.show(status);
+          progress.show(status);
+          progress.finish();
+          progress.finish();
+        }) == "\rrun:  25 %  1:00 left  warming up\x1b[K\rrun:  25 %  1:00 left  warming up\x1b[K\n");
+}
+
+TEST_CASE("progress: a note stays in every mode, on a line of its own") {
+  for (const auto mode : {Progress::Mode::kQuiet, Progress::Mode::kPlain, Progress::Mode::kTerminal})
+    CHECK(said_by([&] { Progress(mode).note("look"); }) == "look\n");
+  CHECK(said_by([&] {
+          Progress progress(Progress::Mode::kTerminal);
+          progress.show(status_with_estimate());
+          progress.note("look");
+          progress.finish();
+        }) == "\rrun:  25 %  1:00 left  warming up\x1b[K\nlook\n");
+}
+
+TEST_CASE("progress: without an estimate, or where the program turns the clock, time follows from the pace alone") {
+  RunStatus status = status_with_estimate();
+  status.step = 0;  // no pace yet
+  status.left_high_s = 0.0;
+  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:   0 %  warming up\n");
+  status.left_high_s = 150.0;
+  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:   0 %  1:00 left  warming up\n");
+  status.rate = 0.0;
+  CHECK(said_by([&] { Progress(Progress::Mode::kPlain).show(status); }) == "run:   0 %  warming up\n");
+}
+
+TEST_CASE("progress: once a line was shown, the next is not due at once, even of another phase") {
+  RunStatus status = status_with_estimate();
+  said_by([&] {
+    for (const auto mode : {Progress::Mode::kPlain, Progress::Mode::kTerminal}) {
+      Progress progress(mode);
+      CHECK(progress.due(status));
+      const auto before = Pace::Clock::now();
+      progress.show(status);
+      RunStatus next = status;
+      next.phase = "conditioning 1 of 6";
+      const bool due = progress.due(next);
+      if (Pace::Clock::now() - before < std::chrono::milliseconds(90)) CHECK_FALSE(due);
+    }
+  });
+}
+
+TEST_CASE("progress: a terminal's line is for terminals that can renew it, outside of CI") {
+  int terminal = -1, program = -1;
+  REQUIRE(::openpty(&terminal, &program, nullptr, nullptr, nullptr) == 0);
+  const auto mode_with = [](int error, const std::optional<std::string>& term, const std::optional<std::string>& ci,
+                            bool quiet) {
+    const Variable first("TERM", term), second("CI", ci);
+    const StandardErrorTo elsewhere(error);
+    return Progress::mode_for(quiet);
+  };
+  CHECK(mode_with(program, "xterm", std::nullopt, false) == Progress::Mode::kTerminal);
+  CHECK(mode_with(program, "xterm", std::nullopt, true) == Progress::Mode::kQuiet);
+  CHECK(mode_with(program, "dumb", std::nullopt, false) == Progress::Mode::kPlain);
+  CHECK(mode_with(program, std::nullopt, std::nullopt, false) == Progress::Mode::kPlain);
+  CHECK(mode_with(program, "xterm", "true", false) == Progress::Mode::kPlain);
+  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  CHECK(mode_with(null, "xterm", std::nullopt, false) == Progress::Mode::kPlain);
+  for (const int descriptor : {terminal, program, null}) ::close(descriptor);
+}
