@@ -1,0 +1,83 @@
+// What the page says of a live run: its readings as JSON, and the safe state in all its words.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/page/run_on_show.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+
+namespace {
+
+std::string told_of(const SafeWords& safe) { return safe.state + ": " + safe.words; }
+
+LiveRun loaded_run() {
+  LiveRun live;
+  live.status.run = 7;
+  live.status.state = RunState::kRunning;
+  live.status.readings = RunReadings{1.5, 20.0, 20.25, 20.5, true, std::nullopt};
+  return live;
+}
+
+}  // namespace
+
+TEST_CASE("page: a live run's readings, with force and target where it presses") {
+  LiveRun live = loaded_run();
+  live.status.phase = "moving";
+  live.status.step = 3;
+  live.status.steps = 9;
+  live.status.frames = 2;
+  live.status.left_s = 10.0;
+  live.status.left_low_s = 8.0;
+  live.status.left_high_s = 12.0;
+  live.status.age_s = 0.5;
+  CHECK(readings_json(live) ==
+        nlohmann::json::parse("{\"run\":7,\"phase\":\"moving\",\"step\":3,\"steps\":9,\"frames\":2,\"left_s\":10.0,"
+                              "\"left_low_s\":8.0,\"left_high_s\":12.0,\"age_s\":0.5,\"time_s\":1.5,"
+                              "\"setpoint_psi\":20.0,\"feedback_psi\":20.25,\"reference_psi\":20.5,\"settled\":true}"));
+  live.status.target_n = 5.0;
+  live.status.readings->force_n = 4.5;
+  CHECK(readings_json(live)["target_n"] == 5.0);
+  CHECK(readings_json(live)["force_n"] == 4.5);
+  live.status.readings.reset();
+  for (const char* none : {"time_s", "setpoint_psi", "settled", "force_n"})
+    CHECK_FALSE(readings_json(live).contains(none));
+}
+
+TEST_CASE("page: the safe state of a live run in words, loaded, resting and proved") {
+  LiveRun live = loaded_run();
+  const db::EventRecord proved{1, "safe", "verified", "two witnesses"};
+  const std::string readings = "feedback 20.2 psi, reference 20.5 psi";
+  CHECK(told_of(safe_words(&live, nullptr, proved)) == "loaded: not vented: " + readings);
+  for (const RunState rests : {RunState::kPaused, RunState::kSuspended}) {
+    live.status.state = rests;
+    CHECK(told_of(safe_words(&live, nullptr, proved)) == "proved: vented and proved: two witnesses (" + readings + ")");
+    CHECK(told_of(safe_words(&live, nullptr, std::nullopt)) == "unknown: not proved: " + readings);
+  }
+  live.status.readings->force_n = 1.256;
+  CHECK(told_of(safe_words(&live, nullptr, std::nullopt)) == "unknown: not proved: " + readings + ", force 1.26 N");
+  live.status.readings.reset();
+  live.status.state = RunState::kRunning;
+  CHECK(told_of(safe_words(&live, nullptr, proved)) == "loaded: not vented: nothing is read yet");
+}
+
+TEST_CASE("page: the safe state of a run that has ended in words, by its last event or its reason") {
+  CHECK(told_of(safe_words(nullptr, nullptr, std::nullopt)) == "unknown: no run");
+  StoredRun stored;
+  stored.record.reason = "all steps done";
+  for (const db::Outcome broken : {db::Outcome::kIncomplete, db::Outcome::kInterrupted}) {
+    stored.record.outcome = broken;
+    stored.record.safe_state = db::SafeState::kVerified;
+    CHECK(told_of(safe_words(nullptr, &stored, std::nullopt)) ==
+          "unknown: the run's process ended without a proof: on hardware its dead-man vents; read the chamber's own "
+          "gauge");
+  }
+  const db::EventRecord event{1, "safe", "verified", "by the gauge"};
+  stored.record.outcome = db::Outcome::kFailed;
+  CHECK(told_of(safe_words(nullptr, &stored, event)) == "proved: proved at the end: by the gauge");
+  CHECK(told_of(safe_words(nullptr, &stored, std::nullopt)) == "proved: proved at the end: all steps done");
+  stored.record.safe_state = db::SafeState::kFailed;
+  CHECK(told_of(safe_words(nullptr, &stored, event)) ==
+        "unknown: failed at the end: by the gauge; read the chamber's own gauge");
+}
