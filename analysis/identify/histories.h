@@ -75,7 +75,8 @@ Span span_of(const std::vector<History>& histories, std::vector<double> History:
 // Puts the sign of the outputs right and adds the mean taxel: the last step of both above.
 void finish(Histories& histories);
 
-// The mean taxel alone; one taxel stays as it is.
+// The mean taxel alone; one taxel stays as it is. Throws TB-ANALYSIS-NO-TAXEL where several taxels have no mean, since
+// their inputs differ.
 Histories mean_taxel_of(Histories histories);
 
 // The named sequences of one taxel, their external loop as patterns. Without a full sweep up and one down FitData says

@@ -254,3 +254,13 @@ TEST_CASE("a store of schema 4 is brought up to date, its rows and its hash unch
   CHECK((store.figures("").empty() && store.baselines().empty() && store.reports(1).empty()));
   CHECK(store.check_structure().empty());
 }
+
+TEST_CASE("a store that became newer while its migration waited is refused, and keeps its version") {
+  const TemporaryFolder folder;
+  RunStore::open(folder.path("runs.db"));
+  Connection raw(folder.path("runs.db"), Access::kReadWrite);
+  const std::int64_t newer = db::kSchemaVersion + 1;
+  raw.execute("PRAGMA user_version = " + std::to_string(newer));
+  CHECK(store_error([&] { db::migrate(raw); }) == "TB-STORE-NEWER");
+  CHECK(raw.integer("PRAGMA user_version") == newer);
+}

@@ -13,6 +13,7 @@
 #include "bench/cli/export/hdf5_file.h"
 #include "bench/cli/export/hdf5_nexus.h"
 #include "bench/cli/export/run_export.h"
+#include "bench/cli/export/run_export_csv.h"
 #include "bench/common/error.h"
 #include "bench/common/output_file.h"
 
@@ -197,10 +198,7 @@ void hdf5_frames(Hdf5File& file, const db::RunRecord& run, const std::vector<db:
                  const std::vector<db::BranchRecord>& branches) {
   file.group("/frames");
   Integers branch_rows;
-  for (const db::FrameRecord& f : frames) {
-    const auto found = std::ranges::lower_bound(branches, f.branch, {}, &db::BranchRecord::branch);
-    branch_rows.push_back(found - branches.begin());
-  }
+  for (const db::FrameRecord& f : frames) branch_rows.push_back(&branch_in(branches, f.branch) - branches.data());
   file.axis("/frames/frame", frames.size());
   column(file, "/frames/branch", branch_rows);
   file.attribute("/frames/branch", "long_name", std::string("row of /branches"));

@@ -195,3 +195,16 @@ TEST_CASE("compensator's options by hand: zero is taken, less is refused, and a 
   options.longest_mean = 0;
   CHECK_THROWS_WITH(check_options(options), Catch::Contains("longest_mean is below 1"));
 }
+
+TEST_CASE("compensator by hand: an advance of as much as the noise is held, and doubts its slope by the way back") {
+  const ElamModel model = bent_taxel();
+  // An advance from 1 V of 2 x 125 mV; up, 20 psi a volt.
+  const auto uncertainty = [&](double advance) {
+    TaxelCompensator compensator(model, {.noise_v = 0.125, .band_in_noises = 3.0, .hold_in_noises = 2.0});
+    (void)compensator.step(1.0);
+    return compensator.step(1.0 + advance).uncertainty_psi;
+  };
+  CHECK(uncertainty(0.25 + 1e-9) == Approx(2.5));
+  CHECK(uncertainty(0.25) > 2.6);
+  CHECK(uncertainty(0.25 - 1e-9) == Approx(uncertainty(0.25)));
+}

@@ -95,6 +95,14 @@ TEST_CASE("histories by hand: the mean taxel is the usable ones' mean, its noise
   CHECK(mean_taxel_of(gathered({taxels[0]})).taxels.size() == 1);
   taxels[2].fit[0].x[1] = 1.5;
   CHECK(gathered(taxels).taxels.size() == 3);
+  try {
+    (void)mean_taxel_of(gathered(taxels));
+    FAIL("no mean, and not refused");
+  } catch (const AnalysisError& error) {
+    CHECK(error.cause() == Cause::kUsage);
+    CHECK(error.id() == "TB-ANALYSIS-NO-TAXEL");
+    CHECK_THAT(error.what(), Catch::Contains("there is no mean taxel, for the taxels' inputs differ"));
+  }
   CHECK_FALSE(mean_fit_data(gathered(taxels), {0, 2}, {}));
   CHECK_THROWS_AS(gathered({lost}), AnalysisError);
 }

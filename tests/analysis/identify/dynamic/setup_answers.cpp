@@ -80,6 +80,8 @@ TEST_CASE("a dynamic compensator is refused where the models do not carry it, ea
   SensorModel none = of_films({film_taxel(4, 0.125, 0.0)});
   none.dynamics.reset();
   CHECK(refused_setup(none) == "taxel 4: it has no lag and creep");
+  none.taxels.clear();
+  CHECK(refused_setup(none) == "taxel 0: it has no lag and creep");
   CHECK(refused_setup(of_films({ModelTaxel()})) == "taxel 0: none of its taxels is fitted");
   ModelTaxel plain = straight_array::straight_taxel(20.0);
   plain.taxel = 6;
