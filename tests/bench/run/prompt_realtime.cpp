@@ -1,0 +1,25 @@
+// A run that asks the person at its terminal.
+#include <catch2/catch.hpp>
+
+#include "tests/support/in_terminal.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+TEST_CASE("a recipe's question is asked at the terminal, and Enter there answers it") {
+  const TemporaryFolder folder;
+  write_file(folder.path("asked.toml"),
+             "schema = 1\nname = \"asked\"\nunit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\n[prompt]\nbefore = "
+             "\"mount the sensor\"\n");
+  REQUIRE(run_program(program_path(), {"init"}, folder.path()).code == 0);
+  REQUIRE(run_program(program_path(), {"sensors", "add", "S-1", "--type", "sensor.toml"}, folder.path()).code == 0);
+  InTerminal run(folder.path(),
+                 {"run", "asked.toml", "--bench", "bench.toml", "--set", "bench.id=\"asked\"", "--sensor", "S-1",
+                  "--operator", "A. Smith", "--no-seating"},
+                 100, 40);
+  REQUIRE(run.shows("press Enter, or `tactbench resume 1`"));
+  run.type("\n");
+  CHECK(run.wait() == 0);
+  CHECK_THAT(run.shown(), Catch::Contains("mount the sensor") && !Catch::Contains("answered by"));
+}
