@@ -5,8 +5,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -58,29 +56,6 @@ std::string printed_by(const Print& print) {
 using AddVerb = void (*)(CLI::App&, bench::Session&);
 
 // The verb that `add` adds, with its name first. An error stands in `err` as the program prints it.
-inline Finished verb_here(AddVerb add, std::vector<std::string> words) {
-  bench::Session session;
-  CLI::App app("of a test", "tactbench");
-  app.require_subcommand(1);
-  add(app, session);
-  std::ranges::reverse(words);
-  Finished finished;
-  Captured out(stdout), err(stderr);
-  std::string error;
-  try {
-    app.parse(words);
-    finished.code = static_cast<int>(session.code);
-  } catch (const CLI::ParseError& refused) {
-    finished.code = static_cast<int>(bench::ExitCode::kUsage);
-    error = std::string("parse: ") + refused.what() + "\n";
-  } catch (...) {
-    const bench::Error thrown = bench::as_error(std::current_exception());
-    finished.code = static_cast<int>(thrown.code());
-    error = bench::error_text(thrown, false);
-  }
-  finished.out = out.text();
-  finished.err = err.text() + error;
-  return finished;
-}
+Finished verb_here(AddVerb add, std::vector<std::string> words);
 
 }  // namespace tactbench::tests
