@@ -149,7 +149,7 @@ Histories histories_of(const Dataset& dataset, const HistoriesOptions& options) 
 Histories mean_taxel_of(Histories histories) {
   if (histories.taxels.size() <= 1) return histories;
   if (histories.taxels.back().taxel != kMeanTaxel)
-    throw AnalysisError(Cause::kUsage, "TB-ANALYSIS-NO-TAXEL",
+    throw AnalysisError("TB-ANALYSIS-NO-TAXEL",
                         fmt::format("{}: there is no mean taxel, for the taxels' inputs differ", histories.source),
                         "fit each taxel instead, without a mean taxel");
   histories.taxels.erase(histories.taxels.begin(), histories.taxels.end() - 1);

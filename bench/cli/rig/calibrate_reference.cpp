@@ -155,6 +155,10 @@ void calibrate(const CalibrationOptions& options, const Session& session) {
     throw Error(ExitCode::kUsage, "TB-USAGE", "this bench has no reference of its own to calibrate", options.bench,
                 "set [reference] independent = true and describe the transducer or gauge");
   }
+  if (options.levels.size() < 2) {
+    throw Error(ExitCode::kUsage, "TB-USAGE", "a calibration needs readings at two levels or more", "--levels",
+                "give rising levels within the command limit");
+  }
   for (std::size_t i = 0; i < options.levels.size(); ++i) {
     const double level = options.levels[i];
     if (level >= 0.0 && level <= config.limits.command_psi && (i == 0 || level > options.levels[i - 1])) continue;

@@ -82,7 +82,9 @@ TEST_CASE("fleet copy: a server that refuses a copy, breaks it off, or answers w
   CHECK(full.id == "TB-FLEET-FULL");
   CHECK_THAT(full.message, Contains("no room"));
   CHECK(told_of_copy_in({copy('G'), kHangsUp}).id == "TB-FLEET-LOST");
-  CHECK(told_of_copy_in({copy('G'), ""}).id == "TB-FLEET-SILENT");
+  const Told silent = told_of_copy_in({copy('G'), ""});
+  INFO(silent.message);
+  CHECK(silent.id == "TB-FLEET-SILENT");
   CHECK(told_of_copy_in({copy('H')}).id == "TB-FLEET-LOST");
   CHECK(told_of_copy_in({done("COPY") + ready()}).id == "TB-FLEET-LOST");
   CHECK(told_of_copy_in({kHangsUp}).id == "TB-FLEET-LOST");

@@ -62,7 +62,7 @@ struct Answer {
   Answer(std::string text, Then after = Then::kListens) : bytes(std::move(text)), then(after) {}
   Answer(const char* text) : bytes(text) {}
   std::string bytes;  // empty: it is silent
-  Then then;
+  Then then = Then::kListens;
 };
 inline const Answer kHangsUp{"", Answer::Then::kHangsUp};
 

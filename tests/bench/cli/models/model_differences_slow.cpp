@@ -1,0 +1,115 @@
+// model diff of models of two tables whose differences are known.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/play_table.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// Taxel t has 1 + t / 10 times the play's outputs, and its own zero.
+std::string table_of_taxels(const std::vector<double>& zeros) {
+  std::string text = "taxel,input,output\n";
+  for (std::size_t t = 0; t < zeros.size(); ++t)
+    for (const PlaySample& sample : play_samples({0, 10, 0, 10, 5, 10, 0}))
+      text += std::to_string(t) + "," + std::to_string(sample.input) + "," +
+              std::to_string(zeros[t] + (1.0 + 0.1 * static_cast<double>(t)) * sample.output) + "\n";
+  return text;
+}
+
+Finished of_program(const std::vector<std::string>& words) {
+  const TemporaryFolder folder;
+  return run_program(program_path(), words, folder.path());
+}
+
+struct TwoModels {
+  TwoModels() {
+    write_file(folder.path("a.csv"), table_of_taxels({0, 0, 0}));
+    write_file(folder.path("b.csv"), table_of_taxels({0.5, 1.0}));
+    for (const char* one : {"a", "b"})
+      REQUIRE(of_program(
+                  {"fit", path(one, ".csv"), "--model", "poly", "-q", "--input-unit", "psi", "-o", path(one, ".json")})
+                  .code == 0);
+  }
+  std::string path(const std::string& name, const std::string& end = ".json") const { return folder.path(name + end); }
+  Finished diff(const std::string& first, const std::string& second, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"model", "diff", path(first), path(second)});
+    return of_program(more);
+  }
+  std::map<std::string, nlohmann::json> parameters(const std::vector<std::string>& more) const {
+    std::map<std::string, nlohmann::json> found;
+    const auto told = nlohmann::json::parse(diff("a", "b", more).out);
+    for (const auto& one : told.at("parameters")) found[one.at("name").get<std::string>()] = one;
+    return found;
+  }
+  TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("model diff: mean and largest difference of each parameter over the taxels of both, in words and as JSON") {
+  const TwoModels models;
+  const Finished told = models.diff("a", "b");
+  CHECK(told.code == 1);
+  CHECK_THAT(told.out, Catch::StartsWith(models.path("b") + " against " + models.path("a") +
+                                         ": not the same\n1 taxel is fitted in the first alone\n"
+                                         "parameter            mean diff       largest   taxel  unit\n"
+                                         "zero                         0             0       0  \n"
+                                         "gain                         0             0       0  1\n"));
+  // 0.5 and 1 V, and of the mean of all taxels of each, whose factors are 1.1 and 1.05, 0.75 V less 0.05 times the
+  // play's lowest output.
+  const auto json = nlohmann::json::parse(models.diff("a", "b", {"--json"}).out);
+  CHECK(json.at("schema") == "tactbench.model.diff");
+  CHECK(json.at("same") == false);
+  CHECK(json.at("taxels_of_first_alone") == 1);
+  CHECK(json.at("parameters").size() == 2 + 14);
+  const auto parameters = models.parameters({"--json"});
+  const double lowest = 0.5 * (play_samples({0, 10, 0, 10, 5, 10, 0}).front().output +
+                               play_samples({0, 10, 0, 10, 5, 10, 0}).back().output);
+  for (const char* name : {"a6", "b6"}) {
+    const auto& one = parameters.at(name);
+    CHECK(one.at("unit") == "y");
+    CHECK(one.at("unit_of_second") == "y");
+    CHECK(one.at("taxel") == 1);
+    CHECK(one.at("largest").get<double>() == Approx(1.0).epsilon(1e-4));
+    CHECK(one.at("mean").get<double>() == Approx((0.5 + 1.0 + 0.75 - 0.05 * lowest) / 3.0).margin(0.02));
+  }
+}
+
+TEST_CASE("model diff: parameters of powers of the input are told in the unit of pressure that is asked for") {
+  const TwoModels models;
+  const auto psi = models.parameters({"--json"}), kpa = models.parameters({"--json", "--units", "kPa"});
+  constexpr double kKilopascals = 6.894757293168361;
+  for (int power = 1; power <= 6; ++power) {
+    const std::string name = "a" + std::to_string(6 - power);
+    const std::string unit = power == 1 ? "" : "^" + std::to_string(power);
+    CHECK(psi.at(name).at("unit") == "y/psi" + unit);
+    CHECK(kpa.at(name).at("unit") == "y/kPa" + unit);
+    for (const char* figure : {"mean", "largest"})
+      CHECK(kpa.at(name).at(figure).get<double>() * std::pow(kKilopascals, power) ==
+            Approx(psi.at(name).at(figure).get<double>()).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("model diff: a model is the same as itself, and two kinds are not compared") {
+  const TwoModels models;
+  const Finished same = models.diff("a", "a");
+  CHECK(same.code == 0);
+  CHECK_THAT(same.out, Catch::StartsWith(models.path("a") + " against " + models.path("a") +
+                                         ": the same, byte for byte\nparameter "));
+  CHECK(nlohmann::json::parse(models.diff("b", "b", {"--json"}).out).at("same") == true);
+  REQUIRE(of_program({"fit", models.path("a", ".csv"), "--model", "monotone", "-q", "-o", models.path("c")}).code == 0);
+  const Finished refused = models.diff("a", "c");
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err,
+             Catch::StartsWith("error: one is poly, the other monotone [TB-MODEL-DIFF]\n  at: model diff\n  "
+                               "try: compare models of one kind\n"));
+}
