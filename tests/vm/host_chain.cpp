@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>

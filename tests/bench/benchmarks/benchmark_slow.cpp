@@ -33,7 +33,7 @@ Lines figures_of(const std::string& text) {
   return lines;
 }
 
-// None takes a second a frame, a call or a taxel, and none takes no time at all but by rounding.
+// None takes a second a frame, a call or a taxel.
 Lines benchmarked(const std::string& benchmark) {
   const TemporaryFolder folder;
   const Finished finished = run_program(program_path(), {"benchmark", benchmark, "--rounds", "1"}, folder.path());

@@ -3,35 +3,25 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
 
-namespace {
-
-Finished scanned(const std::vector<std::string>& words) {
-  const TemporaryFolder folder;
-  return run_program(program_path(), words, folder.path());
-}
-
-}  // namespace
-
 TEST_CASE("devices scan: two lines for each device, the same as JSON, and a word on hosts that nobody named") {
-  const Finished found = scanned({"devices", "scan"});
+  const TemporaryFolder folder;
+  const Finished found = call(folder, {"devices", "scan"});
   CHECK(found.code == 0);
   CHECK_THAT(found.out, Catch::EndsWith("Modbus hosts are queried only when given: --modbus HOST[:PORT]\n"));
-  const auto told = nlohmann::json::parse(scanned({"devices", "scan", "--json"}).out);
+  const auto told = nlohmann::json::parse(call(folder, {"devices", "scan", "--json"}).out);
   CHECK(told.at("schema") == "tactbench.devices.scan");
   CHECK(told.at("devices").is_array());
   // Nothing listens on this port, and the answer says so.
-  const Finished host = scanned({"devices", "scan", "--modbus", "127.0.0.1:1"});
+  const Finished host = call(folder, {"devices", "scan", "--modbus", "127.0.0.1:1"});
   CHECK_THAT(host.out, Catch::Contains("Modbus TCP   127.0.0.1:1\n               connecting to ") &&
                            !Catch::Contains("queried only when given"));
-  const auto one = nlohmann::json::parse(scanned({"devices", "scan", "--modbus", "127.0.0.1:1", "--json"}).out);
+  const auto one = nlohmann::json::parse(call(folder, {"devices", "scan", "--modbus", "127.0.0.1:1", "--json"}).out);
   CHECK(std::ranges::any_of(one.at("devices"), [](const nlohmann::json& device) {
     return device.at("kind") == "Modbus TCP" && device.at("where") == "127.0.0.1:1" &&
            device.at("what").get<std::string>().starts_with("connecting to ");
