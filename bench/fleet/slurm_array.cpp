@@ -52,7 +52,8 @@ class SlurmArray {
     const ToolResult done = run_tool(words, kToolLimitS);
     // "12" or "12;cluster", after what else Slurm has to say
     const std::string said = one_text(done.said);
-    const std::string last = said.substr(said.rfind(' ') + 1), job = last.substr(0, last.find(';'));
+    const std::string last = said.substr(said.rfind(' ') + 1);
+    std::string job = last.substr(0, last.find(';'));
     if (done.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
       throw Error(ExitCode::kInconclusive, "TB-FLEET-SLURM", fmt::format("sbatch did not take the job: {}", said),
                   folder_.script(),

@@ -60,11 +60,11 @@ TEST_CASE("model diff: mean and largest difference of each parameter over the ta
                                          "gain                         0             0       0  1\n"));
   // 0.5 and 1 V, and of the mean of all taxels of each, whose factors are 1.1 and 1.05, 0.75 V less 0.05 times the
   // play's lowest output.
-  const auto json = nlohmann::json::parse(models.diff("a", "b", {"--json"}).out);
-  CHECK(json.at("schema") == "tactbench.model.diff");
-  CHECK(json.at("same") == false);
-  CHECK(json.at("taxels_of_first_alone") == 1);
-  CHECK(json.at("parameters").size() == 2 + 14);
+  const auto document = nlohmann::json::parse(models.diff("a", "b", {"--json"}).out);
+  CHECK(document.at("schema") == "tactbench.model.diff");
+  CHECK(document.at("same") == false);
+  CHECK(document.at("taxels_of_first_alone") == 1);
+  CHECK(document.at("parameters").size() == 2 + 14);
   const auto parameters = models.parameters({"--json"});
   const double lowest = 0.5 * (play_samples({0, 10, 0, 10, 5, 10, 0}).front().output +
                                play_samples({0, 10, 0, 10, 5, 10, 0}).back().output);
