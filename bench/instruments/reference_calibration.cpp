@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <stdexcept>
+
+#include "bench/common/error.h"
 
 namespace tactbench::bench {
 
@@ -46,9 +49,15 @@ ReferenceCalibration calibrate_reference(const std::vector<GaugePoint>& points, 
     result.correction.expanded_uncertainty_psi.push_back(2.0 * u);
     result.hysteresis_psi = std::max(result.hysteresis_psi, 2.0 * half);
   }
-  if (!std::is_sorted(result.correction.reading_psi.begin(), result.correction.reading_psi.end(),
-                      std::less_equal<>())) {
-    throw std::invalid_argument("the reference's readings do not rise with the level");
+  const std::vector<double>& readings = result.correction.reading_psi;
+  const auto fall = std::adjacent_find(readings.begin(), readings.end(), std::greater_equal<>());
+  if (fall != readings.end()) {
+    throw Error(ExitCode::kDevice, "TB-REFERENCE-FLAT",
+                fmt::format("the reference's reading does not rise with the pressure: {:.3f} psi, and {:.3f} psi at "
+                            "the next level",
+                            fall[0], fall[1]),
+                "calibrate-reference",
+                "check the transducer's supply, wiring, channel and span, or give levels further apart");
   }
   for (const GaugePoint& point : points) {
     const double corrected = result.correction.corrected(devices::Psi(point.reference_psi)).value();

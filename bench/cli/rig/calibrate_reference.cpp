@@ -145,6 +145,8 @@ std::vector<GaugePoint> measure(Rig& rig, const CalibrationOptions& options, con
                     unit.short_text(level), rising ? "increasing" : "decreasing", unit.symbol()));
     point.reference_psi = mean_reference(rig, stop);
     points.push_back(point);
+    // A reference that does not rise is told of now, and not after the last reading.
+    if (points.size() > 1) calibrate_reference(points, options.uncertainty_psi, options.resolution_psi);
   }
   return points;
 }

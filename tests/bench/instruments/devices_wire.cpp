@@ -144,8 +144,15 @@ TEST_CASE("calibrating a reference: corrections by level, residuals, and U from 
   CHECK(result.correction.expanded_uncertainty_psi[1] == Approx(2.0 * std::sqrt(0.0009 + 0.01 / 3.0 + 0.01 / 12.0)));
   CHECK(result.correction.expanded_uncertainty_psi[0] == Approx(2.0 * std::sqrt(0.0009 + 0.01 / 12.0)));
   CHECK_THROWS_AS(bench::calibrate_reference({points[0]}, 0.06, 0.1), std::invalid_argument);
-  CHECK_THROWS_AS(bench::calibrate_reference({{0.0, true, 5.0, 0.0}, {10.0, true, 4.0, 9.0}}, 0.06, 0.1),
-                  std::invalid_argument);
+  for (const double second : {4.0, 5.0}) {
+    try {
+      bench::calibrate_reference({{0, true, 5.0, 0}, {10, true, second, 9}}, 0.06, 0.1);
+      FAIL("readings of 5 psi and " << second << " psi");
+    } catch (const bench::Error& error) {
+      CHECK(error.id() == "TB-REFERENCE-FLAT");
+      CHECK_THAT(error.what(), Catch::Contains("5.000 psi, and " + std::string(second < 5.0 ? "4" : "5") + ".000 psi"));
+    }
+  }
 }
 
 TEST_CASE("certificate and due date in words") {

@@ -176,3 +176,16 @@ TEST_CASE("calibrate-reference: the file's name comes from the reference's seria
   CHECK(of.calibrate("0\n30\n30\n0\n", "--levels 0,30 -o notes --replace").code == 0);
   CHECK(recorded(of.file("notes")).size() == 4);
 }
+
+TEST_CASE("calibrate-reference: a reference that does not rise ends it vented at that level, before more is asked") {
+  const TypedReadings of;
+  // Levels far closer than the reference's noise.
+  const Finished ended =
+      of.calibrate("0\n0\n0\n0\n0\n0\n0\n0\n", "--levels 0,1e-6,2e-6,3e-6,4e-6,5e-6,6e-6,7e-6 -o flat.toml");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err,
+             Catch::Contains("\nerror: the reference's reading does not rise with the pressure: ") &&
+                 Catch::Contains(" psi at the next level [TB-REFERENCE-FLAT]\n  at: calibrate-reference\n") &&
+                 Catch::Contains("\n  state: vented, verified (") && !Catch::Contains("decreasing"));
+  CHECK_FALSE(std::filesystem::exists(of.folder.path("flat.toml")));
+}
