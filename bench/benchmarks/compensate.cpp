@@ -8,7 +8,6 @@
 #include <random>
 
 #include "analysis/compensate/compensator.h"
-#include "analysis/compensate/frame_compensator.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/benchmarks/synthetic_array.h"
 
@@ -46,13 +45,21 @@ std::uint16_t counts_of(double volts) {
   return static_cast<std::uint16_t>(std::clamp(std::lround(volts / kStreamedVoltsPerCount), 0L, 65535L));
 }
 
-struct Results {
-  std::vector<float> pressure, uncertainty;
-  std::vector<std::uint16_t> status;
-  explicit Results(std::size_t taxels) : pressure(taxels), uncertainty(taxels), status(taxels) {}
-};
+Latency latency(const CompensationCase& c, FrameCompensator<float>& fast, StreamedResults& results) {
+  const std::size_t width = c.models.size();
+  std::vector<double> taken(c.frames);
+  for (std::size_t f = 0; f < c.frames; ++f) {
+    const auto start = RealClock::now();
+    fast.frame(std::span<const std::uint16_t>(c.counts).subspan(f * width, width),
+               {results.pressure, results.uncertainty, results.status});
+    taken[f] = std::chrono::duration<double, std::micro>(RealClock::now() - start).count();
+  }
+  return latency_of(taken);
+}
 
-double fast_seconds(int rounds, const CompensationCase& c, FrameCompensator<float>& fast, Results& results) {
+}  // namespace
+
+double fast_seconds(int rounds, const CompensationCase& c, FrameCompensator<float>& fast, StreamedResults& results) {
   const std::size_t width = c.models.size();
   return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
     fast.frame(std::span<const std::uint16_t>(c.counts).subspan(f * width, width),
@@ -60,7 +67,7 @@ double fast_seconds(int rounds, const CompensationCase& c, FrameCompensator<floa
   });
 }
 
-double plain_seconds(int rounds, const CompensationCase& c, Results& results) {
+double plain_seconds(int rounds, const CompensationCase& c, StreamedResults& results) {
   std::vector<TaxelCompensator> plain;
   CompensatorOptions options;
   options.noise_v = kStreamedNoise;
@@ -76,8 +83,7 @@ double plain_seconds(int rounds, const CompensationCase& c, Results& results) {
   });
 }
 
-// The simplest form: a fixed dead band, a search in the curve, no flags, no uncertainty, no averaging.
-double bare_seconds(int rounds, const CompensationCase& c, Results& results) {
+double bare_seconds(int rounds, const CompensationCase& c, StreamedResults& results) {
   struct Bare {
     ElamCurve curve;
     double extreme;
@@ -101,8 +107,7 @@ double bare_seconds(int rounds, const CompensationCase& c, Results& results) {
   });
 }
 
-// The very frames that the others read, written as floats to where they write theirs.
-double scale_seconds(int rounds, const CompensationCase& c, Results& results) {
+double scale_seconds(int rounds, const CompensationCase& c, StreamedResults& results) {
   const std::size_t width = c.models.size();
   return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
     const std::uint16_t* const counts = c.counts.data() + f * width;
@@ -111,24 +116,6 @@ double scale_seconds(int rounds, const CompensationCase& c, Results& results) {
     keep(*to);  // each frame is written
   });
 }
-
-struct Latency {
-  double median_us = 0.0, p99_us = 0.0, worst_us = 0.0;
-};
-
-Latency latency(const CompensationCase& c, FrameCompensator<float>& fast, Results& results) {
-  const std::size_t width = c.models.size();
-  std::vector<double> taken(c.frames);
-  for (std::size_t f = 0; f < c.frames; ++f) {
-    const auto start = RealClock::now();
-    fast.frame(std::span<const std::uint16_t>(c.counts).subspan(f * width, width),
-               {results.pressure, results.uncertainty, results.status});
-    taken[f] = std::chrono::duration<double, std::micro>(RealClock::now() - start).count();
-  }
-  return {quantile_of(taken, 0.5), quantile_of(taken, 0.99), quantile_of(taken, 1.0)};
-}
-
-}  // namespace
 
 CompensationCase slow_cycles(std::size_t taxels, std::size_t frames) {
   CompensationCase c = case_of(taxels);
@@ -182,66 +169,78 @@ CompensationCase tiled(const CompensationCase& from, std::size_t times, std::siz
   return c;
 }
 
-std::vector<Figure> benchmark_compensate(int rounds) {
-  constexpr std::size_t kTaxels = 256;
-  FigureList figures("compensate");
-  Results results(kTaxels);
-  const CompensationCase slow = slow_cycles(kTaxels, 20000), random = random_frames(kTaxels, 1000);
-  const double per_slow = 1e6 / static_cast<double>(slow.frames), per_random = 1e6 / static_cast<double>(random.frames);
-  const double scale = per_slow * scale_seconds(rounds, slow, results);
-  const double plain = per_slow * plain_seconds(rounds, slow, results);
-  const double bare = per_slow * bare_seconds(rounds, slow, results);
-  figures.add("scale_only", scale, "us/frame");
-  figures.add("straightforward", plain, "us/frame");
-  figures.add("bare_scalar", bare, "us/frame");
-  double fast = 0.0;
+Latency latency_of(const std::vector<double>& taken_us) {
+  return {quantile_of(taken_us, 0.5), quantile_of(taken_us, 0.99), quantile_of(taken_us, 1.0)};
+}
+
+std::vector<Figure> benchmark_compensate(int rounds, const CompensateSizes& sizes) {
+  const std::size_t taxels = sizes.taxels;
+  StreamedResults results(taxels);
+  const CompensationCase slow = slow_cycles(taxels, sizes.slow_frames),
+                         random = random_frames(taxels, sizes.random_frames);
+  CompensateTimes times;
+  times.slow_frames = slow.frames;
+  times.random_frames = random.frames;
+  times.scale = scale_seconds(rounds, slow, results);
+  times.plain = plain_seconds(rounds, slow, results);
+  times.bare = bare_seconds(rounds, slow, results);
   for (const Dispatch dispatch : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {
     if (dispatch > best_dispatch()) continue;
     FrameCompensator<float> compensator(slow.setup);
     compensator.set_dispatch(dispatch);
-    fast = per_slow * fast_seconds(rounds, slow, compensator, results);
-    figures.add(fmt::format("fast_{}", to_string(dispatch)), fast, "us/frame");
+    times.fast.emplace_back(to_string(dispatch), fast_seconds(rounds, slow, compensator, results));
   }
   FrameCompensator<float> compensator(slow.setup);
-  const Latency slow_latency = latency(slow, compensator, results);
-  figures.add("fast_median", slow_latency.median_us, "us");
-  figures.add("fast_p99", slow_latency.p99_us, "us");
-  figures.add("fast_worst", slow_latency.worst_us, "us");
+  times.fast_latency = latency(slow, compensator, results);
   FrameCompensator<float> turning(random.setup);
-  const double turn = per_random * fast_seconds(rounds, random, turning, results);
-  const double plain_turn = per_random * plain_seconds(rounds, random, results);
-  figures.add("turning_fast", turn, "us/frame");
-  figures.add("turning_straightforward", plain_turn, "us/frame");
-  const double bare_turn = per_random * bare_seconds(rounds, random, results);
-  figures.add("turning_bare_scalar", bare_turn, "us/frame");
-  const Latency turn_latency = latency(random, turning, results);
-  figures.add("turning_p99", turn_latency.p99_us, "us");
-  figures.add("turning_worst", turn_latency.worst_us, "us");
+  times.turn = fast_seconds(rounds, random, turning, results);
+  times.plain_turn = plain_seconds(rounds, random, results);
+  times.bare_turn = bare_seconds(rounds, random, results);
+  times.turn_latency = latency(random, turning, results);
   FrameSetup unknown = slow.setup;
   unknown.start_unknown = true;
   FrameCompensator<float> starting(unknown);
   CompensationCase middle = slow;
   middle.frames = 100;
-  middle.counts.assign(slow.counts.begin() + 1000 * kTaxels, slow.counts.begin() + 1100 * kTaxels);
-  figures.add("unknown_start_median", latency(middle, starting, results).median_us, "us");
+  const auto begin = slow.counts.begin() + static_cast<std::ptrdiff_t>(1000 * taxels);
+  middle.counts.assign(begin, begin + static_cast<std::ptrdiff_t>(middle.frames * taxels));
+  times.unknown_start_us = latency(middle, starting, results).median_us;
   for (const std::size_t side : {std::size_t{16}, std::size_t{32}, std::size_t{64}}) {
-    const CompensationCase large = tiled(slow, side * side / kTaxels, 1500);
+    const CompensationCase large = tiled(slow, side * side / taxels, sizes.growth_frames);
     FrameCompensator<float> many(large.setup);
-    Results all(side * side);
-    const double taken = fast_seconds(rounds, large, many, all) / static_cast<double>(large.frames);
-    figures.add(fmt::format("growth_{0}x{0}_per_taxel", side), 1e9 * taken / static_cast<double>(side * side), "ns");
+    StreamedResults all(side * side);
+    times.growth.emplace_back(side, fast_seconds(rounds, large, many, all) / static_cast<double>(large.frames));
   }
-  add_ratios(figures, {scale, plain, bare, fast, turn, plain_turn, bare_turn});
-  return figures.take();
+  return figures_of(times);
 }
 
 // The plain form computes uncertainty and flags too; the bare one is the simplest form.
-void add_ratios(FigureList& figures, const CompensateTimes& times) {
-  figures.add("speedup", times.plain / times.fast, "x");
-  figures.add_at_least("speedup_over_bare", times.bare / times.fast, 3.0);
-  figures.add_at_most("over_scale_only", times.fast / times.scale, 25.0);
+std::vector<Figure> figures_of(const CompensateTimes& times) {
+  FigureList figures("compensate");
+  const double per_slow = 1e6 / static_cast<double>(times.slow_frames),
+               per_random = 1e6 / static_cast<double>(times.random_frames);
+  figures.add("scale_only", per_slow * times.scale, "us/frame");
+  figures.add("straightforward", per_slow * times.plain, "us/frame");
+  figures.add("bare_scalar", per_slow * times.bare, "us/frame");
+  for (const auto& [level, seconds] : times.fast) figures.add("fast_" + level, per_slow * seconds, "us/frame");
+  figures.add("fast_median", times.fast_latency.median_us, "us");
+  figures.add("fast_p99", times.fast_latency.p99_us, "us");
+  figures.add("fast_worst", times.fast_latency.worst_us, "us");
+  figures.add("turning_fast", per_random * times.turn, "us/frame");
+  figures.add("turning_straightforward", per_random * times.plain_turn, "us/frame");
+  figures.add("turning_bare_scalar", per_random * times.bare_turn, "us/frame");
+  figures.add("turning_p99", times.turn_latency.p99_us, "us");
+  figures.add("turning_worst", times.turn_latency.worst_us, "us");
+  figures.add("unknown_start_median", times.unknown_start_us, "us");
+  for (const auto& [side, seconds] : times.growth)
+    figures.add(fmt::format("growth_{0}x{0}_per_taxel", side), 1e9 * seconds / static_cast<double>(side * side), "ns");
+  const double fast = times.fast.back().second;
+  figures.add("speedup", times.plain / fast, "x");
+  figures.add_at_least("speedup_over_bare", times.bare / fast, 3.0);
+  figures.add_at_most("over_scale_only", fast / times.scale, 25.0);
   figures.add("turning_slowdown", times.turn / times.plain_turn, "x");
   figures.add_at_most("turning_slowdown_over_bare", times.turn / times.bare_turn, 2.5);
+  return figures.take();
 }
 
 }  // namespace tactbench::bench

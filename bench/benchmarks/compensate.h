@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "analysis/compensate/frame_compensator.h"
 #include "analysis/compensate/frame_setup.h"
 #include "bench/benchmarks/figure.h"
 
@@ -25,14 +28,45 @@ CompensationCase random_frames(std::size_t taxels, std::size_t frames);
 // The first `frames` of a case, its array laid down `times` times.
 CompensationCase tiled(const CompensationCase& from, std::size_t times, std::size_t frames);
 
-// Best of `rounds` for each, in turn; ratios and their goals as figures of their own.
-std::vector<Figure> benchmark_compensate(int rounds);
-
-// Microseconds a frame of 256 taxels.
-struct CompensateTimes {
-  double scale = 0.0, plain = 0.0, bare = 0.0, fast = 0.0;  // slow cycles
-  double turn = 0.0, plain_turn = 0.0, bare_turn = 0.0;     // random counts
+// What a form of the compensator makes of a frame.
+struct StreamedResults {
+  std::vector<float> pressure, uncertainty;
+  std::vector<std::uint16_t> status;
+  explicit StreamedResults(std::size_t taxels) : pressure(taxels), uncertainty(taxels), status(taxels) {}
 };
-void add_ratios(FigureList& figures, const CompensateTimes& times);
+// Each goes through all frames `rounds` times; seconds for all of them. `results` are those of the last frame.
+double fast_seconds(int rounds, const CompensationCase& c, analysis::FrameCompensator<float>& fast,
+                    StreamedResults& results);
+// One taxel after the other, with flags and uncertainty.
+double plain_seconds(int rounds, const CompensationCase& c, StreamedResults& results);
+// The simplest form: a fixed dead band, a search in the curve, no flags, no uncertainty, no averaging.
+double bare_seconds(int rounds, const CompensationCase& c, StreamedResults& results);
+// The very frames that the others read, times 1e-3, written as floats to where they write theirs.
+double scale_seconds(int rounds, const CompensationCase& c, StreamedResults& results);
+
+// Of frames' times in microseconds.
+struct Latency {
+  double median_us = 0.0, p99_us = 0.0, worst_us = 0.0;
+};
+Latency latency_of(const std::vector<double>& taken_us);
+
+// Seconds for all frames: slow cycles, and random counts.
+struct CompensateTimes {
+  std::size_t slow_frames = 0, random_frames = 0;
+  double scale = 0.0, plain = 0.0, bare = 0.0;
+  std::vector<std::pair<std::string, double>> fast;  // by vector level, the best one last
+  Latency fast_latency;
+  double turn = 0.0, plain_turn = 0.0, bare_turn = 0.0;  // random counts
+  Latency turn_latency;
+  double unknown_start_us = 0.0;                       // median
+  std::vector<std::pair<std::size_t, double>> growth;  // taxels a side, seconds a frame
+};
+std::vector<Figure> figures_of(const CompensateTimes& times);
+
+struct CompensateSizes {
+  std::size_t taxels = 256, slow_frames = 20000, random_frames = 1000, growth_frames = 1500;  // slow: at least 1100
+};
+// Best of `rounds` for each, in turn.
+std::vector<Figure> benchmark_compensate(int rounds, const CompensateSizes& sizes = {});
 
 }  // namespace tactbench::bench

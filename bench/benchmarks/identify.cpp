@@ -17,33 +17,12 @@ namespace {
 
 using namespace analysis;
 
-constexpr int kSide = 16, kRepeats = 5;
-constexpr std::size_t kFew = 8;  // taxels for what takes milliseconds each
+using Taxels = std::vector<TaxelToIdentify>;
 
-struct Taxel {
-  FitData data;
-  std::vector<TaxelBranch> branches;
-};
+ElamFit exact(const TaxelToIdentify& taxel) { return identify_elam(taxel.data.ascending, taxel.data.descending, taxel.branches); }
 
-std::vector<Taxel> taxels_of(const Dataset& dataset) {
-  std::vector<Taxel> taxels;
-  for (const TaxelHistories& histories : histories_of(dataset).taxels) {
-    if (histories.taxel == kMeanTaxel) continue;
-    Taxel taxel{fit_data_of(histories, {}), {}};
-    for (const History& history : taxel.data.histories)
-      for (const Branch& branch : history.branches)
-        taxel.branches.push_back({branch.ascending,
-                                  {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
-                                  {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
-    taxels.push_back(std::move(taxel));
-  }
-  return taxels;
-}
-
-ElamFit exact(const Taxel& taxel) { return identify_elam(taxel.data.ascending, taxel.data.descending, taxel.branches); }
-
-void identify_all(const std::vector<Taxel>& taxels) {
-  for (const Taxel& taxel : taxels) keep(exact(taxel).j_v2);
+void identify_all(const Taxels& taxels) {
+  for (const TaxelToIdentify& taxel : taxels) keep(exact(taxel).j_v2);
 }
 
 double fit_seconds(int rounds, const Dataset& dataset, int threads, By by) {
@@ -53,10 +32,9 @@ double fit_seconds(int rounds, const Dataset& dataset, int threads, By by) {
       rounds, [&] { keep(fit_array(dataset, options).full_scale_v()); }, by);
 }
 
-void time_elam(FigureList& figures, const std::vector<Taxel>& taxels, int rounds) {
-  const auto count = static_cast<double>(taxels.size());
+void time_elam(IdentifyTimes& times, const Taxels& taxels, int rounds) {
   std::vector<ElamModel> models;
-  for (const Taxel& taxel : taxels) models.push_back(exact(taxel).model);
+  for (const TaxelToIdentify& taxel : taxels) models.push_back(exact(taxel).model);
   // In turn: the processor's speed changes with what else runs on it.
   std::vector<std::function<void()>> acts{[&] {
     for (std::size_t i = 0; i < taxels.size(); ++i) keep(plain_j(models[i], taxels[i].branches));
@@ -68,47 +46,34 @@ void time_elam(FigureList& figures, const std::vector<Taxel>& taxels, int rounds
     });
   const std::vector<double> taken = best_seconds(rounds, acts, By::kProcessor);
   unforce_lane_dispatch();
-  figures.add("plain_j", 1e6 * taken[0] / count, "us");
-  for (std::size_t i = 0; i < dispatches().size(); ++i) {
-    const Dispatch level = dispatches()[i];
-    const double own = taken[i + 1];
-    figures.add(fmt::format("elam_{}", to_string(level)), 1e6 * own / count, "us/taxel");
-    figures.add_at_most(fmt::format("elam_{}_in_plain_j", to_string(level)), own / taken[0],
-                        level == Dispatch::kBase ? 100.0 : 50.0);
-  }
-  figures.add("elam_in_plain_j_stretch_base", 50.0, "x");
-  figures.add("elam_in_plain_j_stretch_avx2", 15.0, "x");
+  times.taxels = static_cast<int>(taxels.size());
+  times.plain_j = taken[0];
+  for (std::size_t i = 0; i < dispatches().size(); ++i)
+    times.levels.emplace_back(to_string(dispatches()[i]), taken[i + 1]);
 }
 
-void time_genetic(FigureList& figures, const std::vector<Taxel>& taxels) {
+void time_genetic(IdentifyTimes& times, std::span<const TaxelToIdentify> few) {
   if (!has_genetic()) return;
-  double j_exact = 0.0, j_genetic = 0.0, worst = 0.0;
-  std::vector<double> least(kFew);
-  const std::vector<double> taken =
-      best_seconds(1,
-                   {[&] {
-                      for (std::size_t i = 0; i < kFew; ++i) j_exact += least[i] = exact(taxels[i]).j_v2;
-                    },
-                    [&] {
-                      for (std::size_t i = 0; i < kFew; ++i) {
-                        const FitData& data = taxels[i].data;
-                        const double j = identify_elam_ga(data.ascending, data.descending, taxels[i].branches).j_v2;
-                        j_genetic += j;
-                        worst = std::max(worst, j / least[i]);
-                      }
-                    }},
-                   By::kProcessor);
-  figures.add("elam_genetic", 1e6 * taken[1] / static_cast<double>(kFew), "us/taxel");
-  figures.add("elam_genetic_time_over_exact", taken[1] / taken[0], "x");
-  figures.add("elam_genetic_j_over_exact", j_genetic / j_exact, "x");
-  figures.add("elam_genetic_j_over_exact_worst_taxel", worst, "x");
+  const std::vector<double> taken = best_seconds(
+      1,
+      {[&] {
+         for (const TaxelToIdentify& taxel : few) times.exact_j.push_back(exact(taxel).j_v2);
+       },
+       [&] {
+         for (const TaxelToIdentify& taxel : few)
+           times.genetic_j.push_back(
+               identify_elam_ga(taxel.data.ascending, taxel.data.descending, taxel.branches).j_v2);
+       }},
+      By::kProcessor);
+  times.exact = taken[0];
+  times.genetic = taken[1];
 }
 
 // From a stored run to the parameters of all taxels, against reading its frames and identifying alone.
-void time_store(FigureList& figures, const Dataset& dataset, const std::string& folder, int rounds) {
+void time_store(IdentifyTimes& times, const Dataset& dataset, const std::string& folder, int rounds) {
   db::RunStore store = db::RunStore::open(folder + "/identify.db", db::Durability::kNormal);
   const std::int64_t run = store_run(store, dataset);
-  const std::vector<Taxel> taxels = taxels_of(load_dataset(store, run));
+  const Taxels taxels = taxels_to_identify(load_dataset(store, run));
   FitOptions options;
   options.threads = 1;
   const std::vector<double> taken =
@@ -116,55 +81,41 @@ void time_store(FigureList& figures, const Dataset& dataset, const std::string& 
                    {[&] { keep(store.frames(run).size()); }, [&] { identify_all(taxels); },
                     [&] { keep(fit_array(load_dataset(store, run), options).full_scale_v()); }},
                    By::kProcessor);
-  figures.add("array_reading", 1e3 * taken[0], "ms");
-  figures.add("array_identification_alone", 1e3 * taken[1], "ms");
-  figures.add("array_from_store", 1e3 * taken[2], "ms");
-  figures.add_at_most("array_over_floor", taken[2] / (taken[0] + taken[1]), 1.5);
-}
-
-void time_threads_and_growth(FigureList& figures, const Dataset& dataset, int rounds) {
-  figures.add_at_least("two_threads_speedup",
-                       fit_seconds(rounds, dataset, 1, By::kWall) / fit_seconds(rounds, dataset, 2, By::kWall), 1.7);
-  double first = 0.0;
-  for (const int side : {16, 32, 64}) {
-    const double per_taxel = fit_seconds(rounds, synthetic_dataset(side, side, 1), 1, By::kProcessor) / (side * side);
-    figures.add(fmt::format("growth_{0}x{0}", side), 1e6 * per_taxel, "us/taxel");
-    if (side == 16) first = per_taxel;
-    if (side == 64) figures.add("growth_64x64_over_16x16", per_taxel / first, "x");
-  }
+  times.reading = taken[0];
+  times.alone = taken[1];
+  times.from_store = taken[2];
 }
 
 // 256 taxels from the paper's run, one of `rate` and one of `creep-levels`, on two threads.
-void time_dynamic(FigureList& figures, const std::string& folder, int rounds) {
+void time_dynamic(IdentifyTimes& times, const std::string& folder, int rounds) {
   db::RunStore store = db::RunStore::open(folder + "/dynamic.db", db::Durability::kNormal);
   const auto run = [&](const SimulatedRun& made, unsigned seed) { return simulate_run(made, {}, seed, store).data; };
   const Dataset fitted = run({{"descending", "ascending"}, {}}, 1), rate = run({{"rate"}, {}}, 2),
                 creep = run({{"creep-levels"}, {}}, 3);
   DynamicFitOptions options;
   options.threads = 2;
-  const auto fit = [&] { keep(fit_dynamic(fitted, rate, creep, options).full_scale_v()); };
-  figures.add_at_most("dynamic_array", best_seconds(rounds, fit), 1.0, "s");
+  times.dynamic = best_seconds(rounds, [&] { keep(fit_dynamic(fitted, rate, creep, options).full_scale_v()); });
 }
 
 // Each against its own plain J: one evaluation of the fitted model along all samples.
-void time_models(FigureList& figures, const std::vector<Taxel>& taxels, int rounds) {
+void time_models(IdentifyTimes& times, std::span<const TaxelToIdentify> few, int rounds) {
+  times.few = static_cast<int>(few.size());
   for (const char* name : {"gpi", "mpi", "poly", "preisach"}) {
-    const auto identifier = prepare(name, taxels.front().data);
+    const auto identifier = prepare(name, few.front().data);
     std::vector<ModelFit> fits;
-    for (std::size_t i = 0; i < kFew; ++i) fits.push_back(identifier->fit(taxels[i].data));
-    const std::vector<double> taken = best_seconds(rounds,
-                                                   {[&] {
-                                                      for (std::size_t i = 0; i < kFew; ++i)
-                                                        keep(identifier->fit(taxels[i].data).j);
-                                                    },
-                                                    [&] {
-                                                      for (std::size_t i = 0; i < kFew; ++i)
-                                                        for (const History& history : taxels[i].data.histories)
-                                                          keep(predict_history(*fits[i].model, history, false));
-                                                    }},
-                                                   By::kProcessor);
-    figures.add(name, 1e6 * taken[0] / static_cast<double>(kFew), "us/taxel");
-    figures.add(fmt::format("{}_in_walks", name), taken[0] / taken[1], "x");
+    for (const TaxelToIdentify& taxel : few) fits.push_back(identifier->fit(taxel.data));
+    const std::vector<double> taken =
+        best_seconds(rounds,
+                     {[&] {
+                        for (const TaxelToIdentify& taxel : few) keep(identifier->fit(taxel.data).j);
+                      },
+                      [&] {
+                        for (std::size_t i = 0; i < few.size(); ++i)
+                          for (const History& history : few[i].data.histories)
+                            keep(predict_history(*fits[i].model, history, false));
+                      }},
+                     By::kProcessor);
+    times.models.push_back({name, taken[0], taken[1]});
   }
 }
 
@@ -183,16 +134,81 @@ double plain_j(const analysis::ElamModel& model, std::span<const analysis::Taxel
   return j;
 }
 
-std::vector<Figure> benchmark_identify(int rounds, const std::string& folder) {
-  const Dataset dataset = synthetic_dataset(kSide, kSide, kRepeats);
-  const std::vector<Taxel> taxels = taxels_of(dataset);
+std::vector<TaxelToIdentify> taxels_to_identify(const analysis::Dataset& dataset) {
+  std::vector<TaxelToIdentify> taxels;
+  for (const TaxelHistories& histories : histories_of(dataset).taxels) {
+    if (histories.taxel == kMeanTaxel) continue;
+    TaxelToIdentify taxel{fit_data_of(histories, {}), {}};
+    for (const History& history : taxel.data.histories)
+      for (const Branch& branch : history.branches)
+        taxel.branches.push_back({branch.ascending,
+                                  {history.x.begin() + branch.first, history.x.begin() + branch.last + 1},
+                                  {history.y.begin() + branch.first, history.y.begin() + branch.last + 1}});
+    taxels.push_back(std::move(taxel));
+  }
+  return taxels;
+}
+
+std::vector<Figure> benchmark_identify(int rounds, const std::string& folder, const IdentifySizes& sizes) {
+  const Dataset dataset = synthetic_dataset(sizes.side, sizes.side, sizes.repeats);
+  const Taxels taxels = taxels_to_identify(dataset);
+  const auto few = std::span(taxels).first(sizes.few);
+  IdentifyTimes times;
+  time_elam(times, taxels, rounds);
+  time_genetic(times, few);
+  time_store(times, dataset, folder, rounds);
+  times.one_thread = fit_seconds(rounds, dataset, 1, By::kWall);
+  times.two_threads = fit_seconds(rounds, dataset, 2, By::kWall);
+  for (const int side : sizes.growth)
+    times.growth.emplace_back(side, fit_seconds(rounds, synthetic_dataset(side, side, 1), 1, By::kProcessor));
+  time_models(times, few, rounds);
+  time_dynamic(times, folder, rounds);
+  return figures_of(times);
+}
+
+namespace {
+
+void add_genetic(FigureList& figures, const IdentifyTimes& times) {
+  if (times.genetic_j.empty()) return;
+  double exact = 0.0, genetic = 0.0, worst = 0.0;
+  for (std::size_t i = 0; i < times.exact_j.size(); ++i) {
+    exact += times.exact_j[i];
+    genetic += times.genetic_j[i];
+    worst = std::max(worst, times.genetic_j[i] / times.exact_j[i]);
+  }
+  figures.add("elam_genetic", 1e6 * times.genetic / static_cast<double>(times.genetic_j.size()), "us/taxel");
+  figures.add("elam_genetic_time_over_exact", times.genetic / times.exact, "x");
+  figures.add("elam_genetic_j_over_exact", genetic / exact, "x");
+  figures.add("elam_genetic_j_over_exact_worst_taxel", worst, "x");
+}
+
+}  // namespace
+
+std::vector<Figure> figures_of(const IdentifyTimes& times) {
   FigureList figures("identify");
-  time_elam(figures, taxels, rounds);
-  time_genetic(figures, taxels);
-  time_store(figures, dataset, folder, rounds);
-  time_threads_and_growth(figures, dataset, rounds);
-  time_models(figures, taxels, rounds);
-  time_dynamic(figures, folder, rounds);
+  figures.add("plain_j", 1e6 * times.plain_j / times.taxels, "us");
+  for (const auto& [level, own] : times.levels) {
+    figures.add("elam_" + level, 1e6 * own / times.taxels, "us/taxel");
+    figures.add_at_most("elam_" + level + "_in_plain_j", own / times.plain_j, level == "base" ? 100.0 : 50.0);
+  }
+  figures.add("elam_in_plain_j_stretch_base", 50.0, "x");
+  figures.add("elam_in_plain_j_stretch_avx2", 15.0, "x");
+  add_genetic(figures, times);
+  figures.add("array_reading", 1e3 * times.reading, "ms");
+  figures.add("array_identification_alone", 1e3 * times.alone, "ms");
+  figures.add("array_from_store", 1e3 * times.from_store, "ms");
+  figures.add_at_most("array_over_floor", times.from_store / (times.reading + times.alone), 1.5);
+  figures.add_at_least("two_threads_speedup", times.one_thread / times.two_threads, 1.7);
+  const auto per_taxel = [](const std::pair<int, double>& one) { return one.second / (one.first * one.first); };
+  for (const auto& one : times.growth)
+    figures.add(fmt::format("growth_{0}x{0}", one.first), 1e6 * per_taxel(one), "us/taxel");
+  figures.add(fmt::format("growth_{0}x{0}_over_{1}x{1}", times.growth.back().first, times.growth.front().first),
+              per_taxel(times.growth.back()) / per_taxel(times.growth.front()), "x");
+  for (const auto& model : times.models) {
+    figures.add(model.name, 1e6 * model.fit / times.few, "us/taxel");
+    figures.add(model.name + "_in_walks", model.fit / model.walk, "x");
+  }
+  figures.add_at_most("dynamic_array", times.dynamic, 1.0, "s");
   return figures.take();
 }
 

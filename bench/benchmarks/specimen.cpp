@@ -215,7 +215,7 @@ double measure_shape_percent_fs(const SpecimenOptions& options, int components) 
   return 100.0 * std::sqrt(std::max(0.0, variances.head(left).sum()) / static_cast<double>(steps));
 }
 
-std::vector<Figure> benchmark_specimen() {
+std::vector<Figure> benchmark_specimen(const SpecimenMeasures& by) {
   FigureList figures("specimen");
   const std::vector<std::string> words = specimen_words();
   for (std::size_t word = 0; word < words.size(); ++word) {
@@ -226,26 +226,26 @@ std::vector<Figure> benchmark_specimen() {
     const auto add = [&](const char* name, double value, const char* unit) {
       figures.add(words[word] + "_" + name, value, unit);
     };
-    const LoopFigures loop = measure_loop(options);
+    const LoopFigures loop = by.loop(options);
     add("hysteresis_max", loop.max_percent_fs, "%FS");
     add("hysteresis_mean", loop.mean_percent_fs, "%FS");
     add("full_scale", loop.full_scale_v, "V");
-    const CycleFigures cycles = measure_cycles(options, 50);
+    const CycleFigures cycles = by.cycles(options, 50);
     add("cycle_to_cycle_taxel", cycles.taxel_percent_fs, "%FS");
     add("cycle_to_cycle_mean_taxel", cycles.mean_taxel_percent_fs, "%FS");
-    add("creep_1_to_10_s", measure_creep_percent_fs(options, 40.0, 1.0, 10.0), "%FS");
-    add("creep_100_to_1000_s", measure_creep_percent_fs(options, 40.0, 100.0, 1000.0), "%FS");
-    const WalkFigures walk = measure_walk(options, 24);
+    add("creep_1_to_10_s", by.creep(options, 40.0, 1.0, 10.0), "%FS");
+    add("creep_100_to_1000_s", by.creep(options, 40.0, 100.0, 1000.0), "%FS");
+    const WalkFigures walk = by.walk(options, 24);
     add("zero_walk_in_an_hour", walk.zero_mv, "mV");
     add("gain_walk_in_an_hour", walk.gain_percent, "%");
-    const CrosstalkFigures crosstalk = measure_crosstalk(options);
+    const CrosstalkFigures crosstalk = by.crosstalk(options);
     add("crosstalk_beside", 100.0 * crosstalk.beside, "%");
     add("crosstalk_corner", 100.0 * crosstalk.corner, "%");
-    const MemoryFigures memory = measure_memory(options);
+    const MemoryFigures memory = by.memory(options);
     add("minor_loops_not_congruent", memory.congruency_percent_fs, "%FS");
     add("minor_loop_not_closed", memory.closure_percent_fs, "%FS");
-    add("shape_beyond_five_components", measure_shape_percent_fs(options, 5), "%FS");
-    const NoiseFigures noise = measure_noise(plant);
+    add("shape_beyond_five_components", by.shape(options, 5), "%FS");
+    const NoiseFigures noise = by.noise(plant);
     add("white_noise", noise.white_mv, "mV");
     add("kurtosis", noise.kurtosis, "1");
     add("beyond_five_sigma", 1e6 * noise.beyond_five, "ppm");

@@ -60,7 +60,20 @@ struct NoiseFigures {
 };
 NoiseFigures measure_noise(const PlantOptions& options);
 
+// What measures each property.
+struct SpecimenMeasures {
+  LoopFigures (*loop)(const SpecimenOptions& options) = measure_loop;
+  CycleFigures (*cycles)(const SpecimenOptions& options, int cycles) = measure_cycles;
+  double (*creep)(const SpecimenOptions& options, double level_psi, double from_s,
+                  double to_s) = measure_creep_percent_fs;
+  WalkFigures (*walk)(const SpecimenOptions& options, int hours) = measure_walk;
+  CrosstalkFigures (*crosstalk)(const SpecimenOptions& options) = measure_crosstalk;
+  MemoryFigures (*memory)(const SpecimenOptions& options) = measure_memory;
+  double (*shape)(const SpecimenOptions& options, int components) = measure_shape_percent_fs;
+  NoiseFigures (*noise)(const PlantOptions& options) = measure_noise;
+};
+
 // All of them for each specimen, sensor seed 1.
-std::vector<Figure> benchmark_specimen();
+std::vector<Figure> benchmark_specimen(const SpecimenMeasures& by = {});
 
 }  // namespace tactbench::bench

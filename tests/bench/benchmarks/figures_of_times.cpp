@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/benchmarks/array.h"
-#include "bench/benchmarks/compensate.h"
 #include "bench/benchmarks/compensation_error.h"
 #include "bench/benchmarks/coverage.h"
 #include "bench/benchmarks/fleet.h"
@@ -134,19 +133,6 @@ TEST_CASE("benchmark report: megabytes, and milliseconds against writing alone")
         Printed{"report_size 2.5 MB", "report_write_alone 4 ms", "report_rendered_and_written 30 ms",
                 "report_rendered_and_written_goal_at_most 49.33333 ms", "report_over_write_alone 7.5 x",
                 "report_over_write_alone_goal_at_most 20 x"});
-}
-
-TEST_CASE("benchmark compensate: the fast form against the plain, the bare and the scaling one") {
-  FigureList figures("compensate");
-  add_ratios(
-      figures,
-      {.scale = 2.0, .plain = 60.0, .bare = 40.0, .fast = 5.0, .turn = 9.0, .plain_turn = 36.0, .bare_turn = 6.0});
-  CHECK(printed(figures.take()) ==
-        Printed{"compensate_speedup 12 x", "compensate_speedup_over_bare 8 x",
-                "compensate_speedup_over_bare_goal_at_least 3 x", "compensate_over_scale_only 2.5 x",
-                "compensate_over_scale_only_goal_at_most 25 x", "compensate_turning_slowdown 0.25 x",
-                "compensate_turning_slowdown_over_bare 1.5 x",
-                "compensate_turning_slowdown_over_bare_goal_at_most 2.5 x"});
 }
 
 TEST_CASE("benchmark coverage: shares, medians and half-widths, and sensors of which U is not stated") {
