@@ -20,7 +20,6 @@ namespace {
 
 using analysis::EwmaChart;
 using Random = std::mt19937_64;
-using Draw = std::function<double(Random&)>;
 
 constexpr int kHistoryRuns = analysis::kChartRuns;
 constexpr int kNightFigures = 671;  // of a night of the shipped suite
@@ -43,18 +42,15 @@ struct Watched {
   [[nodiscard]] bool outside(double value) const { return !band.holds(value); }
 };
 
-Watched begin(int start_up, const Draw& draw, Random& random) {
+Watched begin(int start_up, const ChartDraw& draw, Random& random) {
   std::vector<double> values;
   for (int i = 0; i < start_up; ++i) values.push_back(draw(random));
   return {*EwmaChart::begin(values), *analysis::control_band(values, analysis::kGrossFalseAlarm)};
 }
 
-struct Found {
-  double share = 0.0;   // of histories with an alarm in kHistoryRuns runs
-  double median = 0.0;  // run of the alarm, where there is one
-};
+}  // namespace
 
-Found found(int draws, int start_up, const Draw& draw, double step, double ramp, Random& random) {
+ChartFound chart_found(int draws, int start_up, const ChartDraw& draw, double step, double ramp, Random& random) {
   std::vector<double> runs;
   for (int i = 0; i < draws; ++i) {
     Watched own = begin(start_up, draw, random);
@@ -66,7 +62,7 @@ Found found(int draws, int start_up, const Draw& draw, double step, double ramp,
       break;
     }
   }
-  Found result;
+  ChartFound result;
   result.share = static_cast<double>(runs.size()) / draws;
   if (runs.empty()) return result;
   std::ranges::nth_element(runs, runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2));
@@ -74,16 +70,9 @@ Found found(int draws, int start_up, const Draw& draw, double step, double ramp,
   return result;
 }
 
-struct Nights {
-  double false_nights = 0.0, false_periods = 0.0;  // shares with a figure reported that did not change
-  double gross_nights = 0.0;                       // shares of nights with such a figure outside its wide band
-  double found = 0.0;                              // of the changed figures, in a period
-  double false_share = 0.0;                        // of the figures reported in a period, mean over the periods
-};
-
-// `changed` of the figures step by `step` after the baseline.
-Nights nights(int periods, int start_up, const Draw& draw, std::size_t changed, double step, Random& random) {
-  Nights sum;
+ChartNights chart_nights(int periods, int start_up, const ChartDraw& draw, std::size_t changed, double step,
+                         Random& random) {
+  ChartNights sum;
   for (int period = 0; period < periods; ++period) {
     std::vector<Watched> watched;
     for (int i = 0; i < kNightFigures; ++i) watched.push_back(begin(start_up, draw, random));
@@ -117,6 +106,8 @@ Nights nights(int periods, int start_up, const Draw& draw, std::size_t changed, 
   return sum;
 }
 
+namespace {
+
 struct Change {
   const char* name;
   double step, ramp;  // deviations, and deviations a run
@@ -126,15 +117,15 @@ constexpr std::array<Change, 5> kChanges = {
 
 void one_figure(FigureList& list, int draws, int n, unsigned& seed) {
   const std::string start = fmt::format("n{}_", n);
-  const std::array<std::pair<const char*, Draw>, 3> sound = {
+  const std::array<std::pair<const char*, ChartDraw>, 3> sound = {
       {{"normal", normal}, {"largest", largest}, {"log_of_largest", log_of_largest}}};
   for (const auto& [name, draw] : sound) {
     Random random(++seed);
-    list.add(fmt::format("{}false_{}", start, name), 100.0 * found(draws, n, draw, 0.0, 0.0, random).share, "%");
+    list.add(fmt::format("{}false_{}", start, name), 100.0 * chart_found(draws, n, draw, 0.0, 0.0, random).share, "%");
   }
   for (const Change& change : kChanges) {
     Random random(++seed);
-    const Found result = found(draws, n, normal, change.step, change.ramp, random);
+    const ChartFound result = chart_found(draws, n, normal, change.step, change.ramp, random);
     list.add(start + change.name, 100.0 * result.share, "%");
     list.add(fmt::format("{}{}_median", start, change.name), result.median, "runs");
   }
@@ -142,11 +133,11 @@ void one_figure(FigureList& list, int draws, int n, unsigned& seed) {
 
 void whole_nights(FigureList& list, int periods, int n, unsigned& seed) {
   const std::string start = fmt::format("n{}_of_{}_", n, kNightFigures);
-  const std::array<std::pair<const char*, Draw>, 3> sound = {
+  const std::array<std::pair<const char*, ChartDraw>, 3> sound = {
       {{"normal", normal}, {"largest", largest}, {"log_of_largest", log_of_largest}}};
   for (const auto& [name, draw] : sound) {
     Random random(++seed);
-    const Nights result = nights(periods, n, draw, 0, 0.0, random);
+    const ChartNights result = chart_nights(periods, n, draw, 0, 0.0, random);
     list.add(fmt::format("{}false_nights_{}", start, name), result.false_nights, "%");
     list.add(fmt::format("{}false_periods_{}", start, name), result.false_periods, "%");
     list.add(fmt::format("{}gross_nights_{}", start, name), result.gross_nights, "%");
@@ -154,7 +145,7 @@ void whole_nights(FigureList& list, int periods, int n, unsigned& seed) {
   for (const std::size_t changed : {1U, 67U})
     for (const double step : {2.0, 3.0, 5.0}) {
       Random random(++seed);
-      const Nights result = nights(periods, n, normal, changed, step, random);
+      const ChartNights result = chart_nights(periods, n, normal, changed, step, random);
       list.add(fmt::format("{}{}_step_{:.0f}_found", start, changed, step), result.found, "%");
       list.add(fmt::format("{}{}_step_{:.0f}_false_share", start, changed, step), result.false_share, "%");
     }

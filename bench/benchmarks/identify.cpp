@@ -19,7 +19,9 @@ using namespace analysis;
 
 using Taxels = std::vector<TaxelToIdentify>;
 
-ElamFit exact(const TaxelToIdentify& taxel) { return identify_elam(taxel.data.ascending, taxel.data.descending, taxel.branches); }
+ElamFit exact(const TaxelToIdentify& taxel) {
+  return identify_elam(taxel.data.ascending, taxel.data.descending, taxel.branches);
+}
 
 void identify_all(const Taxels& taxels) {
   for (const TaxelToIdentify& taxel : taxels) keep(exact(taxel).j_v2);
@@ -54,17 +56,17 @@ void time_elam(IdentifyTimes& times, const Taxels& taxels, int rounds) {
 
 void time_genetic(IdentifyTimes& times, std::span<const TaxelToIdentify> few) {
   if (!has_genetic()) return;
-  const std::vector<double> taken = best_seconds(
-      1,
-      {[&] {
-         for (const TaxelToIdentify& taxel : few) times.exact_j.push_back(exact(taxel).j_v2);
-       },
-       [&] {
-         for (const TaxelToIdentify& taxel : few)
-           times.genetic_j.push_back(
-               identify_elam_ga(taxel.data.ascending, taxel.data.descending, taxel.branches).j_v2);
-       }},
-      By::kProcessor);
+  const std::vector<double> taken =
+      best_seconds(1,
+                   {[&] {
+                      for (const TaxelToIdentify& taxel : few) times.exact_j.push_back(exact(taxel).j_v2);
+                    },
+                    [&] {
+                      for (const TaxelToIdentify& taxel : few)
+                        times.genetic_j.push_back(
+                            identify_elam_ga(taxel.data.ascending, taxel.data.descending, taxel.branches).j_v2);
+                    }},
+                   By::kProcessor);
   times.exact = taken[0];
   times.genetic = taken[1];
 }
@@ -104,17 +106,17 @@ void time_models(IdentifyTimes& times, std::span<const TaxelToIdentify> few, int
     const auto identifier = prepare(name, few.front().data);
     std::vector<ModelFit> fits;
     for (const TaxelToIdentify& taxel : few) fits.push_back(identifier->fit(taxel.data));
-    const std::vector<double> taken =
-        best_seconds(rounds,
-                     {[&] {
-                        for (const TaxelToIdentify& taxel : few) keep(identifier->fit(taxel.data).j);
-                      },
-                      [&] {
-                        for (std::size_t i = 0; i < few.size(); ++i)
-                          for (const History& history : few[i].data.histories)
-                            keep(predict_history(*fits[i].model, history, false));
-                      }},
-                     By::kProcessor);
+    const std::vector<double> taken = best_seconds(rounds,
+                                                   {[&] {
+                                                      for (const TaxelToIdentify& taxel : few)
+                                                        keep(identifier->fit(taxel.data).j);
+                                                    },
+                                                    [&] {
+                                                      for (std::size_t i = 0; i < few.size(); ++i)
+                                                        for (const History& history : few[i].data.histories)
+                                                          keep(predict_history(*fits[i].model, history, false));
+                                                    }},
+                                                   By::kProcessor);
     times.models.push_back({name, taken[0], taken[1]});
   }
 }
