@@ -23,9 +23,6 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr std::size_t kFrames = 3310, kDurable = 1000, kGroup = 100;
-constexpr std::size_t kBytes = 512 + 32;  // a frame and its numbers
-
 db::FrameRecord frame_number(std::size_t i) {
   db::FrameRecord frame;
   frame.rows = frame.columns = 16;
@@ -47,14 +44,15 @@ using Frames = std::span<db::FrameRecord>;
 // A run that takes frames, ready for the first.
 class OpenRun {
  public:
-  OpenRun(const std::string& path, db::Durability durability) : store_(db::RunStore::open(path, durability)) {
+  OpenRun(const std::string& path, db::Durability durability, std::size_t frames)
+      : store_(db::RunStore::open(path, durability)) {
     store_.add_sensor({"B-1", "synthetic", "", db::sha256_hex(""), "SIM-SCANNER-1", "", ""});
     db::RunRecord run;
     run.uuid = db::new_uuid();
     run.origin = "simulated";
     run.state = "prepared";
     run.sensor_serial = "B-1";
-    run.sequences = {{0, "frames", "", "", 1, static_cast<int>(kFrames)}};
+    run.sequences = {{0, "frames", "", "", 1, static_cast<int>(frames)}};
     run_ = store_.begin_run(run);
     branch_ = store_.begin_branch(run_, {});
   }
@@ -81,7 +79,7 @@ class PlainFile {
   PlainFile(const PlainFile&) = delete;
   PlainFile& operator=(const PlainFile&) = delete;
   void append(Frames frames) const {
-    std::array<std::byte, kBytes> bytes{};
+    std::array<std::byte, 512 + 32> bytes{};  // a frame and its numbers
     for (const db::FrameRecord& frame : frames) {
       std::memcpy(bytes.data(), frame.counts.data(), 512);
       if (::write(descriptor_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()) ||
@@ -146,6 +144,7 @@ class BareTable {
 class BestStretches {
  public:
   void write(std::vector<db::FrameRecord>& frames, const std::function<void(Frames)>& append) {
+    constexpr std::size_t kGroup = 100;
     const Frames all(frames);
     for (std::size_t first = 0, i = 0; first < all.size(); first += kGroup, ++i) {
       const Frames some = all.subspan(first, std::min(kGroup, all.size() - first));
@@ -172,14 +171,15 @@ class BestStretches {
 
 }  // namespace
 
-std::vector<Figure> benchmark_store(int rounds, const std::string& folder) {
+std::vector<Figure> benchmark_store(int rounds, const std::string& folder, const StoreSizes& sizes) {
   constexpr int kReadings = 5;  // a round
-  std::vector<db::FrameRecord> durable = frames_of(kDurable), all = frames_of(kFrames);
+  std::vector<db::FrameRecord> durable = frames_of(sizes.durable), all = frames_of(sizes.frames);
   BestStretches plain, full, bare, normal, grouped, bare_read, read;
   for (int round = 0; round < rounds; ++round) {
     const auto path = [&](const char* name) { return fmt::format("{}/{}-{}", folder, name, round); };
     const PlainFile file(path("plain"));
-    OpenRun full_run(path("full.db"), db::Durability::kFull), normal_run(path("normal.db"), db::Durability::kNormal);
+    OpenRun full_run(path("full.db"), db::Durability::kFull, sizes.durable),
+        normal_run(path("normal.db"), db::Durability::kNormal, sizes.frames);
     BareTable bare_table(path("bare.db")), grouped_table(path("grouped.db"));
     plain.write(durable, [&](Frames frames) { file.append(frames); });
     full.write(durable, [&](Frames frames) { full_run.append(frames); });
@@ -190,11 +190,13 @@ std::vector<Figure> benchmark_store(int rounds, const std::string& folder) {
     read.read(kReadings, [&] { keep(normal_run.read().size()); });
   }
   return figures_of(StoreTimes{plain.seconds(), full.seconds(), bare.seconds(), normal.seconds(), grouped.seconds(),
-                               bare_read.seconds(), read.seconds()});
+                               bare_read.seconds(), read.seconds()},
+                    sizes);
 }
 
-std::vector<Figure> figures_of(const StoreTimes& times) {
-  const double per_durable = 1e6 / static_cast<double>(kDurable), per_frame = 1e6 / static_cast<double>(kFrames);
+std::vector<Figure> figures_of(const StoreTimes& times, const StoreSizes& sizes) {
+  const double per_durable = 1e6 / static_cast<double>(sizes.durable),
+               per_frame = 1e6 / static_cast<double>(sizes.frames);
   FigureList figures("store");
   figures.add("append_and_fdatasync", per_durable * times.plain, "us/frame");
   figures.add("full", per_durable * times.full, "us/frame");
