@@ -106,11 +106,7 @@ void measure_serving(FigureList& figures, const std::string& folder) {
   served.took_s = passed_since(begun);
   served.frames = run.times.frames;
   served.page_s = page.processor_s() - before_s;
-  for (const auto& [position, came] : viewers.pictures()) {
-    const auto index = static_cast<std::size_t>(position - 1);
-    if (came > begun && position > 0 && index < run.stored.size())
-      served.delays_ms.push_back(std::chrono::duration<double, std::milli>(came - run.stored[index]).count());
-  }
+  served.delays_ms = delays_ms_of(viewers.pictures(), run.stored, begun);
   if (served.delays_ms.size() < 10) throw std::runtime_error("the viewers saw too little of the run");
   served.bare_writes_s = bare_writes_s(viewers.text());
   served.resident_mb = page.resident_mb();
@@ -138,6 +134,17 @@ void measure_run(FigureList& figures, int rounds, const std::string& folder) {
 }
 
 }  // namespace
+
+std::vector<double> delays_ms_of(const std::map<std::int64_t, PageClock::time_point>& pictures,
+                                 const std::vector<PageClock::time_point>& stored, PageClock::time_point begun) {
+  std::vector<double> delays;
+  for (const auto& [position, came] : pictures) {
+    const auto index = static_cast<std::size_t>(position - 1);
+    if (came > begun && position > 0 && index < stored.size())
+      delays.push_back(std::chrono::duration<double, std::milli>(came - stored[index]).count());
+  }
+  return delays;
+}
 
 void add_figures(FigureList& figures, const PageServed& served) {
   figures.add("frames", served.frames / served.took_s, "1/s");

@@ -1,6 +1,9 @@
 // What the page costs: its own process with 8 viewers at 20 Hz, and the run beside it.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,6 +13,11 @@ namespace tactbench::bench {
 
 // `rounds`: pairs of runs, without the page and with it. Makes its stores in `folder`.
 std::vector<Figure> benchmark_page(int rounds, const std::string& folder);
+
+// Of each picture that came after `begun`, from the storing of its frame (the first one has position 1) to the viewer.
+std::vector<double> delays_ms_of(const std::map<std::int64_t, std::chrono::steady_clock::time_point>& pictures,
+                                 const std::vector<std::chrono::steady_clock::time_point>& stored,
+                                 std::chrono::steady_clock::time_point begun);
 
 // What was measured while the page served a run.
 struct PageServed {

@@ -65,19 +65,24 @@ PageProcess::PageProcess(const std::string& db, const std::string& folder)
   process_ = child_.process();
 }
 
-double PageProcess::processor_s() const {
-  const std::string text = text_of(fmt::format("/proc/{}/stat", process_));
-  std::istringstream words(text.substr(text.rfind(')') + 2));  // after the name, from the state on
+double processor_seconds_of(const std::string& stat, double ticks_per_second) {
+  std::istringstream words(stat.substr(stat.rfind(')') + 2));  // after the name, from the state on
   std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
-  return (std::atof(fields.at(11).c_str()) + std::atof(fields.at(12).c_str())) /
-         static_cast<double>(::sysconf(_SC_CLK_TCK));
+  return (std::atof(fields.at(11).c_str()) + std::atof(fields.at(12).c_str())) / ticks_per_second;
 }
 
-double PageProcess::resident_mb() const {
-  const std::string text = text_of(fmt::format("/proc/{}/status", process_));
-  const std::size_t at = text.find("VmHWM:");
-  return at == std::string::npos ? 0.0 : std::atof(text.c_str() + at + 6) / 1024.0;
+double resident_mb_of(const std::string& status) {
+  const std::string_view name = "VmHWM:";
+  const std::size_t at = status.find(name);
+  return at == std::string::npos ? 0.0 : std::atof(status.c_str() + at + name.size()) / 1024.0;
 }
+
+double PageProcess::processor_s() const {
+  return processor_seconds_of(text_of(fmt::format("/proc/{}/stat", process_)),
+                              static_cast<double>(::sysconf(_SC_CLK_TCK)));
+}
+
+double PageProcess::resident_mb() const { return resident_mb_of(text_of(fmt::format("/proc/{}/status", process_))); }
 
 PageViewers::PageViewers(const PageProcess& page, int viewers, int frozen)
     : reading_(static_cast<std::size_t>(viewers - frozen)) {
@@ -97,15 +102,14 @@ PageViewers::~PageViewers() {
   for (const int descriptor : descriptors_) ::close(descriptor);
 }
 
-void PageViewers::take(const std::string& bytes) {
+void PictureTimes::take(const std::string& bytes, Time now) {
   text_ += bytes;
   constexpr std::string_view kPicture = "event: picture\n", kPosition = "\"position\":";
   for (std::size_t at = text_.find(kPicture, looked_); at != std::string::npos; at = text_.find(kPicture, looked_)) {
     const std::size_t end = text_.find("\n\n", at);
     if (end == std::string::npos) return;
     const std::size_t position = text_.find(kPosition, at);
-    if (position < end)
-      pictures_.try_emplace(std::atoll(text_.c_str() + position + kPosition.size()), RealClock::now());
+    if (position < end) times_.try_emplace(std::atoll(text_.c_str() + position + kPosition.size()), now);
     looked_ = end;
   }
 }
@@ -119,7 +123,7 @@ void PageViewers::read() {
     for (std::size_t i = 0; i < ready.size(); ++i) {
       if ((ready[i].revents & POLLIN) == 0) continue;
       const ssize_t size = ::recv(ready[i].fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
-      if (size > 0 && i == 0) take({bytes.data(), static_cast<std::size_t>(size)});
+      if (size > 0 && i == 0) pictures_.take({bytes.data(), static_cast<std::size_t>(size)}, RealClock::now());
     }
   }
 }
@@ -127,12 +131,12 @@ void PageViewers::read() {
 const std::map<std::int64_t, PageViewers::RealClock::time_point>& PageViewers::pictures() {
   ended_ = true;
   if (thread_.joinable()) thread_.join();
-  return pictures_;
+  return pictures_.times();
 }
 
 const std::string& PageViewers::text() {
   (void)pictures();
-  return text_;
+  return pictures_.text();
 }
 
 }  // namespace tactbench::bench

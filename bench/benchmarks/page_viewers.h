@@ -15,6 +15,25 @@
 
 namespace tactbench::bench {
 
+// Of the text of /proc/<process>/stat: user and system time in seconds, of ticks of which a second has so many.
+double processor_seconds_of(const std::string& stat, double ticks_per_second);
+// Of the text of /proc/<process>/status: the most memory so far; 0 where it says nothing of it.
+double resident_mb_of(const std::string& status);
+
+// When each picture of a stream of events first came, by its position.
+class PictureTimes {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  void take(const std::string& bytes, Time now);  // pieces of any length
+  [[nodiscard]] const std::map<std::int64_t, Time>& times() const { return times_; }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  std::size_t looked_ = 0;
+  std::map<std::int64_t, Time> times_;
+};
+
 // `tactbench page` on that store.
 class PageProcess {
  public:
@@ -45,13 +64,10 @@ class PageViewers {
 
  private:
   void read();
-  void take(const std::string& bytes);
   std::vector<int> descriptors_;
   std::size_t reading_;
   std::atomic<bool> ended_{false};
-  std::string text_;
-  std::size_t looked_ = 0;
-  std::map<std::int64_t, RealClock::time_point> pictures_;
+  PictureTimes pictures_;
   std::thread thread_;
 };
 
