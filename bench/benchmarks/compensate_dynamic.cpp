@@ -1,7 +1,5 @@
 #include "bench/benchmarks/compensate_dynamic.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -17,14 +15,13 @@ namespace {
 
 using namespace analysis;
 
-constexpr std::size_t kDynamicTaxels = 256, kDynamicIntervals = 20;
 constexpr double kDynamicNoise = 0.004, kDynamicVoltsPerCount = 5.0 / 65536.0;
 
 DynamicCase dynamic_case(std::vector<PreisachModel>& films, std::size_t taxels) {
   DynamicCase c;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform;
-  constexpr std::size_t n = kDynamicIntervals;
+  constexpr std::size_t n = 20;
   c.setup.x_high = 60.0;
   c.setup.intervals = n;
   c.setup.volts_per_count = kDynamicVoltsPerCount;
@@ -93,24 +90,26 @@ DynamicCase random_dynamic(std::size_t taxels, std::size_t frames) {
 
 namespace {
 
-// A frame's time in microseconds.
 template <class Compensator>
-double us_a_frame(int rounds, Compensator& compensator, const std::vector<std::uint16_t>& counts, std::size_t frames) {
-  std::vector<float> pressure(kDynamicTaxels), uncertainty(kDynamicTaxels);
-  std::vector<std::uint16_t> status(kDynamicTaxels);
-  const double seconds = sum_of_best_seconds(rounds, frames, [&](std::size_t f) {
-    compensator.frame(std::span(counts).subspan(f * kDynamicTaxels, kDynamicTaxels), {pressure, uncertainty, status});
+double seconds_of(int rounds, Compensator& compensator, const std::vector<std::uint16_t>& counts, std::size_t frames) {
+  const std::size_t taxels = counts.size() / frames;
+  std::vector<float> pressure(taxels), uncertainty(taxels);
+  std::vector<std::uint16_t> status(taxels);
+  return sum_of_best_seconds(rounds, frames, [&](std::size_t f) {
+    compensator.frame(std::span(counts).subspan(f * taxels, taxels), {pressure, uncertainty, status});
   });
-  return 1e6 * seconds / static_cast<double>(frames);
 }
 
 }  // namespace
 
-std::vector<Figure> benchmark_compensate_dynamic(int rounds) {
-  FigureList figures("compensate-dynamic");
-  const DynamicCase slow = slow_dynamic(kDynamicTaxels, 20000), random = random_dynamic(kDynamicTaxels, 1000);
-  const CompensationCase elam_slow = slow_cycles(kDynamicTaxels, 20000),
-                         elam_random = random_frames(kDynamicTaxels, 1000);
+std::vector<Figure> benchmark_compensate_dynamic(int rounds, const CompensateDynamicSizes& sizes) {
+  const DynamicCase slow = slow_dynamic(sizes.taxels, sizes.slow_frames),
+                    random = random_dynamic(sizes.taxels, sizes.random_frames);
+  const CompensationCase elam_slow = slow_cycles(sizes.taxels, sizes.slow_frames),
+                         elam_random = random_frames(sizes.taxels, sizes.random_frames);
+  CompensateDynamicTimes times;
+  times.slow_frames = slow.frames;
+  times.random_frames = random.frames;
   for (const Dispatch level : {Dispatch::kBase, Dispatch::kAvx2, Dispatch::kAvx512}) {
     if (level > best_dispatch()) continue;
     DynamicFrameCompensator<float> still(slow.setup), turning(random.setup);
@@ -121,24 +120,34 @@ std::vector<Figure> benchmark_compensate_dynamic(int rounds) {
     }
     elam_still.set_dispatch(level);
     elam_turning.set_dispatch(level);
-    const bool goal = level == Dispatch::kAvx2;
-    const double taken = us_a_frame(rounds, still, slow.counts, slow.frames);
-    const double turned = us_a_frame(rounds, turning, random.counts, random.frames);
-    if (goal) {
-      figures.add_at_most("slow_avx2", taken, 2.0, "us/frame");
-      figures.add_at_most("turning_avx2", turned, 12.0, "us/frame");
-    } else {
-      figures.add(fmt::format("slow_{}", to_string(level)), taken, "us/frame");
-      figures.add(fmt::format("turning_{}", to_string(level)), turned, "us/frame");
-    }
-    figures.add(fmt::format("slow_elam_{}", to_string(level)),
-                us_a_frame(rounds, elam_still, elam_slow.counts, elam_slow.frames), "us/frame");
-    figures.add(fmt::format("turning_elam_{}", to_string(level)),
-                us_a_frame(rounds, elam_turning, elam_random.counts, elam_random.frames), "us/frame");
+    DynamicLevelTimes own;
+    own.level = to_string(level);
+    own.slow = seconds_of(rounds, still, slow.counts, slow.frames);
+    own.turning = seconds_of(rounds, turning, random.counts, random.frames);
+    own.slow_elam = seconds_of(rounds, elam_still, elam_slow.counts, elam_slow.frames);
+    own.turning_elam = seconds_of(rounds, elam_turning, elam_random.counts, elam_random.frames);
+    times.levels.push_back(own);
   }
-  figures.add_at_most("memory_a_taxel",
-                      static_cast<double>(DynamicFrameCompensator<float>(slow.setup).bytes_per_taxel()), 2048.0,
-                      "bytes");
+  times.bytes_per_taxel = DynamicFrameCompensator<float>(slow.setup).bytes_per_taxel();
+  return figures_of(times);
+}
+
+std::vector<Figure> figures_of(const CompensateDynamicTimes& times) {
+  FigureList figures("compensate-dynamic");
+  const double per_slow = 1e6 / static_cast<double>(times.slow_frames),
+               per_random = 1e6 / static_cast<double>(times.random_frames);
+  for (const DynamicLevelTimes& own : times.levels) {
+    if (own.level == "avx2") {
+      figures.add_at_most("slow_avx2", per_slow * own.slow, 2.0, "us/frame");
+      figures.add_at_most("turning_avx2", per_random * own.turning, 12.0, "us/frame");
+    } else {
+      figures.add("slow_" + own.level, per_slow * own.slow, "us/frame");
+      figures.add("turning_" + own.level, per_random * own.turning, "us/frame");
+    }
+    figures.add("slow_elam_" + own.level, per_slow * own.slow_elam, "us/frame");
+    figures.add("turning_elam_" + own.level, per_random * own.turning_elam, "us/frame");
+  }
+  figures.add_at_most("memory_a_taxel", static_cast<double>(times.bytes_per_taxel), 2048.0, "bytes");
   return figures.take();
 }
 

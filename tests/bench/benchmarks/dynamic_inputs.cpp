@@ -1,7 +1,10 @@
 // What `tactbench benchmark compensate-dynamic` measures on: films worked out in Python from the same seed, frames
-// along known pressures.
+// along known pressures. And its figures, worked out by hand from round numbers.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "bench/benchmarks/compensate_dynamic.h"
@@ -90,4 +93,38 @@ TEST_CASE("benchmark compensate-dynamic: slow frames go 0-60-10-50-0 psi in phas
   CHECK(std::sqrt(squares / looked) == Approx(0.004).epsilon(0.1));
   CHECK(std::abs(sum / looked) < 0.0005);
   CHECK(largest < 0.02);
+}
+
+TEST_CASE("benchmark compensate-dynamic: microseconds a frame by vector level, goals of one level, and bytes a taxel") {
+  bench::CompensateDynamicTimes times;
+  times.slow_frames = 2000;
+  times.random_frames = 100;
+  times.levels = {{"base", 0.002, 0.0003, 0.004, 0.0005}, {"avx2", 0.006, 0.0007, 0.008, 0.0009}};
+  times.bytes_per_taxel = 1234;
+  std::string text;
+  for (const bench::Figure& figure : figures_of(times))
+    text += fmt::format("{} {:.7g} {}\n", figure.name, figure.value, figure.unit);
+  CHECK(text ==
+        "compensate-dynamic_slow_base 1 us/frame\n"
+        "compensate-dynamic_turning_base 3 us/frame\n"
+        "compensate-dynamic_slow_elam_base 2 us/frame\n"
+        "compensate-dynamic_turning_elam_base 5 us/frame\n"
+        "compensate-dynamic_slow_avx2 3 us/frame\n"
+        "compensate-dynamic_slow_avx2_goal_at_most 2 us/frame\n"
+        "compensate-dynamic_turning_avx2 7 us/frame\n"
+        "compensate-dynamic_turning_avx2_goal_at_most 12 us/frame\n"
+        "compensate-dynamic_slow_elam_avx2 4 us/frame\n"
+        "compensate-dynamic_turning_elam_avx2 9 us/frame\n"
+        "compensate-dynamic_memory_a_taxel 1234 bytes\n"
+        "compensate-dynamic_memory_a_taxel_goal_at_most 2048 bytes\n");
+}
+
+TEST_CASE("benchmark compensate-dynamic: on small arrays it measures each level of the processor") {
+  std::string names;
+  for (const bench::Figure& figure : bench::benchmark_compensate_dynamic(1, {3, 120, 20})) {
+    INFO(figure.name);
+    CHECK(figure.value > 0.0);
+    if (figure.name.find("_avx") == std::string::npos) names += figure.name.substr(19) + " ";
+  }
+  CHECK(names == "slow_base turning_base slow_elam_base turning_elam_base memory_a_taxel memory_a_taxel_goal_at_most ");
 }
