@@ -10,7 +10,7 @@
 #include "analysis/models/mpi.h"
 #include "analysis/models/poly.h"
 #include "bench/benchmarks/synthetic_array.h"
-#include "bench/selfcheck/selfcheck.h"
+#include "bench/selfcheck/known_models.h"
 
 namespace tactbench::bench {
 
@@ -50,6 +50,8 @@ ElamModel known_elam() {
   return taxel_like_the_paper(random);
 }
 
+}  // namespace
+
 std::vector<std::unique_ptr<HysteresisModel>> known_models() {
   std::vector<std::unique_ptr<HysteresisModel>> models;
   models.push_back(std::make_unique<ElamHysteresis>(known_elam()));
@@ -59,7 +61,6 @@ std::vector<std::unique_ptr<HysteresisModel>> known_models() {
   return models;
 }
 
-// The model's outputs along the paper's two sequences, and its external loop as patterns.
 FitData data_made_by(const HysteresisModel& model) {
   const std::vector<std::vector<double>> sequences = table_1_levels();
   std::vector<double> sweep;
@@ -80,6 +81,8 @@ FitData data_made_by(const HysteresisModel& model) {
     data.histories.push_back({"known", levels, predict(model, levels), branches_along(levels), {}, {}});
   return data;
 }
+
+namespace {
 
 std::vector<double> random_history(unsigned seed, double low, double high) {
   std::mt19937 random(seed);
@@ -139,46 +142,51 @@ double worst_round_trip(const HysteresisModel& model, unsigned seed) {
 
 }  // namespace
 
+std::string expected_of_fit(const std::string& model) {
+  const KnownTolerance tolerance = tolerance_of(model);
+  const std::string parameters = tolerance.parameters.empty()
+                                     ? std::string()
+                                     : fmt::format("{} parameters within {:g} of their ranges or values, ",
+                                                   tolerance.parameters.size(), tolerance.of_parameters);
+  return fmt::format("{}outputs on 20 other histories within {:g} of full scale", parameters, tolerance.of_outputs);
+}
+
+SelfcheckAnswer judge_fit(const HysteresisModel& truth, const HysteresisModel& fitted) {
+  const KnownTolerance tolerance = tolerance_of(truth.name());
+  const std::vector<ModelParameter> known = truth.parameters(), got = fitted.parameters();
+  double worst = 0.0;
+  for (const std::size_t i : tolerance.parameters) {
+    const double scale = std::max(std::abs(known.at(i).value), 1e-12);
+    worst = std::max(worst, std::abs(got.at(i).value - known.at(i).value) / scale);
+  }
+  const double outputs = largest_departure(truth, fitted);
+  return {worst <= tolerance.of_parameters && outputs <= tolerance.of_outputs,
+          fmt::format("{}outputs within {:.2g}",
+                      tolerance.parameters.empty() ? "" : fmt::format("parameters within {:.2g}, ", worst), outputs)};
+}
+
+SelfcheckAnswer judge_round_trips(const HysteresisModel& model) {
+  double worst = 0.0;
+  for (unsigned seed = 0; seed < 200; ++seed) worst = std::max(worst, worst_round_trip(model, seed));
+  return {worst <= 1e-9, fmt::format("within {:.2g}", worst)};
+}
+
 SelfcheckLines check_known_fits() {
   SelfcheckLines lines;
-  for (const auto& truth : known_models()) {
-    const KnownTolerance tolerance = tolerance_of(truth->name());
-    const std::string parameters = tolerance.parameters.empty()
-                                       ? std::string()
-                                       : fmt::format("{} parameters within {:g} of their ranges or values, ",
-                                                     tolerance.parameters.size(), tolerance.of_parameters);
-    lines.push_back(selfchecked(
-        "identification", fmt::format("{} from noiseless data of a known {}", truth->name(), truth->name()),
-        fmt::format("{}outputs on 20 other histories within {:g} of full scale", parameters, tolerance.of_outputs),
-        [&]() -> SelfcheckAnswer {
-          const ModelFit fit = identify(truth->name(), data_made_by(*truth));
-          const std::vector<ModelParameter> known = truth->parameters(), got = fit.model->parameters();
-          double worst = 0.0;
-          for (const std::size_t i : tolerance.parameters) {
-            const double scale = std::max(std::abs(known.at(i).value), 1e-12);
-            worst = std::max(worst, std::abs(got.at(i).value - known.at(i).value) / scale);
-          }
-          const double outputs = largest_departure(*truth, *fit.model);
-          return {worst <= tolerance.of_parameters && outputs <= tolerance.of_outputs,
-                  fmt::format("{}outputs within {:.2g}",
-                              tolerance.parameters.empty() ? "" : fmt::format("parameters within {:.2g}, ", worst),
-                              outputs)};
-        }));
-  }
+  for (const auto& truth : known_models())
+    lines.push_back(
+        selfchecked("identification", fmt::format("{} from noiseless data of a known {}", truth->name(), truth->name()),
+                    expected_of_fit(truth->name()),
+                    [&] { return judge_fit(*truth, *identify(truth->name(), data_made_by(*truth)).model); }));
   return lines;
 }
 
 SelfcheckLines check_round_trips() {
   SelfcheckLines lines;
-  for (const auto& model : known_models()) {
+  for (const auto& model : known_models())
     lines.push_back(selfchecked("inverse", fmt::format("{}: direct of inverse on 200 random histories", model->name()),
-                                "the output again, within 1e-09 of full scale", [&]() -> SelfcheckAnswer {
-                                  double worst = 0.0;
-                                  for (unsigned seed = 0; seed < 200; ++seed)
-                                    worst = std::max(worst, worst_round_trip(*model, seed));
-                                  return {worst <= 1e-9, fmt::format("within {:.2g}", worst)};
-                                }));
-  }
+                                "the output again, within 1e-09 of full scale",
+                                [&] { return judge_round_trips(*model); }));
   return lines;
 }
 
