@@ -1,9 +1,8 @@
 #include "bench/benchmarks/array.h"
 
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/config/config.h"
@@ -15,35 +14,7 @@ namespace tactbench::bench {
 namespace {
 
 constexpr std::size_t kArrayTaxels = 256, kRows = 16;
-constexpr int kScored = 1000, kOperators = 12, kScans = 501;
-constexpr double kArrayVoltsPerCount = 5.0 / 65535.0;
-
-double pressure_at(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame / 200.0); }
-
-// Twelve play operators per taxel, normal noise, 16 bit: the simplest form.
-class PlainArray {
- public:
-  PlainArray() : plays_(kArrayTaxels) {}
-  void frame(double pressure) {
-    for (std::size_t t = 0; t < kArrayTaxels; ++t) {
-      double sum = 0.0;
-      for (int k = 0; k < kOperators; ++k) {
-        double& play = plays_[t][static_cast<std::size_t>(k)];
-        play = std::clamp(play, pressure - k, pressure);
-        sum += play;
-      }
-      const double volts = 5e-3 * sum + 0.0015 * normal_(random_);
-      counts_[t] = static_cast<std::uint16_t>(std::clamp(std::lround(volts / kArrayVoltsPerCount), 0L, 65535L));
-    }
-    keep(counts_);
-  }
-
- private:
-  std::vector<std::array<double, kOperators>> plays_;
-  std::array<std::uint16_t, kArrayTaxels> counts_{};
-  std::mt19937 random_{1};
-  std::normal_distribution<double> normal_;
-};
+constexpr int kScored = 1000, kScans = 501;
 
 double median_scan_us() {
   Rig rig(read_bench(find_config("simulated.toml"), {}));
@@ -59,6 +30,22 @@ double median_scan_us() {
 
 }  // namespace
 
+double benchmarked_pressure(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame / 200.0); }
+
+void PlainArray::frame(double pressure_psi) {
+  for (std::size_t t = 0; t < counts_.size(); ++t) {
+    double sum = 0.0, width = 0.0;
+    for (double& play : plays_[t]) {
+      play = std::clamp(play, pressure_psi - width, pressure_psi);
+      sum += play;
+      width += 1.0;
+    }
+    const double volts = 5e-3 * sum + 0.0015 * normal_(random_);
+    counts_[t] = static_cast<std::uint16_t>(std::clamp(std::lround(volts / (5.0 / 65535.0)), 0L, 65535L));
+  }
+  keep(counts_);
+}
+
 std::vector<Figure> benchmark_array(int rounds) {
   Specimen specimen({});
   PlainArray plain;
@@ -70,11 +57,11 @@ std::vector<Figure> benchmark_array(int rounds) {
   std::vector<std::uint8_t> status(kRows);
   const std::vector<double> taken = best_seconds(rounds, {[&] {
                                                             for (int i = 0; i < kScored; ++i)
-                                                              plain.frame(pressure_at(i));
+                                                              plain.frame(benchmarked_pressure(i));
                                                           },
                                                           [&] {
                                                             for (int i = 0; i < kScored; ++i) {
-                                                              specimen.advance(pressure_at(i), 0.01);
+                                                              specimen.advance(benchmarked_pressure(i), 0.01);
                                                               specimen.output(volts);
                                                             }
                                                           },

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "bench/benchmarks/synthetic_array.h"
 #include "bench/common/child_process.h"
@@ -45,7 +46,8 @@ std::vector<Figure> benchmark_fleet(int rounds, const std::string& conninfo, con
   // As fleet.frames, without partitions.
   link.execute(fmt::format("DROP TABLE IF EXISTS public.{0}; CREATE TABLE public.{0} (LIKE fleet.frames INCLUDING ALL)",
                            kTable));
-  FleetTimes best{.push_s = 1e9, .copy_s = 1e9, .again_s = 1e9};
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  FleetTimes best{.push_s = kNone, .copy_s = kNone, .again_s = kNone};
   for (int round = 0; round < rounds; ++round) {
     const std::string path = fmt::format("{}/{}.db", folder, round);
     {

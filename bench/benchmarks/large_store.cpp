@@ -82,9 +82,10 @@ void make_large_store(const std::string& path, int runs, const std::string& real
   store.copy_runs_from(db::RunStore::open_read_only(real), {1, 2});
 }
 
-std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int rounds, const std::string& folder) {
+std::vector<Figure> benchmark_large_store(const std::vector<int>& runs, int rounds, const std::string& folder,
+                                          const std::string& file) {
   FigureList figures("large-store");
-  const OwnProgram program(folder);
+  const OwnProgram program(folder, file);
   program.run({"init"});
   program.run({"sensors", "add", "S-1", "--type", "sensor.toml", "--db", "real.db"});
   for (const char* seed : {"1", "2"})

@@ -9,8 +9,8 @@
 
 namespace tactbench::bench {
 
-std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder) {
-  const OwnProgram program(folder);
+std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder, const std::string& file) {
+  const OwnProgram program(folder, file);
   std::ofstream(folder + "/rigs.toml") << "schema = 1\nname = \"rigs\"\n[[scenario]]\nname = \"rig\"\n"
                                           "about = \"one characterization\"\nrecipes = [\"production\"]\n";
   ManyRigsSpent spent;
@@ -20,8 +20,8 @@ std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder) {
     program.run(words);
     return seconds_of_ended_processes() - before;
   };
-  const auto bytes = [&](const char* file) {
-    return static_cast<double>(std::filesystem::file_size(folder + "/" + file));
+  const auto bytes = [&](const char* name) {
+    return static_cast<double>(std::filesystem::file_size(folder + "/" + name));
   };
   const std::string seeds = std::to_string(spent.rigs);
   for (const char* part : {"1", "2"})

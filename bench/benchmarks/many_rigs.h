@@ -11,7 +11,8 @@ namespace tactbench::bench {
 // One characterization: a rig and sensor of its own, the shipped recipe `production`, ELAM for 256 taxels, figures, the
 // night's page and store. Four times `rounds` with seeds of their own are carried out in two parts, merged and pruned.
 // Figures a characterization are measured; those of a million are these times a million, without what grows faster.
-std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder);
+// `program`: the file of the program; empty: that of this process.
+std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder, const std::string& program = {});
 
 // What was spent on all of the rigs together.
 struct ManyRigsSpent {

@@ -13,8 +13,8 @@
 namespace tactbench::bench {
 
 void OwnProgram::run(const std::vector<std::string>& words) const {
-  std::string command =
-      "cd " + shell_word(folder_) + " && exec " + shell_word(std::filesystem::read_symlink("/proc/self/exe").string());
+  const std::string program = program_.empty() ? std::filesystem::read_symlink("/proc/self/exe").string() : program_;
+  std::string command = "cd " + shell_word(folder_) + " && exec " + shell_word(program);
   for (const std::string& word : words) command += fmt::format(" {}", shell_word(word));
   const ToolResult done = run_tool({"/bin/sh", "-c", command}, 3600.0);
   if (done.code != 0 && done.code != 1 && done.code != 6)

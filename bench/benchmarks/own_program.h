@@ -2,19 +2,22 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tactbench::bench {
 
 class OwnProgram {
  public:
-  explicit OwnProgram(std::string folder) : folder_(std::move(folder)) {}  // where it works
+  // `folder`: where it works. `program`: its file; empty: that of this process.
+  explicit OwnProgram(std::string folder, std::string program = {})
+      : folder_(std::move(folder)), program_(std::move(program)) {}
   // Throws std::runtime_error when it ends with another exit code than 0, 1 or 6, with what it said.
   void run(const std::vector<std::string>& words) const;
   [[nodiscard]] double best_seconds(int rounds, const std::vector<std::string>& words) const;  // wall clock
 
  private:
-  std::string folder_;
+  std::string folder_, program_;
 };
 
 // Processor time of all processes of this one that have ended, with those that they started.

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -153,7 +154,7 @@ class BestStretches {
   }
   // The whole, `times` times, by the processor's clock: it waits for nothing.
   void read(int times, const std::function<void()>& act) {
-    if (best_.empty()) best_.push_back(1e9);
+    if (best_.empty()) best_.push_back(kNone);
     best_[0] = std::min(best_[0], best_seconds(times, act, By::kProcessor));
   }
   [[nodiscard]] double seconds() const { return std::accumulate(best_.begin(), best_.end(), 0.0); }
@@ -163,9 +164,10 @@ class BestStretches {
     const auto start = std::chrono::steady_clock::now();
     act();
     const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (stretch >= best_.size()) best_.resize(stretch + 1, 1e9);
+    if (stretch >= best_.size()) best_.resize(stretch + 1, kNone);
     best_[stretch] = std::min(best_[stretch], taken);
   }
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<double> best_;
 };
 
