@@ -1,0 +1,209 @@
+// The page's picture and loops of frames that are stored by hand: every member, and where each begins and ends.
+#include "bench/page/frames.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "db/run_store.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+
+namespace {
+
+// Of a scanner with 1 mV a count.
+class FramesByHand {
+ public:
+  explicit FramesByHand(int count = 10) {
+    store.add_sensor({"S-1", "synthetic", "", db::sha256_hex(""), "SC-1", "", ""});
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = "simulated";
+    run.state = "prepared";
+    run.sensor_serial = "S-1";
+    run.sequences = {{0, "a", "", "", 1, count}};
+    run.devices = {{"tactile scanner", "synthetic", "SC-1", "", "simulated", R"({"volts_per_count":0.001})"}};
+    number = store.begin_run(run);
+    branch = store.begin_branch(number, {});
+  }
+  void add(double psi, std::vector<std::uint16_t> counts, int rows, int columns) {
+    db::FrameRecord frame = frame_of(psi, std::move(counts), rows, columns);
+    store.append_frame(number, frame);
+  }
+  db::FrameRecord frame_of(double psi, std::vector<std::uint16_t> counts, int rows, int columns) {
+    db::FrameRecord frame;
+    frame.branch = branch;
+    frame.ordinal = next_++;
+    frame.setpoint_psi = psi + 0.25;
+    frame.feedback_psi = psi + 0.5;
+    frame.reference_psi = psi;
+    frame.time_ns = 1'500'000'000LL * (frame.ordinal + 1);
+    frame.rows = rows;
+    frame.columns = columns;
+    frame.scans = static_cast<int>(counts.size()) / (rows * columns);
+    frame.counts = std::move(counts);
+    return frame;
+  }
+  // 2 taxels: 10 and 20 mV unloaded, as loaded as given at that pressure.
+  void add_seating(double psi, const std::vector<double>& loaded) {
+    db::CheckRecord check;
+    check.kind = "seating";
+    check.verdict = "pass";
+    check.detail_json = R"({"rows":1,"columns":2,"volts_per_count":0.001,"pressure_psi":)" + std::to_string(psi) + "}";
+    check.data = {10.0, 20.0};
+    check.data.insert(check.data.end(), loaded.begin(), loaded.end());
+    store.append_check(number, check);
+  }
+  [[nodiscard]] nlohmann::json loop(int taxel, std::int64_t after) const {
+    return bench::loop_points(store, number, taxel, after);
+  }
+
+ private:
+  tests::TemporaryFolder folder_;
+  int next_ = 0;
+
+ public:
+  db::RunStore store = db::RunStore::open(folder_.path("frames.db"), db::Durability::kNormal);
+  std::int64_t number = 0, branch = 0;
+};
+
+}  // namespace
+
+TEST_CASE("page frames: 16-bit numbers as base64, the lower byte first") {
+  CHECK(bench::base64({}).empty());
+  CHECK(bench::base64({0x0001}) == "AQA=");
+  CHECK(bench::base64({0x0001, 0x0002}) == "AQACAA==");
+  CHECK(bench::base64({0x1234, 0xabcd, 0xffff}) == "NBLNq///");
+  CHECK(bench::base64({0xfbef, 0xbefb}) == "7/v7vg==");
+}
+
+TEST_CASE("page frames: no picture before the first frame, then that of the seating check, then each newest frame") {
+  FramesByHand made;
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  CHECK_FALSE(shown.advance());
+  CHECK(shown.picture().is_null());
+  CHECK(shown.position() == 0);
+  made.add_seating(8.0, {500.0, 40.0});  // the second taxel rises by 20 mV: it is dead
+  CHECK(shown.advance());
+  CHECK_FALSE(shown.advance());
+  CHECK(shown.picture() == nlohmann::json({{"run", made.number},
+                                           {"position", 0},
+                                           {"title", "seating check at 8.0 psi"},
+                                           {"rows", 1},
+                                           {"columns", 2},
+                                           {"volts_per_count", 0.001},
+                                           {"full_scale_v", 65.535},
+                                           {"counts", "9AEoAA=="},
+                                           {"dead", {1}},
+                                           {"dead_known", true},
+                                           {"saturated", nlohmann::json::array()}}));
+  made.add(12.5, {1000, 65535, 1002, 65535}, 1, 2);  // two scans: means of 1001 and 65535
+  CHECK(shown.advance());
+  CHECK(shown.position() == 1);
+  CHECK(shown.picture() == nlohmann::json({{"run", made.number},
+                                           {"position", 1},
+                                           {"title", "frame 1 at 12.5 psi"},
+                                           {"rows", 1},
+                                           {"columns", 2},
+                                           {"volts_per_count", 0.001},
+                                           {"full_scale_v", 65.535},
+                                           {"counts", "6QP//w=="},
+                                           {"dead", nlohmann::json::array()},
+                                           {"dead_known", true},
+                                           {"saturated", {1}},
+                                           {"time_s", 1.5},
+                                           {"setpoint_psi", 12.75},
+                                           {"feedback_psi", 13.0},
+                                           {"reference_psi", 12.5},
+                                           {"flags", ""},
+                                           {"void", false}}));
+  CHECK_FALSE(shown.advance());
+  made.store.void_branch(made.branch, "again");
+  bench::RunFrames voided(made.store, made.store.run(made.number));
+  CHECK(voided.advance());
+  CHECK(voided.picture()["void"] == true);
+}
+
+TEST_CASE("page frames: a frame under an object has its force and place, and words that its flags say") {
+  FramesByHand made;
+  db::FrameRecord frame = made.frame_of(0.0, {100, 200}, 1, 2);
+  frame.flags = "tilted late";
+  frame.wrench.emplace();
+  frame.wrench->target_n = 6.0;
+  frame.wrench->wrench = {0.5, -0.25, -6.25, 0.01, 0.02, 0.03};
+  frame.wrench->place_mm = {1.0, 2.0, -3.0};
+  made.store.append_frame(made.number, frame);
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  CHECK(shown.advance());
+  const nlohmann::json picture = shown.picture();
+  CHECK(picture["title"] == "frame 1 at 6.25 N");
+  CHECK(picture["flags"] == "tilted late");
+  CHECK(picture["press"]["target_n"] == 6.0);
+  CHECK(picture["press"]["wrench"] == nlohmann::json({0.5, -0.25, -6.25, 0.01, 0.02, 0.03}));
+  CHECK(picture["press"]["place_mm"] == nlohmann::json({1.0, 2.0, -3.0}));
+  CHECK(made.loop(0, 0) ==
+        nlohmann::json({{"run", made.number}, {"taxel", 0}, {"last", 1}, {"axis", "N"}, {"x", {6.25}}, {"y", {0.1}}}));
+}
+
+TEST_CASE("page frames: at most two hundred frames a call") {
+  FramesByHand made(450);
+  for (int i = 0; i < 450; ++i) made.add(0.1 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
+  bench::RunFrames shown(made.store, made.store.run(made.number));
+  for (const int position : {200, 400, 450}) {
+    CHECK(shown.advance());
+    CHECK(shown.position() == position);
+    CHECK(shown.picture()["position"] == position);
+  }
+  CHECK_FALSE(shown.advance());
+  CHECK(shown.position() == 450);
+}
+
+TEST_CASE(
+    "page loops: means and single taxels, from a place on, in thousandths of a psi and hundredths of a millivolt") {
+  FramesByHand made;
+  made.add(1.2346, {100, 201}, 1, 2);
+  made.add(2.0004, {300, 401, 302, 403}, 1, 2);
+  made.add(3.0, {500, 600}, 1, 2);
+  const auto told = [&](int taxel, std::int64_t last, const nlohmann::json& x, const nlohmann::json& y) {
+    return nlohmann::json(
+        {{"run", made.number}, {"taxel", taxel}, {"last", last}, {"axis", "psi"}, {"x", x}, {"y", y}});
+  };
+  CHECK(made.loop(-1, 0) == told(-1, 3, {1.235, 2.0, 3.0}, {0.1505, 0.3515, 0.55}));
+  CHECK(made.loop(0, 0) == told(0, 3, {1.235, 2.0, 3.0}, {0.1, 0.301, 0.5}));
+  CHECK(made.loop(1, 0) == told(1, 3, {1.235, 2.0, 3.0}, {0.201, 0.402, 0.6}));
+  CHECK(made.loop(1, 1) == told(1, 3, {2.0, 3.0}, {0.402, 0.6}));
+  CHECK(made.loop(1, 2) == told(1, 3, nlohmann::json::array({3.0}), nlohmann::json::array({0.6})));
+  CHECK(made.loop(1, 3) == told(1, 3, nlohmann::json::array(), nlohmann::json::array()));
+  CHECK(made.loop(2, 0) == told(2, 3, nlohmann::json::array(), nlohmann::json::array()));  // no such taxel
+  // Void branches leave no points, and the place goes on behind them.
+  made.store.void_branch(made.branch, "again");
+  CHECK(made.loop(-1, 0) == told(-1, 3, nlohmann::json::array(), nlohmann::json::array()));
+}
+
+TEST_CASE("page loops: of a run without a scale there are none") {
+  FramesByHand made;
+  db::RunRecord run = made.store.run(made.number);
+  run.uuid = db::new_uuid();
+  run.devices.clear();
+  const std::int64_t number = made.store.begin_run(run);
+  CHECK(bench::loop_points(made.store, number, -1, 7) == nlohmann::json({{"run", number},
+                                                                         {"taxel", -1},
+                                                                         {"last", 7},
+                                                                         {"axis", "psi"},
+                                                                         {"x", nlohmann::json::array()},
+                                                                         {"y", nlohmann::json::array()}}));
+}
+
+TEST_CASE("page loops: the newest four thousand points") {
+  FramesByHand made(4002);
+  for (int i = 0; i < 4002; ++i) made.add(0.01 * i, {static_cast<std::uint16_t>(i)}, 1, 1);
+  const nlohmann::json told = made.loop(0, 0);
+  REQUIRE(told["x"].size() == 4000);
+  CHECK(told["last"] == 4002);
+  CHECK(told["y"][0] == 0.002);
+  CHECK(told["y"][3999] == 4.001);
+  CHECK(made.loop(0, 3)["x"].size() == 3999);
+  CHECK(made.loop(0, 1)["x"].size() == 4000);
+}
