@@ -1,0 +1,200 @@
+// Runs that verbs name, signed reports that are not written over, warnings of conditional verdicts and verdicts that an
+// overdue reference withholds: on runs stored by hand.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/common/error.h"
+#include "bench/reporting/evaluation.h"
+#include "bench/reporting/named_runs.h"
+#include "bench/reporting/signed_reports.h"
+#include "bench/reporting/source_runs.h"
+#include "db/run_store.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+
+namespace {
+
+using RunNumbers = std::vector<std::int64_t>;
+
+class NamedByHand {
+ public:
+  NamedByHand() { store.add_sensor({"S-1", "synthetic", "", db::sha256_hex(""), "SC-1", "", ""}); }
+  std::int64_t add(const std::string& due = "") {
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = "simulated";
+    run.state = "prepared";
+    run.sensor_serial = "S-1";
+    run.purpose = "run " + std::to_string(++made_);  // its content differs from the others'
+    run.started_utc = "2026-03-01T00:00:00Z";
+    run.sequences = {{0, "a", "", "", 1, 5}};
+    run.devices = {{"pressure reference", "synthetic", "R-1", "", "simulated",
+                    fmt::format(R"({{"calibrated":"2019-01-01","due":"{}"}})", due)}};
+    const std::int64_t number = store.begin_run(run);
+    store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-03-01T01:00:00Z");
+    return number;
+  }
+  // The numbers of those taken, and what is warned of; or the error.
+  [[nodiscard]] std::string named(const RunNumbers& numbers, const bench::RunsNamed& named, bool void_too) const {
+    analysis::Runs runs(store);
+    tests::Captured warned(stderr);
+    std::string text;
+    try {
+      for (const db::RunRecord& run : bench::named_runs(runs, numbers, named, void_too))
+        text += fmt::format("{} ", run.run);
+    } catch (const bench::Error& error) {
+      return fmt::format("{} {} | {} | {} | {}", static_cast<int>(error.code()), error.id(), error.what(),
+                         error.where(), error.remedy());
+    }
+    return text + warned.text();
+  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
+
+ private:
+  tests::TemporaryFolder folder_;
+  int made_ = 0;
+
+ public:
+  db::RunStore store = db::RunStore::open(folder_.path("named.db"), db::Durability::kNormal);
+};
+
+db::VerdictRecord verdict_of(std::int64_t run, const std::string& criterion, const std::string& verdict) {
+  db::VerdictRecord record;
+  record.run = run;
+  record.criterion = criterion;
+  record.verdict = verdict;
+  return record;
+}
+
+std::string warned_of(const std::vector<std::string>& words) {
+  std::vector<db::VerdictRecord> verdicts;
+  for (const std::string& word : words) verdicts.push_back(verdict_of(1, "mpe", word));
+  tests::Captured warned(stderr);
+  bench::warn_of_conditional(verdicts);
+  return warned.text();
+}
+
+}  // namespace
+
+TEST_CASE("named runs: each once, none of the models' own, and void ones only where they may be taken") {
+  NamedByHand made;
+  for (int i = 0; i < 3; ++i) made.add();
+  CHECK(made.named({2, 1}, {.at = "--held-out", .models_of = 3}, false) == "2 1 ");
+  CHECK(made.named({}, {.at = "--held-out"}, false).empty());
+  CHECK(made.named({1, 2, 1}, {.at = "--held-out"}, true) ==
+        "2 TB-RUN-TWICE | run 1 is named twice | --held-out | name each run once: counted twice, it would look like a "
+        "repetition");
+  CHECK(made.named({1, 3}, {.at = "--held-out", .models_of = 3}, false) ==
+        "2 TB-RUN-OWN | the models were made from run 3: it is not independent data for them | --held-out | name other "
+        "runs of the same sensor");
+  made.store.void_run(2, "gauge closed", "me", "2026-01-31T12:00:00Z");
+  const std::string words = "run 2 was declared void by me on 2026-01-31T12:00:00Z: gauge closed";
+  CHECK(bench::void_in_words(made.store.run(2)) == words);
+  CHECK(made.named({2}, {.at = "runs"}, false) ==
+        "2 TB-RUN-VOID | " + words + " | runs | name another run, or add --void-too: the results are then marked");
+  CHECK(made.named({2}, {.at = "runs", .void_can_be_taken = false}, true) ==
+        "2 TB-RUN-VOID | " + words + " | runs | name another run: a void run cannot be accepted");
+  CHECK(made.named({2, 3}, {.at = "runs"}, true) == "2 3 warning: " + words + "; used because of --void-too\n");
+}
+
+TEST_CASE("source runs: known by their content, or by their number where it is not told") {
+  NamedByHand made;
+  for (int i = 0; i < 3; ++i) made.add();
+  const std::string second = made.store.run(2).content_sha256;
+  REQUIRE(second.size() == 64);
+  const auto run_of = [&](std::int64_t run, const std::string& content) {
+    analysis::SensorDynamics::Source source;
+    source.run = run;
+    source.content_sha256 = content;
+    return bench::run_of_source(made.store, source).value_or(-1);
+  };
+  CHECK(run_of(3, "") == 3);
+  CHECK(run_of(4, "") == -1);
+  CHECK(run_of(2, second) == 2);
+  CHECK(run_of(77, second) == 2);  // of another store, where it had another number
+  CHECK(run_of(2, std::string(64, '0')) == -1);
+  analysis::SensorModel fit;
+  CHECK(bench::source_runs(made.store, fit).empty());
+  fit.run = 1;
+  CHECK(bench::source_runs(made.store, fit) == RunNumbers{1});
+  fit.dynamics.emplace();
+  fit.dynamics->rate.run = 3;
+  fit.dynamics->creep.run = 9;
+  fit.dynamics->creep.content_sha256 = second;
+  CHECK(bench::source_runs(made.store, fit) == RunNumbers{1, 3, 2});
+  fit.dynamics->creep = fit.dynamics->rate;
+  CHECK(bench::source_runs(made.store, fit) == RunNumbers{1, 3});
+}
+
+TEST_CASE("signed reports: found in pages, data and by a title in a PDF, and never written over by another") {
+  NamedByHand made;
+  const auto holds = [&](const std::string& text) {
+    tests::write_file(made.path("r"), text);
+    return bench::signed_report_in(made.path("r"), made.store);
+  };
+  const std::string data = R"({"number":"R-7","identification":{"approvals":[{"number":"R-6"},{"number":"R-7"}]}})";
+  CHECK(bench::signed_report_in(made.path("none"), made.store).empty());
+  CHECK(bench::signed_report_in(made.path(""), made.store).empty());  // a folder
+  CHECK(holds("").empty());
+  CHECK(holds(data) == "R-7");
+  CHECK(holds("<!DOCTYPE html><title>x</title><script id=\"report-data\">" + data + "</script>") == "R-7");
+  CHECK(holds("<!DOCTYPE html><script id=\"report-data\">" + data).empty());  // cut off
+  CHECK(holds("<!DOCTYPE html><title>R-7, signed</title>").empty());
+  CHECK(holds(R"({"number":"R-7","identification":{"approvals":[{"number":"R-6"}]}})").empty());
+  CHECK(holds(R"({"number":"R-7","identification":{"approvals":["R-7"]}})").empty());
+  CHECK(holds(R"({"number":"R-7","identification":{}})").empty());
+  CHECK(holds(R"({"number":"R-7","identification":7})").empty());
+  CHECK(holds(R"({"number":"R-7"})").empty());
+  CHECK(holds(R"({"identification":{"approvals":[{"number":""}]}})").empty());
+  CHECK(holds("%PDF-1.7 R-7, signed").empty());  // signed in no report of this store
+  tests::write_file(made.path("r"), data);
+  CHECK_FALSE(bench::may_be_written(made.path("r"), "R-7", made.store));  // it is there already
+  CHECK(bench::may_be_written(made.path("none"), "R-7", made.store));
+  try {
+    (void)bench::may_be_written(made.path("r"), "R-8", made.store);
+    FAIL("the signed report would be written over");
+  } catch (const bench::Error& error) {
+    CHECK(error.code() == bench::ExitCode::kUsage);
+    CHECK(error.id() == "TB-REPORT-SIGNED");
+    CHECK(error.what() == std::string("the file holds the signed report R-7"));
+    CHECK(error.where() == made.path("r"));
+    CHECK(error.remedy() == "a signed report is not written over: name another file with -o");
+  }
+  CHECK(bench::report_path(made.store, "x.html") == made.path("reports/x.html"));
+}
+
+TEST_CASE("conditional verdicts are warned of, those that pass and those that fail") {
+  CHECK(warned_of({}).empty());
+  CHECK(warned_of({"pass", "fail", "inconclusive"}).empty());
+  CHECK(warned_of({"pass", "conditional pass"}) ==
+        "warning: 1 of 2 criteria passes conditionally: within U below the limit\n");
+  CHECK(warned_of({"conditional pass"}) ==
+        "warning: 1 of 1 criterion passes conditionally: within U below the limit\n");
+  CHECK(warned_of({"conditional fail", "conditional pass", "conditional fail", "conditional pass"}) ==
+        "warning: 2 of 4 criteria pass conditionally: within U below the limit\n"
+        "warning: 2 of 4 criteria fail conditionally: within U above the limit\n");
+  CHECK(warned_of({"conditional fail", "pass", "fail"}) ==
+        "warning: 1 of 3 criteria fails conditionally: within U above the limit\n");
+}
+
+TEST_CASE("an overdue reference withholds the verdicts that rest on it, run by run") {
+  NamedByHand made;
+  made.add("2027-01-01");
+  made.add("2026-01-01");  // two months before the run
+  analysis::Runs runs(made.store);
+  std::vector<db::VerdictRecord> verdicts = {verdict_of(2, "mpe", "pass"), verdict_of(1, "mpe", "pass"),
+                                             verdict_of(2, "unfit_taxels", "pass"),
+                                             verdict_of(2, "mean_compensation_error", "fail")};
+  CHECK(bench::withhold_overdue_runs(runs, verdicts, {}) ==
+        std::vector<std::string>{
+            "the pressure reference was overdue for calibration since 2026-01-01 when run 2 was made: "
+            "verdicts that rest on it are inconclusive"});
+  std::vector<std::string> words;
+  for (const db::VerdictRecord& verdict : verdicts) words.push_back(verdict.verdict);
+  CHECK(words == std::vector<std::string>{"inconclusive", "pass", "pass", "inconclusive"});
+}
