@@ -15,7 +15,6 @@
 #include "analysis/identify/taxel_stream.h"
 #include "analysis/statistics/scoring/score.h"
 #include "analysis/workers.h"
-#include "bench/benchmarks/simulated_run.h"
 
 namespace tactbench::bench {
 
@@ -137,6 +136,12 @@ void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, cons
 }
 
 }  // namespace
+
+std::vector<ConditionRun> compensation_error_runs() {
+  std::vector<ConditionRun> runs;
+  for (const Condition& condition : conditions()) runs.push_back({condition.name, condition.made});
+  return runs;
+}
 
 void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh) {
   const std::string prefix = harsh ? "harsh_" : "";

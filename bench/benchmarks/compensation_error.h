@@ -9,6 +9,7 @@
 
 #include "analysis/statistics/scoring/score.h"
 #include "bench/benchmarks/figure.h"
+#include "bench/benchmarks/simulated_run.h"
 
 namespace tactbench::bench {
 
@@ -16,6 +17,13 @@ namespace tactbench::bench {
 // others too, as they are and on the linearised output, by the one rule of comparison, every eighth taxel.
 std::vector<Figure> benchmark_compensation_error(const std::vector<unsigned>& sensor_seeds, const std::string& folder,
                                                  bool all_models = false);
+
+// The runs that both are tried on, by condition.
+struct ConditionRun {
+  std::string condition;
+  SimulatedRun made;
+};
+std::vector<ConditionRun> compensation_error_runs();
 
 struct CoveredErrors {
   analysis::ErrorSum error;

@@ -11,7 +11,6 @@
 #include "analysis/statistics/figures/step_kinds.h"
 #include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/numbers/moments.h"
-#include "bench/benchmarks/simulated_run.h"
 #include "bench/reporting/report_budget.h"
 #include "bench/reporting/report_results.h"
 
@@ -29,37 +28,40 @@ constexpr const char *kProduction = "production", *kWarm = "simulation.temperatu
 
 constexpr int kGiven = 5, kUsed = 3;  // runs of each use of random reversals: given to the report, and counted
 
-enum class Steps { kFull, kInner, kAll };
-
 // How a sensor is used after its calibration, and the condition that the report states for it.
 struct Use {
   const char* name;
   UseCondition condition;
   bool random;  // reversals; else the sequences of the calibration
   std::vector<const char*> set;
-  Steps steps;
+  bool full_sweeps = false;  // of its frames those on full sweeps count, else those on inner branches
 };
 
 const std::vector<Use>& uses() {
   static const std::vector<Use> list = {
-      {"full_sweeps", UseCondition::kFullSweeps, false, {}, Steps::kFull},
-      {"inner_branches", UseCondition::kFittedBranches, false, {}, Steps::kInner},
-      {"random_reversals", UseCondition::kAnyHistory, true, {}, Steps::kInner},
-      {"other_dwell", UseCondition::kOtherDwell, true, {"recipe.dwell_s=10"}, Steps::kInner},
-      {"held", UseCondition::kHeld, true, {"recipe.dwell_s=25"}, Steps::kInner},
-      {"other_temperature", UseCondition::kOtherTemperature, true, {kWarm}, Steps::kInner},
-      {"remounted", UseCondition::kRemounted, true, {"simulation.effects.remount_variation=0.03"}, Steps::kInner},
+      {"full_sweeps", UseCondition::kFullSweeps, false, {}, true},
+      {"inner_branches", UseCondition::kFittedBranches, false, {}},
+      {"random_reversals", UseCondition::kAnyHistory, true, {}},
+      {"other_dwell", UseCondition::kOtherDwell, true, {"recipe.dwell_s=10"}},
+      {"held", UseCondition::kHeld, true, {"recipe.dwell_s=25"}},
+      {"other_temperature", UseCondition::kOtherTemperature, true, {kWarm}},
+      {"remounted", UseCondition::kRemounted, true, {"simulation.effects.remount_variation=0.03"}},
       {"month_later",
        UseCondition::kLater,
        true,
        {kWarm, "simulation.age_months=1", "simulation.effects.gain_drift_per_month=0.01",
-        "simulation.effects.zero_drift_v_per_month=0.01"},
-       Steps::kInner},
+        "simulation.effects.zero_drift_v_per_month=0.01"}},
   };
   return list;
 }
 
-void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, Steps steps,
+SimulatedRun run_of(const Use& use) {
+  SimulatedRun made{{}, {use.set.begin(), use.set.end()}};
+  if (use.random) made.recipes = {"random-reversal"};
+  return made;
+}
+
+void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, bool full_sweeps,
                 Covered& covered) {
   std::vector<std::vector<StepKind>> kinds;
   std::vector<std::vector<std::size_t>> first;  // frame of a repeat's first step
@@ -76,7 +78,7 @@ void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUnce
   compensate_in_order(run.data, fit, 0, [&](std::size_t taxel) {
     return [&, taxel](std::size_t s, std::size_t r, std::size_t i, const Compensated& now) {
       const StepKind& kind = kinds[s][i];
-      if (steps != Steps::kAll && kind.full != (steps == Steps::kFull)) return;
+      if (kind.full != full_sweeps) return;
       const auto [known, expanded] = reading_uncertainty(stated, taxel, now.pressure_psi, kind.up);
       const double error = std::abs(now.pressure_psi - known - run.chamber_psi[first[s][r] + i]);
       taxels[taxel].inside += error <= expanded ? 1.0 : 0.0;
@@ -92,8 +94,8 @@ void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUnce
 }
 
 void add_errors(const std::vector<KnownRun>& runs, const SensorModel& fit, const ConditionUncertainty& stated,
-                Steps steps, Covered& covered) {
-  for (const KnownRun& run : runs) add_errors(run, fit, stated, steps, covered);
+                bool full_sweeps, Covered& covered) {
+  for (const KnownRun& run : runs) add_errors(run, fit, stated, full_sweeps, covered);
 }
 
 // One sensor: its calibrations, what a careful user gives beside them, and its uses.
@@ -134,7 +136,7 @@ class CoverageOfSensor {
 
   // No two go the same way, or are of one mount: the same way of all sensors would be one draw, however many they are.
   KnownRun random_reversals(const Use& use) {
-    SimulatedRun made = {{"random-reversal"}, {use.set.begin(), use.set.end()}};
+    SimulatedRun made = run_of(use);
     const unsigned drawn = 1000 * sensor_.seed + noise_seed_;
     made.set.push_back(fmt::format("recipe.seed={}", drawn));
     if (use.condition == UseCondition::kRemounted) made.set.push_back(fmt::format("simulation.mount_seed={}", drawn));
@@ -160,7 +162,7 @@ class CoverageOfSensor {
           coverages[prefix + use.name].not_valid += 1.0;
           continue;
         }
-        add_errors(use.random ? used_.at(use.name) : again, fit, stated, use.steps, coverages[prefix + use.name]);
+        add_errors(use.random ? used_.at(use.name) : again, fit, stated, use.full_sweeps, coverages[prefix + use.name]);
       }
     }
   }
@@ -191,6 +193,12 @@ class CoverageOfSensor {
 };
 
 }  // namespace
+
+std::vector<SensorUse> coverage_uses() {
+  std::vector<SensorUse> list;
+  for (const Use& use : uses()) list.push_back({use.name, run_of(use), use.full_sweeps});
+  return list;
+}
 
 std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder) {
   Coverages coverages;

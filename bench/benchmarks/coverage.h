@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/benchmarks/figure.h"
+#include "bench/benchmarks/simulated_run.h"
 
 namespace tactbench::bench {
 
@@ -21,6 +22,14 @@ struct CoverageOptions {
 // the half-width of the smallest interval about 0 that covers 95 % of the same errors; or how many sensors the report
 // calls U not valid for. Runs are made in `folder`.
 std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder);
+
+// How a sensor is used after its calibration.
+struct SensorUse {
+  std::string name;
+  SimulatedRun made;         // a run of that use: random reversals, or without recipes the sequences of the calibration
+  bool full_sweeps = false;  // of its frames those on full sweeps count, else those on inner branches
+};
+std::vector<SensorUse> coverage_uses();
 
 struct Covered {
   double inside = 0.0, not_valid = 0.0;  // pairs; sensors of which the report says that U does not cover the use
