@@ -101,6 +101,28 @@ TEST_CASE("specimen figures: noise of single samples and slow noise, from scans 
   CHECK(measure_noise(plant).white_mv == Approx(3.0).epsilon(0.02));
 }
 
+TEST_CASE("specimen figures: noise of both sensors as it was recorded, the harsh one's falls with frequency") {
+  const auto check_noise = [](SpecimenKind kind, const NoiseFigures& recorded) {
+    PlantOptions plant;
+    plant.specimen = small(kind, 8, 8);
+    plant.scanner.relay_time_constant_s = 1e-4;
+    const NoiseFigures noise = measure_noise(plant);
+    CHECK(noise.white_mv == Approx(recorded.white_mv).epsilon(1e-5));
+    CHECK(noise.kurtosis == Approx(recorded.kurtosis).epsilon(1e-5));
+    CHECK(noise.beyond_five == Approx(recorded.beyond_five).epsilon(1e-4));
+    CHECK(noise.slope == Approx(recorded.slope).margin(1e-4));
+    CHECK(noise.slow_percent_of_output == Approx(recorded.slow_percent_of_output).epsilon(1e-3));
+  };
+  check_noise(kPaper, {1.499372, 2.700108, 0.0, -0.011437, 0.008918});
+  check_noise(kHarsh, {1.502834, 6.784789, 0.00136719, -1.062174, 0.084196});
+}
+
+TEST_CASE("specimen figures: one cycle alone has no other to differ from") {
+  const CycleFigures none = measure_cycles(small(kHarsh, 1, 2), 1);
+  CHECK(none.taxel_percent_fs == 0.0);
+  CHECK(none.mean_taxel_percent_fs == 0.0);
+}
+
 TEST_CASE("a walk along a specimen goes and holds as its header says") {
   SpecimenWalk walk(small(kPaper, 1, 1));
   const auto frames = walk.loop();

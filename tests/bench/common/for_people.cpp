@@ -108,3 +108,24 @@ TEST_CASE("which characters are hidden, and which take no column or two: the end
   CHECK(display_width("aé") == 2);
   CHECK(one_line("\U00010330\U00010331", 2) == "\U00010330\U00010331");  // four bytes each, one column
 }
+
+TEST_CASE("a time on a clock, to the nearest second") {
+  CHECK(clock_text(0.0) == "0:00:00");
+  CHECK(clock_text(0.49) == "0:00:00");
+  CHECK(clock_text(59.5) == "0:01:00");
+  CHECK(clock_text(3599.0) == "0:59:59");
+  CHECK(clock_text(3600.0) == "1:00:00");
+  CHECK(clock_text(3661.0) == "1:01:01");
+  CHECK(clock_text(100 * 3600.0 + 62.0) == "100:01:02");
+}
+
+TEST_CASE("cells and lines at the edges of their columns") {
+  CHECK(cell("ab", 4) == "ab  ");
+  CHECK(cell("abc", 4) == "abc ");
+  CHECK(cell("abcd", 4) == "ab\u2026 ");
+  CHECK(one_line("ab", 1) == "\u2026");
+  CHECK(one_line("a", 1) == "a");
+  CHECK(one_line("", 1).empty());
+  CHECK(one_line("测试", 3) == "测\u2026");
+  CHECK(one_line("测试", 2) == "\u2026");
+}
