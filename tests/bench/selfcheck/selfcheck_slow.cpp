@@ -4,6 +4,8 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "db/run_store.h"
 #include "tests/support/paths.h"
@@ -33,10 +35,12 @@ TEST_CASE("selfcheck: all pass here, and the record carries its own hash") {
   CHECK(record["libraries"].size() >= 10);
   std::map<std::string, int> areas;
   std::string said;  // what is the same on each machine
+  std::vector<std::string> of_models_and_runs;
   for (const auto& check : record["checks"]) {
     CHECK(check["pass"] == true);
     const std::string area = check["area"];
     ++areas[area];
+    if (area == "identification" || area == "inverse" || area == "run") of_models_and_runs.push_back(check["checked"]);
     said += area + ": " + check["expected"].get<std::string>() + "; " + check["found"].get<std::string>() + "\n";
   }
   // The lengths of the walks were computed in Python from the same seeds.
@@ -57,10 +61,21 @@ TEST_CASE("selfcheck: all pass here, and the record carries its own hash") {
         "of full scale; parameters within ",
         "identification: outputs on 20 other histories within 1e-07 of full scale; outputs within ",
         "dispatch: 0 frames differ; 0 of 1732 frames differ\n", " of 29256 samples\n",
-        "run: completed, 106 frames, safe state verified; completed, 106 frames, safe state verified\n"}) {
+        "run: completed, 106 frames, safe state verified; completed, 106 frames, safe state verified\n",
+        "run: content as stored, fit equal; content as stored, fit equal; ",
+        "run: the same content hash; the same: "}) {
     INFO(line << " in " << said);
     CHECK(said.find(line) != std::string::npos);
   }
+  CHECK(of_models_and_runs ==
+        std::vector<std::string>{
+            "elam from noiseless data of a known elam", "gpi from noiseless data of a known gpi",
+            "mpi from noiseless data of a known mpi", "poly from noiseless data of a known poly",
+            "elam: direct of inverse on 200 random histories", "gpi: direct of inverse on 200 random histories",
+            "mpi: direct of inverse on 200 random histories", "poly: direct of inverse on 200 random histories",
+            "0-60-20-60-0-30-0 psi twice on the simulated rig: Modbus TCP and HID reports",
+            "its 256 taxels fitted and stored, then verified from the raw frames",
+            "the same run again, in another store"});
   CHECK(areas["identification"] == 4);
   CHECK(areas["inverse"] == 4);
   CHECK(areas["store"] == 4);
