@@ -1,0 +1,162 @@
+// Which stored verdicts stand, which of them decides, and what is said of the others: on runs and fits stored by hand.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/reporting/judgement.h"
+#include "db/run_store.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+
+namespace {
+
+class StandingByHand {
+ public:
+  StandingByHand() { store.add_sensor({"S-1", "synthetic", "", db::sha256_hex(""), "SC-1", "", ""}); }
+  void add_runs(int count) {
+    for (int i = 0; i < count; ++i) {
+      db::RunRecord run;
+      run.uuid = db::new_uuid();
+      run.origin = "simulated";
+      run.state = "prepared";
+      run.sensor_serial = "S-1";
+      run.sequences = {{0, "a", "", "", 1, 5}};
+      const std::int64_t number = store.begin_run(run);
+      store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, "2026-03-01T01:00:00Z");
+    }
+  }
+  std::int64_t add_fit(std::int64_t run, const std::string& model = "elam") {
+    db::FitRecord fit;
+    fit.run = run;
+    fit.model = model;
+    return store.add_fit(fit, {});
+  }
+  void judge(std::int64_t run, std::int64_t fit, const std::string& limits, const std::vector<std::string>& words) {
+    std::vector<db::VerdictRecord> rows;
+    for (const std::string& word : words) {
+      db::VerdictRecord row;
+      row.criterion = fmt::format("criterion_{}", rows.size());
+      row.scope = "array";
+      row.verdict = word;
+      row.limits_toml = limits;
+      row.limits_sha256 = db::sha256_hex(limits);
+      rows.push_back(row);
+    }
+    store.replace_verdicts(run, fit, rows);
+  }
+  void declare_void(std::int64_t run) { store.void_run(run, "gauge closed", "me", "2026-03-02T00:00:00Z"); }
+  // "run on models' run: verdict; "
+  [[nodiscard]] std::string standing(std::int64_t run) const { return in_words(bench::standing_verdicts(store, run)); }
+  [[nodiscard]] std::string decided(std::int64_t run) const {
+    return analysis::verdict_word(bench::standing_verdict(bench::standing_verdicts(store, run)));
+  }
+  static std::string in_words(const std::vector<db::VerdictRecord>& rows) {
+    std::string text;
+    for (const db::VerdictRecord& row : rows)
+      text += fmt::format("{} on {}: {}; ", row.run, row.model_run, row.verdict);
+    return text;
+  }
+  // The judgement on that run: its rows, worse ones, and why it is none.
+  [[nodiscard]] std::string judgement(std::int64_t run) const {
+    const bench::Judgement found = bench::judgement_on(store, run);
+    return fmt::format("{}| {}| {}", in_words(found.verdicts), in_words(found.notes.stored_worse),
+                       found.notes.not_judged);
+  }
+
+ private:
+  tests::TemporaryFolder folder_;
+
+ public:
+  db::RunStore store = db::RunStore::open(folder_.path("standing.db"), db::Durability::kNormal);
+};
+
+}  // namespace
+
+TEST_CASE("standing verdicts: those on a run, and those on other runs by its models") {
+  StandingByHand made;
+  made.add_runs(4);
+  const std::int64_t fit = made.add_fit(1), other = made.add_fit(4);
+  CHECK(made.standing(1).empty());
+  CHECK(made.decided(1).empty());
+  CHECK(made.judgement(1) == "| | ");
+  made.judge(2, fit, "a", {"pass", "fail"});
+  made.judge(3, fit, "a", {"pass"});
+  made.judge(2, other, "a", {"pass"});
+  CHECK(made.standing(1) == "2 on 1: pass; 2 on 1: fail; 3 on 1: pass; ");
+  CHECK(made.standing(2) == "2 on 1: pass; 2 on 1: fail; 2 on 4: pass; ");
+  CHECK(made.standing(3) == "3 on 1: pass; ");
+  CHECK(made.standing(4) == "2 on 4: pass; ");
+  CHECK(made.decided(1) == "fail");
+  CHECK(made.decided(3) == "pass");
+  CHECK(made.decided(4) == "pass");
+}
+
+TEST_CASE(
+    "standing verdicts: figures on the models' own run are inconclusive, and count only without independent ones") {
+  StandingByHand made;
+  made.add_runs(3);
+  const std::int64_t fit = made.add_fit(1);
+  made.judge(1, fit, "a", {"pass", "fail"});
+  CHECK(made.standing(1) == "1 on 1: inconclusive; 1 on 1: inconclusive; ");
+  CHECK(made.decided(1) == "inconclusive");
+  CHECK(
+      made.judgement(1) ==
+      "1 on 1: inconclusive; 1 on 1: inconclusive; | | no independent data: the figures are of the run that the models "
+      "were made from");
+  made.judge(2, fit, "a", {"pass"});
+  CHECK(made.standing(1) == "2 on 1: pass; ");
+  CHECK(made.standing(2) == "2 on 1: pass; ");
+  CHECK(made.judgement(2) == "2 on 1: pass; | | ");
+  // A verdict on run 1 by the models of another run is independent of its own models, and takes nothing away.
+  const std::int64_t other = made.add_fit(3);
+  made.judge(1, other, "a", {"fail"});
+  CHECK(made.standing(1) == "1 on 3: fail; 2 on 1: pass; ");
+}
+
+TEST_CASE("standing verdicts: none on a void run, nor by a void run's models") {
+  StandingByHand made;
+  made.add_runs(4);
+  const std::int64_t fit = made.add_fit(1), other = made.add_fit(4);
+  made.judge(2, fit, "a", {"pass"});
+  made.judge(3, fit, "a", {"fail"});
+  made.judge(2, other, "a", {"fail"});
+  made.declare_void(3);
+  CHECK(made.standing(1) == "2 on 1: pass; ");
+  CHECK(made.standing(3).empty());
+  CHECK(made.judgement(3) == "| | the run, or the one that the models were made from, was declared void");
+  made.declare_void(4);
+  CHECK(made.standing(2) == "2 on 1: pass; ");
+  CHECK(made.standing(4).empty());
+  made.declare_void(1);
+  CHECK(made.standing(1).empty());
+  CHECK(made.standing(2).empty());
+  CHECK(made.judgement(2) == "| | the run, or the one that the models were made from, was declared void");
+}
+
+TEST_CASE("standing verdicts: of several limits the newest decide, and a fail by any") {
+  StandingByHand made;
+  made.add_runs(2);
+  const std::int64_t fit = made.add_fit(1);
+  made.judge(2, fit, "a", {"inconclusive", "pass"});
+  made.judge(2, fit, "b", {"pass"});
+  CHECK(made.decided(2) == "pass");
+  CHECK(made.judgement(2) == "2 on 1: pass; | 2 on 1: inconclusive; | ");
+  made.judge(2, fit, "c", {"conditional pass", "pass"});
+  CHECK(made.decided(2) == "conditional pass");
+  made.judge(2, fit, "d", {"fail"});
+  made.judge(2, fit, "e", {"pass"});
+  CHECK(made.decided(2) == "fail");
+  CHECK(made.judgement(2) == "2 on 1: pass; | 2 on 1: inconclusive; 2 on 1: conditional pass; 2 on 1: fail; | ");
+}
+
+TEST_CASE("standing verdicts: of two fits with one run the newest one's rows are the judgement") {
+  StandingByHand made;
+  made.add_runs(2);
+  const std::int64_t first = made.add_fit(1, "gpi"), second = made.add_fit(1);
+  made.judge(2, first, "a", {"fail"});
+  made.judge(2, second, "a", {"pass", "pass"});
+  CHECK(made.judgement(2) == "2 on 1: pass; 2 on 1: pass; | 2 on 1: fail; | ");
+}
