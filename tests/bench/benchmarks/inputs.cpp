@@ -99,6 +99,9 @@ TEST_CASE("benchmarks' levels: both sequences of Table 1 in steps of 2 psi") {
 TEST_CASE("benchmarks' run: levels, times, noise of the reference, and a play that no ELAM follows") {
   const analysis::Dataset dataset = synthetic_dataset(2, 3, 2);
   CHECK(dataset.taxels() == 6);
+  CHECK((dataset.rows == 2 && dataset.columns == 3 && dataset.run == 1));
+  CHECK(dataset.origin == "simulated");
+  CHECK(dataset.at_limit == std::vector<bool>(6, false));
   REQUIRE(dataset.sequences.size() == 2);
   CHECK(dataset.sequences[0].name == "descending");
   CHECK(dataset.sequences[1].name == "ascending");
@@ -147,7 +150,20 @@ TEST_CASE("benchmarks' run in a store: the same volts to half a count, completed
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("b.db"), db::Durability::kNormal);
   const std::int64_t number = store_run(store, made);
-  CHECK(store.run(number).outcome == db::Outcome::kCompleted);
+  const db::RunRecord run = store.run(number);
+  CHECK(run.outcome == db::Outcome::kCompleted);
+  CHECK(run.safe_state == db::SafeState::kVerified);
+  REQUIRE(run.sequences.size() == 2);
+  CHECK((run.sequences[0].sequence == 0 && run.sequences[0].repeats == 2 && run.sequences[0].frames_per_repeat == 211));
+  CHECK((run.sequences[1].sequence == 1 && run.sequences[1].repeats == 2 && run.sequences[1].frames_per_repeat == 451));
+  const std::vector<db::FrameRecord> frames = store.frames(number);
+  REQUIRE(frames.size() == 2 * (211 + 451));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::size_t of_first = 2 * 211, at = i < of_first ? i % 211 : (i - of_first) % 451;
+    CHECK(frames[i].ordinal == static_cast<int>(at));
+    CHECK(frames[i].feedback_psi == frames[i].setpoint_psi);
+    CHECK(frames[i].scans == 1);
+  }
   const analysis::Dataset read = analysis::load_dataset(store, number);
   CHECK(read.sensor_serial == "B-1");
   CHECK(read.scanner_serial == "SIM-SCANNER-1");
