@@ -1,5 +1,6 @@
 // What the benchmarks measure on: known taxels (computed in Python from the same seeds), levels of Table 1, noise and
 // play as stated in bench/benchmarks/synthetic_array.h. And how figures are named and rounds are taken.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
@@ -194,6 +195,7 @@ TEST_CASE("benchmark compensate: its frames go 0-60-10-50-0 psi in phase, with 4
   const CompensationCase c = slow_cycles(kTaxels, kFrames);
   CHECK(c.frames == kFrames);
   REQUIRE(c.counts.size() == kTaxels * kFrames);
+  CHECK(*std::ranges::min_element(c.counts) == 0);  // noise below 0 V
   REQUIRE(c.models.size() == kTaxels);
   CHECK(c.setup.volts_per_count == 5.0 / 65536.0);
   CHECK_FALSE(c.setup.start_unknown);

@@ -100,7 +100,7 @@ class NotedRuns {
   }();
 };
 
-StoredByHand with(std::vector<std::pair<std::string, std::string>> set) {
+StoredByHand set_by(std::vector<std::pair<std::string, std::string>> set) {
   StoredByHand made;
   made.set = std::move(set);
   return made;
@@ -135,13 +135,14 @@ TEST_CASE("noted conditions: each source by a judged run that shows it, whicheve
   const std::int64_t same = runs.add({});
   const std::string all = "history; re-mounting; temperature; time; creep; ";
   CHECK(runs.missing({same}) == all);
-  const std::int64_t mounted = runs.add(with({{"simulation.mount_seed", "1"}}));
+  const std::int64_t mounted = runs.add(set_by({{"simulation.mount_seed", "1"}}));
   CHECK(runs.missing({mounted}) == "history; temperature; time; creep; ");
   CHECK(runs.missing({mounted, same}) == "history; temperature; time; creep; ");
   CHECK(runs.missing({same, mounted}) == "history; temperature; time; creep; ");
-  CHECK(runs.missing({runs.add(with({{"simulation.age_months", "1"}}))}) ==
+  CHECK(runs.missing({runs.add(set_by({{"simulation.age_months", "1"}}))}) ==
         "history; re-mounting; temperature; creep; ");
-  CHECK(runs.missing({runs.add(with({{"simulation.temperature_c", "40"}}))}) == "history; re-mounting; time; creep; ");
+  CHECK(runs.missing({runs.add(set_by({{"simulation.temperature_c", "40"}}))}) ==
+        "history; re-mounting; time; creep; ");
   StoredByHand other_way;
   other_way.levels = {0.0, 20.0, 10.0, 20.0, 0.0};
   CHECK(runs.missing({runs.add(other_way)}) == "re-mounting; temperature; time; creep; ");
@@ -162,7 +163,7 @@ TEST_CASE("noted conditions: hardware says nothing of mounts and age, and a benc
   StoredByHand own;
   own.simulated = false;
   runs.add(own);
-  CHECK(runs.missing({runs.add(with({{"simulation.mount_seed", "1"}, {"simulation.age_months", "1"}}))}) ==
+  CHECK(runs.missing({runs.add(set_by({{"simulation.mount_seed", "1"}, {"simulation.age_months", "1"}}))}) ==
         "history; re-mounting; temperature; time; creep; ");
 }
 
@@ -207,7 +208,7 @@ TEST_CASE("noted conditions: another dwell of the judged run's recipe, as it was
     return fmt::format("{} {} {}", judged.dwell_s, judged.fitted_dwell_s, judged.other_dwell);
   };
   CHECK(dwells({}) == "2 2 false");
-  CHECK(dwells(with({{"recipe.dwell_s", "5"}})) == "5 2 true");
+  CHECK(dwells(set_by({{"recipe.dwell_s", "5"}})) == "5 2 true");
   StoredByHand two;
   two.recipe =
       "schema = 1\nname = \"a\"\nunit = \"psi\"\nturning_points = [0, 20, 0]\nstep = 10\nrepeats = 2\ndwell_s = [1, "

@@ -16,10 +16,10 @@ using namespace tactbench::bench;
 
 namespace {
 
-using Tags = std::vector<std::string>;
+using RunTags = std::vector<std::string>;
 
 // Of hardware: nothing but its tags says how the sensor lay.
-db::RunRecord placed_run(std::int64_t number, const Tags& tags = {}) {
+db::RunRecord placed_run(std::int64_t number, const RunTags& tags = {}) {
   db::RunRecord run;
   run.run = number;
   run.origin = "hardware";
@@ -29,7 +29,7 @@ db::RunRecord placed_run(std::int64_t number, const Tags& tags = {}) {
 }
 
 db::RunRecord simulated_run(std::int64_t number, const std::string& degrees, const std::string& mount_seed,
-                            const Tags& tags = {}) {
+                            const RunTags& tags = {}) {
   db::RunRecord run = placed_run(number, tags);
   run.origin = "simulated";
   run.bench_toml = tests::read_file(find_config("simulated.toml"));
@@ -40,8 +40,8 @@ db::RunRecord simulated_run(std::int64_t number, const std::string& degrees, con
 }
 
 // "" where the role is believed; else what, where and the remedy.
-std::string refusal_of(const std::string& role, const db::RunRecord& own, const db::RunRecord& other,
-                       StudyPurpose purpose = StudyPurpose::kPlainLoops) {
+std::string role_refusal(const std::string& role, const db::RunRecord& own, const db::RunRecord& other,
+                         StudyPurpose purpose = StudyPurpose::kPlainLoops) {
   try {
     check_role({other.run, role}, own, other, purpose);
   } catch (const Error& error) {
@@ -56,83 +56,83 @@ std::string refusal_of(const std::string& role, const db::RunRecord& own, const 
 
 TEST_CASE("study roles: a run without a role, or without a record of its own, is believed") {
   const db::RunRecord own = placed_run(1);
-  CHECK(refusal_of("", own, simulated_run(2, "90", "0"), StudyPurpose::kPresses).empty());
-  for (const char* role : {"mount", "0", "90", "180", "270"}) CHECK(refusal_of(role, own, placed_run(2)).empty());
+  CHECK(role_refusal("", own, simulated_run(2, "90", "0"), StudyPurpose::kPresses).empty());
+  for (const char* role : {"mount", "0", "90", "180", "270"}) CHECK(role_refusal(role, own, placed_run(2)).empty());
   // What is no number, and other tags, say nothing of a turn.
   for (const char* tag : {"turned=a quarter", "turned=90 degrees", "turned", "turned90", "returned=90", "turned="})
-    CHECK(refusal_of("180", own, placed_run(2, {tag})).empty());
+    CHECK(role_refusal("180", own, placed_run(2, {tag})).empty());
   // A bench that cannot be read, or is not simulated.
   db::RunRecord unread = simulated_run(2, "90", "0");
   unread.bench_toml = "no bench";
-  CHECK(refusal_of("180", own, unread).empty());
+  CHECK(role_refusal("180", own, unread).empty());
   db::RunRecord hardware = simulated_run(2, "90", "0");
   hardware.origin = "hardware";
-  CHECK(refusal_of("180", own, hardware).empty());
+  CHECK(role_refusal("180", own, hardware).empty());
 }
 
 TEST_CASE("study roles: a run that presses or paces by its recipe is no run of mounts or turns") {
   const db::RunRecord own = placed_run(1);
   CHECK(
-      refusal_of("mount", own, placed_run(6), StudyPurpose::kPresses) ==
+      role_refusal("mount", own, placed_run(6), StudyPurpose::kPresses) ==
       "run 6 presses an object, by its own recipe: it is no run of a study of mounts | --studies 6:mount | its recipe "
       "shows its purpose: --studies 6");
-  CHECK(refusal_of("90", own, placed_run(7), StudyPurpose::kPaces) ==
+  CHECK(role_refusal("90", own, placed_run(7), StudyPurpose::kPaces) ==
         "run 7 goes at several rates or holds levels, by its own recipe: it is no run of a study of turns | --studies "
         "7:90 | its recipe shows its purpose: --studies 7");
 }
 
 TEST_CASE("study roles: turns are those against the report's own run, by tags and by the simulated sensor") {
   const db::RunRecord own = placed_run(1), turned = placed_run(1, {"turned=90"});
-  CHECK(refusal_of("90", own, placed_run(2, {"turned=90"})).empty());
-  CHECK(refusal_of("180", own, placed_run(2, {"turned=90"})) ==
+  CHECK(role_refusal("90", own, placed_run(2, {"turned=90"})).empty());
+  CHECK(role_refusal("180", own, placed_run(2, {"turned=90"})) ==
         "run 2 was turned by 90 degrees against run 1, by its own record (its tag turned=90), not by 180 | --studies "
         "2:180 | state what was done: 2:90");
-  CHECK(refusal_of("90", turned, placed_run(2, {"turned=180"})).empty());
-  CHECK(refusal_of("270", turned, placed_run(2, {"turned=0"})).empty());  // backwards by 90
-  CHECK(refusal_of("0", turned, placed_run(2, {"turned=450"})).empty());  // once around
-  CHECK(refusal_of("180", turned, placed_run(2, {"turned=180"})) ==
+  CHECK(role_refusal("90", turned, placed_run(2, {"turned=180"})).empty());
+  CHECK(role_refusal("270", turned, placed_run(2, {"turned=0"})).empty());  // backwards by 90
+  CHECK(role_refusal("0", turned, placed_run(2, {"turned=450"})).empty());  // once around
+  CHECK(role_refusal("180", turned, placed_run(2, {"turned=180"})) ==
         "run 2 was turned by 90 degrees against run 1, by its own record (its tag turned=180), not by 180 | --studies "
         "2:180 | state what was done: 2:90");
   CHECK(
-      refusal_of("180", turned, placed_run(2, {"turned=-720"})) ==
+      role_refusal("180", turned, placed_run(2, {"turned=-720"})) ==
       "run 2 was turned by 270 degrees against run 1, by its own record (its tag turned=-720), not by 180 | --studies "
       "2:180 | state what was done: 2:270");
   // A run whose own turn cannot be read counts as not turned.
-  CHECK(refusal_of("90", placed_run(1, {"turned=x"}), placed_run(2, {"turned=90"})).empty());
+  CHECK(role_refusal("90", placed_run(1, {"turned=x"}), placed_run(2, {"turned=90"})).empty());
   // To a millionth of a degree.
-  CHECK(refusal_of("90", own, placed_run(2, {"turned=90.0000009"})).empty());
-  CHECK_FALSE(refusal_of("90", own, placed_run(2, {"turned=90.0000011"})).empty());
-  CHECK_FALSE(refusal_of("90", own, placed_run(2, {"turned=89.9999989"})).empty());
+  CHECK(role_refusal("90", own, placed_run(2, {"turned=90.0000009"})).empty());
+  CHECK_FALSE(role_refusal("90", own, placed_run(2, {"turned=90.0000011"})).empty());
+  CHECK_FALSE(role_refusal("90", own, placed_run(2, {"turned=89.9999989"})).empty());
   // The simulated sensor's own place, unless a tag says another.
   const db::RunRecord simulated = simulated_run(1, "0", "0");
-  CHECK(refusal_of("90", simulated, simulated_run(3, "90", "0")).empty());
-  CHECK(refusal_of("180", simulated, simulated_run(3, "90", "0")) ==
+  CHECK(role_refusal("90", simulated, simulated_run(3, "90", "0")).empty());
+  CHECK(role_refusal("180", simulated, simulated_run(3, "90", "0")) ==
         "run 3 was turned by 90 degrees against run 1, by its own record (simulation.turned_in_chamber_deg = 90), not "
         "by 180 | --studies 3:180 | state what was done: 3:90");
-  CHECK(refusal_of("180", simulated, simulated_run(3, "90", "0", {"turned=180"})).empty());
-  CHECK(refusal_of("0", simulated_run(1, "90", "0"), simulated_run(3, "90", "0")).empty());
+  CHECK(role_refusal("180", simulated, simulated_run(3, "90", "0", {"turned=180"})).empty());
+  CHECK(role_refusal("0", simulated_run(1, "90", "0"), simulated_run(3, "90", "0")).empty());
 }
 
 TEST_CASE("study roles: a mount is not turned, and is another one, by tags and by the simulated sensor") {
   const db::RunRecord own = placed_run(1, {"mount=a"});
-  CHECK(refusal_of("mount", own, placed_run(2, {"mount=b"})).empty());
-  CHECK(refusal_of("mount", placed_run(1), placed_run(2, {"mount=a"})).empty());
-  CHECK(refusal_of("mount", own, placed_run(2)).empty());
+  CHECK(role_refusal("mount", own, placed_run(2, {"mount=b"})).empty());
+  CHECK(role_refusal("mount", placed_run(1), placed_run(2, {"mount=a"})).empty());
+  CHECK(role_refusal("mount", own, placed_run(2)).empty());
   CHECK(
-      refusal_of("mount", own, placed_run(2, {"mount=a"})) ==
+      role_refusal("mount", own, placed_run(2, {"mount=a"})) ==
       "run 2 was not mounted anew, by its own record: its tag mount=a, as in run 1 | --studies 2:mount | name runs of "
       "another mount; to see models on this run: --held-out 2");
   CHECK(
-      refusal_of("mount", own, placed_run(2, {"mount=b", "turned=90"})) ==
+      role_refusal("mount", own, placed_run(2, {"mount=b", "turned=90"})) ==
       "run 2 was turned by 90 degrees against run 1, by its own record (its tag turned=90) | --studies 2:mount | state "
       "what was done: 2:90");
-  CHECK(refusal_of("mount", own, placed_run(2, {"mount=b", "turned=0"})).empty());
+  CHECK(role_refusal("mount", own, placed_run(2, {"mount=b", "turned=0"})).empty());
   // One that is turned may lie in the same mount: only the turn is asked for.
-  CHECK(refusal_of("90", own, placed_run(2, {"mount=a", "turned=90"})).empty());
+  CHECK(role_refusal("90", own, placed_run(2, {"mount=a", "turned=90"})).empty());
   const db::RunRecord simulated = simulated_run(1, "0", "4");
-  CHECK(refusal_of("mount", simulated, simulated_run(3, "0", "5")).empty());
-  CHECK(refusal_of("mount", simulated, simulated_run(3, "0", "4")) ==
+  CHECK(role_refusal("mount", simulated, simulated_run(3, "0", "5")).empty());
+  CHECK(role_refusal("mount", simulated, simulated_run(3, "0", "4")) ==
         "run 3 was not mounted anew, by its own record: simulation.mount_seed = 4, as in run 1 | --studies 3:mount | "
         "name runs of another mount; to see models on this run: --held-out 3");
-  CHECK(refusal_of("mount", simulated, simulated_run(3, "0", "4", {"mount=other"})).empty());
+  CHECK(role_refusal("mount", simulated, simulated_run(3, "0", "4", {"mount=other"})).empty());
 }
