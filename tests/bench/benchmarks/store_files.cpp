@@ -77,7 +77,7 @@ TEST_CASE("benchmark store: a plain file, stores and bare tables hold the same f
   for (const bench::Figure& figure : figures) {
     INFO(figure.name);
     CHECK(figure.value > 0.0);
-    if (figure.unit == "us/frame") CHECK(figure.value < 1e6);
+    if (figure.unit == "us/frame") CHECK(figure.value < 1e8);  // a difference of times, not a time
     names += figure.name.substr(6) + " ";
   }
   CHECK(names ==
