@@ -1,0 +1,108 @@
+// Outputs of an array along ways between turns, with halts and noise, in plain arithmetic so that they are the same
+// everywhere; what compensators read of them, as sums to compare with recorded ones.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/compensate/compensator.h"
+
+namespace recorded {
+
+// Pseudo-random numbers from 0 to 1.
+class Numbers {
+ public:
+  explicit Numbers(std::uint64_t seed) : state_(seed) {
+    for (int i = 0; i < 3; ++i) (void)(*this)();
+  }
+  double operator()() {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<double>(state_ >> 11U) / 9007199254740992.0;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+// Shares of the full output: to targets fast and slowly, held there for a while, now and then beyond the ends.
+inline std::vector<double> output_shares(std::uint64_t seed, std::size_t count, double noise) {
+  Numbers number(seed);
+  std::vector<double> shares;
+  double at = 0.0;
+  while (shares.size() < count) {
+    const double target = number() * 1.2 - 0.1, speed = number();
+    const double step = speed < 0.3 ? 2.0 : speed < 0.7 ? 0.07 : 0.011;
+    const auto halt = static_cast<std::size_t>(number() < 0.4 ? 65.0 * number() : 2.0);
+    const auto add = [&](double share) {
+      shares.push_back(share + noise * (number() + number() + number() - 1.5) * 2.0);
+    };
+    while (std::abs(target - at) > step) add(at += target > at ? step : -step);
+    at = target;
+    for (std::size_t i = 0; i <= halt; ++i) add(at);
+  }
+  shares.resize(count);
+  return shares;
+}
+
+// In steps of 1 / `steps`, so that limits are met exactly.
+inline std::vector<double> in_steps(std::vector<double> shares, double steps) {
+  for (double& share : shares) share = std::round(share * steps) / steps;
+  return shares;
+}
+
+// Sums in which each value has a weight of its own.
+struct Sums {
+  double pressure = 0.0, uncertainty = 0.0;
+  long marks = 0;
+};
+
+class Summed {
+ public:
+  explicit Summed(std::size_t values_each) : each_(values_each) {}
+  void add(double pressure, double uncertainty, int marks) {
+    if (count_ % each_ == 0) sums_.emplace_back();
+    const double weight = 1.0 + static_cast<double>(count_ * 37 % 101) / 101.0;
+    sums_.back().pressure += weight * pressure;
+    sums_.back().uncertainty += weight * std::min(uncertainty, 1e3);
+    sums_.back().marks += static_cast<long>(1 + count_ % 97) * marks;
+    ++count_;
+  }
+  void add(const tactbench::analysis::Compensated& one) {
+    add(one.pressure_psi, one.uncertainty_psi, (one.flat ? 1 : 0) + (one.out_of_range ? 2 : 0) + (one.unknown ? 4 : 0));
+  }
+  [[nodiscard]] const std::vector<Sums>& sums() const { return sums_; }
+
+ private:
+  std::size_t each_ = 1, count_ = 0;
+  std::vector<Sums> sums_;
+};
+
+// Against the first of `was`; what is to be recorded is added to `lines`.
+inline void check_sums(const std::string& name, const Summed& now, std::span<const Sums> was, std::string& lines) {
+  CAPTURE(name);
+  for (std::size_t i = 0; i < now.sums().size(); ++i) {
+    const Sums& sums = now.sums()[i];
+    lines += fmt::format("{{{:.7f}, {:.7f}, {}}},\n", sums.pressure, sums.uncertainty, sums.marks);
+    if (i >= was.size()) continue;
+    CAPTURE(i);
+    CHECK(sums.pressure == Approx(was[i].pressure).epsilon(0.0).margin(1e-6));
+    CHECK(sums.uncertainty == Approx(was[i].uncertainty).epsilon(0.0).margin(1e-6));
+    CHECK(sums.marks == was[i].marks);
+  }
+}
+
+inline void check_recorded(const Summed& now, const std::vector<Sums>& was) {
+  std::string lines;
+  check_sums("", now, was, lines);
+  INFO("now:\n" << lines);
+  CHECK(now.sums().size() == was.size());
+}
+
+}  // namespace recorded

@@ -1,0 +1,163 @@
+// Dynamic compensators along ways of many kinds: pressures, uncertainties and marks as they were when recorded, all in
+// sums.
+#include "analysis/compensate/dynamic_compensator.h"
+#include "analysis/compensate/dynamic_frame_compensator.h"
+#include "analysis/compensate/everett.h"
+#include "tests/analysis/compensate/recorded_streams.h"
+
+using namespace tactbench::analysis;
+using namespace recorded;
+
+namespace {
+
+constexpr std::size_t kFilms = 21, kIntervals = 6, kFilmFrames = 900;
+
+// Everett's function of cells in steps of 1 / 64 V: each point's is the sum of the cells between.
+std::vector<double> film_table(std::size_t taxel) {
+  std::vector<double> table;
+  for (std::size_t i = 0; i <= kIntervals; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = 0.0;
+      for (std::size_t a = j; a < i; ++a)
+        for (std::size_t b = j; b <= a; ++b) sum += static_cast<double>(1 + (3 * a + 5 * b + taxel) % 11) / 64.0;
+      table.push_back(sum);
+    }
+  return table;
+}
+
+double film_top(const std::vector<double>& table) { return table[table.size() - 1 - kIntervals]; }
+
+DynamicSetup film_array(bool in_round_numbers) {
+  DynamicSetup setup;
+  setup.x_low = 2.0;
+  setup.x_high = 62.0;
+  setup.intervals = kIntervals;
+  setup.volts_per_count = in_round_numbers ? std::ldexp(1.0, -60) : 1.0 / 8192.0;
+  setup.longest_gap = 3;
+  setup.tare_share = 0.1;
+  setup.start_unknown = false;
+  setup.dynamics.creep_s = {0.3, 3.0, 30.0};
+  setup.dynamics.lag_s = 0.4;
+  setup.dynamics.creep_half = 8.0;
+  if (!in_round_numbers) {
+    setup.dynamics.creep_share = {0.03, 0.02, 0.01};
+    setup.worked_s = 2.0;
+  } else {
+    setup.options.jump_in_noises = 4.0;
+    setup.options.lead_in_noises = 0.0;
+    setup.options.band_in_noises = 4.0;
+    setup.options.rest_in_noises = 3.0;
+    setup.options.hold_in_noises = 2.0;
+    setup.observer.share = 1.0 / 32.0;
+    setup.observer.forget = 1.0 / 4.0;
+  }
+  for (std::size_t k = 0; k < 2 * kIntervals; ++k)
+    setup.residual_psi.push_back(0.01 * static_cast<double>(1 + k * 5 % 12));
+  for (std::size_t t = 0; t < kFilms; ++t) {
+    DynamicTaxel taxel;
+    taxel.usable = t != 9;
+    taxel.divider.zero = 0.5;
+    taxel.divider.per_amplitude = in_round_numbers ? 0.0 : 0.005 * static_cast<double>(t);
+    taxel.everett = film_table(t);
+    taxel.creep_scale = 0.5 + 0.1 * static_cast<double>(t);
+    taxel.lag_share = in_round_numbers ? 0.0 : 0.015 * static_cast<double>(t);
+    taxel.noise_v = in_round_numbers ? 1.0 / 64.0 : 0.001 * static_cast<double>(1 + t % 6);
+    taxel.residual_scale = 0.5 + 0.05 * static_cast<double>(t);
+    taxel.falling = t % 5 == 3;
+    setup.taxels.push_back(taxel);
+  }
+  return setup;
+}
+
+// Volts above zero of each taxel: shares of what the film gives at its top.
+std::vector<std::vector<double>> film_ways(const DynamicSetup& setup, bool in_round_numbers) {
+  std::vector<std::vector<double>> all;
+  for (std::size_t t = 0; t < kFilms; ++t) {
+    const DynamicTaxel& taxel = setup.taxels[t];
+    const double top = Divider{0.0, taxel.divider.per_amplitude}.output(film_top(taxel.everett));
+    all.push_back(output_shares(300 + t, kFilmFrames, in_round_numbers ? 0.002 : 0.4 * taxel.noise_v / top));
+    for (double& share : all.back()) share *= top;
+    if (in_round_numbers) all.back() = in_steps(all.back(), 64.0);
+  }
+  return all;
+}
+
+Summed film_frames_read(const DynamicSetup& setup, bool in_round_numbers) {
+  DynamicFrameCompensator<double> frames(setup);
+  const std::vector<std::vector<double>> above = film_ways(setup, in_round_numbers);
+  std::vector<double> volts(kFilms), psi(kFilms), doubt(kFilms);
+  std::vector<std::uint16_t> status(kFilms), counts(kFilms);
+  const DynamicFrameCompensator<double>::Output output{psi, doubt, status};
+  Summed summed(kFilms * 150);
+  for (std::size_t f = 0; f < kFilmFrames; ++f) {
+    for (std::size_t t = 0; t < kFilms; ++t) {
+      volts[t] = 0.5 + above[t][f];
+      counts[t] = static_cast<std::uint16_t>(std::lround(std::max(0.0, volts[t]) * 8192.0));
+      if (setup.taxels[t].falling) volts[t] = -volts[t];
+    }
+    if (f == 60 || f == 400) frames.set_interval(f == 60 ? 0.05 : 0.6);
+    if (f == 150) frames.reset_unknown();
+    if (f == 210) frames.reset();
+    if (f == 300) frames.reset_unknown();
+    if (f == 450 && !in_round_numbers) CHECK(frames.tare(counts) < kFilms);
+    if (f == 600) frames.reset_unknown();
+    if (f == 580 || f == 590) frames.set_outside_validity(f == 580);
+    if (f % 97 == 11) volts[(f / 97) * 2] = std::nan("");
+    if (f % 83 == 40 || (f > 700 && f < 705))
+      frames.lost_frame(output);
+    else if (f % 7 == 3 && !in_round_numbers)
+      frames.frame(std::span<const std::uint16_t>(counts), output);
+    else
+      frames.frame(std::span<const double>(volts), output);
+    for (std::size_t t = 0; t < kFilms; ++t) summed.add(psi[t], doubt[t], status[t]);
+  }
+  return summed;
+}
+
+Summed plain_film_reads(const DynamicSetup& setup, bool in_round_numbers) {
+  const std::vector<std::vector<double>> above = film_ways(setup, in_round_numbers);
+  Summed summed(kFilmFrames * 7);
+  for (std::size_t t = 0; t < kFilms; ++t) {
+    if (!setup.taxels[t].usable) continue;
+    DynamicTaxelCompensator plain(setup, t);
+    const double sign = setup.taxels[t].falling ? -1.0 : 1.0;
+    for (std::size_t f = 0; f < kFilmFrames; ++f) {
+      if (f == 300) plain.reset();
+      if (f == 450) plain.rest(1.0);
+      if (f == 600) plain.work(2.0);
+      if (f % 300 == 150) plain.reset_unknown();
+      summed.add(plain.step(sign * (0.5 + above[t][f]), f % 5 == 0 ? 0.3 : 0.02));
+      if (f % 25 == 0) summed.add(100.0 * plain.gain(), 0.0, plain.ascending() ? 1 : 0);
+    }
+  }
+  return summed;
+}
+
+}  // namespace
+
+TEST_CASE("recorded: dynamic frames along ways with noise, creep and lag read what they read when recorded") {
+  check_recorded(film_frames_read(film_array(false), false), {{145414.2764672, 18951.0115431, 471170},
+                                                              {145552.6277014, 23410.2597026, 1419613},
+                                                              {136509.7172286, 29973.2381649, 2009116},
+                                                              {135637.6943851, 29951.2737603, 2104033},
+                                                              {129820.2733221, 28592.9386294, 2751019},
+                                                              {125072.5961701, 24929.3645563, 593280}});
+}
+
+TEST_CASE("recorded: dynamic frames in round numbers, where limits are met exactly, read what they read") {
+  check_recorded(film_frames_read(film_array(true), true), {{134251.0549845, 23133.5982115, 666854},
+                                                            {145871.5708663, 25377.7765975, 1859385},
+                                                            {137874.0011593, 30442.8788217, 2546362},
+                                                            {138814.8297263, 34815.9256723, 811382},
+                                                            {135354.2625166, 33417.9422149, 3590345},
+                                                            {131446.3660873, 24558.1041686, 1003706}});
+}
+
+TEST_CASE("recorded: the plain dynamic form along the same ways reads what it read when recorded") {
+  check_recorded(plain_film_reads(film_array(false), false), {{310196.8781228, 24963.8951486, 315474},
+                                                              {309309.0000888, 28757.4383649, 354691},
+                                                              {289421.5258992, 21895.2356043, 197284}});
+  check_recorded(plain_film_reads(film_array(true), true), {{311433.9306608, 28072.4757052, 504486},
+                                                            {315128.6159572, 28515.8392431, 560305},
+                                                            {299216.3911223, 21876.3256966, 428467}});
+}
