@@ -1,7 +1,6 @@
 // Compensators of ELAM along ways of many kinds: pressures, uncertainties and marks as they were when recorded, all in
 // sums. What single figures mean is tested by hand elsewhere; here every operation counts.
 #include "analysis/compensate/compensator.h"
-#include "analysis/compensate/composed_curve.h"
 #include "analysis/compensate/frame_compensator.h"
 #include "tests/analysis/compensate/recorded_streams.h"
 
