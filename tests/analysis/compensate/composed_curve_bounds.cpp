@@ -58,3 +58,35 @@ TEST_CASE("fast curves: a turn at exactly a hundredth of the range from its end 
   CHECK(curve_from(p, false, 99.0, 2.99, 99.0).ys == Approx(2.475 / 3.0 * 2.99));
   CHECK(curve_from(p, false, 98.999, 2.99, 98.999).ys == Approx(0.5 * 2.99));
 }
+
+TEST_CASE("fast curves: at a turn, a split and the top the piece holds the output") {
+  TaxelPattern p;
+  p.x = {10.0, 50.0, 110.0};  // a range that does not begin at 0
+  p.ascending = {{0.0, 1.0, 3.0}, {40.0, 30.0}};
+  p.descending = {{0.0, 2.0, 3.0}, {20.0, 60.0}};
+  p.parameters = {0.5, 0.5, 0.0, 0.5, 0.5};
+  p.noise_v = 1.0;
+  p.span = 3.0;
+  const auto check_holds = [&](const ComposedCurve& curve, double y, double x) {
+    CAPTURE(curve.ascending, y);
+    const CurvePiece piece = piece_at(p, curve, y, 0);
+    CHECK(piece.holds(y));
+    CHECK(piece.along(y) == Approx(x));
+    CHECK(input_at(p, curve, y) == Approx(x));
+  };
+  const ComposedCurve rise = curve_from(p, true, 50.0, 1.0, 50.0);  // its split: 80 psi, 2
+  check_holds(rise, 0.5, 50.0);
+  check_holds(rise, 1.0, 50.0);
+  check_holds(rise, 2.0, 80.0);
+  check_holds(rise, 3.0, 110.0);
+  check_holds(rise, 3.5, 110.0);
+  const ComposedCurve fall = curve_from(p, false, 80.0, 2.0, 80.0);  // its split: 45 psi, 1
+  check_holds(fall, 2.5, 80.0);
+  check_holds(fall, 2.0, 80.0);
+  check_holds(fall, 1.0, 45.0);
+  check_holds(fall, 0.0, 10.0);
+  check_holds(fall, -0.5, 10.0);
+  // Where the pattern below the split counts as saturated the way down is straight, from the range's begin on.
+  p.saturated = 2.5;
+  check_holds(curve_from(p, false, 80.0, 2.0, 80.0), 0.5, 10.0 + 0.5 * 35.0);
+}

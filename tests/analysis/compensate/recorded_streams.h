@@ -51,6 +51,35 @@ inline std::vector<double> output_shares(std::uint64_t seed, std::size_t count, 
   return shares;
 }
 
+// From one level to another and slow drifts there, of up to about a noise a sample: the output counts as still most of
+// the time. Many levels are near the ends.
+inline std::vector<double> drifting_shares(std::uint64_t seed, std::size_t count, double noise) {
+  Numbers number(seed);
+  std::vector<double> shares;
+  while (shares.size() < count) {
+    const double kind = number(), level = number();
+    double at = kind < 0.25 ? 0.05 * level : kind < 0.5 ? 1.0 - 0.05 * level : level;
+    const auto stretches = static_cast<int>(1.0 + 4.0 * number());
+    for (int k = 0; k < stretches; ++k) {
+      const double drift = k == 0 ? 0.0 : noise * 2.4 * (number() - 0.5);
+      const auto length = static_cast<std::size_t>(k == 0 ? 55.0 * number() : 3.0 + 30.0 * number());
+      for (std::size_t i = 0; i < length; ++i) {
+        at += drift;
+        shares.push_back(at + noise * 0.5 * (number() + number() + number() - 1.5));
+      }
+    }
+  }
+  shares.resize(count);
+  return shares;
+}
+
+enum class Kind {
+  kNoise,  // fast and slow ways, halts, noise
+  kRound,  // the same in round numbers, where limits are met exactly
+  kDrift,  // slow drifts and many unknown starts
+  kOpen    // the same where nothing is flat and histories are known only when they have met
+};
+
 // In steps of 1 / `steps`, so that limits are met exactly.
 inline std::vector<double> in_steps(std::vector<double> shares, double steps) {
   for (double& share : shares) share = std::round(share * steps) / steps;

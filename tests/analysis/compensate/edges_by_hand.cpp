@@ -1,0 +1,254 @@
+// What compensators refuse, one wrong value at a time, and what their curves and streams do exactly at an edge.
+#include <catch2/catch.hpp>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "analysis/compensate/compensator_c.h"
+#include "analysis/compensate/dispatch.h"
+#include "analysis/compensate/dynamic_frame_compensator.h"
+#include "analysis/compensate/inverse_stream.h"
+#include "analysis/models/elam_pieces.h"
+#include "analysis/models/preisach.h"
+#include "tests/analysis/compensate/straight_setup.h"
+
+using namespace tactbench::analysis;
+
+namespace {
+
+constexpr double kLeastAboveZero = std::numeric_limits<double>::denorm_min();
+
+// One taxel, 60 psi at 3 V, without hysteresis.
+FrameSetup frame_of_one_line() {
+  FrameSetup setup;
+  setup.pressure_psi = {0.0, 30.0, 60.0};
+  setup.taxels.push_back({true, {0.0, 1.5, 3.0}, {0.0, 1.5, 3.0}, {}, 0.001, false});
+  setup.volts_per_count = 1e-4;
+  return setup;
+}
+
+// What a setup is refused for; empty: it is taken.
+template <class Frames, class Setup>
+std::string refused_for(Setup setup, const std::function<void(Setup&)>& change) {
+  change(setup);
+  try {
+    const Frames frames(setup);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+template <class Frames, class Setup>
+void check_common_numbers(const Setup& good) {
+  const auto refusal = [&](const std::function<void(Setup&)>& change) { return refused_for<Frames>(good, change); };
+  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::nan("")})
+    CHECK_THAT(refusal([&](Setup& setup) { setup.volts_per_count = bad; }),
+               Catch::EndsWith("volts_per_count is not positive"));
+  CHECK(refusal([](Setup& setup) { setup.tare_share = 0.0; }).empty());
+  CHECK(refusal([](Setup& setup) { setup.longest_gap = 0; }).empty());
+  for (const double bad : {-kLeastAboveZero, std::nan("")})
+    CHECK_THAT(refusal([&](Setup& setup) { setup.tare_share = bad; }),
+               Catch::EndsWith("longest_gap or tare_share is negative"));
+  CHECK_THAT(refusal([](Setup& setup) { setup.longest_gap = -1; }),
+             Catch::EndsWith("longest_gap or tare_share is negative"));
+  CHECK_THAT(refusal([](Setup& setup) { setup.taxels.clear(); }), Catch::EndsWith("compensator: no taxels"));
+}
+
+// Each of an output's lengths alone is wrong.
+template <class Frames, class Setup>
+void check_lengths(const Setup& setup) {
+  Frames frames(setup);
+  std::vector<double> psi(2), doubt(2);
+  std::vector<std::uint16_t> status(2);
+  const std::vector<std::uint16_t> counts(2, 100);
+  const std::vector<double> volts(2, 1.0);
+  const auto refuses = [&](std::size_t samples, std::size_t pressures, std::size_t doubts, std::size_t bits) {
+    const typename Frames::Output output{std::span(psi).first(pressures), std::span(doubt).first(doubts),
+                                         std::span(status).first(bits)};
+    const auto told =
+        Catch::EndsWith("frame compensator: the number of samples or of an output's values is not that of the taxels");
+    CHECK_THROWS_WITH(frames.frame(std::span<const std::uint16_t>(counts).first(samples), output), told);
+    CHECK_THROWS_WITH(frames.frame(std::span<const double>(volts).first(samples), output), told);
+    if (samples == 1) CHECK_THROWS_WITH(frames.lost_frame(output), told);
+  };
+  for (const std::size_t wrong : {0U, 2U}) {
+    refuses(1, wrong, 1, 1);
+    refuses(1, 1, wrong, 1);
+    refuses(1, 1, 1, wrong);
+  }
+  refuses(2, 1, 1, 1);
+  refuses(0, 1, 1, 1);
+  refuses(2, 2, 2, 2);
+  for (const std::size_t wrong : {0U, 2U})
+    CHECK_THROWS_WITH(frames.tare(std::span<const std::uint16_t>(counts).first(wrong)),
+                      Catch::EndsWith("the number of samples is not that of the taxels"));
+}
+
+}  // namespace
+
+TEST_CASE("edges: frames of ELAM and dynamic ones refuse a count's volts, a gap, a tare and lengths one by one") {
+  check_common_numbers<FrameCompensator<double>>(frame_of_one_line());
+  check_common_numbers<DynamicFrameCompensator<double>>(straight_setup(0.001));
+  check_lengths<FrameCompensator<double>>(frame_of_one_line());
+  check_lengths<DynamicFrameCompensator<double>>(straight_setup(0.001));
+  const auto pressures = [](const std::vector<double>& psi) {
+    return refused_for<FrameCompensator<double>, FrameSetup>(frame_of_one_line(),
+                                                             [&](FrameSetup& setup) { setup.pressure_psi = psi; });
+  };
+  CHECK_THAT(pressures({0.0}), Catch::EndsWith("fewer than two pressures"));
+  CHECK_THAT(pressures({0.0, 0.0, 1.0}), Catch::EndsWith("pressures do not increase"));
+  CHECK_THAT(pressures({0.0, 2.0, 1.0}), Catch::EndsWith("pressures do not increase"));
+  CHECK_THAT(pressures({0.0, 2.0, std::numeric_limits<double>::infinity()}),
+             Catch::EndsWith("pressures do not increase"));
+  CHECK_THAT(pressures({-std::numeric_limits<double>::infinity(), 2.0, 3.0}),
+             Catch::EndsWith("pressures do not increase"));
+  CHECK_THAT(pressures({0.0, 2.0}), Catch::EndsWith("taxel 0: frame compensator: its patterns and the pressures differ "
+                                                    "in number"));
+}
+
+TEST_CASE("edges: a taxel of ELAM's frames is refused for each of its numbers, and taken with their bounds") {
+  const auto refusal = [](const std::function<void(TaxelSetup&)>& change) {
+    return refused_for<FrameCompensator<double>, FrameSetup>(frame_of_one_line(),
+                                                             [&](FrameSetup& setup) { change(setup.taxels.front()); });
+  };
+  for (double ElamParameters::*share : {&ElamParameters::alpha_d, &ElamParameters::beta_d, &ElamParameters::beta_a}) {
+    for (const double good : {0.0, 1.0})
+      CHECK(refusal([&](TaxelSetup& taxel) { taxel.parameters.*share = good; }).empty());
+    for (const double bad : {-kLeastAboveZero, std::nextafter(1.0, 2.0), std::nan("")})
+      CHECK_THAT(refusal([&](TaxelSetup& taxel) { taxel.parameters.*share = bad; }),
+                 Catch::EndsWith("alpha_d, beta_d or beta_a is not within 0 and 1"));
+  }
+  for (double ElamParameters::*slope : {&ElamParameters::alpha_a1, &ElamParameters::alpha_a0}) {
+    for (const double good : {-3.0, 3.0})
+      CHECK(refusal([&](TaxelSetup& taxel) { taxel.parameters.*slope = good; }).empty());
+    for (const double bad : {-std::numeric_limits<double>::infinity(), std::nan("")})
+      CHECK_THAT(refusal([&](TaxelSetup& taxel) { taxel.parameters.*slope = bad; }),
+                 Catch::EndsWith("alpha_a1 or alpha_a0 is not a finite number"));
+  }
+  CHECK(refusal([](TaxelSetup& taxel) { taxel.noise_v = 0.0; }).empty());
+  for (const double bad : {-kLeastAboveZero, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    CHECK_THAT(refusal([&](TaxelSetup& taxel) { taxel.noise_v = bad; }),
+               Catch::EndsWith("its noise is negative or not a finite number"));
+    CHECK_THAT(refusal([&](TaxelSetup& taxel) {
+                 taxel.residual_psi = {0.1, bad};
+               }),
+               Catch::EndsWith("its residual is negative or not a finite number"));
+  }
+  CHECK(refusal([](TaxelSetup& taxel) { taxel.residual_psi = {0.0, 0.1}; }).empty());
+  for (std::vector<double> TaxelSetup::*side : {&TaxelSetup::ascending_v, &TaxelSetup::descending_v}) {
+    CHECK_THAT(refusal([&](TaxelSetup& taxel) { (taxel.*side).pop_back(); }),
+               Catch::EndsWith("its patterns and the pressures differ in number"));
+    CHECK_THAT(refusal([&](TaxelSetup& taxel) { (taxel.*side).front() = 0.1; }),
+               Catch::EndsWith("its patterns do not meet at their ends"));
+    CHECK_THAT(refusal([&](TaxelSetup& taxel) { (taxel.*side).back() = 3.1; }),
+               Catch::EndsWith("its patterns do not meet at their ends"));
+  }
+}
+
+TEST_CASE("edges: the C API takes 1 to 100 intervals and some taxels, else the size is wrong") {
+  const auto code = [](std::size_t taxels, std::size_t intervals) {
+    std::vector<double> table;
+    for (std::size_t i = 0; i <= intervals; ++i)
+      for (std::size_t j = 0; j <= i; ++j) table.push_back(static_cast<double>(i - j));
+    tb_dynamic_setup setup{};
+    setup.struct_size = sizeof setup;
+    setup.taxels = taxels;
+    setup.intervals = intervals;
+    setup.pressure_high = 60.0;
+    setup.volts_per_count = 1e-3;
+    tb_dynamic_taxel taxel{};
+    taxel.struct_size = sizeof taxel;
+    taxel.flags = TB_TAXEL_USABLE;
+    taxel.everett = table.data();
+    tb_compensator* handle = nullptr;
+    char message[80] = "";
+    const int told = tb_compensator_create_dynamic(&setup, &taxel, &handle, message, sizeof message);
+    CHECK((told == TB_COMPENSATOR_OK) == (handle != nullptr));
+    if (told == TB_COMPENSATOR_SIZE) CHECK(message == std::string("no taxels, or not 1 to 100 intervals"));
+    tb_compensator_destroy(handle);
+    return told;
+  };
+  CHECK(code(1, 1) == TB_COMPENSATOR_OK);
+  CHECK(code(1, 100) == TB_COMPENSATOR_OK);
+  CHECK(code(1, 0) == TB_COMPENSATOR_SIZE);
+  CHECK(code(1, 101) == TB_COMPENSATOR_SIZE);
+  CHECK(code(0, 1) == TB_COMPENSATOR_SIZE);
+}
+
+#if defined(__x86_64__)
+TEST_CASE("edges: a processor that has AVX2, and one that has AVX-512, is told that frames may use it") {
+  __builtin_cpu_init();
+  if (!__builtin_cpu_supports("avx2")) {
+    CHECK(dispatches().size() == 1);
+    return;
+  }
+  REQUIRE(dispatches().size() >= 2);
+  CHECK(dispatches()[1] == Dispatch::kAvx2);
+  if (!__builtin_cpu_supports("avx512f")) CHECK(dispatches().size() == 2);
+}
+#endif
+
+TEST_CASE("edges: creep that takes exactly nine tenths, and an output exactly at its divider's end, are taken") {
+  const auto taken = [](double share, double scale) {
+    DynamicSetup setup = straight_setup();
+    setup.dynamics.creep_share = {share, 0.0, 0.0};
+    setup.taxels.front().creep_scale = scale;
+    try {
+      check_setup(setup);
+      check_taxel(setup, setup.taxels.front());
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    return true;
+  };
+  CHECK(taken(0.9, 1.0));
+  CHECK(taken(0.45, 2.0));
+  CHECK_FALSE(taken(std::nextafter(0.9, 1.0), 0.5));
+  CHECK_FALSE(taken(0.45, std::nextafter(2.0, 3.0)));
+  DynamicSetup setup = straight_setup();
+  DynamicTaxel& taxel = setup.taxels.front();
+  taxel.divider = {0.0, 1.0};  // an output of 1 V at most, 0.995 V are taken
+  const double end = taxel.divider.linear_end();
+  REQUIRE(taxel.divider.output(end) == 0.995);
+  taxel.everett = {0.0, end, 0.0};
+  CHECK_NOTHROW(check_taxel(setup, taxel));
+  taxel.everett = {0.0, end + 1e-9, 0.0};
+  CHECK_THROWS_WITH(check_taxel(setup, taxel), Catch::EndsWith("its full output exceeds its divider's"));
+}
+
+TEST_CASE("edges: pieces of a curve from exactly a hundredth of the range are not resized where ends are exact") {
+  const std::vector<double> x{0.0, 50.0, 100.0};
+  const ElamModel model{PatternCurve(x, std::vector<double>{0.0, 1.0, 3.0}, 0.0, 3.0),
+                        PatternCurve(x, std::vector<double>{0.0, 2.5, 3.0}, 0.0, 3.0),
+                        {0.5, 0.5, 0.0, 0.5, 0.5},
+                        {true}};
+  const ElamPieces pieces{{1.0}, {-1.0}, {1.0}, {-1.0}};
+  const auto resized = [&](bool ascending, double turn, double y) {
+    const ElamCurve plain(model, ascending, turn, y);
+    const ElamPiecedCurve pieced(model, pieces, ascending, turn, y);
+    double most = 0.0;
+    for (double at = 2.0; at < 99.0; at += 1.0) most = std::max(most, std::abs(plain.output(at) - pieced.output(at)));
+    return most > 0.01;
+  };
+  CHECK_FALSE(resized(true, 1.0, 0.02));
+  CHECK(resized(true, 1.001, 0.02));
+  CHECK_FALSE(resized(false, 99.0, 2.99));
+  CHECK(resized(false, 98.999, 2.99));
+}
+
+TEST_CASE("edges: a stream that is reset knows its history, whatever it was before") {
+  const PreisachModel model(0.0, 60.0, 0.0, {0.0, 3.0, 0.0});
+  InverseStream stream(model, 0.01), other(model, 0.01);
+  stream.reset_unknown();
+  CHECK(stream.step(1.5) < other.step(1.5));
+  stream.reset();
+  other.reset();
+  for (const double output : {1.5, 1.7, 1.2}) {
+    CHECK(stream.reads(output) == other.reads(output));
+    CHECK(stream.step(output) == other.step(output));
+  }
+}
