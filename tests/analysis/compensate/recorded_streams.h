@@ -114,22 +114,23 @@ class Summed {
 };
 
 // Against the first of `was`; what is to be recorded is added to `lines`.
-inline void check_sums(const std::string& name, const Summed& now, std::span<const Sums> was, std::string& lines) {
+inline void check_sums(const std::string& name, const Summed& now, std::span<const Sums> was, std::string& lines,
+                       double margin = 1e-6) {
   CAPTURE(name);
   for (std::size_t i = 0; i < now.sums().size(); ++i) {
     const Sums& sums = now.sums()[i];
     lines += fmt::format("{{{:.7f}, {:.7f}, {}}},\n", sums.pressure, sums.uncertainty, sums.marks);
     if (i >= was.size()) continue;
     CAPTURE(i);
-    CHECK(sums.pressure == Approx(was[i].pressure).epsilon(0.0).margin(1e-6));
-    CHECK(sums.uncertainty == Approx(was[i].uncertainty).epsilon(0.0).margin(1e-6));
+    CHECK(sums.pressure == Approx(was[i].pressure).epsilon(0.0).margin(margin));
+    CHECK(sums.uncertainty == Approx(was[i].uncertainty).epsilon(0.0).margin(margin));
     CHECK(sums.marks == was[i].marks);
   }
 }
 
-inline void check_recorded(const Summed& now, const std::vector<Sums>& was) {
+inline void check_recorded(const Summed& now, const std::vector<Sums>& was, double margin = 1e-6) {
   std::string lines;
-  check_sums("", now, was, lines);
+  check_sums("", now, was, lines, margin);
   INFO("now:\n" << lines);
   CHECK(now.sums().size() == was.size());
 }
