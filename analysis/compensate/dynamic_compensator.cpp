@@ -123,7 +123,7 @@ void DynamicTaxelCompensator::turn_when_beyond() {
   const double behind = behind_extreme(), behind2 = behind > 0.0 ? behind * behind : 0.0;
   const double rest = options_.rest_in_noises * options_.noise_v;
   held_ = ahead <= 0.0 || ahead * ahead <= squared_noise(options_.hold_in_noises);
-  const bool turned = ahead < 0.0 && behind2 > squared_noise(options_.band_in_noises);
+  const bool turned = behind2 > squared_noise(options_.band_in_noises);
   const bool rested = weight_ <= 1.0 / options_.longest_mean && extreme_weight_ > weight_ && behind2 <= rest * rest;
   if (turned) {
     if (ascending_) observe_top();
