@@ -129,6 +129,27 @@ TEST_CASE("turns of a table by hand: seven noises of the inputs where fifty tell
   CHECK(turn_of(401, 20.0) < 1.0);  // more than a quarter of the span: such inputs jump
 }
 
+TEST_CASE("turns of a table by hand: a stated size, and 0 is one, is that of sequences that are only scored, too") {
+  TableSeries even{"even", 0, {}, {}}, noisy{"noisy", 0, {}, {}};
+  for (int i = 0; i <= 200; ++i) {
+    const double ramp = 100.0 - std::abs(100 - i);
+    even.input.push_back(ramp);
+    noisy.input.push_back(ramp + (i == 0 || i == 200 ? 0.0 : i % 2 == 0 ? 1.5 : -1.5));
+  }
+  even.output = even.input;
+  noisy.output = noisy.input;
+  const auto branches_with = [&](double turn) {
+    HistoriesOptions options;
+    options.turn = turn;
+    options.fitted = {"even"};
+    return histories_of({even, noisy}, "t", options).taxels[0].score[1].branches.size();
+  };
+  CHECK(branches_with(0.0) > 100);
+  CHECK(branches_with(0.5) > 100);
+  CHECK(branches_with(5.0) == 2);
+  CHECK(branches_with(-1.0) == 2);  // the sequence's own noise
+}
+
 TEST_CASE("inputs that jump are told with their noise, and where turns are counted from") {
   // 0 10 0 10 ...: the first differences are 10 over sqrt 2, less than those of any other order; 73.4 are seven noises.
   TableSeries series{"a", 0, {}, {}};
