@@ -25,7 +25,8 @@ void find_lag(const Dataset& data, const std::vector<double>& zero_v, const std:
   std::vector<LagRow> rows;
   std::size_t begin = 0;
   for (const SequenceData& sequence : data.sequences) {
-    const std::size_t length = sequence.repeats.empty() ? 0 : sequence.repeats.front().steps.size();
+    if (sequence.repeats.empty()) continue;
+    const std::size_t length = sequence.repeats.front().steps.size();
     std::size_t fast = 0, slow = 0;
     const auto lasts = [&](std::size_t r) {
       const std::vector<Sample>& steps = sequence.repeats[r].steps;
@@ -35,7 +36,7 @@ void find_lag(const Dataset& data, const std::vector<double>& zero_v, const std:
       if (lasts(r) < lasts(fast)) fast = r;
       if (lasts(r) > lasts(slow)) slow = r;
     }
-    if (length > 2 && lasts(slow) > 2.0 * lasts(fast))
+    if (lasts(slow) > 2.0 * lasts(fast))
       for (std::size_t i = 1; i + 1 < length; ++i)
         rows.push_back({0.0, 0.0, begin + fast * length + i, begin + slow * length + i});
     begin += sequence.repeats.size() * length;
