@@ -166,3 +166,18 @@ TEST_CASE("recorded: Preisach's fits on another range come to what they came to"
               {2724.9124456, 214.2980462, 428},
               {2722.6918467, 212.6917425, 428}});
 }
+
+TEST_CASE("Preisach's weights are open where no branch turns further inside than a hundredth of the range") {
+  const auto open = [](const std::vector<double>& inputs) {
+    const auto film = film_of_other_range(true);
+    const auto [up, down] = patterns_of(*film, true);
+    History history{"way", inputs, predict(*film, inputs), branches_along(inputs), {}, {}};
+    const ModelFit fit = identify("preisach", {{history}, up, down, {}}, {.cells = 4});
+    return fit.undetermined == std::vector<std::string>{"w"};
+  };
+  CHECK(open({5, 20, 40, 55, 40, 20, 5, 30, 55}));
+  CHECK(open({5, 20, 40, 54.5, 40, 20, 5.5, 30, 55}));
+  CHECK(open({20, 40, 55, 40, 20, 5}));  // where a recording begins is no turn
+  CHECK_FALSE(open({5, 20, 40, 54.4, 40, 20, 5, 30, 55}));
+  CHECK_FALSE(open({5, 20, 40, 55, 40, 20, 5.6, 30, 55}));
+}

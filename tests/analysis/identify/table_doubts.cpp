@@ -109,6 +109,20 @@ TEST_CASE("tables that are too short, constant, or whose turn is as wide as the 
         "TB-TABLE-TURN t: --turn 2 is not less than what the inputs of taxel 0 span, 0 to 2");
 }
 
+TEST_CASE("without a loop the outputs span from the mean within 1 % of the lowest input to that of the highest") {
+  TableSeries series{"a", 0, {0, 1, 1.5, 50, 98.5, 99, 100}, {1.0, 2.0, 4.0, 5.0, 6.0, 8.0, 9.0}};
+  HistoriesOptions options;
+  options.turn = 0.0;
+  options.noise = 0.0;
+  const Histories histories = histories_of({series}, "t", options);
+  const FitData data = fit_data_of(histories.taxels[0], {});
+  CHECK_FALSE(data.no_loop.empty());
+  CHECK(data.ascending.y().front() == Approx(1.5));
+  CHECK(data.ascending.y().back() == Approx(8.5));
+  CHECK(data.ascending.x().front() == 0.0);
+  CHECK(data.ascending.x().back() == 100.0);
+}
+
 TEST_CASE("turns of a table by hand: seven noises of the inputs where fifty tell them, at least 0.1 % of the span") {
   // A ramp up and down with a step back of `back` in the middle of the way up.
   const auto turn_of = [](std::size_t samples, double wave) {

@@ -126,6 +126,18 @@ TEST_CASE("non-negative least squares by hand: inside, at the bound, and no more
   CHECK(x[2] == Approx(0.1 / 6.0));
 }
 
+TEST_CASE("non-negative least squares by hand: of columns in small and large units as of others") {
+  for (const double unit : {1e-7, 1e-3, 1e3, 1e7}) {
+    CAPTURE(unit);
+    Eigen::MatrixXd gram(2, 2);
+    gram << 2, 1, 1, 2;
+    gram *= unit;
+    const Eigen::VectorXd x = non_negative_least_squares(gram, Eigen::Vector2d(5.0 * unit, 4.0 * unit));
+    CHECK(x[0] == Approx(2.0));
+    CHECK(x[1] == Approx(1.0));
+  }
+}
+
 TEST_CASE("GPI by hand: unknowns within their bounds, and the parameters that they stand for") {
   GpiVector far;
   far << 100, 2e3, 100, -100, -2e3, -100, 100, 100;
