@@ -9,9 +9,9 @@ using namespace recorded;
 
 namespace {
 
-constexpr std::size_t kTaxels = 21, kFrames = 900;
+constexpr std::size_t kElamTaxels = 21, kElamFrames = 900;
 
-double bent(double share, double bend) { return share * (1.0 + bend * (1.0 - share)); }
+double bent_share(double share, double bend) { return share * (1.0 + bend * (1.0 - share)); }
 
 // Patterns in steps of 1 / 256 V from 0.5 to 3.5 V; taxel 4 does not rise at its top, 5 not at its bottom.
 FrameSetup elam_array(Kind kind, bool exact_outer) {
@@ -41,12 +41,13 @@ FrameSetup elam_array(Kind kind, bool exact_outer) {
     setup.options.known_psi = 0.0;
     setup.options.drift_share = 0.0;
   }
-  for (std::size_t t = 0; t < kTaxels; ++t) {
+  for (std::size_t t = 0; t < kElamTaxels; ++t) {
     const double k = static_cast<double>(t);
     TaxelSetup taxel;
     taxel.usable = t != 7;
     for (const double psi : setup.pressure_psi) {
-      const double share = (psi - 2.0) / 60.0, up = bent(share, -0.8 + 0.02 * k), down = bent(share, 0.2 + 0.03 * k);
+      const double share = (psi - 2.0) / 60.0, up = bent_share(share, -0.8 + 0.02 * k),
+                   down = bent_share(share, 0.2 + 0.03 * k);
       const auto volts = [&](double part) { return 0.5 + std::round(3.0 * part * 256.0) / 256.0; };
       taxel.ascending_v.push_back(volts(t == 5 && psi < 23.0 ? 0.0 : up));
       taxel.descending_v.push_back(volts(t == 4 && psi > 45.0 ? 1.0 : down));
@@ -64,12 +65,12 @@ FrameSetup elam_array(Kind kind, bool exact_outer) {
 }
 
 // Volts of each taxel.
-std::vector<std::vector<double>> ways(Kind kind) {
+std::vector<std::vector<double>> elam_ways(Kind kind) {
   std::vector<std::vector<double>> all;
-  for (std::size_t t = 0; t < kTaxels; ++t) {
+  for (std::size_t t = 0; t < kElamTaxels; ++t) {
     const double noise = kind == Kind::kRound ? 0.004 : 0.001 / 3.0 * static_cast<double>(1 + t % 6);
     const bool drifts = kind == Kind::kDrift || kind == Kind::kOpen;
-    std::vector<double> volts = (drifts ? drifting_shares : output_shares)(100 + t, kFrames, noise);
+    std::vector<double> volts = (drifts ? drifting_shares : output_shares)(100 + t, kElamFrames, noise);
     for (double& volt : volts) volt = 0.5 + 3.0 * volt;
     all.push_back(kind == Kind::kRound ? in_steps(std::move(volts), 64.0) : std::move(volts));
   }
@@ -79,13 +80,13 @@ std::vector<std::vector<double>> ways(Kind kind) {
 Summed frames_read(const FrameSetup& setup, Kind kind) {
   const bool in_round_numbers = kind == Kind::kRound, often = kind == Kind::kDrift || kind == Kind::kOpen;
   FrameCompensator<double> frames(setup);
-  const std::vector<std::vector<double>> outputs = ways(kind);
-  std::vector<double> volts(kTaxels), psi(kTaxels), doubt(kTaxels);
-  std::vector<std::uint16_t> status(kTaxels), counts(kTaxels);
+  const std::vector<std::vector<double>> outputs = elam_ways(kind);
+  std::vector<double> volts(kElamTaxels), psi(kElamTaxels), doubt(kElamTaxels);
+  std::vector<std::uint16_t> status(kElamTaxels), counts(kElamTaxels);
   const FrameCompensator<double>::Output output{psi, doubt, status};
-  Summed summed(kTaxels * 150);
-  for (std::size_t f = 0; f < kFrames; ++f) {
-    for (std::size_t t = 0; t < kTaxels; ++t) {
+  Summed summed(kElamTaxels * 150);
+  for (std::size_t f = 0; f < kElamFrames; ++f) {
+    for (std::size_t t = 0; t < kElamTaxels; ++t) {
       volts[t] = outputs[t][f];
       counts[t] = static_cast<std::uint16_t>(std::lround(std::max(0.0, volts[t]) * 4096.0));
       if (setup.taxels[t].falling) volts[t] = -volts[t];
@@ -94,7 +95,7 @@ Summed frames_read(const FrameSetup& setup, Kind kind) {
     if (often && f % 90 == 45) frames.reset_unknown();
     if (f == 210) frames.reset();
     if (f == 300) frames.reset_unknown();
-    if (f == 450 && !in_round_numbers) CHECK(frames.tare(counts) < kTaxels);
+    if (f == 450 && !in_round_numbers) CHECK(frames.tare(counts) < kElamTaxels);
     if (f == 600) frames.reset_unknown();
     if (f == 580 || f == 590) frames.set_outside_validity(f == 580);
     if (f % 97 == 11) volts[(f / 97) * 2] = std::nan("");
@@ -105,17 +106,17 @@ Summed frames_read(const FrameSetup& setup, Kind kind) {
       frames.frame(std::span<const std::uint16_t>(counts), output);
     else
       frames.frame(std::span<const double>(volts), output);
-    for (std::size_t t = 0; t < kTaxels; ++t) summed.add(psi[t], doubt[t], status[t]);
+    for (std::size_t t = 0; t < kElamTaxels; ++t) summed.add(psi[t], doubt[t], status[t]);
   }
   return summed;
 }
 
 // The plain form along the same ways.
 Summed plain_reads(const FrameSetup& setup, Kind kind) {
-  const std::vector<std::vector<double>> outputs = ways(kind);
+  const std::vector<std::vector<double>> outputs = elam_ways(kind);
   const bool often = kind == Kind::kDrift || kind == Kind::kOpen;
-  Summed summed(kFrames * 7);
-  for (std::size_t t = 0; t < kTaxels; ++t) {
+  Summed summed(kElamFrames * 7);
+  for (std::size_t t = 0; t < kElamTaxels; ++t) {
     const TaxelSetup& from = setup.taxels[t];
     const ElamModel model{
         PatternCurve(setup.pressure_psi, from.ascending_v, from.ascending_v.front(), from.ascending_v.back()),
@@ -124,7 +125,7 @@ Summed plain_reads(const FrameSetup& setup, Kind kind) {
     CompensatorOptions options = setup.options;
     options.noise_v = from.noise_v;
     TaxelCompensator plain(model, options);
-    for (std::size_t f = 0; f < kFrames; ++f) {
+    for (std::size_t f = 0; f < kElamFrames; ++f) {
       if (f == 300) plain.reset();
       if (f % (often ? 90 : 300) == (often ? 45 : 150)) plain.reset_unknown();
       summed.add(plain.step(outputs[t][f]));

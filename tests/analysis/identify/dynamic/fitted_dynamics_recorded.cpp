@@ -36,7 +36,7 @@ recorded::Summed held_by(const SensorModel& model) {
 }  // namespace
 
 TEST_CASE("recorded: a dynamic model of three runs and of one holds what it held when recorded", "[dynamic]") {
-  const Runs runs = runs_of(dynamic_array(kTaxels, 0.0005));
+  const Runs runs = runs_of(dynamic_array(synthetic::kTaxels, 0.0005));
   DynamicFitOptions options;
   options.cells = 8;
   std::string lines;
