@@ -39,6 +39,7 @@ TEST_CASE("recorded: a dynamic model of three runs and of one holds what it held
   const Runs runs = runs_of(dynamic_array(synthetic::kTaxels, 0.0005));
   DynamicFitOptions options;
   options.cells = 8;
+  options.threads = 1;
   std::string lines;
   const std::vector<recorded::Sums> was{{703.4248477, 538.6245416, 148880}, {711.7599873, 13.8947448, 148720}};
   std::vector<recorded::Summed> now{held_by(fit_dynamic(runs.fitted, runs.rate, runs.creep, options))};
