@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -254,5 +255,32 @@ TEST_CASE("edges: a stream that is reset knows its history, whatever it was befo
   for (const double output : {1.5, 1.7, 1.2}) {
     CHECK(stream.reads(output) == other.reads(output));
     CHECK(stream.step(output) == other.step(output));
+  }
+}
+
+TEST_CASE("edges: a still output that turns slowly, and at once turns again, is read by frames as by the plain form") {
+  const DynamicSetup setup = straight_setup(0.01);
+  DynamicSetup with_rounding = setup;  // as frames take it
+  with_rounding.taxels.front().noise_v = std::hypot(0.01, setup.volts_per_count / std::sqrt(12.0));
+  DynamicSetup at_rest = setup;
+  at_rest.start_unknown = false;
+  for (int step_mv = 2; step_mv <= 16; ++step_mv) {
+    DynamicFrameCompensator<double> frames(at_rest);
+    DynamicTaxelCompensator plain(with_rounding, 0);
+    const auto both_read = [&](double volts) {
+      double psi = 0.0, doubt = 0.0;
+      std::uint16_t status = 0;
+      frames.frame(std::span<const double>(&volts, 1), {{&psi, 1}, {&doubt, 1}, {&status, 1}});
+      const Compensated one = plain.step(volts, 0.0);
+      CAPTURE(step_mv, volts);
+      CHECK(psi == Approx(one.pressure_psi).margin(1e-9));
+      CHECK(doubt == Approx(one.uncertainty_psi).margin(1e-6));
+    };
+    double volts = 3.5;
+    for (int i = 0; i < 60; ++i) both_read(volts);
+    for (int turn = 0; turn < 6; ++turn) {
+      const bool rises = plain.ascending();
+      for (int i = 0; i < 40 && plain.ascending() == rises; ++i) both_read(volts += (rises ? -0.001 : 0.001) * step_mv);
+    }
   }
 }
