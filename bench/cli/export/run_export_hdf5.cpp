@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <type_traits>
 
 #include "analysis/documents/run_json.h"
@@ -24,7 +25,6 @@ namespace {
 template <class Value, class Row, class Get>
 std::vector<Value> hdf5_column(const std::vector<Row>& rows, Get get) {
   std::vector<Value> values;
-  values.reserve(rows.size());
   for (const Row& row : rows) values.push_back(static_cast<Value>(get(row)));
   return values;
 }
@@ -149,11 +149,9 @@ void hdf5_counts(Hdf5File& file, const db::RunRecord& run, const std::vector<db:
 
 void hdf5_wrenches(Hdf5File& file, const std::vector<db::FrameRecord>& frames) {
   if (std::ranges::none_of(frames, [](const db::FrameRecord& f) { return f.wrench.has_value(); })) return;
-  const db::WrenchRecord absent{kHdf5Absent,
-                                kHdf5Absent,
-                                {kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent},
-                                {kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent, kHdf5Absent},
-                                {kHdf5Absent, kHdf5Absent, kHdf5Absent}};
+  db::WrenchRecord absent{kHdf5Absent, kHdf5Absent, {}, {}, {}};
+  for (const std::span<double> none : {std::span<double>(absent.wrench), {absent.raw}, {absent.place_mm}})
+    std::ranges::fill(none, kHdf5Absent);
   Reals target, start, wrench, raw, place;
   for (const db::FrameRecord& f : frames) {
     const db::WrenchRecord& w = f.wrench ? *f.wrench : absent;
@@ -275,17 +273,21 @@ void hdf5_remarks(Hdf5File& file, const db::RunStore& store, std::int64_t run) {
 
 }  // namespace
 
+void put_run(Hdf5File& file, const db::RunStore& store, const db::RunRecord& run) {
+  const nlohmann::ordered_json document = analysis::run_json(run);
+  hdf5_head(file, document, run);
+  hdf5_recipes_and_devices(file, document, run);
+  hdf5_frames(file, run, store.frames(run.run), store.branches(run.run));
+  hdf5_remarks(file, store, run.run);
+  add_nexus(file, run);
+}
+
 std::size_t write_run_hdf5(const db::RunStore& store, const db::RunRecord& run, const std::string& path) {
   const HalfFile half = make_half_file(path);
   std::error_code ignored;
   try {
     const auto made = make_hdf5_file(half.name);
-    const nlohmann::ordered_json document = analysis::run_json(run);
-    hdf5_head(*made, document, run);
-    hdf5_recipes_and_devices(*made, document, run);
-    hdf5_frames(*made, run, store.frames(run.run), store.branches(run.run));
-    hdf5_remarks(*made, store, run.run);
-    add_nexus(*made, run);
+    put_run(*made, store, run);
     made->close();
     std::filesystem::rename(half.name, half.target);
   } catch (...) {

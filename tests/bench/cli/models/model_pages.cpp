@@ -10,68 +10,12 @@
 
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/models/mpi.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/models/known_model.h"
+#include "tests/bench/cli/models/models_here.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using analysis::ModelTaxel;
-using analysis::SensorModel;
 using nlohmann::json;
-
-namespace {
-
-ModelTaxel taxel_with(int number, const analysis::MpiParameters& parameters) {
-  ModelTaxel taxel;
-  taxel.taxel = number;
-  taxel.status = analysis::TaxelStatus::kFitted;
-  taxel.noise = 0.004;
-  taxel.fit.model = std::make_unique<analysis::MpiModel>(parameters, 0.0, 60.0, 0.0);
-  taxel.fit.j = 2.5;
-  taxel.fit.mean_error = 0.02;
-  taxel.fit.max_error = 0.06;
-  taxel.fit.full_scale = 2.0;
-  return taxel;
-}
-
-// Two taxels and the mean taxel; between them a dead one.
-SensorModel known_model(double a1, double zero) {
-  SensorModel document;
-  document.model = "mpi";
-  document.source = "me.csv";
-  document.origin = "imported";
-  document.content_sha256 = "0123";
-  document.sequences = {"up", "down"};
-  document.sensor_serial = "S-1";
-  document.input_unit = "N";
-  document.output_unit = "V";
-  document.rows = 1;
-  document.columns = 3;
-  document.validity.input = analysis::Range{0.0, 60.0};
-  document.validity.rate = analysis::Range{0.5, 2.0};
-  document.validity.mount = "glued";
-  document.taxels.push_back(taxel_with(0, {0.1, -0.001, 0.0, 3.0, 0.7}));
-  document.taxels.emplace_back();
-  document.taxels.back().taxel = 1;
-  document.taxels.back().status = analysis::TaxelStatus::kDead;
-  document.taxels.push_back(taxel_with(2, {a1, -0.001, 0.0, 3.0, 0.7}));
-  document.taxels.back().zero = zero;
-  document.taxels.push_back(taxel_with(analysis::kMeanTaxel, {0.1, -0.001, 0.0, 3.0, 5.0}));
-  return document;
-}
-
-void write_model(const TemporaryFolder& folder, const std::string& name, const SensorModel& document) {
-  write_file(folder.path(name), analysis::to_text(document));
-}
-
-void check_holds(const Finished& finished, const std::vector<std::string>& lines) {
-  INFO(finished.out << finished.err);
-  for (const std::string& line : lines) {
-    INFO(line);
-    CHECK(("\n" + finished.out).find("\n" + line + "\n") != std::string::npos);
-  }
-}
-
-}  // namespace
 
 TEST_CASE("model show: what was fitted, where it holds, and the last taxel's numbers") {
   const TemporaryFolder folder;
@@ -79,7 +23,7 @@ TEST_CASE("model show: what was fitted, where it holds, and the last taxel's num
   SensorModel document = analysis::document_from_text(analysis::to_text(known_model(0.1, 0.0)), "m.json");
   write_model(folder, "m.json", document);
   check_holds(
-      call(folder, {"model", "show", "m.json"}),
+      model_verb(folder, {"model", "show", "m.json"}),
       {"mpi of me.csv (imported), sha256 " + analysis::sha256_of(document).substr(0, 12), "  fitted on     up, down",
        "  content       0123", "  sensor        S-1, scanner (not stated)", "  units         N to V",
        "  valid for     input 0 .. 60 N; hold not known; rate 0.5 .. 2 N/s; temperature not known",
@@ -92,7 +36,7 @@ TEST_CASE("model show: what was fitted, where it holds, and the last taxel's num
   document.falling = true;
   write_model(folder, "one.json", document);
   check_holds(
-      call(folder, {"model", "show", "one.json"}),
+      model_verb(folder, {"model", "show", "one.json"}),
       {"  units         N to V, falling", "  parent        001122334455: zero by t.csv", "  taxels        1 fitted",
        "taxel 0: J 2.5, mean error 1.000 % FS, max 3.000 % FS, full scale 2 V, noise 0.004 V",
        "  tau           0.7                   1"});
@@ -102,7 +46,7 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
   const TemporaryFolder folder;
   write_model(folder, "m.json", known_model(0.1, 0.0));
   write_model(folder, "n.json", known_model(0.04, 0.25));
-  const Finished differ = call(folder, {"model", "diff", "m.json", "n.json"});
+  const Finished differ = model_verb(folder, {"model", "diff", "m.json", "n.json"});
   CHECK(differ.code == 1);
   check_holds(differ,
               {"n.json against m.json: not the same", "parameter            mean diff       largest   taxel  unit",
@@ -111,7 +55,7 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
                "a1                       -0.02         -0.06       2  V/N",
                "tau                          0             0       0  1"});
   CHECK(differ.out.find("fitted in the first alone") == std::string::npos);
-  const json told = json::parse(call(folder, {"model", "diff", "m.json", "n.json", "--json"}).out);
+  const json told = json::parse(model_verb(folder, {"model", "diff", "m.json", "n.json", "--json"}).out);
   CHECK(told["same"] == false);
   CHECK(told["taxels_of_first_alone"] == 0);
   REQUIRE(told["parameters"].size() == 7);
@@ -122,8 +66,8 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
   SensorModel fewer = known_model(0.1, 0.0);
   fewer.taxels.erase(fewer.taxels.begin() + 2);
   write_model(folder, "fewer.json", fewer);
-  check_holds(call(folder, {"model", "diff", "m.json", "fewer.json"}), {"1 taxel is fitted in the first alone"});
-  check_holds(call(folder, {"model", "diff", "fewer.json", "fewer.json"}),
+  check_holds(model_verb(folder, {"model", "diff", "m.json", "fewer.json"}), {"1 taxel is fitted in the first alone"});
+  check_holds(model_verb(folder, {"model", "diff", "fewer.json", "fewer.json"}),
               {"fewer.json against fewer.json: the same, byte for byte"});
 }
 
@@ -140,15 +84,15 @@ TEST_CASE("model show and diff in kPa: ranges and parameters of pressures, and n
     REQUIRE(at != std::string::npos);
     return std::stod(text.substr(at + 1 + name.size()));
   };
-  const Finished shown = call(folder, {"model", "show", "m.json", "--units", "kPa"});
+  const Finished shown = model_verb(folder, {"model", "show", "m.json", "--units", "kPa"});
   CHECK_THAT(shown.out, Catch::Contains("input 0 .. 413.7 kPa; hold not known; rate 3.447 .. 13.79 kPa/s;") &&
                             Catch::Contains(" V/kPa\n") && Catch::Contains(" V/kPa^2\n"));
   CHECK(number_behind(shown.out, "  a1") == Approx(0.1 / kKpaOfPsi));
   CHECK(number_behind(shown.out, "  a2") == Approx(-0.001 / (kKpaOfPsi * kKpaOfPsi)));
   CHECK(number_behind(shown.out, "  rho") == Approx(3.0));
-  CHECK(call(folder, {"model", "show", "newtons.json", "--units", "kPa"}).out ==
-        call(folder, {"model", "show", "newtons.json"}).out);
-  const Finished differ = call(folder, {"model", "diff", "m.json", "n.json", "--units", "kPa"});
+  CHECK(model_verb(folder, {"model", "show", "newtons.json", "--units", "kPa"}).out ==
+        model_verb(folder, {"model", "show", "newtons.json"}).out);
+  const Finished differ = model_verb(folder, {"model", "diff", "m.json", "n.json", "--units", "kPa"});
   CHECK(number_behind(differ.out, "a1") == Approx(-0.02 / kKpaOfPsi).epsilon(1e-5));
   CHECK(number_behind(differ.out, "zero") == Approx(0.25 / 3.0).epsilon(1e-5));
 }
@@ -160,10 +104,10 @@ TEST_CASE("model diff: parameters of inputs in different units are not compared,
   write_model(folder, "psi.json", pressures);
   write_model(folder, "n.json", known_model(0.1, 0.0));
   check_holds(
-      call(folder, {"model", "diff", "n.json", "psi.json"}),
+      model_verb(folder, {"model", "diff", "n.json", "psi.json"}),
       {"a1                           -             -       -  not compared: V/N in the first, V/psi in the second",
        "tau                          0             0       0  1"});
-  const json told = json::parse(call(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
+  const json told = json::parse(model_verb(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
   CHECK((told["parameters"][2]["unit"] == "V/N" && told["parameters"][2]["unit_of_second"] == "V/psi"));
   CHECK((told["parameters"][2]["mean"].is_null() && told["parameters"][2]["largest"].is_null()));
   CHECK(told["parameters"][0]["mean"].get<double>() == Approx(0.25 / 3.0));
@@ -186,18 +130,18 @@ TEST_CASE("predict and compensate along a table: taxel by taxel, with zero and g
   document.taxels.back().gain = 2.0;
   write_model(folder, "line.json", document);
   write_file(folder.path("t.csv"), "taxel,input\n0,8\n2,8\n0,16\n2,65\n0,65.5\n");
-  const Finished predicted = call(folder, {"predict", "line.json", "t.csv"});
+  const Finished predicted = model_verb(folder, {"predict", "line.json", "t.csv"});
   CHECK(predicted.code == 0);
   INFO(predicted.out << predicted.err);
   CHECK_THAT(predicted.out, Catch::StartsWith("taxel,input,predicted\n0,8,1\n2,8,2.5\n0,16,2\n2,65,"));
   CHECK_THAT(predicted.err, Catch::Contains("1 of 5 inputs lie outside the model's validity, 0 to 64 N"));
   document.input_unit = "psi";
   write_model(folder, "psi.json", document);
-  const Finished in_kpa = call(folder, {"predict", "psi.json", "t.csv", "--units", "kPa"});
+  const Finished in_kpa = model_verb(folder, {"predict", "psi.json", "t.csv", "--units", "kPa"});
   CHECK(in_kpa.out == predicted.out);
   CHECK_THAT(in_kpa.err, Catch::Contains("1 of 5 inputs lie outside the model's validity, 0 to 441.3 kPa"));
   write_file(folder.path("y.csv"), "taxel;output\n0;1\n2;2.5\n0;8.5\n2;-1\n0;0.5\n");
-  const Finished back = call(folder, {"compensate", "line.json", "y.csv"});
+  const Finished back = model_verb(folder, {"compensate", "line.json", "y.csv"});
   CHECK(back.code == 0);
   INFO(back.out << back.err);
   std::vector<std::vector<std::string>> rows;
@@ -217,7 +161,7 @@ TEST_CASE("predict and compensate along a table: taxel by taxel, with zero and g
   for (const std::size_t row : {3U, 4U}) CHECK(rows[row].back() == "range");
   for (const auto& [more, code] : {std::pair{"0", 0}, {"2", 0}, {"1", 6}, {"7", 2}}) {
     write_file(folder.path("x.csv"), "input\n8\n");
-    CHECK(call(folder, {"predict", "line.json", "x.csv", "--taxel", more}).code == code);
+    CHECK(model_verb(folder, {"predict", "line.json", "x.csv", "--taxel", more}).code == code);
   }
-  CHECK_THAT(call(folder, {"predict", "line.json", "x.csv"}).err, Catch::Contains("the model has 3 taxels"));
+  CHECK_THAT(model_verb(folder, {"predict", "line.json", "x.csv"}).err, Catch::Contains("the model has 3 taxels"));
 }

@@ -1,0 +1,75 @@
+// A model of a small array that is known number by number, as a file.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/models/mpi.h"
+#include "tests/support/process.h"
+
+namespace tactbench::tests {
+
+using analysis::ModelTaxel;
+using analysis::SensorModel;
+
+inline ModelTaxel taxel_with(int number, const analysis::MpiParameters& parameters) {
+  ModelTaxel taxel;
+  taxel.taxel = number;
+  taxel.status = analysis::TaxelStatus::kFitted;
+  taxel.noise = 0.004;
+  taxel.fit.model = std::make_unique<analysis::MpiModel>(parameters, 0.0, 60.0, 0.0);
+  taxel.fit.j = 2.5;
+  taxel.fit.mean_error = 0.02;
+  taxel.fit.max_error = 0.06;
+  taxel.fit.full_scale = 2.0;
+  return taxel;
+}
+
+// Two taxels and the mean taxel; between them a dead one.
+inline SensorModel known_model(double a1, double zero) {
+  SensorModel document;
+  document.model = "mpi";
+  document.source = "me.csv";
+  document.origin = "imported";
+  document.content_sha256 = "0123";
+  document.sequences = {"up", "down"};
+  document.sensor_serial = "S-1";
+  document.input_unit = "N";
+  document.output_unit = "V";
+  document.rows = 1;
+  document.columns = 3;
+  document.validity.input = analysis::Range{0.0, 60.0};
+  document.validity.rate = analysis::Range{0.5, 2.0};
+  document.validity.mount = "glued";
+  document.taxels.push_back(taxel_with(0, {0.1, -0.001, 0.0, 3.0, 0.7}));
+  document.taxels.emplace_back();
+  document.taxels.back().taxel = 1;
+  document.taxels.back().status = analysis::TaxelStatus::kDead;
+  document.taxels.push_back(taxel_with(2, {a1, -0.001, 0.0, 3.0, 0.7}));
+  document.taxels.back().zero = zero;
+  document.taxels.push_back(taxel_with(analysis::kMeanTaxel, {0.1, -0.001, 0.0, 3.0, 5.0}));
+  return document;
+}
+
+inline void write_model(const TemporaryFolder& folder, const std::string& name, const SensorModel& document) {
+  write_file(folder.path(name), analysis::to_text(document));
+}
+
+inline void check_holds(const Finished& finished, const std::vector<std::string>& lines) {
+  INFO(finished.out << finished.err);
+  for (const std::string& line : lines) {
+    INFO(line);
+    CHECK(("\n" + finished.out).find("\n" + line + "\n") != std::string::npos);
+  }
+}
+
+// 0.125 V/N from 0 to 64 N: no play rubs.
+inline std::unique_ptr<analysis::MpiModel> straight_line() {
+  return std::make_unique<analysis::MpiModel>(analysis::MpiParameters{0.125, 0.0, 0.0, 0.0, 0.7}, 0.0, 64.0, 0.0);
+}
+
+}  // namespace tactbench::tests
