@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/cli/models/models_here.h"
 #include "tests/bench/cli/play_table.h"
+#include "tests/support/process.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -29,14 +29,14 @@ struct TwoModels {
     write_file(folder.path("a.csv"), table_of_taxels({0, 0, 0}));
     write_file(folder.path("b.csv"), table_of_taxels({0.5, 1.0}));
     for (const char* one : {"a", "b"})
-      REQUIRE(model_verb(folder, {"fit", path(one, ".csv"), "--model", "poly", "-q", "--input-unit", "psi", "-o",
-                                  path(one, ".json")})
+      REQUIRE(call(folder,
+                   {"fit", path(one, ".csv"), "--model", "poly", "-q", "--input-unit", "psi", "-o", path(one, ".json")})
                   .code == 0);
   }
-  static std::string path(const std::string& name, const std::string& end = ".json") { return name + end; }
+  std::string path(const std::string& name, const std::string& end = ".json") const { return folder.path(name + end); }
   Finished diff(const std::string& first, const std::string& second, std::vector<std::string> more = {}) const {
     more.insert(more.begin(), {"model", "diff", path(first), path(second)});
-    return model_verb(folder, more);
+    return call(folder, more);
   }
   std::map<std::string, nlohmann::json> parameters(const std::vector<std::string>& more) const {
     std::map<std::string, nlohmann::json> found;
@@ -100,9 +100,8 @@ TEST_CASE("model diff: a model is the same as itself, and two kinds are not comp
   CHECK_THAT(same.out, Catch::StartsWith(models.path("a") + " against " + models.path("a") +
                                          ": the same, byte for byte\nparameter "));
   CHECK(nlohmann::json::parse(models.diff("b", "b", {"--json"}).out).at("same") == true);
-  REQUIRE(
-      model_verb(models.folder, {"fit", models.path("a", ".csv"), "--model", "monotone", "-q", "-o", models.path("c")})
-          .code == 0);
+  REQUIRE(call(models.folder, {"fit", models.path("a", ".csv"), "--model", "monotone", "-q", "-o", models.path("c")})
+              .code == 0);
   const Finished refused = models.diff("a", "c");
   CHECK(refused.code == 2);
   CHECK_THAT(refused.err,
