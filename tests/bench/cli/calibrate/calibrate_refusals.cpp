@@ -79,6 +79,36 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
              Catch::Contains("[TB-STORE-NOT-FOUND]"));
 }
 
+TEST_CASE("calibrate: a new sensor of a real bench needs the file of its type, and every named file is read first") {
+  const TemporaryFolder folder;
+  const std::string type = folder.path("type.toml"), lab = folder.path("none.toml");
+  check_refused_by(bench::add_calibrate,
+                   {"calibrate", "NEW-1", "--bench", "paper-rig.example.toml", "--operator", "me", "--db",
+                    folder.path("runs.db"), "--type", type},
+                   "sensor 'NEW-1' is new, and there is no file '" + type +
+                       "' that describes its type [TB-SENSOR-UNKNOWN]\n  at: --type " + type +
+                       "\n  try: name its sensor type file: --type FILE; or correct the serial number");
+  const auto said = [&](const WordsOfVerb& more) {
+    WordsOfVerb words = {"calibrate",  "S-1", "--bench", "simulated.toml",
+                         "--operator", "me",  "--db",    folder.path("runs.db")};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished finished = verb_here(bench::add_calibrate, words);
+    CHECK(finished.code == (more.front() == "--run" && more.back() == "1" ? 5 : 2));
+    CHECK(finished.out.empty());
+    return finished.err;
+  };
+  CHECK_THAT(said({"--lab", lab}), Catch::Contains("[TB-FILE-MISSING]") && Catch::Contains(lab));
+  CHECK_THAT(said({"--meta", "nothing"}), Catch::Contains("'nothing'"));
+  CHECK_THAT(said({"--limits", "none.toml"}), Catch::Contains("none.toml"));
+  CHECK_THAT(said({"--recipe", "nonesuch"}), Catch::Contains("nonesuch"));
+  CHECK_THAT(said({"--held-out-recipe", "nonesuch"}), Catch::Contains("nonesuch"));
+  CHECK_THAT(said({"--set", "recipe.nonesuch=1"}), Catch::Contains("nonesuch"));
+  CHECK_THAT(said({"--set", "bench.nonesuch=1"}), Catch::Contains("nonesuch"));
+  CHECK_THAT(said({"--run", "1"}), Catch::Contains("[TB-STORE-OPEN]"));
+  CHECK_THAT(said({"--model", "nonesuch"}), Catch::StartsWith("parse: "));
+  for (const char* option : {"--run", "--held-out"}) CHECK_THAT(said({option, "0"}), Catch::StartsWith("parse: "));
+}
+
 TEST_CASE("page: a night that is not there, and an address that others could listen on") {
   const TemporaryFolder folder;
   check_refused_by(bench::add_page, {"page", "--night", folder.path("none.html")},
