@@ -1,0 +1,187 @@
+// `fit` of tables of one taxel: what it says of its data, what it scores on, what it keeps, in words and as JSON.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/common/build_info.h"
+#include "tests/bench/cli/models/models_here.h"
+#include "tests/bench/cli/play_table.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+using FitTableWords = std::vector<std::string>;
+
+std::string rows_of_play(const std::string& sequence, const std::vector<double>& turns, double sign = 1.0) {
+  std::string text;
+  for (const PlaySample& sample : play_samples(turns))
+    text += sequence + std::to_string(sample.input) + "," + std::to_string(sign * sample.output) + "\n";
+  return text;
+}
+
+const std::vector<double> kLoops = {0, 10, 0, 10, 5, 10, 0};
+
+// s.csv: sequences "full", "inner" and "more"; t.csv: the first alone; f.csv: it falls.
+struct FolderOfTables {
+  FolderOfTables() {
+    write_file(folder.path("s.csv"), "sequence,input,output\n" + rows_of_play("full,", kLoops) +
+                                         rows_of_play("inner,", {0, 8, 2, 6, 3, 10, 0}) +
+                                         rows_of_play("more,", {0, 10, 2, 9, 0}));
+    write_file(folder.path("t.csv"), "input,output\n" + rows_of_play("", kLoops));
+    write_file(folder.path("f.csv"), "input,output\n" + rows_of_play("", kLoops, -1.0));
+  }
+  Finished fit(FitTableWords words) const {
+    words.insert(words.begin(), "fit");
+    return model_verb(folder, std::move(words));
+  }
+  json told(FitTableWords words) const {
+    words.emplace_back("--json");
+    const Finished finished = fit(std::move(words));
+    INFO(finished.err);
+    REQUIRE(finished.code == 0);
+    return json::parse(finished.out);
+  }
+  TemporaryFolder folder;
+};
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("fit of a table: what was fitted, how it turned, and what it was scored on, in words") {
+  const FolderOfTables of;
+  const Finished rest = of.fit({"s.csv", "--fit", "full", "--model", "poly"});
+  CHECK(rest.code == 0);
+  CHECK_THAT(rest.out, Catch::StartsWith("s.csv (imported): fitted on full\n6 branches: the input turned where it went "
+                                         "back by more than 0.01; noise of the output ") &&
+                           Catch::Contains("\n\nmodel                 params ") &&
+                           Catch::Contains("\n\nscored on inner, more of s.csv (400 samples)\n") &&
+                           Catch::Contains("input, compensated") && !Catch::Contains("nothing was held out") &&
+                           !Catch::Contains("figures of the mean taxel") && !Catch::Contains("falls with the input"));
+  const Finished chosen = of.fit({"s.csv", "--fit", "full", "--score", "inner," + of.folder.path("t.csv") + ",more",
+                                  "--model", "poly,mpi", "--input-unit", "N", "--output-unit", "V"});
+  CHECK(count_of(chosen.out, "\nscored on ") == 2);
+  const std::size_t own = chosen.out.find("\nscored on inner, more of s.csv (400 samples)\n"),
+                    other = chosen.out.find("scored on t.csv (240 samples)\n");
+  REQUIRE((own != std::string::npos && other != std::string::npos));
+  CHECK(own < other);
+  CHECK_THAT(chosen.out, Catch::Contains("compensated, N\n"));
+  const Finished all = of.fit({"s.csv", "--model", "monotone"});
+  CHECK_THAT(all.out, Catch::StartsWith("s.csv (imported): fitted on full, inner, more\n16 branches: ") &&
+                          Catch::EndsWith("\nnothing was held out: --fit SEQ,... or --score names what to score on\n"));
+  const Finished falling = of.fit({"f.csv", "--model", "monotone"});
+  CHECK_THAT(falling.out,
+             Catch::StartsWith("f.csv (imported): fitted on 1; the output falls with the input and is negated\n"));
+}
+
+TEST_CASE("fit of a table: the same as JSON, with the models' numbers and scores in the order of their names") {
+  const FolderOfTables of;
+  const json told =
+      of.told({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
+  CHECK(told.at("schema") == "tactbench.fit");
+  CHECK(told.at("source") == "s.csv");
+  CHECK(told.at("origin") == "imported");
+  CHECK((told.at("input_unit") == "psi" && told.at("output_unit") == "V"));
+  CHECK(told.at("falling") == false);
+  CHECK(told.at("fitted") == json{"full"});
+  CHECK(told.at("assumed").empty());
+  CHECK(told.at("warnings").size() == 1);
+  CHECK(told.at("turn").get<double>() == Approx(0.01).epsilon(0.01));
+  CHECK(told.at("noise").get<double>() > 0.0);
+  CHECK(told.at("models_left_out").empty());
+  REQUIRE(told.at("models").size() == 2);
+  CHECK(told.at("models").at(0).at("model") == "poly");
+  CHECK(told.at("models").at(1).at("model") == "monotone");
+  for (const json& model : told.at("models")) {
+    CHECK(model.at("fit") == 0);  // a table's models have no store
+    CHECK(model.at("scores").size() == 1);
+    CHECK(model.at("scores").at(0).at("on") == "inner, more of s.csv");
+    CHECK_FALSE(model.contains("figures"));
+  }
+  CHECK_FALSE(std::filesystem::exists(of.folder.path("runs.db")));
+  const json whole = of.told({"s.csv", "--model", "monotone"});  // three inner branches: enough to leave some out
+  CHECK(whole.at("models").at(0).at("shown_taxel").at("cross_validated").at("samples").get<int>() > 0);
+  CHECK(whole.at("models").at(0).at("scores").empty());
+}
+
+TEST_CASE("fit of a table: why ELAM is made, said to people alone, and nothing where it is named") {
+  const FolderOfTables of;
+  const auto said = [&](const FitTableWords& words) { return of.fit(words).err; };
+  const std::string begin = "ELAM is made, not the dynamic model: ";
+  CHECK_THAT(said({"t.csv"}), Catch::Contains(begin + "that is of runs of a bench, and t.csv is a table\n"));
+  CHECK_THAT(said({"s.csv", "--fit", "full"}),
+             Catch::Contains(begin + "that is of all sequences and of the whole array\n"));
+  CHECK_THAT(said({"t.csv", "--mean-taxel"}),
+             Catch::Contains(begin + "that is of all sequences and of the whole array\n"));
+  for (const FitTableWords& own : std::vector<FitTableWords>{{"--mode", "paper"}, {"--splits", "1"}, {"--memory"}}) {
+    FitTableWords words = {"t.csv"};
+    words.insert(words.end(), own.begin(), own.end());
+    CHECK_THAT(said(words), Catch::Contains(begin + "options of other models are given\n"));
+  }
+  for (const FitTableWords& more : std::vector<FitTableWords>{{"-q"}, {"--json"}, {"--model", "elam"}}) {
+    FitTableWords words = {"t.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    CHECK_THAT(said(words), !Catch::Contains("ELAM is made"));
+  }
+}
+
+TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is kept says how it was made") {
+  const FolderOfTables of;
+  write_file(of.folder.path("inner.csv"), "input,output\n" + rows_of_play("", {0, 10, 4, 8, 3, 9, 5, 7, 2, 8, 4}));
+  const Finished some = of.fit({"inner.csv", "--model", "elam,monotone"});
+  CHECK(some.code == 0);
+  CHECK_THAT(some.err, Catch::Contains("warning: elam is left out: "));
+  CHECK_THAT(some.out, Catch::Contains("\nmonotone ") && !Catch::Contains("\nelam "));
+  const json told = of.told({"inner.csv", "--model", "elam,monotone"});
+  CHECK(told.at("models").size() == 1);
+  REQUIRE(told.at("models_left_out").size() == 1);
+  CHECK(told.at("models_left_out").at(0).at("model") == "elam");
+  CHECK_THAT(
+      some.err,
+      Catch::Contains("elam is left out: " + told.at("models_left_out").at(0).at("why").get<std::string>() + "\n"));
+  const Finished none = of.fit({"inner.csv", "--model", "monotone,elam"});
+  CHECK(none.code == 0);
+  const Finished only = of.fit({"inner.csv", "--model", "elam"});
+  CHECK(only.code == 6);
+  CHECK_THAT(only.err, Catch::Contains("[TB-ANALYSIS-NO-LOOP]"));
+  const Finished kept = of.fit({"t.csv", "--model", "monotone", "--mount", "glued", "--interface", "film", "--splits",
+                                "1", "-o", "m.json", "--input-unit", "N"});
+  CHECK(kept.code == 0);
+  const json model = json::parse(read_file(of.folder.path("m.json")));
+  CHECK(model.at("validity").at("mount") == "glued");
+  CHECK(model.at("validity").at("interface_material") == "film");
+  CHECK(model.at("program_version") == bench::build_info().version);
+  CHECK(of.fit({"t.csv", "--model", "poly", "-o", "t.csv"}).code == 2);
+  CHECK_THAT(read_file(of.folder.path("t.csv")), Catch::StartsWith("input,output\n"));
+  write_file(of.folder.path("two.csv"),
+             "taxel,input,output\n" + rows_of_play("0,", kLoops) + rows_of_play("1,", kLoops, 2.0));
+  const json mean = of.told({"two.csv", "--mean-taxel", "--model", "monotone"});
+  CHECK(mean.at("models").at(0).at("shown_taxel").at("taxel") == -1);
+  CHECK_THAT(of.fit({"two.csv", "--mean-taxel", "--model", "monotone"}).out,
+             Catch::StartsWith("two.csv (imported): fitted on 1; figures of the mean taxel\n"));
+}
+
+TEST_CASE("fit: options reach the models that they are of") {
+  const FolderOfTables of;
+  const auto label = [&](const FitTableWords& more) {
+    FitTableWords words = {"t.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    return of.told(words).at("models").at(0).at("model").get<std::string>();
+  };
+  CHECK(label({"--model", "elam"}) == "elam");
+  CHECK(label({"--model", "elam", "--mode", "paper", "--identify", "exact"}) == "elam");
+  CHECK(label({"--model", "elam", "--mode", "free-run", "--memory", "--exact-outer", "--splits", "2"}) ==
+        "elam, free run, memory, exact outer, 2 splits");
+  CHECK(label({"--model", "mpi", "--linearise"}) == "mpi, linearised");
+  const json starts = of.told({"t.csv", "--model", "gpi", "--starts", "2"});
+  CHECK(starts.at("models").at(0).at("shown_taxel").at("starts") == 2);
+}
