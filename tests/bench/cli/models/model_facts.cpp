@@ -176,6 +176,8 @@ TEST_CASE("model show: the taxels by what became of them, what the stream leaves
   write_model(folder, "dead.json", last_dead);
   const Finished dead = model_verb(folder, {"model", "show", "dead.json"});
   CHECK(dead.code == 0);
+  for (const char* line : {"output", "in time", "parent", "left open", "stream leaves"})
+    CHECK(dead.out.find(std::string("\n  ") + line + "  ") == std::string::npos);
   CHECK_THAT(dead.out, Catch::EndsWith("\n  taxels        1 dead, 1 fitted\n"));
 }
 
@@ -209,6 +211,8 @@ TEST_CASE("model diff: a divider that one model lacks is 0 there, and creep and 
   }
   write_model(folder, "plain.json", plain);
   write_model(folder, "divided.json", divided);
+  check_holds(model_verb(folder, {"model", "show", "divided.json"}),
+              {"  output        linearised output, u = v / (1 - c v): 2 of 2 taxels, c 0.1250 to 0.2500 1/V"});
   check_holds(model_verb(folder, {"model", "diff", "plain.json", "divided.json"}),
               {"c                     0.166667          0.25       2  1/V",
                "a1                           0             0       0  V/N"});

@@ -1,0 +1,201 @@
+// predict and compensate line by line: times, falling outputs, taxels, flags and columns, by straight lines and by a
+// film of three cells.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "analysis/identify/streams/recording_stream.h"
+#include "tests/analysis/support/creeping_film.h"
+#include "tests/bench/cli/models/known_model.h"
+#include "tests/bench/cli/models/models_here.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// One taxel, 0.125 V/N from 0 to 64 N with a noise of 0.0625 V.
+SensorModel one_line(double noise = 0.0) {
+  SensorModel document = known_model(0.1, 0.0);
+  document.sensor_serial.clear();
+  document.validity.input = analysis::Range{0.0, 64.0};
+  document.taxels.resize(1);
+  document.columns = 1;
+  document.taxels[0].fit.model = straight_line();
+  document.taxels[0].fit.full_scale = 8.0;
+  document.taxels[0].noise = noise;
+  return document;
+}
+
+struct FolderOfModel {
+  explicit FolderOfModel(const SensorModel& model) { write_model(folder, "m.json", model); }
+  Finished of_table(const std::string& verb, const std::string& text, std::vector<std::string> more = {}) const {
+    write_file(folder.path("x.csv"), text);
+    more.insert(more.begin(), {verb, "m.json", "x.csv"});
+    return model_verb(folder, more);
+  }
+  TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
+  const FolderOfModel one(one_line());
+  const std::string table = "input\n8\n16\n", predicted = "input,predicted\n8,1\n16,2\n";
+  CHECK(one.of_table("predict", table).out == predicted);
+  CHECK(one.of_table("predict", table, {"--taxel", "0"}).out == predicted);
+  const Finished other = one.of_table("predict", table, {"--taxel", "1"});
+  CHECK(other.code == 2);
+  const FolderOfModel several([] {
+    SensorModel document = known_model(0.1, 0.0);
+    document.taxels[0].fit.model = straight_line();
+    document.taxels[3].fit.model = straight_line();
+    document.taxels[3].zero = 0.5;
+    return document;
+  }());
+  CHECK(several.of_table("predict", table, {"--taxel", "0"}).out == predicted);
+  CHECK(several.of_table("predict", table, {"--taxel", "mean"}).out == "input,predicted\n8,1.5\n16,2.5\n");
+  const Finished none = several.of_table("predict", table);
+  CHECK(none.code == 2);
+  CHECK(none.out.empty());
+  CHECK(none.err ==
+        "error: the model has 4 taxels and the table names none [TB-MODEL-TAXEL]\n  at: --taxel\n  try: add "
+        "--taxel N or --taxel mean, or a column taxel\n");
+  const Finished dead = several.of_table("predict", table, {"--taxel", "1"});
+  CHECK(dead.code == 6);
+  CHECK(dead.err == "error: taxel 1 has no model: dead [TB-MODEL-TAXEL]\n  at: --taxel\n  try: choose another taxel\n");
+  for (const std::string wrong : {"1.5", "99999999999999999999"}) {
+    const Finished refused = several.of_table("predict", table, {"--taxel", wrong});
+    CHECK(refused.code == 2);
+    CHECK(refused.err == "error: '" + wrong +
+                             "' is not the number of a taxel [TB-MODEL-TAXEL]\n  at: --taxel\n  try: "
+                             "add --taxel N or --taxel mean\n");
+  }
+}
+
+TEST_CASE("predict: inputs at the ends of the validity, a fiftieth beyond them, and farther") {
+  const FolderOfModel of(one_line());
+  CHECK(of.of_table("predict", "input\n0\n64\n-1.25\n65.25\n").err.empty());
+  CHECK(of.of_table("predict", "input\n-1.3\n65.3\n8\n").err ==
+        "2 of 3 inputs lie outside the model's validity, 0 to 64 N\n");
+  CHECK(of.of_table("compensate", "output,input\n1,99\n").err.empty());  // inputs are not looked at there
+  SensorModel open = one_line();
+  open.validity.input.reset();
+  open.taxels[0].fit.undetermined = {"rho", "tau"};
+  const FolderOfModel unbounded(open);
+  CHECK(unbounded.of_table("predict", "input\n99\n").err == "mpi: the data do not determine rho, tau (1 of 1 taxel)\n");
+}
+
+TEST_CASE("predict and compensate: a line of units, semicolons with decimal commas, a file in place of the output") {
+  const FolderOfModel of(one_line());
+  const Finished predicted = of.of_table("predict", "input;remark\n[N];[-]\n8,5;a\n16,0;b\n");
+  CHECK(predicted.code == 0);
+  CHECK(predicted.out == "input;remark;predicted\n[N];[-];V\n8,5;a;1,0625\n16,0;b;2\n");
+  CHECK_THAT(predicted.err, Catch::Contains("x.csv: columns are separated by semicolons\n"));
+  const Finished compensated = of.of_table("compensate", "output,remark\n[V],[-]\n1.5,a\n");
+  CHECK(compensated.out == "output,remark,compensated,uncertainty,flags\n[V],[-],N,N,\n1.5,a,12,nan,\n");
+  const Finished written = of.of_table("predict", "input\n8\n", {"-o", "y.csv"});
+  CHECK(written.code == 0);
+  CHECK(written.out.empty());
+  CHECK(read_file(of.folder.path("y.csv")) == "input,predicted\n8,1\n");
+  write_file(of.folder.path("mine.csv"), "mine\n");
+  const Finished kept = of.of_table("predict", "input\n8\n", {"-o", "mine.csv"});
+  CHECK(kept.code == 2);
+  CHECK_THAT(kept.err, Catch::Contains("--replace"));
+  CHECK(read_file(of.folder.path("mine.csv")) == "mine\n");
+  const Finished missing = model_verb(of.folder, {"predict", "m.json", "none.csv"});
+  CHECK(missing.code == 2);
+  CHECK(missing.err ==
+        "error: none.csv cannot be read [TB-TABLE-OPEN]\n  try: check its name and rights; - is standard input\n");
+}
+
+TEST_CASE("compensate: noise of the output over the slope, the ends of the loop, and an output that falls") {
+  const FolderOfModel of(one_line(0.0625));
+  const Finished rising = of.of_table("compensate", "output\n0\n2\n4\n");
+  CHECK(rising.code == 0);
+  CHECK(rising.out == "output,compensated,uncertainty,flags\n0,0,0.5,\n2,16,0.5,\n4,32,0.5,\n");
+  const FolderOfModel silent(one_line());
+  CHECK(silent.of_table("compensate", "output\n0\n2\n99\n").out ==
+        "output,compensated,uncertainty,flags\n0,0,nan,\n2,16,nan,\n99,64,nan,range\n");
+  SensorModel document = one_line();
+  document.falling = true;
+  const FolderOfModel falling(document);
+  CHECK(falling.of_table("compensate", "output\n0\n-2\n-4\n").out ==
+        "output,compensated,uncertainty,flags\n0,0,nan,\n-2,16,nan,\n-4,32,nan,\n");
+  CHECK_THAT(falling.of_table("compensate", "output\n0\n2\n").out, Catch::EndsWith("\n2,0,nan,range\n"));
+}
+
+TEST_CASE("compensate and predict: sequences and taxels have histories of their own") {
+  SensorModel document = known_model(0.1, 0.0);
+  document.taxels.pop_back();
+  const FolderOfModel of(document);
+  const Finished both = of.of_table("predict", "sequence,taxel,input\na,0,60\na,2,0\nb,0,0\na,0,30\nb,0,30\na,2,30\n");
+  CHECK(both.code == 0);
+  std::vector<std::string> values;
+  for (std::size_t at = 0, end = 0; (end = both.out.find('\n', at)) != std::string::npos; at = end + 1)
+    values.push_back(both.out.substr(both.out.rfind(',', end) + 1, end - both.out.rfind(',', end) - 1));
+  REQUIRE(values.size() == 7);
+  CHECK(values[4] != values[5]);  // from 60 down to 30, and from 0 up
+  CHECK(values[5] == values[6]);
+  CHECK(values[2] == values[3]);
+}
+
+TEST_CASE("compensate: a model of lag and creep asks for times that rise, and takes their differences") {
+  SensorModel film = creeping::creeping_film();
+  film.model = "dynamic";
+  film.input_unit = "psi";
+  film.taxels[0].ascending =
+      analysis::PatternCurve(std::vector<double>{10, 50}, std::vector<double>{0.5, 4.2}, 0.5, 4.2);
+  film.taxels[0].descending = film.taxels[0].ascending;
+  const FolderOfModel of(film);
+  const Finished timeless = of.of_table("compensate", "output\n0.5\n");
+  CHECK(timeless.code == 2);
+  CHECK(timeless.err ==
+        "error: the model undoes lag and creep, and the table has no column of times [TB-TABLE-COLUMN]\n  at: " +
+            std::string("x.csv\n  try: add a column time_s in seconds, or use a model without them\n"));
+  const std::string rest = "\n  try: times in seconds rise within a taxel's sequence\n";
+  const Finished back = of.of_table("compensate", "time_s,output\n1,0.5\n0.5,0.6\n");
+  CHECK(back.code == 2);
+  CHECK(back.err == "error: the time goes back [TB-TABLE-ROW]\n  at: line 3" + rest);
+  const Finished text = of.of_table("compensate", "time_s,output\nx,0.5\n");
+  CHECK(text.code == 2);
+  CHECK_THAT(text.err, Catch::Contains("[TB-TABLE-ROW]"));
+  CHECK(of.of_table("compensate", "time_s,output\n1,0.5\n1,0.6\n").code == 0);
+  CHECK(of.of_table("compensate", "sequence,time_s,output\na,9,0.5\nb,1,0.6\na,9.5,0.7\nb,1.5,0.7\n").code == 0);
+  const analysis::SensorModel read = analysis::load_model(of.folder.path("m.json"), nullptr);
+  const auto row = [](const std::string& cells, const analysis::Compensated& now) {
+    return fmt::format("{},{},{:.4g},{}\n", cells, now.pressure_psi, now.uncertainty_psi,
+                       now.flat      ? now.unknown ? "flat unknown" : "flat"
+                       : now.unknown ? "unknown"
+                                     : "");
+  };
+  const std::string head = "time_s,output,compensated,uncertainty,flags\n";
+  {  // Begins at rest.
+    analysis::RecordingStream stream(read, read.taxels[0]);
+    std::string expected = head + row("7,0.5", stream.step(0.5, 0.0));
+    expected += row("9,1.5", stream.step(1.5, 2.0));
+    expected += row("9.5,2.5", stream.step(2.5, 0.5));
+    CHECK(of.of_table("compensate", "time_s,output\n7,0.5\n9,1.5\n9.5,2.5\n").out == expected);
+  }
+  std::vector<std::string> late;
+  for (const double worked : {0.0, 600.0}) {  // begins in mid-branch
+    analysis::RecordingStream stream(read, read.taxels[0]);
+    stream.reset_unknown();
+    stream.work(worked);
+    std::string expected = head + row("7,2.5", stream.step(2.5, 0.0));
+    expected += row("9,2.25", stream.step(2.25, 2.0));
+    late.push_back(expected);
+    CHECK(
+        of.of_table("compensate", "time_s,output\n7,2.5\n9,2.25\n", {"--conditioned", fmt::format("{}", worked)}).out ==
+        expected);
+  }
+  CHECK(late[0] != late[1]);
+  CHECK_THAT(late[0], Catch::Contains("unknown\n"));
+  const Finished statics = of.of_table("predict", "input\n10\n50\n");
+  CHECK(statics.code == 0);
+  CHECK_THAT(statics.err,
+             Catch::Contains("the outputs predicted are the model's static ones, without lag and creep: "
+                             "those of creep at its very end, somewhat above what a held pressure reaches"));
+}
