@@ -105,6 +105,9 @@ TEST_CASE("predict and compensate: a line of units, semicolons with decimal comm
   CHECK(kept.code == 2);
   CHECK_THAT(kept.err, Catch::Contains("--replace"));
   CHECK(read_file(of.folder.path("mine.csv")) == "mine\n");
+  const Finished half = of.of_table("predict", "input\n8\nx\n");  // what was read stands there before the error
+  CHECK(half.code == 2);
+  CHECK(half.out == "input,predicted\n8,1\n");
   const Finished missing = model_verb(of.folder, {"predict", "m.json", "none.csv"});
   CHECK(missing.code == 2);
   CHECK(missing.err ==
