@@ -1,0 +1,209 @@
+// `fit` of runs that the simulated rig made in seconds: figures, judgement, scores, limits of the profile, many runs.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/common/build_info.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+using FitRunWords = std::vector<std::string>;
+
+// Runs 1 and 2 of one recipe with an inner loop, and run 3 of one without.
+struct FolderOfRuns {
+  FolderOfRuns() {
+    REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
+    REQUIRE(call(folder, {"sensors", "add", "S-1"}).code == 0);
+    const std::string head = "schema = 1\nunit = \"psi\"\nstep = 10\nrepeats = 1\ndwell_s = 1.0\n";
+    write_file(folder.path("a.toml"), head + "name = \"small\"\nturning_points = [0, 60, 20, 60, 0]\n");
+    write_file(folder.path("b.toml"), head + "name = \"loop\"\nturning_points = [0, 60, 0]\n");
+    for (const char* recipe : {"./a.toml", "./a.toml", "./b.toml"})
+      REQUIRE(call(folder, {"run", recipe, "--bench", "bench.toml", "--sensor", "S-1", "-q", "--no-seating"}).code ==
+              0);
+    write_file(folder.path("wide.toml"), limits("wide", 60));
+    write_file(folder.path("strict.toml"), limits("strict", 0.001));
+  }
+  static std::string limits(const std::string& name, double psi) {
+    return "schema = 1\nname = \"" + name +
+           "\"\nrule = \"simple\"\nmean_compensation_error_psi = " + std::to_string(psi) +
+           "\nworst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n";
+  }
+  Finished fit(FitRunWords words) const {
+    words.insert(words.begin(), "fit");
+    return call(folder, words);
+  }
+  json told(FitRunWords words) const {
+    words.emplace_back("--json");
+    const Finished finished = fit(std::move(words));
+    INFO(finished.err);
+    REQUIRE_FALSE(finished.out.empty());
+    return json::parse(finished.out);
+  }
+  std::size_t models() const { return json::parse(call(folder, {"model", "list", "--json"}).out).at("models").size(); }
+  TemporaryFolder folder;
+};
+
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("fit of runs: one model judged by limits, in words, as JSON, and by the exit code") {
+  const FolderOfRuns of;
+  const Finished wide = of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./wide.toml", "-o", "m.json"});
+  CHECK(wide.code == 0);
+  CHECK_THAT(wide.out, Catch::StartsWith("mpi on run 1 (simulated): 256 of 256 taxels fitted, full scale ") &&
+                           Catch::Contains("\nrun 1, the fit's own ") && Catch::Contains("\nheld-out run 2 ") &&
+                           Catch::Contains("\n\n  run  requirement ") &&
+                           Catch::Contains("\ndecision rule (ILAC-G8): "));
+  CHECK(of.models() == 1);
+  const json document = json::parse(read_file(of.folder.path("m.json")));
+  CHECK(document.at("model") == "mpi");
+  CHECK(document.at("program_version") == bench::build_info().version);
+  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"}).code == 1);
+  const json strict = of.told({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"});
+  CHECK(strict.at("model") == "mpi");
+  CHECK((strict.at("taxels") == 256 && strict.at("fitted_taxels") == 256));
+  REQUIRE(strict.at("evaluations").size() == 2);
+  CHECK((strict.at("evaluations").at(0).at("run") == 1 && strict.at("evaluations").at(1).at("run") == 2));
+  CHECK(strict.at("verdicts").size() == 4);
+  CHECK(strict.at("judgement").at("overall") == "fail");
+  const Finished own = of.fit({"1", "--model", "mpi", "--limits", "./wide.toml"});
+  CHECK(own.code == 6);
+  CHECK_THAT(own.out, Catch::Contains("simulated inconclusive, not judged: no independent data"));
+  const Finished twice = of.fit({"1", "--model", "mpi", "--held-out", "2", "--held-out", "2"});
+  CHECK(twice.code == 2);
+  CHECK(of.fit({"1", "--model", "mpi", "--held-out", "1"}).code == 2);
+  const Finished unknown = of.fit({"9", "--model", "mpi"});
+  CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  CHECK(of.fit({"1", "--model", "mpi", "--lab", "none.toml", "--limits", "./wide.toml"}).code == 2);
+  CHECK(of.fit({"1", "--model", "mpi", "--limits", "none.toml"}).code == 2);
+  CHECK(of.models() == 4);
+}
+
+TEST_CASE("fit of runs: several models beside each other, with figures where they are asked for, and scores") {
+  const FolderOfRuns of;
+  const Finished plain = of.fit({"1", "--model", "mpi,poly"});
+  CHECK(plain.code == 0);
+  CHECK_THAT(plain.out, Catch::StartsWith("run 1 (simulated): fitted on small; figures of the mean taxel\n\nmodel  ") &&
+                            !Catch::Contains("hysteresis, % FS") && !Catch::Contains("the input turned") &&
+                            Catch::EndsWith("names what to score on\n"));
+  CHECK(of.models() == 2);
+  const Finished figures = of.fit({"1", "--model", "mpi,poly", "--held-out", "2"});
+  CHECK(times(figures.out, "\nheld-out run 2 ") == 2);
+  CHECK_THAT(figures.out,
+             Catch::Contains("\n\nmpi on run 1 (simulated): ") && Catch::Contains("\n\npoly on run 1 (simulated): "));
+  CHECK(figures.err.find("judged by") == std::string::npos);
+  const json told = of.told({"1", "--model", "mpi,poly", "--held-out", "2", "--score", "2,3"});
+  REQUIRE(told.at("models").size() == 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json& model = told.at("models").at(i);
+    CHECK(model.at("fit") == 5 + i);
+    CHECK(model.at("figures").at("evaluations").size() == 2);
+    CHECK(model.at("figures").at("model") == (i == 0 ? "mpi" : "poly"));
+    REQUIRE(model.at("scores").size() == 2);
+    CHECK((model.at("scores").at(0).at("on") == "run 2" && model.at("scores").at(1).at("on") == "run 3"));
+    CHECK(model.at("scores").at(0).at("taxels") == 256);
+  }
+  CHECK((told.at("origin") == "simulated" && told.at("source") == "run 1" && told.at("input_unit") == "psi"));
+  const Finished scored = of.fit({"1", "--model", "mpi", "--score", "2", "--units", "kPa"});
+  CHECK_THAT(scored.out, Catch::Contains("\nscored on run 2 (5120 samples, 256 taxels)\n") &&
+                             Catch::Contains("compensated, kPa") && !Catch::Contains("hysteresis, % FS"));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "01"}).err,
+             Catch::StartsWith("error: the models are made from run 1: it is no independent data for them "));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--score", "2,02"}).err,
+             Catch::StartsWith("error: '02' is named twice [TB-RUN-TWICE]"));
+  const Finished mean = of.fit({"1", "--model", "mpi", "--mean-taxel"});
+  CHECK_THAT(mean.out, Catch::StartsWith("run 1 (simulated): fitted on small; figures of the mean taxel\n"));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--mean-taxel", "--held-out", "2"}).err,
+             Catch::Contains("--limits and --held-out take figures of an array's run"));
+}
+
+TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inner branches, and the runs of its time") {
+  const FolderOfRuns of;
+  const Finished plain = of.fit({"1", "-o", "m.json"});
+  CHECK_THAT(plain.out, Catch::StartsWith("dynamic on run 1 (simulated): 256 of 256 taxels fitted, ") &&
+                            Catch::Contains("\nlag and creep are left in: no runs of them were named"));
+  const json document = json::parse(read_file(of.folder.path("m.json")));
+  CHECK(document.at("dynamics").at("rate").at("run") == 0);
+  CHECK(document.at("program_version") == bench::build_info().version);
+  const json run = json::parse(call(of.folder, {"runs", "show", "1", "--json"}).out);
+  CHECK_THAT(document.dump(), Catch::Contains(run.at("content_sha256").get<std::string>()));
+  const json scored = of.told({"1", "--score", "2"});
+  CHECK(scored.at("models").at(0).at("model") == "dynamic");
+  CHECK(scored.at("models").at(0).at("scores").size() == 1);
+  CHECK_FALSE(scored.at("models").at(0).at("shown_taxel").contains("cross_validated"));
+  const Finished elam = of.fit({"3"});
+  CHECK(elam.err == "ELAM is made, not the dynamic model: run 3 has no inner branches\n");
+  CHECK_THAT(elam.out, Catch::Contains("\nELAM on run 3 (simulated): "));
+  CHECK(of.fit({"3", "-q"}).err.empty());
+  const Finished named = of.fit({"3", "--model", "dynamic"});
+  CHECK_THAT(named.out, Catch::Contains("dynamic on run 3 (simulated): "));
+  for (const FitRunWords& own :
+       std::vector<FitRunWords>{{"--rate", "2", "--creep", "3"}, {"--rate", "3", "--creep", "2"}}) {
+    FitRunWords words = {"1", "--held-out", "2"};
+    words.insert(words.end(), own.begin(), own.end());
+    const Finished refused = of.fit(words);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err,
+               Catch::Contains("error: run 2 is named by " + std::string(own[1] == "2" ? "--rate" : "--creep") +
+                               ": it is no independent data for the model [TB-RUN-OWN]\n  at: --held-out\n"));
+  }
+  CHECK_THAT(of.fit({"1", "--rate", "2", "--creep", "2"}).err, Catch::Contains("run 2 shows no creep"));
+  CHECK_THAT(of.fit({"1", "--rate", "9", "--creep", "2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+}
+
+TEST_CASE("fit of runs: limits of the profile judge held-out runs alone, and people are told so") {
+  const FolderOfRuns of;
+  const std::string told = "judged by limits.toml (tactbench.toml:7)\n";
+  const Finished judged = of.fit({"1", "--model", "mpi", "--held-out", "2"});
+  CHECK_THAT(judged.err, Catch::StartsWith(told));
+  CHECK_THAT(judged.out, Catch::Contains("\n\n  run  requirement "));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--held-out", "2", "-q"}).err, !Catch::Contains("judged by"));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--held-out", "2", "--json"}).err, !Catch::Contains("judged by"));
+  CHECK_THAT(of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./wide.toml"}).err,
+             !Catch::Contains("judged by"));
+  CHECK_THAT(of.fit({"1", "--model", "mpi"}).err, !Catch::Contains("judged by"));
+}
+
+TEST_CASE("fit of many runs: a line each, in parts, into a store of their own, and what cannot be fitted") {
+  const FolderOfRuns of;
+  const Finished all = of.fit({"1-3", "--model", "mpi"});
+  CHECK(all.code == 0);
+  for (const std::string run : {"1", "2", "3"})
+    CHECK_THAT(all.out,
+               Catch::Contains("run     " + run + ": fit " + run + ", mpi, 256 taxels; mean error on the run itself "));
+  CHECK_THAT(all.out, Catch::EndsWith("\n3 runs fitted, 0 not\n"));
+  const json told = of.told({"1,3", "--model", "mpi"});
+  CHECK(told.at("schema") == "tactbench.fit.runs");
+  CHECK((told.at("store") == "runs.db" && told.at("shard") == "1/1"));
+  REQUIRE(told.at("runs").size() == 2);
+  CHECK((told.at("runs").at(0).at("run") == 1 && told.at("runs").at(0).at("fit") == 4));
+  CHECK((told.at("runs").at(1).at("run") == 3 && told.at("runs").at(1).at("taxels") == 256));
+  const json single = of.told({"3", "--model", "mpi"});
+  CHECK(told.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
+  const json part = of.told({"1-3", "--model", "mpi", "--into", "part.db", "--shard", "2/2"});
+  CHECK((part.at("store") == "part.db" && part.at("shard") == "2/2"));
+  REQUIRE(part.at("runs").size() == 1);
+  CHECK(part.at("runs").at(0).at("run") == 2);
+  CHECK(of.models() == 6);  // none of the part's
+  const Finished again = of.fit({"2-2", "--model", "mpi", "--into", "part.db"});
+  CHECK_THAT(again.out, Catch::EndsWith("\n1 run fitted, 0 not\n"));
+  CHECK(json::parse(call(of.folder, {"runs", "list", "--db", "part.db", "--json"}).out).at("runs").size() == 1);
+  const Finished some = of.fit({"1-3", "--model", "poly", "--fit", "small"});
+  CHECK(some.code == 6);
+  CHECK_THAT(some.out, Catch::Contains("run     3: not fitted: ") && Catch::EndsWith("\n2 runs fitted, 1 not\n"));
+  const json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
+  CHECK(failed.at("runs").at(0).at("error").get<std::string>().starts_with("TB-"));
+  CHECK_FALSE(failed.at("runs").at(0).contains("fit"));
+}
