@@ -56,7 +56,9 @@ struct Link::State {
   std::string where, user;
   std::chrono::seconds silence = kSilence;
 
-  ~State() { libpq().PQfinish(handle); }
+  ~State() {
+    if (handle != nullptr) libpq().PQfinish(handle);  // where libpq cannot be loaded there is none, and libpq() throws
+  }
 
   void wait(bool also_write, Time::time_point deadline) const;  // until the socket can be read, or also written
   void take_input() const;

@@ -1,0 +1,36 @@
+// A compensated frame as `live` shows it: summed up, as a line for people, as JSON, as rows of a table.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "analysis/pressure_unit.h"
+#include "bench/instruments/live.h"
+
+namespace tactbench::bench {
+
+struct TaxelFlags {
+  int flat = 0, unknown = 0, out_of_range = 0, dead = 0, lost = 0, outside = 0;
+};
+
+struct SummedFrame {
+  double mean_psi = 0.0, highest_psi = 0.0;  // of the taxels that are not dead
+  std::size_t highest = 0;                   // the first taxel of that pressure
+  TaxelFlags flags;
+};
+SummedFrame summed(const LiveFrame& frame);
+
+// With its end.
+std::string frame_line(const LiveFrame& frame, const SummedFrame& sum, std::size_t columns,
+                       analysis::PressureUnit unit);
+std::string summary_line(const LiveSummary& summary);
+
+// A row a taxel, and the line above them all.
+inline constexpr const char* kFramesHead = "frame,time_s,taxel,pressure_psi,uncertainty_psi,status\n";
+std::string frame_rows(const LiveFrame& frame);
+
+// The members from "other_scanner" on.
+nlohmann::ordered_json live_json(const LiveSummary& summary, const SummedFrame& last);
+
+}  // namespace tactbench::bench
