@@ -18,6 +18,7 @@ using CalibrateWords = std::vector<std::string>;
 struct CalibrationFolder {
   CalibrationFolder() {
     REQUIRE(call(folder, {"init", "--operator", "tester"}).code == 0);
+    std::filesystem::remove(folder.path("sensor.toml"));  // the shipped one serves
     const std::string recipe =
         "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\nrepeats = 1\n";
     write_file(folder.path("a.toml"), recipe + "dwell_s = 1.0\n");

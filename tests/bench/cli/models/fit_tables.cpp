@@ -170,6 +170,30 @@ TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is
              Catch::StartsWith("two.csv (imported): fitted on 1; figures of the mean taxel\n"));
 }
 
+TEST_CASE("fit of an imported run: its number and its models are stored, and the dynamic model is not made of it") {
+  const FolderOfTables of;
+  const Finished imported =
+      verb_here(bench::add_import, {"import", of.folder.path("t.csv"), "--db", of.folder.path("runs.db")});
+  REQUIRE(imported.code == 0);
+  const Finished dynamic = of.fit({"1", "--model", "dynamic"});
+  CHECK(dynamic.code == 2);
+  CHECK(
+      dynamic.err.ends_with("error: the dynamic model is fitted on runs, which have times, and this is an imported "
+                            "table [TB-USAGE]\n  at: fit\n  try: fit a run that the bench made\n"));
+  const Finished elam = of.fit({"1"});
+  CHECK_THAT(elam.err, Catch::Contains("ELAM is made, not the dynamic model: that is of runs of a bench, and run 1 is "
+                                       "imported\n"));
+  CHECK_THAT(elam.out, Catch::StartsWith("run 1 (imported): fitted on 1\n6 branches: "));
+  const json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("s.csv")});
+  CHECK((told.at("models").at(0).at("fit") == 2 && told.at("models").at(1).at("fit") == 3));
+  CHECK(told.at("source") == "run 1");
+  const Finished held_out = of.fit({"1", "--model", "poly", "--held-out", "1"});
+  CHECK(held_out.code == 2);
+  CHECK_THAT(held_out.err, Catch::Contains("take figures of an array's run, and this is a table or the mean taxel"));
+  const Finished shown = model_verb(of.folder, {"model", "show", "1:3"});
+  CHECK_THAT(shown.out, Catch::StartsWith("monotone of run 1 (imported), sha256 "));
+}
+
 TEST_CASE("fit: options reach the models that they are of") {
   const FolderOfTables of;
   const auto label = [&](const FitTableWords& more) {

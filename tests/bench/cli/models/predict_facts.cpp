@@ -76,10 +76,12 @@ TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
 }
 
 TEST_CASE("predict: inputs at the ends of the validity, a fiftieth beyond them, and farther") {
-  const FolderOfModel of(one_line());
-  CHECK(of.of_table("predict", "input\n0\n64\n-1.25\n65.25\n").err.empty());
-  CHECK(of.of_table("predict", "input\n-1.3\n65.3\n8\n").err ==
-        "2 of 3 inputs lie outside the model's validity, 0 to 64 N\n");
+  SensorModel narrow = one_line();
+  narrow.validity.input = analysis::Range{14.0, 64.0};
+  const FolderOfModel of(narrow);
+  CHECK(of.of_table("predict", "input\n14\n64\n13.05\n64.95\n").err.empty());
+  CHECK(of.of_table("predict", "input\n12.95\n65.05\n14\n").err ==
+        "2 of 3 inputs lie outside the model's validity, 14 to 64 N\n");
   CHECK(of.of_table("compensate", "output,input\n1,99\n").err.empty());  // inputs are not looked at there
   SensorModel open = one_line();
   open.validity.input.reset();
