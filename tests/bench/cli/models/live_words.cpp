@@ -38,7 +38,7 @@ TEST_CASE("live: a frame is summed up over the taxels that are not dead, the hig
         "frame      7  mean   4.00 psi  highest   8.00 psi at 0,3  flat 2 unknown 1 out of range 1 dead 1 lost 1  123 "
         "us\n");
   CHECK(frame_line(of.frame(), sum, 2, PressureUnit::kKilopascal) ==
-        "frame      7  mean  27.58 kPa  highest  55.16 kPa at 1,1  flat 2 unknown 1 out of range 1 dead 1 lost 1  123 "
+        "frame      7  mean   27.6 kPa  highest   55.2 kPa at 1,1  flat 2 unknown 1 out of range 1 dead 1 lost 1  123 "
         "us\n");
   CHECK(frame_rows(of.frame()) ==
         "7,1.500000,0,99.0000,0.5000,8\n7,1.500000,1,-4.0000,0.2500,2\n7,1.500000,2,2.0000,0.1250,1\n"
