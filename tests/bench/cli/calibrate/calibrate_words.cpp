@@ -76,7 +76,7 @@ TEST_CASE("calibrate words: a large word, its margin before each line") {
     CHECK(end - from <= 80);  // of a plain terminal
   }
   CHECK_NOTHROW(large_word("PASS", ""));
-  CHECK_THROWS_AS(large_word("YES", ""), std::invalid_argument);
+  CHECK_THROWS_WITH(large_word("YES", ""), "no large letter for 'Y'");
 }
 
 TEST_CASE("calibrate words: the large word is as the exit code, and there is none without a statement") {

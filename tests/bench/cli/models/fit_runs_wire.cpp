@@ -1,4 +1,6 @@
 // `fit` of runs that the simulated rig made in seconds: figures, judgement, scores, limits of the profile, many runs.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -147,6 +149,14 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   CHECK(elam.err == "ELAM is made, not the dynamic model: run 3 has no inner branches\n");
   CHECK_THAT(elam.out, Catch::Contains("\nELAM on run 3 (simulated): "));
   CHECK(of.fit({"3", "-q"}).err.empty());
+  const json mean = of.told({"3"}).at("mean_taxel");
+  const auto part = [&](const char* name) { return mean.at(name).get<double>(); };
+  CHECK_THAT(elam.out, Catch::Contains(fmt::format(
+                           "\nmean taxel: alpha_d {:.4f}, beta_d {:.4f}, alpha_a1 {:.5f} /psi, alpha_a0 "
+                           "{:.4f}, beta_a {:.4f}; J {:.3f} V2, mean error {:.2f} % FS, max {:.2f} % FS\n",
+                           part("alpha_d"), part("beta_d"), part("alpha_a1_per_psi"), part("alpha_a0"), part("beta_a"),
+                           part("j_v2"), 100.0 * part("mean_error_v") / part("full_scale_v"),
+                           100.0 * part("max_error_v") / part("full_scale_v"))));
   const Finished named = of.fit({"3", "--model", "dynamic"});
   CHECK_THAT(named.out, Catch::Contains("dynamic on run 3 (simulated): "));
   for (const FitRunWords& own :

@@ -157,6 +157,13 @@ TEST_CASE("fit words: the JSON of a fit") {
                                             "uncertainty_v": 0.0002, "rms_v": 0.003, "others_rms_v": 0.0004})"));
   CHECK(json.at("verdicts").empty());
   CHECK_FALSE(json.contains("judgement"));
+  analysis::SensorModel bare = array_model();
+  bare.taxels.back().ascending = {};  // its full scale is not known
+  FittedRun unscaled;
+  unscaled.model = &bare;
+  nlohmann::ordered_json without;
+  add_fitted_json(unscaled, without);
+  CHECK(without.at("mean_taxel").at("mean_error_fs") == 0.0);
   db::VerdictRecord row;
   row.verdict = "pass";
   fitted.judgement.verdicts = {row};

@@ -1,0 +1,72 @@
+// model list of a store whose models are known, in words and as JSON.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// Runs 1 and 3 have models, run 2 none.
+struct StoreOfModels {
+  StoreOfModels() {
+    for (int run = 0; run < 3; ++run) (void)store_example(store);
+    add(1, "elam", R"({"fitted": 3, "taxels": {"fitted": 9}})");
+    add(1, "dynamic", R"({"taxels": {"fitted": 5}})");
+    add(3, "a long name of a model", R"({"taxels": {}})");
+    add(3, "gpi", R"({})");
+  }
+  void add(std::int64_t run, const std::string& model, const std::string& summary) {
+    (void)store.add_fit({0, run, model, "{}", summary, "0.9.1", kUtc, "{}"}, {});
+  }
+  Finished list(const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"model", "list", "--db", path};
+    words.insert(words.end(), more.begin(), more.end());
+    return verb_here(bench::add_model, words);
+  }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+};
+
+}  // namespace
+
+TEST_CASE("model list: a line a model, oldest run first, with the number of its fitted taxels") {
+  const StoreOfModels of;
+  const std::string head = "model     kind          sensor           taxels  origin     created (UTC)\n";
+  const std::string first =
+      "1:1       elam          S-1                   3  simulated  2026-01-01T00:00:00Z\n"
+      "1:2       dynamic       S-1                   5  simulated  2026-01-01T00:00:00Z\n";
+  const Finished all = of.list({});
+  CHECK(all.code == 0);
+  CHECK_THAT(all.out, Catch::StartsWith(head + first + "3:3       a long name") &&
+                          Catch::EndsWith("\n3:4       gpi           S-1                   0  simulated  "
+                                          "2026-01-01T00:00:00Z\n"));
+  CHECK(of.list({"1"}).out == head + first);
+  CHECK(of.list({"2"}).out == head + "run 2 has no models: tactbench fit 2 makes some\n");
+  const Finished unknown = of.list({"9"});
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
+  const TemporaryFolder folder;
+  db::RunStore::open(folder.path("e.db"), db::Durability::kNormal);
+  CHECK(verb_here(bench::add_model, {"model", "list", "--db", folder.path("e.db")}).out ==
+        head + "no models are stored: tactbench fit RUN makes some\n");
+}
+
+TEST_CASE("model list as JSON: each model with its run, its sensor and the program that made it") {
+  const StoreOfModels of;
+  const json told = json::parse(of.list({"--json"}).out);
+  CHECK(told.at("schema") == "tactbench.model.list");
+  REQUIRE(told.at("models").size() == 4);
+  CHECK(told.at("models").at(1) == json::parse(R"({"model": "1:2", "run": 1, "fit": 2, "kind": "dynamic",
+    "sensor": "S-1", "origin": "simulated", "fitted_taxels": 5, "created": "2026-01-01T00:00:00Z", "program": "0.9.1"})"));
+  CHECK(told.at("models").at(3).at("fitted_taxels") == 0);
+  CHECK(json::parse(of.list({"--json", "3"}).out).at("models").size() == 2);
+  CHECK(json::parse(of.list({"--json", "2"}).out).at("models").empty());
+}
