@@ -69,10 +69,10 @@ TEST_CASE("calibrate: runs of another sensor, runs that did not complete, and re
                  Catch::Contains("' judge at 10 psi, which production does not measure: no sensor could pass "
                                  "[TB-CALIBRATE-LEVELS]\n  at: --held-out-recipe\n  try: name a recipe that "
                                  "measures it (tactbench plan RECIPE --limits FILE), or other limits\n"));
-  CHECK_THAT(verb_here(bench::add_calibrate,
-                       {"calibrate", "S-1", "--bench", "simulated.toml", "--operator", " ", "--db", path})
-                 .err,
-             Catch::StartsWith("error: --operator is empty [TB-USAGE]\n"));
+  const Finished nobody = verb_here(bench::add_calibrate,
+                                    {"calibrate", "S-1", "--bench", "simulated.toml", "--operator", " ", "--db", path});
+  CHECK_THAT(nobody.err, Catch::StartsWith("error: --operator is empty [TB-USAGE]\n"));
+  CHECK(nobody.out.empty());  // before anything else
   CHECK_THAT(verb_here(bench::add_calibrate, {"calibrate", "S-1", "--bench", "simulated.toml", "--operator", "me",
                                               "--db", path, "--run", "9"})
                  .err,

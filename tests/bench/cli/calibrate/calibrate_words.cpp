@@ -119,6 +119,13 @@ TEST_CASE("calibrate words: bad taxels by row and column, the worst one only whe
   };
   CHECK(bad({kDead}) == "0,1 dead; 1,2 saturated; ");
   CHECK(bad({kDead, kWorst}) == "0,1 dead; 1,2 saturated; 1,0 mean |error| 3.40 psi, the largest; ");
+  JudgedFit first = small_fit();
+  first.evaluations.back().evaluation.worst_taxel = 0;
+  const std::vector<BadTaxel> with_first = bad_taxels(first, judgement_of({kWorst}));
+  REQUIRE(with_first.size() == 3);
+  CHECK((with_first.back().row == 0 && with_first.back().column == 0));
+  first.evaluations.back().evaluation.worst_taxel = -1;  // none
+  CHECK(bad_taxels(first, judgement_of({kWorst})).size() == 2);
 }
 
 TEST_CASE("calibrate words: the words that carry on leave out what the profile and the defaults give") {

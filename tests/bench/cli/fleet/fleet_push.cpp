@@ -1,9 +1,14 @@
 // What fleet push sends, tells and keeps in the note beside the store, with a server by script.
+#include <unistd.h>
+
+#include <array>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "bench/cli/fleet/fleet.h"
 #include "db/fleet/local_runs.h"
 #include "db/fleet/postgres.h"
 #include "tests/bench/cli/fleet/fleet_verb.h"
@@ -88,6 +93,15 @@ TEST_CASE("fleet push: a new run with its fits, told run by run, summed up, and 
                                          R"(", "fleet_run": 41, "frames": 3, "fits": 1, "remarks": false}])"));
 }
 
+TEST_CASE("fleet push: a store is named by its host and its whole path") {
+  const TemporaryFolder folder;
+  std::array<char, 256> host{};
+  REQUIRE(gethostname(host.data(), host.size()) == 0);
+  write_file(folder.path("runs.db"), "");
+  const std::string whole = std::filesystem::canonical(folder.path()).string();
+  CHECK(bench::source_name(folder.path("x/../runs.db")) == std::string(host.data()) + ":" + whole + "/runs.db");
+}
+
 TEST_CASE("fleet push: of a run that is there what was said later, baselines, and a note that was lost") {
   if (!db::fleet::built_with_libpq()) return;
   Fleet fleet;
@@ -104,6 +118,13 @@ TEST_CASE("fleet push: of a run that is there what was said later, baselines, an
     CHECK(idle.finished.out == "WHERE: 0 runs, 0 frames sent now; 1 run has ended in STORE, and all are there\n");
     // The server has it, and the note does not.
     CHECK(idle.note(fleet).fingerprints() == std::map<std::string, std::string>{{own.uuid, own.fingerprint}});
+  }
+  {  // The note has it, too, and stays as it is.
+    const Server server(nothing);
+    db::fleet::PushedNote(fleet.store.path(), server.where()).keep(own, "2020-01-01T00:00:00Z");
+    CHECK(verb_here(bench::add_fleet, {"fleet", "push", "--db", fleet.store.path(), "--to", server.conninfo()}).code ==
+          0);
+    CHECK(db::fleet::PushedNote(fleet.store.path(), server.where()).last().pushed_utc == "2020-01-01T00:00:00Z");
   }
   (void)begin_example(fleet.store);  // has not ended: is not told of
   fleet.store.take_baseline({0, "rig", "as made", "K. Lee", "2026-01-01", {1}});
