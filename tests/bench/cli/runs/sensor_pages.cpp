@@ -1,0 +1,91 @@
+// sensors add, list and show: whole pages and documents, of a sensor with all its words and of one without.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
+#include "tests/support/paths.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using Told = nlohmann::ordered_json;
+
+namespace {
+
+struct StoreOfSensors {
+  StoreOfSensors() {
+    db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+    store.add_sensor({"S-0", "a-very-long-name-of-a-type-of-32c", "rows = 2\n", "h0", "", "", kUtc});
+    store_example(store);  // S-1
+    db::RunRecord other = example_run();
+    other.sensor_serial = "S-0";
+    store_example(store, other);
+    store_example(store);
+  }
+  Finished sensors(std::vector<std::string> words) const {
+    words.insert(words.begin(), "sensors");
+    words.insert(words.end(), {"--db", path});
+    return verb_here(bench::add_sensors, words);
+  }
+  TemporaryFolder folder;
+  std::string path = folder.path("runs.db");
+};
+
+}  // namespace
+
+TEST_CASE("sensors list and show: whole pages") {
+  const StoreOfSensors store;
+  CHECK(store.sensors({"list"}).out ==
+        "serial          type                            scanner           note\n"
+        "S-0             a-very-long-name-of-a-type-of-… any               \n"
+        "S-1             array-3x2                       SC-7              first\n");
+  CHECK(store.sensors({"show", "S-1"}).out ==
+        "sensor S-1\n  type     array-3x2\n  scanner  SC-7\n  note     first\n  added    2024-05-01T08:00:00Z\n"
+        "  runs     [1,3]\n\nrows = 3\n");
+  CHECK(store.sensors({"show", "S-0"}).out ==
+        "sensor S-0\n  type     a-very-long-name-of-a-type-of-32c\n  scanner  any\n  note     not stated\n"
+        "  added    2026-01-01T00:00:00Z\n  runs     [2]\n\nrows = 2\n");
+  const Finished none = store.sensors({"show", "S-2"});
+  CHECK(none.code == 2);
+  CHECK(none.out.empty());
+  CHECK(none.err == "error: sensor 'S-2' is not registered [TB-SENSOR-UNKNOWN]\n  at: " + store.path +
+                        "\n  try: tactbench sensors list shows the registered ones\n");
+}
+
+TEST_CASE("sensors list and show: as JSON") {
+  const StoreOfSensors store;
+  const Told told = Told::parse(store.sensors({"list", "--json"}).out);
+  CHECK(told.at("schema") == "tactbench.sensors.list");
+  REQUIRE(told.at("sensors").size() == 2);
+  CHECK(told.at("sensors").at(0).at("serial") == "S-0");
+  CHECK(told.at("sensors").at(1).at("scanner") == "SC-7");
+  const Told one = Told::parse(store.sensors({"show", "S-1", "--json"}).out);
+  CHECK(one.at("schema") == "tactbench.sensors.show");
+  CHECK(one.at("serial") == "S-1");
+  CHECK(one.at("runs") == Told::array({1, 3}));
+  CHECK(one.at("type_toml") == "rows = 3\n");
+}
+
+TEST_CASE("sensors add: the sensor is stored with its type file and when it came") {
+  const StoreOfSensors store;
+  const std::string type = source_path("bench/config/sensor.toml");
+  const Finished added =
+      store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"});
+  CHECK(added.code == 0);
+  const db::RunStore open = db::RunStore::open_read_only(store.path);
+  const auto sensor = open.sensor("S-9");
+  REQUIRE(sensor);
+  CHECK(added.out == "sensor S-9 (" + sensor->type + ") registered in " + store.path + "\n");
+  CHECK(sensor->type_toml == read_file(type));
+  CHECK(sensor->type_sha256 == db::sha256_hex(read_file(type)));
+  CHECK(sensor->scanner_serial == "SC-9");
+  CHECK(sensor->note == "from lot A7");
+  CHECK(sensor->added_utc > "2026");
+  const Told told = Told::parse(store.sensors({"add", "S-8", "--type", type, "--json"}).out);
+  CHECK(told.at("schema") == "tactbench.sensors.add");
+  CHECK(told.at("serial") == "S-8");
+  CHECK(told.at("scanner") == "");
+  CHECK(store.sensors({"add", "S-7", "--type", store.folder.path("none.toml")}).code == 2);
+}
