@@ -88,11 +88,10 @@ TEST_CASE("import: units of the command line before those of the table, and whic
   };
   CHECK(calibration(1) ==
         nlohmann::json{{"input_unit", "N"}, {"output_unit", "V"}, {"map", "input=force,output=3,sequence=sequence"}});
-  CHECK(calibration(2) == nlohmann::json{{"input_unit", "kN"},
-                                         {"output_unit", "mV"},
-                                         {"map", "input=force,output=volts,sequence=1"}});
-  const auto told = nlohmann::ordered_json::parse(
-      table.import({"--json", "--map", "input=force,output=volts,sequence=1"}).out);
+  CHECK(calibration(2) ==
+        nlohmann::json{{"input_unit", "kN"}, {"output_unit", "mV"}, {"map", "input=force,output=volts,sequence=1"}});
+  const auto told =
+      nlohmann::ordered_json::parse(table.import({"--json", "--map", "input=force,output=volts,sequence=1"}).out);
   CHECK(told == nlohmann::ordered_json{{"schema", "tactbench.import"},
                                        {"version", 1},
                                        {"run", 3},
@@ -119,11 +118,12 @@ TEST_CASE("import: rows that are left out are named, the first ones alone where 
   std::string many = kRowsOfTwo;
   const auto check_many = [&](int count, const std::string& more) {
     for (int i = 0; i < 12; ++i) many += "two,0,0,3\n";
-    write_file(table.file, many + [&] {
-      std::string bad;
-      for (int i = 0; i < count; ++i) bad += "two,x,0,3\n";
-      return bad;
-    }());
+    write_file(
+        table.file, many + [&] {
+          std::string bad;
+          for (int i = 0; i < count; ++i) bad += "two,x,0,3\n";
+          return bad;
+        }());
     const Finished left_out = table.import({"--skip-bad-rows"});
     CAPTURE(count);
     CHECK_THAT(left_out.err, Catch::Contains(fmt::format("\nwarning: {}: {} rows left out by --skip-bad-rows{}\n",

@@ -24,8 +24,9 @@ struct StoreOfDetails {
     return verb_here(bench::add_runs, words);
   }
   // A run without frames, with what `fill` adds before its end.
-  std::int64_t add(const std::function<void(db::RunRecord&)>& change,
-                   const std::function<void(std::int64_t)>& fill = [](std::int64_t) {}) {
+  std::int64_t add(
+      const std::function<void(db::RunRecord&)>& change,
+      const std::function<void(std::int64_t)>& fill = [](std::int64_t) {}) {
     db::RunRecord run = example_run();
     run.purpose = "p";
     change(run);
@@ -69,8 +70,7 @@ TEST_CASE("runs list: each column, and the first three of many recipes") {
                      "    2  2024-05-01T09:00:00… S-1         completed          0  -                           "
                      "hardware   a, b, c and 2 more [lot=A7 night]\n");
   CHECK(store.runs({"list", "--sensor", "S-2"}).out == head_of_list() + "no stored run has all that was asked for\n");
-  CHECK(store.runs({"list", "--tag", "night"}).out ==
-        head_of_list() + found.substr(found.find("    2  ")));
+  CHECK(store.runs({"list", "--tag", "night"}).out == head_of_list() + found.substr(found.find("    2  ")));
   CHECK(store.runs({"list", "--lot", "A8"}).out == head_of_list() + "no stored run has all that was asked for\n");
   const StoreOfDetails empty;
   CHECK(empty.runs({"list"}).out == head_of_list() + "no runs are stored: tactbench run stores one\n");
@@ -143,11 +143,14 @@ TEST_CASE("runs show: certificates of instruments, tags, long hashes and the sim
   store.add(fill);
   store.store.set_tags(1, {"lot=A7", "night"}, {});
   const std::string shown = store.runs({"show", "1"}).out;
-  CHECK_THAT(shown, Catch::Contains("\n  sensor        S-1, scanner SC-7\n  specimen      harsh\n  operator ") &&
-                        Catch::Contains("\n  tags          lot=A7 night\n") &&
-                        Catch::Contains("\n  recipe        a: 1 x 1 frame (sha256 123456789012)\n  recipe        b: 1 x 2 frames (sha256 )\n") &&
-                        Catch::Contains("\n  device        reference gauge: G-1, serial not stated, simulated\n"
-                                        "                certificate C-1, OVERDUE since 2024-01-31\n"));
+  CHECK_THAT(
+      shown,
+      Catch::Contains("\n  sensor        S-1, scanner SC-7\n  specimen      harsh\n  operator ") &&
+          Catch::Contains("\n  tags          lot=A7 night\n") &&
+          Catch::Contains(
+              "\n  recipe        a: 1 x 1 frame (sha256 123456789012)\n  recipe        b: 1 x 2 frames (sha256 )\n") &&
+          Catch::Contains("\n  device        reference gauge: G-1, serial not stated, simulated\n"
+                          "                certificate C-1, OVERDUE since 2024-01-31\n"));
   CHECK(Told::parse(store.runs({"show", "1", "--json"}).out).at("specimen") == "harsh");
   store.add([&](db::RunRecord& run) {
     fill(run);

@@ -82,15 +82,13 @@ TEST_CASE("runs diff: a tag or a check alone is a difference of the same content
   const std::int64_t first = runs.add(same), second = runs.add(same), third = runs.add(same, {}, "warning");
   const Finished equal = runs.diff(first, second);
   CHECK(equal.code == 0);
-  CHECK(equal.out ==
-        "frames: 0 of run 1 and 0 of run 2, 0 equal in place\ncontent: the same, by its hash\n");
+  CHECK(equal.out == "frames: 0 of run 1 and 0 of run 2, 0 equal in place\ncontent: the same, by its hash\n");
   runs.store.set_tags(second, {"night"}, {});
   const Finished tagged = runs.diff(first, second);
   CHECK(tagged.code == 1);
   CHECK_THAT(tagged.out, Catch::StartsWith("tags" + std::string(36, ' ') + " [] | [\"night\"]\n") &&
                              Catch::EndsWith("content: the same, by its hash\n"));
-  CHECK(runs.differences(first, third) ==
-        "checks[0]" + std::string(31, ' ') + " seating pass | seating warning\n");
+  CHECK(runs.differences(first, third) == "checks[0]" + std::string(31, ' ') + " seating pass | seating warning\n");
   const std::int64_t open = begin_example(runs.store).run, more = begin_example(runs.store).run;
   const Finished unended = runs.diff(open, more);  // without a hash
   CHECK(unended.code == 1);

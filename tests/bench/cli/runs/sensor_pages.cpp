@@ -71,8 +71,7 @@ TEST_CASE("sensors list and show: as JSON") {
 TEST_CASE("sensors add: the sensor is stored with its type file and when it came") {
   const StoreOfSensors store;
   const std::string type = source_path("bench/config/sensor.toml");
-  const Finished added =
-      store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"});
+  const Finished added = store.sensors({"add", "S-9", "--type", type, "--scanner", "SC-9", "--note", "from lot A7"});
   CHECK(added.code == 0);
   const db::RunStore open = db::RunStore::open_read_only(store.path);
   const auto sensor = open.sensor("S-9");

@@ -62,8 +62,9 @@ TEST_CASE("trend: a figure line by line, from within its band to shifted, outsid
   CHECK(store.trend({"--check"}).code == 0);
   store.add("rig/a", {{"mean_error_psi", 12.0}, {"frames", 100.0}});
   CHECK(shown({"--units", "kPa", "--figure", "mean_error_psi"}) ==
-        head + "  mean_error_kpa               ▁▆▁▆▁▆▁▆▃█                          82.737  -18.729 to 156.62  average "
-               "71.705, p 0.9\n");
+        head +
+            "  mean_error_kpa               ▁▆▁▆▁▆▁▆▃█                          82.737  -18.729 to 156.62  average "
+            "71.705, p 0.9\n");
   // The average of 10, 12 and six times 13: 13 - 2.6 * 0.8^6.
   for (int i = 0; i < 6; ++i) store.add("rig/a", {{"mean_error_psi", 13.0}, {"frames", 100.0}});
   CHECK(shown({"--figure", "mean_error_psi"}) ==
@@ -132,8 +133,7 @@ TEST_CASE("trend: all that JSON has of a figure") {
 TEST_CASE("trend: a line of thirty blocks, a rising figure and its slope") {
   StoreOfTrends store;
   store.add_baseline("rig/a", "mean_error_psi", "hardware");
-  for (int i = 0; i < 14; ++i)
-    store.add("rig/a", {{"mean_error_psi", 10.0 + 0.5 * i}, {"frames", 100.0}}, "hardware");
+  for (int i = 0; i < 14; ++i) store.add("rig/a", {{"mean_error_psi", 10.0 + 0.5 * i}, {"frames", 100.0}}, "hardware");
   const std::string rising = store.trend({"--figure", "mean_error_psi"}).out;
   CHECK_THAT(rising, Catch::StartsWith("rig/a: baseline of 8 runs (as delivered)\n") &&
                          Catch::EndsWith("  shifted, +0.5 a run\n"));
@@ -157,10 +157,12 @@ TEST_CASE("trend: subjects that are chosen, and what is refused") {
   store.add("sensor/S-1/elam", {{"mean_error_psi", 13.0}}, "hardware");
   store.add("sensor/S-1/elam", {{"mean_error_psi", 13.5}}, "hardware");
   store.add("sensor/S-10/elam", {{"mean_error_psi", 2.5}}, "hardware");
-  const std::string first = "sensor/S-1/elam: no baseline\n"
-                            "  mean_error_psi               ▁█                                    13.5\n",
-                    second = "sensor/S-10/elam: no baseline\n"
-                             "  mean_error_psi               ▅                                      2.5\n";
+  const std::string first =
+                        "sensor/S-1/elam: no baseline\n"
+                        "  mean_error_psi               ▁█                                    13.5\n",
+                    second =
+                        "sensor/S-10/elam: no baseline\n"
+                        "  mean_error_psi               ▅                                      2.5\n";
   CHECK(store.trend().out == first + second);
   CHECK(store.trend({"--sensor", "S-1"}).out == first);
   CHECK(store.trend({"--subject", "sensor/S-10"}).out == second);

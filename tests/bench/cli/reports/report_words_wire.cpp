@@ -1,0 +1,225 @@
+// report: what it prints and writes of runs with models and without, of several runs, in each format, and signed; and
+// what it refuses of models and further runs. The runs are small, so that each call takes no longer than its process.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/in_terminal.h"
+#include "tests/support/process.h"
+
+using namespace tactbench::tests;
+using Told = nlohmann::ordered_json;
+
+namespace {
+
+// Runs 1 to 3 of one sensor, run 4 of another; models of run 1, judged on run 2 by the shipped limits.
+struct RunsToReport {
+  RunsToReport() {
+    write_file(folder.path("small.toml"),
+               "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n"
+               "repeats = 1\ndwell_s = 1.0\n");
+    for (const char* sensor : {"S-1", "S-2"}) well({"sensors", "add", sensor, "--type", "sensor.toml"});
+    for (const char* seed : {"1", "2", "3", "4"})
+      well({"run", "small.toml", "--bench", "simulated.toml", "--sensor", std::string(seed) == "4" ? "S-2" : "S-1",
+            "--operator", "t", "-q", "--seed", seed});
+    well({"fit", "1", "--model", "elam", "--held-out", "2", "--limits", "limits.toml"});
+  }
+  Finished well(const std::vector<std::string>& words) const {
+    Finished done = call(folder, words);
+    INFO(done.err);
+    REQUIRE((done.code == 0 || done.code == 6));
+    return done;
+  }
+  Finished report(std::vector<std::string> words) const {
+    words.insert(words.begin(), "report");
+    return call(folder, words);
+  }
+  Told told(std::vector<std::string> words) const {
+    words.emplace_back("--json");
+    return Told::parse(report(std::move(words)).out);
+  }
+  void refused(const std::vector<std::string>& words, const std::string& said) const {
+    const Finished done = report(words);
+    CAPTURE(words);
+    CHECK(done.code == 2);
+    CHECK(done.out.empty());
+    CHECK_THAT(done.err, Catch::Contains(said));
+  }
+  [[nodiscard]] bool exists(const std::string& name) const { return std::filesystem::exists(folder.path(name)); }
+  TemporaryFolder folder;
+};
+
+std::string number_in(const std::string& printed) {
+  const std::size_t at = printed.rfind("report ") + 7;
+  return printed.substr(at, printed.find(':', at) - at);
+}
+
+std::string no_models(const std::string& run) {
+  return "note: run " + run + " has no models: the report shows the measurements, nothing corrected; `tactbench fit " +
+         run + "` makes models\n";
+}
+
+}  // namespace
+
+TEST_CASE("report: the verdicts of a judged run, its judgement and its file; of a run without models the file alone") {
+  const RunsToReport of;
+  const Finished judged = of.report({"1"});
+  CHECK(judged.code == 6);
+  CHECK(judged.err.empty());
+  const std::string number = number_in(judged.out);
+  CHECK_THAT(judged.out,
+             Catch::StartsWith("  run  requirement                scope                       value  tolerance limit  "
+                               "verdict\n    2  mean absolute error        array              ") &&
+                 Catch::Contains("\nall requirements together: simulated inconclusive; judged on run 2\n") &&
+                 Catch::EndsWith("\nreport " + number + ": reports/run-1.html\n"));
+  CHECK(number.starts_with("1-"));
+  CHECK_THAT(read_file(of.folder.path("reports/run-1.html")), Catch::Contains(number) && Catch::Contains("kPa"));
+  const Finished plain = of.report({"3", "--paper", "letter", "--units", "bar"});
+  CHECK(plain.code == 0);
+  CHECK(plain.err == no_models("3"));
+  CHECK(plain.out == "report " + number_in(plain.out) + ": reports/run-3.html\n");
+  CHECK_THAT(read_file(of.folder.path("reports/run-3.html")), Catch::Contains("letter"));
+  CHECK_THAT(read_file(of.folder.path("reports/run-1.html")), !Catch::Contains("size: letter"));
+  // The judgement of one run, and its models by another run's.
+  const Told one = of.told({"1"});
+  CHECK(one.at("schema") == "tactbench.report");
+  CHECK(one.at("run") == 1);
+  CHECK(one.at("runs") == Told::array({1}));
+  CHECK(one.at("number") == number);
+  CHECK(one.at("path") == "reports/run-1.html");
+  CHECK(one.at("written") == true);
+  CHECK(one.at("origin") == "simulated");
+  CHECK(one.at("verdicts").size() == 8);
+  CHECK(one.at("judgement").at("overall") == "inconclusive");
+  CHECK_FALSE(one.contains("judgements"));
+  const Told by_other = of.told({"2", "--model", "1"});
+  CHECK(by_other.at("verdicts").size() == 8);
+  CHECK(by_other.at("verdicts").at(0).at("run") == 2);
+  CHECK(by_other.at("verdicts").at(0).at("model_run") == 1);
+  CHECK(of.told({"2", "--model", "1:1"}).at("number") == by_other.at("number"));
+  const Told held_out = of.told({"1", "--held-out", "3", "--limits", "limits.toml"});
+  CHECK(held_out.at("judgement").at("runs").size() == 1);
+  CHECK(held_out.at("judgement").at("runs").at(0).at("run") == 3);
+  const Told both = of.told({"2", "--model", "1", "--held-out", "3", "--limits", "limits.toml"});
+  CHECK(both.at("judgement").at("runs").size() == 2);
+}
+
+TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
+  const RunsToReport of;
+  const Finished compared = of.report({"--compare", "1", "2"});
+  CHECK(compared.code == 6);
+  CHECK(compared.err == no_models("2"));
+  const std::string number = number_in(compared.out);
+  CHECK(compared.out == "report " + number + ": reports/compare-1-2.html\n");
+  CHECK(number.starts_with("1-2-"));
+  CHECK_THAT(read_file(of.folder.path("reports/compare-1-2.html")), Catch::Contains("as found"));
+  CHECK(of.report({"--compare", "1", "4"}).code == 6);  // of another sensor
+  CHECK_THAT(read_file(of.folder.path("reports/compare-1-4.html")), !Catch::Contains("as found, "));
+  const Told told = of.told({"--compare", "1", "2"});
+  CHECK(told.at("runs") == Told::array({1, 2}));
+  CHECK(told.at("judgements").size() == 2);
+  CHECK(told.at("judgements").at(0).at("overall") == "inconclusive");
+  CHECK_FALSE(told.contains("judgement"));
+  const Told other_way = of.told({"--compare", "2", "1"});
+  CHECK(other_way.at("path") == "reports/compare-2-1.html");
+  const Told batch = of.told({"--batch", "1", "3", "4"});
+  CHECK(batch.at("judgements").size() == 2);  // a row for each sensor
+  CHECK(batch.at("path") == "reports/batch-" + batch.at("number").get<std::string>() + ".html");
+  CHECK(of.report({"--batch", "3", "4"}).code == 0);
+  CHECK(of.told({"--compare", "1", "2", "--format", "json", "-o", "c.json"}).at("path") == "c.json");
+  CHECK(Told::parse(read_file(of.folder.path("c.json"))).at("schema") == "tactbench.comparison");
+  of.report({"--batch", "3", "4", "--format", "json", "-o", "b.json"});
+  CHECK(Told::parse(read_file(of.folder.path("b.json"))).at("schema") == "tactbench.batch");
+  // A file of one kind is not written over by another kind.
+  of.refused({"1", "--format", "json", "-o", "b.json"}, "b.json");
+  of.refused({"1", "-o", "c.json"}, "c.json");
+  CHECK(of.report({"1", "--format", "json", "-o", "b.json", "--replace"}).code == 6);
+  CHECK(Told::parse(read_file(of.folder.path("b.json"))).at("schema") == "tactbench.report");
+  CHECK(of.report({"1", "--format", "json", "-o", "b.json"}).code == 6);
+}
+
+TEST_CASE("report: signed once it keeps its number, its file and what replaced it") {
+  const RunsToReport of;
+  of.refused({"3", "--approve-by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");
+  const Finished first = of.report({"3", "--approve-by", "K. Lee", "--without-verdict"});
+  REQUIRE(first.code == 0);
+  const std::string number = number_in(first.out), path = "reports/run-" + number + ".html";
+  CHECK(first.out == "report " + number + ": " + path + "\n");
+  CHECK_FALSE(of.exists("reports/run-3.html"));
+  const std::string page = read_file(of.folder.path(path));
+  CHECK_THAT(page, Catch::Contains("K. Lee"));
+  CHECK(call(of.folder, {"reports", "verify", number}).code == 0);
+  const Finished again = of.report({"3"});
+  CHECK(again.out == "report " + number + ": " + path + " (signed: the file stays as it is)\n");
+  CHECK(of.told({"3"}).at("written") == false);
+  CHECK(read_file(of.folder.path(path)) == page);
+  const Finished twice = of.report({"3", "--approve-by", "M. Ito", "--without-verdict"});
+  CHECK(twice.code == 5);
+  CHECK(twice.out.empty());
+  of.refused({"3", "--reason", "x"}, "[TB-REPORT-REASON]");
+  const Finished warned = of.report({"1", "--approve-by", "K. Lee"});
+  CHECK(warned.err == "warning: signed with the verdict simulated inconclusive\n");
+  const Finished changed = of.report({"3", "2", "--approve-by", "M. Ito", "--without-verdict", "--reason", "one more"});
+  CHECK(changed.code == 0);
+  CHECK(number_in(changed.out) != number);
+  const Told listed = Told::parse(call(of.folder, {"reports", "list", "3", "--json"}).out).at("reports");
+  REQUIRE(listed.size() == 2);
+  CHECK(listed.at(0).at("replaces") == "");
+  CHECK(listed.at(1).at("replaces") == number);
+  CHECK(listed.at(1).at("reason") == "one more");
+  CHECK(listed.at(1).at("by") == "M. Ito");
+}
+
+TEST_CASE("report: without a verdict a person at the terminal is asked whether to sign") {
+  const RunsToReport of;
+  const std::string question = "the report of run 3 has no verdict. Sign it anyway? y/n: ";
+  const auto answer = [&](const std::string& typed) {
+    InTerminal terminal(of.folder.path(), {"report", "3", "--approve-by", "K. Lee"}, 100, 30);
+    REQUIRE(terminal.shows(question));
+    terminal.type(typed);
+    return terminal.wait();
+  };
+  CHECK(answer("n\n") == 2);
+  CHECK(answer("\n") == 2);
+  CHECK(answer("yep\n") == 2);
+  CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
+  CHECK(answer("y\n") == 0);
+  CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").size() == 1);
+}
+
+TEST_CASE("report: models and further runs that it cannot use") {
+  const RunsToReport of;
+  of.refused({"9"}, "has no run 9");
+  of.refused(
+      {"1", "--held-out", "1"},
+      "error: the models were made from run 1: it is not independent data for them [TB-RUN-OWN]\n  at: --held-out\n");
+  of.refused({"2", "--model", "1", "--held-out", "2"}, "run 2 is the report's own [TB-RUN-TWICE]\n  at: --held-out\n");
+  of.refused({"1", "--previous", "9"}, "has no run 9");
+  of.refused({"1", "--studies", "9"}, "has no run 9");
+  of.refused({"1", "9"}, "has no run 9");
+  of.refused({"1", "--model", "9"}, "has no run 9");
+  const Finished other = of.report({"1", "4"});
+  CHECK(other.code == 6);
+  CHECK_THAT(other.err, Catch::Contains("[TB-ANALYSIS-OTHER-SENSOR]"));
+  of.refused({"1", "--batch", "--compare"}, "cannot be combined");
+  of.refused({"1", "--lab", "none.toml"}, "none.toml");
+  of.refused({"1", "--issued-at", "31.1.2026"}, "is not a date");
+  of.refused({"1", "--studies", "1"}, "\n  at: --studies 1\n  try: name the further runs only\n");
+  of.refused({"1", "--studies", "2", "--model", "2"}, "TB-");
+  CHECK(call(of.folder, {"runs", "void", "3", "--reason", "door", "--by", "K. Lee"}).code == 0);
+  for (const auto& words : std::vector<std::vector<std::string>>{{"1", "3"},
+                                                                 {"1", "--held-out", "3"},
+                                                                 {"1", "--model", "3"},
+                                                                 {"1", "--previous", "3"},
+                                                                 {"1", "--studies", "3"},
+                                                                 {"--compare", "1", "3"},
+                                                                 {"--batch", "1", "3"}})
+    of.refused(words, "[TB-RUN-VOID]");
+  write_file(of.folder.path("own.csv"), "input,output\n0,0\n1,1\n2,2\n3,3\n2,2.5\n1,1.5\n0,0.1\n");
+  CHECK(call(of.folder, {"import", "own.csv"}).code == 0);
+  CHECK(call(of.folder, {"fit", "5", "--model", "elam"}).code == 0);
+  of.refused({"1", "--model", "5:2"},
+             "a report cannot use fit 5:2: it was made from an imported table [TB-USAGE]\n  at: --model\n");
+}
