@@ -1,0 +1,166 @@
+// pause, resume, stop, abort and panic: what they print of the answer, and which of several runs they command. The runs
+// are of this process, and do nothing but answer.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/run/control/control_socket.h"
+#include "bench/run/control/machine_name.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using Words = std::vector<std::string>;
+
+namespace {
+
+struct RunThatAnswers {
+  RunThatAnswers(const std::string& id, std::int64_t run, const std::string& store,
+                 bench::RunState state = bench::RunState::kRunning) {
+    write_file(store, "");
+    config.id = id;
+    bench::RunStatus status;
+    status.run = run;
+    status.store = store;
+    status.state = state;
+    status.step = 3;
+    status.steps = 40;
+    control.publish(status);
+    socket = std::make_unique<bench::ControlSocket>(config, control, run);
+  }
+  bench::BenchConfig config;
+  bench::Control control;
+  std::unique_ptr<bench::ControlSocket> socket;
+};
+
+// A process that was stopped: its names are held, and nobody answers.
+struct RunThatIsSilent {
+  explicit RunThatIsSilent(const std::string& id, const std::string& run) : name(id), numbered(id + run) {}
+  bench::MachineName name, numbered;
+};
+
+struct Commands {
+  Finished give(const Words& words) const { return call(folder, words); }
+  void taken(const Words& words, const std::string& said, const std::string& warned = "") const {
+    const Finished done = give(words);
+    CAPTURE(words);
+    CHECK(done.code == 0);
+    CHECK(done.out == said + "\n");
+    CHECK(done.err == warned);
+  }
+  void refused(const Words& words, const std::string& said, const std::string& remedy) const {
+    const Finished done = give(words);
+    CAPTURE(words);
+    CHECK(done.code == 2);
+    CHECK(done.out.empty());
+    CHECK_THAT(done.err, Catch::StartsWith("error: " + said + "\n  at: ") &&
+                             Catch::EndsWith("\n  try: " + remedy + "\n  state: no device was touched\n"));
+  }
+  [[nodiscard]] std::string run(std::int64_t number, const std::string& name) const {
+    return fmt::format("run {} of {} on bench '{}' (running, step 3/40)", number, folder.path(name + ".db"), name);
+  }
+  TemporaryFolder folder;
+};
+
+const std::string kEnds = "run 3 ends: vents, retracts and proves it",
+                  kPanics = "run 3 ends: vented and halted past the sequencer";
+
+}  // namespace
+
+TEST_CASE("commands: the answer of the one live run, in words and as JSON, or why it is refused") {
+  const Commands of;
+  of.refused({"stop"}, "no live run answers [TB-RUN-NOT-LIVE]",
+             "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`");
+  const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+  of.refused({"resume", "3", "--db", "live.db"}, "run 3 is running, not paused [TB-RUN-WORD]",
+             "see `tactbench runs list`");
+  of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
+  of.taken({"resume"}, "run 3 continues: the pause is taken back");
+  const auto told = nlohmann::ordered_json::parse(of.give({"stop", "--json"}).out);
+  CHECK(told == nlohmann::ordered_json{{"schema", "tactbench.stop"},
+                                       {"version", 1},
+                                       {"run", 3},
+                                       {"bench", "live"},
+                                       {"store", of.folder.path("live.db")},
+                                       {"state", "running"},
+                                       {"step", 3},
+                                       {"steps", 40},
+                                       {"answer", kEnds}});
+  of.taken({"abort", "3"}, kEnds);
+  of.taken({"panic", "--bench", "live"}, kPanics);
+  of.refused({"pause", "4"}, "no live run 4 answers [TB-RUN-NOT-LIVE]", "live: " + of.run(3, "live"));
+}
+
+TEST_CASE("resume: a number alone resumes no run of another store where this folder has one") {
+  const Commands of;
+  const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+  of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
+  const std::string resumed = "run 3 continues: the pause is taken back";
+  of.taken({"resume", "3"}, resumed);  // no runs.db lies here
+  of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
+  write_file(of.folder.path("runs.db"), "");
+  of.refused({"resume", "3"}, "a live run 3 belongs to another store than 'runs.db' [TB-RUN-AMBIGUOUS]",
+             "name its store: tactbench resume 3 --db STORE; live: " + of.run(3, "live"));
+  of.taken({"resume", "3", "--db", "live.db"}, resumed);
+  of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
+  of.taken({"resume"}, resumed);
+}
+
+TEST_CASE("resume: the run of this folder's own store is resumed by its number") {
+  const Commands of;
+  const RunThatAnswers live("live", 3, of.folder.path("runs.db"));
+  of.taken({"pause", "3"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
+  of.taken({"resume", "3"}, "run 3 continues: the pause is taken back");
+}
+
+TEST_CASE("commands: several live runs must be told apart, and a panic reaches all that are meant") {
+  const Commands of;
+  const RunThatAnswers live("live", 3, of.folder.path("live.db")), other("other", 3, of.folder.path("other.db"));
+  const std::string both = of.run(3, "live") + "; " + of.run(3, "other");
+  for (const Words& words : {Words{"stop"}, Words{"stop", "3"}, Words{"panic"}})
+    of.refused(words, "2 runs are live [TB-RUN-AMBIGUOUS]",
+               fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", words[0], both));
+  CHECK(live.control.who().empty());
+  of.taken({"stop", "--bench", "other"}, kEnds);
+  CHECK(live.control.who().empty());
+  of.taken({"panic", "3"}, kPanics);
+  CHECK_FALSE(live.control.who().empty());
+  of.taken({"panic", "3", "--db", "other.db"}, kPanics);
+}
+
+TEST_CASE("panic: runs that refuse it are told, and all must refuse for it to fail") {
+  const Commands of;
+  const RunThatAnswers ended("a", 3, of.folder.path("a.db"), bench::RunState::kEnded);
+  {
+    const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+    of.taken({"panic", "3"}, kPanics, "warning: run 3 is ended already\n");
+  }
+  const RunThatAnswers more("more", 3, of.folder.path("more.db"), bench::RunState::kEnded);
+  const Finished none = of.give({"panic", "3"});
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err, Catch::StartsWith("warning: run 3 is ended already\nwarning: run 3 is ended already\nerror: run "
+                                         "3 is ended already [TB-RUN-WORD]\n"));
+}
+
+TEST_CASE("commands: a bench that does not answer is named, and holds up a stop but no panic") {
+  const Commands of;
+  const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+  const RunThatIsSilent silent("a-frozen", "/run/7");
+  const std::string text =
+      fmt::format("run 7 on bench 'a-frozen' does not answer ({})", bench::peer_text({::getpid(), ::geteuid(), false}));
+  of.refused({"stop"}, "2 runs are live [TB-RUN-AMBIGUOUS]",
+             "name one: tactbench stop --bench ID, or RUN --db STORE; live: " + of.run(3, "live") + "; " + text);
+  const std::string process = std::to_string(::getpid());
+  for (const Words& words : {Words{"stop", "7"}, Words{"stop", "--bench", "a-frozen"}})
+    of.refused(words, text + " [TB-RUN-SILENT]",
+               "check the rig: the process is stopped, or opens its devices. `kill -CONT " + process +
+                   "` continues a stopped process, `kill -KILL " + process + "` ends it, and its dead-man vents");
+  of.taken({"stop", "3"}, kEnds);  // the silent one is of another number
+  of.taken({"panic"}, kPanics, "warning: " + text + "\n");
+  of.taken({"stop", "--db", "live.db"}, kEnds, "warning: " + text + "\n");
+}
