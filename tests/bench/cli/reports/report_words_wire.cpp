@@ -143,6 +143,9 @@ TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
 TEST_CASE("report: signed once it keeps its number, its file and what replaced it") {
   const RunsToReport of;
   of.refused({"3", "--approve-by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");
+  // A file of somebody else ends it before anything is signed.
+  of.refused({"3", "--approve-by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
+  CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
   const Finished first = of.report({"3", "--approve-by", "K. Lee", "--without-verdict"});
   REQUIRE(first.code == 0);
   const std::string number = number_in(first.out), path = "reports/run-" + number + ".html";

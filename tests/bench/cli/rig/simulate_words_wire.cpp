@@ -101,6 +101,16 @@ TEST_CASE("simulate: modules on a serial line, on a bench without stage and forc
   CHECK(served.value("force", "port") == "none");
 }
 
+TEST_CASE("simulate: a bench file that names no host gets the one that is served") {
+  const TemporaryFolder folder;
+  write_file(folder.path("least.toml"),
+             "schema = 1\n[bench]\nid = \"b\"\norigin = \"simulated\"\n[module]\nprofile = \"beckhoff-ek9000\"\n"
+             "[regulator]\nserial = \"R\"\n[reference]\nmodel = \"m\"\nserial = \"s\"\n");
+  const ServedOnce served({"--bench", folder.path("least.toml"), "--set", "settling.band_psi=0.5"});
+  CHECK(served.value("module", "host") == "'127.0.0.1'");
+  CHECK(served.value("settling", "band_psi") == "0.5");
+}
+
 TEST_CASE("simulate: as JSON, without a bench file, and what cannot be simulated") {
   const TemporaryFolder folder;
   const auto told = nlohmann::ordered_json::parse(call(folder, {"simulate", "--for", "0.1", "--json"}).out);
