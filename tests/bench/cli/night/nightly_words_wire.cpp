@@ -97,6 +97,29 @@ TEST_CASE("nightly: kept with --db it is compared and has its words, as one part
                            Catch::Contains(" s  nothing is wrong\n"));
 }
 
+TEST_CASE("nightly: the parts of a night are put together, printed as one and counted") {
+  const SmallNight of;
+  CHECK(of.night({"--shard", "1/2", "--db", "p1.db", "-q"}).code == 0);
+  CHECK(of.night({"--shard", "2/2", "--db", "p2.db", "-q"}).code == 1);
+  const auto merge = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"runs", "merge", "p1.db", "p2.db", "--db", "all.db"};
+    words.insert(words.end(), more.begin(), more.end());
+    return call(of.folder, words);
+  };
+  const Finished merged = merge({"--html", "night.html", "--junit", "night.xml"});
+  CHECK(merged.code == 1);
+  CHECK_THAT(merged.out, Catch::StartsWith("SIMULATED DATA. night of 20") &&
+                             Catch::Contains("Z, small: 2 scenarios\ngreen whole ") &&
+                             Catch::Contains("\nRED   misspelt ") &&
+                             Catch::EndsWith("\n1 green, 1 red, 0 not run\nall.db: 1 run taken from 2 stores, 1 "
+                                             "night\n"));
+  CHECK_THAT(read_file(of.folder.path("night.html")), Catch::Contains("2 scenarios, 1 red, 0 not run."));
+  CHECK_THAT(read_file(of.folder.path("night.xml")), Catch::Contains("failures=\"1\""));
+  const Finished again = merge({});
+  CHECK(again.code == 1);
+  CHECK(again.out == "all.db: 0 runs taken from 2 stores; 1 there already\n");
+}
+
 TEST_CASE("nightly: files that cannot be written end it before a scenario begins") {
   const SmallNight of;
   write_file(of.folder.path("blocked"), "no folder");
