@@ -34,7 +34,7 @@ struct SmallNight {
 };
 
 // Without the seconds that a scenario took.
-std::string without_seconds(std::string text) {
+std::string night_without_seconds(std::string text) {
   for (std::size_t at = 0; (at = text.find(" s  ", at)) != std::string::npos; at += 3) {
     const std::size_t from = text.rfind("  ", at) + 2;
     text.replace(from, at - from, "#");
@@ -63,9 +63,10 @@ TEST_CASE("nightly: its page, a line a scenario meanwhile, and no store that sta
   const Finished quiet = of.night({"--only", "whole", "-q"});
   CHECK(quiet.code == 0);
   CHECK(quiet.err.empty());
-  CHECK(without_seconds(quiet.out) ==
-        without_seconds("SIMULATED DATA. small: 1 scenario\ngreen whole                           0.3 s  nothing is "
-                        "wrong\n1 green, 0 red, 0 not run\n"));
+  CHECK(night_without_seconds(quiet.out) ==
+        night_without_seconds(
+            "SIMULATED DATA. small: 1 scenario\ngreen whole                           0.3 s  nothing is "
+            "wrong\n1 green, 0 red, 0 not run\n"));
   const Finished told = of.night({"--only", "whole", "--json"});
   CHECK(told.err.empty());
   const Told document = Told::parse(told.out);

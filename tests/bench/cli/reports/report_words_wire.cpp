@@ -51,12 +51,12 @@ struct RunsToReport {
   TemporaryFolder folder;
 };
 
-std::string number_in(const std::string& printed) {
+std::string report_number_in(const std::string& printed) {
   const std::size_t at = printed.rfind("report ") + 7;
   return printed.substr(at, printed.find(':', at) - at);
 }
 
-std::string no_models(const std::string& run) {
+std::string note_without_models(const std::string& run) {
   return "note: run " + run + " has no models: the report shows the measurements, nothing corrected; `tactbench fit " +
          run + "` makes models\n";
 }
@@ -68,7 +68,7 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file; of 
   const Finished judged = of.report({"1"});
   CHECK(judged.code == 6);
   CHECK(judged.err.empty());
-  const std::string number = number_in(judged.out);
+  const std::string number = report_number_in(judged.out);
   CHECK_THAT(judged.out,
              Catch::StartsWith("  run  requirement                scope                       value  tolerance limit  "
                                "verdict\n    2  mean absolute error        array              ") &&
@@ -78,8 +78,8 @@ TEST_CASE("report: the verdicts of a judged run, its judgement and its file; of 
   CHECK_THAT(read_file(of.folder.path("reports/run-1.html")), Catch::Contains(number) && Catch::Contains("kPa"));
   const Finished plain = of.report({"3", "--paper", "letter", "--units", "bar"});
   CHECK(plain.code == 0);
-  CHECK(plain.err == no_models("3"));
-  CHECK(plain.out == "report " + number_in(plain.out) + ": reports/run-3.html\n");
+  CHECK(plain.err == note_without_models("3"));
+  CHECK(plain.out == "report " + report_number_in(plain.out) + ": reports/run-3.html\n");
   CHECK_THAT(read_file(of.folder.path("reports/run-3.html")), Catch::Contains("letter"));
   CHECK_THAT(read_file(of.folder.path("reports/run-1.html")), !Catch::Contains("size: letter"));
   // The judgement of one run, and its models by another run's.
@@ -110,8 +110,8 @@ TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
   const RunsToReport of;
   const Finished compared = of.report({"--compare", "1", "2"});
   CHECK(compared.code == 6);
-  CHECK(compared.err == no_models("2"));
-  const std::string number = number_in(compared.out);
+  CHECK(compared.err == note_without_models("2"));
+  const std::string number = report_number_in(compared.out);
   CHECK(compared.out == "report " + number + ": reports/compare-1-2.html\n");
   CHECK(number.starts_with("1-2-"));
   CHECK_THAT(read_file(of.folder.path("reports/compare-1-2.html")), Catch::Contains("as found"));
@@ -148,7 +148,7 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
   const Finished first = of.report({"3", "--approve-by", "K. Lee", "--without-verdict"});
   REQUIRE(first.code == 0);
-  const std::string number = number_in(first.out), path = "reports/run-" + number + ".html";
+  const std::string number = report_number_in(first.out), path = "reports/run-" + number + ".html";
   CHECK(first.out == "report " + number + ": " + path + "\n");
   CHECK_FALSE(of.exists("reports/run-3.html"));
   const std::string page = read_file(of.folder.path(path));
@@ -166,7 +166,7 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   CHECK(warned.err == "warning: signed with the verdict simulated inconclusive\n");
   const Finished changed = of.report({"3", "2", "--approve-by", "M. Ito", "--without-verdict", "--reason", "one more"});
   CHECK(changed.code == 0);
-  CHECK(number_in(changed.out) != number);
+  CHECK(report_number_in(changed.out) != number);
   const Told listed = Told::parse(call(of.folder, {"reports", "list", "3", "--json"}).out).at("reports");
   REQUIRE(listed.size() == 2);
   CHECK(listed.at(0).at("replaces") == "");

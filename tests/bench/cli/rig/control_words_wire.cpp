@@ -15,7 +15,7 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using Words = std::vector<std::string>;
+using CommandWords = std::vector<std::string>;
 
 namespace {
 
@@ -44,16 +44,16 @@ struct RunThatIsSilent {
   bench::MachineName name, numbered;
 };
 
-struct Commands {
-  Finished give(const Words& words) const { return call(folder, words); }
-  void taken(const Words& words, const std::string& said, const std::string& warned = "") const {
+struct CommandsGiven {
+  Finished give(const CommandWords& words) const { return call(folder, words); }
+  void taken(const CommandWords& words, const std::string& said, const std::string& warned = "") const {
     const Finished done = give(words);
     CAPTURE(words);
     CHECK(done.code == 0);
     CHECK(done.out == said + "\n");
     CHECK(done.err == warned);
   }
-  void refused(const Words& words, const std::string& said, const std::string& remedy) const {
+  void refused(const CommandWords& words, const std::string& said, const std::string& remedy) const {
     const Finished done = give(words);
     CAPTURE(words);
     CHECK(done.code == 2);
@@ -67,13 +67,13 @@ struct Commands {
   TemporaryFolder folder;
 };
 
-const std::string kEnds = "run 3 ends: vents, retracts and proves it",
-                  kPanics = "run 3 ends: vented and halted past the sequencer";
+const std::string kSaidOfEnd = "run 3 ends: vents, retracts and proves it",
+                  kSaidOfPanic = "run 3 ends: vented and halted past the sequencer";
 
 }  // namespace
 
 TEST_CASE("commands: the answer of the one live run, in words and as JSON, or why it is refused") {
-  const Commands of;
+  const CommandsGiven of;
   of.refused({"stop"}, "no live run answers [TB-RUN-NOT-LIVE]",
              "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`");
   const RunThatAnswers live("live", 3, of.folder.path("live.db"));
@@ -90,14 +90,14 @@ TEST_CASE("commands: the answer of the one live run, in words and as JSON, or wh
                                        {"state", "running"},
                                        {"step", 3},
                                        {"steps", 40},
-                                       {"answer", kEnds}});
-  of.taken({"abort", "3"}, kEnds);
-  of.taken({"panic", "--bench", "live"}, kPanics);
+                                       {"answer", kSaidOfEnd}});
+  of.taken({"abort", "3"}, kSaidOfEnd);
+  of.taken({"panic", "--bench", "live"}, kSaidOfPanic);
   of.refused({"pause", "4"}, "no live run 4 answers [TB-RUN-NOT-LIVE]", "live: " + of.run(3, "live"));
 }
 
 TEST_CASE("resume: a number alone resumes no run of another store where this folder has one") {
-  const Commands of;
+  const CommandsGiven of;
   const RunThatAnswers live("live", 3, of.folder.path("live.db"));
   of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
   const std::string resumed = "run 3 continues: the pause is taken back";
@@ -112,33 +112,33 @@ TEST_CASE("resume: a number alone resumes no run of another store where this fol
 }
 
 TEST_CASE("resume: the run of this folder's own store is resumed by its number") {
-  const Commands of;
+  const CommandsGiven of;
   const RunThatAnswers live("live", 3, of.folder.path("runs.db"));
   of.taken({"pause", "3"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
   of.taken({"resume", "3"}, "run 3 continues: the pause is taken back");
 }
 
 TEST_CASE("commands: several live runs must be told apart, and a panic reaches all that are meant") {
-  const Commands of;
+  const CommandsGiven of;
   const RunThatAnswers live("live", 3, of.folder.path("live.db")), other("other", 3, of.folder.path("other.db"));
   const std::string both = of.run(3, "live") + "; " + of.run(3, "other");
-  for (const Words& words : {Words{"stop"}, Words{"stop", "3"}, Words{"panic"}})
+  for (const CommandWords& words : {CommandWords{"stop"}, CommandWords{"stop", "3"}, CommandWords{"panic"}})
     of.refused(words, "2 runs are live [TB-RUN-AMBIGUOUS]",
                fmt::format("name one: tactbench {} --bench ID, or RUN --db STORE; live: {}", words[0], both));
   CHECK(live.control.who().empty());
-  of.taken({"stop", "--bench", "other"}, kEnds);
+  of.taken({"stop", "--bench", "other"}, kSaidOfEnd);
   CHECK(live.control.who().empty());
-  of.taken({"panic", "3"}, kPanics);
+  of.taken({"panic", "3"}, kSaidOfPanic);
   CHECK_FALSE(live.control.who().empty());
-  of.taken({"panic", "3", "--db", "other.db"}, kPanics);
+  of.taken({"panic", "3", "--db", "other.db"}, kSaidOfPanic);
 }
 
 TEST_CASE("panic: runs that refuse it are told, and all must refuse for it to fail") {
-  const Commands of;
+  const CommandsGiven of;
   const RunThatAnswers ended("a", 3, of.folder.path("a.db"), bench::RunState::kEnded);
   {
     const RunThatAnswers live("live", 3, of.folder.path("live.db"));
-    of.taken({"panic", "3"}, kPanics, "warning: run 3 is ended already\n");
+    of.taken({"panic", "3"}, kSaidOfPanic, "warning: run 3 is ended already\n");
   }
   const RunThatAnswers more("more", 3, of.folder.path("more.db"), bench::RunState::kEnded);
   const Finished none = of.give({"panic", "3"});
@@ -148,7 +148,7 @@ TEST_CASE("panic: runs that refuse it are told, and all must refuse for it to fa
 }
 
 TEST_CASE("commands: a bench that does not answer is named, and holds up a stop but no panic") {
-  const Commands of;
+  const CommandsGiven of;
   const RunThatAnswers live("live", 3, of.folder.path("live.db"));
   const RunThatIsSilent silent("a-frozen", "/run/7");
   const std::string text =
@@ -156,11 +156,11 @@ TEST_CASE("commands: a bench that does not answer is named, and holds up a stop 
   of.refused({"stop"}, "2 runs are live [TB-RUN-AMBIGUOUS]",
              "name one: tactbench stop --bench ID, or RUN --db STORE; live: " + of.run(3, "live") + "; " + text);
   const std::string process = std::to_string(::getpid());
-  for (const Words& words : {Words{"stop", "7"}, Words{"stop", "--bench", "a-frozen"}})
+  for (const CommandWords& words : {CommandWords{"stop", "7"}, CommandWords{"stop", "--bench", "a-frozen"}})
     of.refused(words, text + " [TB-RUN-SILENT]",
                "check the rig: the process is stopped, or opens its devices. `kill -CONT " + process +
                    "` continues a stopped process, `kill -KILL " + process + "` ends it, and its dead-man vents");
-  of.taken({"stop", "3"}, kEnds);  // the silent one is of another number
-  of.taken({"panic"}, kPanics, "warning: " + text + "\n");
-  of.taken({"stop", "--db", "live.db"}, kEnds, "warning: " + text + "\n");
+  of.taken({"stop", "3"}, kSaidOfEnd);  // the silent one is of another number
+  of.taken({"panic"}, kSaidOfPanic, "warning: " + text + "\n");
+  of.taken({"stop", "--db", "live.db"}, kSaidOfEnd, "warning: " + text + "\n");
 }

@@ -19,7 +19,7 @@ namespace {
 
 // In deviations of a baseline: the figures of a check lie in its middle, far within its band, or beyond it. The first
 // value after a baseline's mean counts a fifth in the moving average.
-enum class Place { kWithin, kShifted, kOutside };
+enum class PlaceInBand { kWithin, kShifted, kOutside };
 
 class CheckedRig {
  public:
@@ -42,8 +42,8 @@ class CheckedRig {
     return call(folder, words);
   }
   // Accepts eight runs as the subject's baseline, so that these figures lie at this place of it.
-  void accept(const std::string& subject, const Told& figures, Place place) {
-    const double away = place == Place::kWithin ? 0.0 : place == Place::kShifted ? 10.0 : 100.0;
+  void accept(const std::string& subject, const Told& figures, PlaceInBand place) {
+    const double away = place == PlaceInBand::kWithin ? 0.0 : place == PlaceInBand::kShifted ? 10.0 : 100.0;
     db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
     db::BaselineRecord baseline{0, subject, "as built", "K. Lee", kUtc, {}};
     for (int i = 0; i < 8; ++i) {
@@ -113,7 +113,7 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
   CHECK(checks.at(1).at("figures").size() == 4);
   CHECK(Told::parse(call(rig.folder, {"runs", "show", "3", "--json"}).out).at("purpose") ==
         "rig check: force and stage");
-  const auto accept = [&](std::size_t subject, Place place) {
+  const auto accept = [&](std::size_t subject, PlaceInBand place) {
     rig.accept(subjects[subject], checks.at(subject).at("figures"), place);
   };
   const auto concluded = [&](const std::vector<std::string>& words, int code, const std::string& states,
@@ -126,30 +126,30 @@ TEST_CASE("rig check: what is concluded of rig and standard together") {
     CHECK(found == states);
     CHECK_THAT(told.at("conclusion").get<std::string>(), Catch::StartsWith(said));
   };
-  accept(0, Place::kWithin);
+  accept(0, PlaceInBand::kWithin);
   concluded({"--json"}, 0, "within, no baseline, ", "not judged: ");
-  accept(2, Place::kWithin);
+  accept(2, PlaceInBand::kWithin);
   concluded({"--json"}, 0, "within, within, ", "rig and standard are unchanged");
   const Finished page = rig.check();
   CHECK_THAT(page.out, Catch::Contains("\nchamber, run ") &&
                            Catch::Contains(" (rig/simulated-rig/chamber): within\n") && Catch::Contains(" to ") &&
                            !Catch::Contains("OUTSIDE"));
-  accept(1, Place::kOutside);
+  accept(1, PlaceInBand::kOutside);
   concluded({"--json"}, 0, "within, within, ", "rig and standard are unchanged");  // nothing was pressed
   concluded({"--json", "--press"}, 1, "within, outside, within, ", "the rig changed, the standard's figures did not");
-  accept(1, Place::kWithin);
-  accept(0, Place::kShifted);
+  accept(1, PlaceInBand::kWithin);
+  accept(0, PlaceInBand::kShifted);
   concluded({"--json", "--press"}, 6, "shifted, within, within, ", "the rig changed, the standard's figures did not");
-  accept(2, Place::kShifted);
+  accept(2, PlaceInBand::kShifted);
   concluded({"--json"}, 6, "shifted, shifted, ", "the rig changed, and the standard's figures with it");
-  accept(0, Place::kWithin);
+  accept(0, PlaceInBand::kWithin);
   concluded({"--json"}, 6, "within, shifted, ", "the standard changed on an unchanged rig");
-  accept(2, Place::kOutside);
+  accept(2, PlaceInBand::kOutside);
   const Finished outside = rig.check();
   CHECK(outside.code == 1);
   CHECK_THAT(outside.out, Catch::Contains(" (sensor/STD-1/small): outside\n") && Catch::Contains("  OUTSIDE\n") &&
                               Catch::Contains("\nthe standard changed on an unchanged rig: the standard itself, or a "
                                               "change that the rig's own figures do not show\n"));
-  accept(0, Place::kShifted);
+  accept(0, PlaceInBand::kShifted);
   concluded({"--json"}, 1, "shifted, outside, ", "the rig changed, and the standard's figures with it");
 }

@@ -39,7 +39,7 @@ struct ServedOnce {
   std::string bench;
 };
 
-std::string behind(const std::string& text, const std::string& mark) {
+std::string text_behind(const std::string& text, const std::string& mark) {
   return text.substr(text.find(mark) + mark.size());
 }
 
@@ -61,13 +61,13 @@ TEST_CASE("simulate: each wire by its name and place, how to connect, and the cl
   CHECK(served.value("bench", "rate") == "2.5");
   CHECK(served.value("bench", "origin") == "'simulated'");
   CHECK(served.value("module", "host") == "'127.0.0.1'");
-  CHECK(served.value("module", "port") == behind(served.where("pressure and environment"), "127.0.0.1:"));
+  CHECK(served.value("module", "port") == text_behind(served.where("pressure and environment"), "127.0.0.1:"));
   CHECK(served.value("scanner", "socket") ==
         "'" + served.where("tactile scanner, HID reports over SOCK_SEQPACKET") + "'");
   CHECK(served.value("scanner", "address") == "none");
   CHECK(served.value("stage", "port") == "'" + served.where("stage, Zaber binary chain (firmware 5)") + "'");
   CHECK(served.value("force", "host") == "'127.0.0.1'");
-  CHECK(served.value("force", "port") == behind(served.where("Nano17, Net F/T (RDT over UDP)"), "127.0.0.1:"));
+  CHECK(served.value("force", "port") == text_behind(served.where("Nano17, Net F/T (RDT over UDP)"), "127.0.0.1:"));
   CHECK("http://127.0.0.1:" + served.value("force", "http_port") + "/netftapi2.xml" ==
         served.where("Nano17, its calibration page"));
 }
