@@ -142,7 +142,10 @@ TEST_CASE("report: two runs compared and a batch, with the judgement of each") {
 
 TEST_CASE("report: signed once it keeps its number, its file and what replaced it") {
   const RunsToReport of;
-  of.refused({"3", "--approve-by", "K. Lee"}, "[TB-REPORT-NO-VERDICT]");
+  of.refused({"3", "--approve-by", "K. Lee"},
+             note_without_models("3") +
+                 "error: the report has no verdict, and signing it was not confirmed "
+                 "[TB-REPORT-NO-VERDICT]\n");  // nobody is asked: no terminal
   // A file of somebody else ends it before anything is signed.
   of.refused({"3", "--approve-by", "K. Lee", "--without-verdict", "-o", "small.toml"}, "small.toml");
   CHECK(Told::parse(call(of.folder, {"reports", "list", "--json"}).out).at("reports").empty());
@@ -225,4 +228,7 @@ TEST_CASE("report: models and further runs that it cannot use") {
   CHECK(call(of.folder, {"fit", "5", "--model", "elam"}).code == 0);
   of.refused({"1", "--model", "5:2"},
              "a report cannot use fit 5:2: it was made from an imported table [TB-USAGE]\n  at: --model\n");
+  CHECK(call(of.folder, {"fit", "2", "--model", "elam", "--mean-taxel"}).code == 0);
+  of.refused({"1", "--model", "2:3"},
+             "a report cannot use fit 2:3: it has a model of no single taxel of the array [TB-USAGE]\n  at: --model\n");
 }
