@@ -1,0 +1,194 @@
+// The dead-man's process as its sequencer sees it: it is served in a thread here, and each message, what it does about
+// it and what it writes down is compared.
+#include "bench/safety/dead_man_server.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "bench/guard/trip.h"
+#include "devices/wire/descriptor_channel.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/support/hosted_rig.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+constexpr std::chrono::seconds kPatientWithIt{20};
+
+// Served over one end of a channel; the test speaks at the other.
+class ServedDeadMan {
+ public:
+  ServedDeadMan() {
+    const auto [ours, theirs] = devices::DescriptorChannel::make_pair();
+    channel = std::make_unique<devices::DescriptorChannel>(ours);
+    thread_ = std::thread([this, socket = theirs] { code_ = bench::serve_dead_man(socket); });
+  }
+  ~ServedDeadMan() {
+    channel.reset();
+    if (thread_.joinable()) thread_.join();
+  }
+  ServedDeadMan(const ServedDeadMan&) = delete;
+  ServedDeadMan& operator=(const ServedDeadMan&) = delete;
+  void describe(const bench::BenchConfig& config) const {
+    channel->send(nlohmann::json{{"name", config.file}, {"bench", config.resolved}}.dump());
+  }
+  // Its next message; descriptors that come with it are closed.
+  std::string heard(bool* with_descriptor = nullptr) const {
+    const auto packet = channel->receive(kPatientWithIt);
+    if (!packet) return channel->closed() ? "(closed)" : "(nothing)";
+    if (with_descriptor != nullptr) *with_descriptor = packet->descriptor >= 0;
+    if (packet->descriptor >= 0) ::close(packet->descriptor);
+    return packet->text;
+  }
+  int exit_code() {
+    thread_.join();
+    return code_;
+  }
+  std::unique_ptr<devices::DescriptorChannel> channel;
+
+ private:
+  std::thread thread_;
+  std::atomic<int> code_{-1};
+};
+
+// Without the seconds that it took.
+std::string without_seconds(const std::string& text) {
+  return std::regex_replace(text, std::regex("after [0-9.]+ s"), "after N s");
+}
+
+nlohmann::ordered_json record_by(const bench::BenchConfig& config) {
+  auto json = nlohmann::ordered_json::parse(read_file(bench::TripFile(config.id).dead_man_path()));
+  for (const char* key : {"pressure_s", "stage_s"}) {
+    CHECK(json.at(key).get<double>() >= 0.0);
+    CHECK(json.at(key).get<double>() < 20.0);
+    json.erase(key);
+  }
+  CHECK(json.at("utc").get<std::string>().size() == 20);
+  json.erase("utc");
+  return json;
+}
+
+// Nothing that this test does takes as long as the dead-man waits.
+const std::vector<sequences::Override> kSlow = {{"dead_man.timeout_ms", "5000"}};
+
+}  // namespace
+
+TEST_CASE(
+    "dead-man server: ready, fed, a line handed over, and fired by command before z was homed: all of its record") {
+  HostedRig hosted(kSlow);
+  const bench::BenchConfig config = hosted.client();
+  std::string printed;
+  {
+    Captured errors(stderr);
+    ServedDeadMan dead_man;
+    dead_man.describe(config);
+    CHECK(dead_man.heard() == "ready");
+    for (int i = 0; i < 3; ++i) {
+      dead_man.channel->send("feed");
+      CHECK(dead_man.heard() == "fed");
+    }
+    dead_man.channel->send("run 17");
+    dead_man.channel->send("something else");
+    bool with_descriptor = false;
+    dead_man.channel->send("line");
+    CHECK(dead_man.heard(&with_descriptor) == "line");
+    CHECK(with_descriptor);
+    dead_man.channel->send("fire");
+    CHECK(dead_man.heard() == "fired");
+    CHECK(dead_man.exit_code() == 7);
+    CHECK(dead_man.heard() == "(closed)");
+    printed = errors.text();
+  }
+  const std::string stage = record_by(config).at("stage");
+  const std::string pressure = record_by(config).at("pressure");
+  CHECK_THAT(pressure, Catch::StartsWith("vented, verified (feedback "));
+  CHECK(stage == "stage stands; z was not homed and was not backed off");
+  CHECK(record_by(config) == nlohmann::ordered_json{{"why", "commanded"},
+                                                    {"run", 17},
+                                                    {"ended", "NOT verified"},
+                                                    {"pressure", pressure},
+                                                    {"stage", stage},
+                                                    {"tripped", true}});
+  const std::string what = fmt::format("dead-man fired (commanded); {} after N s; {} after N s", pressure, stage);
+  CHECK(without_seconds(printed) == "tactbench: bench '" + config.id + "': " + what + "\n");
+  const auto trip = bench::TripFile(config.id).read();
+  REQUIRE(trip);
+  CHECK(trip->id == "TB-DEADMAN-FIRED");
+  CHECK(trip->run == 17);
+  CHECK(without_seconds(trip->what) == what);
+}
+
+TEST_CASE("dead-man server: a goodbye ends it, nothing is done or written") {
+  HostedRig hosted(kSlow);
+  const bench::BenchConfig config = hosted.client();
+  ServedDeadMan dead_man;
+  dead_man.describe(config);
+  CHECK(dead_man.heard() == "ready");
+  dead_man.channel->send("goodbye");
+  CHECK(dead_man.exit_code() == 0);
+  CHECK_FALSE(std::filesystem::exists(bench::TripFile(config.id).dead_man_path()));
+  CHECK_FALSE(bench::TripFile(config.id).read());
+}
+
+TEST_CASE("dead-man server: a sequencer that ends without a goodbye leaves a record, and no trip where all is safe") {
+  HostedRig hosted(kSlow);
+  const bench::BenchConfig config = hosted.client();
+  const Captured errors(stderr);
+  ServedDeadMan dead_man;
+  dead_man.describe(config);
+  CHECK(dead_man.heard() == "ready");
+  dead_man.channel.reset();
+  CHECK(dead_man.exit_code() == 0);
+  const nlohmann::ordered_json record = record_by(config);
+  CHECK(record.at("why") == "the sequencer ended without a goodbye");
+  CHECK(record.at("run") == 0);
+  CHECK(record.at("ended") == "safe, verified");
+  CHECK(record.at("stage") == "stage not in use");
+  CHECK(record.at("tripped") == false);
+  CHECK_FALSE(bench::TripFile(config.id).read());
+}
+
+TEST_CASE("dead-man server: a sequencer that says nothing for longer than it may is taken for stopped") {
+  HostedRig hosted(std::vector<sequences::Override>{{"dead_man.timeout_ms", "250"}});
+  const bench::BenchConfig config = hosted.client();
+  const Captured errors(stderr);
+  ServedDeadMan dead_man;
+  dead_man.describe(config);
+  CHECK(dead_man.heard() == "ready");
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK(dead_man.heard() == "fired");
+  CHECK(std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(200));
+  CHECK(dead_man.exit_code() == 0);
+  const nlohmann::ordered_json record = record_by(config);
+  CHECK(record.at("why") == "the sequencer gave no sign of life for 250 ms");
+  CHECK(record.at("ended") == "safe, verified");
+  CHECK(record.at("tripped") == true);
+}
+
+TEST_CASE("dead-man server: without a bench, or a module that answers, it says why and ends") {
+  HostedRig hosted(kSlow);
+  bench::BenchConfig config = hosted.client();
+  {
+    ServedDeadMan dead_man;
+    dead_man.channel->send("{}");
+    CHECK_THAT(dead_man.heard(), Catch::Contains("key 'name' not found"));
+    CHECK(dead_man.exit_code() == 3);
+  }
+  {
+    ServedDeadMan dead_man;
+    const std::string at = fmt::format("port = {}", config.module.endpoint.port);
+    config.resolved.replace(config.resolved.find(at), at.size(), "port = 1");
+    dead_man.describe(config);
+    CHECK_THAT(dead_man.heard(), Catch::Contains("127.0.0.1:1") && Catch::Contains("Connection refused"));
+    CHECK(dead_man.exit_code() == 3);
+  }
+}
