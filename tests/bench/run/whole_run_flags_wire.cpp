@@ -24,7 +24,7 @@ struct FlaggedRun {
   }
 };
 
-bench::PlannedFault fault_of_kind(bench::FaultKind kind, double at_s, double lasts_s, double value) {
+bench::PlannedFault fault_planned_at(bench::FaultKind kind, double at_s, double lasts_s, double value) {
   bench::PlannedFault fault;
   fault.kind = kind;
   fault.at_s = at_s;
@@ -40,8 +40,8 @@ TEST_CASE(
     "line") {
   FlaggedRun run;
   check_lines(run.lines({}, "[dwell]\ntolerance_s = 0.0\n",
-                        {fault_of_kind(bench::FaultKind::kRowStuck, 1.0, 6.0, 3.0),
-                         fault_of_kind(bench::FaultKind::kFeedbackOffset, 4.0, 0.5, 0.4)}),
+                        {fault_planned_at(bench::FaultKind::kRowStuck, 1.0, 6.0, 3.0),
+                         fault_planned_at(bench::FaultKind::kFeedbackOffset, 4.0, 0.5, 0.4)}),
               R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
@@ -64,7 +64,7 @@ branch 0.0.1 attempt 0: 4 to 2 psi
 
 TEST_CASE("whole run with flags: a scanner that repeats itself ends it, line by line") {
   FlaggedRun run;
-  check_lines(run.lines({}, "", {fault_of_kind(bench::FaultKind::kScannerStale, 3.0, 1e6, 0.0)}), R"(
+  check_lines(run.lines({}, "", {fault_planned_at(bench::FaultKind::kScannerStale, 3.0, 1e6, 0.0)}), R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
 step 3 of 4, 2 of 4 frames: small, step 3 of 4, loading; 5.300 s 2 2.040 2.124 psi settled
@@ -85,8 +85,8 @@ branch 0.0.0 attempt 0: 0 to 4 psi
 TEST_CASE("whole run with flags: witnesses that disagree for longer than they may end it, line by line") {
   FlaggedRun run;
   check_lines(run.lines({}, "",
-                        {fault_of_kind(bench::FaultKind::kReferenceOffset, 3.0, 0.5, 5.0),
-                         fault_of_kind(bench::FaultKind::kReferenceOffset, 5.5, 1e6, 5.0)}),
+                        {fault_planned_at(bench::FaultKind::kReferenceOffset, 3.0, 0.5, 5.0),
+                         fault_planned_at(bench::FaultKind::kReferenceOffset, 5.5, 1e6, 5.0)}),
               R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
@@ -125,7 +125,7 @@ branch 0.0.0 attempt 0: 0 to 4 psi
 
 TEST_CASE("whole run with flags: a chamber that is not vented is not begun with, line by line") {
   FlaggedRun run;
-  check_lines(run.lines({}, "", {fault_of_kind(bench::FaultKind::kReferenceOffset, 0.0, 1e6, 1.25)}), R"(
+  check_lines(run.lines({}, "", {fault_planned_at(bench::FaultKind::kReferenceOffset, 0.0, 1e6, 1.25)}), R"(
 0 of 0 frames, 0 exchanges, 0 redone, 20.000 s, waiting 0.000 s: tearing down 100.0 %
 7 TB-CHAMBER-NOT-VENTED: the chamber holds 1.2 psi before the first command | run 1, after frame 0, chamber | vent the chamber; check the zero of regulator and reference | NOT SAFE: pressure remains (feedback 0.0 psi, reference 1.2 psi); run 1 kept with 0 frames
 20.000 fault TB-CHAMBER-NOT-VENTED: the chamber holds 1.2 psi before the first command
