@@ -134,3 +134,9 @@ TEST_CASE("whole run with flags: a chamber that is not vented is not begun with,
 20.000 safe failed: NOT SAFE: pressure remains (feedback 0.0 psi, reference 1.2 psi)
 )");
 }
+
+TEST_CASE("whole run with flags: a step may take just as long as its recipe allows") {
+  FlaggedRun run;
+  const std::vector<std::string> lines = run.lines({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n");
+  CHECK(std::ranges::any_of(lines, [](const std::string& line) { return line.starts_with("4 of 4 frames, "); }));
+}
