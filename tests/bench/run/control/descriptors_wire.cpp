@@ -1,0 +1,55 @@
+// Talks with runs leave nothing open, at either end.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+
+#include "bench/run/control/client_words.h"
+#include "bench/run/control/control_socket.h"
+#include "bench/run/control/machine_name.h"
+#include "bench/run/control/run_connection.h"
+#include "tests/support/endless_run.h"
+
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+std::ptrdiff_t open_descriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return std::distance(begin(all), end(all));
+}
+
+}  // namespace
+
+TEST_CASE("descriptors: asking, commanding, following and answering a run leave none open") {
+  BenchConfig config;
+  config.id = "thrifty";
+  Control control;
+  RunStatus status;
+  status.run = 3;
+  status.state = RunState::kRunning;
+  control.publish(status);
+  const auto before_run = open_descriptors();
+  {
+    const ControlSocket socket(config, control, 3);
+    REQUIRE(send_command("thrifty", Command::kStatus));
+    std::ptrdiff_t before = 0;
+    CHECK(
+        comes_true([&] { return (before = open_descriptors()) == before_run + 3; }));  // two names and the word to stop
+    for (int i = 0; i < 5; ++i) {
+      CHECK(send_command("thrifty", Command::kStatus));
+      CHECK(send_command("thrifty", Command::kPause));
+      CHECK(send_command("thrifty", Command::kResume));
+      CHECK_FALSE(send_command("not-there", Command::kStatus));
+      RunConnection follower("thrifty", "follow");
+      CHECK(comes_true([&] { return follower.newest().has_value(); }));
+      RunConnection answering("thrifty", answer_words(1, "yes", ""));
+      CHECK(comes_true([&] { return answering.newest().has_value(); }));
+      CHECK(MachineName("thrifty").owner() != "");
+      CHECK_FALSE(MachineName("thrifty").held());
+    }
+    CHECK(comes_true([&] { return open_descriptors() == before; }));
+  }
+  CHECK(open_descriptors() == before_run);
+}
