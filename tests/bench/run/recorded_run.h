@@ -128,7 +128,7 @@ inline std::vector<std::string> lines_of_run(bench::RunRequest request, db::RunS
                               result.process_seconds, result.waiting_seconds, result.time_spent));
   if (result.error) {
     // A person is told where the simulated instrument listens.
-    static const std::regex kWhere("/tmp/tactbench-[^/]+|:[0-9]{4,5} ");
+    static const std::regex kWhere("[^ ]*/tactbench-[^/ ]+|:[0-9]{4,5} ");
     lines.push_back(fmt::format("{} {}: {} | {} | {} | {}", static_cast<int>(result.error->code()), result.error->id(),
                                 std::regex_replace(std::string(result.error->what()), kWhere, "..."),
                                 result.error->where(), result.error->remedy(), result.error->rig_state()));
