@@ -70,7 +70,7 @@ Control::Answer Control::take_answer(int question, const std::string& text, cons
     return {false, fmt::format("run {} does not wait for an answer to question {}", status_.run, question)};
   answer_ = GivenAnswer{question, text, who};
   who_ = who;
-  news_.fetch_add(1, std::memory_order_relaxed);
+  ++news_;
   return {true, fmt::format("run {} continues: question {} is answered", status_.run, question)};
 }
 
@@ -145,7 +145,7 @@ void Control::publish(const RunStatus& status) {
   status_ = status;
   status_.readings = readings;
   told_ = std::chrono::steady_clock::now();
-  news_.fetch_add(1, std::memory_order_relaxed);
+  ++news_;
 }
 
 void Control::see(const RunReadings& readings) {
@@ -153,7 +153,7 @@ void Control::see(const RunReadings& readings) {
   if (!lock) return;
   status_.readings = readings;
   told_ = std::chrono::steady_clock::now();
-  news_.fetch_add(1, std::memory_order_relaxed);
+  ++news_;
 }
 
 std::string Control::who() const {

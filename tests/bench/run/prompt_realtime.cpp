@@ -1,6 +1,7 @@
 // A run that asks the person at its terminal.
 #include <catch2/catch.hpp>
 
+#include "db/run_store.h"
 #include "tests/support/in_terminal.h"
 #include "tests/support/process.h"
 
@@ -21,5 +22,16 @@ TEST_CASE("a recipe's question is asked at the terminal, and Enter there answers
   REQUIRE(run.shows("press Enter, or `tactbench resume 1`"));
   run.type("\n");
   CHECK(run.wait() == 0);
-  CHECK_THAT(run.shown(), Catch::Contains("mount the sensor") && !Catch::Contains("answered by"));
+  CHECK_THAT(run.shown(), Catch::Contains("mount the sensor") && Catch::Contains("\n  when done: press Enter, or ") &&
+                              !Catch::Contains("answered by") && !Catch::Contains("is answered"));
+  const db::RunStore store = db::RunStore::open_read_only(folder.path("runs.db"));
+  std::vector<std::string> states;
+  for (const db::EventRecord& event : store.events(1)) {
+    if (event.kind == "state") states.push_back(event.detail);
+  }
+  CHECK(states == std::vector<std::string>{"prepared -> running: devices open, chamber unloaded",
+                                           "running -> pausing: for the operator",
+                                           "pausing -> paused: operator: mount the sensor",
+                                           "paused -> running: the operator has answered: mount the sensor",
+                                           "running -> stopping: all steps done"});
 }
