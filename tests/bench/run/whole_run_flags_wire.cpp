@@ -140,3 +140,18 @@ TEST_CASE("whole run with flags: a step may take just as long as its recipe allo
   const std::vector<std::string> lines = run.lines({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n");
   CHECK(std::ranges::any_of(lines, [](const std::string& line) { return line.starts_with("4 of 4 frames, "); }));
 }
+
+TEST_CASE("whole run with flags: a wait shorter than the rest that its recipe allows costs its own branch alone") {
+  FlaggedRun run;
+  const std::vector<sequences::Override> sensor = {
+      {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}};
+  const std::string rule =
+      "rest_restart_s = 15\n[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\n";
+  std::vector<std::string> branches =
+      run.lines(sensor, rule, {fault_planned_at(bench::FaultKind::kSupplyLost, 8.2, 5.0, 0.001)});
+  std::erase_if(branches, [](const std::string& line) { return !line.starts_with("branch "); });
+  CHECK(branches == std::vector<std::string>{"branch 0.0.0 attempt 0: 0 to 4 psi",
+                                             "branch 0.0.1 attempt 0: 4 to 2 psi, void: suspended: supply_bar is 0.00, "
+                                             "below 6",
+                                             "branch 0.0.1 attempt 1: 4 to 2 psi"});
+}
