@@ -146,9 +146,10 @@ TEST_CASE("whole run with flags: a wait shorter than the rest that its recipe al
   const std::vector<sequences::Override> sensor = {
       {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}};
   const std::string rule =
-      "rest_restart_s = 15\n[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\n";
+      "dwell_s = 4.0\nrest_restart_s = 15\n[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = "
+      "6.5\nhold_s = 2\n";
   std::vector<std::string> branches =
-      run.lines(sensor, rule, {fault_planned_at(bench::FaultKind::kSupplyLost, 8.2, 5.0, 0.001)});
+      run.lines(sensor, rule, {fault_planned_at(bench::FaultKind::kSupplyLost, 14.0, 5.0, 0.001)});
   std::erase_if(branches, [](const std::string& line) { return !line.starts_with("branch "); });
   CHECK(branches == std::vector<std::string>{"branch 0.0.0 attempt 0: 0 to 4 psi",
                                              "branch 0.0.1 attempt 0: 4 to 2 psi, void: suspended: supply_bar is 0.00, "
