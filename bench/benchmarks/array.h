@@ -12,7 +12,6 @@
 
 namespace tactbench::bench {
 
-// 256 taxels, best of `rounds`. A frame on the wire is one scan of the simulated scanner through its driver: median.
 // The simplest form of 256 taxels: twelve play operators each, of 0 to 11 psi and 5 mV/psi, normal noise of 1.5 mV, 16
 // bit of 5 V.
 class PlainArray {
@@ -31,6 +30,7 @@ class PlainArray {
 // 0 to 60 psi and back in 200 frames, along a cosine.
 double benchmarked_pressure(int frame);
 
+// 256 taxels, best of `rounds`. A frame on the wire is one scan of the simulated scanner through its driver: median.
 std::vector<Figure> benchmark_array(int rounds);
 
 // Seconds for 1000 frames each, and microseconds for one on the wire.
