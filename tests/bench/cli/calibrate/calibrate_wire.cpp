@@ -9,7 +9,6 @@
 #include "tests/support/process.h"
 
 using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -35,7 +34,7 @@ struct CalibrationFolder {
     words.insert(words.end(), more.begin(), more.end());
     return call(folder, words);
   }
-  json told(const CalibrateWords& words) const { return json::parse(call(folder, words).out); }
+  nlohmann::json told(const CalibrateWords& words) const { return nlohmann::json::parse(call(folder, words).out); }
   TemporaryFolder folder;
 };
 
@@ -62,8 +61,9 @@ TEST_CASE("calibrate: each stage has its line, and both runs are told the operat
       done.out.starts_with("SIMULATED DATA: bench 'simulated-rig' measures no real sensor\n1/5 sensor    MY-1 (PCB "
                            "piezoresistive 16x16) is new, registered in runs.db\n2/5 measure   ./a.toml: run 1: "
                            "completed, "));
-  const json first = of.told({"runs", "show", "1", "--json"}), second = of.told({"runs", "show", "2", "--json"});
-  const json fits = of.told({"model", "list", "--json"}).at("models");
+  const nlohmann::json first = of.told({"runs", "show", "1", "--json"}),
+                       second = of.told({"runs", "show", "2", "--json"});
+  const nlohmann::json fits = of.told({"model", "list", "--json"}).at("models");
   REQUIRE(fits.size() == 1);
   CHECK(fits.at(0).at("run") == 1);
   CHECK(fits.at(0).at("kind") == "elam");
@@ -75,7 +75,7 @@ TEST_CASE("calibrate: each stage has its line, and both runs are told the operat
       Catch::StartsWith("./b.toml: run 2: completed, " + std::to_string(second.at("frames").get<int>()) + " frames"));
   CHECK_THAT(line_of(done.out, "4/5 fit       "),
              Catch::StartsWith("elam on run 1: 256 of 256 taxels fitted; on run 2 "));
-  const json report = of.told({"report", "1", "--json"});
+  const nlohmann::json report = of.told({"report", "1", "--json"});
   CHECK(line_of(done.out, "5/5 report    ") == report.at("number").get<std::string>() + ": reports/run-1.html");
   CHECK_THAT(done.out, Catch::Contains("\nSIMULATED  ####   ###   ####  ####\n") &&
                            Catch::Contains("\nsensor MY-1: simulated pass, under repeatability conditions only: all 4 "
@@ -94,9 +94,9 @@ TEST_CASE("calibrate: each stage has its line, and both runs are told the operat
   CHECK(first.at("purpose") == "calibrate: measured for the models");
   CHECK(second.at("purpose") == "calibrate: held out, to judge the models of run 1");
   CHECK((first.at("seed") == 40 && second.at("seed") == 41));
-  CHECK(first.at("overrides") == json::parse(R"([{"key": "recipe.step", "value": "20"},
+  CHECK(first.at("overrides") == nlohmann::json::parse(R"([{"key": "recipe.step", "value": "20"},
                                                  {"key": "simulation.temperature_c", "value": "24"}])"));
-  CHECK(second.at("overrides") == json::parse(R"([{"key": "simulation.temperature_c", "value": "24"}])"));
+  CHECK(second.at("overrides") == nlohmann::json::parse(R"([{"key": "simulation.temperature_c", "value": "24"}])"));
   CHECK(read_file(of.folder.path("events")) == "done\ndone\n");
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("calibrate: the document alone, of a sensor that is known, with limits
   const Finished done = of.calibrate({"--json"}, "./only.toml");
   INFO(done.err);
   REQUIRE(done.code == 0);
-  const json document = json::parse(done.out);
+  const nlohmann::json document = nlohmann::json::parse(done.out);
   CHECK(document.at("registered") == false);
   CHECK((document.at("run") == 1 && document.at("held_out") == 2));
   CHECK(document.at("limits") == "only");

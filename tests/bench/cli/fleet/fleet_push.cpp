@@ -16,8 +16,6 @@
 
 namespace tactbench::tests::postgres {
 
-using nlohmann::json;
-
 namespace {
 
 using PushScript = std::vector<Answer>;
@@ -84,13 +82,14 @@ TEST_CASE("fleet push: a new run with its fits, told run by run, summed up, and 
         "all are there\n");
   CHECK(PushedTo(fleet, anew, {"-q"}).finished.out.empty());
   const PushedTo as_json(fleet, anew, {"--json"});
-  const json told = json::parse(as_json.finished.out);
+  const nlohmann::json told = nlohmann::json::parse(as_json.finished.out);
   CHECK(told.at("schema") == "tactbench.fleet.push");
   CHECK((told.at("fleet") == "WHERE" && told.at("store") == "STORE"));
   CHECK((told.at("ended_runs") == 1 && told.at("frames") == 3 && told.at("baselines") == 0 &&
          told.at("not_pushed") == 0));
-  CHECK(told.at("pushed") == json::parse(R"([{"run": 1, "uuid": ")" + own.uuid +
-                                         R"(", "fleet_run": 41, "frames": 3, "fits": 1, "remarks": false}])"));
+  CHECK(told.at("pushed") ==
+        nlohmann::json::parse(R"([{"run": 1, "uuid": ")" + own.uuid +
+                              R"(", "fleet_run": 41, "frames": 3, "fits": 1, "remarks": false}])"));
 }
 
 TEST_CASE("fleet push: a store is named by its host and its whole path") {
@@ -132,7 +131,7 @@ TEST_CASE("fleet push: of a run that is there what was said later, baselines, an
   append(baseline, {rows(1, {}), ended("BEGIN"), rows(1, {{"5"}}), rows(0, {}), ended("COMMIT")});
   CHECK(PushedTo(fleet, baseline).finished.out ==
         "WHERE: 0 runs, 0 frames sent now, 1 baseline; 1 run has ended in STORE, and all are there\n");
-  CHECK(json::parse(PushedTo(fleet, baseline, {"--json"}).finished.out).at("baselines") == 1);
+  CHECK(nlohmann::json::parse(PushedTo(fleet, baseline, {"--json"}).finished.out).at("baselines") == 1);
 }
 
 TEST_CASE("fleet push: a run that comes otherwise is left for the end, and what is in the way is noted") {
@@ -154,7 +153,7 @@ TEST_CASE("fleet push: a run that comes otherwise is left for the end, and what 
   }
   const PushedTo as_json(fleet, differs, {"--json"});
   CHECK(as_json.finished.code == 5);
-  CHECK(json::parse(as_json.finished.out).at("not_pushed") == 1);
+  CHECK(nlohmann::json::parse(as_json.finished.out).at("not_pushed") == 1);
   PushScript full = when_asked_what_is_there({});
   append(full, {rows(1, {{""}}), ended("BEGIN"), error("53100", "no room") + ready(), ended("ROLLBACK")});
   const PushedTo refused(fleet, full);

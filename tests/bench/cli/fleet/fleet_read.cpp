@@ -11,8 +11,6 @@
 
 namespace tactbench::tests::postgres {
 
-using nlohmann::json;
-
 namespace {
 
 // `fleet` VERB at a server that finds these runs and hands them out.
@@ -73,7 +71,7 @@ TEST_CASE("fleet runs: the runs of one origin, with the frames that the server c
   CHECK_THAT(told.out, Catch::Contains("1234") && Catch::Contains("S-1"));
   const Finished as_json = list({"--json"});
   CHECK(as_json.err.empty());
-  const json document = json::parse(as_json.out);
+  const nlohmann::json document = nlohmann::json::parse(as_json.out);
   REQUIRE(document.at("runs").size() == 1);
   CHECK((document.at("runs").at(0).at("run") == 41 && document.at("runs").at(0).at("frames") == 1234));
 }
@@ -99,8 +97,8 @@ TEST_CASE("fleet show: all of a run, who pushed it, and its fits in the fleet") 
                              "aaaaaaaaaaaa\n  fit           gpi by 0.2.0 on 2026-01-02, sha256 aaaaaaaaaaaa, child of "
                              "bbbbbbbbbbbb\n"));
   const Finished as_json = show({"--json"});
-  CHECK(json::parse(as_json.out).at("run") == 41);
-  CHECK(json::parse(as_json.out).at("frames") == 3);
+  CHECK(nlohmann::json::parse(as_json.out).at("run") == 41);
+  CHECK(nlohmann::json::parse(as_json.out).at("frames") == 3);
 }
 
 }  // namespace tactbench::tests::postgres

@@ -12,7 +12,6 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -41,14 +40,16 @@ struct FolderOfRuns {
     words.insert(words.begin(), "fit");
     return call(folder, words);
   }
-  json told(FitRunWords words) const {
+  nlohmann::json told(FitRunWords words) const {
     words.emplace_back("--json");
     const Finished finished = fit(std::move(words));
     INFO(finished.err);
     REQUIRE_FALSE(finished.out.empty());
-    return json::parse(finished.out);
+    return nlohmann::json::parse(finished.out);
   }
-  std::size_t models() const { return json::parse(call(folder, {"model", "list", "--json"}).out).at("models").size(); }
+  std::size_t models() const {
+    return nlohmann::json::parse(call(folder, {"model", "list", "--json"}).out).at("models").size();
+  }
   TemporaryFolder folder;
 };
 
@@ -69,11 +70,11 @@ TEST_CASE("fit of runs: one model judged by limits, in words, as JSON, and by th
                            Catch::Contains("\n\n  run  requirement ") &&
                            Catch::Contains("\ndecision rule (ILAC-G8): "));
   CHECK(of.models() == 1);
-  const json document = json::parse(read_file(of.folder.path("m.json")));
+  const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("model") == "mpi");
   CHECK(document.at("program_version") == bench::build_info().version);
   CHECK(of.fit({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"}).code == 1);
-  const json strict = of.told({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"});
+  const nlohmann::json strict = of.told({"1", "--model", "mpi", "--held-out", "2", "--limits", "./strict.toml"});
   CHECK(strict.at("model") == "mpi");
   CHECK((strict.at("taxels") == 256 && strict.at("fitted_taxels") == 256));
   REQUIRE(strict.at("evaluations").size() == 2);
@@ -106,10 +107,10 @@ TEST_CASE("fit of runs: several models beside each other, with figures where the
   CHECK_THAT(figures.out,
              Catch::Contains("\n\nmpi on run 1 (simulated): ") && Catch::Contains("\n\npoly on run 1 (simulated): "));
   CHECK(figures.err.find("judged by") == std::string::npos);
-  const json told = of.told({"1", "--model", "mpi,poly", "--held-out", "2", "--score", "2,3"});
+  const nlohmann::json told = of.told({"1", "--model", "mpi,poly", "--held-out", "2", "--score", "2,3"});
   REQUIRE(told.at("models").size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    const json& model = told.at("models").at(i);
+    const nlohmann::json& model = told.at("models").at(i);
     CHECK(model.at("fit") == 5 + i);
     CHECK(model.at("figures").at("evaluations").size() == 2);
     CHECK(model.at("figures").at("model") == (i == 0 ? "mpi" : "poly"));
@@ -136,12 +137,12 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   const Finished plain = of.fit({"1", "-o", "m.json"});
   CHECK_THAT(plain.out, Catch::StartsWith("dynamic on run 1 (simulated): 256 of 256 taxels fitted, ") &&
                             Catch::Contains("\nlag and creep are left in: no runs of them were named"));
-  const json document = json::parse(read_file(of.folder.path("m.json")));
+  const nlohmann::json document = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(document.at("dynamics").at("rate").at("run") == 0);
   CHECK(document.at("program_version") == bench::build_info().version);
-  const json run = json::parse(call(of.folder, {"runs", "show", "1", "--json"}).out);
+  const nlohmann::json run = nlohmann::json::parse(call(of.folder, {"runs", "show", "1", "--json"}).out);
   CHECK_THAT(document.dump(), Catch::Contains(run.at("content_sha256").get<std::string>()));
-  const json scored = of.told({"1", "--score", "2"});
+  const nlohmann::json scored = of.told({"1", "--score", "2"});
   CHECK(scored.at("models").at(0).at("model") == "dynamic");
   CHECK(scored.at("models").at(0).at("scores").size() == 1);
   CHECK_FALSE(scored.at("models").at(0).at("shown_taxel").contains("cross_validated"));
@@ -149,7 +150,7 @@ TEST_CASE("fit of runs: the dynamic model where none is named, ELAM without inne
   CHECK(elam.err == "ELAM is made, not the dynamic model: run 3 has no inner branches\n");
   CHECK_THAT(elam.out, Catch::Contains("\nELAM on run 3 (simulated): "));
   CHECK(of.fit({"3", "-q"}).err.empty());
-  const json mean = of.told({"3"}).at("mean_taxel");
+  const nlohmann::json mean = of.told({"3"}).at("mean_taxel");
   const auto part = [&](const char* name) { return mean.at(name).get<double>(); };
   CHECK_THAT(elam.out, Catch::Contains(fmt::format(
                            "\nmean taxel: alpha_d {:.4f}, beta_d {:.4f}, alpha_a1 {:.5f} /psi, alpha_a0 "
@@ -194,26 +195,27 @@ TEST_CASE("fit of many runs: a line each, in parts, into a store of their own, a
     CHECK_THAT(all.out,
                Catch::Contains("run     " + run + ": fit " + run + ", mpi, 256 taxels; mean error on the run itself "));
   CHECK_THAT(all.out, Catch::EndsWith("\n3 runs fitted, 0 not\n"));
-  const json told = of.told({"1,3", "--model", "mpi"});
+  const nlohmann::json told = of.told({"1,3", "--model", "mpi"});
   CHECK(told.at("schema") == "tactbench.fit.runs");
   CHECK((told.at("store") == "runs.db" && told.at("shard") == "1/1"));
   REQUIRE(told.at("runs").size() == 2);
   CHECK((told.at("runs").at(0).at("run") == 1 && told.at("runs").at(0).at("fit") == 4));
   CHECK((told.at("runs").at(1).at("run") == 3 && told.at("runs").at(1).at("taxels") == 256));
-  const json single = of.told({"3", "--model", "mpi"});
+  const nlohmann::json single = of.told({"3", "--model", "mpi"});
   CHECK(told.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
-  const json part = of.told({"1-3", "--model", "mpi", "--into", "part.db", "--shard", "2/2"});
+  const nlohmann::json part = of.told({"1-3", "--model", "mpi", "--into", "part.db", "--shard", "2/2"});
   CHECK((part.at("store") == "part.db" && part.at("shard") == "2/2"));
   REQUIRE(part.at("runs").size() == 1);
   CHECK(part.at("runs").at(0).at("run") == 2);
   CHECK(of.models() == 6);  // none of the part's
   const Finished again = of.fit({"2-2", "--model", "mpi", "--into", "part.db"});
   CHECK_THAT(again.out, Catch::EndsWith("\n1 run fitted, 0 not\n"));
-  CHECK(json::parse(call(of.folder, {"runs", "list", "--db", "part.db", "--json"}).out).at("runs").size() == 1);
+  CHECK(nlohmann::json::parse(call(of.folder, {"runs", "list", "--db", "part.db", "--json"}).out).at("runs").size() ==
+        1);
   const Finished some = of.fit({"1-3", "--model", "poly", "--fit", "small"});
   CHECK(some.code == 6);
   CHECK_THAT(some.out, Catch::Contains("run     3: not fitted: ") && Catch::EndsWith("\n2 runs fitted, 1 not\n"));
-  const json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
+  const nlohmann::json failed = of.told({"3-3", "--model", "poly", "--fit", "small"});
   CHECK(failed.at("runs").at(0).at("error").get<std::string>().starts_with("TB-"));
   CHECK_FALSE(failed.at("runs").at(0).contains("fit"));
 }

@@ -11,7 +11,6 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -39,12 +38,12 @@ struct FolderOfTables {
     words.insert(words.begin(), "fit");
     return model_verb(folder, std::move(words));
   }
-  json told(FitTableWords words) const {
+  nlohmann::json told(FitTableWords words) const {
     words.emplace_back("--json");
     const Finished finished = fit(std::move(words));
     INFO(finished.err);
     REQUIRE(finished.code == 0);
-    return json::parse(finished.out);
+    return nlohmann::json::parse(finished.out);
   }
   TemporaryFolder folder;
 };
@@ -85,7 +84,7 @@ TEST_CASE("fit of a table: what was fitted, how it turned, and what it was score
 
 TEST_CASE("fit of a table: the same as JSON, with the models' numbers and scores in the order of their names") {
   const FolderOfTables of;
-  const json told =
+  const nlohmann::json told =
       of.told({"s.csv", "--fit", "full", "--model", "poly,monotone", "--input-unit", "psi", "--output-unit", "V"});
   CHECK(told.at("schema") == "tactbench.fit");
   CHECK(told.at("source") == "s.csv");
@@ -101,14 +100,15 @@ TEST_CASE("fit of a table: the same as JSON, with the models' numbers and scores
   REQUIRE(told.at("models").size() == 2);
   CHECK(told.at("models").at(0).at("model") == "poly");
   CHECK(told.at("models").at(1).at("model") == "monotone");
-  for (const json& model : told.at("models")) {
+  for (const nlohmann::json& model : told.at("models")) {
     CHECK(model.at("fit") == 0);  // a table's models have no store
     CHECK(model.at("scores").size() == 1);
     CHECK(model.at("scores").at(0).at("on") == "inner, more of s.csv");
     CHECK_FALSE(model.contains("figures"));
   }
   CHECK_FALSE(std::filesystem::exists(of.folder.path("runs.db")));
-  const json whole = of.told({"s.csv", "--model", "monotone"});  // three inner branches: enough to leave some out
+  const nlohmann::json whole =
+      of.told({"s.csv", "--model", "monotone"});  // three inner branches: enough to leave some out
   CHECK(whole.at("models").at(0).at("shown_taxel").at("cross_validated").at("samples").get<int>() > 0);
   CHECK(whole.at("models").at(0).at("scores").empty());
 }
@@ -141,7 +141,7 @@ TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is
   CHECK(some.code == 0);
   CHECK_THAT(some.err, Catch::Contains("warning: elam is left out: "));
   CHECK_THAT(some.out, Catch::Contains("\nmonotone ") && !Catch::Contains("\nelam "));
-  const json told = of.told({"inner.csv", "--model", "elam,monotone"});
+  const nlohmann::json told = of.told({"inner.csv", "--model", "elam,monotone"});
   CHECK(told.at("models").size() == 1);
   REQUIRE(told.at("models_left_out").size() == 1);
   CHECK(told.at("models_left_out").at(0).at("model") == "elam");
@@ -156,7 +156,7 @@ TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is
   const Finished kept = of.fit({"t.csv", "--model", "monotone", "--mount", "glued", "--interface", "film", "--splits",
                                 "1", "-o", "m.json", "--input-unit", "N"});
   CHECK(kept.code == 0);
-  const json model = json::parse(read_file(of.folder.path("m.json")));
+  const nlohmann::json model = nlohmann::json::parse(read_file(of.folder.path("m.json")));
   CHECK(model.at("validity").at("mount") == "glued");
   CHECK(model.at("validity").at("interface_material") == "film");
   CHECK(model.at("program_version") == bench::build_info().version);
@@ -164,7 +164,7 @@ TEST_CASE("fit of a table: a model that it cannot carry is left out, and what is
   CHECK_THAT(read_file(of.folder.path("t.csv")), Catch::StartsWith("input,output\n"));
   write_file(of.folder.path("two.csv"),
              "taxel,input,output\n" + rows_of_play("0,", kLoops) + rows_of_play("1,", kLoops, 2.0));
-  const json mean = of.told({"two.csv", "--mean-taxel", "--model", "monotone"});
+  const nlohmann::json mean = of.told({"two.csv", "--mean-taxel", "--model", "monotone"});
   CHECK(mean.at("models").at(0).at("shown_taxel").at("taxel") == -1);
   CHECK_THAT(of.fit({"two.csv", "--mean-taxel", "--model", "monotone"}).out,
              Catch::StartsWith("two.csv (imported): fitted on 1; figures of the mean taxel\n"));
@@ -184,7 +184,7 @@ TEST_CASE("fit of an imported run: its number and its models are stored, and the
   CHECK_THAT(elam.err, Catch::Contains("ELAM is made, not the dynamic model: that is of runs of a bench, and run 1 is "
                                        "imported\n"));
   CHECK_THAT(elam.out, Catch::StartsWith("run 1 (imported): fitted on 1\n6 branches: "));
-  const json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("s.csv")});
+  const nlohmann::json told = of.told({"1", "--model", "poly,monotone", "--score", of.folder.path("s.csv")});
   CHECK((told.at("models").at(0).at("fit") == 2 && told.at("models").at(1).at("fit") == 3));
   CHECK(told.at("source") == "run 1");
   const Finished held_out = of.fit({"1", "--model", "poly", "--held-out", "1"});
@@ -206,6 +206,6 @@ TEST_CASE("fit: options reach the models that they are of") {
   CHECK(label({"--model", "elam", "--mode", "free-run", "--memory", "--exact-outer", "--splits", "2"}) ==
         "elam, free run, memory, exact outer, 2 splits");
   CHECK(label({"--model", "mpi", "--linearise"}) == "mpi, linearised");
-  const json starts = of.told({"t.csv", "--model", "gpi", "--starts", "2"});
+  const nlohmann::json starts = of.told({"t.csv", "--model", "gpi", "--starts", "2"});
   CHECK(starts.at("models").at(0).at("shown_taxel").at("starts") == 2);
 }

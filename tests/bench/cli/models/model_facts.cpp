@@ -15,7 +15,6 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -76,7 +75,7 @@ TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, wor
     expected += fmt::format("  {:>6}{:>24}{:>24}{:>10}\n", taxel, fmt::format("0.{:02}000 +- 0.00000", 8 * (taxel + 1)),
                             "1.00000 +- 0.00000", fmt::format("{}.000", taxel + 1));
   CHECK(told.out == expected);
-  const json as_json = json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
+  const nlohmann::json as_json = nlohmann::json::parse(of.say({"fit", "t.csv", "--check", "m.json", "--json"}).out);
   CHECK(as_json.at("schema") == "tactbench.fit.check");
   CHECK(as_json.at("verdict") == "re-zero enough");
   CHECK(as_json.at("as_is_fs").get<double>() == Approx(0.035));
@@ -85,7 +84,7 @@ TEST_CASE("fit --check: the mean over the taxels, and the five worst of six, wor
   CHECK(as_json.at("adjusted_fs").get<double>() == Approx(0.0).margin(1e-9));
   REQUIRE(as_json.at("taxels").size() == 6);
   for (int taxel = 0; taxel < 6; ++taxel) {
-    const json& one = as_json.at("taxels").at(static_cast<std::size_t>(taxel));
+    const nlohmann::json& one = as_json.at("taxels").at(static_cast<std::size_t>(taxel));
     CHECK(one.at("taxel") == taxel);
     CHECK(one.at("zero").get<double>() == Approx(0.08 * (taxel + 1)));
     CHECK(one.at("zero_with_gain").get<double>() == Approx(0.08 * (taxel + 1)));
@@ -133,8 +132,8 @@ TEST_CASE("model adjust: zero and gain of every taxel, what it leaves, and a fil
   CHECK(none.code != 0);
   CHECK(model_verb(of.folder, {"model", "export", "m.json", "-o", "notes.csv"}).code == 2);
   const FolderOfLines steeper(moved_table(0.0, 0.0, 1.25));
-  const json gain =
-      json::parse(steeper.say({"model", "adjust", "m.json", "t.csv", "--gain", "-o", "c.json", "--json"}).out);
+  const nlohmann::json gain = nlohmann::json::parse(
+      steeper.say({"model", "adjust", "m.json", "t.csv", "--gain", "-o", "c.json", "--json"}).out);
   CHECK(gain.at("schema") == "tactbench.model.adjust");
   CHECK(gain.at("sha256") == analysis::sha256_of(analysis::load_model(steeper.folder.path("c.json"), nullptr)));
   CHECK(analysis::load_model(steeper.folder.path("c.json"), nullptr).taxel(3).gain == Approx(1.25));

@@ -9,7 +9,6 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using nlohmann::json;
 
 namespace {
 
@@ -61,13 +60,13 @@ TEST_CASE("model list: a line a model, oldest run first, with the number of its 
 
 TEST_CASE("model list as JSON: each model with its run, its sensor and the program that made it") {
   const StoreOfModels of;
-  const json told = json::parse(of.list({"--json"}).out);
+  const nlohmann::json told = nlohmann::json::parse(of.list({"--json"}).out);
   CHECK(told.at("schema") == "tactbench.model.list");
   REQUIRE(told.at("models").size() == 4);
-  CHECK(told.at("models").at(1) == json::parse(R"({"model": "1:2", "run": 1, "fit": 2, "kind": "dynamic",
+  CHECK(told.at("models").at(1) == nlohmann::json::parse(R"({"model": "1:2", "run": 1, "fit": 2, "kind": "dynamic",
     "sensor": "S-1", "origin": "simulated", "fitted_taxels": 5, "created": "2026-01-01T00:00:00Z",
     "program": "0.9.1"})"));
   CHECK(told.at("models").at(3).at("fitted_taxels") == 0);
-  CHECK(json::parse(of.list({"--json", "3"}).out).at("models").size() == 2);
-  CHECK(json::parse(of.list({"--json", "2"}).out).at("models").empty());
+  CHECK(nlohmann::json::parse(of.list({"--json", "3"}).out).at("models").size() == 2);
+  CHECK(nlohmann::json::parse(of.list({"--json", "2"}).out).at("models").empty());
 }

@@ -130,10 +130,10 @@ TEST_CASE("table of scores: an array beside a straight line, its mean taxel, and
 
 TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scores") {
   const analysis::Histories histories = one_taxel();
-  const nlohmann::ordered_json json = model_row_json(row_of_array(), {{"run 2", &histories, {}}});
-  CHECK(json["model"] == "mpi");
-  CHECK(json["fit"] == 0);
-  const auto& shown = json["shown_taxel"];
+  const nlohmann::ordered_json row = model_row_json(row_of_array(), {{"run 2", &histories, {}}});
+  CHECK(row["model"] == "mpi");
+  CHECK(row["fit"] == 0);
+  const auto& shown = row["shown_taxel"];
   CHECK(shown["taxel"] == -1);
   CHECK(shown["j"] == 2.5);
   CHECK(shown["samples"] == 7);
@@ -145,7 +145,7 @@ TEST_CASE("a row of models as JSON: the shown taxel, its parameters and its scor
   CHECK(shown["parameters"][4]["name"] == "tau");
   CHECK(shown["parameters"][4]["at_bound"] == true);
   CHECK(shown["parameters"][3]["at_bound"] == false);
-  const auto& score = json["scores"][0];
+  const auto& score = row["scores"][0];
   CHECK(score["on"] == "run 2");
   CHECK(score["taxels"] == 2);
   CHECK(score["full_scale"] == 2.0);

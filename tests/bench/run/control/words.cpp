@@ -233,7 +233,7 @@ TEST_CASE("ending: by a fault, and which command wins over which fault") {
 
 TEST_CASE("ending: a last command other than stop ends a run that nothing else has ended") {
   const StopRequest signals;
-  struct Told {
+  struct Answers {
     std::optional<Error> error;
     db::Outcome outcome;
     std::vector<std::string> events;
@@ -256,35 +256,35 @@ TEST_CASE("ending: a last command other than stop ends a run that nothing else h
     ending.take_last_command("at the end");
     CHECK_FALSE(control.ask(Command::kAbort, "late").taken);
     ending.write(recorder);
-    Told what{ending.error(), ending.outcome(), {}};
+    Answers what{ending.error(), ending.outcome(), {}};
     for (const db::EventRecord& event : store.events(number)) what.events.push_back(event.kind + " " + event.id);
     return what;
   };
   using Events = std::vector<std::string>;
-  const Told done = told([](Ending&, Control&) {});
+  const Answers done = told([](Ending&, Control&) {});
   CHECK_FALSE(done.error);
   CHECK(done.outcome == db::Outcome::kCompleted);
   CHECK(done.events.empty());
-  const Told stop = told([](Ending&, Control& control) { (void)control.ask(Command::kStop, "x"); });
+  const Answers stop = told([](Ending&, Control& control) { (void)control.ask(Command::kStop, "x"); });
   CHECK_FALSE(stop.error);
   CHECK(stop.events == Events{"word TB-RUN-STOPPED"});
-  const Told abort = told([](Ending&, Control& control) { (void)control.ask(Command::kAbort, "x"); });
+  const Answers abort = told([](Ending&, Control& control) { (void)control.ask(Command::kAbort, "x"); });
   CHECK(abort.error.value().id() == "TB-RUN-ABORTED");
   CHECK(abort.events == Events{"fault TB-RUN-ABORTED"});
-  const Told both = told([](Ending& ending, Control& control) {
+  const Answers both = told([](Ending& ending, Control& control) {
     met(ending, kDeviceFault);
     (void)control.ask(Command::kAbort, "x");
     ending.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "", "", ""));  // something has ended it already
   });
   CHECK(both.error.value().id() == "TB-SCANNER-LOST");
   CHECK(both.events == Events{"fault TB-SCANNER-LOST", "word TB-RUN-ABORTED"});
-  const Told same = told([](Ending& ending, Control& control) {
+  const Answers same = told([](Ending& ending, Control& control) {
     (void)control.ask(Command::kStop, "x");
     met(ending, kDeviceFault);
   });
   CHECK(std::string(same.error.value().what()) == "stopped by x; also, while the run ended: TB-SCANNER-LOST");
   CHECK(same.events == Events{"fault TB-SCANNER-LOST", "fault TB-RUN-STOPPED"});
-  const Told unsafe = told([](Ending& ending, Control&) {
+  const Answers unsafe = told([](Ending& ending, Control&) {
     ending.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "not proved", "", ""));
   });
   CHECK(unsafe.error.value().id() == "TB-SAFE-UNVERIFIED");
