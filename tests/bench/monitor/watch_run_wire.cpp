@@ -123,7 +123,8 @@ TEST_CASE("watch a run: a line for each phase, whoever does not answer is report
   CHECK(ended->record.outcome == db::Outcome::kCompleted);
 }
 
-TEST_CASE("watch a run: where a line is due, one is printed though the phase is the same; one that died is told so") {
+TEST_CASE(
+    "watch a run: where a line is due, one is printed though the phase is the same, and one that died is told so") {
   WatchedStore watched;
   watched.live.status.phase = "warming up";
   bench::WatchRunOptions options;

@@ -82,13 +82,13 @@ TEST_CASE("calibrate: each stage has its line, and both runs are told the operat
                                            "requirements of 'wide' pass on held-out run 2\n") &&
                            Catch::EndsWith("\nbad taxels: none\n"));
   CHECK_THAT(done.err, Catch::Contains("measure: ") && Catch::Contains("held out: "));
-  for (const json* run : {&first, &second}) {
+  for (const nlohmann::json* run : {&first, &second}) {
     INFO(*run);
     CHECK(run->at("operator") == "tester");
     CHECK(run->at("sensor") == "MY-1");
     CHECK(run->at("bench") == "simulated-rig");
     CHECK(run->at("sensor_seed") == 8);
-    CHECK(run->at("metadata") == json{{"film", "B12"}, {"lot", "A7"}, {"order", "55"}});
+    CHECK(run->at("metadata") == nlohmann::json{{"film", "B12"}, {"lot", "A7"}, {"order", "55"}});
     CHECK_THAT(run->dump(), Catch::Contains("left out as asked (--no-seating)"));
   }
   CHECK(first.at("purpose") == "calibrate: measured for the models");

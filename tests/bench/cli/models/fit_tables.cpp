@@ -91,7 +91,7 @@ TEST_CASE("fit of a table: the same as JSON, with the models' numbers and scores
   CHECK(told.at("origin") == "imported");
   CHECK((told.at("input_unit") == "psi" && told.at("output_unit") == "V"));
   CHECK(told.at("falling") == false);
-  CHECK(told.at("fitted") == json{"full"});
+  CHECK(told.at("fitted") == nlohmann::json{"full"});
   CHECK(told.at("assumed").empty());
   CHECK(told.at("warnings").size() == 1);
   CHECK(told.at("turn").get<double>() == Approx(0.01).epsilon(0.01));

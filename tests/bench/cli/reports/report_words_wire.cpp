@@ -63,7 +63,8 @@ std::string note_without_models(const std::string& run) {
 
 }  // namespace
 
-TEST_CASE("report: the verdicts of a judged run, its judgement and its file; of a run without models the file alone") {
+TEST_CASE(
+    "report: the verdicts of a judged run, its judgement and its file, and of a run without models the file alone") {
   const RunsToReport of;
   const Finished judged = of.report({"1"});
   CHECK(judged.code == 6);
