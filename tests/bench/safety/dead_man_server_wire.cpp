@@ -180,7 +180,8 @@ TEST_CASE("dead-man server: without a bench, or a module that answers, it says w
   {
     ServedDeadMan dead_man;
     dead_man.channel->send("{}");
-    CHECK_THAT(dead_man.heard(), Catch::Contains("key 'name' not found"));
+    CHECK_THAT(dead_man.heard(),
+               Catch::Contains("key '") && Catch::Contains("' not found"));  // compilers differ in which first
     CHECK(dead_man.exit_code() == 3);
   }
   {
