@@ -42,6 +42,16 @@ inline bench::RunRequest small_request(const std::vector<sequences::Override>& b
   return request;
 }
 
+// From `at_s` of the run's time on.
+inline bench::PlannedFault planned_fault(bench::FaultKind kind, double at_s, double lasts_s, double value) {
+  bench::PlannedFault fault;
+  fault.kind = kind;
+  fault.at_s = at_s;
+  fault.lasts_s = lasts_s;
+  fault.value = value;
+  return fault;
+}
+
 inline bench::RunResult run_small(const bench::RunRequest& request, db::RunStore& store) {
   if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
   bench::Progress progress(bench::Progress::Mode::kQuiet);

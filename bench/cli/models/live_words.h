@@ -21,7 +21,7 @@ struct SummedFrame {
 };
 SummedFrame summed(const LiveFrame& frame);
 
-// With its end.
+// Both end with a line break.
 std::string frame_line(const LiveFrame& frame, const SummedFrame& sum, std::size_t columns,
                        analysis::PressureUnit unit);
 std::string summary_line(const LiveSummary& summary);

@@ -80,6 +80,27 @@ enum class Kind {
   kOpen    // the same where nothing is flat and histories are known only when they have met
 };
 
+inline bool drifts(Kind kind) { return kind == Kind::kDrift || kind == Kind::kOpen; }
+
+// The noises and pressures at which a compensator decides.
+inline void set_limits(Kind kind, tactbench::analysis::CompensatorOptions& options) {
+  if (kind == Kind::kRound) {
+    options.jump_in_noises = 4.0;
+    options.lead_in_noises = 0.0;
+    options.band_in_noises = 4.0;
+    options.rest_in_noises = 3.0;
+    options.hold_in_noises = 2.0;
+  } else if (kind == Kind::kDrift) {
+    options.flat_in_noises = 0.75;
+    options.longest_mean = 12;
+    options.known_psi = 1.5;
+  } else if (kind == Kind::kOpen) {
+    options.flat_in_noises = 0.0;
+    options.longest_mean = 3;
+    options.known_psi = 0.0;
+  }
+}
+
 // In steps of 1 / `steps`, so that limits are met exactly.
 inline std::vector<double> in_steps(std::vector<double> shares, double steps) {
   for (double& share : shares) share = std::round(share * steps) / steps;
@@ -133,6 +154,41 @@ inline void check_recorded(const Summed& now, const std::vector<Sums>& was, doub
   check_sums("", now, was, lines, margin);
   INFO("now:\n" << lines);
   CHECK(now.sums().size() == was.size());
+}
+
+// Frames with lost ones, lost values, tares and new starts among them. `outputs`: volts of each taxel; `before(f)` is
+// called at the beginning of each frame.
+template <class Frames, class Setup, class Before>
+Summed sums_of_frames(const Setup& setup, Kind kind, const std::vector<std::vector<double>>& outputs,
+                      double counts_per_volt, const Before& before) {
+  const bool in_round_numbers = kind == Kind::kRound;
+  Frames frames(setup);
+  const std::size_t taxels = outputs.size();
+  std::vector<double> volts(taxels), psi(taxels), doubt(taxels);
+  std::vector<std::uint16_t> status(taxels), counts(taxels);
+  const typename Frames::Output output{psi, doubt, status};
+  Summed summed(taxels * 150);
+  for (std::size_t f = 0; f < outputs.front().size(); ++f) {
+    for (std::size_t t = 0; t < taxels; ++t) {
+      volts[t] = outputs[t][f];
+      counts[t] = static_cast<std::uint16_t>(std::lround(std::max(0.0, volts[t]) * counts_per_volt));
+      if (setup.taxels[t].falling) volts[t] = -volts[t];
+    }
+    before(frames, f);
+    if (f == 150 || f == 300 || f == 600 || (drifts(kind) && f % 90 == 45)) frames.reset_unknown();
+    if (f == 210) frames.reset();
+    if (f == 450 && !in_round_numbers) CHECK(frames.tare(counts) < taxels);
+    if (f == 580 || f == 590) frames.set_outside_validity(f == 580);
+    if (f % 97 == 11) volts[(f / 97) * 2] = std::nan("");
+    if (f % 83 == 40 || (f > 700 && f < 705))
+      frames.lost_frame(output);
+    else if (f % 7 == 3 && !in_round_numbers)
+      frames.frame(std::span<const std::uint16_t>(counts), output);
+    else
+      frames.frame(std::span<const double>(volts), output);
+    for (std::size_t t = 0; t < taxels; ++t) summed.add(psi[t], doubt[t], status[t]);
+  }
+  return summed;
 }
 
 }  // namespace recorded

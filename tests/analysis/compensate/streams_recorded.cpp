@@ -23,24 +23,9 @@ FrameSetup elam_array(Kind kind, bool exact_outer) {
   setup.longest_gap = 3;
   setup.tare_share = 0.1;
   setup.start_unknown = false;
-  if (in_round_numbers) {
-    setup.options.jump_in_noises = 4.0;
-    setup.options.lead_in_noises = 0.0;
-    setup.options.band_in_noises = 4.0;
-    setup.options.rest_in_noises = 3.0;
-    setup.options.hold_in_noises = 2.0;
-    setup.options.drift_share = 1.0 / 128.0;
-  }
-  if (kind == Kind::kDrift) {
-    setup.options.flat_in_noises = 0.75;
-    setup.options.longest_mean = 12;
-    setup.options.known_psi = 1.5;
-  } else if (kind == Kind::kOpen) {
-    setup.options.flat_in_noises = 0.0;
-    setup.options.longest_mean = 3;
-    setup.options.known_psi = 0.0;
-    setup.options.drift_share = 0.0;
-  }
+  set_limits(kind, setup.options);
+  if (in_round_numbers) setup.options.drift_share = 1.0 / 128.0;
+  if (kind == Kind::kOpen) setup.options.drift_share = 0.0;
   for (std::size_t t = 0; t < kElamTaxels; ++t) {
     const double k = static_cast<double>(t);
     TaxelSetup taxel;
@@ -69,8 +54,7 @@ std::vector<std::vector<double>> elam_ways(Kind kind) {
   std::vector<std::vector<double>> all;
   for (std::size_t t = 0; t < kElamTaxels; ++t) {
     const double noise = kind == Kind::kRound ? 0.004 : 0.001 / 3.0 * static_cast<double>(1 + t % 6);
-    const bool drifts = kind == Kind::kDrift || kind == Kind::kOpen;
-    std::vector<double> volts = (drifts ? drifting_shares : output_shares)(100 + t, kElamFrames, noise);
+    std::vector<double> volts = (drifts(kind) ? drifting_shares : output_shares)(100 + t, kElamFrames, noise);
     for (double& volt : volts) volt = 0.5 + 3.0 * volt;
     all.push_back(kind == Kind::kRound ? in_steps(std::move(volts), 64.0) : std::move(volts));
   }
@@ -78,43 +62,13 @@ std::vector<std::vector<double>> elam_ways(Kind kind) {
 }
 
 Summed frames_read(const FrameSetup& setup, Kind kind) {
-  const bool in_round_numbers = kind == Kind::kRound, often = kind == Kind::kDrift || kind == Kind::kOpen;
-  FrameCompensator<double> frames(setup);
-  const std::vector<std::vector<double>> outputs = elam_ways(kind);
-  std::vector<double> volts(kElamTaxels), psi(kElamTaxels), doubt(kElamTaxels);
-  std::vector<std::uint16_t> status(kElamTaxels), counts(kElamTaxels);
-  const FrameCompensator<double>::Output output{psi, doubt, status};
-  Summed summed(kElamTaxels * 150);
-  for (std::size_t f = 0; f < kElamFrames; ++f) {
-    for (std::size_t t = 0; t < kElamTaxels; ++t) {
-      volts[t] = outputs[t][f];
-      counts[t] = static_cast<std::uint16_t>(std::lround(std::max(0.0, volts[t]) * 4096.0));
-      if (setup.taxels[t].falling) volts[t] = -volts[t];
-    }
-    if (f == 150) frames.reset_unknown();
-    if (often && f % 90 == 45) frames.reset_unknown();
-    if (f == 210) frames.reset();
-    if (f == 300) frames.reset_unknown();
-    if (f == 450 && !in_round_numbers) CHECK(frames.tare(counts) < kElamTaxels);
-    if (f == 600) frames.reset_unknown();
-    if (f == 580 || f == 590) frames.set_outside_validity(f == 580);
-    if (f % 97 == 11) volts[(f / 97) * 2] = std::nan("");
-    const bool lost = f % 83 == 40 || (f > 700 && f < 705);
-    if (lost)
-      frames.lost_frame(output);
-    else if (f % 7 == 3 && !in_round_numbers)
-      frames.frame(std::span<const std::uint16_t>(counts), output);
-    else
-      frames.frame(std::span<const double>(volts), output);
-    for (std::size_t t = 0; t < kElamTaxels; ++t) summed.add(psi[t], doubt[t], status[t]);
-  }
-  return summed;
+  return sums_of_frames<FrameCompensator<double>>(setup, kind, elam_ways(kind), 4096.0, [](auto&, std::size_t) {});
 }
 
 // The plain form along the same ways.
 Summed plain_reads(const FrameSetup& setup, Kind kind) {
   const std::vector<std::vector<double>> outputs = elam_ways(kind);
-  const bool often = kind == Kind::kDrift || kind == Kind::kOpen;
+  const bool often = drifts(kind);
   Summed summed(kElamFrames * 7);
   for (std::size_t t = 0; t < kElamTaxels; ++t) {
     const TaxelSetup& from = setup.taxels[t];

@@ -44,24 +44,11 @@ DynamicSetup film_array(Kind kind) {
     setup.dynamics.creep_share = {0.03, 0.02, 0.01};
     setup.worked_s = 2.0;
   } else {
-    setup.options.jump_in_noises = 4.0;
-    setup.options.lead_in_noises = 0.0;
-    setup.options.band_in_noises = 4.0;
-    setup.options.rest_in_noises = 3.0;
-    setup.options.hold_in_noises = 2.0;
     setup.observer.share = 1.0 / 32.0;
     setup.observer.forget = 1.0 / 4.0;
   }
-  if (kind == Kind::kDrift) {
-    setup.options.flat_in_noises = 0.75;
-    setup.options.longest_mean = 12;
-    setup.options.known_psi = 1.5;
-  } else if (kind == Kind::kOpen) {
-    setup.options.flat_in_noises = 0.0;
-    setup.options.longest_mean = 3;
-    setup.options.known_psi = 0.0;
-    setup.observer.share = 0.0;
-  }
+  set_limits(kind, setup.options);
+  if (kind == Kind::kOpen) setup.observer.share = 0.0;
   for (std::size_t k = 0; k < 2 * kIntervals; ++k)
     setup.residual_psi.push_back(0.01 * static_cast<double>(1 + k * 5 % 12));
   for (std::size_t t = 0; t < kFilms; ++t) {
@@ -80,60 +67,35 @@ DynamicSetup film_array(Kind kind) {
   return setup;
 }
 
-// Volts above zero of each taxel: shares of what the film gives at its top.
+// Volts of each taxel: beyond its zero, shares of what the film gives at its top.
 std::vector<std::vector<double>> film_ways(const DynamicSetup& setup, Kind kind) {
-  const bool in_round_numbers = kind == Kind::kRound, drifts = kind == Kind::kDrift || kind == Kind::kOpen;
+  const bool in_round_numbers = kind == Kind::kRound;
   std::vector<std::vector<double>> all;
   for (std::size_t t = 0; t < kFilms; ++t) {
     const DynamicTaxel& taxel = setup.taxels[t];
     const double top = Divider{0.0, taxel.divider.per_amplitude}.output(film_top(taxel.everett));
-    all.push_back((drifts ? drifting_shares : output_shares)(300 + t, kFilmFrames,
-                                                             in_round_numbers ? 0.002
-                                                             : drifts         ? taxel.noise_v / top
-                                                                              : 0.4 * taxel.noise_v / top));
+    all.push_back((drifts(kind) ? drifting_shares : output_shares)(300 + t, kFilmFrames,
+                                                                   in_round_numbers ? 0.002
+                                                                   : drifts(kind)   ? taxel.noise_v / top
+                                                                                    : 0.4 * taxel.noise_v / top));
     for (double& share : all.back()) share *= top;
     if (in_round_numbers) all.back() = in_steps(all.back(), 64.0);
+    for (double& volts : all.back()) volts += taxel.divider.zero;
   }
   return all;
 }
 
 Summed film_frames_read(const DynamicSetup& setup, Kind kind) {
-  const bool in_round_numbers = kind == Kind::kRound, often = kind == Kind::kDrift || kind == Kind::kOpen;
-  DynamicFrameCompensator<double> frames(setup);
-  const std::vector<std::vector<double>> above = film_ways(setup, kind);
-  std::vector<double> volts(kFilms), psi(kFilms), doubt(kFilms);
-  std::vector<std::uint16_t> status(kFilms), counts(kFilms);
-  const DynamicFrameCompensator<double>::Output output{psi, doubt, status};
-  Summed summed(kFilms * 150);
-  for (std::size_t f = 0; f < kFilmFrames; ++f) {
-    for (std::size_t t = 0; t < kFilms; ++t) {
-      volts[t] = 0.5 + above[t][f];
-      counts[t] = static_cast<std::uint16_t>(std::lround(std::max(0.0, volts[t]) * 8192.0));
-      if (setup.taxels[t].falling) volts[t] = -volts[t];
-    }
-    if (f == 60 || f == 400) frames.set_interval(f == 60 ? 0.05 : 0.6);
-    if (f == 150) frames.reset_unknown();
-    if (often && f % 90 == 45) frames.reset_unknown();
-    if (f == 210) frames.reset();
-    if (f == 300) frames.reset_unknown();
-    if (f == 450 && !in_round_numbers) CHECK(frames.tare(counts) < kFilms);
-    if (f == 600) frames.reset_unknown();
-    if (f == 580 || f == 590) frames.set_outside_validity(f == 580);
-    if (f % 97 == 11) volts[(f / 97) * 2] = std::nan("");
-    if (f % 83 == 40 || (f > 700 && f < 705))
-      frames.lost_frame(output);
-    else if (f % 7 == 3 && !in_round_numbers)
-      frames.frame(std::span<const std::uint16_t>(counts), output);
-    else
-      frames.frame(std::span<const double>(volts), output);
-    for (std::size_t t = 0; t < kFilms; ++t) summed.add(psi[t], doubt[t], status[t]);
-  }
-  return summed;
+  return sums_of_frames<DynamicFrameCompensator<double>>(setup, kind, film_ways(setup, kind), 8192.0,
+                                                         [](auto& frames, std::size_t f) {
+                                                           if (f == 60) frames.set_interval(0.05);
+                                                           if (f == 400) frames.set_interval(0.6);
+                                                         });
 }
 
 Summed plain_film_reads(const DynamicSetup& setup, Kind kind) {
-  const bool often = kind == Kind::kDrift || kind == Kind::kOpen;
-  const std::vector<std::vector<double>> above = film_ways(setup, kind);
+  const bool often = drifts(kind);
+  const std::vector<std::vector<double>> outputs = film_ways(setup, kind);
   Summed summed(kFilmFrames * 7);
   for (std::size_t t = 0; t < kFilms; ++t) {
     if (!setup.taxels[t].usable) continue;
@@ -144,7 +106,7 @@ Summed plain_film_reads(const DynamicSetup& setup, Kind kind) {
       if (f == 450) plain.rest(1.0);
       if (f == 600) plain.work(2.0);
       if (f % (often ? 90 : 300) == (often ? 45 : 150)) plain.reset_unknown();
-      summed.add(plain.step(sign * (0.5 + above[t][f]), f % 5 == 0 ? 0.3 : 0.02));
+      summed.add(plain.step(sign * outputs[t][f], f % 5 == 0 ? 0.3 : 0.02));
       if (f % 25 == 0) summed.add(100.0 * plain.gain(), 0.0, plain.ascending() ? 1 : 0);
     }
   }

@@ -138,6 +138,25 @@ inline std::vector<std::string> lines_of_run(bench::RunRequest request, db::RunS
   return lines;
 }
 
+// In a store of its own.
+inline std::vector<std::string> lines_of_run(const bench::RunRequest& request) {
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  return lines_of_run(request, store);
+}
+
+// The same of a run of one branch up and one down, without the lines on what fails safe; `more`: the end of its recipe.
+inline std::vector<std::string> lines_of_two_branches(const std::vector<sequences::Override>& overrides,
+                                                      const std::string& more,
+                                                      const std::vector<bench::PlannedFault>& faults = {}) {
+  bench::RunRequest request = small_request(overrides);
+  request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4, 2]\nstep = 2\nrepeats = 1\n" + more)};
+  request.bench.simulation->plant.faults = faults;
+  std::vector<std::string> lines = lines_of_run(request);
+  std::erase_if(lines, [](const std::string& line) { return line.starts_with("0.000 fail-safe"); });
+  return lines;
+}
+
 // `expected`: lines, the first after a line break.
 inline void check_lines(const std::vector<std::string>& made, const std::string& expected) {
   std::istringstream text(expected.substr(1));

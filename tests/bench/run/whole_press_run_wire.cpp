@@ -7,11 +7,9 @@ using namespace tactbench;
 using namespace tactbench::tests;
 
 TEST_CASE("whole press run: a ring pressed in one place, line by line") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(press_text(1))};
-  check_lines(lines_of_run(request, store), R"(
+  check_lines(lines_of_run(request), R"(
 step 0 of 12, 0 of 3 frames: homing the stage; 0.000 s 0 -0.012 -0.018 psi settled
 step 0 of 12, 0 of 3 frames: zeroing the force sensor; 0.000 s 0 -0.012 -0.018 psi settled
 step 0 of 12, 0 of 3 frames: moving to x 30 mm, y 30 mm; 0.000 s 0 -0.012 -0.018 psi settled
@@ -103,14 +101,12 @@ branch 0.0.1 attempt 0: 0 to 0 psi, 30 to 5 N
 }
 
 TEST_CASE("whole press run: a point that holds its force in three places and registers them, line by line") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.recipes = {recipe_of(
       "kind = \"press\"\ndwell_s = 1.0\n[press]\nobject = \"point\"\npositions_mm = [[20, 24], [40, 28], [30, 40]]\n"
       "forces_n = [3]\nhold = \"force\"\nregisters = true\napproach_mm_per_s = 0.6\ncontact_n = 0.15\nclear_mm = "
       "4.0\n")};
-  check_lines(lines_of_run(request, store), R"(
+  check_lines(lines_of_run(request), R"(
 step 0 of 15, 0 of 3 frames: homing the stage; 0.000 s 0 -0.012 -0.018 psi settled
 step 0 of 15, 0 of 3 frames: zeroing the force sensor; 0.000 s 0 -0.012 -0.018 psi settled
 step 0 of 15, 0 of 3 frames: moving to x 20 mm, y 24 mm; 0.000 s 0 -0.012 -0.018 psi settled

@@ -5,39 +5,10 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-namespace {
-
-struct FailingRun {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  // One branch up, one down, `more` behind it.
-  std::vector<std::string> lines(const std::vector<sequences::Override>& overrides, const std::string& more,
-                                 const std::vector<bench::PlannedFault>& faults = {}, std::int64_t resume = 0) {
-    bench::RunRequest request = small_request(overrides);
-    request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4, 2]\nstep = 2\nrepeats = 1\n" + more)};
-    request.bench.simulation->plant.faults = faults;
-    request.resume = resume;
-    std::vector<std::string> lines = lines_of_run(request, store);
-    std::erase_if(lines, [](const std::string& line) { return line.starts_with("0.000 fail-safe"); });
-    return lines;
-  }
-};
-
-bench::PlannedFault one_fault(bench::FaultKind kind, double at_s, double lasts_s, double value) {
-  bench::PlannedFault fault;
-  fault.kind = kind;
-  fault.at_s = at_s;
-  fault.lasts_s = lasts_s;
-  fault.value = value;
-  return fault;
-}
-
-}  // namespace
-
 TEST_CASE("whole run with faults: a damaged scan costs a branch where frames are not read again, line by line") {
-  FailingRun run;
-  check_lines(run.lines({{"simulation.wire_faults.scanner_corrupt_scan", "6"}, {"scanner.frame_timeout_ms", "1000"}},
-                        "[retry]\nframe = 0\nbranch = 1\n"),
+  check_lines(lines_of_two_branches(
+                  {{"simulation.wire_faults.scanner_corrupt_scan", "6"}, {"scanner.frame_timeout_ms", "1000"}},
+                  "[retry]\nframe = 0\nbranch = 1\n"),
               R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
@@ -71,11 +42,10 @@ branch 0.0.1 attempt 0: 4 to 2 psi
 }
 
 TEST_CASE("whole run with faults: a scanner that is silent for good ends it after the attempts it has, line by line") {
-  FailingRun run;
-  check_lines(
-      run.lines({{"simulation.wire_faults.scanner_silent_after_scans", "6"}, {"scanner.frame_timeout_ms", "200"}},
-                "[retry]\nframe = 1\nbranch = 2\n"),
-      R"(
+  check_lines(lines_of_two_branches(
+                  {{"simulation.wire_faults.scanner_silent_after_scans", "6"}, {"scanner.frame_timeout_ms", "200"}},
+                  "[retry]\nframe = 1\nbranch = 2\n"),
+              R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
 step 3 of 4, 2 of 4 frames: small, step 3 of 4, loading; 5.300 s 2 2.040 2.124 psi settled
@@ -114,11 +84,11 @@ branch 0.0.0 attempt 2: 0 to 4 psi
 }
 
 TEST_CASE("whole run with faults: a branch that is broken again and again ends it, line by line") {
-  FailingRun run;
-  check_lines(run.lines({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 1\n[conditioning]\ncycles = 1\npeak = 6\n",
-                        {one_fault(bench::FaultKind::kOvershoot, 9.0, 1e6, 1.5),
-                         one_fault(bench::FaultKind::kOvershoot, 17.0, 1e6, 1.5)}),
-              R"(
+  check_lines(
+      lines_of_two_branches({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 1\n[conditioning]\ncycles = 1\npeak = 6\n",
+                            {planned_fault(bench::FaultKind::kOvershoot, 9.0, 1e6, 1.5),
+                             planned_fault(bench::FaultKind::kOvershoot, 17.0, 1e6, 1.5)}),
+      R"(
 step 1 of 6, 0 of 4 frames: conditioning 1 of 1; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 6, 0 of 4 frames: conditioning 1 of 1; 3.500 s 6 6.011 6.134 psi settled
 step 3 of 6, 0 of 4 frames: small, step 3 of 6, loading; 6.800 s 0 0.004 -0.015 psi settled
@@ -147,9 +117,8 @@ branch 0.0.0 attempt 1: 0 to 4 psi, void: TB-BRANCH-BROKEN: rose to 3.51 and fel
 }
 
 TEST_CASE("whole run with faults: a broken branch that is kept where its recipe says so, line by line") {
-  FailingRun run;
-  check_lines(run.lines({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 0\non_broken = \"flag\"\n",
-                        {one_fault(bench::FaultKind::kOvershoot, 3.0, 1e6, 1.5)}),
+  check_lines(lines_of_two_branches({{"settling.trace_s", "0.1"}}, "[guard]\nredo = 0\non_broken = \"flag\"\n",
+                                    {planned_fault(bench::FaultKind::kOvershoot, 3.0, 1e6, 1.5)}),
               R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.400 s 0 0.032 0.000 psi settled
@@ -171,12 +140,11 @@ branch 0.0.1 attempt 0: 4 to 2 psi
 }
 
 TEST_CASE("whole run with faults: a supply that stays away ends it, line by line") {
-  FailingRun run;
   const std::vector<sequences::Override> sensor = {
       {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}};
   const std::string rule =
       "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\ntimeout_s = 3\n";
-  check_lines(run.lines(sensor, rule, {one_fault(bench::FaultKind::kSupplyLost, 4.0, 1e6, 0.001)}), R"(
+  check_lines(lines_of_two_branches(sensor, rule, {planned_fault(bench::FaultKind::kSupplyLost, 4.0, 1e6, 0.001)}), R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
 step 3 of 4, 2 of 4 frames: small, step 3 of 4, loading; 5.300 s 2 2.036 2.121 psi settled

@@ -6,42 +6,12 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-namespace {
-
-struct FlaggedRun {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  // One branch up, one down, `more` behind it.
-  std::vector<std::string> lines(const std::vector<sequences::Override>& overrides, const std::string& more,
-                                 const std::vector<bench::PlannedFault>& faults = {}, std::int64_t resume = 0) {
-    bench::RunRequest request = small_request(overrides);
-    request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4, 2]\nstep = 2\nrepeats = 1\n" + more)};
-    request.bench.simulation->plant.faults = faults;
-    request.resume = resume;
-    std::vector<std::string> lines = lines_of_run(request, store);
-    std::erase_if(lines, [](const std::string& line) { return line.starts_with("0.000 fail-safe"); });
-    return lines;
-  }
-};
-
-bench::PlannedFault fault_planned_at(bench::FaultKind kind, double at_s, double lasts_s, double value) {
-  bench::PlannedFault fault;
-  fault.kind = kind;
-  fault.at_s = at_s;
-  fault.lasts_s = lasts_s;
-  fault.value = value;
-  return fault;
-}
-
-}  // namespace
-
 TEST_CASE(
     "whole run with flags: a row that is stuck, a feedback that leaves its band, dwells that are not met, line by "
     "line") {
-  FlaggedRun run;
-  check_lines(run.lines({}, "[dwell]\ntolerance_s = 0.0\n",
-                        {fault_planned_at(bench::FaultKind::kRowStuck, 1.0, 6.0, 3.0),
-                         fault_planned_at(bench::FaultKind::kFeedbackOffset, 4.0, 0.5, 0.4)}),
+  check_lines(lines_of_two_branches({}, "[dwell]\ntolerance_s = 0.0\n",
+                                    {planned_fault(bench::FaultKind::kRowStuck, 1.0, 6.0, 3.0),
+                                     planned_fault(bench::FaultKind::kFeedbackOffset, 4.0, 0.5, 0.4)}),
               R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
@@ -63,8 +33,7 @@ branch 0.0.1 attempt 0: 4 to 2 psi
 }
 
 TEST_CASE("whole run with flags: a scanner that repeats itself ends it, line by line") {
-  FlaggedRun run;
-  check_lines(run.lines({}, "", {fault_planned_at(bench::FaultKind::kScannerStale, 3.0, 1e6, 0.0)}), R"(
+  check_lines(lines_of_two_branches({}, "", {planned_fault(bench::FaultKind::kScannerStale, 3.0, 1e6, 0.0)}), R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
 step 3 of 4, 2 of 4 frames: small, step 3 of 4, loading; 5.300 s 2 2.040 2.124 psi settled
@@ -83,10 +52,9 @@ branch 0.0.0 attempt 0: 0 to 4 psi
 }
 
 TEST_CASE("whole run with flags: witnesses that disagree for longer than they may end it, line by line") {
-  FlaggedRun run;
-  check_lines(run.lines({}, "",
-                        {fault_planned_at(bench::FaultKind::kReferenceOffset, 3.0, 0.5, 5.0),
-                         fault_planned_at(bench::FaultKind::kReferenceOffset, 5.5, 1e6, 5.0)}),
+  check_lines(lines_of_two_branches({}, "",
+                                    {planned_fault(bench::FaultKind::kReferenceOffset, 3.0, 0.5, 5.0),
+                                     planned_fault(bench::FaultKind::kReferenceOffset, 5.5, 1e6, 5.0)}),
               R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 4, 1 of 4 frames: small, step 2 of 4, loading; 2.650 s 0 -0.004 -0.003 psi settled
@@ -108,8 +76,7 @@ branch 0.0.0 attempt 0: 0 to 4 psi, void: TB-BRANCH-BROKEN: rose to 7.18 and fel
 }
 
 TEST_CASE("whole run with flags: a step that takes longer than its recipe allows ends it, line by line") {
-  FlaggedRun run;
-  check_lines(run.lines({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.55\n"), R"(
+  check_lines(lines_of_two_branches({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.55\n"), R"(
 step 1 of 4, 0 of 4 frames: small, step 1 of 4, loading; 0.000 s 0 -0.012 -0.018 psi settled
 0 of 0 frames, 0 exchanges, 0 redone, 2.650 s, waiting 0.000 s: dwelling 75.5 %, settling 24.5 %
 3 TB-STEP-TIMEOUT: a step took longer than 2.55 s | run 1, after frame 0, sequencer | see the trace of the last frames; the limit is the recipe's [timeout] step_s | vented, verified (feedback 0.0 psi, reference 0.0 psi); run 1 kept with 0 frames
@@ -124,8 +91,7 @@ branch 0.0.0 attempt 0: 0 to 4 psi
 }
 
 TEST_CASE("whole run with flags: a chamber that is not vented is not begun with, line by line") {
-  FlaggedRun run;
-  check_lines(run.lines({}, "", {fault_planned_at(bench::FaultKind::kReferenceOffset, 0.0, 1e6, 1.25)}), R"(
+  check_lines(lines_of_two_branches({}, "", {planned_fault(bench::FaultKind::kReferenceOffset, 0.0, 1e6, 1.25)}), R"(
 0 of 0 frames, 0 exchanges, 0 redone, 20.000 s, waiting 0.000 s: tearing down 100.0 %
 7 TB-CHAMBER-NOT-VENTED: the chamber holds 1.2 psi before the first command | run 1, after frame 0, chamber | vent the chamber; check the zero of regulator and reference | NOT SAFE: pressure remains (feedback 0.0 psi, reference 1.2 psi); run 1 kept with 0 frames
 20.000 fault TB-CHAMBER-NOT-VENTED: the chamber holds 1.2 psi before the first command
@@ -136,20 +102,18 @@ TEST_CASE("whole run with flags: a chamber that is not vented is not begun with,
 }
 
 TEST_CASE("whole run with flags: a step may take just as long as its recipe allows") {
-  FlaggedRun run;
-  const std::vector<std::string> lines = run.lines({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n");
+  const std::vector<std::string> lines = lines_of_two_branches({}, "dwell_s = 2.0\n[timeout]\nstep_s = 2.65\n");
   CHECK(std::ranges::any_of(lines, [](const std::string& line) { return line.starts_with("4 of 4 frames, "); }));
 }
 
 TEST_CASE("whole run with flags: a wait shorter than the rest that its recipe allows costs its own branch alone") {
-  FlaggedRun run;
   const std::vector<sequences::Override> sensor = {
       {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}};
   const std::string rule =
       "dwell_s = 4.0\nrest_restart_s = 15\n[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = "
       "6.5\nhold_s = 2\n";
   std::vector<std::string> branches =
-      run.lines(sensor, rule, {fault_planned_at(bench::FaultKind::kSupplyLost, 14.0, 5.0, 0.001)});
+      lines_of_two_branches(sensor, rule, {planned_fault(bench::FaultKind::kSupplyLost, 14.0, 5.0, 0.001)});
   std::erase_if(branches, [](const std::string& line) { return !line.starts_with("branch "); });
   CHECK(branches == std::vector<std::string>{"branch 0.0.0 attempt 0: 0 to 4 psi",
                                              "branch 0.0.1 attempt 0: 4 to 2 psi, void: suspended: supply_bar is 0.00, "

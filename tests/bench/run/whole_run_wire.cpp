@@ -6,22 +6,7 @@
 using namespace tactbench;
 using namespace tactbench::tests;
 
-namespace {
-
-bench::PlannedFault fault_at(bench::FaultKind kind, double at_s, double lasts_s, double value) {
-  bench::PlannedFault fault;
-  fault.kind = kind;
-  fault.at_s = at_s;
-  fault.lasts_s = lasts_s;
-  fault.value = value;
-  return fault;
-}
-
-}  // namespace
-
 TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and completed, line by line") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request =
       small_request({{"settling.trace_s", "0.1"},
                      {"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}});
@@ -31,9 +16,9 @@ TEST_CASE("whole run: warmed up, seated, conditioned, suspended, broken and comp
       "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\ntimeout_s = 100\n"
       "[conditioning]\ncycles = 3\npeak = 20\nchange_percent = 4\nleast = 2\n")};
   request.check_seating = true;
-  request.bench.simulation->plant.faults = {fault_at(bench::FaultKind::kSupplyLost, 68.0, 8.0, 0.001),
-                                            fault_at(bench::FaultKind::kOvershoot, 105.0, 1e6, 1.5)};
-  check_lines(lines_of_run(request, store), R"(
+  request.bench.simulation->plant.faults = {planned_fault(bench::FaultKind::kSupplyLost, 68.0, 8.0, 0.001),
+                                            planned_fault(bench::FaultKind::kOvershoot, 105.0, 1e6, 1.5)};
+  check_lines(lines_of_run(request), R"(
 step 1 of 14, 0 of 8 frames: conditioning 1 of at most 3; 48.000 s 0 0.020 0.000 psi settled
 step 2 of 14, 0 of 8 frames: conditioning 1 of at most 3; 52.200 s 20 20.034 20.115 psi settled
 step 3 of 14, 0 of 8 frames: conditioning 2 of at most 3; 56.200 s 0 -0.044 0.024 psi settled
@@ -105,15 +90,13 @@ branch 0.0.2 attempt 0: 2 to 6 psi
 }
 
 TEST_CASE("whole run: two sequences, several frames a level, ramps without stops, line by line") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request();
   request.recipes = {
       recipe_of("unit = \"psi\"\nturning_points = [20, 10]\nstep = 10\nframes_per_level = 2\nframe_interval_s = 1.5\n"
                 "[conditioning]\ncycles = 1\npeak = 15\n"),
       recipe_of("unit = \"psi\"\nturning_points = [0, 8, 0]\nstep = 4\nsettle = \"none\"\nramp_psi_per_s = [2.0, 8.0]\n"
                 "repeats = 2\n")};
-  check_lines(lines_of_run(request, store), R"(
+  check_lines(lines_of_run(request), R"(
 step 1 of 16, 0 of 14 frames: conditioning 1 of 1; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 16, 0 of 14 frames: conditioning 1 of 1; 3.850 s 15 15.003 15.131 psi settled
 step 3 of 16, 0 of 14 frames: small, step 3 of 16, unloading; 7.700 s 0 0.000 -0.009 psi settled
@@ -164,11 +147,9 @@ branch 1.1.1 attempt 0: 8 to 0 psi
 }
 
 TEST_CASE("whole run: a chamber that does not reach its level ends it, line by line") {
-  const TemporaryFolder folder;
-  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   bench::RunRequest request = small_request({{"simulation.chamber.leak_psi_per_s", "40"}, {"settling.timeout_s", "3"}});
   request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4]\nstep = 4\n")};
-  check_lines(lines_of_run(request, store), R"(
+  check_lines(lines_of_run(request), R"(
 step 1 of 2, 0 of 2 frames: small, step 1 of 2, loading; 0.000 s 0 -0.012 -0.018 psi settled
 step 2 of 2, 1 of 2 frames: small, step 2 of 2, loading; 2.650 s 0 -0.004 -0.003 psi settled
 1 of 1 frames, 16 exchanges, 0 redone, 6.300 s, waiting 0.000 s: settling 58.7 %, dwelling 31.7 %, moving 9.5 %

@@ -20,12 +20,7 @@ bench::RunRequest request_with(double lost_at_s, double lasts_s, double timeout_
       small_recipe(fmt::format("[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\n"
                                "hold_s = 2\ntimeout_s = {}\n",
                                timeout_s))};
-  bench::PlannedFault fault;
-  fault.kind = bench::FaultKind::kSupplyLost;
-  fault.at_s = lost_at_s;
-  fault.lasts_s = lasts_s;
-  fault.value = 0.001;
-  request.bench.simulation->plant.faults.push_back(fault);
+  request.bench.simulation->plant.faults = {planned_fault(bench::FaultKind::kSupplyLost, lost_at_s, lasts_s, 0.001)};
   return request;
 }
 
