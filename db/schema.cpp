@@ -108,6 +108,7 @@ void check_version(sqlite::Connection& connection) {
 }
 
 ForeignObjects foreign_objects(sqlite::Connection& connection) {
+  const Snapshot snapshot(connection);  // another process may migrate meanwhile
   const std::int64_t version = connection.integer("PRAGMA user_version");
   const SchemaObjects there = objects_of(connection);
   ForeignObjects found;

@@ -1,4 +1,5 @@
 // Two processes at one run: each changes the state that it has checked, and a run that another ended is not written.
+#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <catch2/catch.hpp>
@@ -6,8 +7,10 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "db/schema.h"
 #include "db/sqlite.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
@@ -152,4 +155,32 @@ TEST_CASE("of two approvals that replace the same report the second is refused")
             &message) == "TB-STORE-CONFLICT");
   CHECK_THAT(message, Catch::Contains("the one approved last is '1-b'"));
   CHECK(store.reports(run).size() == 2);
+}
+
+namespace {
+
+// Makes the tables of a store just before another connection, `watched`, lists what there is in the same file.
+struct MakesMeanwhile {
+  std::string path;
+  int made = 0, held_off = 0;
+};
+
+int make_before_listing(unsigned /*kind*/, void* context, void* /*statement*/, void* text) {
+  if (std::string(static_cast<const char*>(text)).find("FROM main.sqlite_master") == std::string::npos) return 0;
+  auto& maker = *static_cast<MakesMeanwhile*>(context);
+  Connection other(maker.path, Access::kReadWrite, 0);
+  ++(store_error([&] { db::migrate(other); }).empty() ? maker.made : maker.held_off);
+  return 0;
+}
+
+}  // namespace
+
+TEST_CASE("tables that another process makes while a new store is looked at are not taken for foreign ones") {
+  const TemporaryFolder folder;
+  MakesMeanwhile maker{folder.path("runs.db")};
+  Connection watched(maker.path, Access::kReadWrite);
+  REQUIRE(sqlite3_trace_v2(watched.handle(), SQLITE_TRACE_STMT, make_before_listing, &maker) == SQLITE_OK);
+  const db::ForeignObjects found = db::foreign_objects(watched);
+  CHECK((found.changed.empty() && found.added.empty()));
+  CHECK(maker.made + maker.held_off == 1);
 }
