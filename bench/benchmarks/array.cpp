@@ -1,10 +1,8 @@
 #include "bench/benchmarks/array.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
-#include "analysis/statistics/numbers/moments.h"
 #include "bench/config/config.h"
 #include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
@@ -13,24 +11,17 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr std::size_t kArrayTaxels = 256, kRows = 16;
-constexpr int kScored = 1000, kScans = 501;
-
-double median_scan_us() {
+double median_scan_us(int scans) {
   Rig rig(read_bench(find_config("simulated.toml"), {}));
   rig.open();
-  std::vector<double> taken;
-  for (int i = 0; i < kScans; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    (void)rig.array().read(1);
-    taken.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
-  }
-  return analysis::quantile_of(std::move(taken), 0.5);
+  return median_microseconds(scans, [&] { (void)rig.array().read(1); });
 }
 
 }  // namespace
 
-double benchmarked_pressure(int frame) { return 30.0 - 30.0 * std::cos(6.2831853 * frame / 200.0); }
+double benchmarked_pressure(std::size_t frame) {
+  return 30.0 - 30.0 * std::cos(6.2831853 * static_cast<double>(frame) / 200.0);
+}
 
 void PlainArray::frame(double pressure_psi) {
   for (std::size_t t = 0; t < counts_.size(); ++t) {
@@ -46,34 +37,31 @@ void PlainArray::frame(double pressure_psi) {
   keep(counts_);
 }
 
-std::vector<Figure> benchmark_array(int rounds) {
-  Specimen specimen({});
+std::vector<Figure> benchmark_array(int rounds, const ArraySizes& sizes) {
+  ArrayTimes times;
   PlainArray plain;
-  std::vector<double> volts(kArrayTaxels);
+  times.plain_s =
+      sum_of_best_seconds(rounds, sizes.frames, [&](std::size_t f) { plain.frame(benchmarked_pressure(f)); });
+  Specimen specimen({});
+  const SpecimenOptions& shape = specimen.options();
+  const auto rows = static_cast<std::size_t>(shape.rows), columns = static_cast<std::size_t>(shape.columns);
+  std::vector<double> volts(rows * columns);
+  times.specimen_s = sum_of_best_seconds(rounds, sizes.frames, [&](std::size_t f) {
+    specimen.advance(benchmarked_pressure(f), 0.01);
+    specimen.output(volts);
+  });
   // The same plant behind the scanner: it asks while time stands still, and counts with noise come out.
   const devices::TurnedClock clock;
   Plant plant({}, clock);
-  std::vector<std::uint16_t> counts(kArrayTaxels);
-  std::vector<std::uint8_t> status(kRows);
-  const std::vector<double> taken = best_seconds(rounds, {[&] {
-                                                            for (int i = 0; i < kScored; ++i)
-                                                              plain.frame(benchmarked_pressure(i));
-                                                          },
-                                                          [&] {
-                                                            for (int i = 0; i < kScored; ++i) {
-                                                              specimen.advance(benchmarked_pressure(i), 0.01);
-                                                              specimen.output(volts);
-                                                            }
-                                                          },
-                                                          [&] {
-                                                            for (int i = 0; i < kScored; ++i)
-                                                              plant.scan(counts, status);
-                                                          }});
-  return figures_of(ArrayTimes{taken[0], taken[1], taken[2], median_scan_us()});
+  std::vector<std::uint16_t> counts(volts.size());
+  std::vector<std::uint8_t> status(rows);
+  times.counts_s = sum_of_best_seconds(rounds, sizes.frames, [&](std::size_t) { plant.scan(counts, status); });
+  times.wire_us = median_scan_us(sizes.scans);
+  return figures_of(times, sizes);
 }
 
-std::vector<Figure> figures_of(const ArrayTimes& times) {
-  const double per_frame = 1e6 / kScored, scan = per_frame * times.counts_s;
+std::vector<Figure> figures_of(const ArrayTimes& times, const ArraySizes& sizes) {
+  const double per_frame = 1e6 / static_cast<double>(sizes.frames), scan = per_frame * times.counts_s;
   FigureList figures("array");
   figures.add("plain_plays", per_frame * times.plain_s, "us/frame");
   figures.add("specimen_moved_and_read", per_frame * times.specimen_s, "us/frame");

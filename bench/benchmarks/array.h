@@ -28,16 +28,20 @@ class PlainArray {
   std::normal_distribution<double> normal_;
 };
 // 0 to 60 psi and back in 200 frames, along a cosine.
-double benchmarked_pressure(int frame);
+double benchmarked_pressure(std::size_t frame);
 
+struct ArraySizes {
+  std::size_t frames = 1000;
+  int scans = 501;  // on the wire
+};
 // 256 taxels, best of `rounds`. A frame on the wire is one scan of the simulated scanner through its driver: median.
-std::vector<Figure> benchmark_array(int rounds);
+std::vector<Figure> benchmark_array(int rounds, const ArraySizes& sizes = {});
 
-// Seconds for 1000 frames each, and microseconds for one on the wire.
+// Seconds for all frames each, and microseconds for one on the wire.
 struct ArrayTimes {
   double plain_s = 0.0, specimen_s = 0.0, counts_s = 0.0;
   double wire_us = 0.0;
 };
-std::vector<Figure> figures_of(const ArrayTimes& times);
+std::vector<Figure> figures_of(const ArrayTimes& times, const ArraySizes& sizes = {});
 
 }  // namespace tactbench::bench

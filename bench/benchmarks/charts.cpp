@@ -22,7 +22,6 @@ using analysis::EwmaChart;
 using Random = std::mt19937_64;
 
 constexpr int kHistoryRuns = analysis::kChartRuns;
-constexpr int kNightFigures = 671;  // of a night of the shipped suite
 // One figure alone: what band and Mann-Kendall test alarmed falsely in 60 runs with 8 accepted ones, 4.6 %, less what
 // the wide band takes of it.
 constexpr double kOneFigure = 0.045;
@@ -71,11 +70,11 @@ ChartFound chart_found(int draws, int start_up, const ChartDraw& draw, double st
 }
 
 ChartNights chart_nights(int periods, int start_up, const ChartDraw& draw, std::size_t changed, double step,
-                         Random& random) {
+                         Random& random, std::size_t night_figures) {
   ChartNights sum;
   for (int period = 0; period < periods; ++period) {
     std::vector<Watched> watched;
-    for (int i = 0; i < kNightFigures; ++i) watched.push_back(begin(start_up, draw, random));
+    for (std::size_t i = 0; i < night_figures; ++i) watched.push_back(begin(start_up, draw, random));
     std::set<std::size_t> reported;
     for (int night = 0; night < kHistoryRuns; ++night) {
       std::vector<double> probabilities;
@@ -115,11 +114,13 @@ struct Change {
 constexpr std::array<Change, 5> kChanges = {
     {{"step_1", 1.0, 0.0}, {"step_2", 2.0, 0.0}, {"step_3", 3.0, 0.0}, {"ramp_0.1", 0.0, 0.1}, {"ramp_0.5", 0.0, 0.5}}};
 
+// Of figures that do not change.
+const std::array<std::pair<const char*, ChartDraw>, 3> sound_figures = {
+    {{"normal", normal}, {"largest", largest}, {"log_of_largest", log_of_largest}}};
+
 void one_figure(FigureList& list, int draws, int n, unsigned& seed) {
   const std::string start = fmt::format("n{}_", n);
-  const std::array<std::pair<const char*, ChartDraw>, 3> sound = {
-      {{"normal", normal}, {"largest", largest}, {"log_of_largest", log_of_largest}}};
-  for (const auto& [name, draw] : sound) {
+  for (const auto& [name, draw] : sound_figures) {
     Random random(++seed);
     list.add(fmt::format("{}false_{}", start, name), 100.0 * chart_found(draws, n, draw, 0.0, 0.0, random).share, "%");
   }
@@ -131,13 +132,11 @@ void one_figure(FigureList& list, int draws, int n, unsigned& seed) {
   }
 }
 
-void whole_nights(FigureList& list, int periods, int n, unsigned& seed) {
-  const std::string start = fmt::format("n{}_of_{}_", n, kNightFigures);
-  const std::array<std::pair<const char*, ChartDraw>, 3> sound = {
-      {{"normal", normal}, {"largest", largest}, {"log_of_largest", log_of_largest}}};
-  for (const auto& [name, draw] : sound) {
+void whole_nights(FigureList& list, int periods, int n, std::size_t night_figures, unsigned& seed) {
+  const std::string start = fmt::format("n{}_of_{}_", n, night_figures);
+  for (const auto& [name, draw] : sound_figures) {
     Random random(++seed);
-    const ChartNights result = chart_nights(periods, n, draw, 0, 0.0, random);
+    const ChartNights result = chart_nights(periods, n, draw, 0, 0.0, random, night_figures);
     list.add(fmt::format("{}false_nights_{}", start, name), result.false_nights, "%");
     list.add(fmt::format("{}false_periods_{}", start, name), result.false_periods, "%");
     list.add(fmt::format("{}gross_nights_{}", start, name), result.gross_nights, "%");
@@ -145,7 +144,7 @@ void whole_nights(FigureList& list, int periods, int n, unsigned& seed) {
   for (const std::size_t changed : {1U, 67U})
     for (const double step : {2.0, 3.0, 5.0}) {
       Random random(++seed);
-      const ChartNights result = chart_nights(periods, n, normal, changed, step, random);
+      const ChartNights result = chart_nights(periods, n, normal, changed, step, random, night_figures);
       list.add(fmt::format("{}{}_step_{:.0f}_found", start, changed, step), result.found, "%");
       list.add(fmt::format("{}{}_step_{:.0f}_false_share", start, changed, step), result.false_share, "%");
     }
@@ -153,12 +152,12 @@ void whole_nights(FigureList& list, int periods, int n, unsigned& seed) {
 
 }  // namespace
 
-std::vector<Figure> benchmark_charts(int draws) {
+std::vector<Figure> benchmark_charts(int draws, std::size_t night_figures) {
   FigureList list("charts");
   unsigned seed = 0;
   for (const int n : {8, 20, 30}) {
     one_figure(list, draws, n, seed);
-    whole_nights(list, std::max(1, draws / 100), n, seed);
+    whole_nights(list, std::max(1, draws / 100), n, night_figures, seed);
   }
   return list.take();
 }

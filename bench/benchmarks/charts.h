@@ -14,7 +14,8 @@ namespace tactbench::bench {
 // and ramps found, with the median run. Nights of 671 figures, draws / 100 periods a case: nights and periods of 60
 // nights with a false report, figures that shifted and are found, the share of false ones among those reported.
 // Baselines of 8, 20 and 30 runs. The truth comes from random numbers alone; seeds are the case's number.
-std::vector<Figure> benchmark_charts(int draws);
+inline constexpr std::size_t kNightFigures = 671;  // of a night of the shipped suite
+std::vector<Figure> benchmark_charts(int draws, std::size_t night_figures = kNightFigures);
 
 // A figure of one run.
 using ChartDraw = std::function<double(std::mt19937_64& random)>;
@@ -35,8 +36,8 @@ struct ChartNights {
   double found = 0.0;                              // of the changed figures, in a period
   double false_share = 0.0;                        // of the figures reported in a period, mean over the periods
 };
-// Periods of 60 nights of 671 figures. `changed` of the figures step by `step` after the baseline.
+// Periods of 60 nights of so many figures. `changed` of the figures step by `step` after the baseline.
 ChartNights chart_nights(int periods, int start_up, const ChartDraw& draw, std::size_t changed, double step,
-                         std::mt19937_64& random);
+                         std::mt19937_64& random, std::size_t night_figures = kNightFigures);
 
 }  // namespace tactbench::bench

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -15,7 +14,6 @@ namespace tactbench::bench {
 
 namespace {
 
-using RealClock = std::chrono::steady_clock;
 using namespace analysis;
 
 constexpr double kStreamedVoltsPerCount = 5.0 / 65536.0, kStreamedNoise = 0.004;
@@ -45,26 +43,23 @@ std::uint16_t counts_of(double volts) {
   return static_cast<std::uint16_t>(std::clamp(std::lround(volts / kStreamedVoltsPerCount), 0L, 65535L));
 }
 
-Latency latency(const CompensationCase& c, FrameCompensator<float>& fast, StreamedResults& results) {
-  const std::size_t width = c.models.size();
-  std::vector<double> taken(c.frames);
-  for (std::size_t f = 0; f < c.frames; ++f) {
-    const auto start = RealClock::now();
+// Of a compensator: makes frame `f` of a case.
+auto frames_by(FrameCompensator<float>& fast, const CompensationCase& c, StreamedResults& results) {
+  return [&](std::size_t f) {
+    const std::size_t width = c.models.size();
     fast.frame(std::span<const std::uint16_t>(c.counts).subspan(f * width, width),
                {results.pressure, results.uncertainty, results.status});
-    taken[f] = std::chrono::duration<double, std::micro>(RealClock::now() - start).count();
-  }
-  return latency_of(taken);
+  };
+}
+
+Latency latency(const CompensationCase& c, FrameCompensator<float>& fast, StreamedResults& results) {
+  return latency_of(microseconds_of_each(c.frames, frames_by(fast, c, results)));
 }
 
 }  // namespace
 
 double fast_seconds(int rounds, const CompensationCase& c, FrameCompensator<float>& fast, StreamedResults& results) {
-  const std::size_t width = c.models.size();
-  return sum_of_best_seconds(rounds, c.frames, [&](std::size_t f) {
-    fast.frame(std::span<const std::uint16_t>(c.counts).subspan(f * width, width),
-               {results.pressure, results.uncertainty, results.status});
-  });
+  return sum_of_best_seconds(rounds, c.frames, frames_by(fast, c, results));
 }
 
 double plain_seconds(int rounds, const CompensationCase& c, StreamedResults& results) {
@@ -201,9 +196,9 @@ std::vector<Figure> benchmark_compensate(int rounds, const CompensateSizes& size
   unknown.start_unknown = true;
   FrameCompensator<float> starting(unknown);
   CompensationCase middle = slow;
-  middle.frames = 100;
-  const auto begin = slow.counts.begin() + static_cast<std::ptrdiff_t>(1000 * taxels);
-  middle.counts.assign(begin, begin + static_cast<std::ptrdiff_t>(middle.frames * taxels));
+  middle.frames = sizes.middle_frames;
+  middle.counts.erase(middle.counts.begin(),
+                      middle.counts.begin() + static_cast<std::ptrdiff_t>(slow.frames / 20 * taxels));
   times.unknown_start_us = latency(middle, starting, results).median_us;
   for (const std::size_t side : {std::size_t{16}, std::size_t{32}, std::size_t{64}}) {
     const CompensationCase large = tiled(slow, side * side / taxels, sizes.growth_frames);

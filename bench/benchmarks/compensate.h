@@ -64,7 +64,8 @@ struct CompensateTimes {
 std::vector<Figure> figures_of(const CompensateTimes& times);
 
 struct CompensateSizes {
-  std::size_t taxels = 256, slow_frames = 20000, random_frames = 1000, growth_frames = 1500;  // slow: at least 1100
+  std::size_t taxels = 256, slow_frames = 20000, random_frames = 1000, growth_frames = 1500;
+  std::size_t middle_frames = 100;  // from a twentieth of the slow ones on, from which no start is known
 };
 // Best of `rounds` for each, in turn.
 std::vector<Figure> benchmark_compensate(int rounds, const CompensateSizes& sizes = {});

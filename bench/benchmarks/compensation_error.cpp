@@ -104,14 +104,12 @@ ErrorSum of_model(const std::vector<ModelFit>& fits, const Histories& histories,
   return total_of(errors);
 }
 
-void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, const std::string& folder,
-                bool all_models) {
+void add_sensor(ErrorsOfSpecimen& errors, bool harsh, unsigned sensor_seed, const std::string& folder, bool all_models,
+                const Simulate& simulate) {
   db::RunStore store = db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor_seed, harsh ? "harsh" : "paper"),
                                           db::Durability::kNormal);
   unsigned seed = 1;
-  const auto run = [&](const SimulatedRun& made) {
-    return simulate_run(made, {harsh, sensor_seed}, seed++, store).data;
-  };
+  const auto run = [&](const SimulatedRun& made) { return simulate(made, {harsh, sensor_seed}, seed++, store).data; };
   const Dataset fitted = run({{"descending", "ascending"}, {}});
   const Dataset rate = run({{"rate"}, {}}), creep = run({{"creep-levels"}, {}});
   const SensorModel elam_fit = fit_array(fitted);
@@ -172,11 +170,12 @@ void add_figures(FigureList& figures, const ErrorsOfSpecimen& errors, bool harsh
 }
 
 std::vector<Figure> benchmark_compensation_error(const std::vector<unsigned>& sensor_seeds, const std::string& folder,
-                                                 bool all_models) {
+                                                 bool all_models, const Simulate& simulate) {
   FigureList figures("compensation-error");
   for (const bool harsh : {false, true}) {
     ErrorsOfSpecimen errors;
-    for (const unsigned sensor_seed : sensor_seeds) add_sensor(errors, harsh, sensor_seed, folder, all_models);
+    for (const unsigned sensor_seed : sensor_seeds)
+      add_sensor(errors, harsh, sensor_seed, folder, all_models, simulate);
     add_figures(figures, errors, harsh);
   }
   return figures.take();

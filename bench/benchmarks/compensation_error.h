@@ -16,7 +16,7 @@ namespace tactbench::bench {
 // Mean error in psi over all taxels and frames of all `sensor_seeds`; runs are made in `folder`. `all_models`: the
 // others too, as they are and on the linearised output, by the one rule of comparison, every eighth taxel.
 std::vector<Figure> benchmark_compensation_error(const std::vector<unsigned>& sensor_seeds, const std::string& folder,
-                                                 bool all_models = false);
+                                                 bool all_models = false, const Simulate& simulate = simulate_run);
 
 // The runs that both are tried on, by condition.
 struct ConditionRun {

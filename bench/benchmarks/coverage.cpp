@@ -61,6 +61,106 @@ SimulatedRun run_of(const Use& use) {
   return made;
 }
 
+// One sensor: its calibrations, what a careful user gives beside them, and its uses.
+class CoverageOfSensor {
+ public:
+  CoverageOfSensor(const SimulatedSensor& sensor, const CoverageOptions& options, const std::string& folder,
+                   const Simulate& simulate)
+      : sensor_(sensor),
+        options_(options),
+        simulate_(simulate),
+        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, sensor.harsh ? "harsh" : "paper"),
+                                  db::Durability::kNormal)),
+        runs_(store_) {}
+
+  void add_to(Coverages& coverages) {
+    rate_ = run({{"rate"}, {}}).data.run;
+    creep_ = run({{"creep-levels"}, {}}).data.run;
+    warm_ = run({{kProduction}, {kThermometer, "recipe.repeats=1", kWarm}}).data.run;
+    for (const Use& use : uses()) {
+      if (!use.random) continue;
+      for (int i = 0; i < kGiven; ++i) {
+        const std::int64_t given = random_reversals(use).data.run;
+        if (use.condition == UseCondition::kRemounted)
+          studies_.push_back(fmt::format("{}:mount", given));
+        else
+          held_out_.push_back(given);
+      }
+      for (int i = 0; i < kUsed; ++i) used_[use.name].push_back(random_reversals(use));
+    }
+    if (options_.production) add_calibration({kProduction}, "production", coverages);
+    if (options_.table_1) add_calibration({"descending", "ascending"}, "table_1", coverages);
+  }
+
+ private:
+  // On one rig, whose instruments have errors of their own.
+  KnownRun run(SimulatedRun made) {
+    made.set.push_back(fmt::format("simulation.instrument_seed={}", sensor_.seed));
+    return simulate_(made, sensor_, noise_seed_++, store_);
+  }
+
+  // No two go the same way, or are of one mount: the same way of all sensors would be one draw, however many they are.
+  KnownRun random_reversals(const Use& use) {
+    SimulatedRun made = run_of(use);
+    const unsigned drawn = 1000 * sensor_.seed + noise_seed_;
+    made.set.push_back(fmt::format("recipe.seed={}", drawn));
+    if (use.condition == UseCondition::kRemounted) made.set.push_back(fmt::format("simulation.mount_seed={}", drawn));
+    return run(std::move(made));
+  }
+
+  void add_calibration(const std::vector<const char*>& recipes, const std::string& name, Coverages& coverages) {
+    const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
+    const std::vector<KnownRun> again = {run({recipes, {}}), run({recipes, {}})};
+    std::vector<std::int64_t> held_out = held_out_;
+    held_out.push_back(run({recipes, {}}).data.run);
+    const Dataset& fitted = runs_.dataset(calibration);
+    for (const bool dynamic : {true, false}) {
+      if (!(dynamic ? options_.dynamic : options_.elam)) continue;
+      const SensorModel fit =
+          dynamic ? fit_dynamic(fitted, runs_.dataset(rate_), runs_.dataset(creep_)) : fit_array(fitted);
+      const std::string prefix =
+          fmt::format("{}_{}_{}_", sensor_.harsh ? "harsh" : "paper", name, dynamic ? "dynamic" : "elam");
+      const Uncertainty uncertainty = assessed(calibration, fit, held_out);
+      for (const Use& use : uses()) {
+        const ConditionUncertainty& stated = uncertainty.condition(use.condition);
+        if (!stated.valid()) {
+          coverages[prefix + use.name].not_valid += 1.0;
+          continue;
+        }
+        for (const KnownRun& run : use.random ? used_.at(use.name) : again)
+          add_errors(run, fit, stated, use.full_sweeps, coverages[prefix + use.name]);
+      }
+    }
+  }
+
+  // As the report assesses it, from the runs that it is given.
+  Uncertainty assessed(std::int64_t calibration, const SensorModel& fit, const std::vector<std::int64_t>& held_out) {
+    ReportInput input;
+    input.run = runs_.record(calibration);
+    input.fit = fit;
+    for (const std::int64_t run : held_out) input.held_out.push_back({"", runs_.record(run), {}});
+    std::vector<MountedRun> mounts = {{calibration, sweep_estimates(runs_.dataset(calibration), fit)}};
+    for (const StudyRun& study : study_runs_of(studies_))
+      mounts.push_back({study.run, sweep_estimates(runs_.dataset(study.run), fit)});
+    input.more.studies.remount = remount_of(mounts);
+    return assess_uncertainty(runs_.dataset(calibration), fit, input.run,
+                              budget_inputs(runs_, input, {rate_, creep_, warm_}, studies_));
+  }
+
+  SimulatedSensor sensor_;
+  const CoverageOptions& options_;
+  const Simulate& simulate_;
+  db::RunStore store_;
+  Runs runs_;
+  unsigned noise_seed_ = 1;
+  std::int64_t rate_ = 0, creep_ = 0, warm_ = 0;
+  std::vector<std::int64_t> held_out_;
+  std::vector<std::string> studies_;
+  std::map<std::string, std::vector<KnownRun>> used_;
+};
+
+}  // namespace
+
 void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUncertainty& stated, bool full_sweeps,
                 Covered& covered) {
   std::vector<std::vector<StepKind>> kinds;
@@ -93,118 +193,19 @@ void add_errors(const KnownRun& run, const SensorModel& fit, const ConditionUnce
   }
 }
 
-void add_errors(const std::vector<KnownRun>& runs, const SensorModel& fit, const ConditionUncertainty& stated,
-                bool full_sweeps, Covered& covered) {
-  for (const KnownRun& run : runs) add_errors(run, fit, stated, full_sweeps, covered);
-}
-
-// One sensor: its calibrations, what a careful user gives beside them, and its uses.
-class CoverageOfSensor {
- public:
-  CoverageOfSensor(const SimulatedSensor& sensor, const CoverageOptions& options, const std::string& folder)
-      : sensor_(sensor),
-        options_(options),
-        store_(db::RunStore::open(fmt::format("{}/{}-{}.db", folder, sensor.seed, sensor.harsh ? "harsh" : "paper"),
-                                  db::Durability::kNormal)),
-        runs_(store_) {}
-
-  void add_to(Coverages& coverages) {
-    rate_ = run({{"rate"}, {}}).data.run;
-    creep_ = run({{"creep-levels"}, {}}).data.run;
-    warm_ = run({{kProduction}, {kThermometer, "recipe.repeats=1", kWarm}}).data.run;
-    for (const Use& use : uses()) {
-      if (!use.random) continue;
-      for (int i = 0; i < kGiven; ++i) {
-        const std::int64_t given = random_reversals(use).data.run;
-        if (use.condition == UseCondition::kRemounted)
-          studies_.push_back(fmt::format("{}:mount", given));
-        else
-          held_out_.push_back(given);
-      }
-      for (int i = 0; i < kUsed; ++i) used_[use.name].push_back(random_reversals(use));
-    }
-    if (options_.production) add_calibration({kProduction}, "production", coverages);
-    if (options_.table_1) add_calibration({"descending", "ascending"}, "table_1", coverages);
-  }
-
- private:
-  // On one rig, whose instruments have errors of their own.
-  KnownRun run(SimulatedRun made) {
-    made.set.push_back(fmt::format("simulation.instrument_seed={}", sensor_.seed));
-    return simulate_run(made, sensor_, noise_seed_++, store_);
-  }
-
-  // No two go the same way, or are of one mount: the same way of all sensors would be one draw, however many they are.
-  KnownRun random_reversals(const Use& use) {
-    SimulatedRun made = run_of(use);
-    const unsigned drawn = 1000 * sensor_.seed + noise_seed_;
-    made.set.push_back(fmt::format("recipe.seed={}", drawn));
-    if (use.condition == UseCondition::kRemounted) made.set.push_back(fmt::format("simulation.mount_seed={}", drawn));
-    return run(std::move(made));
-  }
-
-  void add_calibration(const std::vector<const char*>& recipes, const std::string& name, Coverages& coverages) {
-    const std::int64_t calibration = run({recipes, {kThermometer}}).data.run;
-    const std::vector<KnownRun> again = {run({recipes, {}}), run({recipes, {}})};
-    std::vector<std::int64_t> held_out = held_out_;
-    held_out.push_back(run({recipes, {}}).data.run);
-    const Dataset& fitted = runs_.dataset(calibration);
-    for (const bool dynamic : {true, false}) {
-      if (!(dynamic ? options_.dynamic : options_.elam)) continue;
-      const SensorModel fit =
-          dynamic ? fit_dynamic(fitted, runs_.dataset(rate_), runs_.dataset(creep_)) : fit_array(fitted);
-      const std::string prefix =
-          fmt::format("{}_{}_{}_", sensor_.harsh ? "harsh" : "paper", name, dynamic ? "dynamic" : "elam");
-      const Uncertainty uncertainty = assessed(calibration, fit, held_out);
-      for (const Use& use : uses()) {
-        const ConditionUncertainty& stated = uncertainty.condition(use.condition);
-        if (!stated.valid()) {
-          coverages[prefix + use.name].not_valid += 1.0;
-          continue;
-        }
-        add_errors(use.random ? used_.at(use.name) : again, fit, stated, use.full_sweeps, coverages[prefix + use.name]);
-      }
-    }
-  }
-
-  // As the report assesses it, from the runs that it is given.
-  Uncertainty assessed(std::int64_t calibration, const SensorModel& fit, const std::vector<std::int64_t>& held_out) {
-    ReportInput input;
-    input.run = runs_.record(calibration);
-    input.fit = fit;
-    for (const std::int64_t run : held_out) input.held_out.push_back({"", runs_.record(run), {}});
-    std::vector<MountedRun> mounts = {{calibration, sweep_estimates(runs_.dataset(calibration), fit)}};
-    for (const StudyRun& study : study_runs_of(studies_))
-      mounts.push_back({study.run, sweep_estimates(runs_.dataset(study.run), fit)});
-    input.more.studies.remount = remount_of(mounts);
-    return assess_uncertainty(runs_.dataset(calibration), fit, input.run,
-                              budget_inputs(runs_, input, {rate_, creep_, warm_}, studies_));
-  }
-
-  SimulatedSensor sensor_;
-  const CoverageOptions& options_;
-  db::RunStore store_;
-  Runs runs_;
-  unsigned noise_seed_ = 1;
-  std::int64_t rate_ = 0, creep_ = 0, warm_ = 0;
-  std::vector<std::int64_t> held_out_;
-  std::vector<std::string> studies_;
-  std::map<std::string, std::vector<KnownRun>> used_;
-};
-
-}  // namespace
-
 std::vector<SensorUse> coverage_uses() {
   std::vector<SensorUse> list;
   for (const Use& use : uses()) list.push_back({use.name, run_of(use), use.full_sweeps});
   return list;
 }
 
-std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder) {
+std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder,
+                                       const Simulate& simulate) {
   Coverages coverages;
   for (const bool harsh : {false, true})
     for (const unsigned seed : options.sensor_seeds)
-      if (harsh ? options.harsh : options.paper) CoverageOfSensor({harsh, seed}, options, folder).add_to(coverages);
+      if (harsh ? options.harsh : options.paper)
+        CoverageOfSensor({harsh, seed}, options, folder, simulate).add_to(coverages);
   return figures_of(coverages);
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis/identify/sensor_model.h"
+#include "analysis/statistics/uncertainty/uncertainty.h"
 #include "bench/benchmarks/figure.h"
 #include "bench/benchmarks/simulated_run.h"
 
@@ -21,7 +23,8 @@ struct CoverageOptions {
 // For each specimen, calibration, model and condition of use: coverage in % of (taxel, frame) pairs, the median U and
 // the half-width of the smallest interval about 0 that covers 95 % of the same errors; or how many sensors the report
 // calls U not valid for. Runs are made in `folder`.
-std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder);
+std::vector<Figure> benchmark_coverage(const CoverageOptions& options, const std::string& folder,
+                                       const Simulate& simulate = simulate_run);
 
 // How a sensor is used after its calibration.
 struct SensorUse {
@@ -37,5 +40,10 @@ struct Covered {
 };
 using Coverages = std::map<std::string, Covered>;  // by specimen, calibration, model and use
 std::vector<Figure> figures_of(const Coverages& coverages);
+
+// The readings of a run by that fit, in the order of the taxels, against the pressures that are known and what is
+// stated of them: those on full sweeps, or those on inner branches.
+void add_errors(const KnownRun& run, const analysis::SensorModel& fit, const analysis::ConditionUncertainty& stated,
+                bool full_sweeps, Covered& covered);
 
 }  // namespace tactbench::bench

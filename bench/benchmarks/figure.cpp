@@ -1,10 +1,14 @@
 #include "bench/benchmarks/figure.h"
 
+#include <sys/resource.h>
 #include <time.h>
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
+
+#include "analysis/statistics/numbers/moments.h"
 
 namespace tactbench::bench {
 
@@ -24,13 +28,45 @@ void FigureList::add_at_least(const std::string& name, double value, double goal
 
 namespace {
 
-double now_s(By by) {
+BenchmarkClock& clock_in_place() {
+  static BenchmarkClock clock;
+  return clock;
+}
+
+double seconds_of_ended_processes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double system_seconds(clockid_t clock) {
   timespec time{};
-  ::clock_gettime(by == By::kWall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &time);
+  ::clock_gettime(clock, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace
+
+ClockInPlace::ClockInPlace(BenchmarkClock clock) { clock_in_place() = std::move(clock); }
+ClockInPlace::~ClockInPlace() { clock_in_place() = nullptr; }
+
+double now_s(By by) {
+  if (clock_in_place()) return clock_in_place()(by);
+  switch (by) {
+    case By::kWall:
+      return system_seconds(CLOCK_MONOTONIC);
+    case By::kProcessor:
+      return system_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    case By::kThread:
+      return system_seconds(CLOCK_THREAD_CPUTIME_ID);
+    case By::kEnded:
+      break;
+  }
+  return seconds_of_ended_processes();
+}
 
 double best_seconds(int rounds, const std::function<void()>& act, By by) {
   return best_seconds(rounds, std::vector{act}, by).front();
@@ -61,6 +97,20 @@ double sum_of_best_seconds(int rounds, std::size_t frames, const std::function<v
     }
   }
   return std::accumulate(best.begin(), best.end(), 0.0);
+}
+
+std::vector<double> microseconds_of_each(std::size_t times, const std::function<void(std::size_t)>& act_on) {
+  std::vector<double> taken(times);
+  for (std::size_t i = 0; i < times; ++i) {
+    const double start = now_s(By::kWall);
+    act_on(i);
+    taken[i] = 1e6 * (now_s(By::kWall) - start);
+  }
+  return taken;
+}
+
+double median_microseconds(int times, const std::function<void()>& act) {
+  return analysis::quantile_of(microseconds_of_each(static_cast<std::size_t>(times), [&](std::size_t) { act(); }), 0.5);
 }
 
 }  // namespace tactbench::bench

@@ -29,9 +29,22 @@ class FigureList {
   std::vector<Figure> figures_;
 };
 
-// Wall clock for work that waits for disks or threads; processor time for one computing thread, so that other work on
-// the machine does not count.
-enum class By { kWall, kProcessor };
+// Wall clock for work that waits for disks or threads; processor time of this process, or of the calling thread, for
+// what computes, so that other work on the machine does not count; that of processes that this one started, with those
+// that they started, once they have ended.
+enum class By { kWall, kProcessor, kThread, kEnded };
+using BenchmarkClock = std::function<double(By)>;
+
+double now_s(By by);  // seconds since some time
+
+// In its scope now_s() asks `clock`, in all threads: for tests, which then know how long everything took.
+class ClockInPlace {
+ public:
+  explicit ClockInPlace(BenchmarkClock clock);
+  ~ClockInPlace();
+  ClockInPlace(const ClockInPlace&) = delete;
+  ClockInPlace& operator=(const ClockInPlace&) = delete;
+};
 
 // The best of the rounds: a mean would include the effect of other work.
 double best_seconds(int rounds, const std::function<void()>& act, By by = By::kWall);
@@ -42,6 +55,11 @@ std::vector<double> best_seconds(int rounds, const std::vector<std::function<voi
 // Of a stream of frames: the sum over stretches of 100, each with its best round, because other work on the machine
 // comes and goes.
 double sum_of_best_seconds(int rounds, std::size_t frames, const std::function<void(std::size_t)>& act_on);
+
+// Each of `times` acts by itself, by wall clock.
+std::vector<double> microseconds_of_each(std::size_t times, const std::function<void(std::size_t)>& act_on);
+// Their median.
+double median_microseconds(int times, const std::function<void()>& act);
 
 // Keeps the compiler from removing work whose result is not read.
 template <class T>

@@ -18,7 +18,6 @@ namespace {
 
 namespace fleet = db::fleet;
 
-constexpr int kFleetRuns = 5;
 constexpr const char* kTable = "tactbench_benchmark";
 
 void psql(const std::string& conninfo, const std::string& command) {
@@ -35,24 +34,25 @@ void psql(const std::string& conninfo, const std::string& command) {
 
 }  // namespace
 
-std::vector<Figure> benchmark_fleet(int rounds, const std::string& conninfo, const std::string& folder) {
+std::vector<Figure> benchmark_fleet(int rounds, const std::string& conninfo, const std::string& folder,
+                                    const FleetSizes& sizes) {
   fleet::Link link(conninfo);
   fleet::check_schema(link);
   if (link.query("SELECT count(*) FROM fleet.runs").front().front() != "0")
     throw Error(ExitCode::kUsage, "TB-USAGE",
                 "this fleet holds runs, and those of a benchmark could never be taken away", "benchmark fleet",
                 "name a database of its own: createdb benchmark; tactbench fleet migrate --to ...");
-  const analysis::Dataset dataset = synthetic_dataset(16, 16, 1);
+  const analysis::Dataset dataset = synthetic_dataset(sizes.side, sizes.side, 1);
   // As fleet.frames, without partitions.
   link.execute(fmt::format("DROP TABLE IF EXISTS public.{0}; CREATE TABLE public.{0} (LIKE fleet.frames INCLUDING ALL)",
                            kTable));
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  FleetTimes best{.push_s = kNone, .copy_s = kNone, .again_s = kNone};
+  FleetTimes best{.push_s = kNone, .copy_s = kNone, .again_s = kNone, .runs = sizes.runs};
   for (int round = 0; round < rounds; ++round) {
     const std::string path = fmt::format("{}/{}.db", folder, round);
     {
       db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
-      for (int i = 0; i < kFleetRuns; ++i) (void)store_run(store, dataset);
+      for (int i = 0; i < sizes.runs; ++i) (void)store_run(store, dataset);
     }
     best.frames = 0.0;
     fleet::LocalRuns store(path);
@@ -82,8 +82,8 @@ std::vector<Figure> figures_of(const FleetTimes& times) {
   figures.add_at_least("push", times.frames / times.push_s, 5000, "frames/s");
   figures.add("psql_copy", times.frames / times.copy_s, "frames/s");
   figures.add_at_least("push_over_copy", times.copy_s / times.push_s, 0.5);
-  figures.add("push_a_run", 1e3 * times.push_s / kFleetRuns, "ms");
-  figures.add_at_most("push_again_a_run", 1e3 * times.again_s / kFleetRuns, 1.0, "ms");
+  figures.add("push_a_run", 1e3 * times.push_s / times.runs, "ms");
+  figures.add_at_most("push_again_a_run", 1e3 * times.again_s / times.runs, 1.0, "ms");
   return figures.take();
 }
 

@@ -8,7 +8,6 @@
 #include "analysis/identify/elam/lanes.h"
 #include "analysis/identify/histories.h"
 #include "analysis/identify/identifier.h"
-#include "bench/benchmarks/simulated_run.h"
 #include "bench/benchmarks/synthetic_array.h"
 
 namespace tactbench::bench {
@@ -89,9 +88,9 @@ void time_store(IdentifyTimes& times, const Dataset& dataset, const std::string&
 }
 
 // 256 taxels from the paper's run, one of `rate` and one of `creep-levels`, on two threads.
-void time_dynamic(IdentifyTimes& times, const std::string& folder, int rounds) {
+void time_dynamic(IdentifyTimes& times, const std::string& folder, int rounds, const Simulate& simulate) {
   db::RunStore store = db::RunStore::open(folder + "/dynamic.db", db::Durability::kNormal);
-  const auto run = [&](const SimulatedRun& made, unsigned seed) { return simulate_run(made, {}, seed, store).data; };
+  const auto run = [&](const SimulatedRun& made, unsigned seed) { return simulate(made, {}, seed, store).data; };
   const Dataset fitted = run({{"descending", "ascending"}, {}}, 1), rate = run({{"rate"}, {}}, 2),
                 creep = run({{"creep-levels"}, {}}, 3);
   DynamicFitOptions options;
@@ -151,7 +150,8 @@ std::vector<TaxelToIdentify> taxels_to_identify(const analysis::Dataset& dataset
   return taxels;
 }
 
-std::vector<Figure> benchmark_identify(int rounds, const std::string& folder, const IdentifySizes& sizes) {
+std::vector<Figure> benchmark_identify(int rounds, const std::string& folder, const IdentifySizes& sizes,
+                                       const Simulate& simulate) {
   const Dataset dataset = synthetic_dataset(sizes.side, sizes.side, sizes.repeats);
   const Taxels taxels = taxels_to_identify(dataset);
   const auto few = std::span(taxels).first(sizes.few);
@@ -164,7 +164,7 @@ std::vector<Figure> benchmark_identify(int rounds, const std::string& folder, co
   for (const int side : sizes.growth)
     times.growth.emplace_back(side, fit_seconds(rounds, synthetic_dataset(side, side, 1), 1, By::kProcessor));
   time_models(times, few, rounds);
-  time_dynamic(times, folder, rounds);
+  time_dynamic(times, folder, rounds, simulate);
   return figures_of(times);
 }
 

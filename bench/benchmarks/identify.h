@@ -9,6 +9,7 @@
 #include "analysis/identify/elam/identify.h"
 #include "analysis/identify/sensor_model.h"
 #include "bench/benchmarks/figure.h"
+#include "bench/benchmarks/simulated_run.h"
 
 namespace tactbench::bench {
 
@@ -51,6 +52,7 @@ struct IdentifySizes {
 };
 // 256 synthetic taxels, 660 scored samples each; one thread where not said otherwise. Best of `rounds`. Writes to
 // `folder`.
-std::vector<Figure> benchmark_identify(int rounds, const std::string& folder, const IdentifySizes& sizes = {});
+std::vector<Figure> benchmark_identify(int rounds, const std::string& folder, const IdentifySizes& sizes = {},
+                                       const Simulate& simulate = simulate_run);
 
 }  // namespace tactbench::bench

@@ -16,9 +16,8 @@ std::vector<Figure> benchmark_many_rigs(int rounds, const std::string& folder, c
   ManyRigsSpent spent;
   spent.rigs = 4 * rounds;
   const auto seconds = [&](const std::vector<std::string>& words) {
-    const double before = seconds_of_ended_processes();
-    program.run(words);
-    return seconds_of_ended_processes() - before;
+    return best_seconds(
+        1, [&] { program.run(words); }, By::kEnded);
   };
   const auto bytes = [&](const char* name) {
     return static_cast<double>(std::filesystem::file_size(folder + "/" + name));

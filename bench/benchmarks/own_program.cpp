@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/resource.h>
 
 #include <filesystem>
 #include <stdexcept>
@@ -24,15 +23,6 @@ void OwnProgram::run(const std::vector<std::string>& words) const {
 
 double OwnProgram::best_seconds(int rounds, const std::vector<std::string>& words) const {
   return tactbench::bench::best_seconds(rounds, [&] { run(words); });
-}
-
-double seconds_of_ended_processes() {
-  rusage usage{};
-  getrusage(RUSAGE_CHILDREN, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
 }  // namespace tactbench::bench

@@ -20,7 +20,4 @@ class OwnProgram {
   std::string folder_, program_;
 };
 
-// Processor time of all processes of this one that have ended, with those that they started.
-double seconds_of_ended_processes();
-
 }  // namespace tactbench::bench

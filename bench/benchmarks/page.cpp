@@ -2,17 +2,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/benchmarks/page_viewers.h"
-#include "bench/common/utc.h"
-#include "bench/run/characterize.h"
+#include "bench/benchmarks/simulated_run.h"
 
 namespace tactbench::bench {
 
@@ -20,117 +19,87 @@ namespace {
 
 using PageClock = std::chrono::steady_clock;
 
-constexpr int kViewers = 8;
-constexpr double kPace = 48.0;  // about 20 frames a second of one scan in 2.4 s
-
-double passed_since(PageClock::time_point start) {
-  return std::chrono::duration<double>(PageClock::now() - start).count();
-}
-
-double thread_s() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 struct RunBeside {
   PageRunTimes times;
   std::vector<PageClock::time_point> stored;  // when each frame was stored, or a little later
 };
 
 RunBeside run_beside(const std::string& db, int repeats, double pace) {
+  struct Moment {
+    double wall_s = 0.0, thread_s = 0.0;
+  };
   db::RunStore store = db::RunStore::open(db, db::Durability::kNormal);
-  RunRequest request;
-  request.bench = read_bench(find_config("simulated.toml"), {}, {1, 1});
-  request.recipes = {sequences::read_recipe(
-      find_recipe("descending"),
-      {{"repeats", std::to_string(repeats)}, {"conditioning.cycles", "0"}, {"conditioning.least", "0"}})};
-  request.sensor_type = read_sensor_type(find_config("sensor.toml"));
-  request.sensor = {"B-1",
-                    request.sensor_type.name,
-                    request.sensor_type.text,
-                    db::sha256_hex(request.sensor_type.text),
-                    "SIM-SCANNER-1",
-                    "",
-                    utc_now()};
-  if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
-  request.operator_name = "benchmark";
-  request.check_seating = false;
+  RunRequest request = descending_request(repeats, 1);
   request.pace = pace;
   RunBeside run;
-  PageClock::time_point first{}, last{};
-  double first_s = 0.0, last_s = 0.0;
+  std::optional<Moment> first;
+  Moment last;
   bool measured = false;
   request.on_step = [&](const sequences::Step& step) {
-    last = PageClock::now();
-    last_s = thread_s();
-    if (first == PageClock::time_point{}) {
-      first = last;
-      first_s = last_s;
-    }
-    if (measured) run.stored.push_back(last);
+    if (measured) run.stored.push_back(PageClock::now());
+    last = {now_s(By::kWall), now_s(By::kThread)};
+    if (!first) first = last;
     measured = sequences::takes_frame(step);
   };
-  Progress quiet(Progress::Mode::kQuiet);
-  const RunResult result = characterize(request, store, quiet);
-  if (result.error) throw *result.error;
-  run.times = {std::chrono::duration<double>(last - first).count(), last_s - first_s,
+  const RunResult result = carry_out(request, store);
+  run.times = {last.wall_s - first.value().wall_s, last.thread_s - first.value().thread_s,
                static_cast<double>(result.frames_kept)};
   return run;
 }
 
 // Processor seconds to write these events to /dev/null, once for each viewer.
-double bare_writes_s(const std::string& events) {
+double bare_writes_s(const std::vector<std::string_view>& events, int viewers) {
   const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  const double begun = thread_s();
-  for (std::size_t at = 0; at < events.size();) {
-    const std::size_t end = std::min(events.find("\n\n", at), events.size() - 2) + 2;
-    for (int viewer = 0; viewer < kViewers; ++viewer) (void)!::write(null, events.data() + at, end - at);
-    at = end;
-  }
-  const double took = thread_s() - begun;
+  const double taken = best_seconds(
+      1,
+      [&] {
+        for (const std::string_view event : events)
+          for (int viewer = 0; viewer < viewers; ++viewer) (void)!::write(null, event.data(), event.size());
+      },
+      By::kThread);
   ::close(null);
-  return took;
+  return taken;
 }
 
-void measure_serving(FigureList& figures, const std::string& folder) {
-  const std::string db = folder + "/served.db";
+struct PageSubject {
+  const std::string& folder;
+  const PageSizes& sizes;
+  const std::string& program;
+};
+
+void measure_serving(FigureList& figures, const PageSubject& subject) {
+  const std::string db = subject.folder + "/served.db";
   (void)run_beside(db, 1, 0.0);  // so that there is an earlier run
-  const PageProcess page(db, folder);
-  PageViewers viewers(page, kViewers, 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  const double before_s = page.processor_s();
+  const PageProcess page(db, subject.folder, subject.program);
+  PageViewers viewers(page.port(), page.token(), subject.sizes.viewers, 0);
+  std::this_thread::sleep_for(subject.sizes.before_run);
+  const double before_s = page.processor_s(), begun_s = now_s(By::kWall);
   const auto begun = PageClock::now();
-  const RunBeside run = run_beside(db, 1, kPace);
+  const RunBeside run = run_beside(db, 1, subject.sizes.pace);
   PageServed served;
-  served.took_s = passed_since(begun);
+  served.took_s = now_s(By::kWall) - begun_s;
   served.frames = run.times.frames;
   served.page_s = page.processor_s() - before_s;
   served.delays_ms = delays_ms_of(viewers.pictures(), run.stored, begun);
-  if (served.delays_ms.size() < 10) throw std::runtime_error("the viewers saw too little of the run");
-  served.bare_writes_s = bare_writes_s(viewers.text());
+  if (served.delays_ms.size() < subject.sizes.least_pictures)
+    throw std::runtime_error("the viewers saw too little of the run");
+  served.bare_writes_s = bare_writes_s(events_of(viewers.text()), subject.sizes.viewers);
   served.resident_mb = page.resident_mb();
   add_figures(figures, served);
 }
 
-void measure_run(FigureList& figures, int rounds, const std::string& folder) {
-  constexpr int kPageRepeats = 10;
-  std::vector<PageRunPair> pairs;
-  for (int round = 0; round < rounds; ++round) {
-    const RunBeside alone = run_beside(fmt::format("{}/alone-{}.db", folder, round), kPageRepeats, 0.0);
-    const std::string db = fmt::format("{}/seen-{}.db", folder, round);
-    (void)run_beside(db, 1, 0.0);
-    const PageProcess page(db, folder);
-    PageViewers viewers(page, kViewers, 1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    const auto begun = PageClock::now();
-    const RunBeside seen = run_beside(db, kPageRepeats, 0.0);
-    const auto& pictures = viewers.pictures();
-    if (std::ranges::none_of(pictures, [&](const auto& picture) { return picture.second > begun; }))
-      throw std::runtime_error("the viewers did not see the run");
-    pairs.push_back({alone.times, seen.times});
-  }
-  add_figures(figures, pairs);
+PageRunPair run_alone_and_seen(int round, const PageSubject& subject) {
+  const auto db = [&](const char* name) { return fmt::format("{}/{}-{}.db", subject.folder, name, round); };
+  const RunBeside alone = run_beside(db("alone"), subject.sizes.repeats, 0.0);
+  (void)run_beside(db("seen"), 1, 0.0);
+  const PageProcess page(db("seen"), subject.folder, subject.program);
+  PageViewers viewers(page.port(), page.token(), subject.sizes.viewers, 1);
+  std::this_thread::sleep_for(subject.sizes.before_run);
+  const auto begun = PageClock::now();
+  const RunBeside seen = run_beside(db("seen"), subject.sizes.repeats, 0.0);
+  if (std::ranges::none_of(viewers.pictures(), [&](const auto& picture) { return picture.second > begun; }))
+    throw std::runtime_error("the viewers did not see the run");
+  return {alone.times, seen.times};
 }
 
 }  // namespace
@@ -167,10 +136,24 @@ void add_figures(FigureList& figures, const std::vector<PageRunPair>& pairs) {
   figures.add_at_most("step_with_viewers", analysis::quantile_of(processor, 0.5), 1.02);
 }
 
-std::vector<Figure> benchmark_page(int rounds, const std::string& folder) {
+std::vector<std::string_view> events_of(std::string_view stream) {
+  std::vector<std::string_view> events;
+  while (!stream.empty()) {
+    const std::size_t end = stream.find("\n\n");
+    events.push_back(stream.substr(0, end == std::string_view::npos ? end : end + 2));
+    stream.remove_prefix(events.back().size());
+  }
+  return events;
+}
+
+std::vector<Figure> benchmark_page(int rounds, const std::string& folder, const PageSizes& sizes,
+                                   const std::string& program) {
+  const PageSubject subject{folder, sizes, program};
   FigureList figures("page");
-  measure_serving(figures, folder);
-  measure_run(figures, rounds, folder);
+  measure_serving(figures, subject);
+  std::vector<PageRunPair> pairs;
+  for (int round = 0; round < rounds; ++round) pairs.push_back(run_alone_and_seen(round, subject));
+  add_figures(figures, pairs);
   return figures.take();
 }
 

@@ -5,14 +5,27 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/benchmarks/figure.h"
 
 namespace tactbench::bench {
 
-// `rounds`: pairs of runs, without the page and with it. Makes its stores in `folder`.
-std::vector<Figure> benchmark_page(int rounds, const std::string& folder);
+struct PageSizes {
+  int viewers = 8;
+  double pace = 48.0;  // about 20 frames a second of one scan in 2.4 s
+  int repeats = 10;    // of a run beside another
+  std::chrono::milliseconds before_run{500};
+  std::size_t least_pictures = 10;
+};
+// `rounds`: pairs of runs, without the page and with it. Makes its stores in `folder`. Throws std::runtime_error when
+// the viewers see too little. `program`: the file of the program; empty: that of this process.
+std::vector<Figure> benchmark_page(int rounds, const std::string& folder, const PageSizes& sizes = {},
+                                   const std::string& program = {});
+
+// The events of a stream, each with the empty line behind it; the last one as far as it came.
+std::vector<std::string_view> events_of(std::string_view stream);
 
 // Of each picture that came after `begun`, from the storing of its frame (the first one has position 1) to the viewer.
 std::vector<double> delays_ms_of(const std::map<std::int64_t, std::chrono::steady_clock::time_point>& pictures,

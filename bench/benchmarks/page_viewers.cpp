@@ -31,8 +31,8 @@ int open_for_writing(const std::string& path) {
   return ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
 }
 
-ChildStart page_start(const std::string& db, const std::string& log) {
-  return {.words = {"/proc/self/exe", "page", "--db", db, "--port", "0", "--json"},
+ChildStart page_start(const std::string& program, const std::string& db, const std::string& log) {
+  return {.words = {program.empty() ? "/proc/self/exe" : program, "page", "--db", db, "--port", "0", "--json"},
           .environment = environment_with({}),
           .output = open_for_writing(log),
           .ends_with_us = true};
@@ -51,18 +51,20 @@ int connected_to(std::uint16_t port) {
 
 }  // namespace
 
-PageProcess::PageProcess(const std::string& db, const std::string& folder)
-    : child_(page_start(db, folder + "/page.log")) {
+PageProcess::PageProcess(const std::string& db, const std::string& folder, const std::string& program)
+    : child_(page_start(program, db, folder + "/page.log")) {
   for (int i = 0; i < 1000 && port_ == 0; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const bool ended = child_.ended().has_value();
     const nlohmann::json told = analysis::try_json(text_of(folder + "/page.log"));
-    if (!told.is_object()) continue;
-    port_ = told.value("port", std::uint16_t{0});
-    const std::string link = told.value("readers_link", "");
-    token_ = link.substr(link.find('#') + 1);
+    if (told.is_object()) {
+      port_ = told.value("port", std::uint16_t{0});
+      const std::string link = told.value("readers_link", "");
+      token_ = link.substr(link.find('#') + 1);
+    }
+    if (ended) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   if (port_ == 0) throw std::runtime_error("the page does not start: " + text_of(folder + "/page.log"));
-  process_ = child_.process();
 }
 
 double processor_seconds_of(const std::string& stat, double ticks_per_second) {
@@ -78,18 +80,20 @@ double resident_mb_of(const std::string& status) {
 }
 
 double PageProcess::processor_s() const {
-  return processor_seconds_of(text_of(fmt::format("/proc/{}/stat", process_)),
+  return processor_seconds_of(text_of(fmt::format("/proc/{}/stat", child_.process())),
                               static_cast<double>(::sysconf(_SC_CLK_TCK)));
 }
 
-double PageProcess::resident_mb() const { return resident_mb_of(text_of(fmt::format("/proc/{}/status", process_))); }
+double PageProcess::resident_mb() const {
+  return resident_mb_of(text_of(fmt::format("/proc/{}/status", child_.process())));
+}
 
-PageViewers::PageViewers(const PageProcess& page, int viewers, int frozen)
+PageViewers::PageViewers(std::uint16_t port, const std::string& token, int viewers, int frozen)
     : reading_(static_cast<std::size_t>(viewers - frozen)) {
-  const std::string get = fmt::format("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\r\n",
-                                      page.port(), page.token());
+  const std::string get =
+      fmt::format("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\r\n", port, token);
   for (int i = 0; i < viewers; ++i) {
-    descriptors_.push_back(connected_to(page.port()));
+    descriptors_.push_back(connected_to(port));
     if (::send(descriptors_.back(), get.data(), get.size(), MSG_NOSIGNAL) < 0)
       throw std::runtime_error("the page hangs up");
   }

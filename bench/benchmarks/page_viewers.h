@@ -34,10 +34,11 @@ class PictureTimes {
   std::map<std::int64_t, Time> times_;
 };
 
-// `tactbench page` on that store.
+// `tactbench page` on that store; what it says goes to page.log in `folder`. `program`: its file; empty: that of this
+// process. Throws std::runtime_error when it does not start, with what it said.
 class PageProcess {
  public:
-  PageProcess(const std::string& db, const std::string& folder);
+  PageProcess(const std::string& db, const std::string& folder, const std::string& program = {});
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] const std::string& token() const { return token_; }
   [[nodiscard]] double processor_s() const;  // user and system time so far
@@ -47,14 +48,13 @@ class PageProcess {
   ChildProgram child_;
   std::uint16_t port_ = 0;
   std::string token_;
-  pid_t process_ = 0;
 };
 
 // Streams read by one thread, but for the last `frozen`, which read nothing.
 class PageViewers {
  public:
   using RealClock = std::chrono::steady_clock;
-  PageViewers(const PageProcess& page, int viewers, int frozen);
+  PageViewers(std::uint16_t port, const std::string& token, int viewers, int frozen);
   ~PageViewers();
   PageViewers(const PageViewers&) = delete;
   PageViewers& operator=(const PageViewers&) = delete;

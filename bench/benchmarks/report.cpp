@@ -21,8 +21,8 @@ void write_bytes(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
-std::vector<Figure> benchmark_report(int rounds, const std::string& folder) {
-  const analysis::Dataset dataset = synthetic_dataset(16, 16, 5);
+std::vector<Figure> benchmark_report(int rounds, const std::string& folder, const ReportSizes& sizes) {
+  const analysis::Dataset dataset = synthetic_dataset(sizes.side, sizes.side, sizes.repeats);
   db::RunStore store = db::RunStore::open(folder + "/report.db", db::Durability::kNormal);
   analysis::ReportInput input;
   const std::int64_t run = store_run(store, dataset);

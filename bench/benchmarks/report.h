@@ -8,8 +8,11 @@
 
 namespace tactbench::bench {
 
-// A run of both sequences, five repeats, 256 taxels, evaluated with its own fit. Best of `rounds`. Writes to `folder`.
-std::vector<Figure> benchmark_report(int rounds, const std::string& folder);
+struct ReportSizes {
+  int side = 16, repeats = 5;  // taxels a side
+};
+// A run of both sequences, evaluated with its own fit. Best of `rounds`. Writes to `folder`.
+std::vector<Figure> benchmark_report(int rounds, const std::string& folder, const ReportSizes& sizes = {});
 
 struct ReportTimes {
   double bytes = 0.0, write_s = 0.0, rendered_s = 0.0;

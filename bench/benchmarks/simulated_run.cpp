@@ -23,8 +23,7 @@ std::size_t frames_of(const analysis::Dataset& data) {
 
 }  // namespace
 
-KnownRun simulate_run(const SimulatedRun& run, const SimulatedSensor& sensor, unsigned noise_seed,
-                      db::RunStore& store) {
+RunRequest simulated_request(const SimulatedRun& run, const SimulatedSensor& sensor, unsigned noise_seed) {
   std::vector<std::string> set = run.set;
   if (sensor.harsh) set.emplace_back("simulation.specimen=harsh");
   const SplitOverrides overrides = split_overrides(set);
@@ -33,18 +32,34 @@ KnownRun simulate_run(const SimulatedRun& run, const SimulatedSensor& sensor, un
   for (const char* name : run.recipes)
     request.recipes.push_back(sequences::read_recipe(find_recipe(name), overrides.recipe));
   request.overrides = overrides.all;
-  request.sensor_type = read_sensor_type(find_config("sensor.toml"));
-  request.sensor = {fmt::format("SIM-{:04}", sensor.seed),
-                    request.sensor_type.name,
-                    request.sensor_type.text,
-                    db::sha256_hex(request.sensor_type.text),
-                    SimulationConfig().scanner_serial,
-                    "",
-                    utc_now()};
-  if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
+  SensorType& type = request.sensor_type = read_sensor_type(find_config("sensor.toml"));
+  type.rows = request.bench.scanner.rows;
+  type.columns = request.bench.scanner.columns;
+  request.sensor = {fmt::format("SIM-{:04}", sensor.seed), type.name, type.text, db::sha256_hex(type.text),
+                    SimulationConfig().scanner_serial,     "",        utc_now()};
   request.operator_name = "benchmark";
   request.check_seating = false;
+  return request;
+}
 
+RunRequest descending_request(int repeats, unsigned noise_seed) {
+  return simulated_request(
+      {{"descending"},
+       {fmt::format("recipe.repeats={}", repeats), "recipe.conditioning.cycles=0", "recipe.conditioning.least=0"}},
+      {}, noise_seed);
+}
+
+RunResult carry_out(const RunRequest& request, db::RunStore& store) {
+  if (!store.sensor(request.sensor.serial)) store.add_sensor(request.sensor);
+  Progress quiet(Progress::Mode::kQuiet);
+  RunResult result = characterize(request, store, quiet);
+  if (result.error) throw *result.error;
+  return result;
+}
+
+KnownRun simulate_run(const SimulatedRun& run, const SimulatedSensor& sensor, unsigned noise_seed,
+                      db::RunStore& store) {
+  RunRequest request = simulated_request(run, sensor, noise_seed);
   // The truth of a frame is read when its step is over: nothing moves between the frame and the next step.
   KnownRun known;
   Rig* rig = nullptr;
@@ -61,12 +76,10 @@ KnownRun simulate_run(const SimulatedRun& run, const SimulatedSensor& sensor, un
     keep();
     measured = step.kind == sequences::StepKind::kMeasure;
   };
-  Progress quiet(Progress::Mode::kQuiet);
-  const RunResult result = characterize(request, store, quiet);
-  if (result.error) throw *result.error;
-  known.data = analysis::load_dataset(store, result.run);
+  const std::int64_t number = carry_out(request, store).run;
+  known.data = analysis::load_dataset(store, number);
   if (frames_of(known.data) != known.chamber_psi.size())
-    throw std::runtime_error(fmt::format("run {}: {} frames, and the pressure of {} is known", result.run,
+    throw std::runtime_error(fmt::format("run {}: {} frames, and the pressure of {} is known", number,
                                          frames_of(known.data), known.chamber_psi.size()));
   return known;
 }

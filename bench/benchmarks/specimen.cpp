@@ -29,11 +29,6 @@ struct SquareMean {
   [[nodiscard]] double root() const { return count > 0.0 ? std::sqrt(sum / count) : 0.0; }
 };
 
-// Outputs at the two ends of a minor loop, entered from 0 psi and from 60 psi, by taxel.
-struct MinorLoop {
-  std::vector<double> low_from_below, high_from_below, low_from_above, high_from_above;
-};
-
 void add_to(std::vector<double>& sum, const std::vector<double>& values, double share) {
   sum.resize(values.size(), 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) sum[i] += share * values[i];
@@ -152,11 +147,24 @@ CrosstalkFigures measure_crosstalk(const SpecimenOptions& options) {
   return figures;
 }
 
+double height_difference(std::span<const MinorLoop> loops, double bottom, double top) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double least = kNone;
+  for (const double amplitude : {kNone, 40.0, 20.0, 12.0, 9.0, 7.5, 6.5, 6.0, 5.5}) {
+    SquareMean differences;
+    const auto u = [&](double volts) { return linearised(volts, amplitude); };
+    for (const MinorLoop& loop : loops)
+      differences.add(
+          (u(loop.high_from_below) - u(loop.low_from_below) - u(loop.high_from_above) + u(loop.low_from_above)) /
+          (u(top) - u(bottom)));
+    if (amplitude > 1.02 * top) least = std::min(least, differences.root());
+  }
+  return least;
+}
+
 MemoryFigures measure_memory(const SpecimenOptions& options) {
   constexpr std::array<std::pair<double, double>, 4> kRanges = {{{10, 20}, {20, 30}, {30, 40}, {20, 40}}};
-  constexpr std::array<double, 9> kAmplitudes = {
-      std::numeric_limits<double>::infinity(), 40.0, 20.0, 12.0, 9.0, 7.5, 6.5, 6.0, 5.5};
-  std::array<MinorLoop, kRanges.size()> loops;
+  std::array<std::vector<MinorLoop>, kRanges.size()> loops;  // by taxel
   std::vector<double> bottom, top, not_closed;
   for (std::size_t run = 0; run < kRuns; ++run) {
     const SpecimenOptions of = of_run(options, run);
@@ -164,10 +172,13 @@ MemoryFigures measure_memory(const SpecimenOptions& options) {
     for (std::size_t r = 0; r < kRanges.size(); ++r) {
       const auto [low, high] = kRanges[r];
       const auto below = ends_of(of, 0.0, low, high), above = ends_of(of, kTopPsi, low, high);
-      add_to(loops[r].low_from_below, below.first, share);
-      add_to(loops[r].high_from_below, below.second, share);
-      add_to(loops[r].low_from_above, above.first, share);
-      add_to(loops[r].high_from_above, above.second, share);
+      loops[r].resize(below.first.size());
+      for (std::size_t i = 0; i < loops[r].size(); ++i) {
+        loops[r][i].low_from_below += share * below.first[i];
+        loops[r][i].high_from_below += share * below.second[i];
+        loops[r][i].low_from_above += share * above.first[i];
+        loops[r][i].high_from_above += share * above.second[i];
+      }
     }
     SpecimenWalk walk(of);
     walk.condition_at_once();
@@ -182,17 +193,9 @@ MemoryFigures measure_memory(const SpecimenOptions& options) {
   SquareMean congruency, closure;
   for (std::size_t i = 0; i < top.size(); ++i) {
     closure.add(not_closed[i] / (top[i] - bottom[i]));
-    double least = std::numeric_limits<double>::infinity();
-    for (const double amplitude : kAmplitudes) {
-      SquareMean differences;
-      const auto u = [&](double volts) { return linearised(volts, amplitude); };
-      for (const MinorLoop& loop : loops)
-        differences.add((u(loop.high_from_below[i]) - u(loop.low_from_below[i]) - u(loop.high_from_above[i]) +
-                         u(loop.low_from_above[i])) /
-                        (u(top[i]) - u(bottom[i])));
-      if (amplitude > 1.02 * top[i]) least = std::min(least, differences.root());
-    }
-    congruency.add(least);
+    std::vector<MinorLoop> own;
+    for (const std::vector<MinorLoop>& of_all : loops) own.push_back(of_all[i]);
+    congruency.add(height_difference(own, bottom[i], top[i]));
   }
   return {100.0 * congruency.root(), 100.0 * closure.root()};
 }

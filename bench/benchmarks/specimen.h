@@ -2,6 +2,7 @@
 // FS are of the span between 0 and 60 psi, of the taxel or the mean taxel that the figure is about.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "bench/benchmarks/figure.h"
@@ -46,6 +47,13 @@ struct MemoryFigures {
   double closure_percent_fs = 0.0;     // up to 30, back to 20 and up again: the output does not come back
 };
 MemoryFigures measure_memory(const SpecimenOptions& options);
+// A taxel's outputs at the two ends of a minor loop that was entered from 0 and from 60 psi.
+struct MinorLoop {
+  double low_from_below = 0.0, high_from_below = 0.0, low_from_above = 0.0, high_from_above = 0.0;
+};
+// The first of the two as a share of the taxel's span, rms over the loops; `bottom` and `top`: its outputs at 0 and 60
+// psi. Without a divider, or by that of eight, above 1.02 `top`, which makes it least.
+double height_difference(std::span<const MinorLoop> loops, double bottom, double top);
 
 // What `components` common shapes (principal components over the taxels) leave of the taxels' external loops, each
 // scaled by its own span: rms.

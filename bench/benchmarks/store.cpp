@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -161,9 +160,7 @@ class BestStretches {
 
  private:
   void take(std::size_t stretch, const std::function<void()>& act) {
-    const auto start = std::chrono::steady_clock::now();
-    act();
-    const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double taken = best_seconds(1, act);
     if (stretch >= best_.size()) best_.resize(stretch + 1, kNone);
     best_[stretch] = std::min(best_[stretch], taken);
   }

@@ -28,19 +28,10 @@ namespace tactbench::bench {
 
 namespace {
 
-using RealClock = std::chrono::steady_clock;
-
-double microseconds(RealClock::duration time) { return std::chrono::duration<double, std::micro>(time).count(); }
-
-double median_microseconds(int times, const std::function<void()>& act) {
-  std::vector<double> taken;
-  for (int i = 0; i < times / 10 + 1; ++i) act();  // warm
-  for (int i = 0; i < times; ++i) {
-    const auto start = RealClock::now();
-    act();
-    taken.push_back(microseconds(RealClock::now() - start));
-  }
-  return analysis::quantile_of(std::move(taken), 0.5);
+// The median of `times` acts, after a tenth as many that warm up.
+double warm_median(int times, const std::function<void()>& act) {
+  for (int i = 0; i < times / 10 + 1; ++i) act();
+  return median_microseconds(times, act);
 }
 
 // The lower bound for any driver on loopback: twelve bytes there and back between two threads.
@@ -103,20 +94,20 @@ double hang_up_to_fault_microseconds(int times) {
     devices::SerialAddress address;
     address.port = chain.address();
     const auto stream = devices::open_serial(address);
-    RealClock::time_point fault;
+    double fault_s = 0.0;
     std::thread reader([&] {
       try {
         std::uint8_t byte = 0;
         (void)stream->read(std::span(&byte, 1), std::chrono::seconds(20));
       } catch (const devices::Fault&) {
-        fault = RealClock::now();
+        fault_s = now_s(By::kWall);
       }
     });
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    const auto start = RealClock::now();
+    const double start_s = now_s(By::kWall);
     chain.unplug();
     reader.join();
-    taken.push_back(microseconds(fault - start));
+    taken.push_back(1e6 * (fault_s - start_s));
   }
   return analysis::quantile_of(std::move(taken), 0.5);
 }
@@ -126,10 +117,10 @@ double hang_up_to_fault_microseconds(int times) {
 std::vector<Figure> benchmark_wires(int exchanges) {
   std::vector<Figure> figures;
   const Echo echo;
-  const double floor = median_microseconds(exchanges, [&] { echo.exchange(); });
+  const double floor = warm_median(exchanges, [&] { echo.exchange(); });
   figures.push_back({"floor_tcp_echo", floor, "us"});
   const auto add = [&](const std::string& name, int times, const std::function<void()>& act) {
-    const double value = median_microseconds(times, act);
+    const double value = warm_median(times, act);
     figures.push_back({name, value, "us"});
     figures.push_back({name + "_vs_floor", value / floor, "x"});
   };

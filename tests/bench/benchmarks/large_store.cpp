@@ -68,3 +68,28 @@ TEST_CASE("a large store holds as many runs as asked for, the last two of them r
   CHECK(store.verdicts(8).size() == 4);
   for (const db::VerdictRecord& verdict : store.verdicts(8)) CHECK(verdict.verdict == std::string("pass"));
 }
+
+TEST_CASE("a large store has as many subjects as a night has scenarios, each with every 58th run") {
+  const TemporaryFolder folder;
+  {
+    db::RunStore real = db::RunStore::open(folder.path("real.db"));
+    for (int i = 0; i < 2; ++i) {
+      const std::int64_t run = i == 0 ? begin_example(real).run : real.begin_run(example_run());
+      real.end_run(run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
+    }
+  }
+  bench::make_large_store(folder.path("large.db"), 61, folder.path("real.db"));
+  const db::RunStore store = db::RunStore::open_read_only(folder.path("large.db"));
+  CHECK(store.figures("bulk/0").size() == 24);  // of runs 1 and 59
+  CHECK(store.figures("bulk/57").size() == 12);
+  CHECK(store.figures("bulk/58").empty());
+  const std::vector<db::BranchRecord> branches = store.branches(59);
+  REQUIRE(branches.size() == 1);
+  CHECK((branches[0].from_psi == 0.0 && branches[0].to_psi == 60.0));
+  CHECK((branches[0].sequence == 0 && branches[0].repeat == 0));
+  const db::RunRecord run = store.run(59);
+  CHECK(run.safe_state == db::SafeState::kVerified);
+  CHECK(run.origin == "simulated");
+  CHECK(run.sequences.front().sequence == 0);
+  CHECK(run.uuid != store.run(1).uuid);
+}

@@ -140,3 +140,16 @@ TEST_CASE("a walk along a specimen goes and holds as its header says") {
     CHECK(frames[static_cast<std::size_t>(level)][0] == Approx(volts[0]).epsilon(1e-12));
   }
 }
+
+TEST_CASE("specimen figures: of crosstalk each third taxel is pressed that has two others on each side, as recorded") {
+  const auto check_crosstalk = [](int rows, int columns, const CrosstalkFigures& recorded) {
+    INFO(rows << " x " << columns);
+    const CrosstalkFigures own = measure_crosstalk(small(kHarsh, rows, columns));
+    CHECK(own.beside == figure_of(recorded.beside));
+    CHECK(own.corner == figure_of(recorded.corner));
+    CHECK(own.two_away == figure_of(recorded.two_away));
+  };
+  check_crosstalk(5, 5, {0.0195654858018, 0.00598163293911, 0});
+  check_crosstalk(7, 8, {0.0207769534516, 0.00630830902722, 0});
+  check_crosstalk(8, 7, {0.0219707606674, 0.00620775041353, 0});
+}

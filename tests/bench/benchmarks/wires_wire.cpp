@@ -5,6 +5,7 @@
 
 #include "bench/benchmarks/figure.h"
 #include "bench/benchmarks/wires.h"
+#include "tests/bench/benchmarks/counted_time.h"
 
 using namespace tactbench::bench;
 
@@ -36,4 +37,23 @@ TEST_CASE("benchmark wires: microseconds of each wire and its ratio to an echo o
   CHECK((figures.back().name == "serial_hang_up_to_fault" && figures.back().unit == "us"));
   CHECK(figures.back().value > 0.0);
   CHECK(figures.back().value < 20e6);
+}
+
+TEST_CASE("benchmark wires: medians of the exchanges asked for, of a fifth of them and one more, and of 21 hang-ups") {
+  const std::vector<Figure> figures = [] {
+    const tactbench::tests::CountedTime time;
+    return benchmark_wires(11);
+  }();
+  tactbench::tests::ActsInOrder act;
+  const double floor = 1e6 * act.median_of(11);
+  REQUIRE(figures.size() == 18);
+  CHECK(figures[0].value == Approx(floor).epsilon(1e-9));
+  const std::vector<int> exchanges{11, 11, 11, 11, 11, 3, 11, 3};
+  for (std::size_t i = 0; i < exchanges.size(); ++i) {
+    INFO(figures[1 + 2 * i].name);
+    const double median = 1e6 * act.median_of(exchanges[i]);
+    CHECK(figures[1 + 2 * i].value == Approx(median).epsilon(1e-9));
+    CHECK(figures[2 + 2 * i].value == Approx(median / floor).epsilon(1e-9));
+  }
+  CHECK(figures[17].value == Approx(1e6 * act.median_of(21)).epsilon(1e-9));
 }
