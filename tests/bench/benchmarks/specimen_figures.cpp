@@ -1,5 +1,6 @@
 // The figures about a simulated sensor (bench/benchmarks/specimen.h) on small arrays: what another implementation of
 // the film and of each definition gives for the same seeds, in Python. A deliberate change of the film changes them.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -152,4 +153,33 @@ TEST_CASE("specimen figures: of crosstalk each third taxel is pressed that has t
   check_crosstalk(5, 5, {0.0195654858018, 0.00598163293911, 0});
   check_crosstalk(7, 8, {0.0207769534516, 0.00630830902722, 0});
   check_crosstalk(8, 7, {0.0219707606674, 0.00620775041353, 0});
+}
+
+TEST_CASE("a walk presses an object on the taxels in four pieces, and holds in pieces that grow to ten minutes") {
+  SpecimenOptions options = small(kHarsh, 1, 2);
+  SpecimenWalk walk(options);
+  Specimen specimen(options);
+  std::vector<double> volts(2);
+  const auto check_equal = [&] {
+    specimen.output(volts);
+    const std::vector<double> own = walk.output();
+    for (std::size_t i = 0; i < 2; ++i) CHECK(own[i] == Approx(volts[i]).epsilon(1e-12));
+  };
+  walk.press(std::vector<double>{40.0, 12.0});
+  for (const double share : {0.25, 0.5, 0.75, 1.0})
+    specimen.advance(0.0, 0.1, std::vector<double>{40.0 * share, 12.0 * share});
+  check_equal();
+  walk.jump(1.0);  // four pieces of 0.25 psi at 40 psi/s
+  for (const double psi : {0.25, 0.5, 0.75, 1.0}) specimen.advance(psi, 0.25 / 40.0);
+  check_equal();
+  walk.hold(3000.0);
+  double left = 3000.0;
+  for (double piece = 0.05; left > 0.0; piece = std::min(600.0, 2.0 * piece)) {
+    specimen.advance(1.0, std::min(piece, left));
+    left -= piece;
+  }
+  check_equal();
+  walk.at_once({0.5, 0.75});
+  for (const double psi : {0.75, 0.5, 0.75}) specimen.advance(psi, 1e-9);
+  check_equal();
 }
