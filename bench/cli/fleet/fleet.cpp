@@ -25,7 +25,7 @@ void migrate_fleet(const std::string& to, const Session& session) {
   const int before = db::fleet::migrate(link, build_info().version);
   if (session.json) {
     print_json("fleet.migrate",
-               {{"fleet", link.where()}, {"schema_before", before}, {"schema", db::fleet::kFleetSchema}});
+               {{"fleet", link.where()}, {"schema_before", before}, {"schema_now", db::fleet::kFleetSchema}});
   } else if (before == db::fleet::kFleetSchema) {
     tty::print("{}: has schema {} already\n", link.where(), before);
   } else {

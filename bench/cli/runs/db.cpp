@@ -73,8 +73,9 @@ void migrate_db(const Session& session) {
   if (before > 0 && before < db::kSchemaVersion) backup = db::backup_path(session.db, before);
   const db::RunStore store = db::RunStore::open(session.db);  // makes the backup first
   if (session.json) {
-    print_json("db.migrate",
-               {{"store", session.db}, {"schema_before", before}, {"schema", db::kSchemaVersion}, {"backup", backup}});
+    print_json(
+        "db.migrate",
+        {{"store", session.db}, {"schema_before", before}, {"schema_now", db::kSchemaVersion}, {"backup", backup}});
   } else if (before == 0) {
     tty::print("{}: its making was cut off; it is an empty store of schema {} now\n", session.db, db::kSchemaVersion);
   } else if (backup.empty()) {

@@ -146,7 +146,8 @@ TEST_CASE("fleet migrate: a new fleet, one that is brought up to date, and one t
   CHECK(migrate(2, {}) == "WHERE: has schema 2 already\n");
   const json told = json::parse(migrate(1, {"--json"}));
   CHECK(told.at("schema_before") == 1);
-  CHECK(told.at("schema") == 2);
+  CHECK(told.at("schema_now") == 2);
+  CHECK(told.at("schema") == "tactbench.fleet.migrate");
 }
 
 }  // namespace tactbench::tests::postgres

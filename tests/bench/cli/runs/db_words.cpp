@@ -5,8 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "db/schema.h"
+#include "db/sqlite.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"
+#include "tests/support/paths.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -58,4 +61,77 @@ TEST_CASE("db migrate: a store of this program's schema stays as it is") {
   CHECK(told.at("store") == of.path);
   CHECK(told.at("schema_before") == db::kSchemaVersion);
   CHECK(told.at("backup") == "");
+}
+
+TEST_CASE("db migrate: an older store is kept beside the new one, and a store whose making was cut off becomes one") {
+  const TemporaryFolder folder;
+  const auto migrate = [&](const std::string& name, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"db", "migrate", "--db", folder.path(name)};
+    words.insert(words.end(), more.begin(), more.end());
+    return verb_here(bench::add_db, words);
+  };
+  const std::string old = folder.path("old.db"), now = std::to_string(db::kSchemaVersion);
+  std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), old);
+  const Finished done = migrate("old.db");
+  CHECK(done.code == 0);
+  CHECK(done.out == old + ": schema 3 migrated to " + now + "; the old store is kept in " + old + ".schema-3.backup\n");
+  std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), folder.path("b.db"));
+  const Told told = Told::parse(migrate("b.db", {"--json"}).out);
+  CHECK(told == Told{{"schema", "tactbench.db.migrate"},
+                     {"version", 1},
+                     {"store", folder.path("b.db")},
+                     {"schema_before", 3},
+                     {"schema_now", db::kSchemaVersion},
+                     {"backup", folder.path("b.db") + ".schema-3.backup"}});
+  {  // as a process leaves it that is killed while it makes a store: the journal takes all of it back
+    db::sqlite::Connection made(folder.path("made.db"), db::sqlite::Access::kReadWrite);
+    made.execute("PRAGMA journal_mode = DELETE; PRAGMA cache_size = 1; BEGIN; PRAGMA application_id = " +
+                 std::to_string(db::kApplicationId) + "; CREATE TABLE half (a)");
+    for (int i = 0; i < 200; ++i) made.execute("INSERT INTO half VALUES (zeroblob(4000))");
+    std::filesystem::copy_file(folder.path("made.db-journal"), folder.path("cut.db-journal"));
+    made.execute("COMMIT");
+    std::filesystem::copy_file(folder.path("made.db"), folder.path("cut.db"));
+  }
+  const Finished cut = migrate("cut.db");
+  CHECK(cut.code == 0);
+  CHECK(cut.out ==
+        folder.path("cut.db") + ": its making was cut off; it is an empty store of schema " + now + " now\n");
+  CHECK(db::RunStore::open_read_only(folder.path("cut.db")).runs().empty());
+  CHECK_FALSE(std::filesystem::exists(folder.path("cut.db") + ".schema-0.backup"));
+}
+
+TEST_CASE("db check: each run that differs is named, runs that have not ended are counted, and a good copy advised") {
+  const StoreForDb of;
+  {
+    db::RunStore store = db::RunStore::open(of.path, db::Durability::kNormal);
+    (void)store_example(store);
+    (void)begin_example(store);
+  }
+  const std::string none = ", 1 not ended (no hash yet)\n";
+  CHECK(of.db({"check"}).out == of.path + ": structure sound; 2 runs as they were stored, 0 not" + none);
+  db::sqlite::Connection(of.path, db::sqlite::Access::kReadWrite)
+      .execute("UPDATE frames SET status = 9 WHERE frame = 1000000002");
+  const Finished damaged = of.db({"check"});
+  CHECK(damaged.code == 5);
+  CHECK_THAT(damaged.out,
+             Catch::StartsWith("  run 1   ") &&
+                 Catch::EndsWith("\n" + of.path + ": structure sound; 1 run as it was stored, 1 not" + none +
+                                 "keep a copy of the file and use the last snapshot; tactbench verify RUN shows more "
+                                 "about a run\n"));
+  const Told told = Told::parse(of.db({"check", "--json"}).out);
+  CHECK(told.at("holds") == false);
+  CHECK(told.at("structure").empty());
+  REQUIRE(told.at("runs").size() == 3);
+  CHECK(told.at("runs").at(0).at("holds") == false);
+  CHECK(told.at("runs").at(0).at("ended") == true);
+  CHECK_FALSE(told.at("runs").at(0).at("difference").get<std::string>().empty());
+  CHECK(told.at("runs").at(1) == Told{{"run", 2},
+                                      {"ended", true},
+                                      {"holds", true},
+                                      {"pruned", false},
+                                      {"frames", 3},
+                                      {"difference", ""},
+                                      {"beside", Told::array()}});
+  CHECK(told.at("runs").at(2).at("ended") == false);
+  CHECK(told.at("runs").at(2).at("holds") == true);
 }
