@@ -96,6 +96,20 @@ nlohmann::ordered_json selfcheck_record(const std::string& store) {
   return record;
 }
 
+void selfcheck(const std::string& output, Session& session) {
+  const bool as_json = output.ends_with(".json");
+  if (!output.empty())
+    check_output(output, as_json ? "a tactbench.selfcheck document (JSON)" : "a record of tactbench selfcheck",
+                 session.replace);
+  const nlohmann::ordered_json record = selfcheck_record(session.db);
+  const std::string json = analysis::printable_json(record, 2) + "\n";
+  if (!output.empty()) write_output(output, as_json ? json : selfcheck_text(record), session.replace);
+  tty::print("{}", session.json ? json : selfcheck_text(record));
+  if (record["failed"].get<int>() > 0) session.code = ExitCode::kCriterionFailed;
+}
+
+}  // namespace
+
 std::string selfcheck_text(const nlohmann::ordered_json& record) {
   const auto word = [&](const char* key) { return record[key].get<std::string>(); };
   std::string text = fmt::format(
@@ -115,20 +129,6 @@ std::string selfcheck_text(const nlohmann::ordered_json& record) {
   return text + fmt::format("\n{} checks, {} failed, {:.1f} s\nsha256 {}\n", record["checks"].size(),
                             record["failed"].get<int>(), record["seconds"].get<double>(), word("sha256"));
 }
-
-void selfcheck(const std::string& output, Session& session) {
-  const bool as_json = output.ends_with(".json");
-  if (!output.empty())
-    check_output(output, as_json ? "a tactbench.selfcheck document (JSON)" : "a record of tactbench selfcheck",
-                 session.replace);
-  const nlohmann::ordered_json record = selfcheck_record(session.db);
-  const std::string json = analysis::printable_json(record, 2) + "\n";
-  if (!output.empty()) write_output(output, as_json ? json : selfcheck_text(record), session.replace);
-  tty::print("{}", session.json ? json : selfcheck_text(record));
-  if (record["failed"].get<int>() > 0) session.code = ExitCode::kCriterionFailed;
-}
-
-}  // namespace
 
 void add_selfcheck(CLI::App& app, Session& session) {
   auto output = std::make_shared<std::string>();
