@@ -57,8 +57,7 @@ std::vector<NamedEvaluation> evaluations_for(analysis::Runs& runs, const analysi
     for (const std::int64_t other : held_out)
       evaluations.push_back({fmt::format("held-out run {}", other), analysis::evaluate(runs.dataset(other), fit)});
   } catch (const analysis::AnalysisError& error) {
-    if (error.id() != "TB-ANALYSIS-NO-LOOP" || !held_out.empty()) throw;
-    evaluations.clear();
+    if (error.id() != "TB-ANALYSIS-NO-LOOP" || !held_out.empty()) throw;  // nothing was evaluated before
   }
   return evaluations;
 }

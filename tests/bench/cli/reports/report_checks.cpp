@@ -10,6 +10,7 @@
 #include "bench/cli/reports/report_stages.h"
 #include "bench/common/error.h"
 #include "tests/bench/cli/verb_here.h"
+#include "tests/db/store_example.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -161,4 +162,27 @@ TEST_CASE("report stages: of one run, or one for each run, with their shares, an
   compare.runs = {3, 4};
   compare.compare = true;
   CHECK(report_stages(compare).size() == 3);
+}
+
+TEST_CASE("report options: runs that lag and creep were made from are no independent data") {
+  const tests::TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  for (int i = 0; i < 4; ++i) (void)tests::store_example(store);
+  analysis::SensorModel fit;
+  fit.run = 1;
+  const auto refusal = [&](const std::vector<std::int64_t>& held_out) {
+    return report_refusal([&] { check_independent_of_dynamics(store, fit, held_out); });
+  };
+  CHECK(refusal({1, 2, 3, 4}).empty());  // a model without lag and creep
+  fit.dynamics.emplace();
+  fit.dynamics->rate.run = 2;
+  fit.dynamics->creep.run = 3;
+  CHECK(refusal({}).empty());
+  CHECK(refusal({4}).empty());
+  for (const int run : {1, 2, 3})
+    CHECK(
+        refusal({4, run}) ==
+        fmt::format("TB-RUN-OWN | the models, or their lag or creep, were made from run {}: it is not independent data "
+                    "for them | --held-out | name other runs of the same sensor",
+                    run));
 }

@@ -162,6 +162,12 @@ TEST_CASE("report: signed once it keeps its number, its file and what replaced i
   CHECK(again.out == "report " + number + ": " + path + " (signed: the file stays as it is)\n");
   CHECK(of.told({"3"}).at("written") == false);
   CHECK(read_file(of.folder.path(path)) == page);
+  // A file that was changed since does not become the signed one by another call.
+  write_file(of.folder.path(path), page + "<!-- more -->");
+  CHECK(of.report({"3"}).out == again.out);
+  CHECK(call(of.folder, {"reports", "verify", number}).code == 1);
+  write_file(of.folder.path(path), page);
+  CHECK(call(of.folder, {"reports", "verify", number}).code == 0);
   const Finished twice = of.report({"3", "--approve-by", "M. Ito", "--without-verdict"});
   CHECK(twice.code == 5);
   CHECK(twice.out.empty());
@@ -232,4 +238,15 @@ TEST_CASE("report: models and further runs that it cannot use") {
   CHECK(call(of.folder, {"fit", "2", "--model", "elam", "--mean-taxel"}).code == 0);
   of.refused({"1", "--model", "2:3"},
              "a report cannot use fit 2:3: it has a model of no single taxel of the array [TB-USAGE]\n  at: --model\n");
+  // A run without a full loop is reported, and corrected by nothing.
+  write_file(of.folder.path("up.toml"),
+             "schema = 1\nname = \"up\"\nunit = \"psi\"\nturning_points = [0, 60]\nstep = 20\n");
+  of.well({"run", "up.toml", "--bench", "simulated.toml", "--sensor", "S-1", "--operator", "t", "-q"});
+  const Finished up = of.report({"6", "--model", "1"});
+  CHECK(up.code == 0);
+  CHECK(up.err.empty());
+  CHECK(up.out == "report " + report_number_in(up.out) + ": reports/run-6.html\n");
+  const Finished held_out = of.report({"6", "--model", "1", "--held-out", "2"});
+  CHECK(held_out.out.empty());
+  CHECK_THAT(held_out.err, Catch::Contains("[TB-ANALYSIS-NO-LOOP]"));
 }
