@@ -74,3 +74,16 @@ TEST_CASE("export CSV: the names of the columns stand once, also for one frame a
                          Catch::Contains("\n1,1,down,0,0,0,0,0,0,0.1,"));
   }
 }
+
+TEST_CASE(
+    "export CSV: a line for each scan of a frame under force, with the wrench, its place and volts of each count") {
+  const StoreOfKinds of;
+  REQUIRE(of.exported("4", "csv", "one").code == 0);
+  const std::string text = read_file(of.folder.path("one")),
+                    frame =
+                        "1,1,down,0,0,0,0,0,0,0.1,0.3333333333333333,6.1,0.1,0.2,-6.2,1.5,2.5,3.5,20.1,30.2,40.3,2000,"
+                        "2.000000001,1.500000002,5000000000003,4,dwell,";
+  CHECK(text.substr(text.find("volts_r2_c1\n") + 12) ==
+        frame + "0,65535,65278,65021,64764,64507,64250,6553.5,6527.8,6502.1,6476.4,6450.7,6425\n" + frame +
+            "1,63993,63736,63479,63222,62965,62708,6399.3,6373.6,6347.9,6322.2,6296.5,6270.8\n");
+}

@@ -101,4 +101,24 @@ TEST_CASE("fleet show: all of a run, who pushed it, and its fits in the fleet") 
   CHECK(nlohmann::json::parse(as_json.out).at("frames") == 3);
 }
 
+TEST_CASE("fleet trend: where there are no figures it names the fleet and the origin, and what is left out") {
+  if (!db::fleet::built_with_libpq()) return;
+  const Fleet fleet;  // its one run is void
+  const auto trend = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"trend", "--origin", "simulated"};
+    words.insert(words.end(), more.begin(), more.end());
+    return ReadFrom(joined({of_this_schema(), finds({{"41"}}), hands_out(fleet, false), kOrigins}), words).finished;
+  };
+  const std::string others = "3 hardware left out (--origin hardware)\n4 imported left out (--origin imported)\n",
+                    at = " [TB-TREND-NONE]\n  at: WHERE, simulated runs\n  try: ";
+  const Finished voided = trend({});
+  CHECK(voided.code == 2);
+  CHECK(voided.out.empty());
+  CHECK(voided.err ==
+        others + "error: all runs with such figures are void" + at + "tactbench runs list --all shows why\n");
+  CHECK(trend({"--where", "bench_id = 'b'"}).err == voided.err);
+  CHECK(trend({"--subject", "none"}).err == others + "error: there are no such figures" + at + "there are: a, rig\n");
+  CHECK(trend({"--json"}).err == voided.err.substr(others.size()));
+}
+
 }  // namespace tactbench::tests::postgres

@@ -1,0 +1,106 @@
+// predict and compensate of a table on standard input, and the names of tables in what is said of them.
+#include <catch2/catch.hpp>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/models/known_model.h"
+#include "tests/bench/cli/models/models_here.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// What std::cin reads within its scope.
+class TypedInput {
+ public:
+  explicit TypedInput(const std::string& text) : text_(text), kept_(std::cin.rdbuf(text_.rdbuf())) {}
+  ~TypedInput() {
+    std::cin.rdbuf(kept_);
+    std::cin.clear();
+  }
+  TypedInput(const TypedInput&) = delete;
+  TypedInput& operator=(const TypedInput&) = delete;
+
+ private:
+  std::istringstream text_;
+  std::streambuf* kept_;
+};
+
+// 0.125 V/N from 0 to 64 N.
+struct LineInFolder {
+  LineInFolder() {
+    SensorModel document = known_model(0.1, 0.0);
+    document.sensor_serial.clear();
+    document.validity.input = analysis::Range{0.0, 64.0};
+    document.taxels.resize(1);
+    document.columns = 1;
+    document.taxels[0].fit.model = straight_line();
+    document.taxels[0].fit.full_scale = 8.0;
+    write_model(folder, "m.json", document);
+  }
+  [[nodiscard]] Finished typed(const std::string& text, const std::vector<std::string>& words) const {
+    const TypedInput input(text);
+    return model_verb(folder, words);
+  }
+  [[nodiscard]] Finished of_file(const std::string& text, const std::string& verb) const {
+    write_file(folder.path("x.csv"), text);
+    return model_verb(folder, {verb, "m.json", "x.csv"});
+  }
+  TemporaryFolder folder;
+};
+
+}  // namespace
+
+TEST_CASE("predict and compensate read standard input where no file is named, and where - is") {
+  const LineInFolder of;
+  const Finished predicted = of.typed("input\n8\n16\n", {"predict", "m.json"});
+  CHECK(predicted.code == 0);
+  CHECK(predicted.err.empty());
+  CHECK(predicted.out == "input,predicted\n8,1\n16,2\n");
+  CHECK(of.typed("input\n8\n16\n", {"predict", "m.json", "-"}).out == predicted.out);
+  CHECK(of.typed("output\n2\n", {"compensate", "m.json"}).out == "output,compensated,uncertainty,flags\n2,16,0.032,\n");
+  CHECK(of.typed("input\n8\n", {"predict", "m.json", "-o", "y.csv"}).out.empty());
+  CHECK(read_file(of.folder.path("y.csv")) == "input,predicted\n8,1\n");
+}
+
+TEST_CASE("predict and compensate name the table that is wrong: the file, or standard input") {
+  const LineInFolder of;
+  const std::string odd = "input;remark\n8,5;a\n", doubt = ": columns are separated by semicolons\n";
+  CHECK_THAT(of.typed(odd, {"predict", "m.json"}).err, Catch::Contains("standard input" + doubt));
+  CHECK_THAT(of.of_file(odd, "predict").err, Catch::Contains("x.csv" + doubt));
+  for (const char* verb : {"predict", "compensate"}) {
+    for (const char* text : {"", "what\n1\n", "input,output\n1,x\n"}) {
+      INFO(verb << " of " << text);
+      const Finished typed = of.typed(text, {verb, "m.json"}), file = of.of_file(text, verb);
+      CHECK(typed.code == file.code);
+      if (std::string(verb) == "predict" && std::string(text) == "input,output\n1,x\n") {
+        CHECK(typed.code == 0);  // the outputs are not looked at
+        continue;
+      }
+      CHECK(typed.code == 2);
+      CHECK_THAT(typed.err, Catch::Contains("standard input") && !Catch::Contains("x.csv"));
+      CHECK_THAT(file.err, Catch::Contains("x.csv") && !Catch::Contains("standard input"));
+    }
+  }
+}
+
+TEST_CASE("predict: the model's word on inputs outside its validity is in the unit that is asked for") {
+  const LineInFolder of;
+  CHECK(of.typed("input\n65.3\n", {"predict", "m.json"}).err ==
+        "1 of 1 inputs lie outside the model's validity, 0 to 64 N\n");
+  CHECK(of.typed("input\n65.27\n-1.27\n", {"predict", "m.json"}).err.empty());
+}
+
+TEST_CASE("live: frames that cannot be written end it before a device is opened") {
+  const LineInFolder of;
+  const std::string csv = of.folder.path("none/frames.csv");
+  const Finished refused = verb_here(
+      bench::add_live, {"live", "--bench", "simulated.toml", "--model", of.folder.path("m.json"), "--csv", csv});
+  CHECK(refused.code == 2);
+  CHECK(refused.out.empty());
+  CHECK(refused.err == "error: cannot write the frames [TB-FILE-WRITE]\n  at: " + csv +
+                           "\n  try: check folder, space and permissions\n");
+}
