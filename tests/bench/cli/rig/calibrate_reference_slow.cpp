@@ -1,6 +1,7 @@
 // devices calibrate-reference with a gauge's readings typed in: what it asks, what it makes of them, and its refusals.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -188,4 +189,57 @@ TEST_CASE("calibrate-reference: a reference that does not rise ends it vented at
                  Catch::Contains(" psi at the next level [TB-REFERENCE-FLAT]\n  at: calibrate-reference\n") &&
                  Catch::Contains("\n  state: vented, verified (") && !Catch::Contains("decreasing"));
   CHECK_FALSE(std::filesystem::exists(of.folder.path("flat.toml")));
+}
+
+TEST_CASE("calibrate-reference: a level that is not reached ends it vented, with the last reading") {
+  const TypedReadings of;
+  const Finished ended = of.calibrate("0\n0\n0\n0\n",
+                                      "--levels 0,30 -o none.toml --set simulation.supply_bar=0.5 --set "
+                                      "settling.timeout_s=4");
+  CHECK(ended.code == 3);
+  CHECK_THAT(ended.err,
+             Catch::Contains("error: 30 psi not reached within 4 s; feedback ") &&
+                 Catch::Contains(" psi [TB-CHAMBER-TIMEOUT]\n  at: chamber\n  try: check supply and leaks\n") &&
+                 Catch::Contains("\n  state: vented, verified (") && !Catch::Contains(" 3 of 4"));
+  CHECK_FALSE(std::filesystem::exists(of.folder.path("none.toml")));
+}
+
+TEST_CASE("calibrate-reference: a signal while it waits for a reading ends it vented, without a file") {
+  const TypedReadings of;
+  const Finished ended = run_program(
+      "/bin/sh",
+      {"-c", "mkfifo typed && exec 3<>typed && exec '" + std::string(program_path()) +
+                 "' devices calibrate-reference --bench bench.toml --gauge g --uncertainty 0.05 --levels 0,30 -o "
+                 "none.toml <&3 2>said"},
+      of.folder.path(), {SIGTERM, [&] {
+                           return std::filesystem::exists(of.folder.path("said")) &&
+                                  of.file("said").find("q ends]: ") != std::string::npos;
+                         }});
+  CHECK(ended.code == 4);
+  CHECK_THAT(of.file("said"), Catch::Contains("error: stopped by a signal [TB-CALIBRATION-STOPPED]\n  at: "
+                                              "calibrate-reference\n  try: nothing was written; start again when "
+                                              "ready\n  state: vented, verified ("));
+  CHECK_FALSE(std::filesystem::exists(of.folder.path("none.toml")));
+}
+
+TEST_CASE("calibrate-reference: as JSON it tells what the file has") {
+  const TypedReadings of;
+  const Finished done = of.calibrate("0.1\n30.2\n60.3\n60.2\n30\n0\n", "--levels 0,30,60 -o ref.toml --json");
+  REQUIRE(done.code == 0);
+  const nlohmann::json told = nlohmann::json::parse(done.out);
+  CHECK(told.at("schema") == "tactbench.devices.calibrate-reference");
+  CHECK(told.at("file") == "ref.toml");
+  const std::string file = of.file("ref.toml");
+  const auto listed = [&](const char* key) {
+    std::string text = "\n" + std::string(key) + " = [";
+    for (std::size_t i = 0; i < 3; ++i) text += (i == 0 ? "" : ", ") + fixed(told.at(key).at(i).get<double>(), 4);
+    return text + "]\n";
+  };
+  for (const char* key : {"reading_psi", "correction_psi", "expanded_uncertainty_psi"}) {
+    CHECK(told.at(key).size() == 3);
+    CHECK_THAT(file, Catch::Contains(listed(key)));
+  }
+  CHECK_THAT(file, Catch::Contains("\n# largest residual " + fixed(told.at("largest_residual_psi").get<double>(), 4) +
+                                   " psi, largest difference between up and down " +
+                                   fixed(told.at("hysteresis_psi").get<double>(), 4) + " psi\n"));
 }
