@@ -1,0 +1,285 @@
+// What further runs tell of a budget: which of them is of the same state, later, mounted anew, warmer or at another
+// dwell, and what a thermometer resolves. On runs that are stored by hand.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "bench/reporting/report_budget.h"
+#include "tests/bench/config/bench_text.h"
+#include "tests/bench/reporting/judged_store.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+FilmRun film_set(std::vector<std::pair<std::string, std::string>> set) {
+  FilmRun made;
+  made.set = std::move(set);
+  return made;
+}
+
+FilmRun film_at(const std::string& started_utc) {
+  FilmRun made;
+  made.started_utc = started_utc;
+  return made;
+}
+
+FilmRun film_dwell(double dwell_s) {
+  FilmRun made;
+  made.dwells_s = {dwell_s, dwell_s};
+  return made;
+}
+
+// "later mounted unknown: words"
+std::string change_words(const bench::StateChange& change) {
+  return fmt::format("{}{}{}{}", change.later ? "later " : "", change.mounted ? "mounted " : "",
+                     change.unknown ? "unknown " : "", change.words);
+}
+
+std::string numbers_of(const std::vector<const analysis::Dataset*>& runs) {
+  std::string text;
+  for (const analysis::Dataset* run : runs) text += fmt::format(" {}", run->run);
+  return text;
+}
+
+// Runs of a report on run 1 with its models.
+class BudgetStore : public FilmStore {
+ public:
+  bench::StateChange change(const FilmRun& made) { return bench::state_change(store.run(1), store.run(add(made))); }
+  analysis::UncertaintyInputs inputs(const std::vector<std::int64_t>& held_out,
+                                     const std::vector<std::int64_t>& further = {},
+                                     const std::vector<std::string>& studies = {}) {
+    analysis::ReportInput input;
+    input.run = store.run(1);
+    input.fit = film_line_model();
+    for (const std::int64_t run : held_out) input.held_out.push_back({"", store.run(run), {}});
+    input.more.studies = studies_;
+    input.laboratory.instruments = {{"R-1", "certificate", "", "", "", ""}};
+    return bench::budget_inputs(runs_, input, further, studies);
+  }
+  // Each list with its runs.
+  std::string history(const std::vector<std::int64_t>& held_out, const std::vector<std::int64_t>& further = {},
+                      const std::vector<std::string>& studies = {}) {
+    const analysis::HistoryRuns runs = inputs(held_out, further, studies).history;
+    return fmt::format("same{} later{} dwelt{} warm{} mounted{} paced{}", numbers_of(runs.same), numbers_of(runs.later),
+                       numbers_of(runs.dwelt), numbers_of(runs.warm), numbers_of(runs.mounted), numbers_of(runs.paced));
+  }
+  analysis::Studies studies_ = {};
+
+ private:
+  analysis::Runs runs_{store};
+};
+
+db::RunRecord run_of_bench(const std::string& toml) {
+  db::RunRecord run;
+  run.bench_toml = toml;
+  run.overrides_json = "[]";
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("budget runs: more than a day apart is another day, before or after, in whole days") {
+  BudgetStore made;
+  FilmRun hardware;
+  hardware.origin = "hardware";
+  (void)made.add(hardware);
+  const auto apart = [&](const std::string& utc) {
+    FilmRun other = film_at(utc);
+    other.origin = "hardware";
+    return change_words(made.change(other));
+  };
+  CHECK(apart("2026-03-01T00:00:00Z").empty());
+  CHECK(apart("2026-03-02T00:00:00Z").empty());
+  CHECK(apart("2026-02-28T00:00:00Z").empty());
+  CHECK(apart("2026-03-02T00:00:01Z") == "later it was made 1 day apart from this one");
+  CHECK(apart("2026-02-27T23:59:59Z") == "later it was made 1 day apart from this one");
+  CHECK(apart("2026-03-02T12:00:01Z") == "later it was made 2 days apart from this one");
+  CHECK(apart("2026-03-11T00:00:00Z") == "later it was made 10 days apart from this one");
+  // A bench of hardware tells nothing of mounts.
+  FilmRun mounted = film_set({{"simulation.mount_seed", "1"}});
+  CHECK(change_words(bench::state_change(made.store.run(1), made.store.run(made.add(mounted)))).empty());
+}
+
+TEST_CASE("budget runs: what the simulated sensor's configuration tells of age, specimen and each part of its mount") {
+  BudgetStore made;
+  (void)made.add({});
+  CHECK_FALSE(made.change({}).any());
+  CHECK(bench::other_state(made.store.run(1), made.store.run(1)).empty());
+  CHECK(change_words(made.change(film_set({{"simulation.age_months", "1"}}))) ==
+        "later the sensor's age differs by a month");
+  CHECK(change_words(made.change(film_set({{"simulation.age_months", "2.5"}}))) ==
+        "later the sensor's age differs by 2.5 months");
+  const std::string anew = "mounted the sensor was mounted anew";
+  CHECK(change_words(made.change(film_set({{"simulation.mount_seed", "1"}}))) == anew);
+  CHECK(change_words(made.change(film_set({{"simulation.mount_turn", "\"turned-180\""}}))) == anew);
+  CHECK(change_words(made.change(film_set({{"simulation.edge_outside_lines", "2"}}))) == anew);
+  CHECK(change_words(made.change(film_set({{"simulation.edge_outside", "\"first-row\""}}))) == anew);
+  CHECK(change_words(made.change(film_set({{"simulation.specimen", "\"harsh\""}}))) ==
+        "unknown its simulated sensor is another specimen");
+  // Several: the first in words.
+  FilmRun all = film_set({{"simulation.age_months", "1"}, {"simulation.mount_seed", "1"}});
+  CHECK(change_words(made.change(all)) == "later mounted the sensor's age differs by a month");
+  all.started_utc = "2026-03-11T00:00:00Z";
+  CHECK(change_words(made.change(all)) == "later mounted it was made 10 days apart from this one");
+  db::RunRecord unread = made.store.run(1);
+  unread.bench_toml = "no bench";
+  const std::string gone = "unknown its bench file, which states mount and age, can no longer be read";
+  CHECK(change_words(bench::state_change(unread, made.store.run(1))) == gone);
+  CHECK(change_words(bench::state_change(made.store.run(1), unread)) == gone);
+  unread.bench_toml = bench_text("hardware");
+  CHECK(change_words(bench::state_change(made.store.run(1), unread)) == gone);
+}
+
+TEST_CASE("budget runs: another temperature by two kelvin, of readings or of the simulated sensor") {
+  BudgetStore made;
+  FilmRun measured;
+  measured.temperatures_c = {22.0, 24.0};
+  (void)made.add(measured);
+  analysis::Runs runs(made.store);
+  const auto differs = [&](const FilmRun& other) {
+    const std::int64_t run = made.add(other);
+    return bench::temperature_differs(made.store.run(1), made.store.run(run), runs.dataset(1), runs.dataset(run));
+  };
+  const auto read = [](double celsius) {
+    FilmRun other;
+    other.temperatures_c = {celsius};
+    return other;
+  };
+  CHECK_FALSE(differs(read(24.5)));
+  CHECK(differs(read(25.0)));
+  CHECK(differs(read(21.0)));
+  CHECK_FALSE(differs(read(21.5)));
+  CHECK_FALSE(differs({}));
+  CHECK(differs(film_set({{"simulation.temperature_c", "25"}})));
+  CHECK(differs(film_set({{"simulation.temperature_c", "21"}})));
+  CHECK_FALSE(differs(film_set({{"simulation.temperature_c", "24.5"}})));
+  CHECK_FALSE(differs(film_set({{"simulation.temperature_c", "21.5"}})));
+  db::RunRecord hardware = made.store.run(1),
+                warm = made.store.run(made.add(film_set({{"simulation.temperature_c", "40"}})));
+  hardware.origin = "hardware";
+  CHECK_FALSE(bench::temperature_differs(hardware, warm, runs.dataset(1), runs.dataset(1)));
+  CHECK(bench::temperature_differs(made.store.run(1), warm, runs.dataset(1), runs.dataset(1)));
+  db::RunRecord unread = warm;
+  unread.bench_toml = "no bench";
+  CHECK_FALSE(bench::temperature_differs(made.store.run(1), unread, runs.dataset(1), runs.dataset(1)));
+  CHECK_FALSE(bench::temperature_differs(unread, warm, runs.dataset(1), runs.dataset(1)));
+}
+
+TEST_CASE("budget runs: a thermometer resolves one count of its register, and no less than what is stored") {
+  const auto step = [](const std::string& sensors) {
+    return bench::thermometer_step_c(run_of_bench(bench_text("simulated") + sensors));
+  };
+  const auto sensor = [](const std::string& quantity, const std::string& more) {
+    return "[[environment.sensor]]\nquantity = \"" + quantity + "\"\nunit = 9\naddress = 0\n" + more;
+  };
+  CHECK(step("") == 0.001);
+  CHECK(bench::thermometer_step_c(run_of_bench("no bench")) == 0.001);
+  CHECK(step(sensor("temperature_c", "raw_span = [0, 1000]\nspan_c = [0, 100]\n")) == Approx(0.1));
+  CHECK(step(sensor("temperature_c", "raw_span = [200, 1000]\nspan_c = [-20, 60]\n")) == Approx(0.1));
+  CHECK(step(sensor("temperature_c", "raw_span = [0, 32000]\nspan_c = [0, 16]\n")) == 0.001);
+  CHECK(step(sensor("temperature_c", "type = \"f32\"\nraw_span = [0, 1000]\nspan_c = [0, 100]\n")) == 0.001);
+  CHECK(step(sensor("supply_bar", "raw_span = [0, 1000]\nspan_bar = [0, 100]\n")) == 0.001);
+  CHECK(step(sensor("supply_bar", "raw_span = [0, 10]\nspan_bar = [0, 100]\n") +
+             sensor("temperature_c", "raw_span = [0, 1000]\nspan_c = [0, 50]\n") +
+             sensor("temperature_c", "raw_span = [0, 1000]\nspan_c = [0, 20]\n")) == Approx(0.05));
+}
+
+TEST_CASE("budget runs: a held-out run is evidence for the one condition that sets it apart") {
+  BudgetStore made;
+  (void)made.add({});                                              // 1
+  (void)made.add({});                                              // 2
+  (void)made.add(film_at("2026-03-11T00:00:00Z"));                 // 3
+  (void)made.add(film_set({{"simulation.mount_seed", "1"}}));      // 4
+  (void)made.add(film_set({{"simulation.temperature_c", "40"}}));  // 5
+  (void)made.add(film_dwell(6.1));                                 // 6, more than three times
+  (void)made.add(film_dwell(0.6));                                 // 7, less than a third
+  (void)made.add(film_dwell(5.9));                                 // 8, just like it
+  (void)made.add(film_dwell(0.667));                               // 9
+  FilmRun both = film_set({{"simulation.mount_seed", "1"}, {"simulation.age_months", "1"}});
+  (void)made.add(both);                                              // 10, mounted and later
+  (void)made.add(film_set({{"simulation.specimen", "\"harsh\""}}));  // 11
+  FilmRun slow_later = film_dwell(20.0), slow_mounted = film_dwell(20.0), warm_later = film_at("2026-03-11T00:00:00Z");
+  slow_later.started_utc = "2026-03-11T00:00:00Z";
+  slow_mounted.set = {{"simulation.mount_seed", "1"}};
+  warm_later.set = {{"simulation.temperature_c", "40"}};
+  (void)made.add(slow_later);    // 12
+  (void)made.add(slow_mounted);  // 13
+  (void)made.add(warm_later);    // 14, what another day brings
+  FilmRun warm_mounted = film_set({{"simulation.mount_seed", "1"}, {"simulation.temperature_c", "40"}});
+  (void)made.add(warm_mounted);  // 15
+  FilmRun warm_slow = film_dwell(20.0);
+  warm_slow.set = {{"simulation.temperature_c", "40"}};
+  (void)made.add(warm_slow);  // 16
+  CHECK(made.history({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16}) ==
+        "same 2 8 9 later 3 14 dwelt 6 7 warm 5 mounted 4 paced");
+}
+
+TEST_CASE("budget runs: studies of mounts, and runs without a role as candidates for the effect of dwell, each once") {
+  BudgetStore made;
+  for (int i = 0; i < 4; ++i) (void)made.add({});
+  (void)made.add(film_at("2026-03-11T00:00:00Z"));
+  CHECK(made.history({}, {2, 3}, {"4:mount", "3"}) == "same later dwelt warm mounted 4 paced 2 3");
+  CHECK(made.history({}, {1, 2, 2}, {"4:90", "3"}) == "same later dwelt warm mounted paced 2 3");
+  CHECK(made.history({}, {4, 2}, {"4:mount"}) == "same later dwelt warm mounted 4 paced 2");
+  CHECK(made.history({}, {5, 2}) == "same later dwelt warm mounted paced 2");  // of another day
+  CHECK(made.history({}, {}, {"2"}) == "same later dwelt warm mounted paced 2");
+}
+
+TEST_CASE("budget runs: what studies found goes in, with the roots of two mounts") {
+  BudgetStore made;
+  (void)made.add({});
+  const analysis::UncertaintyInputs none = made.inputs({});
+  CHECK_FALSE(none.uniformity);
+  CHECK_FALSE(none.mounting);
+  CHECK(none.notes.size() == 1);
+  made.studies_.uniformity.not_assessed.clear();
+  made.studies_.uniformity.u_offset_psi = 0.25;
+  made.studies_.uniformity.u_share = 0.125;
+  made.studies_.uniformity.degrees = 12.0;
+  made.studies_.remount.not_assessed.clear();
+  made.studies_.remount.common_share = 0.5;
+  made.studies_.remount.own_share = 0.25;
+  made.studies_.remount.degrees = 3;
+  made.studies_.remount.own_degrees = 45;
+  const analysis::UncertaintyInputs found = made.inputs({});
+  REQUIRE(found.uniformity);
+  CHECK(found.uniformity->psi == 0.25);
+  CHECK(found.uniformity->share == 0.125);
+  CHECK(found.uniformity->dof == 12.0);
+  CHECK(found.uniformity->from == "runs of the sensor turned in the chamber");
+  REQUIRE(found.mounting);
+  CHECK(found.mounting->psi == 0.0);
+  CHECK(found.mounting->share == Approx(0.5 * std::numbers::sqrt2));
+  CHECK(found.mounting->dof == 3.0);
+  CHECK(found.mounting->from == "runs of the sensor mounted anew");
+  CHECK(found.mounting_own->share == Approx(0.25 * std::numbers::sqrt2));
+  CHECK(found.mounting_own->dof == 45.0);
+}
+
+TEST_CASE("budget runs: a warmer run of another state keeps the effect of temperature open, and says why") {
+  BudgetStore made;
+  FilmRun own, warm;
+  own.temperatures_c = {23.0};
+  warm.temperatures_c = {30.0, 31.0};
+  (void)made.add(own);
+  (void)made.add(warm);
+  warm.set = {{"simulation.mount_seed", "1"}};
+  (void)made.add(warm);
+  FilmRun cool = own;
+  cool.set = {{"simulation.mount_seed", "1"}};
+  (void)made.add(cool);
+  CHECK(made.inputs({}, {3}).temperature.not_assessed ==
+        "a run at 30.5 °C was given, but the sensor was mounted anew: this effect cannot be separated from that of the "
+        "temperature");
+  CHECK(made.inputs({}, {4}).temperature.not_assessed ==
+        "no run of this sensor at another temperature shows its effect");
+  const analysis::TemperatureEffect assessed = made.inputs({}, {2, 3}).temperature;
+  CHECK(assessed.not_assessed.empty());
+  CHECK(assessed.temperature_c == std::vector<double>{23.0, 30.5});
+  CHECK(assessed.resolution_c == 0.001);
+}

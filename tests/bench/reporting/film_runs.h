@@ -1,0 +1,118 @@
+// Runs of a small pressure film that are stored by hand: volts that are known at each level, in counts of 0.1 mV.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/config/config.h"
+#include "db/run_store.h"
+#include "tests/support/process.h"
+
+namespace tactbench::tests {
+
+// 0.03 V/psi and a bow; on the way down up to 0.36 V more.
+inline double film_volts(double psi, bool up) {
+  return 0.2 + 0.03 * psi + 0.0003 * psi * psi + (up ? 0.0 : 0.0004 * psi * (60.0 - psi));
+}
+
+struct FilmRun {
+  std::string sensor = "S-1", origin = "simulated", started_utc = "2026-03-01T00:00:00Z", purpose = {};
+  std::vector<double> levels = {0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 0.0};
+  std::vector<double> dwells_s = {2.0, 2.0};   // of each repeat
+  std::vector<std::string> sequences = {"a"};  // all of the same levels
+  std::string recipe =
+      "schema = 1\nname = \"a\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 10\nrepeats = 2\ndwell_s = 2\n";
+  std::vector<std::pair<std::string, std::string>> set = {};  // of the simulated bench
+  std::string calibration = R"({"calibrated":"2026-01-01","due":"2027-01-01"})";
+  std::vector<double> temperatures_c = {};
+  std::vector<std::string> tags = {};
+  bool bench_too = false;  // the simulated bench's file, whatever the origin
+  int columns = 1;
+  // Beside film_volts(): of that repeat, level by level.
+  std::function<double(int taxel, int repeat, double psi)> error_v = [](int, int, double) { return 0.0; };
+};
+
+class FilmStore {
+ public:
+  FilmStore() {
+    for (const char* serial : {"S-1", "S-2"})
+      store.add_sensor({serial, "synthetic", "", db::sha256_hex(""), "", "", ""});
+  }
+  std::int64_t add(const FilmRun& made = {}) {
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = made.origin;
+    run.state = "prepared";
+    run.sensor_serial = made.sensor;
+    run.purpose = made.purpose.empty() ? fmt::format("run {}", ++made_) : made.purpose;
+    run.operator_name = "nightly";
+    run.started_utc = made.started_utc;
+    if (made.origin == "simulated" || made.bench_too) run.bench_toml = read_file(bench::find_config("simulated.toml"));
+    std::string set;
+    for (const auto& [key, value] : made.set) {
+      std::string quoted;
+      for (const char c : value) quoted += c == '"' ? std::string("\\\"") : std::string(1, c);
+      set += fmt::format(R"({}{{"key":"{}","value":"{}"}})", set.empty() ? "" : ",", key, quoted);
+    }
+    run.overrides_json = "[" + set + "]";
+    const auto count = static_cast<int>(made.levels.size());
+    for (std::size_t s = 0; s < made.sequences.size(); ++s)
+      run.sequences.push_back(
+          {static_cast<int>(s), made.sequences[s], made.recipe, "", static_cast<int>(made.dwells_s.size()), count});
+    run.devices = {{"tactile scanner", "synthetic", "", "", made.origin, R"({"volts_per_count":0.0001})"},
+                   {"pressure reference", "synthetic", "R-1", "", made.origin, made.calibration}};
+    const std::int64_t number = store.begin_run(run);
+    std::int64_t now_ns = 0;
+    for (const double celsius : made.temperatures_c)
+      store.append_event(number, {now_ns, "environment", "temperature_c", fmt::format("{}", celsius)});
+    for (std::size_t s = 0; s < made.sequences.size(); ++s)
+      for (std::size_t repeat = 0; repeat < made.dwells_s.size(); ++repeat)
+        add_repeat(number, static_cast<int>(s), static_cast<int>(repeat), made, now_ns);
+    store.set_tags(number, made.tags, {});
+    store.end_run(number, db::Outcome::kCompleted, "", db::SafeState::kVerified, made.started_utc);
+    return number;
+  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
+  [[nodiscard]] const TemporaryFolder& folder() const { return folder_; }
+
+ private:
+  void add_repeat(std::int64_t run, int sequence, int repeat, const FilmRun& made, std::int64_t& now_ns) {
+    db::BranchRecord branch;
+    branch.sequence = sequence;
+    branch.repeat = repeat;
+    const std::int64_t number = store.begin_branch(run, branch);
+    bool up = true;
+    for (std::size_t i = 0; i < made.levels.size(); ++i) {
+      const double psi = made.levels[i];
+      if (i > 0) up = psi > made.levels[i - 1];
+      const auto held_ns = static_cast<std::int64_t>(1e9 * made.dwells_s[static_cast<std::size_t>(repeat)]);
+      now_ns += held_ns;
+      db::FrameRecord frame;
+      frame.branch = number;
+      frame.ordinal = static_cast<int>(i);
+      frame.rows = frame.scans = 1;
+      frame.columns = made.columns;
+      frame.setpoint_psi = frame.feedback_psi = frame.reference_psi = psi;
+      frame.time_ns = now_ns;
+      frame.since_command_ns = held_ns;
+      for (int taxel = 0; taxel < made.columns; ++taxel)
+        frame.counts.push_back(
+            static_cast<std::uint16_t>(std::lround(1e4 * (film_volts(psi, up) + made.error_v(taxel, repeat, psi)))));
+      store.append_frame(run, frame);
+    }
+  }
+  TemporaryFolder folder_;
+  int made_ = 0;
+
+ public:
+  db::RunStore store = db::RunStore::open(folder_.path("film.db"), db::Durability::kNormal);
+};
+
+}  // namespace tactbench::tests

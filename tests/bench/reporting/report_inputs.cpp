@@ -1,0 +1,154 @@
+// What a report's input holds of runs and judgements, what is charted of a sensor, and where a report goes. On runs of
+// one taxel that are stored by hand.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/identify/stored/model_document.h"
+#include "analysis/report/parts.h"
+#include "bench/common/build_info.h"
+#include "bench/reporting/evaluation.h"
+#include "tests/bench/reporting/judged_store.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+std::string judged_words(const std::vector<analysis::JudgedUncertainty>& judged) {
+  std::string text;
+  for (const analysis::JudgedUncertainty& one : judged)
+    if (one.criterion == "mean_compensation_error" || one.criterion == "mpe" || one.criterion == "known")
+      text += fmt::format("{} of {}; ", one.criterion, one.run);
+  return text;
+}
+
+FilmRun inner_film() {
+  FilmRun made;
+  made.levels = {0.0,  10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0,
+                 30.0, 40.0, 50.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 0.0};
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("report input: the run, its evaluation, held-out runs with their titles, and verdicts as they stand") {
+  JudgedStore made(4);
+  analysis::Runs runs(made.store);
+  const analysis::SensorModel models = film_line_model();
+  const auto evaluations = bench::evaluate_runs(runs, models, {3, 2}, {"warmer"});
+  const bench::Judgement judgement = bench::judge_runs(runs, models, evaluations, film_limits(100.0), false);
+  const analysis::ReportInput input = bench::report_input(runs, 1, models, evaluations, judgement, {4});
+  CHECK(input.run.run == 1);
+  CHECK(input.evaluation.run == 1);
+  CHECK(input.evaluation.mean_error_psi == evaluations[0].evaluation.mean_error_psi);
+  REQUIRE(input.held_out.size() == 2);
+  CHECK(input.held_out[0].title == "warmer");
+  CHECK(input.held_out[0].run.run == 3);
+  CHECK(input.held_out[0].evaluation.run == 3);
+  CHECK(input.held_out[1].title == "held-out run 2");
+  CHECK(input.held_out[1].run.run == 2);
+  CHECK(input.verdicts.size() == 8);
+  CHECK(input.judgement.trajectories.size() == 2);
+  CHECK(input.judgement.not_assessed.size() == 5);
+  REQUIRE(input.further.size() == 1);
+  CHECK(input.further[0].run == 4);
+  CHECK(input.program_version == bench::build_info().version);
+  CHECK(input.method == std::vector<std::string>{
+                            "2 repeats of 2 sweeps; a level every 10 psi, from 0 to 60 to 0 psi; waiting time (dwell) "
+                            "2 s from pressure or force in band to the frame; no conditioning before it"});
+  CHECK(input.frame_count == 26);
+  CHECK_FALSE(input.uncertainty);
+  CHECK(input.judged.empty());
+  const analysis::ReportInput bare = bench::report_input(runs, 2, {}, {}, {});
+  CHECK(bare.run.run == 2);
+  CHECK(bare.held_out.empty());
+  CHECK(bare.evaluation.levels.empty());
+}
+
+TEST_CASE("report input: verdicts of before an overdue reference are withheld, and a laboratory is as given") {
+  JudgedStore made(2);
+  analysis::Runs runs(made.store);
+  const analysis::SensorModel models = film_line_model();
+  const auto evaluations = bench::evaluate_runs(runs, models, {2});
+  const bench::Judgement judgement = bench::judge_runs(runs, models, evaluations, film_limits(100.0), false);
+  bench::ReportExtras extras;
+  extras.unit = analysis::PressureUnit::kKilopascal;
+  extras.laboratory.place = "hall 2";
+  extras.laboratory.instruments = {{"R-1", "", "", "", "2026-02-01", ""}};
+  // Of a run without evaluations, so that no other models are made.
+  const analysis::ReportInput input = bench::report_input(runs, 1, models, {}, judgement, {}, &extras);
+  CHECK(input.unit == analysis::PressureUnit::kKilopascal);
+  CHECK(input.laboratory.place == "hall 2");
+  REQUIRE(input.verdicts.size() == 4);
+  CHECK(input.verdicts[0].verdict == "inconclusive");
+  CHECK(input.verdicts[3].verdict == "pass");
+  CHECK(input.judgement.overdue == "reference overdue since 2026-02-01");
+  CHECK_FALSE(input.uncertainty);
+  CHECK(input.evaluation.levels.empty());
+}
+
+TEST_CASE("report input: U of each judged run that is not known yet, with that of permissible errors") {
+  JudgedStore made(3);
+  analysis::Runs runs(made.store);
+  const analysis::SensorModel models = film_line_model();
+  const auto evaluations = bench::evaluate_runs(runs, models, {2, 3});
+  const auto judged = [&](const std::string& limits, std::vector<analysis::JudgedUncertainty> known = {}) {
+    analysis::ReportInput input;
+    input.verdicts = bench::judge_runs(runs, models, evaluations, bench::parse_limits(limits, "x"), false).verdicts;
+    bench::add_uncertainty(runs, models, evaluations, input, {}, std::move(known));
+    CHECK(input.uncertainty);
+    return judged_words(input.judged);
+  };
+  const std::string simple = film_limits_text(100.0);
+  CHECK(judged(simple) == "mean_compensation_error of 2; mean_compensation_error of 3; ");
+  analysis::JudgedUncertainty known;
+  known.criterion = "known";
+  known.run = 2;
+  CHECK(judged(simple, {known}) == "known of 2; mean_compensation_error of 3; ");
+  CHECK(judged(simple + "[[mpe]]\nspan_psi = [10, 50]\nmpe_psi = 60\n") ==
+        "mean_compensation_error of 2; mpe of 2; mean_compensation_error of 3; mpe of 3; ");
+}
+
+TEST_CASE("charted of a sensor: figures of the models that stand for a run, under its recipes") {
+  FilmStore made;
+  FilmRun two = inner_film();
+  two.sequences = {"up"};
+  REQUIRE(made.add(two) == 1);
+  analysis::Runs runs(made.store);
+  const analysis::SensorModel elam = bench::fit_run(made.store, runs.dataset(1));
+  CHECK(elam.fit == 1);
+  const analysis::Evaluation own = analysis::evaluate(runs.dataset(1), elam);
+  db::RunRecord run = made.store.run(1);
+  run.sequences.push_back({1, "down", "", "", 1, 1});
+  CHECK(bench::follow_sensor(made.store, run, elam, own) == "sensor/S-1/up+down");
+  CHECK(made.store.figures_of(1, "sensor/S-1/up+down").at("mean_error_psi") == own.mean_error_psi);
+  run.sensor_serial.clear();
+  CHECK(bench::follow_sensor(made.store, run, elam, own).empty());
+  const auto subjects = [&] { return made.store.subjects_of(1); };
+  CHECK(subjects() == std::vector<std::string>{"sensor/S-1/up+down"});
+  bench::follow_fit(made.store, runs, elam, own);
+  CHECK(subjects() == std::vector<std::string>{"sensor/S-1/up", "sensor/S-1/up+down"});
+  const auto figures = made.store.figures_of(1, "sensor/S-1/up");
+  made.store.replace_figures(1, "sensor/S-1/up", {});
+  analysis::SensorModel other = film_line_model();
+  other.fit = analysis::store_fit(made.store, other, "1", "2026-03-01T02:00:00Z");
+  bench::follow_fit(made.store, runs, other, own);
+  CHECK(made.store.figures_of(1, "sensor/S-1/up").empty());
+  // Of the dynamic model ELAM's.
+  const analysis::SensorModel dynamic = bench::fit_run_dynamic(made.store, runs, 1);
+  CHECK(dynamic.content_sha256 == made.store.run(1).content_sha256);
+  CHECK(dynamic.program_version == bench::build_info().version);
+  bench::follow_fit(made.store, runs, dynamic, {});
+  CHECK(made.store.figures_of(1, "sensor/S-1/up") == figures);
+}
+
+TEST_CASE("a report's file: reports beside the store, named after the run, or its number where one is signed there") {
+  JudgedStore made(1);
+  CHECK(bench::report_path(made.store, "x.html") == made.path("reports/x.html"));
+  CHECK(bench::this_build().starts_with("commit " + bench::commit_text() + "; " + bench::build_info().build + "; "));
+}

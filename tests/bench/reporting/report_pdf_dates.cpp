@@ -1,0 +1,184 @@
+// Dates in a PDF digit by digit, the words that a browser is started with, and processes that a program leaves behind.
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/common/error.h"
+#include "bench/reporting/report_pdf.h"
+#include "tests/support/process.h"
+#include "tests/support/variable.h"
+
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+// One program in the folder bin, which prints the file `pdf` of the folder.
+struct PdfByScript {
+  TemporaryFolder folder;
+  Variable path{"PATH", folder.path("bin")};
+  Variable here{"HERE", folder.path()};
+  PdfRequest request;
+
+  PdfByScript() {
+    std::filesystem::create_directory(folder.path("bin"));
+    request.html = "<p>page</p>";
+    request.json = "{\"a\":1}";
+    request.path = folder.path("out.pdf");
+    request.date_utc = "2026-03-01T12:34:56Z";
+  }
+  void add(const std::string& name, const std::string& more = {}) const {
+    write_file(
+        folder.path("bin/" + name),
+        "#!/bin/sh\nPATH=/usr/bin:/bin\nprintf '%s\\n' \"$SOURCE_DATE_EPOCH\" \"$@\" >\"$HERE/said\"\n"
+        "for word in \"$@\"; do\n  case $word in --print-to-pdf=*) pdf=${word#*=} ;; esac\n  last=$word\ndone\n" +
+            more + "cp \"$HERE/pdf\" \"${pdf:-$last}\"\n");
+    REQUIRE(::chmod(folder.path("bin/" + name).c_str(), 0700) == 0);
+  }
+  // What becomes of that text.
+  [[nodiscard]] std::string dated(const std::string& text) const {
+    write_file(folder.path("pdf"), "%PDF-" + text);
+    (void)write_pdf(request);
+    return read_file(request.path).substr(5);
+  }
+  [[nodiscard]] std::vector<std::string> said() const {
+    std::istringstream lines(read_file(folder.path("said")));
+    std::vector<std::string> found;
+    for (std::string line; std::getline(lines, line);) found.push_back(line);
+    return found;
+  }
+};
+
+// No such process, or one whose end nobody has asked for yet.
+bool has_process_ended(long process) {
+  std::string line;
+  std::getline(std::ifstream("/proc/" + std::to_string(process) + "/stat"), line);
+  const std::size_t at = line.rfind(')');
+  return at == std::string::npos || line.at(at + 2) == 'Z';
+}
+
+}  // namespace
+
+TEST_CASE("PDF dates: each one of the two fields, at most two characters behind its name, and with all its digits") {
+  PdfByScript made;
+  made.add("weasyprint");
+  const std::string old = "(D:19700101000000", now = "(D:20260301123456";
+  CHECK(made.dated("/ModDate" + old) == "/ModDate" + now);
+  CHECK(made.dated("/ModDate  " + old) == "/ModDate  " + now);
+  CHECK(made.dated("/ModDate   " + old) == "/ModDate   " + old);
+  CHECK(made.dated("/CreationDate  " + old + ")") == "/CreationDate  " + now + ")");
+  CHECK(made.dated("/CreationDate   " + old + ")") == "/CreationDate   " + old + ")");
+  CHECK(made.dated("/ModDate(D:1970010100000") == "/ModDate(D:1970010100000");
+  CHECK(made.dated("/ModDate x/ModDate" + old + "/ModDate" + old) == "/ModDate x/ModDate" + now + "/ModDate" + now);
+  CHECK(made.dated("/OtherDate" + old + " none") == "/OtherDate" + old + " none");
+}
+
+TEST_CASE("PDF dates: the document's date in seconds and digits, and one that says nothing where it is cut off") {
+  PdfByScript made;
+  made.add("weasyprint");
+  const std::string old = "/ModDate(D:19700101000000)";
+  const auto both = [&](const char* utc) {
+    made.request.date_utc = utc;
+    const std::string text = made.dated(old);
+    return made.said().at(0) + " " + text.substr(11, 14);
+  };
+  CHECK(both("2009-09-09T09:09:09Z") == "1252487349 20090909090909");
+  CHECK(both("2000-01-02T03:04:05Z") == "946782245 20000102030405");
+  CHECK(both("1999-12-31T23:59:59") == "946684799 19991231235959");  // the shortest
+  CHECK(both("1999-12-31T23:59:5") == "946684800 20000101000000");
+  CHECK(both("") == "946684800 20000101000000");
+}
+
+TEST_CASE("PDF by a browser: every word, with a profile and files of the page's own folder, which is gone afterwards") {
+  PdfByScript made;
+  made.add("chromium-browser",
+           "cp \"${last#file://}\" \"$HERE/page\"\ncp \"${last%report.html}data.json\" \"$HERE\" "
+           "2>/dev/null\nfolder=${last#file://}; cp \"${folder%report.html}data.json\" "
+           "\"$HERE/json\"\n");
+  write_file(made.folder.path("pdf"), "%PDF-");
+  CHECK(write_pdf(made.request) == made.folder.path("bin/chromium-browser"));
+  const std::vector<std::string> words = made.said();
+  const std::string& last = words.back();
+  REQUIRE(last.starts_with("file:///"));
+  const std::string folder = last.substr(7, last.size() - 7 - std::string("/report.html").size());
+  std::vector<std::string> expected = {"1772368496",
+                                       "--headless",
+                                       "--disable-gpu",
+                                       "--no-first-run",
+                                       "--disable-dev-shm-usage",
+                                       "--no-pdf-header-footer",
+                                       "--user-data-dir=" + folder + "/profile",
+                                       "--print-to-pdf=" + folder + "/report.pdf"};
+  if (::geteuid() == 0) expected.emplace_back("--no-sandbox");
+  expected.push_back("file://" + folder + "/report.html");
+  CHECK(words == expected);
+  CHECK(read_file(made.folder.path("page")) == "<p>page</p>");
+  CHECK(read_file(made.folder.path("json")) == "{\"a\":1}");
+  CHECK_FALSE(std::filesystem::exists(folder));
+  // Of several the first name, and a file of another kind is written over on request alone.
+  made.add("google-chrome-stable");
+  made.add("google-chrome");
+  CHECK(write_pdf(made.request) == made.folder.path("bin/chromium-browser"));
+  made.add("chromium");
+  CHECK(write_pdf(made.request) == made.folder.path("bin/chromium"));
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
+    std::filesystem::remove(made.folder.path(std::string("bin/") + name));
+  CHECK(write_pdf(made.request) == made.folder.path("bin/google-chrome-stable"));
+  write_file(made.request.path, "diary");
+  CHECK_THROWS_AS(write_pdf(made.request), Error);
+  made.request.replace = true;
+  (void)write_pdf(made.request);
+  CHECK(read_file(made.request.path) == "%PDF-");
+}
+
+TEST_CASE("PDF: what a program leaves running ends with it") {
+  PdfByScript made;
+  made.add("weasyprint", "sleep 600 &\necho $! >\"$HERE/left\"\n");
+  (void)made.dated("x");
+  const long left = std::stol(read_file(made.folder.path("left")));
+  bool ended = false;
+  for (int i = 0; i < 2000 && !ended; ++i) {
+    ended = has_process_ended(left);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(ended);
+  if (!ended) ::kill(static_cast<pid_t>(left), SIGKILL);
+}
+
+TEST_CASE("PDF: refusals say where and what to do, and the last five hundred characters of a longer output") {
+  PdfByScript made;
+  const auto refusal = [&] {
+    try {
+      (void)write_pdf(made.request);
+    } catch (const Error& error) {
+      return std::string(error.what()) + " | " + error.where() + " | " + error.remedy();
+    }
+    return std::string("written");
+  };
+  CHECK(refusal() ==
+        "no program that prints HTML as PDF is installed | --format pdf | apt-get install chromium (or weasyprint), or "
+        "write --format html and print it from a browser");
+  const std::string program = made.folder.path("bin/chromium");
+  for (const int size : {499, 500, 501}) {
+    write_file(program, "#!/bin/sh\nprintf 'x%0" + std::to_string(size - 1) + "d' 0\nexit 1\n");
+    REQUIRE(::chmod(program.c_str(), 0700) == 0);
+    const std::string zeros(static_cast<std::size_t>(size - 1), '0');
+    CHECK(refusal() == program + " made no PDF: " + (size > 500 ? zeros : "x" + zeros) +
+                           " | --format pdf | print the HTML (--format html) from a browser, or take the other program "
+                           "(--pdf-with)");
+  }
+  const Variable none("PATH", std::nullopt);
+  made.request.program = "chromium";
+  CHECK(refusal() ==
+        "no program that prints HTML as PDF is installed: chromium | --format pdf | apt-get install chromium (or "
+        "weasyprint), or write --format html and print it from a browser");
+}
