@@ -1,0 +1,138 @@
+// The page beside a live run: it is found by its bench and store, shown with each piece of news, takes commands and
+// answers, and is let go when it hangs up.
+#include <string>
+#include <vector>
+
+#include "bench/run/control/client_words.h"
+#include "tests/bench/cli/verb_here.h"
+#include "tests/bench/page/served_page.h"
+#include "tests/support/endless_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// A page over a store whose run 1 has not ended.
+class LivePage : public WordsPage {
+ public:
+  explicit LivePage(const std::string& bench = "page-words")
+      : WordsPage([&](bench::PageOptions& own) {
+          own.bench = bench;
+          db::RunStore store = db::RunStore::open(own.db, db::Durability::kNormal);
+          const Begun begun = begin_example(store);
+          store.append_frame(begun.run, example_frame(begun.branch, 0));
+        }),
+        viewer(server->port()) {
+    REQUIRE(viewer.send(head("GET /events", server->access().read_token)));
+  }
+  // The next event of that name whose data are so; null: none comes.
+  template <class So>
+  json event(const std::string& name, const So& so) {
+    json found;
+    const std::string mark = "event: " + name + "\ndata: ";
+    (void)comes_true([&] {
+      const std::string text = viewer.read(20, "never");
+      for (std::size_t at = text.find(mark, from_); at != std::string::npos; at = text.find(mark, at + 1)) {
+        const std::size_t from = at + mark.size(), end = text.find("\n\n", from);
+        if (end == std::string::npos) return false;
+        json data = json::parse(text.substr(from, end - from));
+        if (!so(data)) continue;
+        found = std::move(data);
+        from_ = end;
+        return true;
+      }
+      return false;
+    });
+    return found;
+  }
+  RawClient viewer;
+
+ private:
+  std::size_t from_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("live page: the run of its bench and store is shown with its readings, its state, and its end") {
+  LivePage page;
+  FollowedRun run("page-words", page.options.db, 1);
+  run.status.phase = "unloading";
+  run.publish();
+  run.control.see(bench::RunReadings{1.5, 20.0, 20.25, 20.5, true, std::nullopt});
+  const json readings = page.event("readings", [](const json& data) { return data.contains("reference_psi"); });
+  REQUIRE_FALSE(readings.is_null());
+  CHECK(readings["run"] == 1);
+  CHECK(readings["phase"] == "unloading");
+  CHECK(readings["reference_psi"] == 20.5);
+  const json state = page.event("state", [](const json& data) { return data["live"] == true; });
+  REQUIRE_FALSE(state.is_null());
+  CHECK(state["view"]["run"] == 1);
+  CHECK(state["view"]["state"] == "running");
+  CHECK(state["view"]["question_id"] == 0);
+  CHECK(state["silent_s"].get<double>() >= 0.0);
+  run.status.question = "Point indenter mounted?";
+  run.status.question_id = 1;
+  run.status.state = bench::RunState::kPaused;
+  run.publish();
+  const json asked =
+      page.event("state", [](const json& data) { return data["live"] == true && data["view"]["question_id"] == 1; });
+  REQUIRE_FALSE(asked.is_null());
+  CHECK(asked["view"]["question"] == "Point indenter mounted?");
+  CHECK_FALSE(asked["view"].contains("answer"));
+  CHECK(page.command({{"word", "answer"}, {"run", 1}, {"question", 1}, {"text", "with 2 Nm"}}) ==
+        told_reply(true, "run 1 continues: question 1 is answered"));
+  const json answered =
+      page.event("state", [](const json& data) { return data["live"] == true && data["view"].contains("answer"); });
+  REQUIRE_FALSE(answered.is_null());
+  CHECK(answered["view"]["answer"]["question"] == 1);
+  CHECK(answered["view"]["answer"]["text"] == "with 2 Nm");
+  CHECK_THAT(answered["view"]["answer"]["who"].get<std::string>(),
+             Catch::StartsWith("bob on the page, from 127.0.0.1"));
+  run.socket.reset();
+  const json ended =
+      page.event("state", [](const json& data) { return data["live"] == false && data.contains("next"); });
+  REQUIRE_FALSE(ended.is_null());
+  CHECK(ended["silent_s"] == 0.0);
+}
+
+TEST_CASE("live page: each command goes to the run that the person saw, and its answer comes back") {
+  LivePage page;
+  FollowedRun run("page-words", page.options.db, 1);
+  REQUIRE_FALSE(page.event("state", [](const json& data) { return data["live"] == true; }).is_null());
+  const auto say = [&](const char* word, std::int64_t number = 1) {
+    return page.command({{"word", word}, {"run", number}});
+  };
+  CHECK(say("pause", 2) == told_reply(false, "run 1 is live now, not run 2"));
+  CHECK_FALSE(run.control.pause_wanted());
+  CHECK(say("resume") == told_reply(false, "run 1 is running, not paused"));
+  CHECK(say("pause") == told_reply(true, "run 1 pauses at the end of this branch; 'stop' ends it at once"));
+  CHECK(run.control.pause_wanted());
+  CHECK(say("resume") == told_reply(true, "run 1 continues: the pause is taken back"));
+  CHECK(run.control.take_resume());
+  CHECK(say("stop") == told_reply(true, "run 1 ends: vents, retracts and proves it"));
+  CHECK(say("abort")["taken"] == true);
+  CHECK(say("panic") == told_reply(true, "run 1 ends: vented and halted past the sequencer"));
+  CHECK_THAT(run.control.who(), Catch::StartsWith("bob on the page, from 127.0.0.1"));
+  CHECK(page.command({{"word", "answer"}, {"run", 1}, {"question", 3}, {"text", "x"}}) ==
+        told_reply(false, "run 1 does not wait for an answer to question 3"));
+}
+
+TEST_CASE("live page: a bench of another store is let go for one of this store") {
+  LivePage page("");  // any bench
+  FollowedRun foreign("page-a", page.folder.path("other.db"), 7);
+  FollowedRun own("page-b", page.options.db, 1);
+  const json state = page.event("state", [](const json& data) { return data["live"] == true; });
+  REQUIRE_FALSE(state.is_null());
+  CHECK(state["view"]["run"] == 1);
+  CHECK(state["view"]["bench"] == "page-b");
+  // One that is named through another folder is the same store.
+  own.socket.reset();
+  REQUIRE_FALSE(
+      page.event("state", [](const json& data) { return data["live"] == false && data.contains("next"); }).is_null());
+  FollowedRun linked("page-c", page.folder.path("./x/../runs.db"), 1);
+  REQUIRE_FALSE(
+      page.event("state", [](const json& data) { return data["live"] == true && data["view"]["bench"] == "page-c"; })
+          .is_null());
+}

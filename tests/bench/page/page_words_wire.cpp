@@ -1,0 +1,174 @@
+// The page's server in all its words: what a new viewer gets, each place that tells of the store, documents, and links.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/bench/cli/verb_here.h"
+#include "tests/bench/page/served_page.h"
+#include "tests/support/endless_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// The data of that event, the n-th of its name.
+json event_in(const std::string& text, const std::string& name, std::size_t number = 0) {
+  const std::string mark = "event: " + name + "\ndata: ";
+  std::size_t at = text.find(mark);
+  for (std::size_t i = 0; i < number && at != std::string::npos; ++i) at = text.find(mark, at + 1);
+  if (at == std::string::npos) return {};
+  const std::size_t from = at + mark.size();
+  return json::parse(text.substr(from, text.find("\n\n", from) - from));
+}
+
+std::size_t events_in_text(const std::string& text, const std::string& mark) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1)) ++count;
+  return count;
+}
+
+void store_page_run(const std::string& path) {
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+  (void)store_example(store);
+}
+
+}  // namespace
+
+TEST_CASE("page words: a viewer gets who it is, the state and the picture at once, and the state each second") {
+  WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
+  REQUIRE(comes_true([&] {  // it has looked into the store
+    RawClient looks(page.server->port());
+    (void)looks.send(page.head("GET /events", page.server->access().read_token));
+    return looks.read(100, "event: picture").find("event: picture") != std::string::npos;
+  }));
+  RawClient reader(page.server->port()), commander(page.server->port());
+  REQUIRE(reader.send(page.head("GET /events", page.server->access().read_token)));
+  REQUIRE(commander.send(page.head("GET /events", page.server->access().command_token)));
+  const std::string first = reader.read(20'000, "event: picture");
+  CHECK_THAT(body_of(first), Catch::StartsWith("retry: 1000\n\nevent: hello\ndata: "));
+  CHECK(event_in(first, "hello") == json({{"operator", ""}, {"commands", true}, {"night", false}}));
+  CHECK(event_in(first, "state")["live"] == false);
+  CHECK(event_in(first, "state")["view"]["run"] == 1);
+  CHECK(event_in(reader.read(20'000, "\n\nevent: state"), "picture")["run"] == 1);
+  CHECK(event_in(commander.read(20'000, "event: state"), "hello")["operator"] == "bob");
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK(comes_true([&] { return events_in_text(reader.read(50, "never"), "event: state") >= 4; }));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  CHECK(seconds > 1.5);  // nothing is new: three more at a second each, the first of them at any time
+  WordsPage without([](bench::PageOptions& options) {
+    options.operator_name.clear();
+    options.night = "night.html";
+  });
+  RawClient other(without.server->port());
+  REQUIRE(other.send(without.head("GET /events", without.server->access().read_token)));
+  const std::string hello = other.read(20'000, "event: state");
+  CHECK(event_in(hello, "hello") == json({{"operator", ""}, {"commands", false}, {"night", true}}));
+  CHECK(hello.find("event: picture") == std::string::npos);
+}
+
+TEST_CASE("page words: places that tell of the store, and none without one") {
+  WordsPage page;
+  const std::string none = "there is no store " + page.options.db + " yet: the first run makes it";
+  for (const char* path : {"/runs", "/sensors", "/nights", "/loop?run=1", "/make/report?run=1"})
+    CHECK(page.data_of(path, 503) == json({{"error", none}}));
+  store_page_run(page.options.db);
+  CHECK(page.data_of("/runs")["runs"][0]["run"] == 1);
+  CHECK(page.data_of("/sensors")["sensors"][0]["serial"] == "S-1");
+  CHECK(page.data_of("/nights") == json({{"subjects", json::array()}}));
+  const json loop = page.data_of("/loop?run=1");
+  CHECK(loop["taxel"] == -1);
+  CHECK(loop["last"] == 3);
+  CHECK(loop["x"].size() == 2);  // without the void branch
+  CHECK(page.data_of("/loop?run=1&taxel=4&after=2") == [&] {
+    const json whole = page.data_of("/loop?run=1&taxel=4");
+    json rest = whole;
+    rest["x"] = json::array({whole["x"].back()});
+    rest["y"] = json::array({whole["y"].back()});
+    return rest;
+  }());
+  CHECK_THAT(page.data_of("/loop?run=9", 500)["error"].get<std::string>(), Catch::Contains("9"));
+}
+
+TEST_CASE("page words: documents that cannot be asked for, and a night's page that is kept") {
+  WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
+  CHECK(page.data_of("/make/sensor", 404) == json({{"error", "there is no such sensor"}}));
+  CHECK(page.data_of("/make/sensor?serial=S-9", 404) == json({{"error", "there is no such sensor"}}));
+  CHECK(page.data_of("/make/night", 404) == json({{"error", "there is no such document"}}));
+  CHECK_THAT(page.data_of("/make/report?run=9", 500)["error"].get<std::string>(), Catch::Contains("9"));
+  CHECK_THAT(page.data_of("/make/report", 500)["error"].get<std::string>(), Catch::Contains("0"));
+  CHECK_THAT(page.data_of("/make/compare?run=1&with=8", 500)["error"].get<std::string>(), Catch::Contains("8"));
+  CHECK_THAT(page.data_of("/make/compare?run=7&with=1", 500)["error"].get<std::string>(), Catch::Contains("7"));
+  CHECK(body_of(page.get("/document/0123")) == "this document is gone: ask for it again\n");
+  CHECK(body_of(page.get("/nowhere")) == "there is no such place\n");
+  WordsPage night([](bench::PageOptions& options) {
+    store_page_run(options.db);
+    options.night = options.db + ".html";
+    write_file(options.night, "<p>night</p>");
+  });
+  const std::string path = night.data_of("/make/night")["path"];
+  CHECK_THAT(path, Catch::StartsWith("/document/"));
+  const std::string document = night.get(path);
+  CHECK(body_of(document) == "<p>night</p>");
+  CHECK_THAT(document, Catch::Contains("\r\nContent-Type: text/html; charset=utf-8\r\n") &&
+                           Catch::Contains("sandbox allow-popups"));
+}
+
+TEST_CASE("page words: links with their tokens, of all addresses and of names of one's own") {
+  WordsPage page([](bench::PageOptions& options) { options.names = {"rig"}; });
+  const bench::PageAccess& access = page.server->access();
+  const std::string place = fmt::format("http://127.0.0.1:{}/#{}", page.server->port(), access.read_token);
+  CHECK(page.server->readers_link() == place);
+  CHECK(page.server->link() == place + "." + access.command_token);
+  const auto asks = [&](const std::string& host) {
+    RawClient client(page.server->port());
+    (void)client.send(
+        fmt::format("GET / HTTP/1.1\r\nHost: {}:{}\r\nConnection: close\r\n\r\n", host, page.server->port()));
+    return status_of(client.read());
+  };
+  for (const char* name : {"127.0.0.1", "localhost", "[::1]", "rig", "RIG"}) CHECK(asks(name) == 200);
+  CHECK(asks("other") == 421);
+  bench::PageOptions all;
+  all.http.address = "0.0.0.0";
+  const bench::PageServer everywhere(all);
+  CHECK(everywhere.link() == fmt::format("http://127.0.0.1:{}/#{}", everywhere.port(), everywhere.access().read_token));
+  CHECK(everywhere.access().command_token.empty());
+}
+
+TEST_CASE("page words: it ends when its owner says so, or beside a process that has ended while nobody looks") {
+  bench::PageOptions options;
+  bench::PageServer server(options);
+  int asked = 0;
+  server.serve([&] { return ++asked == 2; });
+  CHECK(asked == 2);
+  const pid_t ended = ::fork();
+  if (ended == 0) ::_exit(0);
+  ::waitpid(ended, nullptr, 0);
+  options.beside = ended;
+  bench::PageServer beside(options);
+  asked = 0;
+  beside.serve([&] {
+    ++asked;
+    return asked > 100;
+  });
+  CHECK(asked == 1);
+  options.beside = ::getpid();
+  bench::PageServer lives(options);
+  asked = 0;
+  lives.serve([&] { return ++asked == 3; });
+  CHECK(asked == 3);
+}
+
+TEST_CASE("page words: a command without a live run is told and noted with who asked") {
+  Captured noted(stderr);
+  WordsPage page([](bench::PageOptions& options) { store_page_run(options.db); });
+  const json answer = page.command({{"word", "pause"}, {"run", 1}});
+  page.stop();
+  CHECK(answer == told_reply(false, "no run is live"));
+  CHECK(noted.text() ==
+        "bob on the page, from 127.0.0.1 {\"run\":1,\"word\":\"pause\"}: {\"taken\":false,\"text\":\"no run is "
+        "live\"}\n");
+}

@@ -1,0 +1,293 @@
+// What the page tells of the run on show: its state with each member, the last one of a bench, a store that is not
+// there; and the lists of runs, sensors and nights. On runs that are stored by hand.
+#include "bench/page/run_on_show.h"
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/page/lists.h"
+#include "tests/bench/monitor/status_example.h"
+#include "tests/db/store_example.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+struct ShownRun {
+  std::string bench_id = "bench-a", sensor = "S-1", origin = "simulated";
+  db::Outcome outcome = db::Outcome::kCompleted;  // incomplete: it does not end
+  int frames = 1;
+};
+
+class ShownStore {
+ public:
+  ShownStore() {
+    for (const char* serial : {"S-1", "S-2"})
+      store.add_sensor({serial, "array", "rows = 3\n", db::sha256_hex("rows = 3\n"), "", "", kUtc});
+  }
+  std::int64_t add(const ShownRun& made = {}) {
+    db::RunRecord run = example_run();
+    run.bench_id = made.bench_id;
+    run.sensor_serial = made.sensor;
+    run.origin = made.origin;
+    run.seed = ++seed_;
+    const std::int64_t number = store.begin_run(run);
+    branch_ = store.begin_branch(number, example_branch());
+    for (int i = 0; i < made.frames; ++i) add_frame(number);
+    if (made.outcome != db::Outcome::kIncomplete)
+      store.end_run(number, made.outcome, "all steps done", db::SafeState::kVerified, "2026-01-01T01:00:00Z");
+    return number;
+  }
+  void add_frame(std::int64_t run) { store.append_frame(run, example_frame(branch_, frames_++)); }
+  [[nodiscard]] nlohmann::json shown(const std::string& bench = {}) const {
+    RunOnShow show(path, bench);
+    show.look(nullptr);
+    return show.state(nullptr, 1.5);
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::int64_t seed_ = 100, branch_ = 0;
+  int frames_ = 0;
+
+ public:
+  std::string path = folder_.path("runs.db");
+  db::RunStore store = db::RunStore::open(path, db::Durability::kNormal);
+};
+
+LiveRun live_of(std::int64_t run, std::int64_t frames) {
+  LiveRun live = example_live();
+  live.status.run = run;
+  live.status.state = RunState::kRunning;
+  live.status.frames = frames;
+  return live;
+}
+
+}  // namespace
+
+TEST_CASE("shown run: of an empty store nothing, with each member, and of a missing one why") {
+  const ShownStore made;
+  CHECK(made.shown() == nlohmann::json({{"live", false},
+                                        {"silent_s", 1.5},
+                                        {"store", made.path},
+                                        {"unread", ""},
+                                        {"origin", ""},
+                                        {"safe", {{"state", "unknown"}, {"words", "no run"}}},
+                                        {"before", 0},
+                                        {"events", nlohmann::json::array()}}));
+  RunOnShow none(made.path + ".none", "");
+  std::string why;
+  CHECK(none.store(&why) == nullptr);
+  CHECK(why == "there is no store " + made.path + ".none yet: the first run makes it");
+  none.look(nullptr);
+  CHECK(none.state(nullptr, 0.0)["unread"] == why);
+  CHECK(none.run() == 0);
+  CHECK(none.picture().is_null());
+  CHECK_FALSE(none.take_new_picture());
+  write_file(made.path + ".text", "dear diary\n");
+  RunOnShow text(made.path + ".text", "");
+  CHECK(text.store(&why) == nullptr);
+  CHECK_THAT(why, !Catch::Contains("there is no store") && Catch::Contains(made.path + ".text"));
+  // One that comes is opened.
+  const db::RunStore later = db::RunStore::open(made.path + ".none", db::Durability::kNormal);
+  CHECK(none.store(&why) != nullptr);
+  CHECK(why.empty());
+}
+
+TEST_CASE("shown run: the last one, or the last of a bench, with what to type next and its safe state") {
+  ShownStore made;
+  (void)made.add();
+  (void)made.add({.bench_id = "bench-b", .outcome = db::Outcome::kFailed});
+  (void)made.add();
+  const nlohmann::json last = made.shown();
+  CHECK(last["view"]["run"] == 3);
+  CHECK(last["next"] == "tactbench fit 3 --db " + made.path);
+  CHECK(last["origin"] == "simulated");
+  CHECK(last["safe"] == nlohmann::json({{"state", "proved"}, {"words", "proved at the end: all steps done"}}));
+  CHECK(last["before"] == 1);
+  CHECK_FALSE(last["view"].contains("lives"));
+  const nlohmann::json other = made.shown("bench-b");
+  CHECK(other["view"]["run"] == 2);
+  CHECK(other["next"] == "tactbench resume 2 --db " + made.path);
+  CHECK(made.shown("bench-a")["view"]["run"] == 3);
+  CHECK_FALSE(made.shown("bench-c").contains("view"));
+}
+
+TEST_CASE("shown run: before it the sensor's last completed run of its origin that counts") {
+  ShownStore made;
+  (void)made.add();                                    // 1
+  (void)made.add();                                    // 2
+  (void)made.add();                                    // 3, void
+  (void)made.add({.outcome = db::Outcome::kStopped});  // 4
+  (void)made.add({.sensor = "S-2"});                   // 5
+  (void)made.add({.origin = "hardware"});              // 6
+  (void)made.add({.bench_id = "bench-b"});             // 7
+  (void)made.add({.bench_id = "bench-c"});             // 8, later than the one shown
+  made.store.void_run(3, "by hand", "me", kUtc);
+  CHECK(made.shown("bench-b")["before"] == 2);
+}
+
+TEST_CASE("shown run: its newest dozen of events that tell how it goes, newest first, and what to do about them") {
+  ShownStore made;
+  const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete});
+  const auto tell = [&](const char* kind, const char* id, const std::string& detail) {
+    made.store.append_event(run, {1'500'000'000, kind, id, detail});
+  };
+  tell("safe", "verified", "by two witnesses");
+  for (int i = 0; i < 12; ++i) tell("note", "", fmt::format("number {}", i));
+  for (const char* quiet : {"command", "stage", "environment", "fail-safe", "relays", "time"}) tell(quiet, "", "quiet");
+  tell("fault", "TB-CHAMBER-TIMEOUT", "late\nagain");
+  const nlohmann::json state = made.shown();
+  REQUIRE(state["events"].size() == 12);
+  const nlohmann::json& newest = state["events"][0];
+  CHECK(newest["time_s"] == 1.5);
+  CHECK(newest["kind"] == "fault");
+  CHECK(newest["id"] == "TB-CHAMBER-TIMEOUT");
+  CHECK(newest["detail"].get<std::string>().find('\n') == std::string::npos);
+  CHECK_FALSE(newest["try"].get<std::string>().empty());
+  for (int i = 1; i < 12; ++i) {
+    CHECK(state["events"][static_cast<std::size_t>(i)]["detail"] == fmt::format("number {}", 12 - i));
+    CHECK(state["events"][static_cast<std::size_t>(i)]["try"] == "");
+  }
+  CHECK(state["view"]["lives"].is_boolean() == state["view"].contains("lives"));
+  CHECK(state["safe"]["state"] == "unknown");
+  made.store.end_run(run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
+  CHECK(made.shown()["safe"]["words"] == "proved at the end: by two witnesses");  // older than the dozen
+}
+
+TEST_CASE("shown run: a live run has its own words beside what the store holds, while it is that run") {
+  ShownStore made;
+  (void)made.add();
+  const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete, .frames = 2});
+  made.store.append_event(run, {1, "safe", "verified", "by two witnesses"});
+  RunOnShow show(made.path, "bench-of-none");
+  LiveRun live = live_of(run, 2);
+  show.look(&live);
+  CHECK(show.run() == run);
+  CHECK(show.take_new_picture());
+  CHECK_FALSE(show.take_new_picture());
+  CHECK(show.picture()["position"] == 2);
+  live.status.question_id = 4;
+  live.status.state = RunState::kPaused;
+  live.status.answer = GivenAnswer{3, "yes", "bob"};
+  const nlohmann::json state = show.state(&live, 0.25);
+  CHECK(state["live"] == true);
+  CHECK(state["silent_s"] == 0.25);
+  CHECK_FALSE(state.contains("next"));
+  CHECK(state["view"]["run"] == run);
+  CHECK(state["view"]["sensor"] == "S-1");  // of the store
+  CHECK(state["view"]["question_id"] == 4);
+  CHECK(state["view"]["answer"] == nlohmann::json({{"question", 3}, {"text", "yes"}, {"who", "bob"}}));
+  CHECK(state["safe"]["state"] == "proved");
+  CHECK(state["before"] == 1);
+  CHECK(state["events"].size() == 1);
+  live.status.answer.reset();
+  CHECK_FALSE(show.state(&live, 0.0)["view"].contains("answer"));
+  // Another run is live than the one that was read.
+  live.status.run = run + 1;
+  const nlohmann::json other = show.state(&live, 0.0);
+  CHECK_FALSE(other["view"].contains("sensor"));
+  CHECK(other["safe"]["state"] == "unknown");
+  CHECK(other["before"] == 0);
+  CHECK(other["events"].empty());
+  CHECK(other["origin"] == "simulated");
+}
+
+TEST_CASE("shown run: a live run's new frames are shown at once, its end is read as it is stored") {
+  ShownStore made;
+  const std::int64_t run = made.add({.outcome = db::Outcome::kIncomplete});
+  RunOnShow show(made.path, "");
+  LiveRun live = live_of(run, 1);
+  const auto begun = std::chrono::steady_clock::now();
+  show.look(&live);
+  CHECK(show.take_new_picture());
+  made.add_frame(run);
+  show.look(&live);  // it tells of nothing new: the store is read again three seconds later
+  const bool early = std::chrono::steady_clock::now() - begun < std::chrono::seconds(3);
+  CHECK(show.take_new_picture() == !early);
+  live.status.frames = 2;
+  show.look(&live);
+  CHECK(show.take_new_picture());
+  CHECK(show.picture()["position"] == 2);
+  made.store.end_run(run, db::Outcome::kStopped, "asked", db::SafeState::kVerified, kUtc);
+  show.look(nullptr);
+  CHECK(show.state(nullptr, 0.0)["view"]["outcome"] == "stopped");
+  // The next one: read at once, too, with its own frames and what was before it.
+  const std::int64_t next = made.add({.outcome = db::Outcome::kIncomplete, .frames = 3});
+  live = live_of(next, 3);
+  show.look(&live);
+  CHECK(show.run() == next);
+  CHECK(show.picture()["run"] == next);
+  CHECK(show.picture()["position"] == 3);
+}
+
+TEST_CASE("shown run: a store that was replaced is opened anew") {
+  ShownStore made, other;
+  (void)made.add();
+  RunOnShow show(made.path, "");
+  show.look(nullptr);
+  CHECK(show.run() == 1);
+  const db::RunStore* const before = show.store();
+  CHECK(show.store() == before);
+  CHECK(show.run() == 1);
+  (void)other.add();
+  (void)other.add();
+  other.store.snapshot(made.path + ".new");
+  for (const char* more : {"-wal", "-shm"}) std::filesystem::remove(made.path + more);
+  std::filesystem::rename(made.path + ".new", made.path);
+  REQUIRE(show.store() != nullptr);
+  CHECK(show.run() == 0);
+  CHECK(show.store()->runs().size() == 2);
+}
+
+TEST_CASE("page lists: runs newest first with verdict, frames and fit, sensors with their runs, subjects of nights") {
+  ShownStore made;
+  CHECK(runs_list(made.store) == nlohmann::ordered_json({{"runs", nlohmann::ordered_json::array()}, {"left_out", 0}}));
+  CHECK(nights_list(made.store) == nlohmann::ordered_json({{"subjects", nlohmann::ordered_json::array()}}));
+  (void)made.add();
+  (void)made.add({.origin = "hardware", .frames = 3});
+  (void)made.add({.sensor = "S-2", .outcome = db::Outcome::kIncomplete});
+  db::FitRecord fit;
+  fit.run = 1;
+  fit.model = "elam";
+  const std::int64_t number = made.store.add_fit(fit, {});
+  for (const std::int64_t run : {1, 2}) {
+    db::VerdictRecord row;
+    row.criterion = "mean_compensation_error";
+    row.verdict = run == 1 ? "pass" : "fail";
+    made.store.replace_verdicts(run, run == 1 ? 0 : number, {row});
+  }
+  const nlohmann::ordered_json runs = runs_list(made.store);
+  CHECK(runs["left_out"] == 0);
+  REQUIRE(runs["runs"].size() == 3);
+  CHECK(runs["runs"][0]["run"] == 3);
+  CHECK(runs["runs"][0]["verdict"] == "-");
+  CHECK(runs["runs"][0]["lives"] == false);
+  CHECK(runs["runs"][1]["verdict"] == "fail");
+  CHECK(runs["runs"][1]["frames"] == 3);
+  CHECK(runs["runs"][1]["fitted"] == false);
+  CHECK_FALSE(runs["runs"][1].contains("lives"));
+  CHECK(runs["runs"][2]["fitted"] == true);
+  CHECK(runs["runs"][2]["sensor"] == "S-1");
+  CHECK_THAT(runs["runs"][2]["verdict"].get<std::string>(), Catch::StartsWith("simulated "));
+  made.store.replace_figures(2, "sensor/S-2/up", {{"a_psi", 1.0}});
+  made.store.replace_figures(2, "nightly/x", {{"a_psi", 1.0}});
+  const nlohmann::ordered_json sensors = sensors_list(made.store)["sensors"];
+  REQUIRE(sensors.size() == 2);
+  CHECK(sensors[0]["serial"] == "S-1");
+  CHECK(sensors[0]["runs"] == nlohmann::ordered_json({2, 1}));
+  CHECK(sensors[0]["figures"] == false);
+  CHECK(sensors[1]["runs"] == nlohmann::ordered_json::array({3}));
+  CHECK(sensors[1]["figures"] == true);
+  made.store.add_sensor({"S-3", "array", "rows = 3\n", db::sha256_hex("rows = 3\n"), "", "", kUtc});
+  CHECK(sensors_list(made.store)["sensors"][2]["runs"] == nlohmann::ordered_json::array());
+  CHECK(nights_list(made.store) == nlohmann::ordered_json({{"subjects", {"nightly/x"}}}));
+}

@@ -1,0 +1,126 @@
+// Commands on the page to a run that tells its state and answers no command: how many wait, and what each is told when
+// it hangs up or stays silent. The run is a socket of the test's own.
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/run/control/machine_name.h"
+#include "tests/bench/page/served_page.h"
+#include "tests/support/endless_run.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using nlohmann::json;
+
+namespace {
+
+// Listens where a bench's run would.
+class SocketRun {
+ public:
+  explicit SocketRun(const std::string& bench) : name_(bench) {}
+  ~SocketRun() {
+    for (const auto& [words, descriptor] : clients_) ::close(descriptor);
+  }
+  SocketRun(const SocketRun&) = delete;
+  SocketRun& operator=(const SocketRun&) = delete;
+  // The next client's first words; it stays connected. Empty: none comes in time.
+  std::string accept() {
+    pollfd ready{name_.descriptor(), POLLIN, 0};
+    if (::poll(&ready, 1, 20'000) != 1) return {};
+    const int descriptor = ::accept(name_.descriptor(), nullptr, nullptr);
+    pollfd said{descriptor, POLLIN, 0};
+    std::array<char, 4096> bytes{};
+    const ssize_t size = ::poll(&said, 1, 20'000) == 1 ? ::recv(descriptor, bytes.data(), bytes.size(), 0) : 0;
+    clients_.emplace_back(std::string(bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))), descriptor);
+    return clients_.back().first;
+  }
+  void tell(std::size_t client, const json& words) const {
+    const std::string text = words.dump();
+    REQUIRE(::send(clients_.at(client).second, text.data(), text.size(), MSG_NOSIGNAL) > 0);
+  }
+  void hang_up(std::size_t client) {
+    ::close(clients_.at(client).second);
+    clients_.at(client).second = -1;
+  }
+
+ private:
+  bench::MachineName name_;
+  std::vector<std::pair<std::string, int>> clients_;
+};
+
+json status_of_run(const std::string& store, std::int64_t run) {
+  return {{"bench", "page-words"}, {"run", run}, {"store", store}, {"state", "running"}};
+}
+
+std::unique_ptr<RawClient> send_command(const WordsPage& page, const std::string& word) {
+  const std::string body = json{{"word", word}, {"run", 4}}.dump();
+  auto client = std::make_unique<RawClient>(page.server->port());
+  REQUIRE(client->send(page.head("POST /command", page.server->access().command_token,
+                                 fmt::format("Connection: close\r\nContent-Type: application/json\r\nX-Tactbench: "
+                                             "1\r\nContent-Length: {}\r\n",
+                                             body.size())) +
+                       body));
+  return client;
+}
+
+json answer_to(RawClient& client) { return json::parse(body_of(client.read())); }
+
+bool is_live(const WordsPage& page) {
+  RawClient viewer(page.server->port());
+  (void)viewer.send(page.head("GET /events", page.server->access().read_token));
+  return viewer.read(20'000, "\"unread\"").find("\"live\":true") != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("silent run: sixteen commands wait, one more is refused, and each is told what became of it") {
+  SocketRun run("page-words");
+  WordsPage page;
+  CHECK(run.accept() == "follow");
+  run.tell(0, status_of_run(page.options.db, 4));
+  REQUIRE(comes_true([&] { return is_live(page); }));
+  std::vector<std::unique_ptr<RawClient>> waiting;
+  for (int i = 0; i < 16; ++i) {
+    waiting.push_back(send_command(page, i == 0 ? "pause" : "panic"));
+    const std::string words = run.accept();
+    CHECK_THAT(words,
+               Catch::StartsWith(i == 0 ? "pause\n" : "panic\n") && Catch::Contains("bob on the page, from 127.0.0.1"));
+  }
+  CHECK(answer_to(*send_command(page, "stop")) == told_reply(false, "too many commands wait for the run"));
+  run.hang_up(1);
+  CHECK(answer_to(*waiting[0]) == told_reply(false, "the run has hung up without an answer"));
+  run.tell(2, {{"bench", "page-words"}, {"run", 4}, {"taken", true}, {"text", "it\nends"}});
+  const json answered = answer_to(*waiting[1]);
+  CHECK(answered["taken"] == true);
+  CHECK_THAT(answered["text"].get<std::string>(), Catch::StartsWith("it") && Catch::EndsWith("ends"));
+  for (std::size_t i = 2; i < 16; ++i)
+    CHECK(answer_to(*waiting[i]) ==
+          told_reply(
+              false,
+              "the run has not acknowledged within 5 s: its process is stopped, or waits for an instrument; look at "
+              "the rig"));
+  auto again = send_command(page, "stop");  // there is room again
+  CHECK_THAT(run.accept(), Catch::StartsWith("stop\n"));
+}
+
+TEST_CASE("silent run: one that denies or is of another store is not followed, and what is no answer is passed over") {
+  SocketRun run("page-words");
+  WordsPage page;
+  CHECK(run.accept() == "follow");
+  run.tell(0, {{"bench", "page-words"}, {"denied", true}, {"text", "no"}});
+  CHECK_FALSE(is_live(page));
+  WordsPage other([&](bench::PageOptions& options) { options.db = page.options.db; });
+  CHECK(run.accept() == "follow");
+  const auto tell = [&](const std::string& text) { run.tell(1, text); };
+  tell("no answer of a run");
+  run.tell(1, status_of_run(page.options.db, 4));
+  CHECK(comes_true([&] { return is_live(other); }));
+  run.hang_up(1);
+  CHECK(comes_true([&] { return !is_live(other); }));
+}
