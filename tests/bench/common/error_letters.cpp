@@ -1,0 +1,146 @@
+// What an error says by the letter, as text and as JSON, and what becomes of the errors of each room.
+#include <catch2/catch.hpp>
+#include <ctime>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "analysis/error.h"
+#include "bench/common/error.h"
+#include "bench/common/overrides.h"
+#include "bench/common/utc.h"
+#include "db/fleet/fleet_error.h"
+#include "db/run_store.h"
+#include "devices/fault.h"
+#include "sequences/toml/strict_toml.h"
+
+using namespace tactbench;
+using bench::Error;
+using bench::ExitCode;
+
+namespace {
+
+using ErrorParts = std::tuple<ExitCode, std::string, std::string, std::string, std::string>;
+
+template <class Thrown>
+ErrorParts parts_when(const Thrown& thrown, const std::string& where) {
+  try {
+    throw thrown;
+  } catch (...) {
+    const Error error = bench::as_error(std::current_exception(), where);
+    CHECK(error.rig_state().empty());
+    CHECK_FALSE(error.asked_for());
+    return {error.code(), error.id(), error.what(), error.where(), error.remedy()};
+  }
+}
+
+}  // namespace
+
+TEST_CASE("an error in words: each line where there is something to say, and the rig's state") {
+  const Error whole(ExitCode::kDevice, "TB-A", "it broke", "at the rig", "mend it", "vented");
+  CHECK(error_text(whole) == "error: it broke [TB-A]\n  at: at the rig\n  try: mend it\n  state: vented\n");
+  CHECK(error_text(whole, false) == error_text(whole));
+  const Error bare(ExitCode::kUsage, "TB-B", "no such thing", "", "");
+  CHECK(error_text(bare) == "error: no such thing [TB-B]\n  state: no device was touched\n");
+  CHECK(error_text(bare, false) == "error: no such thing [TB-B]\n");
+  const Error placed(ExitCode::kUsage, "TB-B", "m", "w", ""), mended(ExitCode::kUsage, "TB-B", "m", "", "r");
+  CHECK(error_text(placed, false) == "error: m [TB-B]\n  at: w\n");
+  CHECK(error_text(mended, false) == "error: m [TB-B]\n  try: r\n");
+}
+
+TEST_CASE("an error that was asked for is none, unless the rig is not safe") {
+  const Error stopped(ExitCode::kStopped, "TB-RUN-STOPPED", "stopped by bob", "", "");
+  CHECK_FALSE(stopped.asked_for());
+  const Error asked = stopped.by_word();
+  CHECK(asked.asked_for());
+  CHECK_FALSE(stopped.asked_for());
+  CHECK(error_text(asked, false) == "stopped by bob [TB-RUN-STOPPED]\n");
+  const Error safe = asked.with_rig_state("vented", true), unsafe = asked.with_rig_state("loaded", false);
+  CHECK(safe.code() == ExitCode::kStopped);
+  CHECK(safe.asked_for());
+  CHECK(error_text(safe) == "stopped by bob [TB-RUN-STOPPED]\n  state: vented\n");
+  CHECK(unsafe.code() == ExitCode::kUnsafe);
+  CHECK(error_text(unsafe) == "error: stopped by bob [TB-RUN-STOPPED]\n  state: loaded\n");
+}
+
+TEST_CASE("an error as JSON, whole") {
+  CHECK(error_json(Error(ExitCode::kStore, "TB-S", "full", "s.db", "make room", "vented")) ==
+        "{\n  \"schema\": \"tactbench.error\",\n  \"version\": 1,\n  \"id\": \"TB-S\",\n  \"exit_code\": 5,\n"
+        "  \"message\": \"full\",\n  \"where\": \"s.db\",\n  \"remedy\": \"make room\",\n  \"rig_state\": "
+        "\"vented\"\n}\n");
+  CHECK_THAT(error_json(Error(ExitCode::kUsage, "TB-S", "m", "", "")),
+             Catch::EndsWith("\"where\": \"\",\n  \"remedy\": \"\",\n  \"rig_state\": \"no device was touched\"\n}\n"));
+}
+
+TEST_CASE("the errors of each room keep their words, and get a place where they have none") {
+  const devices::Fault fault("TB-F", "valve", "stuck", "tap it");
+  CHECK(parts_when(fault, "") == ErrorParts{ExitCode::kDevice, "TB-F", "stuck", "valve", "tap it"});
+  CHECK(parts_when(fault, "run 3") == ErrorParts{ExitCode::kDevice, "TB-F", "stuck", "run 3, valve", "tap it"});
+  CHECK(parts_when(sequences::FileError("TB-X", "odd", "f:1:2", "fix"), "run 3") ==
+        ErrorParts{ExitCode::kUsage, "TB-X", "odd", "f:1:2", "fix"});
+  CHECK(parts_when(db::StoreError("TB-S", "full", "room"), "run 3") ==
+        ErrorParts{ExitCode::kStore, "TB-S", "full", "run 3", "room"});
+  CHECK(parts_when(analysis::AnalysisError("TB-A", "flat", "again"), "run 3") ==
+        ErrorParts{ExitCode::kInconclusive, "TB-A", "flat", "run 3", "again"});
+  using db::fleet::FleetCause;
+  for (const auto& [cause, code] :
+       {std::pair(FleetCause::kLink, ExitCode::kDevice), std::pair(FleetCause::kStore, ExitCode::kStore),
+        std::pair(FleetCause::kUsage, ExitCode::kUsage)})
+    CHECK(parts_when(db::fleet::FleetError(cause, "TB-FL", "away", "later"), "run 3") ==
+          ErrorParts{code, "TB-FL", "away", "run 3", "later"});
+  const std::string report = "this is a defect of tactbench: please report it";
+  CHECK(parts_when(std::runtime_error("odd"), "run 3") ==
+        ErrorParts{ExitCode::kInternal, "TB-INTERNAL", "odd", "run 3", report});
+  CHECK(parts_when(7, "run 3") == ErrorParts{ExitCode::kInternal, "TB-INTERNAL", "unknown failure", "run 3", report});
+  CHECK(parts_when(Error(ExitCode::kStopped, "TB-E", "m", "w", "r"), "run 3") ==
+        ErrorParts{ExitCode::kStopped, "TB-E", "m", "w", "r"});
+}
+
+TEST_CASE("overrides: keys of recipes apart from those of the bench, and pressures in another unit") {
+  const bench::SplitOverrides split = bench::split_overrides(
+      {"recipe.step=2", "recipe.=x", "bench.id=a=b", "x_psi=2 bar", "x_psi.y=2bar", "k=", "recipex=1"});
+  const auto told = [](const std::vector<sequences::Override>& list) {
+    std::vector<std::string> all;
+    for (const sequences::Override& one : list) all.push_back(one.key + "|" + one.value + "|" + one.typed);
+    return all;
+  };
+  using Words = std::vector<std::string>;
+  CHECK(told(split.all) ==
+        Words{"recipe.step|2|", "recipe.|x|", "bench.id|a=b|", "x_psi|2 bar|", "x_psi.y|2bar|", "k||", "recipex|1|"});
+  CHECK(told(split.recipe) == Words{"step|2|", "|x|"});
+  REQUIRE(split.bench.size() == 5);
+  CHECK(told(split.bench)[0] == "bench.id|a=b|a=b");
+  CHECK(std::stod(split.bench[1].value) == Approx(29.00755).epsilon(1e-6));
+  CHECK(split.bench[1].typed == "2 bar");
+  CHECK(told(split.bench)[2] == "x_psi.y|2bar|2bar");
+  CHECK(told(split.bench)[3] == "k||");
+  CHECK(told(split.bench)[4] == "recipex|1|1");
+  for (const char* odd : {"", "key", "=", "=value"}) {
+    try {
+      (void)bench::split_overrides({"a=1", odd});
+      FAIL("it was taken");
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-USAGE");
+      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(error.what() == "'" + std::string(odd) + "' is not key=value");
+      CHECK(error.where() == "--set " + std::string(odd));
+      CHECK(error.remedy() == "write --set table.key=value, for a recipe --set recipe.key=value");
+    }
+  }
+}
+
+TEST_CASE("the time now and days ago, and seconds between times of the first second on") {
+  const auto seconds_of = [](const std::string& text) {
+    REQUIRE(text.size() == 20);
+    return bench::seconds_between("1970-01-01T00:00:00Z", text);
+  };
+  const double before = static_cast<double>(std::time(nullptr));
+  const double now = seconds_of(bench::utc_now()), then = seconds_of(bench::utc_days_ago(3));
+  const double after = static_cast<double>(std::time(nullptr));
+  CHECK((before <= now && now <= after));
+  CHECK((before <= then + 3 * 86400.0 && then + 3 * 86400.0 <= after));
+  CHECK(bench::seconds_between("1970-01-01T00:00:00Z", "1970-01-01T00:00:05Z") == 5.0);
+  CHECK(bench::seconds_between("yesterday", "1970-01-01T00:00:05Z") == 0.0);
+  CHECK(bench::seconds_between("1969-12-31T23:59:50Z", "1970-01-01T00:00:05Z") == 0.0);
+}

@@ -1,0 +1,178 @@
+// Files that are written on request: what they say when they refuse, modes of new files, names of open streams.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/common/error.h"
+#include "bench/common/output_file.h"
+#include "bench/common/shard.h"
+#include "bench/common/signed_number.h"
+#include "db/run_store.h"
+#include "tests/bench/cli/verb_here.h"
+
+using namespace tactbench;
+using namespace tactbench::bench;
+using namespace tactbench::tests;
+
+namespace {
+
+template <class Work>
+std::string output_refusal(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    CHECK(error.code() == ExitCode::kUsage);
+    return error.id() + ": " + error.what() + " | " + error.where() + " | " + error.remedy();
+  }
+  return "not refused";
+}
+
+std::string refusal_at(const std::string& path, const std::string& text = "x,y\n1,2\n", bool replace = false) {
+  return output_refusal([&] { write_output(path, text, replace); });
+}
+
+mode_t mode_of_output(const std::string& path) {
+  struct stat found {};
+  REQUIRE(stat(path.c_str(), &found) == 0);
+  return found.st_mode & 07777;
+}
+
+}  // namespace
+
+TEST_CASE("output: a store and what belongs to one are refused by name, whatever stands beside what is none") {
+  const TemporaryFolder folder;
+  const std::string store = folder.path("runs.db");
+  (void)db::RunStore::open(store);
+  CHECK(refusal_at(store) ==
+        "TB-FILE-STORE: the file is an SQLite database (a store, perhaps) and is never written over | " + store +
+            " | write to another name");
+  for (const char* ending : {"-wal", "-shm", "-journal", "-lock"})
+    CHECK(refusal_at(store + ending) ==
+          "TB-FILE-STORE: the file is the log or the lock of an SQLite database and is never written over | " + store +
+              ending + " | write to another name");
+  CHECK(refusal_at(store + "-lock-wal") == "not refused");
+  write_file(folder.path("empty.db"), "");
+  write_file(folder.path("notes.db"), "SQLite format 4, they said");
+  std::filesystem::create_directory(folder.path("folder.db"));
+  for (const char* name : {"empty.db-wal", "notes.db-wal", "folder.db-lock", "none.db-lock"})
+    CHECK(refusal_at(folder.path(name)) == "not refused");
+  write_file(folder.path("log"), "\x37\x7f\x06\x82 and more");
+  CHECK(refusal_at(folder.path("log"), "x,y\n1,2\n", true).starts_with("TB-FILE-STORE: the file is the log"));
+}
+
+TEST_CASE("output: a signed report is refused by its number") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("r.json");
+  write_file(path,
+             R"({"schema":"tactbench.report","number":"3-2f","identification":{"approvals":[{"number":"3-2f"}]}})");
+  CHECK(refusal_at(path) == "TB-REPORT-SIGNED: the file holds the signed report 3-2f | " + path +
+                                " | a signed report is not written over: name another file");
+}
+
+TEST_CASE("output: a file that cannot be written says why, and a half file needs a file") {
+  const TemporaryFolder folder;
+  const std::string words = "check folder, space and permissions", here = folder.path("here"), file = folder.path("f");
+  std::filesystem::create_directory(here);
+  CHECK(refusal_at(here) == "TB-FILE-WRITE: cannot write the file: Is a directory | " + here + " | " + words);
+  write_file(file, "x,y\n1,2\n");
+  CHECK(refusal_at(file + "/g") == "TB-FILE-WRITE: cannot write the file: Not a directory | " + file + "/g | " + words);
+  CHECK(refusal_at("/dev/full") ==
+        "TB-FILE-WRITE: cannot write the file: No space left on device | /dev/full | " + words);
+  CHECK(output_refusal([&] { (void)make_half_file(here); }) ==
+        "TB-FILE-WRITE: this format needs a file, and there is a pipe, a device or a folder | " + here +
+            " | name a file");
+  CHECK(output_refusal([&] { write_whole(file + "/g", "x"); }) ==
+        "TB-FILE-WRITE: cannot write the file | " + file + "/g | " + words);
+  CHECK(output_refusal([&] { write_whole(here, "x"); }) ==
+        "TB-FILE-WRITE: cannot write the file | " + here + " | " + words);
+  CHECK(refusal_at("/dev/fd/1x").starts_with("TB-FILE-WRITE"));
+  CHECK(refusal_at("/proc/self/fd/").starts_with("TB-FILE-WRITE"));
+}
+
+TEST_CASE("output: new files have the mode that the process gives, replaced ones theirs, half files theirs already") {
+  const TemporaryFolder folder;
+  const mode_t before = umask(0);
+  write_output(folder.path("a"), "x,y\n1,2\n", false);
+  const HalfFile half = make_half_file(folder.path("b"));
+  umask(before);
+  CHECK(mode_of_output(folder.path("a")) == 0666);
+  CHECK(mode_of_output(half.name) == 0666);
+  CHECK(half.target == folder.path("b"));
+  REQUIRE(chmod(folder.path("a").c_str(), 04751) == 0);
+  const HalfFile next = make_half_file(folder.path("a"));
+  CHECK(mode_of_output(next.name) == 0751);
+  CHECK(read_file(folder.path("a")) == "x,y\n1,2\n");
+  CHECK(make_half_file(folder.path("far/away/c")).target == folder.path("far/away/c"));
+}
+
+TEST_CASE("output: the names of standard output and error, and a store behind one of them") {
+  std::string err;
+  const std::string out = printed_by([&] {
+    Captured captured(stderr);
+    std::fputs("before\n", stdout);  // still in the buffer
+    write_output("/dev/stdout", "to output\n", false);
+    write_output("/dev/stderr", "to error\n", false);
+    err = captured.text();
+  });
+  CHECK(out == "before\nto output\n");
+  CHECK(err == "to error\n");
+  const TemporaryFolder folder;
+  const std::string store = folder.path("runs.db");
+  (void)db::RunStore::open(store);
+  const int file = open(store.c_str(), O_WRONLY | O_CLOEXEC);
+  REQUIRE(file >= 0);
+  CHECK(refusal_at("/dev/fd/" + std::to_string(file)).starts_with("TB-FILE-STORE"));
+  close(file);
+}
+
+TEST_CASE("signed reports: a number counts where an approval of the same document names it") {
+  const auto number_in = [](const std::string& approvals, const std::string& more = R"("number":"7-1",)") {
+    return signed_number_in("{" + more + R"("identification":)" + approvals + "}");
+  };
+  CHECK(number_in(R"({"approvals":[{"number":"7-1"}]})") == "7-1");
+  CHECK(number_in(R"({"approvals":[3,{"number":"7-0"},{"number":"7-1"}]})") == "7-1");
+  CHECK(number_in(R"({"approvals":[{"number":"7-0"}]})").empty());
+  CHECK(number_in(R"({"approvals":[]})").empty());
+  CHECK(number_in(R"({"approvals":[{}]})").empty());
+  CHECK(number_in("{}").empty());
+  CHECK(number_in("[]").empty());
+  CHECK(number_in("7").empty());
+  CHECK(number_in(R"({"approvals":[{"number":"7-1"}]})", "").empty());
+  for (const char* other :
+       {"", "[]", "{", "7", R"({"number":"7-1"})", R"(<p id="report-data">{"number":"7-1"}</script>)"})
+    CHECK(signed_number_in(other).empty());
+  const std::string data = R"({"number":"7-1","identification":{"approvals":[{"number":"7-1"}]}})";
+  CHECK(signed_number_in("<p id=\"report-data\">" + data + "</script></p>") == "7-1");
+  CHECK(signed_number_in("<p id=\"report-data\">" + data).empty());  // cut short
+  CHECK(signed_number_in("<p id=\"other-data\">" + data + "</script>").empty());
+}
+
+TEST_CASE("parts of a work: by place in turn, and by the first 60 bits of the name's SHA-256") {
+  // 0xb4c05df04575822 = 814032088055896098 for "run-7".
+  struct Row {
+    const char* name;
+    std::vector<int> numbers;  // of 2, 3, 7 and 1000 parts
+  };
+  const std::vector<int> parts = {2, 3, 7, 1000};
+  for (const Row& row : {Row{"run-7", {1, 1, 5, 99}}, Row{"a", {1, 1, 5, 141}}, Row{"b", {1, 1, 3, 997}}})
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      for (const int off : {-1, 0, 1})
+        CHECK(Shard{row.numbers[i] + off, parts[i]}.holds(std::string_view(row.name)) == (off == 0));
+    }
+  CHECK(Shard{3, 8}.holds(std::size_t{2}));
+  CHECK(Shard{3, 8}.holds(std::size_t{10}));
+  CHECK_FALSE(Shard{3, 8}.holds(std::size_t{3}));
+  CHECK(shard_from("1000/1000").text() == "1000/1000");
+  CHECK(shard_from("8/8").number == 8);
+  for (const char* typed : {"3/1001", "1:8", "3/8 ", "+3/8"})
+    CHECK(
+        output_refusal([&] { (void)shard_from(typed); }) ==
+        "TB-USAGE: '" + std::string(typed) +
+            "' is not a part of the work | --shard | K/N, part K of N, K from 1 to N and N at most 1000: --shard 3/8");
+}
