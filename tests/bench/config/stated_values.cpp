@@ -1,0 +1,192 @@
+// What a bench file states of calibrations: dates, limits and what the simulated instruments' errors are drawn within;
+// files of sensor types and limits, number by number.
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/uncertainty/instrument_calibration.h"
+#include "bench/common/error.h"
+#include "bench/config/calibration_words.h"
+#include "bench/config/config_calibration.h"
+#include "tests/bench/config/bench_text.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::BenchConfig;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::string covers_refusal(const BenchConfig& config) {
+  try {
+    refuse_placeholders(config);
+  } catch (const bench::Error& error) {
+    CHECK(error.code() == bench::ExitCode::kUsage);
+    CHECK(error.where() == "b.toml");
+    return error.id() + ": " + error.what() + " | " + error.remedy();
+  }
+  return "accepted";
+}
+
+const std::string kThermometer = "quantity = 'temperature_c', unit = 9, address = 7";
+
+}  // namespace
+
+TEST_CASE("stated: each limit of reference, force sensor and thermometer has a range") {
+  const std::string text = bench_text("simulated");
+  for (const char* key :
+       {"hysteresis_psi", "zero_psi", "temperature_psi", "resolution_psi", "input_limit_v", "drift_psi"})
+    CHECK(refusal_of(text, {{std::string("reference.") + key, "1e300"}}).remedy == "use 0 to 10");
+  for (const char* key : {"drift_n", "input_limit_n", "expanded_uncertainty_n"})
+    CHECK(refusal_of(text, {{std::string("force.") + key, "1e300"}}).remedy == "use 0 to 10");
+  for (const char* key : {"drift_c", "input_limit_c", "expanded_uncertainty_c"})
+    CHECK(refusal_of(text, {{"environment.sensor", "[{" + kThermometer + ", " + key + " = 1e300}]"}}).remedy ==
+          "use 0 to 10");
+  CHECK(refusal_of(text, {{"simulation.instrument_seed", "-1"}}).remedy ==
+        "use a whole number from 0 to 9007199254740992");
+  // A supply's sensor states no calibration.
+  CHECK(refusal_of(text, {{"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 7, drift_c = 1}]"}})
+            .what.starts_with("unknown key"));
+}
+
+TEST_CASE("stated: dates in their order, and what a certificate covers with what it asks for") {
+  const std::string text = bench_text("hardware");
+  const auto refusal = [&](const Changes& changes) {
+    const Refusal said = refusal_of(text, changes);
+    return said.what + " | " + said.remedy;
+  };
+  CHECK(refusal({{"reference.calibrated", "2026-01-31"}, {"reference.due", "2026-01-30"}}) ==
+        "due on 2026-01-30, which is not after the calibration of 2026-01-31 | correct the wrong date");
+  CHECK(refusal({{"reference.calibrated", "2026-01-31"}, {"reference.due", "2026-02-01"}}) == "accepted | accepted");
+  CHECK(refusal({{"reference.calibrated", "2026-01-31"}, {"reference.due", "FILL-IN"}}) == "accepted | accepted");
+  CHECK(refusal({{"reference.calibrated", "2026-01-31"}}) == "accepted | accepted");
+  CHECK(refusal({{"reference.due", "2026-01-30"}}) == "accepted | accepted");
+  CHECK(refusal({{"reference.due", "\"30.01.2026\""}}) ==
+        "'30.01.2026' is not a date | write it as \"2026-01-31\" (year, month, day), or leave it empty");
+  CHECK(refusal({{"reference.certificate_covers", "chain"}, {"reference.input_limit_v", "0.03"}}) ==
+        "the certificate covers the whole chain, and so the input that reads it | remove input_limit_v, or write "
+        "certificate_covers = \"transducer\"");
+  CHECK(refusal({{"reference.certificate_covers", "transducer"}}) ==
+        "the certificate covers the transducer alone, and input_limit_v, the limit of error of what reads it, is not "
+        "stated | add input_limit_v from that instrument's data sheet, or write \"chain\" where both were calibrated "
+        "together");
+  CHECK(refusal({{"reference.input_limit_v", "0.03"}}) == "accepted | accepted");
+  CHECK(refusal({{"reference.certificate_covers", "chain"}}) == "accepted | accepted");
+  CHECK(hardware_bench({{"reference.certificate_covers", "chain"}}).reference_stated.covers == "chain");
+  CHECK(hardware_bench().reference_stated.covers.empty());
+  CHECK(simulated_bench().reference_stated.covers == "chain");
+  CHECK(simulated_bench({{"reference.certificate_covers", "transducer"}, {"reference.input_limit_v", "0.03"}})
+            .reference_stated.covers == "transducer");
+  const Changes gauge{{"reference.gauge.unit", "2"}, {"reference.gauge.address", "7"}};
+  Changes covered = gauge;
+  covered.push_back({"reference.certificate_covers", "transducer"});
+  CHECK(refusal(covered).starts_with("the certificate covers the transducer alone"));
+  covered.push_back({"reference.input_limit_v", "0.03"});
+  CHECK(refusal(covered) == "a gauge reads pressure directly | remove 'input_limit_v' or the gauge");
+  CHECK(hardware_bench(gauge).reference_stated.covers == "chain");
+}
+
+TEST_CASE("stated: a real bench's tables that do not say what their certificate covers, all of them") {
+  const std::string rest =
+      ": not stated what the certificate covers | write certificate_covers = \"chain\" where it was calibrated with "
+      "what "
+      "reads it here, else \"transducer\" and the limit of error of what reads it";
+  const std::string thermometer = "[{" + kThermometer + ", certificate = 'T-1'}]";
+  CHECK(covers_refusal(hardware_bench({{"reference.expanded_uncertainty_psi", "0.05"},
+                                       {"force.kind", "net"},
+                                       {"force.expanded_uncertainty_n", "0.1"},
+                                       {"environment.sensor", thermometer}})) ==
+        "TB-BENCH-COVERS: [reference], [force], [[environment.sensor]] temperature_c" + rest);
+  const Changes correction{{"reference.correction.reading_psi", "[0]"},
+                           {"reference.correction.correction_psi", "[0]"},
+                           {"reference.correction.expanded_uncertainty_psi", "[0]"}};
+  CHECK(covers_refusal(hardware_bench(correction)) == "TB-BENCH-COVERS: [reference]" + rest);
+  CHECK(covers_refusal(simulated_bench(correction)) == "accepted");
+  CHECK(covers_refusal(hardware_bench({{"force.kind", "net"}})) == "accepted");
+  CHECK(covers_refusal(hardware_bench({{"environment.sensor", "[{" + kThermometer + "}]"}})) == "accepted");
+  Changes gauge = correction;
+  gauge.push_back({"reference.gauge.unit", "2"});
+  gauge.push_back({"reference.gauge.address", "7"});
+  CHECK(covers_refusal(hardware_bench(gauge)) == "accepted");  // a gauge's certificate is of its chain
+  std::string dependent = bench_text("hardware");
+  dependent.erase(dependent.find("model = \"m\""));
+  dependent += "independent = false\ncertificate = \"C-1\"\n";
+  CHECK(covers_refusal(bench::parse_bench(dependent, "b.toml", {})) == "accepted");  // the regulator's own output
+  // What is not filled in comes first.
+  const BenchConfig open = hardware_bench({{"reference.certificate", "FILL-IN"}, {"bench.location", "FILL-IN"}});
+  CHECK(placeholders_of(open) == Words{"bench.location (--set)", "reference.certificate (--set)"});
+  CHECK(covers_refusal(open) ==
+        "TB-BENCH-FILL-IN: the bench file is not filled in: bench.location (--set), reference.certificate (--set) | "
+        "replace each FILL-IN by the value on the instrument or its certificate; \"\" where there is none");
+}
+
+TEST_CASE("stated: what the simulated instruments' errors are drawn within") {
+  const BenchConfig config = simulated_bench({
+      {"simulation.instrument_seed", "7"},
+      {"reference.span_v", "[1, 5]"},
+      {"reference.span_psi", "[10, 90]"},
+      {"reference.certificate_covers", "transducer"},
+      {"reference.expanded_uncertainty_psi", "0.5"},
+      {"reference.drift_psi", "0.25"},
+      {"reference.input_limit_v", "0.125"},
+      {"reference.hysteresis_psi", "0.3"},
+      {"reference.zero_psi", "0.4"},
+      {"reference.temperature_psi", "0.6"},
+      {"force.certificate_covers", "transducer"},
+      {"force.expanded_uncertainty_n", "3"},
+      {"force.drift_n", "2"},
+      {"force.input_limit_n", "1"},
+      {"environment.sensor", "[{quantity = 'supply_bar', unit = 8, address = 7}, {" + kThermometer +
+                                 ", certificate_covers = 'transducer', expanded_uncertainty_c = 0.25, drift_c = 0.75, "
+                                 "input_limit_c = 1.5}]"},
+  });
+  const bench::InstrumentOptions& drawn = config.simulation->plant.instruments;
+  const auto numbers = [](const bench::DrawnLimits& limits) {
+    return std::vector<double>{limits.certificate_u, limits.drift, limits.input};
+  };
+  CHECK(drawn.seed == 7);
+  CHECK(numbers(drawn.reference) == std::vector<double>{0.25, 0.25, 2.5});  // 80 psi on 4 V
+  CHECK(drawn.reading_psi == std::vector<double>{0.0});
+  CHECK(drawn.certificate_u_psi == std::vector<double>{0.25});
+  CHECK(drawn.hysteresis_psi == 0.3);
+  CHECK(drawn.zero_psi == 0.4);
+  CHECK(drawn.temperature_psi == 0.6);
+  CHECK(numbers(drawn.force_n) == std::vector<double>{1.5, 2.0, 1.0});
+  CHECK(numbers(drawn.thermometer_c) == std::vector<double>{0.125, 0.75, 1.5});
+  const auto drawn_of = [](const Changes& changes) { return simulated_bench(changes).simulation->plant.instruments; };
+  CHECK(drawn_of({}).reading_psi.empty());
+  CHECK(drawn_of({}).certificate_u_psi.empty());
+  CHECK(numbers(drawn_of({}).force_n) == std::vector<double>{0.0, 0.0, 0.0});
+  const bench::InstrumentOptions corrected = drawn_of({{"reference.expanded_uncertainty_psi", "0.5"},
+                                                       {"reference.correction.coverage_factor", "4"},
+                                                       {"reference.correction.reading_psi", "[0, 30]"},
+                                                       {"reference.correction.correction_psi", "[0, 0]"},
+                                                       {"reference.correction.expanded_uncertainty_psi", "[2, 1]"}});
+  CHECK(corrected.reading_psi == std::vector<double>{0.0, 30.0});
+  CHECK(corrected.certificate_u_psi == std::vector<double>{0.5, 0.25});
+  const bench::InstrumentOptions gauged =
+      drawn_of({{"reference.gauge.unit", "2"}, {"reference.gauge.address", "7"}, {"reference.drift_psi", "1"}});
+  CHECK(numbers(gauged.reference)[1] == 1.0);
+  CHECK(numbers(gauged.reference)[2] == 0.0);
+}
+
+TEST_CASE("stated: overdue devices and places that are not filled in are warned of, in words") {
+  const BenchConfig config = simulated_bench({{"bench.location", "FILL-IN"}});
+  const std::string late = R"({"certificate":"C","due":"2026-01-31"})", open = R"({"certificate":"C"})";
+  const std::vector<db::DeviceRecord> devices = {{"force sensor", "M1", "7", "", "hardware", late},
+                                                 {"thermometer", "M2", "", "", "hardware", late},
+                                                 {"stage", "M3", "9", "", "hardware", open}};
+  CHECK(calibration_warnings(config, devices, "2026-01-31") == Words{"not filled in: bench.location (--set)"});
+  CHECK(calibration_warnings(config, devices, "2026-02-01") ==
+        Words{"force sensor (M1, serial 7) is OVERDUE for calibration since 2026-01-31",
+              "thermometer (M2, serial not stated) is OVERDUE for calibration since 2026-01-31",
+              "not filled in: bench.location (--set)"});
+  const auto words = [](const std::string& json) {
+    return bench::calibration_words(analysis::calibration_of({"r", "M", "1", "", "hardware", json}), "2026-02-01");
+  };
+  CHECK(words(late) == "certificate C, OVERDUE since 2026-01-31");
+  CHECK(words(R"({"calibrated":"2026-01-01"})") == "certificate not stated, calibrated 2026-01-01, no due date stated");
+  CHECK(words(R"({"due":"2026-02-01","expanded_uncertainty_mm":0.5})") ==
+        "certificate not stated, due 2026-02-01, U 0.5 mm (k = 2)");
+}

@@ -1,0 +1,211 @@
+// Sensor types, limits, profiles and shipped files: each number and word as it is read, and what is said of wrong ones.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/common/build_info.h"
+#include "bench/config/config.h"
+#include "bench/config/config_laboratory.h"
+#include "bench/config/operator_profile.h"
+#include "tests/support/process.h"
+#include "tests/support/variable.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+using bench::ProfileKey;
+
+namespace {
+
+const std::string kSensorHead = "schema = 1\nname = \"s\"\n";
+const std::string kSensorEnd = "full_scale = \"highest mean output of the run\"\n";
+const std::string kLimitsHead = "schema = 1\nname = \"l\"\n";
+const std::string kFourLimits =
+    "mean_compensation_error_psi = 1.25\nworst_taxel_error_psi = 3\ndistance_of_mean_percent_fs = 1.5\nunfit_taxels = "
+    "4\n";
+
+template <class Work>
+std::string file_refusal(const Work& work) {
+  try {
+    work();
+  } catch (const sequences::FileError& error) {
+    return std::string(error.what()) + " | " + error.remedy();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("sensor types: numbers, defaults, ranges and overrides") {
+  const bench::SensorType given =
+      bench::parse_sensor_type(kSensorHead +
+                                   "rows = 2\ncolumns = 3\npitch_mm = 1.5\ntaxel_area_mm2 = 2\norientation_deg = 90\n"
+                                   "output_range_v = [0.5, 4.5]\n" +
+                                   kSensorEnd,
+                               "f");
+  CHECK(given.name == "s");
+  CHECK((given.rows == 2 && given.columns == 3));
+  CHECK((given.pitch_mm == 1.5 && given.taxel_area_mm2 == 2.0 && given.orientation_deg == 90.0));
+  CHECK((given.output_low_v == 0.5 && given.output_high_v == 4.5));
+  CHECK(given.full_scale == "highest mean output of the run");
+  const bench::SensorType usual = bench::parse_sensor_type(kSensorHead + "rows = 64\ncolumns = 1\n" + kSensorEnd, "f");
+  CHECK((usual.pitch_mm == 2.54 && usual.orientation_deg == 0.0));
+  CHECK(usual.taxel_area_mm2 == Approx(6.4516));
+  CHECK((usual.output_low_v == 0.0 && usual.output_high_v == 5.0));
+  CHECK(bench::parse_sensor_type(kSensorHead + "rows = 2\ncolumns = 3\npitch_mm = 3\n" + kSensorEnd, "f")
+            .taxel_area_mm2 == 9.0);
+  const auto remedy = [](const std::string& line) {
+    const std::string rows = line.starts_with("rows") ? "" : "rows = 2\n",
+                      columns = line.starts_with("columns") ? "" : "columns = 3\n";
+    const std::string said = file_refusal(
+        [&] { (void)bench::parse_sensor_type(kSensorHead + rows + columns + line + " = 1e300\n" + kSensorEnd, "f"); });
+    return said.substr(said.find('|') + 2);
+  };
+  CHECK(remedy("rows") == "use a whole number from 1 to 64");
+  CHECK(remedy("columns") == "use a whole number from 1 to 64");
+  CHECK(remedy("pitch_mm") == "use 0.01 to 100");
+  CHECK(remedy("taxel_area_mm2") == "use 0.0001 to 10000");
+  CHECK(remedy("orientation_deg") == "use 0 to 360");
+  CHECK(bench::read_sensor_type(bench::find_config("sensor.toml"), {{"rows", "8"}, {"name", "mine"}}).rows == 8);
+  CHECK(bench::read_sensor_type(bench::find_config("sensor.toml"), {{"rows", "8"}, {"name", "mine"}}).name == "mine");
+}
+
+TEST_CASE("limits: percents become shares, and an [[mpe]] says what it lacks") {
+  const analysis::Limits limits =
+      bench::parse_limits(kLimitsHead + kFourLimits +
+                              "rule = \"guarded\"\n[[mismatch]]\npressure_psi = 10\nstd_percent_fs = 5\n"
+                              "[[mismatch]]\npressure_psi = 20\nstd_percent_fs = 4\n"
+                              "[[mpe]]\nspan_psi = [4, 60]\nmpe_psi = 2.5\ntaxels_percent = 80\n",
+                          "f");
+  CHECK(limits.name == "l");
+  CHECK(limits.rule == analysis::DecisionRule::kGuarded);
+  CHECK(limits.mean_compensation_error_psi == 1.25);
+  CHECK(limits.worst_taxel_error_psi == 3.0);
+  CHECK(limits.distance_of_mean_fs == 0.015);
+  CHECK(limits.unfit_taxels == 4.0);
+  REQUIRE(limits.mismatch.size() == 2);
+  CHECK((limits.mismatch[0].pressure_psi == 10.0 && limits.mismatch[0].std_fs == 0.05));
+  CHECK((limits.mismatch[1].pressure_psi == 20.0 && limits.mismatch[1].std_fs == 0.04));
+  REQUIRE(limits.mpe.size() == 1);
+  CHECK((limits.mpe[0].mpe_psi == 2.5 && limits.mpe[0].share == 0.8));
+  const auto refusal = [](const std::string& row) {
+    return file_refusal([&] { (void)bench::parse_limits(kLimitsHead + kFourLimits + "[[mpe]]\n" + row, "f"); });
+  };
+  CHECK(
+      refusal("mpe_psi = 2\n") ==
+      "an [[mpe]] is of one level or of a span, and it names neither | write pressure_psi = 20, or span_psi = [4, 60]");
+  CHECK(refusal("pressure_psi = 20\nspan_psi = [4, 60]\nmpe_psi = 2\n") ==
+        "an [[mpe]] is of one level or of a span, and it names both | write pressure_psi = 20, or span_psi = [4, 60]");
+  for (const char* value : {"0", "-1"})
+    CHECK(refusal("pressure_psi = 20\nmpe_psi = " + std::string(value) + "\n") ==
+          "a maximum permissible error is above 0 | write mpe_psi = 2.0");
+  CHECK(refusal("pressure_psi = 20\nmpe_psi = 1e-6\n") == "accepted");
+  CHECK(refusal("pressure_psi = 20\nmpe_psi = 2\ntaxels_percent = 101\n").ends_with("| use 1 to 100"));
+}
+
+TEST_CASE("laboratory: each field is its own") {
+  const std::vector<std::string> keys = {"laboratory",       "address",     "place",      "accreditation", "customer",
+                                         "customer_address", "order",       "condition",  "cable",         "mounting",
+                                         "medium",           "environment", "deviations", "remarks"};
+  std::string text = "schema = 1\nreceived = 2026-02-28\n";
+  for (const std::string& key : keys) text += key + " = \"of " + key + "\"\n";
+  text +=
+      "[[instrument]]\nserial = \"1\"\ncertificate = \"2\"\ncalibrated_by = \"3\"\ncalibrated_on = 2026-01-04\n"
+      "due = 2027-01-05\nnote = \"6\"\n";
+  const analysis::Laboratory lab = bench::parse_laboratory(text, "f");
+  const std::vector<const std::string*> fields = {
+      &lab.laboratory,       &lab.address,     &lab.place,      &lab.accreditation, &lab.customer,
+      &lab.customer_address, &lab.order,       &lab.condition,  &lab.cable,         &lab.mounting,
+      &lab.medium,           &lab.environment, &lab.deviations, &lab.remarks};
+  for (std::size_t i = 0; i < keys.size(); ++i) CHECK(*fields[i] == "of " + keys[i]);
+  CHECK(lab.received == "2026-02-28");
+  REQUIRE(lab.instruments.size() == 1);
+  const analysis::InstrumentNote& note = lab.instruments[0];
+  CHECK((note.serial == "1" && note.certificate == "2" && note.calibrated_by == "3" && note.note == "6"));
+  CHECK((note.calibrated_on == "2026-01-04" && note.due == "2027-01-05"));
+  CHECK(file_refusal([] { (void)bench::parse_laboratory("schema = 1\n[[instrument]]\nserial = \"\"\n", "f"); }) ==
+        "an instrument without a serial number | write the serial number");
+}
+
+TEST_CASE("operator's profile: keys, variables, names between commas, units") {
+  const std::vector<std::pair<ProfileKey, std::string>> words = {
+      {ProfileKey::kBench, "bench"},   {ProfileKey::kDb, "db"},       {ProfileKey::kOperator, "operator"},
+      {ProfileKey::kRecipe, "recipe"}, {ProfileKey::kUnits, "units"}, {ProfileKey::kLimits, "limits"},
+      {ProfileKey::kFleet, "fleet"}};
+  for (const auto& [key, word] : words) {
+    CHECK(bench::to_string(key) == word);
+    const bool has = key == ProfileKey::kBench || key == ProfileKey::kDb || key == ProfileKey::kFleet;
+    std::string upper = word;
+    std::ranges::transform(upper, upper.begin(), [](char c) { return static_cast<char>(c - 'a' + 'A'); });
+    CHECK(bench::variable_of(key) == (has ? "TACTBENCH_" + upper : ""));
+  }
+  const auto recipes = [](const std::string& text) {
+    return bench::parse_operator_profile("recipe = \"" + text + "\"\n", "f").at(ProfileKey::kRecipe).values;
+  };
+  using Names = std::vector<std::string>;
+  CHECK(recipes("a") == Names{"a"});
+  CHECK(recipes("a,b,c") == Names{"a", "b", "c"});
+  CHECK(recipes(" \\t\\r\\na b \\t\\r\\n,b ") == Names{"a b", "b"});
+  for (const char* empty : {"a,", ",a", "a,,b", "a, \\t\\r\\n,b", ","})
+    CHECK(file_refusal([&] { (void)recipes(empty); }) ==
+          "a name between the commas of 'recipe' is empty | write \"one\" or \"one, another\"");
+  for (const char* unit : {"kPa", "bar", "psi"})
+    CHECK(bench::parse_operator_profile("units = \"" + std::string(unit) + "\"\n", "f").at(ProfileKey::kUnits).values ==
+          Names{unit});
+  CHECK(file_refusal([] { (void)bench::parse_operator_profile("units = \"mbar\"\n", "f"); }) ==
+        "'units' is 'mbar' | use kPa, bar or psi");
+  const TemporaryFolder folder;
+  const std::string path = folder.path("tactbench.toml");
+  {
+    const Variable fleet("TACTBENCH_FLEET", "f1"), other("TACTBENCH_OPERATOR", "nobody");
+    const bench::OperatorProfile profile = bench::read_operator_profile(path);
+    REQUIRE(profile.size() == 1);
+    CHECK(profile.at(ProfileKey::kFleet).values == Names{"f1"});
+  }
+  std::filesystem::create_symlink("own", folder.path("own"));
+  CHECK(file_refusal([&] { (void)bench::read_operator_profile(folder.path("own")); }) != "accepted");
+}
+
+TEST_CASE("shipped files: where they are searched, and what is said of a name that none has") {
+  const TemporaryFolder folder;
+  for (const char* name : {"sequences", "bench/config"}) std::filesystem::create_directories(folder.path(name));
+  for (const char* name :
+       {"sequences/ring.toml", "sequences/ascending.toml", "sequences/notes.txt", "bench/config/b.toml"})
+    write_file(folder.path(name), "schema = 1\n");
+  {
+    const Variable empty("TACTBENCH_SHARE", "");
+    CHECK(bench::share_folder() == bench::build_info().source_folder);
+  }
+  const Variable share("TACTBENCH_SHARE", folder.path());
+  CHECK(bench::share_folder() == folder.path());
+  CHECK(bench::shipped_files("sequences") == std::vector<std::string>{"ascending.toml", "ring.toml"});
+  CHECK(bench::shipped_files("none").empty());
+  CHECK(bench::find_recipe("ring") == folder.path() + "/sequences/ring.toml");
+  CHECK(bench::find_recipe("ring.toml") == folder.path() + "/sequences/ring.toml");
+  CHECK(bench::find_config("b.toml") == folder.path() + "/bench/config/b.toml");
+  CHECK(bench::find_recipe("./none") == "./none");  // a path is nobody's shipped name
+  CHECK(bench::find_recipe(folder.path("sequences/ring.toml")) == folder.path("sequences/ring.toml"));
+  const auto refusal = [](const auto& find, const std::string& name) {
+    try {
+      (void)find(name);
+    } catch (const sequences::FileError& error) {
+      return error.id() + ": " + error.what() + " | " + error.where() + " | " + error.remedy();
+    }
+    return std::string("found");
+  };
+  CHECK(refusal(bench::find_recipe, "rinq") ==
+        "TB-FILE-MISSING: there is no file 'rinq', and no shipped recipe or suite of that name | rinq | did you mean "
+        "'ring'? shipped: ascending, ring");
+  CHECK(refusal(bench::find_recipe, "").ends_with(" | shipped: ascending, ring"));
+  CHECK(refusal(bench::find_config, "something-else") ==
+        "TB-FILE-MISSING: there is no file 'something-else', and no shipped configuration of that name | "
+        "something-else | "
+        "shipped: b.toml; 'tactbench init' writes files to start from");
+  write_file(folder.path("here.toml"), "");
+  const std::string before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  CHECK(bench::find_recipe("here.toml") == "here.toml");
+  std::filesystem::current_path(before);
+}
