@@ -158,8 +158,44 @@ TEST_CASE("guarded rig: a ramp goes in ticks up and down, the last one shorter, 
   at.clear();
   CHECK(ramp_to(rig, Psi(0.0), setpoint, tick, hooks) < counts);
   CHECK(at == std::vector<double>{1.5 * tick, 0.5 * tick, 0.0});
+  // What is a billionth more than a tick is one, what is beyond it are two.
+  at.clear();
+  (void)ramp_to(rig, Psi(tick * (1.0 + 0.9e-9)), setpoint, tick, hooks);
+  CHECK(at.size() == 1);
+  (void)ramp_to(rig, Psi(0.0), setpoint, 100.0, hooks);
+  at.clear();
+  (void)ramp_to(rig, Psi(tick * (1.0 + 1.1e-9)), setpoint, tick, hooks);
+  CHECK(at.size() == 2);
+  (void)ramp_to(rig, Psi(0.0), setpoint, 100.0, hooks);
   const Psi none(std::numeric_limits<double>::quiet_NaN());
   CHECK(fault_id_of([&] { ramp_to(rig, none, setpoint, tick, hooks); }) == "TB-CHAMBER-LIMIT");
   CHECK(fault_id_of([&] { ramp_to(rig, none); }) == "TB-CHAMBER-LIMIT");
   CHECK(rig.guard().setpoint_psi() == 0.0);
+}
+
+TEST_CASE("guarded rig: a ramp by the rig's own limits takes a tenth of a second for each tick but the last") {
+  Rig rig(small_request().bench);
+  rig.open();
+  int ticks = 0;
+  const auto up = [&](double psi) {
+    ticks = 0;
+    wait(rig, 0.5);  // what the guard lets rise at once
+    const auto begun = rig.clock().now();
+    (void)ramp_to(rig, Psi(psi), [&] { ++ticks; });
+    return std::chrono::round<std::chrono::milliseconds>(rig.clock().now() - begun).count();
+  };
+  const long quick = up(2.0);  // one tick: 20 psi/s for 0.1 s
+  CHECK(ticks == 0);
+  const long slow = up(7.0);
+  CHECK(ticks == 2);
+  CHECK(slow - quick >= 200);
+  CHECK(slow - quick < 300);
+  CHECK(rig.guard().setpoint_psi() == 7.0);
+  (void)up(7.0);
+  CHECK(ticks == 0);
+  (void)up(1.0);  // down at once
+  CHECK(ticks == 0);
+  CHECK(rig.guard().setpoint_psi() == 1.0);
+  wait(rig, 0.5);
+  CHECK_NOTHROW(ramp_to(rig, Psi(3.0)));
 }
