@@ -180,3 +180,15 @@ TEST_CASE("answer: to an open question of that number, once, and the second is t
   CHECK(run.control.answer_to(2)->text.empty());
   CHECK(run.control.take_resume());
 }
+
+TEST_CASE("follow: sixteen may follow a run, the next is told so, and may once another leaves") {
+  Answering run("followed");
+  std::vector<std::unique_ptr<RunConnection>> followers;
+  for (int i = 0; i < 16; ++i) {
+    followers.push_back(std::make_unique<RunConnection>("followed", "follow"));
+    REQUIRE(next_of(*followers.back()));
+  }
+  CHECK(say("followed", "follow").text == "16 follow this run already");
+  followers.pop_back();
+  CHECK(comes_true([&] { return say("followed", "follow").text.empty(); }));
+}

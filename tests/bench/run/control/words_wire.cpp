@@ -7,13 +7,17 @@
 #include <catch2/catch.hpp>
 #include <cerrno>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <thread>
 
+#include "bench/common/error.h"
 #include "bench/run/control/control_client.h"
 #include "bench/run/control/control_socket.h"
+#include "bench/run/control/locks.h"
 #include "bench/run/control/machine_name.h"
+#include "bench/run/control/peer.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::bench;
@@ -179,4 +183,26 @@ TEST_CASE("commands: a bench whose id cannot be a file name is found by that id 
   CHECK(answer->bench == "../odd rig/7");
   CHECK(answer->status.run == 1);
   CHECK(run_names().size() == 2);
+}
+
+TEST_CASE("commands: who holds a bench is told with its run and store, to another run and to another program") {
+  AnsweringRun live("held bench", 3);
+  const auto refusal = [&](const std::function<void()>& take) {
+    try {
+      take();
+    } catch (const Error& error) {
+      CHECK(error.id() == "TB-BENCH-LOCKED");
+      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(error.where() == shown_name(run_names("held bench").at(0)));
+      return std::string(error.what()) + " | " + error.remedy();
+    }
+    return std::string("not refused");
+  };
+  const std::string holder = "bench 'held bench' is in use by " + peer_text({getpid(), geteuid(), false});
+  CHECK(refusal([&] { const BenchLock lock(live.config); }) ==
+        holder + ", run 3 of held bench.db | wait for it to end, or end it: tactbench stop --bench held bench");
+  CHECK(refusal([&] {
+          Control control;
+          const ControlSocket socket(live.config, control, 4);
+        }) == holder + " | wait for it to end, or end it: tactbench stop");
 }
