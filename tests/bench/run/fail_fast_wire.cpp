@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "bench/rig/rig.h"
+#include "bench/simulation/plant.h"
 #include "tests/support/process.h"
 #include "tests/support/small_run.h"
 
@@ -68,4 +70,31 @@ TEST_CASE("run: with a weaker array than its recipe asks for it ends at the firs
   CHECK(response > 0.3);
   check_goes_on(run_with(fmt::format("least_response_v = {}\n", response - 0.01), kSound));
   check_ends_at_the_peak(run_with(fmt::format("least_response_v = {}\n", response + 0.01), kSound), "V on average");
+}
+
+TEST_CASE("run: the array is judged at the first peak alone, whatever becomes of it") {
+  // At 60 psi a row that was read at 0 psi from then on is dead.
+  const TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  bench::RunRequest request = small_request();
+  request.recipes = {recipe_of(
+      "unit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 20\nrepeats = 2\n[limits]\nmost_dead_taxels = 3\n")};
+  int steps = 0;
+  double begins_s = 0.0;
+  bench::Rig* rig = nullptr;
+  request.on_rig = [&](bench::Rig& made, bench::RigMoment) { rig = &made; };
+  request.on_step = [&](const sequences::Step& step) {
+    ++steps;
+    if (step.repeat != 1 || step.branch != 0 || begins_s > 0.0) return;
+    begins_s = devices::in_seconds(rig->clock().now());
+    rig->plant()->inject(bench::FaultKind::kRowStuck, 2.0);
+  };
+  const bench::RunResult result = run_small(request, store);
+  INFO((result.error ? result.error->what() : ""));
+  CHECK(begins_s > 0.0);
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  int flagged = 0;
+  for (const db::FrameRecord& frame : store.frames(1))
+    flagged += frame.flags.find("row-stuck") != std::string::npos ? 1 : 0;
+  CHECK(flagged >= 3);
 }

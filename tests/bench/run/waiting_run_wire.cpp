@@ -202,3 +202,33 @@ TEST_CASE("waiting run: with --yes no question is asked, and that is written dow
                                        "prompt: mount it (answered by --yes)",
                                        "state: running -> stopping: all steps done", "safe verified: vented"});
 }
+
+TEST_CASE("waiting run: what is told and shown while the supply is away, and that the run is done") {
+  WaitingRun run;
+  run.request =
+      small_request({{"environment.sensor", "[{quantity = 'supply_bar', unit = 9, address = 20, type = 'f32'}]"}});
+  run.request.recipes = {small_recipe(
+      "[[suspend]]\nquantity = \"supply_bar\"\ntrip_below = 6\nresume_above = 6.5\nhold_s = 2\ntimeout_s = 600\n")};
+  run.request.bench.simulation->plant.faults = {planned_fault(bench::FaultKind::kSupplyLost, 45.0, 8.0, 0.001)};
+  Texts seen;  // of the thread until it has ended
+  std::thread onlooker;
+  const bench::RunResult result = run.carry_out([](const std::string&, const bench::RunStatus&) {},
+                                                [&](const std::string& name, const sequences::Step&) {
+                                                  if (onlooker.joinable()) return;
+                                                  onlooker = std::thread([&seen, name] {
+                                                    for (auto live = bench::send_command(name, Command::kStatus); live;
+                                                         live = bench::send_command(name, Command::kStatus)) {
+                                                      const bench::RunStatus& status = live->status;
+                                                      if (status.state == RunState::kSuspended)
+                                                        seen.push_back(status.reason + " | " + status.phase);
+                                                      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+                                                    }
+                                                  });
+                                                });
+  onlooker.join();
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  const std::string away = "supply_bar is 0.00, below 6";
+  CHECK(std::ranges::count(seen, away + " | waiting, vented: " + away) > 0);
+  CHECK(run.notes == Texts{"run 1 waits, vented: " + away});
+  CHECK(run.events_told(2) == Texts{"done 1 all steps done", "waiting 1 " + away});
+}

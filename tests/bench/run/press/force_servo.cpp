@@ -197,6 +197,18 @@ TEST_CASE("force servo: a level that is met needs no move, one passed by its tol
   CHECK(bed.stage.sent_mm.empty());
 }
 
+TEST_CASE("force servo: no step before it bounds a level's first step") {
+  PressOptions long_way = ideal_options();
+  long_way.deepest_z_mm = 30.0;
+  long_way.most_press_mm = 15.0;
+  ServoBed bed(spring(3.0), long_way);
+  (void)bed.steps(12.0, Branch::kLoading);
+  const double from_mm = bed.last.reading.z_mm;
+  const std::vector<double> made = bed.steps(30.0, Branch::kLoading);  // 6 mm further
+  CHECK(made.front() - from_mm > 3.5);
+  CHECK(bed.last.reading.force_n == Approx(30.0).margin(0.3));
+}
+
 TEST_CASE("press options: a level's tolerance is the larger of the two") {
   const PressOptions options;
   CHECK(options.tolerance(2.0) == 0.05);
