@@ -98,7 +98,6 @@ double input_at(const TaxelPattern& p, const ComposedCurve& c, double y, std::si
   if (y <= 0.0) return x0;
   if (y >= c.ys) {
     const double share = (y - c.ys) / (c.y_turn - c.ys), rise = p.span - c.ysp;
-    if (xu <= c.xs) return c.x_turn;
     if (rise <= p.saturated) return c.xs + (c.x_turn - c.xs) * share;
     const double xp = p.input(p.descending, c.ysp + rise * share, near);                        // (31)
     return std::clamp(c.xs + (c.x_turn - c.xs) * ((xp - c.xs) / (xu - c.xs)), c.xs, c.x_turn);  // (32)
@@ -147,7 +146,6 @@ CurvePiece falling_piece(const TaxelPattern& p, const ComposedCurve& c, double y
   if (y <= 0.0) return {-kFar, 0.0, x0, 0.0, index_below(p), near};
   if (y > c.ys) {
     const double rise = p.span - c.ysp;
-    if (xu <= c.xs) return {c.ys, c.y_turn, c.x_turn, 0.0, p.x.size() - 1, near};
     if (rise <= p.saturated)  // [A12]
       return {c.ys, c.y_turn, c.xs, (c.x_turn - c.xs) / (c.y_turn - c.ys), p.x.size() - 1, near};
     const double per = rise / (c.y_turn - c.ys), scale = (c.x_turn - c.xs) / (xu - c.xs);  // (31), (32)

@@ -71,7 +71,6 @@ double ElamCurve::descending_input(double y) const {
   if (y <= y0) return x0;
   if (y >= ys_) {
     const double share = (y - ys_) / (y_turn_ - ys_);
-    if (xu <= xs_) return x_turn_;
     if (saturated(*model_, yu - ysp_)) return xs_ + (x_turn_ - xs_) * share;
     const double xp = pattern.inverse(ysp_ + (yu - ysp_) * share);                       // (31)
     return std::clamp(xs_ + (x_turn_ - xs_) * ((xp - xs_) / (xu - xs_)), xs_, x_turn_);  // (32)

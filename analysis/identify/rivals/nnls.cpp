@@ -69,7 +69,7 @@ class Free {
 Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& gram, const Eigen::VectorXd& along) {
   const Eigen::Index n = gram.rows();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n), gradient = along;
-  const double flat = kFlat * std::max(along.cwiseAbs().maxCoeff(), 0.0);
+  const double flat = kFlat * along.cwiseAbs().maxCoeff();
   std::vector<bool> out(static_cast<std::size_t>(n), false);  // free, or not to be tried now
   Free free(gram, along);
   for (Eigen::Index entered = 0; entered < 3 * n; ++entered) {
