@@ -69,6 +69,22 @@ TEST_CASE("ELAM by hand: external branches that follow the pattern are not resiz
   CHECK(at_middle(true, 10.61) < 1.65);
 }
 
+TEST_CASE("ELAM by hand: a branch that begins at exactly a hundredth of the range from its end is external") {
+  // One volt a psi over 64 psi; the lower pieces differ in size.
+  const auto from = [](double low) {
+    const std::vector<double> x{low, low + 64.0}, y{0.0, 64.0};
+    return ElamModel{PatternCurve(x, y, 0.0, 64.0), PatternCurve(x, y, 0.0, 64.0), {}, {true}};
+  };
+  const ElamPieces low{{std::log(2.0)}, {}, {std::log(0.5)}, {}};
+  const double near = kOuterShare * 64.0;
+  const ElamModel falls = from(-64.0), rises = from(0.0);
+  // The whole curve, its ordinates scaled to the turn.
+  CHECK(ElamPiecedCurve(falls, low, false, -near, 64.0 - near).output(-48.0) == Approx(0.99 * 16.0));
+  CHECK(ElamPiecedCurve(falls, low, false, -near - 1e-9, 64.0 - near).output(-48.0) < 15.0);
+  CHECK(ElamPiecedCurve(rises, low, true, near, near).output(16.0) == Approx(16.0));
+  CHECK(ElamPiecedCurve(rises, low, true, near + 1e-9, near).output(16.0) < 15.5);
+}
+
 TEST_CASE(
     "ELAM by hand: with memory a branch closes its loop, its ordinates scaled, and goes on along the one before") {
   const ElamHysteresis model(straight_elam(), true);
