@@ -1,6 +1,7 @@
 // What a dynamic compensator takes of a sensor's model, and what of lag and creep a model undoes: by hand.
 #include <array>
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <memory>
 
 #include "analysis/error.h"
@@ -97,6 +98,47 @@ TEST_CASE("a dynamic compensator is refused where the models do not carry it, ea
   CHECK(refused_setup(of_films({film_taxel(0, 0.01, 0.5)})) ==
         "taxel 0: its divider does not count from the unloaded output");
   CHECK(refused_setup(of_films({film_taxel(0, 0.0, 0.5)})).empty());
+}
+
+TEST_CASE("a divider counts from its own zero, whatever little the film begins at", "[dynamic]") {
+  const auto zero_of = [](double per_amplitude, double low) {
+    const SensorModel model = of_films({film_taxel(0, per_amplitude, low)});
+    return dynamic_setup_of(model, model.taxels, 1.0, 1.0).taxels.front().divider.zero;
+  };
+  CHECK(zero_of(0.125, 1e-9 * 7.0) == 0.5);  // just as little as is taken
+  CHECK(zero_of(0.125, -6e-9) == 0.5);
+  CHECK(zero_of(0.0, 6e-9) == 0.5 + 6e-9);
+}
+
+TEST_CASE("Everett's table of a setup does not fall, though sums of equal weights may round down", "[dynamic]") {
+  std::uint64_t state = 5;
+  const auto number = [&] {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<double>(state >> 40U) / 16777216.0;
+  };
+  int fell = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<double> weights(21);
+    for (double& weight : weights) weight = number() < 0.6 ? 0.0 : number();
+    ModelTaxel taxel = film_taxel(0, 0.0, 0.0);
+    taxel.gain = 0.3;
+    const auto film = std::make_shared<PreisachModel>(10.0, 47.0, 0.0, weights);
+    taxel.fit.model = std::make_shared<LinearisedModel>(Divider{0.5, 0.0}, film);
+    const SensorModel model = of_films({taxel});
+    const std::vector<double> table = dynamic_setup_of(model, model.taxels, 1.0, 1.0).taxels.front().everett;
+    REQUIRE(table.size() == 28);
+    for (std::size_t i = 1, row = 1; i <= 6; row += ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const double high = 10.0 + 37.0 / 6.0 * static_cast<double>(i),
+                     low = 10.0 + 37.0 / 6.0 * static_cast<double>(j);
+        CAPTURE(trial, i, j);
+        CHECK(table[row + j] == Approx(0.3 * film->everett(high, low)).margin(1e-12));
+        CHECK(table[row + j] >= table[row + j + 1]);
+        if (j + 1 < i) CHECK(table[row + j] >= table[row - i + j]);
+        fell += table[row + j] > 0.3 * film->everett(high, low) ? 1 : 0;
+      }
+  }
+  CHECK(fell > 0);
 }
 
 TEST_CASE("what of lag and creep a dynamic model undoes", "[dynamic]") {
