@@ -64,7 +64,8 @@ TEST_CASE("bins by hand: 1, 2 and 5 of each decade, the lower bound included but
        {std::pair{0.1, 0.1}, std::pair{0.15, 0.1}, std::pair{0.1999, 0.1}, std::pair{0.2, 0.2}, std::pair{0.4999, 0.2},
         std::pair{0.5, 0.5}, std::pair{0.9999, 0.5}, std::pair{1.0, 1.0}, std::pair{1.9999999, 2.0},
         std::pair{1.99999, 1.0}, std::pair{4.9999999, 5.0}, std::pair{4.9999, 2.0}, std::pair{9.99, 5.0},
-        std::pair{10.0, 10.0}, std::pair{2000.0, 2000.0}, std::pair{0.003, 0.002}}) {
+        std::pair{10.0, 10.0}, std::pair{2000.0, 2000.0}, std::pair{0.003, 0.002},
+        std::pair{2.0 * (1.0 - 0.95e-6), 2.0}, std::pair{2.0 * (1.0 - 1.05e-6), 1.0}}) {
     INFO(hold_s);
     CHECK(lower_bound_of(hold_s) == Approx(low));
   }

@@ -167,6 +167,12 @@ TEST_CASE("rate study: repeats 1.2 times as quick are of another pace, rates of 
   };
   CHECK(share_of(50.1) == 0.0);
   CHECK(share_of(49.9) == Approx(0.1));  // 0.45 of 4.5 V
+  CHECK(share_of(50.0) == Approx(0.1));  // 1.2 times as long is 60 s
+  // Of one frame each there is one difference.
+  const auto one_frame = [](double volts) { return Repeat{{{20.0, 20.0, 0.0, 0.0}}, {volts, volts, 9.0}}; };
+  CHECK(rate_hold_of(dataset_of({{"rate", {one_frame(1.0), one_frame(1.9)}}}), straight_fit(), 1)
+            .front()
+            .output_mean_share == Approx(0.2));
   // Two frames at one set-point: 0.4 psi in 2 s of the reference are noise. A step without time has no rate.
   Repeat held;
   for (const auto& [setpoint, reference, time] : {std::tuple{0.0, 0.0, 0.0}, std::tuple{20.0, 20.0, 10.0},

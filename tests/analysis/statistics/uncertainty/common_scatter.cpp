@@ -2,6 +2,7 @@
 // hand, on taxels that are straight lines.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
 #include "analysis/statistics/numbers/moments.h"
 #include "tests/analysis/support/straight_budget.h"
@@ -35,6 +36,9 @@ StraightBudget two_sides(double first_off, double second_off) {
       {{"loop",
         {offset_reading(kUpAndDown, first_off, second_off), offset_reading(kUpAndDown, -first_off, -second_off)}}});
 }
+
+// Of the mean of six readings in two groups.
+double of_mean_of(double within, double between) { return within / 6.0 + between / 2.0; }
 
 double common_of(const Budget& budget, UncertaintySource source) {
   const Contribution* const row = row_of(budget, source);
@@ -83,6 +87,115 @@ TEST_CASE("common scatter by hand: of the groups of sweeps, too, and U of the ar
   CHECK(row_of(budget, UncertaintySource::kConditioning)->dof == 1.0);
   // The mean of four readings in two groups.
   CHECK(row_of(budget, UncertaintySource::kModel)->u_psi == Approx(std::sqrt(0.02 / 4 + 0.07 / 2)));
+}
+
+TEST_CASE("readings in groups of two and of four by hand: scatter within, between and of the mean, noise taken off") {
+  StraightBudget made = two_sides(0.0, 0.0);
+  // Group 0 reads 1 and 3, group 2 5, 5, 7 and 7; no reading is of group 1. The second taxel reads half of it.
+  const std::vector<double> first{1, 5, 3, 7, 5, 7};
+  made.errors.groups = 3;
+  for (LevelReadings& level : made.errors.levels) {
+    level.readings = 6;
+    level.group = {0, 2, 0, 2, 2, 2};
+    level.error_psi.clear();
+    for (const double error : first) level.error_psi.insert(level.error_psi.end(), {error, 0.5 * error, kNan});
+  }
+  // Within: 2 and 4 of four degrees, 1.5. Means 2 and 6 about 28 / 6: 2 x 64 / 9 + 4 x 16 / 9 = 64 / 3 of one degree;
+  // a group counts as (6 - (4 + 16) / 6) = 8 / 3 readings.
+  const double within = 1.5, between = (64.0 / 3.0 - 1.5) / (8.0 / 3.0);
+  for (const std::size_t taxel : {0U, 1U}) {
+    const double half = taxel == 0 ? 1.0 : 0.5;
+    const Budget budget = made.maker().budget(taxel, kAtFortyUp);
+    CHECK(budget.error_psi == Approx(half * 28.0 / 6.0));
+    CHECK(budget.readings == 6);
+    const Contribution *repeats = row_of(budget, UncertaintySource::kRepeatability),
+                       *groups = row_of(budget, UncertaintySource::kConditioning),
+                       *model = row_of(budget, UncertaintySource::kModel);
+    REQUIRE((repeats != nullptr && groups != nullptr && model != nullptr));
+    CHECK(repeats->u_psi == Approx(half * std::sqrt(within)));
+    CHECK(repeats->dof == 4.0);
+    CHECK(groups->u_psi == Approx(half * std::sqrt(between)));
+    CHECK(groups->dof == 1.0);
+    const double of_mean = of_mean_of(within, between);
+    CHECK(model->u_psi == Approx(half * std::sqrt(of_mean)));
+    CHECK(model->dof == Approx(of_mean * of_mean / (std::pow(within / 6.0, 2) / 4.0 + std::pow(between / 2.0, 2))));
+    for (const Contribution* row : {repeats, groups, model}) CHECK(row->common == Approx(0.9));
+  }
+  // Noise of 2 psi is more than the scatter within: nothing is left of it, and the mean is known from the noise.
+  made.calibration.scans = 3;
+  made.calibration.noise_v = {0.1, 0.1, 0.0};
+  const Budget noisy = made.maker().budget(0, kAtFortyUp);
+  CHECK(row_of(noisy, UncertaintySource::kNoise)->u_psi == Approx(2.0));
+  CHECK(row_of(noisy, UncertaintySource::kRepeatability)->u_psi == 0.0);
+  CHECK(row_of(noisy, UncertaintySource::kModel)->u_psi == Approx(std::sqrt(4.0 / 6.0 + between / 2.0)));
+  // Of 1 psi a third of the variance is left.
+  made.calibration.noise_v = {0.05, 0.1, 0.0};
+  CHECK(row_of(made.maker().budget(0, kAtFortyUp), UncertaintySource::kRepeatability)->u_psi == Approx(std::sqrt(0.5)));
+  CHECK(row_of(made.maker().budget(0, kAtFortyUp), UncertaintySource::kModel)->u_psi ==
+        Approx(std::sqrt(of_mean_of(within, between))));
+}
+
+TEST_CASE("held-out errors at a level that no way meets are those of the nearest one, of two as near the lower one's") {
+  StraightBudget made = two_sides(0.0, 0.0);
+  // Up to 20 psi and back: 0.3 psi too much there; down from 60 psi to 20 and up again: 0.5 at 60.
+  const auto run_of = [](std::int64_t number) {
+    std::vector<Sample> low, high;
+    Readings at_low, at_high;
+    for (const double psi : {0.0, 20.0, 0.0}) {
+      low.push_back({psi, psi, 0.0, 1.0});
+      at_low.first_psi.push_back(psi == 20.0 ? 20.3 : psi);
+    }
+    at_low.second_psi = at_low.first_psi;
+    for (const double psi : {0.0, 60.0, 20.0, 60.0}) {
+      high.push_back({psi, psi, 0.0, 1.0});
+      at_high.first_psi.push_back(high.size() == 4 ? 59.5 : psi);
+    }
+    at_high.second_psi = at_high.first_psi;
+    Dataset run = dataset_of({{"low", {repeat_of(low, at_low)}}, {"high", {repeat_of(high, at_high)}}});
+    run.run = number;
+    return run;
+  };
+  const Dataset one = run_of(5), two = run_of(6);
+  made.inputs.history.same = {&one, &two};
+  const BudgetMaker maker = made.maker();
+  const auto history_at = [&](std::size_t level) {
+    const Contribution* const row =
+        row_of(maker.budget(0, level, UseCondition::kAnyHistory), UncertaintySource::kHistory);
+    return row == nullptr ? kNan : row->u_psi;
+  };
+  CHECK(history_at(1) == Approx(0.3));
+  CHECK(history_at(3) == Approx(0.5));
+  CHECK(history_at(kAtFortyUp) == Approx(0.3));  // 20 and 60 psi are as near
+  CHECK(history_at(0) == Approx(0.3));
+}
+
+TEST_CASE("the excess of one fitted taxel is its own, known from as many ways as the runs have") {
+  StraightBudget made = two_sides(0.1, 0.1);
+  made.fit.taxels[1].status = TaxelStatus::kDead;
+  made.errors = sweep_errors(made.calibration, made.fit, 1);
+  Dataset again = dataset_of({{"loop", {offset_reading(kUpAndDown, 0.4, 0.0)}}});
+  again.run = 7;
+  made.inputs.history.same = {&again};
+  const Contribution* const row =
+      row_of(made.maker().budget(0, kAtFortyUp, UseCondition::kFullSweeps), UncertaintySource::kHistory);
+  REQUIRE(row != nullptr);
+  CHECK(row->u_psi == Approx(std::sqrt(0.16 - 0.03)));
+  CHECK(row->dof == Approx(1.0));
+  CHECK(row->common == Approx(1.0));
+}
+
+TEST_CASE("a budget is linear as long as twice u of the voltage meets the curve's end and does not pass it") {
+  StraightBudget made = two_sides(0.0, 0.0);
+  made.calibration.scans = 2;
+  const auto linear = [&](double noise_v, std::size_t level) {
+    made.calibration.noise_v = {noise_v, 0.001, 0.0};
+    return made.maker().budget(0, level).linear;
+  };
+  // 20 psi are 1 V above the curve's begin, 40 psi 1 V below its end.
+  CHECK(linear(0.5, kAtTwentyUp));
+  CHECK_FALSE(linear(0.50001, kAtTwentyUp));
+  CHECK(linear(0.5, kAtFortyUp));
+  CHECK_FALSE(linear(0.50001, kAtFortyUp));
 }
 
 TEST_CASE("held-out runs that err by nothing: a row of nothing, of which nothing is common") {
