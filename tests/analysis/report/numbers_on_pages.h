@@ -13,7 +13,7 @@
 #include "analysis/report/report.h"
 #include "tests/analysis/report/report_page.h"
 
-namespace tactbench::analysis::numbers {
+namespace tactbench::analysis::pages_in_numbers {
 
 struct PrintedNumbers {
   std::string part;
@@ -74,4 +74,4 @@ inline std::vector<PrintedNumbers> printed_on(Report report) {
   return {numbers_on("page", report.html.substr(from, to - from)), numbers_on("data", report.json)};
 }
 
-}  // namespace tactbench::analysis::numbers
+}  // namespace tactbench::analysis::pages_in_numbers

@@ -14,7 +14,7 @@
 
 using namespace tactbench;
 using namespace tactbench::analysis;
-using namespace tactbench::analysis::numbers;
+using namespace tactbench::analysis::pages_in_numbers;
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 using namespace tactbench;
 using namespace tactbench::analysis;
-using namespace tactbench::analysis::numbers;
+using namespace tactbench::analysis::pages_in_numbers;
 
 TEST_CASE("recorded: numbers of a comparison of two runs are those that were printed when recorded") {
   ReportInput second = whole_report(PressureUnit::kPsi);

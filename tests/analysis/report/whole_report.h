@@ -7,7 +7,7 @@
 
 #include "tests/analysis/report/report_example_full.h"
 
-namespace tactbench::analysis::numbers {
+namespace tactbench::analysis::pages_in_numbers {
 
 inline Budget budget_drawn(example::Noise& noise, int taxel, double pressure, bool up) {
   Budget budget;
@@ -107,4 +107,4 @@ inline ReportInput whole_report(PressureUnit unit) {
   return input;
 }
 
-}  // namespace tactbench::analysis::numbers
+}  // namespace tactbench::analysis::pages_in_numbers
