@@ -52,14 +52,14 @@ TEST_CASE(
   CHECK(force.model == "ATI Nano17");
   CHECK(force.firmware == "sim-1");
   CHECK(force.origin == "simulated");
-  const auto json = nlohmann::json::parse(force.calibration_json);
-  CHECK(json["calibration"] == "SIM-FT-1");
-  CHECK(json["range_n"] == nlohmann::json::array({25.0, 25.0, 35.0}));
-  CHECK(json["range_nmm"] == nlohmann::json::array({250.0, 250.0, 250.0}));
-  CHECK(json["certificate"] == "F-1");
-  CHECK(json["calibrated"] == "2025-01-31");
-  CHECK(json["due"] == "2199-01-31");
-  CHECK(json["expanded_uncertainty_n"] == 0.05);
+  const auto calibration = nlohmann::json::parse(force.calibration_json);
+  CHECK(calibration["calibration"] == "SIM-FT-1");
+  CHECK(calibration["range_n"] == nlohmann::json::array({25.0, 25.0, 35.0}));
+  CHECK(calibration["range_nmm"] == nlohmann::json::array({250.0, 250.0, 250.0}));
+  CHECK(calibration["certificate"] == "F-1");
+  CHECK(calibration["calibrated"] == "2025-01-31");
+  CHECK(calibration["due"] == "2199-01-31");
+  CHECK(calibration["expanded_uncertainty_n"] == 0.05);
   for (const auto& [role, serial, model] :
        {std::tuple("stage x", "SIM-STAGE-X", "Zaber T-LA60A"), std::tuple("stage y", "SIM-STAGE-Y", "Zaber T-LA60A"),
         std::tuple("stage z", "SIM-STAGE-Z", "Zaber T-NA08A50")}) {
