@@ -90,13 +90,13 @@ void measure_serving(FigureList& figures, const PageSubject& subject) {
 
 PageRunPair run_alone_and_seen(int round, const PageSubject& subject) {
   const auto db = [&](const char* name) { return fmt::format("{}/{}-{}.db", subject.folder, name, round); };
-  const RunBeside alone = run_beside(db("alone"), subject.sizes.repeats, 0.0);
+  const RunBeside alone = run_beside(db("alone"), subject.sizes.repeats, subject.sizes.pace_of_pair);
   (void)run_beside(db("seen"), 1, 0.0);
   const PageProcess page(db("seen"), subject.folder, subject.program);
   PageViewers viewers(page.port(), page.token(), subject.sizes.viewers, 1);
   std::this_thread::sleep_for(subject.sizes.before_run);
   const auto begun = PageClock::now();
-  const RunBeside seen = run_beside(db("seen"), subject.sizes.repeats, 0.0);
+  const RunBeside seen = run_beside(db("seen"), subject.sizes.repeats, subject.sizes.pace_of_pair);
   if (std::ranges::none_of(viewers.pictures(), [&](const auto& picture) { return picture.second > begun; }))
     throw std::runtime_error("the viewers did not see the run");
   return {alone.times, seen.times};

@@ -14,8 +14,9 @@ namespace tactbench::bench {
 
 struct PageSizes {
   int viewers = 8;
-  double pace = 48.0;  // about 20 frames a second of one scan in 2.4 s
-  int repeats = 10;    // of a run beside another
+  double pace = 48.0;         // about 20 frames a second of one scan in 2.4 s
+  int repeats = 10;           // of a run beside viewers, and of one alone
+  double pace_of_pair = 0.0;  // of both; 0: no limit
   std::chrono::milliseconds before_run{500};
   std::size_t least_pictures = 10;
 };

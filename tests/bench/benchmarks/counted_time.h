@@ -1,6 +1,9 @@
 // A clock by which the tests know how long everything took that a benchmark timed.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
 #include <mutex>
 #include <vector>
 
@@ -48,5 +51,11 @@ class ActsInOrder {
  private:
   int act_ = 0;
 };
+
+// Of this process: a benchmark leaves as many as there were before it.
+inline std::ptrdiff_t open_descriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return std::distance(begin(all), end(all));
+}
 
 }  // namespace tactbench::tests

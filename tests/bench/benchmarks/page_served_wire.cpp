@@ -31,7 +31,8 @@ PageSizes short_page() {
   PageSizes sizes;
   sizes.viewers = 2;
   sizes.pace = 450.0;  // 1.1 s: the page looks for runs every quarter of a second
-  sizes.repeats = 6;
+  sizes.repeats = 2;
+  sizes.pace_of_pair = 1500.0;
   sizes.before_run = std::chrono::milliseconds(100);
   sizes.least_pictures = 1;
   return sizes;
@@ -64,7 +65,7 @@ class ViewersDoor {
   }
   ~ViewersDoor() {
     close_door();
-    for (const int link : links_) ::close(link);
+    forget_viewers();
   }
   ViewersDoor(const ViewersDoor&) = delete;
   ViewersDoor& operator=(const ViewersDoor&) = delete;
@@ -72,6 +73,10 @@ class ViewersDoor {
   void close_door() {
     if (door_ >= 0) ::close(door_);
     door_ = -1;
+  }
+  void forget_viewers() {
+    for (const int link : links_) ::close(link);
+    links_.clear();
   }
   // What the next one asks, up to the empty line.
   std::string next_asks() {
@@ -114,6 +119,11 @@ std::string picture_at(int position) {
 
 TEST_CASE("benchmark page: each viewer asks for the events with the token, and the first one's pictures count") {
   ViewersDoor door;
+  const std::ptrdiff_t descriptors = tests::open_descriptors();
+  { const PageViewers passing(door.port(), "", 2, 0); }
+  CHECK(tests::open_descriptors() == descriptors);
+  for (int i = 0; i < 2; ++i) CHECK(door.next_asks().find("Bearer \r\n") != std::string::npos);
+  door.forget_viewers();
   PageViewers viewers(door.port(), "a-token", 3, 1);
   for (int i = 0; i < 3; ++i)
     CHECK(door.next_asks() == "GET /events HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(door.port()) +
@@ -143,17 +153,19 @@ TEST_CASE("benchmark page: a page that takes no connection is an error") {
 TEST_CASE("benchmark page: rates of the served run, and runs alone and beside viewers, by a clock of the test's") {
   const TemporaryFolder folder;
   std::size_t readings = 0;
+  const std::ptrdiff_t descriptors = tests::open_descriptors();
   const std::vector<Figure> figures = [&] {
     const CountedTime time;
     std::vector<Figure> found = benchmark_page(1, folder.path(), short_page(), tests::program_path());
     readings = time.readings().size();
     return found;
   }();
+  CHECK(tests::open_descriptors() == descriptors);
   std::map<std::string, double> named;
   for (const Figure& figure : figures) CHECK(named.emplace(figure.name.substr(5), figure.value).second);
   // The earlier run, then its begin, the served run and its end, then the bare writes.
   const int before_pair = kRunReadings + 1 + kRunReadings + 1 + 2;
-  REQUIRE(readings == static_cast<std::size_t>(before_pair + (6 + 1 + 6) * kRunReadings));
+  REQUIRE(readings == static_cast<std::size_t>(before_pair + (2 + 1 + 2) * kRunReadings));
   const double took_s = reading_s(2 * kRunReadings + 2) - reading_s(kRunReadings + 1);
   CHECK(named.at("frames") == Approx(211 / took_s).epsilon(1e-9));
   CHECK(named.at("core_bare_writes") == Approx(100.0 * before_pair / took_s).epsilon(1e-9));
@@ -168,21 +180,21 @@ TEST_CASE("benchmark page: rates of the served run, and runs alone and beside vi
   CHECK(named.at("stored_to_viewer_median") > -1000.0);
   CHECK(named.at("stored_to_viewer_median") < 20e3);
   // The pair: alone, an earlier run of the store that is seen, seen.
-  const int seen = before_pair + (6 + 1) * kRunReadings;
-  const double alone_s = wall_of_run(before_pair, 6);
-  CHECK(named.at("step") == Approx(1e6 * alone_s / (6 * 211)).epsilon(1e-9));
-  CHECK(named.at("step_with_viewers_wall") == Approx(wall_of_run(seen, 6) / alone_s).epsilon(1e-9));
-  CHECK(named.at("step_with_viewers") == Approx(thread_of_run(seen, 6) / thread_of_run(before_pair, 6)).epsilon(1e-9));
+  const int seen = before_pair + (2 + 1) * kRunReadings;
+  const double alone_s = wall_of_run(before_pair, 2);
+  CHECK(named.at("step") == Approx(1e6 * alone_s / (2 * 211)).epsilon(1e-9));
+  CHECK(named.at("step_with_viewers_wall") == Approx(wall_of_run(seen, 2) / alone_s).epsilon(1e-9));
+  CHECK(named.at("step_with_viewers") == Approx(thread_of_run(seen, 2) / thread_of_run(before_pair, 2)).epsilon(1e-9));
   CHECK(named.size() == 14);
   const db::RunStore alone = db::RunStore::open_read_only(folder.path("alone-0.db"));
   CHECK(alone.runs().size() == 1);
-  CHECK(alone.frame_count(1) == 6 * 211);
+  CHECK(alone.frame_count(1) == 2 * 211);
   CHECK(alone.run(1).seed == 1);
   for (const char* name : {"served.db", "seen-0.db"}) {
     const db::RunStore store = db::RunStore::open_read_only(folder.path(name));
     CHECK(store.runs().size() == 2);
     CHECK(store.frame_count(1) == 211);
-    CHECK(store.frame_count(2) == (std::string(name) == "served.db" ? 211 : 6 * 211));
+    CHECK(store.frame_count(2) == (std::string(name) == "served.db" ? 211 : 2 * 211));
   }
 }
 
