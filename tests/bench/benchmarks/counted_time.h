@@ -53,7 +53,7 @@ class ActsInOrder {
 };
 
 // Of this process: a benchmark leaves as many as there were before it.
-inline std::ptrdiff_t open_descriptors() {
+inline std::ptrdiff_t descriptors_left_open() {
   const std::filesystem::directory_iterator all("/proc/self/fd");
   return std::distance(begin(all), end(all));
 }

@@ -119,9 +119,9 @@ std::string picture_at(int position) {
 
 TEST_CASE("benchmark page: each viewer asks for the events with the token, and the first one's pictures count") {
   ViewersDoor door;
-  const std::ptrdiff_t descriptors = tests::open_descriptors();
+  const std::ptrdiff_t descriptors = tests::descriptors_left_open();
   { const PageViewers passing(door.port(), "", 2, 0); }
-  CHECK(tests::open_descriptors() == descriptors);
+  CHECK(tests::descriptors_left_open() == descriptors);
   for (int i = 0; i < 2; ++i) CHECK(door.next_asks().find("Bearer \r\n") != std::string::npos);
   door.forget_viewers();
   PageViewers viewers(door.port(), "a-token", 3, 1);
@@ -153,14 +153,14 @@ TEST_CASE("benchmark page: a page that takes no connection is an error") {
 TEST_CASE("benchmark page: rates of the served run, and runs alone and beside viewers, by a clock of the test's") {
   const TemporaryFolder folder;
   std::size_t readings = 0;
-  const std::ptrdiff_t descriptors = tests::open_descriptors();
+  const std::ptrdiff_t descriptors = tests::descriptors_left_open();
   const std::vector<Figure> figures = [&] {
     const CountedTime time;
     std::vector<Figure> found = benchmark_page(1, folder.path(), short_page(), tests::program_path());
     readings = time.readings().size();
     return found;
   }();
-  CHECK(tests::open_descriptors() == descriptors);
+  CHECK(tests::descriptors_left_open() == descriptors);
   std::map<std::string, double> named;
   for (const Figure& figure : figures) CHECK(named.emplace(figure.name.substr(5), figure.value).second);
   // The earlier run, then its begin, the served run and its end, then the bare writes.

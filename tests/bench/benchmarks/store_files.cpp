@@ -73,12 +73,12 @@ void check_bare_table(const std::string& path) {
 
 TEST_CASE("benchmark store: a plain file, stores and bare tables hold the same frames, in new files each round") {
   const tests::TemporaryFolder folder;
-  const std::ptrdiff_t descriptors = tests::open_descriptors();
+  const std::ptrdiff_t descriptors = tests::descriptors_left_open();
   const std::vector<bench::Figure> figures = [&] {
     const tests::CountedTime time;  // a system's own may say that a reading takes no time
     return bench::benchmark_store(2, folder.path(), {kWritten, kWrittenDurably});
   }();
-  CHECK(tests::open_descriptors() == descriptors);
+  CHECK(tests::descriptors_left_open() == descriptors);
   std::string names;
   for (const bench::Figure& figure : figures) {
     INFO(figure.name);

@@ -40,12 +40,12 @@ TEST_CASE("benchmark wires: microseconds of each wire and its ratio to an echo o
 }
 
 TEST_CASE("benchmark wires: medians of the exchanges asked for, of a fifth of them and one more, and of 21 hang-ups") {
-  const std::ptrdiff_t descriptors = tactbench::tests::open_descriptors();
+  const std::ptrdiff_t descriptors = tactbench::tests::descriptors_left_open();
   const std::vector<Figure> figures = [] {
     const tactbench::tests::CountedTime time;
     return benchmark_wires(11);
   }();
-  CHECK(tactbench::tests::open_descriptors() == descriptors);
+  CHECK(tactbench::tests::descriptors_left_open() == descriptors);
   tactbench::tests::ActsInOrder act;
   const double floor = 1e6 * act.median_of(11);
   REQUIRE(figures.size() == 18);
