@@ -193,14 +193,32 @@ TEST_CASE("calibrate-reference: a reference that does not rise ends it vented at
 
 TEST_CASE("calibrate-reference: a level that is not reached ends it vented, with the last reading") {
   const TypedReadings of;
-  const Finished ended = of.calibrate("0\n0\n0\n0\n",
-                                      "--levels 0,30 -o none.toml --set simulation.supply_bar=0.5 --set "
-                                      "settling.timeout_s=4");
+  const Finished ended = of.calibrate(
+      "0\n0\n0\n0\n",
+      "--levels 0,30 -o none.toml --set settling.timeout_s=4 --set 'simulation.faults=[{kind=\"valve_stuck\"}]'");
   CHECK(ended.code == 3);
-  CHECK_THAT(ended.err,
-             Catch::Contains("error: 30 psi not reached within 4 s; feedback ") &&
-                 Catch::Contains(" psi [TB-CHAMBER-TIMEOUT]\n  at: chamber\n  try: check supply and leaks\n") &&
-                 Catch::Contains("\n  state: vented, verified (") && !Catch::Contains(" 3 of 4"));
+  CHECK_THAT(
+      ended.err,
+      Catch::Contains("error: 30 psi not reached within 4 s; feedback ") &&
+          Catch::Contains(
+              " psi [TB-CHAMBER-TIMEOUT]\n  at: calibrate-reference, chamber\n  try: check supply and leaks\n") &&
+          Catch::Contains("\n  state: vented, verified (") && !Catch::Contains(" 3 of 4"));
+  CHECK_FALSE(std::filesystem::exists(of.folder.path("none.toml")));
+}
+
+TEST_CASE("calibrate-reference: what cannot be vented after the last reading is told, and no file is written") {
+  const TypedReadings of;
+  // It sticks while the chamber is vented: at this pressure, as long as nothing of the time before changes.
+  const Finished ended = of.calibrate("10\n20\n20\n10\n",
+                                      "--levels 10,20 -o none.toml --set 'simulation.faults=[{kind=\"valve_stuck\","
+                                      "at_s=8}]'");
+  CHECK(ended.code == 7);
+  CHECK(ended.out.empty());
+  CHECK_THAT(
+      ended.err,
+      Catch::EndsWith("error: the safe state could not be proved [TB-SAFE-UNVERIFIED]\n  at: calibrate-reference\n"
+                      "  try: read the chamber's own gauge before touching the rig\n  state: NOT SAFE: pressure "
+                      "remains (feedback 4.2 psi, reference 4.0 psi)\n"));
   CHECK_FALSE(std::filesystem::exists(of.folder.path("none.toml")));
 }
 
