@@ -1,0 +1,108 @@
+// The progress line of verbs whose work the test holds up: a table that comes through a pipe, a store that is written
+// by somebody else, a night that does not end.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "db/run_store.h"
+#include "db/sqlite.h"
+#include "tests/support/in_terminal.h"
+#include "tests/support/process.h"
+
+using namespace tactbench;
+using namespace tactbench::tests;
+
+namespace {
+
+// A table whose rows come when the test gives them.
+class TableThroughPipe {
+ public:
+  explicit TableThroughPipe(const std::string& path) {
+    REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+    pipe_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+    REQUIRE(pipe_ >= 0);
+  }
+  ~TableThroughPipe() { end(); }
+  TableThroughPipe(const TableThroughPipe&) = delete;
+  TableThroughPipe& operator=(const TableThroughPipe&) = delete;
+  void give(const std::string& text) {
+    REQUIRE(::write(pipe_, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
+    end();
+  }
+
+ private:
+  void end() {
+    if (pipe_ >= 0) ::close(pipe_);
+    pipe_ = -1;
+  }
+  int pipe_ = -1;
+};
+
+constexpr const char* kLoopOfPipe =
+    "input,output\n0,0\n1,1.5\n2,2.5\n3,4\n2,3.5\n1,2\n0,0.1\n1,1.4\n2,2.6\n1,2.1\n0,0\n";
+
+}  // namespace
+
+TEST_CASE("progress of an import: the stages by their names, shares and places, while the table and the store wait") {
+  const TemporaryFolder folder;
+  db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
+  TableThroughPipe table(folder.path("t.csv"));
+  InTerminal importing(folder.path(), {"import", "t.csv"}, 100, 24);
+  REQUIRE(importing.shows("\rimport: reading the table (1 of 3)    0 %"));
+  {
+    db::sqlite::Connection other(folder.path("runs.db"), db::sqlite::Access::kReadWrite);
+    other.execute("BEGIN IMMEDIATE");
+    table.give(kLoopOfPipe);
+    CHECK(importing.shows("\rimport: storing (3 of 3)   99 %"));
+    other.execute("ROLLBACK");
+  }
+  CHECK(importing.wait() == 0);
+  CHECK(importing.shown().find("run 1: 11 rows in 1 sequence imported from t.csv") != std::string::npos);
+}
+
+TEST_CASE("progress of an import: none with -q and none with --json") {
+  const TemporaryFolder folder;
+  TableThroughPipe table(folder.path("t.csv")), quiet_table(folder.path("q.csv")), json_table(folder.path("j.csv"));
+  InTerminal quiet(folder.path(), {"import", "q.csv", "-q"}, 100, 24),
+      json(folder.path(), {"import", "j.csv", "--json"}, 100, 24), shown(folder.path(), {"import", "t.csv"}, 100, 24);
+  REQUIRE(shown.shows("\rimport: reading the table "));
+  CHECK(quiet.shown().empty());
+  CHECK(json.shown().empty());
+}
+
+TEST_CASE("progress of a fit: it reads its table first") {
+  const TemporaryFolder folder;
+  TableThroughPipe table(folder.path("t.csv"));
+  InTerminal fitting(folder.path(), {"fit", "t.csv", "--model", "poly"}, 100, 24);
+  REQUIRE(fitting.shows("\rfit: reading the data (1 of 3)    0 %"));
+  table.give(kLoopOfPipe);
+  CHECK(fitting.wait() == 0);
+}
+
+TEST_CASE("progress of a night: one line on a terminal counts its scenarios, in place of a line each") {
+  const TemporaryFolder folder;
+  write_file(folder.path("s.toml"),
+             "schema = 1\nname = \"small\"\n[[scenario]]\nname = \"misspelt\"\nabout = \"a\"\nrecipes = [\"no-such\"]\n"
+             "[[scenario]]\nname = \"endless\"\nabout = \"b\"\nrecipes = [\"./long.toml\"]\nfits = false\n");
+  write_file(folder.path("long.toml"),
+             "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n");
+  const auto night = [](const std::string& more) {
+    std::vector<std::string> words = {"nightly", "./s.toml", "--jobs", "1"};
+    if (!more.empty()) words.push_back(more);
+    return words;
+  };
+  InTerminal quiet(folder.path(), night("-q"), 100, 24), json(folder.path(), night("--json"), 100, 24),
+      shown(folder.path(), night(""), 100, 24);
+  REQUIRE(shown.shows("\rnightly: 2 scenarios   50 %  "));
+  CHECK(shown.shown().find("1 of 2") == std::string::npos);
+  CHECK(quiet.shown().find("nightly: ") == std::string::npos);
+  CHECK(json.shown().find("nightly: ") == std::string::npos);
+  for (InTerminal* each : {&quiet, &json, &shown}) {
+    each->type("\x03");
+    CHECK(each->wait() == 130);
+  }
+}
