@@ -61,7 +61,9 @@ TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial f
       return false;
     }
   };
-  const Finished demo = run_program(program_path(), {"demo", "-q"}, folder.path(), {SIGINT, has_come});
+  std::vector<std::string> words = {"demo", "-q"};
+  if (in_run) words.insert(words.end(), {"--specimen", "harsh", "--sensor-seed", "12"});
+  const Finished demo = run_program(program_path(), words, folder.path(), {SIGINT, has_come});
   INFO(demo.err);
   CHECK(demo.code == 130);
   CHECK_THAT(demo.err, Catch::Contains(in_run ? "TB-RUN-STOPPED" : "TB-DEMO-STOPPED"));
@@ -69,6 +71,9 @@ TEST_CASE("demo: Ctrl-C ends it during or after the runs and leaves no partial f
   for (const auto& file : std::filesystem::directory_iterator(folder.path())) left.insert(file.path().filename());
   CHECK(left == std::set<std::string>{"runs.db", "runs.db-lock"});
   CHECK(run_program(program_path(), {"db", "check"}, folder.path()).code == 0);
+  const json first = json::parse(run_program(program_path(), {"runs", "show", "1", "--json"}, folder.path()).out);
+  CHECK(first["sensor"] == (in_run ? "SIM-HARSH-0012" : "SIM-0001"));
+  CHECK(first["specimen"] == (in_run ? "harsh" : "paper"));
 }
 
 TEST_CASE("a run whose process was killed is found and marked interrupted by the next start") {

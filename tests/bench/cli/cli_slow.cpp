@@ -196,6 +196,12 @@ TEST_CASE("demo: the paper's characterization, and models that hold on runs they
   // A trajectory that was not fitted costs more than the same one again; both tables and all models say so.
   CHECK(reversals["mean_error_psi"] > 1.1 * held_out["mean_error_psi"].get<double>());
   for (const json& model : result["models"]) CHECK(model["scores"].size() == 2);
+  CHECK(result["models"].size() == 6);
+  CHECK(result["runs"] == json::array({1, 2, 3, 4, 5}));
+  CHECK(result["origin"] == "simulated");
+  CHECK(result["report"] == "reports/run-1.html");
+  CHECK(result["verdicts"].size() == 32);
+  CHECK(result["timing_s"].size() == 9);
   CHECK(own["hysteresis_max_fs"].get<double>() == Approx(0.253).margin(0.015));
   CHECK(own["hysteresis_mean_fs"].get<double>() == Approx(0.100).margin(0.012));
   CHECK(own["full_scale_v"].get<double>() == Approx(3.5).margin(0.05));
