@@ -3,10 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <catch2/catch.hpp>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <thread>
 
@@ -46,25 +45,8 @@ class WordsPage {
     (void)client.send(head("GET " + path, server->access().read_token, "Connection: close\r\n"));
     return client.read();
   }
-  [[nodiscard]] nlohmann::json data_of(const std::string& path, int status = 200) const {
-    const std::string answer = get(path);
-    INFO(path << ": " << answer);
-    CHECK(status_of(answer) == status);
-    return nlohmann::json::parse(body_of(answer));
-  }
-  [[nodiscard]] nlohmann::json command(const nlohmann::json& words) const {
-    const std::string body = words.dump();
-    RawClient client(server->port());
-    (void)client.send(head("POST /command", server->access().command_token,
-                           fmt::format("Connection: close\r\nContent-Type: application/json\r\nX-Tactbench: "
-                                       "1\r\nContent-Length: {}\r\n",
-                                       body.size())) +
-                      body);
-    const std::string answer = client.read();
-    INFO(answer);
-    CHECK(status_of(answer) == 200);
-    return nlohmann::json::parse(body_of(answer));
-  }
+  [[nodiscard]] nlohmann::json data_of(const std::string& path, int status = 200) const;
+  [[nodiscard]] nlohmann::json command(const nlohmann::json& words) const;
 
   TemporaryFolder folder;
   bench::PageOptions options;
@@ -74,7 +56,7 @@ class WordsPage {
   std::thread thread_;
 };
 
-inline nlohmann::json told_reply(bool taken, const std::string& text) { return {{"taken", taken}, {"text", text}}; }
+nlohmann::json told_reply(bool taken, const std::string& text);
 
 // A live run of the bench that the page follows.
 struct FollowedRun {

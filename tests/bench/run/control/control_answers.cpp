@@ -217,7 +217,7 @@ TEST_CASE("progress lines: other units, thousands of seconds, no share without s
   CHECK(progress_line(status, -0.1) == "run: 100 %  travelling to 20 psi  2.0 N (force 0.0)");
 }
 
-TEST_CASE("pace: a minute's rest is none, a longer one begins anew; the same step again tells nothing more") {
+TEST_CASE("pace: a minute's rest is none, a longer one begins anew, and the same step again tells nothing more") {
   const auto start = Pace::Clock::now();
   Pace pace(start);
   CHECK(pace.left_s(start + 60s, 10, 40) == 180.0);
