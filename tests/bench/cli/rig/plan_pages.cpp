@@ -105,6 +105,10 @@ TEST_CASE("plan prints a line for each of several recipes and one for all, with 
             fail_safe_lines());
   CHECK_THAT(here.plan({"touch", "touch"}).out,
              Catch::Contains("; plus 2 prompts and the operator's time to answer\n"));
+  write_file(here.folder.path("soft.toml"),
+             "schema = 1\nname = \"soft\"\nkind = \"press\"\n[press]\nobject = \"ring\"\nforces_n = [0.5, 0.75]\n"
+             "positions_mm = [[20, 30]]\n");
+  CHECK_THAT(here.plan({"soft"}).out, Catch::Contains("\nforce up to    0.75 N; "));
   // 8001 frames of 2 x 512 bytes and 220 for the row.
   write_file(here.folder.path("long.toml"),
              "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 5, 0]\nstep = 5\n"

@@ -22,6 +22,7 @@ namespace {
 // A run that is asked how it goes; its store cannot be read.
 struct RunAskedForStatus {
   RunAskedForStatus(const std::string& id, std::int64_t run, const std::string& store) {
+    write_file(store, "");
     config.id = id;
     bench::RunStatus status;
     status.run = run;
@@ -98,7 +99,8 @@ TEST_CASE("status: a bench that does not answer is named, and then it is not sai
   CHECK_THAT(of.say({"status", "--db", "runs.db"}).out,
              Catch::StartsWith(line + "last run in runs.db:\nrun 1 on bench 'bench-a' (simulated): completed, 3 "
                                       "frames\n") &&
-                 Catch::EndsWith("\nnext: tactbench fit 1 --db runs.db\n"));
+                 Catch::EndsWith("\nnext: tactbench fit 1\n"));
+  CHECK(of.say({"status"}).out.find("\nlast run in runs.db:\n") == std::string::npos);  // the live one is told
   CHECK(of.told({"status", "--db", "runs.db"}).at("last_run").at("run") == 1);
 }
 
@@ -130,4 +132,19 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
   const Finished status = of.say({"status", "2"});
   CHECK_THAT(status.out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 2 on bench 'bench-a' ") &&
                              !Catch::Contains("next: "));
+}
+
+TEST_CASE("status: without --db the store of this folder is asked, and one that is not there only for a number") {
+  const AskedForStatus of;
+  CHECK(of.say({"status"}).out == "no run is live\nno run in runs.db\n");
+  const Finished numbered = of.say({"status", "9"});
+  CHECK(numbered.code == 5);
+  CHECK_THAT(numbered.err, Catch::Contains("[TB-STORE-OPEN]"));
+  CHECK(of.say({"status", "--db", "none.db"}).code == 5);
+  {
+    db::RunStore store = db::RunStore::open(of.folder.path("runs.db"), db::Durability::kNormal);
+    (void)store_example(store);
+  }
+  CHECK_THAT(of.say({"status"}).out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 1 on bench "));
+  CHECK_THAT(of.say({"status", "1"}).out, Catch::StartsWith("no run is live\nlast run in runs.db:\nrun 1 on bench "));
 }

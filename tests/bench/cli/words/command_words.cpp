@@ -117,7 +117,7 @@ TEST_CASE("command words: CLI11's tables as data, what is hidden left out") {
   int number = 1;
   double rate = 0.5;
   bool all = false;
-  std::string format = "csv", output, bench, secret;
+  std::string format = "csv", output, bench, both, secret;
   std::vector<std::string> recipes;
   write->add_option("run", number, "which")->required();
   write->add_option("recipe", recipes, "recipes");
@@ -125,6 +125,7 @@ TEST_CASE("command words: CLI11's tables as data, what is hidden left out") {
   write->add_option("-o,--output", output, "file");
   write->add_option("--rate", rate, "Hz")->capture_default_str();
   write->add_option("--bench", bench, "file");
+  write->add_option("both,--both", both, "by its place or by its name");
   write->add_option("--secret", secret, "hidden")->group("");
   write->add_flag("--all", all, "all of them");
   app.add_subcommand("hidden", "not shown")->group("");
@@ -138,7 +139,8 @@ TEST_CASE("command words: CLI11's tables as data, what is hidden left out") {
   CHECK(node.path == "runs export");
   CHECK(node.about == "write rows");
   CHECK(node.footer == "ends");
-  CHECK(node.arguments.size() == 8);  // with --help
+  CHECK(node.arguments.size() == 9);  // with --help
+  CHECK_FALSE(argument_of(node, "--both").positional);
   const CommandArgument &run = argument_of(node, "run"), &recipe = argument_of(node, "recipe");
   CHECK((run.positional && run.required && !run.repeated));
   CHECK(run.kind == ArgumentKind::kNumber);
