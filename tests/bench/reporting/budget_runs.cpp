@@ -219,6 +219,17 @@ TEST_CASE("budget runs: a held-out run is evidence for the one condition that se
         "same 2 8 9 later 3 14 dwelt 6 7 warm 5 mounted 4 paced");
 }
 
+TEST_CASE("budget runs: where a run tells no dwell, it counts as like that of the calibration") {
+  BudgetStore made;
+  (void)made.add({});
+  (void)made.add(film_dwell(0.0));
+  CHECK(made.history({2}) == "same 2 later dwelt warm mounted paced");
+  BudgetStore none;
+  (void)none.add(film_dwell(0.0));
+  (void)none.add({});
+  CHECK(none.history({2}) == "same 2 later dwelt warm mounted paced");
+}
+
 TEST_CASE("budget runs: studies of mounts, and runs without a role as candidates for the effect of dwell, each once") {
   BudgetStore made;
   for (int i = 0; i < 4; ++i) (void)made.add({});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/reporting/conditions.h"
+#include "tests/bench/config/bench_text.h"
 #include "tests/bench/reporting/judged_store.h"
 
 using namespace tactbench;
@@ -95,4 +96,21 @@ TEST_CASE("conditions assessed: dwell as it was set, over all sequences, and of 
   const analysis::JudgedTrajectory frames = made.notes({3}).trajectories.at(0);
   CHECK(frames.dwell_s == 3.0);
   CHECK(frames.fitted_dwell_s == 2.0);
+}
+
+TEST_CASE(
+    "conditions assessed: a bench file that can no longer be read, or is not simulated, tells of no mount and age") {
+  const std::string all = "history; re-mounting; temperature; time; creep; ";
+  for (const std::string& bench : {std::string("no bench"), bench_text("hardware")}) {
+    AssessedStore made;
+    FilmRun unread;
+    unread.bench_toml = bench;
+    (void)made.add({});
+    (void)made.add(unread);
+    CHECK(made.open_sources({2}) == all);
+    AssessedStore other;
+    (void)other.add(unread);
+    (void)other.add({});
+    CHECK(other.open_sources({2}) == all);
+  }
 }

@@ -33,7 +33,8 @@ struct FilmRun {
   std::string calibration = R"({"calibrated":"2026-01-01","due":"2027-01-01"})";
   std::vector<double> temperatures_c = {};
   std::vector<std::string> tags = {};
-  bool bench_too = false;  // the simulated bench's file, whatever the origin
+  bool bench_too = false;       // the simulated bench's file, whatever the origin
+  std::string bench_toml = {};  // in its place
   int columns = 1;
   // Beside film_volts(): of that repeat, level by level.
   std::function<double(int taxel, int repeat, double psi)> error_v = [](int, int, double) { return 0.0; };
@@ -55,6 +56,7 @@ class FilmStore {
     run.operator_name = "nightly";
     run.started_utc = made.started_utc;
     if (made.origin == "simulated" || made.bench_too) run.bench_toml = read_file(bench::find_config("simulated.toml"));
+    if (!made.bench_toml.empty()) run.bench_toml = made.bench_toml;
     std::string set;
     for (const auto& [key, value] : made.set) {
       std::string quoted;

@@ -40,6 +40,8 @@ TEST_CASE("method edges: one dwell and one ramp are no turns, frames a level wit
              Catch::Contains("; on a ramp of 2 psi/s, frames as it passes the levels; "));
   CHECK_THAT(method_of(turns(3) + "dwell_s = 4\nframes_per_level = 3\nframe_interval_s = 2.5\n"),
              Catch::Contains("to the frame; 3 frames a level, 2.5 s apart; no conditioning before it"));
+  CHECK_THAT(method_of(turns(3) + "dwell_s = 4\nframes_per_level = 2\n"),
+             Catch::Contains("; 2 frames a level, 1 s apart;"));
   CHECK_THAT(method_of(turns(3) + "dwell_s = 4\nframes_per_level = 1\n"), !Catch::Contains("frames a level"));
 }
 

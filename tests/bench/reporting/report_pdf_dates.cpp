@@ -96,6 +96,10 @@ TEST_CASE("PDF dates: the document's date in seconds and digits, and one that sa
   CHECK(both("1999-12-31T23:59:59") == "946684799 19991231235959");  // the shortest
   CHECK(both("1999-12-31T23:59:5") == "946684800 20000101000000");
   CHECK(both("") == "946684800 20000101000000");
+  // More digits and fewer: the document keeps its length.
+  CHECK(both("1999-12-31T23:59:59.125Z") == "946684799 19991231235959");
+  CHECK(read_file(made.request.path).size() == 5 + old.size());
+  CHECK(both("1999-12-31 about noon") == "946598400 19991231000000");
 }
 
 TEST_CASE("PDF by a browser: every word, with a profile and files of the page's own folder, which is gone afterwards") {
@@ -152,6 +156,13 @@ TEST_CASE("PDF: what a program leaves running ends with it") {
   }
   CHECK(ended);
   if (!ended) ::kill(static_cast<pid_t>(left), SIGKILL);
+}
+
+TEST_CASE("PDF: one whose program was ended by a signal is not taken") {
+  PdfByScript made;
+  made.add("weasyprint", "printf '%%PDF-1.7' >\"$last\"\nkill -9 $$\n");
+  CHECK_THROWS_AS(write_pdf(made.request), Error);
+  CHECK_FALSE(std::filesystem::exists(made.request.path));
 }
 
 TEST_CASE("PDF: refusals say where and what to do, and the last five hundred characters of a longer output") {
