@@ -75,6 +75,18 @@ TEST_CASE("child program: its end is waited for up to a time, and is told at onc
   CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(50));
 }
 
+TEST_CASE("child program: its output and errors go where they are asked to, and its input is empty") {
+  std::array<int, 2> ends{-1, -1};
+  REQUIRE(::pipe2(ends.data(), O_CLOEXEC) == 0);
+  ChildProgram child = started("echo out; echo error >&2; read line || echo end of input", ends[1]);
+  CHECK(line_from(ends[0]) == "out");
+  CHECK(line_from(ends[0]) == "error");
+  CHECK(line_from(ends[0]) == "end of input");
+  CHECK(line_from(ends[0]).empty());  // nobody holds the pipe's other end
+  CHECK(child.wait() == 0);
+  ::close(ends[0]);
+}
+
 TEST_CASE("child program: one that is let go goes on without its object") {
   pid_t process = -1;
   {

@@ -48,6 +48,11 @@ TEST_CASE("work counts its pieces, and work within it is part of a piece") {
   CHECK(analysis::work_now().works == before + 2);
 }
 
+TEST_CASE("where no verb computes a stage begins, and progress pauses, without effect") {
+  CHECK_NOTHROW(begin_stage("reading"));
+  CHECK_NOTHROW(pause_progress());
+}
+
 TEST_CASE("without a terminal there is no progress line and no thread that watches") {
   LongWork work("fit", false, {{"reading", 1.0}});  // a test has no terminal
   CHECK_FALSE(work.shows());

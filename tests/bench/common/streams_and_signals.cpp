@@ -79,11 +79,13 @@ TEST_CASE("standard streams: those that are closed are opened, the others are le
               dup2(kept.ends[1], descriptor);
               if ((closed >> descriptor & 1) != 0) close(descriptor);
             }
+            const int next = fcntl(kept.ends[1], F_DUPFD_CLOEXEC, 3);
+            close(next);
             keep_standard_files();
             int found = 0;
             for (int descriptor = 0; descriptor < 3; ++descriptor)
               if (leads_to_null(descriptor)) found |= 1 << descriptor;
-            return found;
+            return fcntl(kept.ends[1], F_DUPFD_CLOEXEC, 3) == next ? found : 100;  // no other was opened
           }) == closed);
   }
 }

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cstdint>
+#include <vector>
 
 #include "bench/rig/rig.h"
 #include "bench/simulation/plant.h"
@@ -15,8 +17,15 @@ namespace {
 
 struct Ended {
   bench::RunResult result;
-  std::vector<double> levels;  // of its frames, psi
+  std::vector<double> levels;    // of its frames, psi
+  std::vector<double> mean_v{};  // of all taxels, of each frame
 };
+
+double mean_counts(const db::FrameRecord& frame) {
+  double sum = 0.0;
+  for (const std::uint16_t counts : frame.counts) sum += counts;
+  return sum / static_cast<double>(frame.counts.size());
+}
 
 Ended run_with(const std::string& limits, const std::string& defects) {
   const TemporaryFolder folder;
@@ -26,8 +35,15 @@ Ended run_with(const std::string& limits, const std::string& defects) {
   request.overrides.clear();
   request.recipes = {
       recipe_of("unit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 20\nrepeats = 2\n[limits]\n" + limits)};
+  double volts_per_count = 0.0;
+  request.on_rig = [&](bench::Rig& rig, bench::RigMoment) {
+    if (rig.has_array()) volts_per_count = rig.array().volts_per_count().value();
+  };
   Ended ended{run_small(request, store), {}};
-  for (const db::FrameRecord& frame : store.frames(1)) ended.levels.push_back(frame.setpoint_psi);
+  for (const db::FrameRecord& frame : store.frames(1)) {
+    ended.levels.push_back(frame.setpoint_psi);
+    ended.mean_v.push_back(mean_counts(frame) * volts_per_count);
+  }
   return ended;
 }
 
@@ -68,6 +84,9 @@ TEST_CASE("run: with a weaker array than its recipe asks for it ends at the firs
   const std::string before = "answers with ";
   const double response = std::stod(said.substr(said.find(before) + before.size()));
   CHECK(response > 0.3);
+  REQUIRE(weak.mean_v.size() == 4);
+  CHECK(weak.mean_v[0] > 0.02);  // which the response does not hold
+  CHECK(response == Approx(weak.mean_v[3] - weak.mean_v[0]).margin(0.015));
   check_goes_on(run_with(fmt::format("least_response_v = {}\n", response - 0.01), kSound));
   check_ends_at_the_peak(run_with(fmt::format("least_response_v = {}\n", response + 0.01), kSound), "V on average");
 }

@@ -9,7 +9,10 @@
 #include <optional>
 #include <string>
 
+#include "bench/common/for_people.h"
+#include "bench/run/control/control.h"
 #include "bench/run/control/progress.h"
+#include "bench/run/control/status_board.h"
 #include "tests/support/process.h"
 #include "tests/support/variable.h"
 
@@ -131,4 +134,31 @@ TEST_CASE("progress: a terminal's line is for terminals that can renew it, outsi
   const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   CHECK(mode_with(null, "xterm", std::nullopt, false) == Progress::Mode::kPlain);
   for (const int descriptor : {terminal, program, null}) ::close(descriptor);
+}
+
+TEST_CASE("status board: the last step is shown though nothing is due, an earlier one and a look are not") {
+  Control control;
+  const auto shown = [&](int step, bool done) {
+    return said_by([&] {
+      Progress progress(Progress::Mode::kPlain);
+      StatusBoard board(control, progress);
+      board.now() = status_with_estimate();
+      board.now().rate = 0.0;
+      board.now().step = step;
+      board.publish();
+      if (done)
+        board.step_done();
+      else
+        board.refresh();
+    });
+  };
+  said_by([] { tty::print(stderr, "\n"); });  // ends what another test left open
+  CHECK(shown(3, true).empty());
+  CHECK(shown(4, false).empty());
+  CHECK_THAT(shown(4, true), Catch::EndsWith("run: 100 %  0:00 left  warming up\n"));
+  CHECK(said_by([&] {
+          Progress progress(Progress::Mode::kTerminal);
+          StatusBoard(control, progress).phase("venting");
+          progress.finish();
+        }) == "\r: venting\x1b[K\n");
 }

@@ -46,6 +46,22 @@ TEST_CASE("status: what a run tells is what a client reads") {
   CHECK_FALSE(bare.readings);
   CHECK_FALSE(bare.target_n);
   CHECK(bare.rate == 1.0);
+  CHECK((bare.run == 0 && bare.state == RunState::kEnded && bare.question_id == 0 && !bare.answer));
+  for (const std::string& text : {bare.store, bare.label, bare.reason, bare.question, bare.phase}) CHECK(text.empty());
+  CHECK((bare.step == 0 && bare.steps == 0 && bare.frames == 0 && bare.frames_planned == 0));
+  CHECK((bare.left_s == 0.0 && bare.left_low_s == 0.0 && bare.left_high_s == 0.0));
+  CHECK((bare.prompts_left == 0 && bare.age_s == 0.0));
+  const nlohmann::json nothing = nlohmann::json::object();
+  const RunStatus empty = told_status({{"readings", nothing}, {"answer", nothing}});
+  REQUIRE((empty.readings && empty.answer));
+  CHECK((empty.readings->time_s == 0.0 && empty.readings->setpoint_psi == 0.0));
+  CHECK((empty.readings->feedback_psi == 0.0 && empty.readings->reference_psi == 0.0));
+  CHECK_FALSE((empty.readings->settled || empty.readings->force_n));
+  CHECK((empty.answer->question == 0 && empty.answer->text.empty() && empty.answer->who.empty()));
+  for (int i = 0; i <= static_cast<int>(RunState::kEnded); ++i) {
+    const auto state = static_cast<RunState>(i);
+    CHECK(told_status({{"state", to_string(state)}}).state == state);
+  }
   CHECK_THROWS_AS(told_status({{"readings", 3}}), nlohmann::json::exception);
 }
 
