@@ -175,3 +175,22 @@ TEST_CASE("store locks: one empty file beside the store, with the store's mode, 
   CHECK(refused_as([&] { const RunLock lock(own.path); }) == "TB-STORE-LOCK");
   CHECK(read_file(precious) == "kept");
 }
+
+TEST_CASE("store locks: they hold one descriptor while they live, none where they refuse") {
+  const LockedStore kept;
+  const auto next_descriptor = [] {
+    const int next = ::dup(STDERR_FILENO);
+    ::close(next);
+    return next;
+  };
+  const int before = next_descriptor();
+  for (int turn = 0; turn < 2; ++turn) {  // one that makes the file, and one that finds it
+    const StoreLocks locks(kept.path);
+    CHECK(next_descriptor() == before + 1);
+  }
+  CHECK(next_descriptor() == before);
+  std::filesystem::remove(kept.path + "-lock");
+  CHECK(::mkfifo((kept.path + "-lock").c_str(), 0600) == 0);
+  CHECK(refused_as([&] { const StoreLocks locks(kept.path); }) == "TB-STORE-LOCK");
+  CHECK(next_descriptor() == before);
+}
