@@ -1,5 +1,6 @@
 // The page beside a live run: it is found by its bench and store, shown with each piece of news, takes commands and
 // answers, and is let go when it hangs up.
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 // The page's server in all its words: what a new viewer gets, each place that tells of the store, documents, and links.
 #include <sys/wait.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <string>
 #include <vector>
