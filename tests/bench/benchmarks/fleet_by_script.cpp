@@ -92,6 +92,11 @@ TEST_CASE("benchmark fleet: rows to a table of the same shape and back by psql, 
     CHECK(db::RunStore::open_read_only(db).runs().empty());
   }
   CHECK(psql.words() == expected);
+  // In each round it is asked what is there before the push, and five times when it is pushed again.
+  int asked = 0;
+  for (const std::string& one : server.heard())
+    if (one.front() == 'P' && one.find("FROM fleet.runs r WHERE r.uuid = ANY") != std::string::npos) ++asked;
+  CHECK(asked == 2 * (1 + 5));
   CHECK(server.statements() ==
         Statements{"DROP TABLE IF EXISTS public.tactbench_benchmark; CREATE TABLE public.tactbench_benchmark (LIKE "
                    "fleet.frames INCLUDING ALL)",
