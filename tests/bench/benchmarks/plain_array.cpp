@@ -1,4 +1,5 @@
 // The simplest form of an array that `benchmark array` compares the simulated one with.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -39,6 +40,7 @@ TEST_CASE("benchmark array: the plain form's play operators of 0 to 11 psi, up a
   CHECK(volts_of(array).mean == Approx(0.005 * (22.0 + 21.0 + 20.0 + 9 * 19.0)).margin(0.0005));
   array.frame(0.0);
   CHECK(volts_of(array).mean == Approx(0.0006).margin(0.0004));  // noise below 0 V is cut off: 0.4 of its deviation
+  CHECK(std::ranges::count(array.counts(), 0) > 64);             // of half of the taxels
   array.frame(100.0);
   CHECK(volts_of(array).mean == Approx(5.0).margin(1e-9));  // the converter's end
 }
