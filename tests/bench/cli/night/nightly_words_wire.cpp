@@ -136,7 +136,11 @@ TEST_CASE("nightly: files that cannot be written end it before a scenario begins
 TEST_CASE("nightly: the lists say after each scenario how far the night is") {
   const SmallNight of;
   std::string suite = read_file(of.folder.path("s.toml"));
-  suite += "[[scenario]]\nname = \"endless\"\nabout = \"ended by a signal\"\nset = [\"recipe.repeats=1000\"]\n";
+  suite +=
+      "[[scenario]]\nname = \"endless\"\nabout = \"ended by a signal\"\nrecipes = [\"./long.toml\"]\nfits = "
+      "false\n";
+  write_file(of.folder.path("long.toml"),
+             "schema = 1\nname = \"long\"\nunit = \"psi\"\nturning_points = [0, 60, 0]\nstep = 2\nrepeats = 1000\n");
   write_file(of.folder.path("s.toml"), suite);
   const std::string lists = of.folder.path("night.xml");
   const auto after_two = [&] {
