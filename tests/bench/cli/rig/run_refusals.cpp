@@ -110,3 +110,9 @@ TEST_CASE("calibrate-reference: what is refused before a device is opened") {
     CHECK(verb_here(bench::add_devices, words).code == 2);
   }
 }
+
+TEST_CASE("dead-man: it serves a socket that is named") {
+  const Finished unnamed = verb_here(bench::add_dead_man, {"dead-man"});
+  CHECK(unnamed.code == 2);
+  CHECK(unnamed.err == "parse: --socket is required\n");
+}
