@@ -70,7 +70,11 @@ std::unique_ptr<RawClient> send_command(const WordsPage& page, const std::string
   return client;
 }
 
-json answer_to(RawClient& client) { return json::parse(body_of(client.read())); }
+json answer_to(RawClient& client) {
+  const std::string answer = client.read();
+  CHECK(status_of(answer) == 200);
+  return json::parse(body_of(answer));
+}
 
 bool is_live(const WordsPage& page) {
   RawClient viewer(page.server->port());
