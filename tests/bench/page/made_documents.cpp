@@ -40,7 +40,9 @@ struct ScriptedDocuments {
   void make(const std::vector<std::string>& words, const std::string& output = "-o") {
     documents.make(words, output, [this](const Document& made) { ready.push_back(made); });
   }
-  [[nodiscard]] std::size_t begun() const { return read_file(folder.path("begun")).size() / 2; }
+  [[nodiscard]] std::size_t begun() const {
+    return std::filesystem::exists(folder.path("begun")) ? read_file(folder.path("begun")).size() / 2 : 0;
+  }
   TemporaryFolder folder;
   std::string program = folder.path("program");
   std::vector<Document> ready;
