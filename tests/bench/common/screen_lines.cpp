@@ -1,5 +1,6 @@
 // What reaches a terminal: painted blocks, the line that is written over, and the words of long work.
 #include <fcntl.h>
+#include <poll.h>
 #include <pty.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
@@ -35,7 +36,7 @@ struct SizedTerminal {
   }
   SizedTerminal(const SizedTerminal&) = delete;
   SizedTerminal& operator=(const SizedTerminal&) = delete;
-  // What `print` writes to standard error when that is this terminal.
+  // What `print` writes to standard error when that is this terminal, up to a line's end.
   template <class Print>
   std::string shown_by(const Print& print) const {
     const int before = dup(STDERR_FILENO);
@@ -43,9 +44,12 @@ struct SizedTerminal {
     print();
     dup2(before, STDERR_FILENO);
     close(before);
-    std::string text(4096, '\0');
-    const ssize_t size = read(terminal, text.data(), text.size());
-    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    std::string text;  // a terminal may pass it on in pieces
+    for (pollfd ready{terminal, POLLIN, 0}; !text.ends_with('\n') && poll(&ready, 1, 20'000) == 1;) {
+      char c = 0;
+      if (read(terminal, &c, 1) != 1) break;
+      text += c;
+    }
     return text;
   }
   int terminal = -1, program = -1;
