@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
+#include <vector>
 
 #include "analysis/identify/elam/genetic.h"
 #include "analysis/identify/elam/genetic_module.h"
@@ -58,6 +59,30 @@ TEST_CASE("genetic algorithm: its J on the paper taxel with noise is never below
   }
   WARN("genetic over exact: J " << mean << " in the mean, " << worst << " at most, time " << genetic_s << " s over "
                                 << exact_s << " s = " << genetic_s / exact_s);
+}
+
+TEST_CASE("genetic algorithm: a range about 0 is searched as one that begins there") {
+  if (!has_genetic()) {
+    WARN("this build has no genetic algorithm: nothing compared");
+    return;
+  }
+  const FitData data = paper_both(0.032, 0.0205, 1);
+  const double middle = 0.5 * (data.ascending.x().front() + data.ascending.x().back());
+  const auto moved = [&](const PatternCurve& curve) {
+    std::vector<double> x(curve.x().begin(), curve.x().end());
+    for (double& at : x) at -= middle;
+    return PatternCurve(x, {curve.y().begin(), curve.y().end()}, curve.y().front(), curve.y().back());
+  };
+  std::vector<TaxelBranch> branches = branches_of(data);
+  for (TaxelBranch& branch : branches)
+    for (double& at : branch.pressure_psi) at -= middle;
+  const PatternCurve up = moved(data.ascending), down = moved(data.descending);
+  const ElamFit exact = identify_elam(up, down, branches), genetic = identify_elam_ga(up, down, branches, {}, 1);
+  CHECK(genetic.j_v2 < 100.0 * exact.j_v2);
+  const ElamParameters& p = genetic.model.parameters;
+  const double full = p.alpha_a1 * (genetic.model.xu() - genetic.model.x0()) + p.alpha_a0;
+  CHECK(full >= -1e-12);
+  CHECK(full <= 1.0 + 1e-12);
 }
 
 TEST_CASE("genetic algorithm: it is found where it was built") {
