@@ -102,10 +102,11 @@ void read_undetermined(const nlohmann::json& patterns, SensorModel& fit) {
     taxel.fit.undetermined = patterns.at("undetermined").value(std::to_string(taxel.taxel), std::vector<std::string>());
 }
 
-// The mean taxel's at the end.
+// The mean taxel's at the end, as in the rows: also of an only taxel, which is its own mean.
 std::vector<double> residuals_of(const SensorModel& fit) {
   std::vector<double> residuals;
-  for (const ModelTaxel& taxel : fit.taxels) residuals.push_back(taxel.residual_psi);
+  for (const ModelTaxel& taxel : fit.array()) residuals.push_back(taxel.residual_psi);
+  residuals.push_back(fit.mean_taxel().residual_psi);
   return residuals;
 }
 

@@ -202,3 +202,14 @@ TEST_CASE("rows of taxels that make no model are refused, each for what it is") 
         start + "taxel 0 has 0 parameters and 2 + 2 knots on a grid of 2");
   CHECK(taxel_with([](Taxels& rows) { rows[3].noise_v = 0.5; }).empty());
 }
+
+TEST_CASE("a fit of an only taxel, which has no mean beside it, comes back from its rows") {
+  SensorModel fit = fit_of_run();
+  fit.pressure_psi = {0.0, 60.0};
+  fit.taxels.resize(1);
+  fit.columns = 1;
+  const SensorModel back = model_from_rows(rows_of(fit));
+  REQUIRE(back.array().size() == 1);
+  CHECK((back.array()[0].residual_psi == 0.125 && back.mean_taxel().residual_psi == 0.125));
+  CHECK((back.array()[0].yu() == fit.taxels[0].yu() && back.full_scale_v() == fit.full_scale_v()));
+}
