@@ -28,15 +28,24 @@ TACTBENCH_INLINE void descending(const LaneProblem& p, const double* alpha, std:
     kernel::descending<N, false>(p, alpha, count, j, beta);
 }
 
+template <int N, bool kUniform>
+TACTBENCH_INLINE void ascending_on(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
+  switch (gradient) {
+    case Gradient::kNone:
+      return kernel::ascending<N, kUniform, Gradient::kNone>(lanes, count);
+    case Gradient::kPlane:
+      return kernel::ascending<N, kUniform, Gradient::kPlane>(lanes, count);
+    case Gradient::kSpace:
+      return kernel::ascending<N, kUniform, Gradient::kSpace>(lanes, count);
+  }
+}
+
 template <int N>
 TACTBENCH_INLINE void ascending(AscendingLanes& lanes, std::size_t count, Gradient gradient) {
-  const bool uniform = lanes.problem->table.uniform();
-  if (uniform && gradient == Gradient::kNone) kernel::ascending<N, true, Gradient::kNone>(lanes, count);
-  if (uniform && gradient == Gradient::kPlane) kernel::ascending<N, true, Gradient::kPlane>(lanes, count);
-  if (uniform && gradient == Gradient::kSpace) kernel::ascending<N, true, Gradient::kSpace>(lanes, count);
-  if (!uniform && gradient == Gradient::kNone) kernel::ascending<N, false, Gradient::kNone>(lanes, count);
-  if (!uniform && gradient == Gradient::kPlane) kernel::ascending<N, false, Gradient::kPlane>(lanes, count);
-  if (!uniform && gradient == Gradient::kSpace) kernel::ascending<N, false, Gradient::kSpace>(lanes, count);
+  if (lanes.problem->table.uniform())
+    ascending_on<N, true>(lanes, count, gradient);
+  else
+    ascending_on<N, false>(lanes, count, gradient);
 }
 
 // An attribute and names cannot stand in parentheses. NOLINTBEGIN(bugprone-macro-parentheses)
