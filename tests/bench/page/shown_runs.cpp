@@ -157,7 +157,6 @@ TEST_CASE("shown run: its newest dozen of events that tell how it goes, newest f
     CHECK(state["events"][static_cast<std::size_t>(i)]["detail"] == fmt::format("number {}", 12 - i));
     CHECK(state["events"][static_cast<std::size_t>(i)]["try"] == "");
   }
-  CHECK(state["view"]["lives"].is_boolean() == state["view"].contains("lives"));
   CHECK(state["safe"]["state"] == "unknown");
   made.store.end_run(run, db::Outcome::kCompleted, "done", db::SafeState::kVerified, kUtc);
   CHECK(made.shown()["safe"]["words"] == "proved at the end: by two witnesses");  // older than the dozen

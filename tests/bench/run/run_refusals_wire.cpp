@@ -58,3 +58,17 @@ TEST_CASE("run: a recipe that presses needs a stage and a force sensor") {
         Catch::Contains(without_stage ? "needs a stage, which bench" : "needs a force sensor, which bench"));
   }
 }
+
+TEST_CASE("run: forces beyond what the force sensor's calibration goes to are refused before the stage moves") {
+  Refused run;
+  run.request = small_request({{"force.overload_share", "0.5"}});
+  run.request.recipes = {recipe_of(press_text(1))};
+  run.request.assume_yes = true;
+  const bench::RunResult result = run_small(run.request, run.store);
+  REQUIRE(result.error);
+  CHECK(result.error->id() == "TB-PRESS-LIMIT");
+  CHECK(result.error->code() == bench::ExitCode::kStopped);
+  CHECK_THAT(result.error->what(), Catch::Contains("recipe 'small': 30 N, ") &&
+                                       Catch::Contains(" are beyond the 17.5 N of Fz that the fitted calibration"));
+  CHECK(run.store.frames(result.run).empty());
+}
