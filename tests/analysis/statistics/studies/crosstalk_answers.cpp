@@ -76,10 +76,11 @@ TEST_CASE("shares over distance by hand, the print itself included") {
 TEST_CASE("only rising frames of the highest force count, within a tenth of it") {
   std::vector<PointFrame> frames = four_prints(5.0);
   frames.push_back(print(0, 2, 4.6));
+  frames.push_back(print(3, 14, 4.5));         // just a tenth less
   frames.push_back(print(1, 6, 4.4));          // a lower level
   frames.push_back(print(2, 10, 5.0, false));  // on its way down
   const Crosstalk c = crosstalk_of(7, frames, kWide, kWide);
   REQUIRE(c.assessed());
-  CHECK(c.force_n == Approx((4 * 5.0 + 4.6) / 5));
-  CHECK(c.row.samples == 5 * 3 * 12);
+  CHECK(c.force_n == Approx((4 * 5.0 + 4.6 + 4.5) / 6));
+  CHECK(c.row.samples == 6 * 3 * 12);
 }
