@@ -133,6 +133,15 @@ stage is silent: unverified, vented, verified (feedback 0.0 psi, reference 0.0 p
   {
     TroubledRig bench;
     bench.press(30.5);
+    bench.fail(FaultKind::kStageStalled, 1.0);
+    bench.prove("x is stalled, which need not move");
+    check_lines(bench.lines, R"(
+x is stalled, which need not move: verified, vented, verified (feedback 0.0 psi, reference 0.0 psi); retracted, verified (z 25.000 mm, 0.00 N) | after 0.922 s, 0.00 psi, 0.00 N
+)");
+  }
+  {
+    TroubledRig bench;
+    bench.press(30.5);
     bench.fail(FaultKind::kStageStalled, 3.0);
     bench.prove("z is stalled");
     check_lines(bench.lines, R"(
