@@ -1,22 +1,17 @@
 // `benchmark charts` with few draws and nights of 70 figures: every case, each with its own seed, as it was recorded.
 #include <catch2/catch.hpp>
-#include <iterator>
 #include <string>
 #include <vector>
 
-#include "bench/benchmarks/charts.h"
+#include "tests/bench/benchmarks/recorded_charts.h"
 
 using namespace tactbench;
+using namespace tactbench::tests;
 
 namespace {
 
-struct RecordedFew {
-  const char* name;
-  double of_8, of_20, of_30;  // baselines of so many runs
-};
-
 // Of 300 draws and three periods, in the order in which they are printed.
-constexpr RecordedFew kFew[] = {
+constexpr RecordedChart kFew[] = {
     {"false_normal", 2.66667, 5.33333, 6},
     {"false_largest", 8.33333, 14.3333, 16.6667},
     {"false_log_of_largest", 7.66667, 4.33333, 9},
@@ -56,16 +51,7 @@ constexpr RecordedFew kFew[] = {
 }  // namespace
 
 TEST_CASE("benchmark charts: shifts found and false reports of every case, as they were recorded") {
-  const std::vector<bench::Figure> figures = bench::benchmark_charts(300, 70);
-  REQUIRE(figures.size() == 3 * std::size(kFew));
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    const std::size_t n = i / std::size(kFew);
-    const RecordedFew& recorded = kFew[i % std::size(kFew)];
-    CHECK(figures[i].name == std::string("charts_n") + (n == 0 ? "8_" : n == 1 ? "20_" : "30_") + recorded.name);
-    INFO(figures[i].name);
-    CHECK(figures[i].value == Approx(n == 0 ? recorded.of_8 : n == 1 ? recorded.of_20 : recorded.of_30).margin(1e-3));
-    CHECK(figures[i].unit == (figures[i].name.ends_with("_median") ? "runs" : "%"));
-  }
+  check_charts(bench::benchmark_charts(300, 70), kFew);
 }
 
 TEST_CASE("benchmark charts: fewer than a hundred draws make one period, and nights have 671 figures") {

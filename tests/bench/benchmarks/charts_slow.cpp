@@ -1,24 +1,20 @@
 // `tactbench benchmark charts`: its table holds every case, and its figures are those that the charts promise, within
 // the error of few draws; and those of these seeds are as they were recorded.
-#include "bench/benchmarks/charts.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <string>
+#include <vector>
+
+#include "tests/bench/benchmarks/recorded_charts.h"
 
 using namespace tactbench;
+using namespace tactbench::tests;
 
 namespace {
 
-struct RecordedCharts {
-  const char* name;
-  double of_8, of_20, of_30;  // baselines of so many runs
-};
-
 // Of 200 draws, in the order in which they are printed.
-constexpr RecordedCharts kRecorded[] = {
+constexpr RecordedChart kRecorded[] = {
     {"false_normal", 2.5, 5, 5},
     {"false_largest", 9, 16, 14},
     {"false_log_of_largest", 9.5, 4.5, 11},
@@ -60,15 +56,9 @@ constexpr RecordedCharts kRecorded[] = {
 TEST_CASE("benchmark charts: the promised false alarms and shifts found, for every baseline") {
   constexpr int kDraws = 200, kNights = 60 * kDraws / 100;
   std::map<std::string, double> figures;
-  std::size_t at = 0;
-  for (const bench::Figure& figure : bench::benchmark_charts(kDraws)) {
-    const std::size_t n = at / std::size(kRecorded);
-    const RecordedCharts& recorded = kRecorded[at++ % std::size(kRecorded)];
-    CHECK(figure.name == std::string("charts_n") + (n == 0 ? "8_" : n == 1 ? "20_" : "30_") + recorded.name);
-    CHECK(figure.value == Approx(n == 0 ? recorded.of_8 : n == 1 ? recorded.of_20 : recorded.of_30).margin(1e-3));
-    CHECK(figures.emplace(figure.name, figure.value).second);
-    CHECK(figure.unit == (figure.name.ends_with("_median") ? "runs" : "%"));
-  }
+  const std::vector<bench::Figure> printed = bench::benchmark_charts(kDraws);
+  check_charts(printed, kRecorded);
+  for (const bench::Figure& figure : printed) CHECK(figures.emplace(figure.name, figure.value).second);
   CHECK(figures.size() == 3 * (3 + 2 * 5 + 3 * 3 + 2 * 2 * 3));
   const auto of = [&](int n, const std::string& name) {
     return figures.at("charts_n" + std::to_string(n) + "_" + name);

@@ -15,6 +15,8 @@
 #include "bench/common/signed_number.h"
 #include "db/run_store.h"
 #include "tests/bench/cli/verb_here.h"
+#include "tests/bench/common/file_mode.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -24,23 +26,14 @@ namespace {
 
 template <class Work>
 std::string output_refusal(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    CHECK(error.code() == ExitCode::kUsage);
-    return error.id() + ": " + error.what() + " | " + error.where() + " | " + error.remedy();
-  }
-  return "not refused";
+  const auto error = refusal_by(work);
+  if (!error) return "not refused";
+  CHECK(error->code() == ExitCode::kUsage);
+  return error->id() + ": " + error->what() + " | " + error->where() + " | " + error->remedy();
 }
 
 std::string refusal_at(const std::string& path, const std::string& text = "x,y\n1,2\n", bool replace = false) {
   return output_refusal([&] { write_output(path, text, replace); });
-}
-
-mode_t mode_of_output(const std::string& path) {
-  struct stat found {};
-  REQUIRE(stat(path.c_str(), &found) == 0);
-  return found.st_mode & 07777;
 }
 
 }  // namespace
@@ -101,12 +94,12 @@ TEST_CASE("output: new files have the mode that the process gives, replaced ones
   write_output(folder.path("a"), "x,y\n1,2\n", false);
   const HalfFile half = make_half_file(folder.path("b"));
   umask(before);
-  CHECK(mode_of_output(folder.path("a")) == 0666);
-  CHECK(mode_of_output(half.name) == 0666);
+  CHECK(mode_of(folder.path("a")) == 0666);
+  CHECK(mode_of(half.name) == 0666);
   CHECK(half.target == folder.path("b"));
   REQUIRE(chmod(folder.path("a").c_str(), 04751) == 0);
   const HalfFile next = make_half_file(folder.path("a"));
-  CHECK(mode_of_output(next.name) == 0751);
+  CHECK(mode_of(next.name) == 0751);
   CHECK(read_file(folder.path("a")) == "x,y\n1,2\n");
   CHECK(make_half_file(folder.path("far/away/c")).target == folder.path("far/away/c"));
 }

@@ -12,7 +12,9 @@
 
 #include "bench/common/error.h"
 #include "bench/common/private_files.h"
+#include "tests/bench/common/file_mode.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/variable.h"
 
 using namespace tactbench::bench;
@@ -25,21 +27,12 @@ constexpr gid_t kAnyGroup = 54321;
 
 template <class Work>
 std::string folder_refusal(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    CHECK(error.id() == "TB-FOLDER-UNSAFE");
-    CHECK(error.code() == ExitCode::kUsage);
-    CHECK(error.remedy() == "remove it, or name a folder of your own (TMPDIR, XDG_STATE_HOME, TACTBENCH_RUNTIME_DIR)");
-    return std::string(error.what()) + " at " + error.where();
-  }
-  return "not refused";
-}
-
-mode_t mode_there(const std::string& path) {
-  struct stat found {};
-  REQUIRE(lstat(path.c_str(), &found) == 0);
-  return found.st_mode & 07777;
+  const auto error = refusal_by(work);
+  if (!error) return "not refused";
+  CHECK(error->id() == "TB-FOLDER-UNSAFE");
+  CHECK(error->code() == ExitCode::kUsage);
+  CHECK(error->remedy() == "remove it, or name a folder of your own (TMPDIR, XDG_STATE_HOME, TACTBENCH_RUNTIME_DIR)");
+  return std::string(error->what()) + " at " + error->where();
 }
 
 // Opens and closes; true where it could be opened.
@@ -80,19 +73,19 @@ TEST_CASE("private folders: each right of others is told and taken away, or refu
     CHECK(folder_refusal([&] { check_private_folder(path); }) ==
           words + "other users may enter it (mode " + text + "; it must be 0700) at " + path);
     CHECK(folder_refusal([&] { make_private_folder(path); }) == "not refused");
-    CHECK(mode_there(path) == 0700);
+    CHECK(mode_of(path) == 0700);
   }
   for (const auto& [mode, text] : Modes{{0720, "0720"}, {0702, "0702"}, {01777, "1777"}}) {
     REQUIRE(chmod(path.c_str(), mode) == 0);
     CHECK(folder_refusal([&] { make_private_folder(path); }) ==
           words + "other users may write to it (mode " + text + ") at " + path);
-    CHECK(mode_there(path) == mode);
+    CHECK(mode_of(path) == mode);
   }
   // One that its owner may not write to is closed all the same.
   for (const mode_t mode : {0500, 0700, 0000}) {
     REQUIRE(chmod(path.c_str(), mode) == 0);
     CHECK(folder_refusal([&] { make_private_folder(path); }) == "not refused");
-    CHECK(mode_there(path) == mode);
+    CHECK(mode_of(path) == mode);
   }
   const std::string none = folder.path("none");
   CHECK(folder_refusal([&] { check_private_folder(none); }) == words + "No such file or directory at " + none);
@@ -134,7 +127,7 @@ TEST_CASE("own files: where others' files are taken, which mode new ones get, an
   const std::string path = folder.path("file");
   const int make = O_WRONLY | O_CREAT;
   REQUIRE(opens(path, make));
-  CHECK(mode_there(path) == 0600);
+  CHECK(mode_of(path) == 0600);
   write_file(path, "kept");
   REQUIRE(opens(path, make));
   CHECK(read_file(path) == "kept");
@@ -165,10 +158,10 @@ TEST_CASE("own files: where others' files are taken, which mode new ones get, an
     REQUIRE(chmod(shared.c_str(), row.mode) == 0);
     std::filesystem::remove(inside);
     REQUIRE(opens(inside, make));
-    CHECK(mode_there(inside) == (row.trusted ? 0660 : 0600));
+    CHECK(mode_of(inside) == (row.trusted ? 0660 : 0600));
     CHECK(opens(other, O_RDONLY) == row.trusted);
     CHECK(opens(other, O_WRONLY | O_TRUNC) == row.trusted);
-    CHECK(mode_there(other) == 0640);  // another member's file keeps its mode
+    CHECK(mode_of(other) == 0640);  // another member's file keeps its mode
     CHECK(read_file(other) == (row.trusted ? "" : "theirs"));
     write_file(other, "theirs");
   }

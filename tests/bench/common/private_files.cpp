@@ -15,7 +15,9 @@
 
 #include "bench/common/error.h"
 #include "bench/guard/trip.h"
+#include "tests/bench/common/file_mode.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/variable.h"
 
 using namespace tactbench::bench;
@@ -28,18 +30,9 @@ constexpr gid_t kSomeGroup = 54321;
 
 template <class Work>
 std::string refused_as(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.id() + ": " + error.what();
-  }
-  return "not refused";
-}
-
-mode_t mode_of(const std::string& path) {
-  struct stat found {};
-  REQUIRE(lstat(path.c_str(), &found) == 0);
-  return found.st_mode & 07777;
+  const auto error = refusal_by(work);
+  if (!error) return "not refused";
+  return error->id() + ": " + error->what();
 }
 
 }  // namespace

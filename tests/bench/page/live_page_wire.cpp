@@ -7,6 +7,7 @@
 #include "bench/run/control/client_words.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/bench/page/served_page.h"
+#include "tests/support/answering_run.h"
 #include "tests/support/endless_run.h"
 
 using namespace tactbench;
@@ -58,7 +59,7 @@ class LivePage : public WordsPage {
 
 TEST_CASE("live page: the run of its bench and store is shown with its readings, its state, and its end") {
   LivePage page;
-  FollowedRun run("page-words", page.options.db, 1);
+  AnsweringRun run("page-words", 1, page.options.db);
   run.status.phase = "unloading";
   run.publish();
   run.control.see(bench::RunReadings{1.5, 20.0, 20.25, 20.5, true, std::nullopt});
@@ -100,7 +101,7 @@ TEST_CASE("live page: the run of its bench and store is shown with its readings,
 
 TEST_CASE("live page: each command goes to the run that the person saw, and its answer comes back") {
   LivePage page;
-  FollowedRun run("page-words", page.options.db, 1);
+  AnsweringRun run("page-words", 1, page.options.db);
   REQUIRE_FALSE(page.event("state", [](const json& data) { return data["live"] == true; }).is_null());
   const auto say = [&](const char* word, std::int64_t number = 1) {
     return page.command({{"word", word}, {"run", number}});
@@ -122,8 +123,8 @@ TEST_CASE("live page: each command goes to the run that the person saw, and its 
 
 TEST_CASE("live page: a bench of another store is let go for one of this store") {
   LivePage page("");  // any bench
-  FollowedRun foreign("page-a", page.folder.path("other.db"), 7);
-  FollowedRun own("page-b", page.options.db, 1);
+  AnsweringRun foreign("page-a", 7, page.folder.path("other.db"));
+  AnsweringRun own("page-b", 1, page.options.db);
   const json state = page.event("state", [](const json& data) { return data["live"] == true; });
   REQUIRE_FALSE(state.is_null());
   CHECK(state["view"]["run"] == 1);
@@ -132,7 +133,7 @@ TEST_CASE("live page: a bench of another store is let go for one of this store")
   own.socket.reset();
   REQUIRE_FALSE(
       page.event("state", [](const json& data) { return data["live"] == false && data.contains("next"); }).is_null());
-  FollowedRun linked("page-c", page.folder.path("./x/../runs.db"), 1);
+  AnsweringRun linked("page-c", 1, page.folder.path("./x/../runs.db"));
   REQUIRE_FALSE(
       page.event("state", [](const json& data) { return data["live"] == true && data["view"]["bench"] == "page-c"; })
           .is_null());

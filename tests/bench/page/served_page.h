@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "bench/page/page_server.h"
-#include "bench/run/control/control_socket.h"
 #include "db/run_store.h"
 #include "tests/bench/page/raw_http.h"
 #include "tests/db/store_example.h"
@@ -57,22 +56,5 @@ class WordsPage {
 };
 
 nlohmann::json told_reply(bool taken, const std::string& text);
-
-// A live run of the bench that the page follows.
-struct FollowedRun {
-  FollowedRun(const std::string& bench, const std::string& store, std::int64_t run) {
-    config.id = bench;
-    status.run = run;
-    status.store = store;
-    status.state = bench::RunState::kRunning;
-    control.publish(status);
-    socket = std::make_unique<bench::ControlSocket>(config, control, run);
-  }
-  void publish() { control.publish(status); }
-  bench::BenchConfig config;
-  bench::Control control;
-  bench::RunStatus status;
-  std::unique_ptr<bench::ControlSocket> socket;
-};
 
 }  // namespace tactbench::tests

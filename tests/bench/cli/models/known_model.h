@@ -72,4 +72,17 @@ inline std::unique_ptr<analysis::MpiModel> straight_line() {
   return std::make_unique<analysis::MpiModel>(analysis::MpiParameters{0.125, 0.0, 0.0, 0.0, 0.7}, 0.0, 64.0, 0.0);
 }
 
+// One taxel of that line, with its noise in V.
+inline SensorModel straight_model(double noise = 0.0) {
+  SensorModel document = known_model(0.1, 0.0);
+  document.sensor_serial.clear();
+  document.validity.input = analysis::Range{0.0, 64.0};
+  document.taxels.resize(1);
+  document.columns = 1;
+  document.taxels[0].fit.model = straight_line();
+  document.taxels[0].fit.full_scale = 8.0;
+  document.taxels[0].noise = noise;
+  return document;
+}
+
 }  // namespace tactbench::tests

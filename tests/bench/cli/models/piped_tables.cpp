@@ -31,16 +31,7 @@ class TypedInput {
 
 // 0.125 V/N from 0 to 64 N.
 struct LineInFolder {
-  LineInFolder() {
-    SensorModel document = known_model(0.1, 0.0);
-    document.sensor_serial.clear();
-    document.validity.input = analysis::Range{0.0, 64.0};
-    document.taxels.resize(1);
-    document.columns = 1;
-    document.taxels[0].fit.model = straight_line();
-    document.taxels[0].fit.full_scale = 8.0;
-    write_model(folder, "m.json", document);
-  }
+  LineInFolder() { write_model(folder, "m.json", straight_model(0.004)); }
   [[nodiscard]] Finished typed(const std::string& text, const std::vector<std::string>& words) const {
     const TypedInput input(text);
     return model_verb(folder, words);

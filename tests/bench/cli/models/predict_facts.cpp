@@ -16,19 +16,6 @@ using namespace tactbench::tests;
 
 namespace {
 
-// One taxel, 0.125 V/N from 0 to 64 N with a noise of 0.0625 V.
-SensorModel one_line(double noise = 0.0) {
-  SensorModel document = known_model(0.1, 0.0);
-  document.sensor_serial.clear();
-  document.validity.input = analysis::Range{0.0, 64.0};
-  document.taxels.resize(1);
-  document.columns = 1;
-  document.taxels[0].fit.model = straight_line();
-  document.taxels[0].fit.full_scale = 8.0;
-  document.taxels[0].noise = noise;
-  return document;
-}
-
 struct FolderOfModel {
   explicit FolderOfModel(const SensorModel& model) { write_model(folder, "m.json", model); }
   Finished of_table(const std::string& verb, const std::string& text, std::vector<std::string> more = {}) const {
@@ -42,7 +29,7 @@ struct FolderOfModel {
 }  // namespace
 
 TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
-  const FolderOfModel one(one_line());
+  const FolderOfModel one(straight_model());
   const std::string table = "input\n8\n16\n", predicted = "input,predicted\n8,1\n16,2\n";
   CHECK(one.of_table("predict", table).out == predicted);
   CHECK(one.of_table("predict", table, {"--taxel", "0"}).out == predicted);
@@ -76,14 +63,14 @@ TEST_CASE("predict: which taxel a table without a column of taxels speaks of") {
 }
 
 TEST_CASE("predict: inputs at the ends of the validity, a fiftieth beyond them, and farther") {
-  SensorModel narrow = one_line();
+  SensorModel narrow = straight_model();
   narrow.validity.input = analysis::Range{14.0, 64.0};
   const FolderOfModel of(narrow);
   CHECK(of.of_table("predict", "input\n14\n64\n13.05\n64.95\n").err.empty());
   CHECK(of.of_table("predict", "input\n12.95\n65.05\n14\n").err ==
         "2 of 3 inputs lie outside the model's validity, 14 to 64 N\n");
   CHECK(of.of_table("compensate", "output,input\n1,99\n").err.empty());  // inputs are not looked at there
-  SensorModel open = one_line();
+  SensorModel open = straight_model();
   open.validity.input.reset();
   open.taxels[0].fit.undetermined = {"rho", "tau"};
   const FolderOfModel unbounded(open);
@@ -91,7 +78,7 @@ TEST_CASE("predict: inputs at the ends of the validity, a fiftieth beyond them, 
 }
 
 TEST_CASE("predict and compensate: a line of units, semicolons with decimal commas, a file in place of the output") {
-  const FolderOfModel of(one_line());
+  const FolderOfModel of(straight_model());
   const Finished predicted = of.of_table("predict", "input;remark\n[N];[-]\n8,5;a\n16,0;b\n");
   CHECK(predicted.code == 0);
   CHECK(predicted.out == "input;remark;predicted\n[N];[-];V\n8,5;a;1,0625\n16,0;b;2\n");
@@ -117,14 +104,14 @@ TEST_CASE("predict and compensate: a line of units, semicolons with decimal comm
 }
 
 TEST_CASE("compensate: noise of the output over the slope, the ends of the loop, and an output that falls") {
-  const FolderOfModel of(one_line(0.0625));
+  const FolderOfModel of(straight_model(0.0625));
   const Finished rising = of.of_table("compensate", "output\n0\n2\n4\n");
   CHECK(rising.code == 0);
   CHECK(rising.out == "output,compensated,uncertainty,flags\n0,0,0.5,\n2,16,0.5,\n4,32,0.5,\n");
-  const FolderOfModel silent(one_line());
+  const FolderOfModel silent(straight_model());
   CHECK(silent.of_table("compensate", "output\n0\n2\n99\n").out ==
         "output,compensated,uncertainty,flags\n0,0,nan,\n2,16,nan,\n99,64,nan,range\n");
-  SensorModel document = one_line();
+  SensorModel document = straight_model();
   document.falling = true;
   const FolderOfModel falling(document);
   CHECK(falling.of_table("compensate", "output\n0\n-2\n-4\n").out ==

@@ -11,6 +11,7 @@
 #include "bench/common/error.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/db/store_example.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -19,12 +20,9 @@ namespace {
 
 template <class Check>
 std::string report_refusal(const Check& check) {
-  try {
-    check();
-  } catch (const Error& error) {
-    return error.id() + " | " + error.what() + " | " + error.where() + " | " + error.remedy();
-  }
-  return {};
+  const auto error = tests::refusal_by(check);
+  if (!error) return {};
+  return error->id() + " | " + error->what() + " | " + error->where() + " | " + error->remedy();
 }
 
 std::string option_refusal(const ReportOptions& options) {

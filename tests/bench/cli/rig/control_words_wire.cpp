@@ -4,13 +4,11 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "bench/run/control/control_socket.h"
-#include "bench/run/control/machine_name.h"
+#include "tests/support/answering_run.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -19,32 +17,12 @@ using CommandWords = std::vector<std::string>;
 
 namespace {
 
-struct RunThatAnswers {
-  RunThatAnswers(const std::string& id, std::int64_t run, const std::string& store,
-                 bench::RunState state = bench::RunState::kRunning) {
-    write_file(store, "");
-    config.id = id;
-    bench::RunStatus status;
-    status.run = run;
-    status.store = store;
-    status.state = state;
-    status.step = 3;
-    status.steps = 40;
-    control.publish(status);
-    socket = std::make_unique<bench::ControlSocket>(config, control, run);
-  }
-  bench::BenchConfig config;
-  bench::Control control;
-  std::unique_ptr<bench::ControlSocket> socket;
-};
-
-// A process that was stopped: its names are held, and nobody answers.
-struct RunThatIsSilent {
-  explicit RunThatIsSilent(const std::string& id, const std::string& run) : name(id), numbered(id + run) {}
-  bench::MachineName name, numbered;
-};
-
 struct CommandsGiven {
+  // A file that is none.
+  [[nodiscard]] std::string store(const std::string& name) const {
+    write_file(folder.path(name), "");
+    return folder.path(name);
+  }
   Finished give(const CommandWords& words) const { return call(folder, words); }
   void taken(const CommandWords& words, const std::string& said, const std::string& warned = "") const {
     const Finished done = give(words);
@@ -76,7 +54,7 @@ TEST_CASE("commands: the answer of the one live run, in words and as JSON, or wh
   const CommandsGiven of;
   of.refused({"stop"}, "no live run answers [TB-RUN-NOT-LIVE]",
              "see `tactbench runs list`; continue an ended run with `tactbench resume RUN`");
-  const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+  const AnsweringRun live("live", 3, of.store("live.db"));
   of.refused({"resume", "3", "--db", "live.db"}, "run 3 is running, not paused [TB-RUN-WORD]",
              "see `tactbench runs list`");
   of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
@@ -98,7 +76,7 @@ TEST_CASE("commands: the answer of the one live run, in words and as JSON, or wh
 
 TEST_CASE("resume: a number alone resumes no run of another store where this folder has one") {
   const CommandsGiven of;
-  const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+  const AnsweringRun live("live", 3, of.store("live.db"));
   of.taken({"pause"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
   const std::string resumed = "run 3 continues: the pause is taken back";
   of.taken({"resume", "3"}, resumed);  // no runs.db lies here
@@ -113,14 +91,14 @@ TEST_CASE("resume: a number alone resumes no run of another store where this fol
 
 TEST_CASE("resume: the run of this folder's own store is resumed by its number") {
   const CommandsGiven of;
-  const RunThatAnswers live("live", 3, of.folder.path("runs.db"));
+  const AnsweringRun live("live", 3, of.store("runs.db"));
   of.taken({"pause", "3"}, "run 3 pauses at the end of this branch; 'stop' ends it at once");
   of.taken({"resume", "3"}, "run 3 continues: the pause is taken back");
 }
 
 TEST_CASE("commands: several live runs must be told apart, and a panic reaches all that are meant") {
   const CommandsGiven of;
-  const RunThatAnswers live("live", 3, of.folder.path("live.db")), other("other", 3, of.folder.path("other.db"));
+  const AnsweringRun live("live", 3, of.store("live.db")), other("other", 3, of.store("other.db"));
   const std::string both = of.run(3, "live") + "; " + of.run(3, "other");
   for (const CommandWords& words : {CommandWords{"stop"}, CommandWords{"stop", "3"}, CommandWords{"panic"}})
     of.refused(words, "2 runs are live [TB-RUN-AMBIGUOUS]",
@@ -135,12 +113,12 @@ TEST_CASE("commands: several live runs must be told apart, and a panic reaches a
 
 TEST_CASE("panic: runs that refuse it are told, and all must refuse for it to fail") {
   const CommandsGiven of;
-  const RunThatAnswers ended("a", 3, of.folder.path("a.db"), bench::RunState::kEnded);
+  const AnsweringRun ended("a", 3, of.store("a.db"), bench::RunState::kEnded);
   {
-    const RunThatAnswers live("live", 3, of.folder.path("live.db"));
+    const AnsweringRun live("live", 3, of.store("live.db"));
     of.taken({"panic", "3"}, kSaidOfPanic, "warning: run 3 is ended already\n");
   }
-  const RunThatAnswers more("more", 3, of.folder.path("more.db"), bench::RunState::kEnded);
+  const AnsweringRun more("more", 3, of.store("more.db"), bench::RunState::kEnded);
   const Finished none = of.give({"panic", "3"});
   CHECK(none.code == 2);
   CHECK_THAT(none.err, Catch::StartsWith("warning: run 3 is ended already\nwarning: run 3 is ended already\nerror: run "
@@ -149,8 +127,8 @@ TEST_CASE("panic: runs that refuse it are told, and all must refuse for it to fa
 
 TEST_CASE("commands: a bench that does not answer is named, and holds up a stop but no panic") {
   const CommandsGiven of;
-  const RunThatAnswers live("live", 3, of.folder.path("live.db"));
-  const RunThatIsSilent silent("a-frozen", "/run/7");
+  const AnsweringRun live("live", 3, of.store("live.db"));
+  const SilentRun silent("a-frozen", "/run/7");
   const std::string text =
       fmt::format("run 7 on bench 'a-frozen' does not answer ({})", bench::peer_text({::getpid(), ::geteuid(), false}));
   of.refused({"stop"}, "2 runs are live [TB-RUN-AMBIGUOUS]",

@@ -11,6 +11,7 @@
 #include "bench/common/error.h"
 #include "bench/run/control/machine_name.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 
 using namespace tactbench;
 using namespace tactbench::bench;
@@ -43,13 +44,10 @@ SilentBench silent_bench(std::int64_t run, bool stranger, bool with_process) {
 // The whole error of what `choose` refuses; "taken" where it refuses nothing.
 template <class Choose>
 std::string whole_refusal(const Choose& choose) {
-  try {
-    choose();
-  } catch (const Error& error) {
-    CHECK(error.code() == ExitCode::kUsage);
-    return error.id() + " | " + error.what() + " | " + error.where() + " | " + error.remedy();
-  }
-  return "taken";
+  const auto error = tests::refusal_by(choose);
+  if (!error) return "taken";
+  CHECK(error->code() == ExitCode::kUsage);
+  return error->id() + " | " + error->what() + " | " + error->where() + " | " + error->remedy();
 }
 
 std::string place_of_runs() { return "runs listed in /proc/net/unix as " + shown_name(""); }

@@ -3,15 +3,13 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "bench/run/control/control_socket.h"
 #include "bench/run/control/locks.h"
-#include "bench/run/control/machine_name.h"
 #include "tests/db/store_example.h"
+#include "tests/support/answering_run.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -19,31 +17,12 @@ using namespace tactbench::tests;
 
 namespace {
 
-// A run that is asked how it goes; its store cannot be read.
-struct RunAskedForStatus {
-  RunAskedForStatus(const std::string& id, std::int64_t run, const std::string& store) {
-    write_file(store, "");
-    config.id = id;
-    bench::RunStatus status;
-    status.run = run;
-    status.store = store;
-    status.state = bench::RunState::kRunning;
-    status.step = 3;
-    status.steps = 40;
-    control.publish(status);
-    socket = std::make_unique<bench::ControlSocket>(config, control, run);
-  }
-  bench::BenchConfig config;
-  bench::Control control;
-  std::unique_ptr<bench::ControlSocket> socket;
-};
-
-struct SilentToStatus {
-  SilentToStatus(const std::string& id, const std::string& run) : name(id), numbered(id + run) {}
-  bench::MachineName name, numbered;
-};
-
 struct AskedForStatus {
+  // A file that is none.
+  [[nodiscard]] std::string store(const std::string& name) const {
+    write_file(folder.path(name), "");
+    return folder.path(name);
+  }
   [[nodiscard]] Finished say(const std::vector<std::string>& words) const { return call(folder, words); }
   [[nodiscard]] nlohmann::json told(std::vector<std::string> words) const {
     words.emplace_back("--json");
@@ -60,7 +39,7 @@ std::string not_answering(const std::string& run) {
 
 TEST_CASE("status: each live run with its lines, an empty line between two, and those of one bench or store alone") {
   const AskedForStatus of;
-  const RunAskedForStatus live("live", 3, of.folder.path("live.db")), other("other", 4, of.folder.path("other.db"));
+  const AnsweringRun live("live", 3, of.store("live.db")), other("other", 4, of.store("other.db"));
   const Finished both = of.say({"status"});
   CHECK(both.code == 0);
   CHECK(both.err.empty());
@@ -79,7 +58,7 @@ TEST_CASE("status: each live run with its lines, an empty line between two, and 
 
 TEST_CASE("status: a bench that does not answer is named, and then it is not said that no run is live") {
   const AskedForStatus of;
-  const SilentToStatus silent("a-frozen", "/run/7");
+  const SilentRun silent("a-frozen", "/run/7");
   const std::string line = not_answering("run 7");
   CHECK(of.say({"status"}).out == line + "no run in runs.db\n");
   const nlohmann::json told = of.told({"status"});
@@ -88,7 +67,7 @@ TEST_CASE("status: a bench that does not answer is named, and then it is not sai
   CHECK(told.at("silent").at(0) ==
         nlohmann::json{
             {"bench", "a-frozen"}, {"run", 7}, {"process", ::getpid()}, {"text", line.substr(0, line.size() - 1)}});
-  const RunAskedForStatus live("live", 3, of.folder.path("live.db"));
+  const AnsweringRun live("live", 3, of.store("live.db"));
   const std::string beside = of.say({"status"}).out;
   CHECK_THAT(beside, Catch::StartsWith("run 3 on bench 'live'") && Catch::EndsWith("\n" + line));
   CHECK(of.told({"status"}).at("live") == true);
@@ -114,7 +93,7 @@ TEST_CASE("watch: an ended run is told only where nothing else is meant, and one
   }
   CHECK(of.say({"watch", "1"}).code == 0);
   {
-    const SilentToStatus silent("a-frozen", "/run/1");
+    const SilentRun silent("a-frozen", "/run/1");
     const Finished held = of.say({"watch", "1"});
     CHECK(held.code == 2);
     CHECK_THAT(held.err, Catch::StartsWith("error: " + not_answering("run 1").substr(0, 40)) &&

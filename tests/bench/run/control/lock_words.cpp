@@ -21,6 +21,7 @@
 #include "bench/run/control/run_connection.h"
 #include "db/run_store.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/variable.h"
 
 using namespace tactbench;
@@ -32,13 +33,10 @@ namespace {
 
 template <class Work>
 std::string lock_refusal(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return std::to_string(static_cast<int>(error.code())) + " " + error.id() + ": " + error.what() + " | " +
-           error.where() + " | " + error.remedy();
-  }
-  return "not refused";
+  const auto error = refusal_by(work);
+  if (!error) return "not refused";
+  return std::to_string(static_cast<int>(error->code())) + " " + error->id() + ": " + error->what() + " | " +
+         error->where() + " | " + error->remedy();
 }
 
 struct StoreToLock {

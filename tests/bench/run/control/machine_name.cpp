@@ -17,6 +17,7 @@
 #include "bench/run/control/locks.h"
 #include "bench/run/control/peer.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/variable.h"
 
 using namespace tactbench;
@@ -72,12 +73,9 @@ void become_nobody(gid_t group) {
 
 template <class Work>
 std::string refusal_of(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.id() + ": " + error.what();
-  }
-  return "not refused";
+  const auto error = refusal_by(work);
+  if (!error) return "not refused";
+  return error->id() + ": " + error->what();
 }
 
 }  // namespace

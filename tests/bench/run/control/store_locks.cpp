@@ -13,6 +13,7 @@
 #include "bench/common/utc.h"
 #include "bench/run/control/locks.h"
 #include "tests/support/process.h"
+#include "tests/support/refusal.h"
 #include "tests/support/small_run.h"
 
 using namespace tactbench;
@@ -24,12 +25,9 @@ namespace {
 
 template <class Work>
 std::string refused_as(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.id();
-  }
-  return "not refused";
+  const auto error = refusal_by(work);
+  if (!error) return "not refused";
+  return error->id();
 }
 
 struct LockedStore {

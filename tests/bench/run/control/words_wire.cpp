@@ -18,6 +18,7 @@
 #include "bench/run/control/locks.h"
 #include "bench/run/control/machine_name.h"
 #include "bench/run/control/peer.h"
+#include "tests/support/answering_run.h"
 #include "tests/support/process.h"
 
 using namespace tactbench::bench;
@@ -25,22 +26,6 @@ using namespace tactbench::tests;
 using std::chrono::milliseconds;
 
 namespace {
-
-// A run as far as words go.
-struct AnsweringRun {
-  explicit AnsweringRun(const std::string& id, std::int64_t run) {
-    config.id = id;
-    RunStatus status;
-    status.run = run;
-    status.store = id + ".db";
-    status.state = RunState::kRunning;
-    control.publish(status);
-    socket = std::make_unique<ControlSocket>(config, control, run);
-  }
-  BenchConfig config;
-  Control control;
-  std::unique_ptr<ControlSocket> socket;
-};
 
 // What a process that was stopped leaves of its run: the names are held, nobody takes a connection.
 struct Frozen {
@@ -68,7 +53,7 @@ TEST_CASE("commands: a stopped run does not delay commands to another run, with 
   const bool full = GENERATE(false, true);
   Frozen frozen("a-frozen");
   if (full) frozen.fill();
-  AnsweringRun live("live", 3);
+  AnsweringRun live("live", 3, "live.db");
   ListenOptions options;
   options.longest = std::chrono::seconds(60);
   Heard heard;
@@ -87,7 +72,7 @@ TEST_CASE("commands: a stopped run does not delay commands to another run, with 
 
 TEST_CASE("commands: a single run is waited for no longer than its timeout, and only the named bench is asked") {
   Frozen frozen("a-frozen");
-  AnsweringRun live("live", 3);
+  AnsweringRun live("live", 3, "live.db");
   ListenOptions options;
   options.longest = milliseconds(200);
   double took = seconds_of([&] { CHECK(say_to({"a-frozen"}, Command::kPanic, options).silent.size() == 1); });
@@ -103,7 +88,7 @@ TEST_CASE("commands: a single run is waited for no longer than its timeout, and 
 }
 
 TEST_CASE("commands: silent clients delay no command, whatever their number") {
-  AnsweringRun live("live", 3);
+  AnsweringRun live("live", 3, "live.db");
   std::vector<int> idle;
   for (int i = 0; i < 200; ++i) {
     const int one = connect_to_name("live");
@@ -175,7 +160,7 @@ TEST_CASE("commands: a resume whose sender has hung up is ignored, a panic still
 }
 
 TEST_CASE("commands: a bench whose id cannot be a file name is found by that id only") {
-  AnsweringRun odd("../odd rig/7", 1), plain(".._odd_rig_7", 2);
+  AnsweringRun odd("../odd rig/7", 1, "../odd rig/7.db"), plain(".._odd_rig_7", 2, ".._odd_rig_7.db");
   const auto names = run_names("../odd rig/7");
   REQUIRE(names.size() == 1);
   const auto answer = send_command(names.front(), Command::kStatus);
@@ -186,7 +171,7 @@ TEST_CASE("commands: a bench whose id cannot be a file name is found by that id 
 }
 
 TEST_CASE("commands: who holds a bench is told with its run and store, to another run and to another program") {
-  AnsweringRun live("held bench", 3);
+  AnsweringRun live("held bench", 3, "held bench.db");
   const auto refusal = [&](const std::function<void()>& take) {
     try {
       take();

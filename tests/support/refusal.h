@@ -1,0 +1,21 @@
+// The error that ends a piece of work of the bench.
+#pragma once
+
+#include <optional>
+
+#include "bench/common/error.h"
+
+namespace tactbench::tests {
+
+// None where `work` comes to its end; other exceptions pass.
+template <class Work>
+std::optional<bench::Error> refusal_by(const Work& work) {
+  try {
+    work();
+  } catch (const bench::Error& error) {
+    return error;
+  }
+  return std::nullopt;
+}
+
+}  // namespace tactbench::tests
