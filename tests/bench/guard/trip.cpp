@@ -1,5 +1,8 @@
 #include "bench/guard/trip.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include "bench/common/error.h"
@@ -51,6 +54,13 @@ TEST_CASE("trip: a file that cannot be read is a trip") {
   write_file(file.path(), GENERATE("", "{", "[1]", "null"));
   REQUIRE(file.read());
   CHECK(file.read()->id == "TB-TRIP-UNREADABLE");
+}
+
+TEST_CASE("trip: a file that cannot be made beside the one that it replaces is named, with what was done") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("missing/trip");
+  CHECK_THROWS_WITH(write_durably(path, "text"),
+                    fmt::format("opening {}.{}: No such file or directory", path, getpid()));
 }
 
 TEST_CASE("trip: a bench tripped is shown and reset by the command line") {

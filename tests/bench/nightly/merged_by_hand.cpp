@@ -239,4 +239,10 @@ TEST_CASE("merged by hand: baselines come with the numbers that their runs have 
   CHECK(differs("c3", {0, "rig/x", "as made", "B. Lee", "2026-01-01T00:00:00Z", {1, 2}}) == 1);
   CHECK(differs("c4", {0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:01Z", {1, 2}}) == 1);
   CHECK(differs("c5", {0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:00Z", {1}}) == 1);
+  {
+    PartStore turned = made.part("turned");  // its run 1 is run 4 here
+    for (const std::int64_t run : {4, 3}) (void)turned.store.copy_runs_from(made.store, {run});
+    turned.store.take_baseline({0, "rig/x", "as made", "K. Lee", "2026-01-01T00:00:00Z", {1, 2}});
+  }
+  CHECK(made.merge({"turned"}).baselines == 0);
 }

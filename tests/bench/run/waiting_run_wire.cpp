@@ -7,11 +7,13 @@
 #include <memory>
 #include <regex>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 
 #include "bench/run/control/client_words.h"
 #include "bench/run/control/run_connection.h"
 #include "bench/run/time_estimate.h"
+#include "db/sqlite.h"
 #include "tests/bench/cli/verb_here.h"
 #include "tests/support/endless_run.h"
 #include "tests/support/live_runs.h"
@@ -81,6 +83,15 @@ Texts written_by(const db::RunStore& store) {
     written.push_back(event.kind + id + ": " + without_what_differs(detail));
   }
   return written;
+}
+
+// Repeat, branch, attempt, and why it is void.
+Texts branches_of(const db::RunStore& store) {
+  Texts branches;
+  for (const db::BranchRecord& branch : store.branches(1))
+    branches.push_back(fmt::format("{}.{}.{} {}", branch.repeat, branch.ordinal, branch.attempt,
+                                   without_what_differs(branch.void_reason)));
+  return branches;
 }
 
 struct WaitingRun {
@@ -184,12 +195,32 @@ TEST_CASE("waiting run: after a rest longer than its recipe allows the whole rep
         (void)bench::send_command(name, Command::kPause);
       });
   CHECK(result.outcome == db::Outcome::kCompleted);
-  Texts branches;
-  for (const db::BranchRecord& branch : run.store.branches(1))
-    branches.push_back(fmt::format("{}.{}.{} {}", branch.repeat, branch.ordinal, branch.attempt,
-                                   without_what_differs(branch.void_reason)));
-  CHECK(branches ==
+  CHECK(branches_of(run.store) ==
         Texts{"0.0.0 ", "0.1.0 ", "1.0.0 the sensor rested for N s: the repeat is done again", "1.0.1 ", "1.1.0 "});
+}
+
+TEST_CASE("waiting run: after a long rest also the branches that an earlier process has done are done again") {
+  WaitingRun run;
+  run.request.recipes = {recipe_of("unit = \"psi\"\nturning_points = [0, 4, 0, 4]\nstep = 4\nrest_restart_s = 0.1\n")};
+  run.request.on_step = [](const sequences::Step& step) {
+    if (step.branch == 1) throw std::runtime_error("power cut");
+  };
+  CHECK(run_small(run.request, run.store).outcome == db::Outcome::kFailed);
+  db::sqlite::Connection(run.store.path(), db::sqlite::Access::kReadWrite)
+      .execute("UPDATE runs SET ended_utc = '2999-01-01T00:00:00Z'");  // between the processes it did not rest
+  run.request.resume = 1;
+  bool asked = false;
+  const bench::RunResult result = run.carry_out(
+      [](const std::string& name, const bench::RunStatus&) { (void)bench::send_command(name, Command::kResume); },
+      [&](const std::string& name, const sequences::Step& step) {
+        if (asked || step.branch != 1) return;
+        asked = true;
+        (void)bench::send_command(name, Command::kPause);
+      });
+  CHECK(result.outcome == db::Outcome::kCompleted);
+  CHECK(branches_of(run.store) ==
+        Texts{"0.0.0 the sensor rested for N s: the repeat is done again", "0.1.0 half done when the run ended",
+              "0.1.1 the sensor rested for N s: the repeat is done again", "0.0.1 ", "0.1.2 ", "0.2.0 "});
 }
 
 TEST_CASE("waiting run: with --yes no question is asked, and that is written down") {
