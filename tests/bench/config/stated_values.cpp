@@ -169,6 +169,11 @@ TEST_CASE("stated: what the simulated instruments' errors are drawn within") {
       drawn_of({{"reference.gauge.unit", "2"}, {"reference.gauge.address", "7"}, {"reference.drift_psi", "1"}});
   CHECK(numbers(gauged.reference)[1] == 1.0);
   CHECK(numbers(gauged.reference)[2] == 0.0);
+  const bench::InstrumentOptions of_one_volt = drawn_of({{"reference.span_v", "[0, 1]"},
+                                                         {"reference.span_psi", "[0, 80]"},
+                                                         {"reference.certificate_covers", "transducer"},
+                                                         {"reference.input_limit_v", "0.125"}});
+  CHECK(numbers(of_one_volt.reference)[2] == 10.0);
 }
 
 TEST_CASE("stated: overdue devices and places that are not filled in are warned of, in words") {
