@@ -156,7 +156,7 @@ TEST_CASE("dead-man: a sequencer killed or stopped while it presses with 30 N le
 }
 
 TEST_CASE("dead-man: a stage that presses is halted and backed off when the feeding ends") {
-  HostedRig hosted(elastic({{"dead_man.progress_ms", fmt::format("{:.0f}", 300.0 * roominess())}}));
+  HostedRig hosted(elastic({{"dead_man.progress_ms", fmt::format("{:.0f}", 600.0 * roominess())}}));
   Rig rig(hosted.client());
   devices::Stage& stage = *rig.stage_gate();
   stage.arm();
