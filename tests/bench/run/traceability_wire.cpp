@@ -1,6 +1,7 @@
 // Which instruments a run stores, and what it reports of their calibration before and after: on the simulated rig.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "analysis/statistics/uncertainty/instrument_calibration.h"
@@ -78,9 +79,9 @@ TEST_CASE(
 TEST_CASE("the force sensor that answers is the one that is kept: Digital F/T has another serial") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
-  // The port is read in real time: on a busy machine its samples come late.
-  const bench::RunResult result =
-      run_small(ring_request({{"force.kind", "digital"}, {"force.reply_timeout_ms", "2500"}}), store);
+  bench::RunRequest request = ring_request({{"force.kind", "digital"}});
+  request.bench.force->digital.reply_timeout = std::chrono::seconds(5);  // a busy machine reads the port late
+  const bench::RunResult result = run_small(request, store);
   if (result.error) FAIL(result.error->what());
   CHECK(device_of(store.run(result.run), "force sensor").serial == "SIMFT2");
 }
