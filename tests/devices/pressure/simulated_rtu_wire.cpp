@@ -13,6 +13,8 @@ namespace {
 
 using RawBytes = RawLine::Bytes;
 
+const RawBytes kReadTime{1, 3, 0x11, 0x20, 0, 1}, kTime{1, 3, 2, 0x03, 0xE8};
+
 struct SimulatedLine {
   explicit SimulatedLine(const SimulatedModuleFaults& faults = {})
       : server({{1, module_profile("beckhoff-ek9000"), {}}, {7, module_profile("generic"), {}}},
@@ -23,13 +25,20 @@ struct SimulatedLine {
     const RawBytes frame = rtu_frame(body);
     return client.receive(frame.size()) == frame;
   }
+  // After a silence what came is noise. A machine that holds the line up may not notice the first silence.
+  [[nodiscard]] bool answers_after_a_silence() const {
+    for (int i = 0; i < 40; ++i) {
+      if (!client.receive(1, 300).empty()) return false;
+      ask(kReadTime);
+      if (client.receive(7, 1000) == rtu_frame(kTime)) return true;
+    }
+    return false;
+  }
   TurnedClock clock;
   TestChamber chamber{clock};
   SimulatedModule server;
   RawLine client{server.serial_port()};
 };
-
-const RawBytes kReadTime{1, 3, 0x11, 0x20, 0, 1}, kTime{1, 3, 2, 0x03, 0xE8};
 
 }  // namespace
 
@@ -87,14 +96,7 @@ TEST_CASE("simulated line: a request byte by byte, several at once, and one that
   line.client.send(three);
   for (int i = 0; i < 3; ++i) REQUIRE(line.answers(kTime));
   line.client.send({1, 3, 0x11, 0x20});
-  // After a silence what came is noise. A machine that holds the line up may not notice the first silence.
-  bool answered = false;
-  for (int i = 0; i < 40 && !answered; ++i) {
-    CHECK(line.client.receive(1, 300).empty());
-    line.ask(kReadTime);
-    answered = line.client.receive(7, 1000) == rtu_frame(kTime);
-  }
-  CHECK(answered);
+  CHECK(line.answers_after_a_silence());
 }
 
 TEST_CASE("simulated line: a request with any byte damaged is not answered, nor what follows it at once") {
@@ -106,9 +108,7 @@ TEST_CASE("simulated line: a request with any byte damaged is not answered, nor 
     const RawBytes next = rtu_frame(kReadTime);
     bytes.insert(bytes.end(), next.begin(), next.end());
     line.client.send(bytes);
-    CHECK(line.client.is_silent());
-    line.ask(kReadTime);
-    REQUIRE(line.answers(kTime));
+    REQUIRE(line.answers_after_a_silence());
   }
 }
 
