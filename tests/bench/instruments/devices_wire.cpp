@@ -59,7 +59,7 @@ TEST_CASE("devices check: every instrument of the simulated rig is ok, named and
 
 TEST_CASE("devices check: a silent device is absent, another serial or model is wrong, the others are still checked") {
   const auto silent =
-      check({{"simulation.wire_faults.module_silent_after_requests", "0"}, {"module.response_timeout_ms", "50"}});
+      check({{"simulation.wire_faults.module_silent_after_requests", "0"}, {"module.response_timeout_ms", "300"}});
   CHECK(of(silent, "analog module").state == State::kAbsent);
   CHECK(of(silent, "regulator").state == State::kAbsent);
   CHECK(of(silent, "tactile scanner").state == State::kOk);

@@ -156,7 +156,7 @@ TEST_CASE("live: frames of an unloaded array are near zero, its latency is measu
 
   shown = 0;
   const bench::BenchConfig silent =
-      small_request({{"simulation.wire_faults.scanner_silent_after_scans", "3"}, {"scanner.frame_timeout_ms", "20"}})
+      small_request({{"simulation.wire_faults.scanner_silent_after_scans", "3"}, {"scanner.frame_timeout_ms", "200"}})
           .bench;
   CHECK_THROWS_AS(bench::live_frames(silent, model, {.frames = 50, .interval_s = 0.0}, see), devices::Fault);
   CHECK(shown == 3 + 9);  // the tenth loss in a row ends it

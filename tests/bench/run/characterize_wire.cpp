@@ -62,7 +62,7 @@ TEST_CASE("the same seeds give the same content where an instrument fails, thoug
   }));
   const auto failed = [&, fault = "simulation.wire_faults." + key, after = count](db::RunStore& store) {
     return run_small(
-        small_request({{fault, after}, {"scanner.frame_timeout_ms", "100"}, {"module.response_timeout_ms", "50"}}),
+        small_request({{fault, after}, {"scanner.frame_timeout_ms", "300"}, {"module.response_timeout_ms", "300"}}),
         store);
   };
   const bench::RunResult first = failed(one), second = failed(two);
@@ -84,7 +84,7 @@ TEST_CASE("a scanner that stops in mid-run ends the run, vented, frames kept, ex
   }));
   // 2 scans a frame and 2 for the baseline: the fault strikes in frame 6 (counted from 0).
   const bench::RunResult result =
-      run_small(small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "100"}}), store);
+      run_small(small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "300"}}), store);
   REQUIRE(result.error);
   INFO(key << ": " << result.error->what());
   CHECK(result.error->id() == id);
@@ -106,7 +106,7 @@ TEST_CASE("one bad frame is read again, and both the attempt and the flag are st
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::string key = GENERATE("scanner_corrupt_scan", "scanner_drop_report_scan");
   bench::RunRequest request =
-      small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "100"}});
+      small_request({{"simulation.wire_faults." + key, "14"}, {"scanner.frame_timeout_ms", "300"}});
   const std::string rule = GENERATE("worst", "any");
   request.recipes = {small_recipe("[retry]\nverdict = \"" + rule + "\"\n")};
   const bench::RunResult result = run_small(request, store);
@@ -129,8 +129,8 @@ TEST_CASE("a silent or dead Modbus server ends the run, and the safe state is re
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const std::string key = GENERATE("module_silent_after_requests", "module_dead_after_requests");
-  const bench::RunResult result =
-      run_small(small_request({{"simulation.wire_faults." + key, "150"}, {"module.response_timeout_ms", "50"}}), store);
+  const bench::RunResult result = run_small(
+      small_request({{"simulation.wire_faults." + key, "150"}, {"module.response_timeout_ms", "300"}}), store);
   REQUIRE(result.error);
   INFO(key << ": " << result.error->what() << " / " << result.error->rig_state());
   CHECK(result.error->code() == ExitCode::kUnsafe);
@@ -146,7 +146,7 @@ TEST_CASE("a module that never answers is found before the first command") {
   const TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("runs.db"), db::Durability::kNormal);
   const bench::RunResult result = run_small(small_request({{"simulation.wire_faults.module_silent_after_requests", "0"},
-                                                           {"module.response_timeout_ms", "50"}}),
+                                                           {"module.response_timeout_ms", "300"}}),
                                             store);
   REQUIRE(result.error);
   CHECK(result.error->code() == ExitCode::kUnsafe);

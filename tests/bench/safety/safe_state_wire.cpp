@@ -49,7 +49,7 @@ TEST_CASE("safe state: two witnesses prove it on a healthy rig") {
 TEST_CASE("safe state: a silent module vents by its watchdog and is reported as unverified") {
   // bring-up, ramp and 4 s of feeding take fewer than 160 requests; then nothing answers.
   const BenchConfig config = small_request({{"simulation.wire_faults.module_silent_after_requests", "160"},
-                                            {"module.response_timeout_ms", "50"}})
+                                            {"module.response_timeout_ms", "300"}})
                                  .bench;
   Rig rig(config);
   load(rig);

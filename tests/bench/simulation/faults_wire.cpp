@@ -21,8 +21,8 @@ using devices::Millimetres;
 namespace {
 
 BenchConfig quick(std::vector<sequences::Override> overrides = {}) {
-  overrides.push_back({"module.response_timeout_ms", "100"});
-  overrides.push_back({"scanner.frame_timeout_ms", "100"});
+  overrides.push_back({"module.response_timeout_ms", "400"});
+  overrides.push_back({"scanner.frame_timeout_ms", "400"});
   return small_request(overrides).bench;
 }
 

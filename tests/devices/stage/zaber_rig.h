@@ -27,7 +27,7 @@ inline ZaberStageOptions paper_stage() {
 // Where a test waits for silence.
 inline ZaberStageOptions impatient_stage() {
   ZaberStageOptions options = paper_stage();
-  options.reply_timeout = std::chrono::milliseconds(150);
+  options.reply_timeout = std::chrono::milliseconds(500);  // a busy machine answers late, too
   return options;
 }
 

@@ -115,7 +115,7 @@ TEST_CASE("frame source: silence is a timeout and costs process time once") {
   const auto fault = fault_of([&] { (void)source.read(3); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-SCANNER-TIMEOUT");
-  CHECK_THAT(fault->what(), Catch::Contains("150 ms") && Catch::Contains("127.0.0.1:"));
+  CHECK_THAT(fault->what(), Catch::Contains("400 ms") && Catch::Contains("127.0.0.1:"));
   CHECK_FALSE(fault->remedy().empty());
   CHECK(rig.clock.now() == kShort);
 }

@@ -196,11 +196,11 @@ TEST_CASE("frame source told: no answer, and which one it was") {
   }));
   rig.options.frame_timeout = kShort;
   FrameSource source(rig.options, rig.clock);
-  CHECK(rig.words([&] { (void)source.read(5); }) == "TB-SCANNER-TIMEOUT: asking A for scan 2: no answer within 150 ms");
+  CHECK(rig.words([&] { (void)source.read(5); }) == "TB-SCANNER-TIMEOUT: asking A for scan 2: no answer within 400 ms");
   CHECK(rig.clock.now() == kShort);
   ToldSource mute([](int, Tag) { return Bytes{}; });
   mute.options.frame_timeout = kShort;
-  CHECK(mute.opened() == "TB-SCANNER-TIMEOUT: asking A its identity: no answer within 150 ms");
+  CHECK(mute.opened() == "TB-SCANNER-TIMEOUT: asking A its identity: no answer within 400 ms");
 }
 
 TEST_CASE("frame source told: a source that takes no more bytes is slow, not gone") {

@@ -157,7 +157,7 @@ TEST_CASE("hid scanner: silence is a timeout and costs process time once") {
   const auto fault = fault_of([&] { (void)scanner.read(3); });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-SCANNER-TIMEOUT");
-  CHECK_THAT(fault->what(), Catch::Contains("150 ms") && Catch::Contains(rig.path));
+  CHECK_THAT(fault->what(), Catch::Contains("400 ms") && Catch::Contains(rig.path));
   CHECK_FALSE(fault->remedy().empty());
   CHECK(rig.clock.now() == kShort);
 }

@@ -169,13 +169,13 @@ TEST_CASE("HTTP page: each time that runs out is told by what is missing, and ha
     }
   };
   ScriptedPage silent(until_closed);
-  CHECK(out_of_time(silent) == "TB-HTTP-TIMEOUT: 0 bytes came, not all within 0.15 s");
+  CHECK(out_of_time(silent) == "TB-HTTP-TIMEOUT: 0 bytes came, not all within 0.4 s");
   ScriptedPage short_of_one([&](int socket) {
     (void)ScriptedPage::receive(socket);
     ScriptedPage::send(socket, "HTTP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nab");
     until_closed(socket);
   });
-  CHECK(out_of_time(short_of_one) == "TB-HTTP-TIMEOUT: 40 bytes came, not all within 0.15 s");
+  CHECK(out_of_time(short_of_one) == "TB-HTTP-TIMEOUT: 40 bytes came, not all within 0.4 s");
   ScriptedPage endless([](int socket) {
     (void)ScriptedPage::receive(socket);
     while (ScriptedPage::send(socket, std::string(64, 'x'))) std::this_thread::sleep_for(100us);
@@ -189,7 +189,7 @@ TEST_CASE("HTTP page: each time that runs out is told by what is missing, and ha
   });
   REQUIRE(fault);
   CHECK(fault->id() == "TB-HTTP-TIMEOUT");
-  CHECK_THAT(fault->what(), Catch::EndsWith("of test: the request is not accepted within 0.15 s"));
+  CHECK_THAT(fault->what(), Catch::EndsWith("of test: the request is not accepted within 0.4 s"));
   CHECK(clock.now() == kShort);
   ::close(deaf.socket);
 }

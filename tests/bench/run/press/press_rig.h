@@ -110,7 +110,7 @@ struct PressRig {
     net.host = "127.0.0.1";
     net.port = server.rdt_port();
     net.http_port = server.http_port();
-    net.reply_timeout = faults.silent_after_records < 0 ? std::chrono::seconds(20) : std::chrono::milliseconds(150);
+    net.reply_timeout = faults.silent_after_records < 0 ? std::chrono::seconds(20) : std::chrono::milliseconds(400);
     net.page_timeout = std::chrono::seconds(20);
     net.origin = devices::Origin::kSimulated;
     force = std::make_unique<devices::NetFt>(net, zaber.clock);

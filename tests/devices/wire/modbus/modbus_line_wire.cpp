@@ -180,7 +180,7 @@ TEST_CASE("modbus line: endpoints over TCP that are not valid, have no address, 
              Catch::StartsWith("TB-MODBUS-CONNECT: ") && Catch::EndsWith("Connection refused"));
   queue.fill();
   CHECK(complaint_of({"127.0.0.1", port, 1, kShort}) == "TB-MODBUS-TIMEOUT: connecting to device at 127.0.0.1:" +
-                                                            std::to_string(port) + " unit 1: no answer within 150 ms");
+                                                            std::to_string(port) + " unit 1: no answer within 400 ms");
 }
 
 TEST_CASE("modbus line: a host's name is looked up") {

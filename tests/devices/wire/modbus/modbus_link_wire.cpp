@@ -61,7 +61,7 @@ TEST_CASE("modbus link: silence costs one response timeout of process time, and 
   REQUIRE(fault);
   CHECK(fault->id() == "TB-MODBUS-TIMEOUT");
   CHECK(fault->device() == "module");
-  CHECK_THAT(fault->what(), Catch::Contains("0x0001") && Catch::Contains("FC 4") && Catch::Contains("150 ms") &&
+  CHECK_THAT(fault->what(), Catch::Contains("0x0001") && Catch::Contains("FC 4") && Catch::Contains("400 ms") &&
                                 Catch::Contains("127.0.0.1:" + std::to_string(module.server.port()) + " unit 1"));
   CHECK_FALSE(fault->remedy().empty());
   CHECK(module.clock.now() == kShort);
