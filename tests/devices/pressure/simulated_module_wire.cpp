@@ -5,11 +5,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <catch2/catch.hpp>
 #include <vector>
 
 #include "devices/wire/modbus/modbus_link.h"
+#include "tests/devices/pressure/next_fault.h"
 #include "tests/devices/test_chamber.h"
 
 using namespace tactbench::devices;
@@ -222,9 +222,8 @@ TEST_CASE("simulated module: the write lock passes on when its holder hangs up, 
 TEST_CASE("simulated module: a late reply comes once, before the next one, a corrupt one has another function code") {
   TurnedClock clock;
   TestChamber chamber{clock};
-  std::atomic<InjectedFault> next{InjectedFault::kNone};
   SimulatedModuleFaults faults;
-  faults.inject = [&] { return next.load(); };
+  NextFault next(faults);
   const SimulatedModule server(module_profile("beckhoff-ek9000"), 0, chamber, clock, faults);
   const RawClient client(server.port());
   const auto of_transaction = [](Bytes frame, std::uint8_t transaction) {
@@ -241,7 +240,7 @@ TEST_CASE("simulated module: a late reply comes once, before the next one, a cor
   corrupt[7] = 0x13;
   CHECK(next_is(corrupt));
   next = InjectedFault::kLate;
-  ask(3);
+  next.meets([&] { ask(3); });
   client.wait_at_most({0, 200'000});
   CHECK(client.receive(1).empty());
   client.wait_at_most({20, 0});

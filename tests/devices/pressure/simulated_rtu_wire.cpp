@@ -1,8 +1,8 @@
 // The simulated module's serial line: requests of every length, in pieces, damaged, for other units, and its faults.
-#include <atomic>
 #include <catch2/catch.hpp>
 
 #include "devices/pressure/simulated_module.h"
+#include "tests/devices/pressure/next_fault.h"
 #include "tests/devices/pressure/raw_clients.h"
 #include "tests/devices/test_chamber.h"
 
@@ -113,13 +113,12 @@ TEST_CASE("simulated line: a request with any byte damaged is not answered, nor 
 }
 
 TEST_CASE("simulated line: each injected fault") {
-  std::atomic<InjectedFault> next{InjectedFault::kNone};
   SimulatedModuleFaults faults;
-  faults.inject = [&] { return next.load(); };
+  NextFault next(faults);
   SimulatedLine line(faults);
   const auto asks = [&](InjectedFault fault) {
     next = fault;
-    line.ask(kReadTime);
+    next.meets([&] { line.ask(kReadTime); });
   };
   asks(InjectedFault::kNone);
   REQUIRE(line.answers(kTime));

@@ -1,9 +1,9 @@
 // The simulated module over TCP: units, bits, faults, many clients, and frames that are none.
-#include <atomic>
 #include <catch2/catch.hpp>
 #include <memory>
 
 #include "devices/pressure/simulated_module.h"
+#include "tests/devices/pressure/next_fault.h"
 #include "tests/devices/pressure/raw_clients.h"
 #include "tests/devices/test_chamber.h"
 
@@ -113,14 +113,13 @@ TEST_CASE("simulated module: several registers in one request, each at its place
 }
 
 TEST_CASE("simulated module: each injected fault over TCP") {
-  std::atomic<InjectedFault> next{InjectedFault::kNone};
   SimulatedModuleFaults faults;
-  faults.inject = [&] { return next.load(); };
+  NextFault next(faults);
   SimulatedServer rig(faults);
   const RawLine client(rig.server.port());
   REQUIRE(answers(client, kAskTime, kIsTime));
   next = InjectedFault::kSilent;
-  client.send(framed(1, kAskTime));
+  next.meets([&] { client.send(framed(1, kAskTime)); });
   CHECK(client.is_silent());
   next = InjectedFault::kRefused;
   REQUIRE(answers(client, {1, 6, 0x11, 0x20, 1, 0}, {1, 0x86, 4}));
@@ -138,7 +137,7 @@ TEST_CASE("simulated module: each injected fault over TCP") {
   REQUIRE(answers(client, {1, 3, 0x30, 0, 0, 1}, {1, 0x93, 2}));  // an exception's function code, too
   // A late answer waits for its own client.
   next = InjectedFault::kLate;
-  client.send(framed(7, kAskTime));
+  next.meets([&] { client.send(framed(7, kAskTime)); });
   CHECK(client.is_silent());
   next = InjectedFault::kNone;
   const RawLine other(rig.server.port());
