@@ -3,6 +3,7 @@
 #include "bench/safety/dead_man_server.h"
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -30,7 +31,10 @@ class ServedDeadMan {
   ServedDeadMan() {
     const auto [ours, theirs] = devices::DescriptorChannel::make_pair();
     channel = std::make_unique<devices::DescriptorChannel>(ours);
-    thread_ = std::thread([this, socket = theirs] { code_ = bench::serve_dead_man(socket); });
+    thread_ = std::thread([this, socket = theirs] {
+      code_ = bench::serve_dead_man(socket);
+      scheduled_ = ::sched_getscheduler(0);
+    });
   }
   ~ServedDeadMan() {
     channel.reset();
@@ -53,11 +57,13 @@ class ServedDeadMan {
     thread_.join();
     return code_;
   }
+  // SCHED_RR or another policy of sched(7), once it has ended.
+  [[nodiscard]] int scheduled() const { return scheduled_; }
   std::unique_ptr<devices::DescriptorChannel> channel;
 
  private:
   std::thread thread_;
-  std::atomic<int> code_{-1};
+  std::atomic<int> code_{-1}, scheduled_{-1};
 };
 
 // Without the seconds that it took.
@@ -172,6 +178,21 @@ TEST_CASE("dead-man server: a sequencer that says nothing for longer than it may
   CHECK(record.at("why") == "the sequencer gave no sign of life for 250 ms");
   CHECK(record.at("ended") == "safe, verified");
   CHECK(record.at("tripped") == true);
+}
+
+TEST_CASE("dead-man server: it runs in real time where that is allowed") {
+  int allowed = SCHED_OTHER;
+  std::thread([&] {
+    const sched_param lowest{.sched_priority = 1};
+    if (::sched_setscheduler(0, SCHED_RR, &lowest) == 0) allowed = SCHED_RR;
+  }).join();
+  HostedRig hosted(kSlow);
+  ServedDeadMan dead_man;
+  dead_man.describe(hosted.client());
+  CHECK(dead_man.heard() == "ready");
+  dead_man.channel->send("goodbye");
+  CHECK(dead_man.exit_code() == 0);
+  CHECK(dead_man.scheduled() == allowed);
 }
 
 TEST_CASE("dead-man server: without a bench, or a module that answers, it says why and ends") {
