@@ -1,6 +1,7 @@
 // Times that a program must not exceed in real time, wide enough for a machine on which a thread waits half a second
 // for its turn: for rigs in another process than the program. What is asserted of them stays. The order of the shipped
-// ones stays too: the dead-man before the module's watchdog.
+// ones stays too: the dead-man before the module's watchdog. The simulated stage's line is a pseudo-terminal, whose
+// bytes are moved by a thread of the kernel: beside four busy loops it came up to 6 s late.
 #pragma once
 
 #include <fmt/format.h>
@@ -35,7 +36,7 @@ inline std::vector<sequences::Override> roomy_times(double rate) {
           {"dead_man.progress_ms", real(1500.0)},
           {"module.response_timeout_ms", real(500.0)},
           {"scanner.frame_timeout_ms", real(500.0)},
-          {"stage.reply_timeout_ms", real(300.0)},
+          {"stage.reply_timeout_ms", fmt::format("{:.0f}", room > 1.0 ? 10000.0 : 300.0)},
           {"force.reply_timeout_ms", real(500.0)}};
 }
 

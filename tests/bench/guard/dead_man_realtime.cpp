@@ -50,11 +50,12 @@ std::unique_ptr<ChildProcess> run_to_60_psi(HostedRig& rig) {
 }
 
 // 20 N/mm and nothing else, so that a place is a force.
-Overrides elastic(Overrides more = {}) {
+Overrides elastic() {
+  Overrides all;
   for (const char* key : {"stiffening_n_per_mm2", "friction_share", "relaxation_share"}) {
-    more.push_back({std::string("simulation.contact.") + key, "0"});
+    all.push_back({std::string("simulation.contact.") + key, "0"});
   }
-  return more;
+  return all;
 }
 
 // Presses with 30 N and waits there for good.
@@ -78,7 +79,8 @@ class PressingProcess {
     if (child_ != 0) return;
     try {
       press_and_wait(config);
-    } catch (...) {
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "the pressing process: {}\n", error.what());
     }
     _exit(1);
   }
@@ -156,7 +158,7 @@ TEST_CASE("dead-man: a sequencer killed or stopped while it presses with 30 N le
 }
 
 TEST_CASE("dead-man: a stage that presses is halted and backed off when the feeding ends") {
-  HostedRig hosted(elastic({{"dead_man.progress_ms", fmt::format("{:.0f}", 600.0 * roominess())}}));
+  HostedRig hosted(elastic());
   Rig rig(hosted.client());
   devices::Stage& stage = *rig.stage_gate();
   stage.arm();
