@@ -7,6 +7,6 @@
 namespace tactbench::devices {
 
 constexpr Nanoseconds kPatient = std::chrono::seconds(20);      // never runs out while the other end answers
-constexpr Nanoseconds kShort = std::chrono::milliseconds(400);  // for what does not answer
+constexpr Nanoseconds kShort = std::chrono::milliseconds(400);  // for what does not answer, and long for what does
 
 }  // namespace tactbench::devices

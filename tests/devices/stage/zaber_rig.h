@@ -9,6 +9,7 @@
 #include "devices/stage/simulated_chain.h"
 #include "devices/stage/zaber_stage.h"
 #include "devices/wire/serial_link.h"
+#include "tests/devices/timeouts.h"
 
 namespace tactbench::devices {
 
@@ -27,7 +28,7 @@ inline ZaberStageOptions paper_stage() {
 // Where a test waits for silence.
 inline ZaberStageOptions impatient_stage() {
   ZaberStageOptions options = paper_stage();
-  options.reply_timeout = std::chrono::milliseconds(500);  // a busy machine answers late, too
+  options.reply_timeout = kShort;
   return options;
 }
 
