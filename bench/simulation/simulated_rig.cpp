@@ -156,7 +156,8 @@ void SimulatedRig::serve_force(BenchConfig& config) {
   if (force.kind == ForceKind::kDigital || free_running_) {
     devices::SimulatedDigitalFtFaults faults;
     faults.inject = injector_of(Instrument::kForce);
-    digital_ft_ = std::make_unique<devices::SimulatedDigitalFt>(digital_calibration(force.serial), plant_, faults);
+    digital_ft_ =
+        std::make_unique<devices::SimulatedDigitalFt>(digital_calibration(force.serial), plant_, free_running_, faults);
     force.address.port = digital_ft_->path();
     served_.push_back({"Nano17, Digital F/T (RS-485)", digital_ft_->path()});
   }

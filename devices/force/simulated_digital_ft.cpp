@@ -32,8 +32,11 @@ constexpr int kServedRegister = 0x001D;
 
 class SimulatedDigitalFt::Server {
  public:
-  Server(const DigitalCalibration& calibration, ForcePort& port, SimulatedDigitalFtFaults faults)
-      : port_(port), faults_(std::move(faults)), stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  Server(const DigitalCalibration& calibration, ForcePort& port, bool free_running, SimulatedDigitalFtFaults faults)
+      : port_(port),
+        free_running_(free_running),
+        faults_(std::move(faults)),
+        stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (stop_ < 0) throw Fault("TB-SIM-LISTEN", "simulated Digital F/T", "no descriptor is left", "Close programs.");
     Matrix6 matrix;
     for (int row = 0; row < 6; ++row) {
@@ -103,8 +106,8 @@ class SimulatedDigitalFt::Server {
       read_registers(request[2] << 8 | request[3], request[4] << 8 | request[5]);
     } else if (request[2] == 0x55) {
       reply({kUnit, 0x46, 1});
-      streaming_ = true;
-      until_wrench_ = 0;
+      streaming_ = measure();  // else physics failed: the sensor falls silent
+      until_wrench_ = kSamplesPerWrench;
     }
     return true;
   }
@@ -129,9 +132,10 @@ class SimulatedDigitalFt::Server {
   }
 
   void send_sample() {
-    if (until_wrench_-- <= 0 && !measure()) {
-      streaming_ = false;  // physics failed: the sensor falls silent
-      return;
+    if (free_running_ && until_wrench_-- <= 0) {
+      streaming_ = measure();
+      until_wrench_ = kSamplesPerWrench - 1;
+      if (!streaming_) return;
     }
     const long number = samples_++;
     if (faults_.silent_after_samples >= 0 && number >= faults_.silent_after_samples) return;
@@ -142,7 +146,6 @@ class SimulatedDigitalFt::Server {
   }
 
   bool measure() {
-    until_wrench_ = kSamplesPerWrench - 1;
     injected_ = faults_.inject ? faults_.inject() : InjectedFault::kNone;
     if (injected_ == InjectedFault::kSilent) return false;
     try {
@@ -163,6 +166,7 @@ class SimulatedDigitalFt::Server {
   }
 
   ForcePort& port_;
+  const bool free_running_;
   SimulatedDigitalFtFaults faults_;
   PseudoTerminal line_;
   int stop_;
@@ -178,9 +182,9 @@ class SimulatedDigitalFt::Server {
   std::thread thread_;
 };
 
-SimulatedDigitalFt::SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port,
+SimulatedDigitalFt::SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port, bool free_running,
                                        SimulatedDigitalFtFaults faults)
-    : server_(std::make_unique<Server>(calibration, port, std::move(faults))) {}
+    : server_(std::make_unique<Server>(calibration, port, free_running, std::move(faults))) {}
 
 SimulatedDigitalFt::~SimulatedDigitalFt() = default;
 

@@ -15,15 +15,17 @@ struct SimulatedDigitalFtFaults {  // test and nightly switches, all off by defa
   long silent_after_samples = -1;
   long damaged_sample = -1;   // this sample loses a byte
   long error_sample = -1;     // this sample carries the status error
-  FaultInjector inject = {};  // for 100 samples at once: silent, saturated (the status error)
+  FaultInjector inject = {};  // for the samples of one wrench: silent, saturated (the status error)
 };
 
 class SimulatedDigitalFt {
  public:
-  // The wrench is requested once at each start of the stream and then every 100 samples, because the number of samples
-  // sent before the stop arrives depends on real time. The calibration's matrix must be invertible. Throws Fault
-  // TB-SIM-LISTEN.
-  SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port, SimulatedDigitalFtFaults faults = {});
+  // The wrench is requested at each start of the stream and, free-running, then every 100 samples. On a turned clock,
+  // which stands still during a reading, a stream repeats its first: how many samples are sent before the stop arrives
+  // depends on real time, and the same seed has to give the same readings. The calibration's matrix must be
+  // invertible. Throws Fault TB-SIM-LISTEN.
+  SimulatedDigitalFt(const DigitalCalibration& calibration, ForcePort& port, bool free_running,
+                     SimulatedDigitalFtFaults faults = {});
   ~SimulatedDigitalFt();  // stops the thread in bounded time
   SimulatedDigitalFt(const SimulatedDigitalFt&) = delete;
   SimulatedDigitalFt& operator=(const SimulatedDigitalFt&) = delete;

@@ -78,8 +78,10 @@ std::optional<ZaberFrame> ZaberLine::await(const std::function<bool(const ZaberF
   std::optional<ZaberFrame> reply;
   std::array<std::uint8_t, 256> bytes{};
   std::vector<ZaberBytes> frames;
-  while (!reply) {
-    const std::size_t got = stream_->read(bytes, left_until(deadline));
+  for (bool late = false; !reply && !late;) {
+    // One look after the deadline: a program that was not given the processor may find a reply that came in time.
+    const Nanoseconds left = left_until(deadline);
+    const std::size_t got = stream_->read(bytes, left);
     parser_.add(std::span(bytes).first(got), real_time(), frames);
     for (const ZaberBytes& one : std::exchange(frames, {})) {
       const ZaberFrame frame = decode(one);
@@ -89,7 +91,7 @@ std::optional<ZaberFrame> ZaberLine::await(const std::function<bool(const ZaberF
         others_(frame);
       }
     }
-    if (got == 0 || left_until(deadline) == Nanoseconds(0)) break;
+    late = got == 0 || left == Nanoseconds(0);
   }
   return reply;
 }

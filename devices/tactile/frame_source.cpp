@@ -93,8 +93,11 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
   stream_->write(protocol::encode({tag, request}));
   ++exchanges_;
   const auto end = std::chrono::steady_clock::now() + options_.frame_timeout;
-  for (;;) {
-    auto answer = next_message(left_until(end));
+  for (bool late = false; !late;) {
+    // One look after the deadline: a program that was not given the processor may find an answer that came in time.
+    const Nanoseconds left = left_until(end);
+    late = left == Nanoseconds(0);
+    auto answer = next_message(left);
     if (!answer) break;
     // An error with tag 0 is about a request that the source could not read.
     const auto* error = std::get_if<protocol::Error>(&answer->body);
@@ -105,7 +108,6 @@ protocol::Message FrameSource::exchange(const protocol::Body& request, const std
                   "Check the messages of the source's own program.");
     }
     if (answer->tag == tag) return *std::move(answer);
-    if (left_until(end) == Nanoseconds(0)) break;
   }
   clock_.reply_lost(options_.frame_timeout);
   throw Fault("TB-SCANNER-TIMEOUT", kSourceDevice,

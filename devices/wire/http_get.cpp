@@ -71,8 +71,8 @@ class Exchange {
         text.append(part.data(), static_cast<std::size_t>(got));
         if (text.size() > page_.largest) fail("TB-HTTP-ANSWER", fmt::format("more than {} bytes", page_.largest));
         // The deadline holds for a server that never stops sending, too.
-        if (std::chrono::steady_clock::now() < end_) continue;
-        wait(POLLIN, "TB-HTTP-TIMEOUT", "the answer does not end");
+        if (left_until(end_) > Nanoseconds(0) || complete(text)) continue;
+        expire("TB-HTTP-TIMEOUT", "the answer does not end");
       } else if (errno == EAGAIN) {
         wait(POLLIN, "TB-HTTP-TIMEOUT", fmt::format("{} bytes came, not all", text.size()));
       } else if (errno != EINTR) {
@@ -90,8 +90,10 @@ class Exchange {
 
  private:
   void wait(short events, const char* id, const std::string& what) {
-    const Nanoseconds left = left_until(end_);
-    if (left > Nanoseconds(0) && wait_for(socket_, events, left) != 0) return;
+    if (wait_for(socket_, events, left_until(end_)) == 0) expire(id, what);
+  }
+
+  [[noreturn]] void expire(const char* id, const std::string& what) {
     clock_.reply_lost(page_.timeout);
     fail(id, fmt::format("{} within {:g} s", what, std::chrono::duration<double>(page_.timeout).count()));
   }

@@ -57,11 +57,13 @@ void UdpLink::send(std::span<const std::uint8_t> datagram) {
 std::size_t UdpLink::receive(std::span<std::uint8_t> into, Nanoseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
+    // First the time, then the look: a datagram that comes between the two is found.
+    const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : timeout;
     const ssize_t got = ::recv(socket_, into.data(), into.size(), MSG_DONTWAIT);
     if (got > 0) return static_cast<std::size_t>(got);  // an empty datagram is ignored
     if (got < 0 && !is_nothing_yet(errno)) fail("TB-UDP-LOST", "receiving from", errno);
-    const Nanoseconds left = timeout > Nanoseconds(0) ? left_until(deadline) : timeout;
-    if (left <= Nanoseconds(0) || wait_for(socket_, POLLIN, left) == 0) return 0;
+    if (left <= Nanoseconds(0)) return 0;
+    (void)wait_for(socket_, POLLIN, left);
   }
 }
 

@@ -47,7 +47,7 @@ TEST_CASE("simulated ends: with too few descriptors each says so and leaves none
   NoLoad load;
   TurnedClock clock;
   TestArray array;
-  const auto digital = said_with_few([&] { SimulatedDigitalFt(invented_digital(), load); });
+  const auto digital = said_with_few([&] { SimulatedDigitalFt(invented_digital(), load, false); });
   REQUIRE(digital.size() == 3);  // both ends of a line, and what ends the thread
   CHECK(digital[2] == "no descriptor is left");
   const auto net = said_with_few([&] { SimulatedNetFt({0, 0, NetFtPage(), {}}, load); });

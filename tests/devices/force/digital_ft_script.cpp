@@ -64,6 +64,22 @@ TEST_CASE("Digital F/T line: a reading is the mean of its samples, however they 
   }
 }
 
+TEST_CASE("Digital F/T line: samples that lie on the line are taken by a program that was held up, in one look more") {
+  for (const std::size_t samples_a_look : {2U, 1U}) {
+    Script script;
+    for (int i = 0; i < 4; ++i) script.say({100, 200, 300, 400, 500, 600});
+    script.options.reply_timeout = 500ms;
+    auto sensor = script.open();
+    script.line.chunk = samples_a_look * kDigitalSampleBytes;
+    script.line.waits.clear();
+    script.line.slow_read = 2;  // the first after the answer to the start
+    script.line.held_up = 600ms;
+    const auto fault = fault_of([&] { (void)sensor.read(4); });
+    REQUIRE(fault.has_value() == (samples_a_look == 1));
+    if (fault) CHECK_THAT(fault->what(), Catch::Contains("2 came within"));
+  }
+}
+
 TEST_CASE("Digital F/T line: bytes received before a request are not taken for its reply") {
   Script script;
   script.say({100, 200, 300, 400, 500, 600});

@@ -17,7 +17,12 @@ class Load final : public ForcePort {
  public:
   Wrench wrench() override {
     const std::lock_guard lock(mutex_);
+    ++asked_;
     return wrench_;
+  }
+  int asked() {
+    const std::lock_guard lock(mutex_);
+    return asked_;
   }
   void set(const Wrench& wrench) {
     const std::lock_guard lock(mutex_);
@@ -26,12 +31,13 @@ class Load final : public ForcePort {
 
  private:
   std::mutex mutex_;
+  int asked_ = 0;
   Wrench wrench_{{1.0, -2.0, 4.0}, {80.0, -40.0, 8.0}};
 };
 
 struct DigitalFtRig {
   explicit DigitalFtRig(SimulatedDigitalFtFaults faults = {}, Nanoseconds reply_timeout = 20s)
-      : server(invented_digital(), load, faults) {
+      : server(invented_digital(), load, false, faults) {
     options.quiet = 50ms;
     options.reply_timeout = reply_timeout;
     options.origin = Origin::kSimulated;
@@ -73,6 +79,15 @@ TEST_CASE("Digital F/T: calibration and readings over a line") {
   CHECK(reading.raw[1] == 500);
   // Three register reads and three starts.
   CHECK(sensor.exchanges() == 6);
+}
+
+TEST_CASE("Digital F/T: on a turned clock each reading has one load, however long its stream lasts") {
+  DigitalFtRig rig;
+  auto sensor = rig.open();
+  for (int reading = 1; reading <= 3; ++reading) {
+    CHECK(sensor.read(250).records == 250);
+    CHECK(rig.load.asked() == reading);
+  }
 }
 
 TEST_CASE("Digital F/T: a stream left running by another is stopped first") {

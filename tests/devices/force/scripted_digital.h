@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "devices/force/digital_ft.h"
@@ -26,11 +27,13 @@ struct Line {
   std::vector<Bytes> written;
   std::deque<std::uint8_t> coming;
   std::map<int, std::uint16_t> registers;
-  Bytes stream;                    // what follows the answer to a start
-  std::size_t chunk = 1024;        // most bytes of one read
-  bool deaf = false;               // to a jam
-  bool torn = false;               // an empty line is a lost one
-  bool endless = false;            // a byte comes whenever one is asked for
+  Bytes stream;               // what follows the answer to a start
+  std::size_t chunk = 1024;   // most bytes of one read
+  bool deaf = false;          // to a jam
+  bool torn = false;          // an empty line is a lost one
+  bool endless = false;       // a byte comes whenever one is asked for
+  std::size_t slow_read = 0;  // the read with this number takes `held_up`
+  Nanoseconds held_up{0};
   std::vector<Nanoseconds> waits;  // the longest that each read would have waited
   std::function<Bytes(const Bytes& request, Bytes answer)> change = [](const Bytes&, Bytes answer) { return answer; };
 
@@ -71,6 +74,7 @@ class LineStream final : public ByteStream {
   }
   std::size_t read(std::span<std::uint8_t> into, Nanoseconds timeout) override {
     if (line_.waits.size() < 100'000) line_.waits.push_back(timeout);
+    if (line_.waits.size() == line_.slow_read) std::this_thread::sleep_for(line_.held_up);
     if (line_.endless) line_.coming.push_back(0x41);
     if (line_.torn && line_.coming.empty()) throw Fault("TB-SERIAL-LOST", "port", "it is gone", "Plug it in.");
     const std::size_t size = std::min({into.size(), line_.coming.size(), line_.chunk});

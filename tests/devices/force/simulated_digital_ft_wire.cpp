@@ -41,7 +41,7 @@ Wrench pull(double newtons) { return {{newtons, 0.0, 0.0}, {}}; }  // 250 counts
 struct DigitalClient {
   explicit DigitalClient(std::function<Wrench(int)> told, SimulatedDigitalFtFaults faults = {})
       : load(std::move(told)),
-        server(invented_digital(), load, std::move(faults)),
+        server(invented_digital(), load, true, std::move(faults)),
         stream(open_stream(server.path())) {}
 
   void send(const Bytes& bytes) const { stream->write(bytes); }

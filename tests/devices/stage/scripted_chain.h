@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,7 @@ class ScriptedChain {
   int opened = 0, refused_openings = 0, reads = 0, discards = 0;
   bool lost = false;
   Nanoseconds longest_wait{0};
+  Nanoseconds held_up{0};  // the next read takes this long
 
  private:
   class End final : public ByteStream {
@@ -68,6 +70,7 @@ class ScriptedChain {
       ++chain_.reads;
       chain_.longest_wait = std::max(chain_.longest_wait, timeout);
       if (chain_.lost) throw Fault("TB-SERIAL-LOST", "line", "the line is gone", "Mend it.");
+      std::this_thread::sleep_for(std::exchange(chain_.held_up, Nanoseconds(0)));
       if (chain_.pieces.empty()) return 0;
       const std::vector<std::uint8_t> piece = std::move(chain_.pieces.front());
       chain_.pieces.pop_front();

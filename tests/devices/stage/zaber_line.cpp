@@ -74,6 +74,18 @@ TEST_CASE("a reply that trickles past its time is not waited for any longer") {
   alone.chain.pieces.clear();
 }
 
+TEST_CASE("a reply that lies on the line is found by a program that was held up past its time, and once only") {
+  LineAlone alone(1s);
+  const ZaberFrame foreign{3, kPosition, 1, 0}, own{2, kPosition, 77, 1};
+  for (const ZaberFrame& one : {foreign, own}) alone.chain.say(one);
+  alone.chain.held_up = 1100ms;
+  CHECK(alone.line.ask(2, kPosition, 0) == own);
+  for (const ZaberFrame& one : {foreign, foreign, foreign}) alone.chain.say(one);
+  alone.chain.held_up = 1100ms;
+  CHECK_FALSE(alone.line.ask(2, kPosition, 0).has_value());
+  CHECK(alone.chain.pieces.size() == 1);
+}
+
 TEST_CASE("message ids count from 1 to 254 and leave out those whose reply is still to come") {
   LineAlone alone;
   CHECK(alone.line.send(1, kMoveAbsolute, 3) == 1);
