@@ -63,14 +63,16 @@ namespace {
 
 [[noreturn]] void fail_connect(const std::string& where, const std::string& all, bool needs_password = false) {
   const std::string said = all.substr(0, all.find(" LOCATION: "));  // the first attempt, without the server's source
+  // Names stand in quotes: a host or a folder may be called SSL.
+  const std::string unnamed = std::regex_replace(said, std::regex("\"[^\"]*\""), "\"\"");
   std::smatch found;
-  const bool coded = std::regex_search(said, found, std::regex(": +([0-9][0-9A-Z]{4}): "));
+  const bool coded = std::regex_search(unnamed, found, std::regex(": +([0-9][0-9A-Z]{4}): "));
   const std::string state = coded ? found[1].str() : "";
   if (state.starts_with("28") || needs_password)
     throw FleetError(FleetCause::kLink, "TB-FLEET-LOGIN",
                      fmt::format("fleet {}: the login was refused: {}", where, said),
                      "check user and password (~/.pgpass, mode 0600, or PGPASSWORD) and the server's pg_hba.conf");
-  if (said.find("SSL") != std::string::npos || said.find("certificate") != std::string::npos)
+  if (unnamed.find("SSL") != std::string::npos || unnamed.find("certificate") != std::string::npos)
     throw FleetError(
         FleetCause::kLink, "TB-FLEET-TLS", fmt::format("fleet {}: no trusted connection: {}", where, said),
         "the certificate may be expired, of another name, or by an authority that sslrootcert does not name: "

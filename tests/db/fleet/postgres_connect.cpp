@@ -121,6 +121,9 @@ TEST_CASE("fleet server: a refusal at the door is told by its code, and without 
   const Told nobody = told([&] { const Link link("host=" + empty.path() + " dbname=tactile user=u"); });
   CHECK(nobody.id == "TB-FLEET-CONNECT");
   CHECK_THAT(nobody.message, Contains("cannot be reached: "));
+  const Told named = told([&] { const Link link("host=" + empty.path() + "/SSL-certificate dbname=SSL user=u"); });
+  CHECK(named.id == "TB-FLEET-CONNECT");
+  CHECK_THAT(named.message, Contains("/SSL-certificate/"));
 }
 
 TEST_CASE("fleet server: one that says nothing is given up when the patience with it is over") {
