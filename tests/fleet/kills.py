@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 
-from server import Program, Server, content_of, expect, make_store, skip_unless_possible
+from server import Program, Server, comes_true, content_of, expect, make_store, skip_unless_possible
 
 skip_unless_possible()
 path, pushes, servers, seed = sys.argv[1], *map(int, sys.argv[2:])
@@ -20,6 +20,9 @@ RUNS = 4
 
 def check(server, database, own, frames):
     """Whole runs only, each once."""
+    # The server may still carry out what a killed push had sent.
+    others = "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()"
+    comes_true(lambda: server.sql(others, database) == [["0"]], "the end of the killed push's session")
     theirs = content_of(server, database)
     expect(all(own.get(uuid) == content for uuid, content in theirs.items()), "a run that is there is the bench's")
     rows = server.sql("SELECT count(*), count(DISTINCT uuid) FROM fleet.runs", database)[0]
