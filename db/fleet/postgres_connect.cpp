@@ -63,7 +63,7 @@ namespace {
 
 [[noreturn]] void fail_connect(const std::string& where, const std::string& all, bool needs_password = false) {
   const std::string said = all.substr(0, all.find(" LOCATION: "));  // the first attempt, without the server's source
-  // Names stand in quotes: a host or a folder may be called SSL.
+  // Names stand in quotes: a host or a folder may have SSL in its own.
   const std::string unnamed = std::regex_replace(said, std::regex("\"[^\"]*\""), "\"\"");
   std::smatch found;
   const bool coded = std::regex_search(unnamed, found, std::regex(": +([0-9][0-9A-Z]{4}): "));

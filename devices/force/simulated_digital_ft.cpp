@@ -106,8 +106,7 @@ class SimulatedDigitalFt::Server {
       read_registers(request[2] << 8 | request[3], request[4] << 8 | request[5]);
     } else if (request[2] == 0x55) {
       reply({kUnit, 0x46, 1});
-      streaming_ = measure();  // else physics failed: the sensor falls silent
-      until_wrench_ = kSamplesPerWrench;
+      streaming_ = measure();
     }
     return true;
   }
@@ -132,11 +131,9 @@ class SimulatedDigitalFt::Server {
   }
 
   void send_sample() {
-    if (free_running_ && until_wrench_-- <= 0) {
-      streaming_ = measure();
-      until_wrench_ = kSamplesPerWrench - 1;
-      if (!streaming_) return;
-    }
+    if (free_running_ && of_wrench_ == kSamplesPerWrench) streaming_ = measure();
+    if (!streaming_) return;
+    ++of_wrench_;
     const long number = samples_++;
     if (faults_.silent_after_samples >= 0 && number >= faults_.silent_after_samples) return;
     DigitalSample sample = sample_;
@@ -145,7 +142,9 @@ class SimulatedDigitalFt::Server {
     send(number == faults_.damaged_sample ? std::span(bytes).subspan(1) : std::span(bytes));
   }
 
+  // False: physics failed, and the sensor falls silent.
   bool measure() {
+    of_wrench_ = 0;
     injected_ = faults_.inject ? faults_.inject() : InjectedFault::kNone;
     if (injected_ == InjectedFault::kSilent) return false;
     try {
@@ -174,7 +173,7 @@ class SimulatedDigitalFt::Server {
   std::map<int, std::uint16_t> registers_;
   std::vector<std::uint8_t> received_;
   bool streaming_ = false;
-  int until_wrench_ = 0;
+  long of_wrench_ = 0;  // samples sent of the last wrench
   long samples_ = 0;
   InjectedFault injected_ = InjectedFault::kNone;
   DigitalSample sample_;
