@@ -60,7 +60,9 @@ void init(const InitOptions& options, const Session& session) {
   fs::create_directories(options.folder, failed);
   for (const auto& [shipped, name] : files) {
     const fs::path target = fs::path(options.folder) / name;
-    fs::copy_file(find_config(shipped), target, fs::copy_options::overwrite_existing, failed);
+    // Not find_config(), which prefers a file of that name in the current folder: that may be the target.
+    const fs::path source = fs::path(share_folder()) / "bench/config" / shipped;
+    fs::copy_file(source, target, fs::copy_options::overwrite_existing, failed);
     if (failed) {
       throw Error(ExitCode::kUsage, "TB-FILE-WRITE", fmt::format("cannot write: {}", failed.message()), target.string(),
                   "check folder, space and permissions");

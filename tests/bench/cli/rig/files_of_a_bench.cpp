@@ -71,6 +71,22 @@ TEST_CASE("init names each file that it wrote, and what to do next") {
   CHECK_THAT(blocked.err, Catch::Contains("[TB-FILE-WRITE]"));
 }
 
+TEST_CASE("init writes the shipped files, also over its own in the current folder") {
+  const TemporaryFolder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  CHECK(verb_here(bench::add_init, {"init"}).code == 0);
+  for (const std::string& name : kFilesOfInit) write_file(folder.path(name), "changed = true\n");
+  const Finished again = verb_here(bench::add_init, {"init", "--replace"});
+  CHECK(verb_here(bench::add_init, {"init", "beside"}).code == 0);
+  std::filesystem::current_path(before);
+  CHECK(again.code == 0);
+  for (const char* name : {"sensor.toml", "limits.toml", "lab.toml"}) {
+    CHECK(read_file(folder.path(name)) == read_file(bench::find_config(name)));
+    CHECK(read_file(folder.path("beside/") + name) == read_file(bench::find_config(name)));
+  }
+}
+
 TEST_CASE("recipes new: names of letters, digits, hyphens and underscores, and where the copy goes") {
   const TemporaryFolder folder;
   const auto make = [&](const std::vector<std::string>& more) {
