@@ -34,9 +34,9 @@ class SimulatedDigitalFt::Server {
  public:
   Server(const DigitalCalibration& calibration, ForcePort& port, bool free_running, SimulatedDigitalFtFaults faults)
       : port_(port),
-        free_running_(free_running),
         faults_(std::move(faults)),
-        stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+        stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+        free_running_(free_running) {
     if (stop_ < 0) throw Fault("TB-SIM-LISTEN", "simulated Digital F/T", "no descriptor is left", "Close programs.");
     Matrix6 matrix;
     for (int row = 0; row < 6; ++row) {
@@ -164,19 +164,19 @@ class SimulatedDigitalFt::Server {
     }
   }
 
+  Matrix6 gauges_per_load_;
   ForcePort& port_;
-  const bool free_running_;
   SimulatedDigitalFtFaults faults_;
   PseudoTerminal line_;
-  int stop_;
-  Matrix6 gauges_per_load_;
   std::map<int, std::uint16_t> registers_;
   std::vector<std::uint8_t> received_;
-  bool streaming_ = false;
   long of_wrench_ = 0;  // samples sent of the last wrench
   long samples_ = 0;
-  InjectedFault injected_ = InjectedFault::kNone;
   DigitalSample sample_;
+  InjectedFault injected_ = InjectedFault::kNone;
+  int stop_;
+  const bool free_running_;
+  bool streaming_ = false;
   EndAtWork work_;
   std::thread thread_;
 };
