@@ -20,8 +20,8 @@ std::vector<int> unexpected_signals() {
   return all;
 }
 
-std::atomic<int> caught{0};  // the first
-std::atomic<int> ends{0};    // the first but SIGINT
+std::atomic<int> caught{0};        // the first
+std::atomic<int> first_to_end{0};  // the first but SIGINT
 std::atomic<int> interrupted{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler needs it");
 
@@ -32,7 +32,7 @@ void on_signal(int number) {
   if (number == SIGINT) {
     ++interrupted;
   } else {
-    ends.compare_exchange_strong(none, number);
+    first_to_end.compare_exchange_strong(none, number);
   }
 }
 
@@ -43,7 +43,7 @@ StopRequest::StopRequest() {
   sigaction(SIGTERM, nullptr, &there);
   if (there.sa_handler != on_signal) {  // no other one is around this one
     caught = 0;
-    ends = 0;
+    first_to_end = 0;
     interrupted = 0;
   }
   struct sigaction action {};
@@ -69,7 +69,7 @@ StopRequest::~StopRequest() {
 
 int StopRequest::signal() const { return caught; }
 int StopRequest::interrupts() const { return interrupted; }
-int StopRequest::ending() const { return ends; }
+int StopRequest::ending() const { return first_to_end; }
 
 std::string signal_text(int number) {
   switch (number) {

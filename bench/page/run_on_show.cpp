@@ -15,7 +15,7 @@ namespace tactbench::bench {
 
 namespace {
 
-constexpr std::size_t kEvents = 12;
+constexpr std::size_t kShownEvents = 12;
 constexpr std::chrono::milliseconds kReadAgain{3000};
 constexpr std::chrono::milliseconds kReadAtMost{500};
 
@@ -148,8 +148,8 @@ void RunOnShow::read_run(std::int64_t run) {
   newest_safe_.reset();
   store_->newest_events(run, [&](const db::EventRecord& event) {
     if (!newest_safe_ && event.kind == "safe") newest_safe_ = event;
-    if (tells(event) && events_.size() < kEvents) events_.push_back(event);
-    return !newest_safe_ || events_.size() < kEvents;
+    if (tells(event) && events_.size() < kShownEvents) events_.push_back(event);
+    return !newest_safe_ || events_.size() < kShownEvents;
   });
   if (!other) return;
   before_ = 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kHeldPsi = 0.5;  // a level is held while the reference stays within this of its first sample
 constexpr std::size_t kHeldSamples = 10;
-constexpr double kSettled = 6.0;  // seconds of a hold that the lag may still be in
+constexpr double kLagSettles = 6.0;  // seconds of a hold that the lag may still be in
 
 std::vector<double> mean_above_zero(const Track& track, const std::vector<double>& zero_v,
                                     const std::vector<bool>& usable) {
@@ -41,7 +41,7 @@ std::vector<Hold> holds_of(const Track& track) {
     std::size_t end = i + 1;
     while (end < track.time.size() && std::abs(track.pressure[end] - track.pressure[i]) < kHeldPsi) ++end;
     std::size_t first = i;
-    while (first < end && track.time[first] < track.time[i] + kSettled) ++first;
+    while (first < end && track.time[first] < track.time[i] + kLagSettles) ++first;
     if (end >= first + kHeldSamples && track.pressure[i] > kHeldPsi) holds.push_back({first, end - 1});
     i = end;
   }

@@ -10,14 +10,14 @@ namespace tactbench::analysis {
 namespace {
 
 constexpr double kFastest = 3.0;     // seconds
-constexpr double kStep = 0.02;       // of a share
-constexpr double kMostShare = 0.16;  // of each relaxation time
+constexpr double kShareStep = 0.02;  // of a share
+constexpr double kMostCreep = 0.16;  // of each relaxation time
 constexpr double kOfRun = 0.5;       // a relaxation time that is longer shows no end
-constexpr double kHelps = 0.8;       // of the misfit without creep
+constexpr double kCreepHelps = 0.8;  // of the misfit without creep
 constexpr double kHalf = 5.0;        // psi; the misfit hardly depends on it
 
 // The array's mean as one taxel.
-Dataset mean_of(const Dataset& data, const std::vector<bool>& usable) {
+Dataset mean_taxel_of(const Dataset& data, const std::vector<bool>& usable) {
   Dataset mean = data;
   mean.rows = mean.columns = 1;
   const auto width = static_cast<std::size_t>(data.taxels());
@@ -42,23 +42,23 @@ Dynamics even_creep(double share, double slowest_s) {
   return d;
 }
 
-struct Found {
+struct Least {
   double share = 0.0, misfit = std::numeric_limits<double>::infinity();
 };
 
 // The misfit falls to its minimum and rises beyond it: found in steps from 0, then by a parabola.
 template <class Misfit>
-Found least_of(const Misfit& at, double without) {
-  double before = without, here = without, next = at(kStep), share = 0.0;
-  while (next < here && share + 2.0 * kStep <= kMostShare) {
-    share += kStep;
+Least least_of(const Misfit& at, double without) {
+  double before = without, here = without, next = at(kShareStep), share = 0.0;
+  while (next < here && share + 2.0 * kShareStep <= kMostCreep) {
+    share += kShareStep;
     before = here;
     here = next;
-    next = at(share + kStep);
+    next = at(share + kShareStep);
   }
-  if (next < here) return {share + kStep, next};
+  if (next < here) return {share + kShareStep, next};
   const bool first = share == 0.0;  // between 0 and one step
-  const double width = first ? 0.5 * kStep : kStep, centre = first ? width : share;
+  const double width = first ? 0.5 * kShareStep : kShareStep, centre = first ? width : share;
   if (first) here = at(centre);
   const double bend = before - 2.0 * here + next;
   const double best = bend > 0.0 ? centre + 0.5 * width * (before - next) / bend : centre;
@@ -70,7 +70,7 @@ Found least_of(const Misfit& at, double without) {
 
 CreepMisfit::CreepMisfit(const Dataset& fitted, const std::vector<double>& zero_v, const std::vector<bool>& usable,
                          double highest, const FitOptions& fit)
-    : mean_(mean_of(fitted, usable)), highest_(highest), fit_(fit) {
+    : mean_(mean_taxel_of(fitted, usable)), highest_(highest), fit_(fit) {
   fit_.threads = 1;
   double count = 0.0, last_s = 0.0;
   for (std::size_t t = 0; t < zero_v.size(); ++t) {
@@ -109,15 +109,15 @@ std::array<double, kCreepElements> creep_times(double slowest_s) {
 
 Dynamics creep_of_one_run(const CreepMisfit& misfit) {
   const double without = misfit(Dynamics());
-  Found best;
+  Least best;
   double slowest = 0.0;
   for (const double time : misfit.slowest_s()) {
-    const Found found = least_of([&](double share) { return misfit(even_creep(share, time)); }, without);
+    const Least found = least_of([&](double share) { return misfit(even_creep(share, time)); }, without);
     if (found.misfit >= best.misfit) continue;
     best = found;
     slowest = time;
   }
-  return best.misfit < kHelps * without ? even_creep(best.share, slowest) : Dynamics();
+  return best.misfit < kCreepHelps * without ? even_creep(best.share, slowest) : Dynamics();
 }
 
 Dataset lag_and_creep_undone(Dataset data, const ArrayDynamics& dynamics, const std::vector<double>& zero_v,

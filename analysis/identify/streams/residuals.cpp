@@ -18,12 +18,12 @@ constexpr std::size_t kLevels = 20;
 constexpr double kMostOfMean = 12.0, kLeastOfMean = 0.5;
 constexpr std::size_t kMostSamples = 20'000;  // of a taxel: longer recordings add nothing but time
 // The second part, of paths that were not fitted.
-constexpr std::size_t kOpinions = 32;    // taxels at most, evenly chosen
-constexpr int kOpinionCells = 15;        // intervals of their Preisach models
-constexpr int kTurns = 60, kSteps = 30;  // of the random path, and of the whole range
+constexpr std::size_t kOpinions = 32;        // taxels at most, evenly chosen
+constexpr int kOpinionCells = 15;            // intervals of their Preisach models
+constexpr int kTurns = 60, kPathSteps = 30;  // of the random path, and of the whole range
 // What a stream leaves of paths that were not fitted over what it leaves of those that were, as of the dynamic model.
 // This and the limit of the shape were chosen on sensor seed 1 of both specimens.
-constexpr double kNotFitted = 2.0;
+constexpr double kOtherPaths = 2.0;
 
 // Mean slope over the branch's own, by level.
 std::vector<double> shape_of(const ModelTaxel& taxel) {
@@ -98,10 +98,10 @@ std::vector<double> wandering(double low, double high) {
   std::vector<double> path{low};
   int at = 0, direction = 1;
   for (int turn = 0; turn < kTurns; ++turn, direction = -direction) {
-    const int room = direction > 0 ? kSteps - at : at;
+    const int room = direction > 0 ? kPathSteps - at : at;
     if (room == 0) continue;
     const int steps = 1 + static_cast<int>(random() % static_cast<unsigned>(room));
-    for (int i = 0; i < steps; ++i) path.push_back(low + (high - low) / kSteps * (at += direction));
+    for (int i = 0; i < steps; ++i) path.push_back(low + (high - low) / kPathSteps * (at += direction));
   }
   return path;
 }
@@ -145,7 +145,7 @@ void find_residuals(const Histories& histories, const std::vector<std::string>& 
     if (taxel.fitted() && !taxel.ascending.x().empty() && !histories.taxels[t].score.empty())
       fitted[t] = or_none([&] { return of_fitted(histories, sequences, model, t); });
   });
-  double more = kNotFitted * kNotFitted;
+  double more = kOtherPaths * kOtherPaths;
   if (model.model != "preisach") {
     std::vector<std::size_t> usable, asked;
     for (std::size_t t = 0; t < fitted.size(); ++t)

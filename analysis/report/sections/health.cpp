@@ -181,9 +181,8 @@ Markup health_section(const ReportInput& input) {
 }
 
 std::string health_json(const ReportInput& input) {
-  using Json = nlohmann::ordered_json;
   const Health& health = input.health;
-  Json findings = Json::array(), swaps = Json::array();
+  nlohmann::ordered_json findings = nlohmann::ordered_json::array(), swaps = nlohmann::ordered_json::array();
   for (const TaxelHealth& finding : health.findings)
     findings.push_back({{"taxel", finding.taxel},
                         {"state", finding.state},

@@ -103,8 +103,8 @@ struct Ticking : std::enable_shared_from_this<Ticking> {
   std::function<void()> act;
 };
 
-struct Watching : std::enable_shared_from_this<Watching> {
-  Watching(boost::asio::io_context& context, int descriptor, std::function<void()> what)
+struct WatchedDescriptor : std::enable_shared_from_this<WatchedDescriptor> {
+  WatchedDescriptor(boost::asio::io_context& context, int descriptor, std::function<void()> what)
       : stream(context, ::dup(descriptor)), act(std::move(what)) {}
   void next() {
     stream.async_wait(boost::asio::posix::stream_descriptor::wait_read,
@@ -145,7 +145,7 @@ void HttpServer::every(std::chrono::milliseconds period, std::function<void()> a
 }
 
 std::shared_ptr<void> HttpServer::watch(int descriptor, std::function<void()> act) {
-  auto made = std::make_shared<Watching>(server_->context, descriptor, std::move(act));
+  auto made = std::make_shared<WatchedDescriptor>(server_->context, descriptor, std::move(act));
   made->next();
   return made;
 }
