@@ -236,6 +236,13 @@ def check_equivalents(tree, folder):
             equivalents.reasons(path, tree.text)
 
 
+def check_kept():
+    """Each change that is kept as equivalent still has its one place in the sources."""
+    here = pathlib.Path(__file__).resolve().parent
+    reasons = equivalents.reasons(here / "random_equivalents.json", lambda name: (here.parents[1] / name).read_text("latin-1"))
+    assert reasons
+
+
 def check_self_checks():
     """The function that a room's self-check breaks is in its source, once."""
     top = pathlib.Path(__file__).resolve().parents[2]
@@ -261,6 +268,7 @@ with tempfile.TemporaryDirectory(prefix="tactbench-mutants-") as name:
     built = build_folder(pathlib.Path(name))
     check_draw(built)
     check_equivalents(built, pathlib.Path(name))
+    check_kept()
     check_self_checks()
     check_table()
 sys.exit(0)
