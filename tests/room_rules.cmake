@@ -42,6 +42,7 @@ file(READ ${root}/quickstart quickstart)
 # Libraries that cost seconds a source: included by sources, and by headers that few sources include.
 set(heavy "^#include [<\"](toml\\+\\+/|nlohmann/json\\.hpp|CLI/|Eigen/)")
 set(may_be_heavy
+  analysis/algebra/dense.h  # its functions take Eigen's matrices; those who solve and multiply with them
   analysis/identify/rivals/gpi_normal.h     # the matrices of GPI's searches: gpi_search.cpp, gpi_evolution.cpp
   analysis/identify/rivals/gpi_evolution.h  # keeps such a matrix; gpi_search.cpp
   analysis/identify/rivals/nnls.h  # its functions take Eigen's matrices; preisach.cpp and its test

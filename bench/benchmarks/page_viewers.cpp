@@ -10,22 +10,16 @@
 
 #include <array>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
 #include "analysis/json_io.h"
+#include "bench/common/file_text.h"
 
 namespace tactbench::bench {
 
 namespace {
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 int open_for_writing(const std::string& path) {
   return ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
@@ -55,7 +49,7 @@ PageProcess::PageProcess(const std::string& db, const std::string& folder, const
     : child_(page_start(program, db, folder + "/page.log")) {
   for (int i = 0; i < 1000 && port_ == 0; ++i) {
     const bool ended = child_.ended().has_value();
-    const nlohmann::json told = analysis::try_json(text_of(folder + "/page.log"));
+    const nlohmann::json told = analysis::try_json(file_text(folder + "/page.log"));
     if (told.is_object()) {
       port_ = told.value("port", std::uint16_t{0});
       const std::string link = told.value("readers_link", "");
@@ -64,7 +58,7 @@ PageProcess::PageProcess(const std::string& db, const std::string& folder, const
     if (ended) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  if (port_ == 0) throw std::runtime_error("the page does not start: " + text_of(folder + "/page.log"));
+  if (port_ == 0) throw std::runtime_error("the page does not start: " + file_text(folder + "/page.log"));
 }
 
 double processor_seconds_of(const std::string& stat, double ticks_per_second) {
@@ -80,12 +74,12 @@ double resident_mb_of(const std::string& status) {
 }
 
 double PageProcess::processor_s() const {
-  return processor_seconds_of(text_of(fmt::format("/proc/{}/stat", child_.process())),
+  return processor_seconds_of(file_text(fmt::format("/proc/{}/stat", child_.process())),
                               static_cast<double>(::sysconf(_SC_CLK_TCK)));
 }
 
 double PageProcess::resident_mb() const {
-  return resident_mb_of(text_of(fmt::format("/proc/{}/status", child_.process())));
+  return resident_mb_of(file_text(fmt::format("/proc/{}/status", child_.process())));
 }
 
 PageViewers::PageViewers(std::uint16_t port, const std::string& token, int viewers, int frozen)

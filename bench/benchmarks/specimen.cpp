@@ -1,6 +1,6 @@
 #include "bench/benchmarks/specimen.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "analysis/algebra/dense.h"
 #include "analysis/statistics/numbers/moments.h"
 #include "bench/benchmarks/specimen_walk.h"
 
@@ -212,8 +213,8 @@ double measure_shape_percent_fs(const SpecimenOptions& options, int components) 
     for (Eigen::Index s = 0; s < steps; ++s) shapes(i, s) = (loop[static_cast<std::size_t>(s)][at] - zero) / span;
   }
   shapes.rowwise() -= shapes.colwise().mean().eval();
-  const Eigen::MatrixXd covariance = shapes.transpose() * shapes / static_cast<double>(taxels);
-  const Eigen::VectorXd variances = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).eigenvalues();
+  const Eigen::MatrixXd covariance = analysis::gram_of(shapes) / static_cast<double>(taxels);
+  const Eigen::VectorXd variances = analysis::eigen_of(covariance).values;
   const Eigen::Index left = std::max<Eigen::Index>(0, steps - components);
   return 100.0 * std::sqrt(std::max(0.0, variances.head(left).sum()) / static_cast<double>(steps));
 }

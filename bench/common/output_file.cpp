@@ -13,7 +13,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <ostream>
 #include <streambuf>
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "bench/common/error.h"
+#include "bench/common/file_text.h"
 #include "bench/common/signed_number.h"
 
 namespace tactbench::bench {
@@ -203,11 +203,6 @@ std::size_t replace_file(const std::string& path, const WriteOutput& write) {
   }
 }
 
-std::string whole_text(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 }  // namespace
 
 std::string kind_of_file(const std::string& beginning) {
@@ -232,7 +227,7 @@ void check_output(const std::string& path, const std::string& kind, bool replace
   }
   if (named_descriptor(path)) return;  // the user chose the redirection
   if (found == kPageFile || found == kReportDocument) {
-    if (const std::string number = signed_number_in(whole_text(path)); !number.empty())
+    if (const std::string number = signed_number_in(file_text(path)); !number.empty())
       throw Error(ExitCode::kUsage, "TB-REPORT-SIGNED", fmt::format("the file holds the signed report {}", number),
                   path, "a signed report is not written over: name another file");
   }

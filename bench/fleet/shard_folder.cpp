@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "analysis/json_io.h"
 #include "bench/common/error.h"
+#include "bench/common/file_text.h"
 #include "bench/common/output_file.h"
 #include "bench/fleet/tool.h"
 #include "db/run_store.h"
@@ -20,14 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 fs::path plan_in(const std::string& folder) { return fs::path(folder) / "night.json"; }
 
-nlohmann::json plan_of(const std::string& folder) { return analysis::try_json(text_of(plan_in(folder))); }
+nlohmann::json plan_of(const std::string& folder) { return analysis::try_json(file_text(plan_in(folder))); }
 
 std::string file_of(const std::string& folder, int shard, const char* ending) {
   return (fs::path(folder) / fmt::format("shard-{}{}", shard, ending)).string();
@@ -97,8 +91,8 @@ bool ShardFolder::is_done(int shard) const {
 bool ShardFolder::has_ended(int shard) const { return fs::exists(file_of(path_, shard, ".code")); }
 
 std::string ShardFolder::why_failed(int shard) const {
-  const std::string code = last_line(text_of(file_of(path_, shard, ".code")));
-  const std::string said = last_line(text_of(log_of(shard)));
+  const std::string code = last_line(file_text(file_of(path_, shard, ".code")));
+  const std::string said = last_line(file_text(log_of(shard)));
   return fmt::format(
       "{}{}",
       code.empty() ? "its process left no exit code: it was killed, or never began" : fmt::format("exit code {}", code),

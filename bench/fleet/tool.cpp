@@ -8,13 +8,12 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <system_error>
 
 #include "bench/common/child_process.h"
 #include "bench/common/error.h"
+#include "bench/common/file_text.h"
 #include "bench/common/private_files.h"
 
 namespace tactbench::bench {
@@ -44,8 +43,7 @@ ToolResult run_tool(const std::vector<std::string>& words, double limit_s) {
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(limit_s));
     const std::optional<int> status = program.ended_by(last);
     if (!status) program.kill_group();
-    std::ifstream file(output);
-    const std::string said{std::istreambuf_iterator<char>(file), {}};
+    const std::string said = file_text(output);
     if (!status) return {124, said};
     return {WIFSIGNALED(*status) ? 128 + WTERMSIG(*status) : WEXITSTATUS(*status), said};
   } catch (const std::system_error& error) {

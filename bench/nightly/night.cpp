@@ -10,8 +10,6 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -20,6 +18,7 @@
 #include "analysis/counted.h"
 #include "bench/common/child_process.h"
 #include "bench/common/error.h"
+#include "bench/common/file_text.h"
 #include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
 #include "bench/common/stop_request.h"
@@ -39,14 +38,9 @@ struct Child {
   bool killed = false;
 };
 
-std::string whole_text(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // A scenario's output without the heading that the night wrote.
 std::string talk_in(const fs::path& log) {
-  const std::string text = whole_text(log);
+  const std::string text = file_text(log);
   return text.starts_with(kTalkHead) ? text.substr(text.find('\n') + 1) : text;
 }
 
@@ -162,7 +156,7 @@ class Night {
     const fs::path json = result_file(child.scenario);
     ScenarioResult result;
     try {
-      result = result_from_json(whole_text(json));
+      result = result_from_json(file_text(json));
       result.name = own.label;
     } catch (const std::invalid_argument&) {
       result.name = own.label;

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
+#include "bench/common/file_text.h"
 #include "bench/common/for_people.h"
 #include "bench/page/access.h"
 
@@ -20,11 +20,6 @@ namespace {
 constexpr std::size_t kAtOnce = 2, kWaiting = 6, kKept = 12;
 constexpr std::chrono::seconds kLongestWork{180};
 constexpr std::uintmax_t kLargest = 32U << 20U;
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 bool is_id(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789abcdef") == std::string::npos;
@@ -75,7 +70,7 @@ void Documents::finish(Work& work) {
     kept_.push_back(work.id);
     forget_old();
   } else {
-    made = {"", for_people(text_of(log).substr(0, kLongestText))};
+    made = {"", for_people(file_text(log).substr(0, kLongestText))};
     if (made.error.empty()) made.error = "it took too long";
   }
   std::filesystem::remove(log, ignored);
@@ -113,7 +108,7 @@ std::optional<std::string> Documents::text(const std::string& id) const {
   if (!is_id(id) || std::ranges::find(kept_, id) == kept_.end()) return std::nullopt;
   std::error_code error;
   if (std::filesystem::file_size(path_of(id), error) > kLargest || error) return std::nullopt;
-  return text_of(path_of(id));
+  return file_text(path_of(id));
 }
 
 }  // namespace tactbench::bench

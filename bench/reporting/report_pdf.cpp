@@ -9,8 +9,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -19,6 +17,7 @@
 
 #include "bench/common/child_process.h"
 #include "bench/common/error.h"
+#include "bench/common/file_text.h"
 #include "bench/common/output_file.h"
 #include "bench/common/private_files.h"
 
@@ -81,11 +80,6 @@ std::vector<std::string> words_of(const PdfProgram& program, const fs::path& fol
   return words;
 }
 
-std::string text_in(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 std::string digits_of(const std::string& utc) {
   if (utc.size() < 19) return "20000101000000";
   std::string digits;
@@ -145,9 +139,9 @@ std::string write_pdf(const PdfRequest& request) {
   write_whole(folder / "report.html", request.html);
   write_whole(folder / "data.json", request.json);
   const bool done = run_to_end(words_of(program, folder), folder / "log", request.date_utc);
-  std::string pdf = text_in(folder / "report.pdf");
+  std::string pdf = file_text(folder / "report.pdf");
   if (!done || pdf.compare(0, 5, "%PDF-") != 0) {
-    std::string output = text_in(folder / "log");
+    std::string output = file_text(folder / "log");
     if (output.size() > 500) output = output.substr(output.size() - 500);
     pdf_failed(fmt::format("{} made no PDF: {}", program.path, output.empty() ? "it printed nothing" : output),
                "--format pdf", "print the HTML (--format html) from a browser, or take the other program (--pdf-with)");

@@ -9,10 +9,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
+#include "bench/common/file_text.h"
 #include "bench/common/utc.h"
 #include "bench/selfcheck/selfcheck.h"
 #include "db/run_store.h"
@@ -152,14 +152,9 @@ SelfcheckAnswer survive_kill(const std::string& path) {
                       content && sound ? "holds" : "DIFFERS")};
 }
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // A byte of the counts of each tenth frame, found in the file by the frame's own bytes.
 SelfcheckAnswer name_flipped(const std::string& path, std::int64_t run) {
-  const std::string whole = bytes_of(path), copy = path + ".flipped";
+  const std::string whole = file_text(path), copy = path + ".flipped";
   int flipped = 0, named = 0;
   std::string last;
   for (int i = 5; i < kCheckedFrames; i += 10) {

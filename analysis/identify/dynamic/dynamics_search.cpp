@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/algebra/dense.h"
 #include "analysis/compensate/dynamic_setup.h"
 #include "analysis/identify/dynamic/track.h"
 #include "analysis/identify/rivals/nnls.h"
@@ -142,7 +143,7 @@ void find_creep(const Dataset& data, const std::vector<double>& zero_v, const st
     level.resize(rows.columns.rows());
     relative(holds, mean, off, level);
     const Eigen::MatrixXd columns = level.asDiagonal() * rows.columns;
-    const Eigen::VectorXd share = non_negative_least_squares(columns.transpose() * columns, columns.transpose() * off);
+    const Eigen::VectorXd share = non_negative_least_squares(gram_of(columns), columns.transpose() * off);
     const double rest = (off - columns * share).squaredNorm();
     if (rest >= least) continue;
     least = rest;

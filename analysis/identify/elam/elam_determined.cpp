@@ -1,9 +1,10 @@
 #include "analysis/identify/elam/elam_determined.h"
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "analysis/algebra/dense.h"
 
 namespace tactbench::analysis {
 namespace {
@@ -65,12 +66,12 @@ class Halved {
       high[k] = std::min(high[k] + kStep, 1.0);
       slopes.col(k) = (residuals(high) - residuals(low)) / (high[k] - low[k]);
     }
-    const Eigen::MatrixXd normal = slopes.transpose() * slopes;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal);
+    const Eigen::MatrixXd normal = gram_of(slopes);
+    const SymmetricEigen eigen = eigen_of(normal);
     const double least = kSmallestError * (model_.yu() - model_.y0());
     const double variance = sample_variance(j);
     const double smallest = 1e-14 * std::max(normal.trace(), least * least);
-    return {solver.eigenvectors(), (variance / solver.eigenvalues().array().max(smallest)).matrix()};
+    return {eigen.vectors, (variance / eigen.values.array().max(smallest)).matrix()};
   }
   // J changes by no more than one standard error's worth as the split runs along the pattern. Derivatives do not show
   // it: at the pattern's corners those to either side differ.

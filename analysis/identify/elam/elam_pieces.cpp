@@ -1,11 +1,11 @@
 // Further split points a branch, from the optimum with one: for each way to share them between the two sides of the
 // paper's split, Levenberg-Marquardt with numeric derivatives in the paper's parameters and the pieces' sizes.
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "analysis/algebra/dense.h"
 #include "analysis/identify/elam/elam_samples.h"
 
 namespace tactbench::analysis {
@@ -86,13 +86,13 @@ Found descend(const Direction& direction) {
       moved[k] += by;
       slopes.col(k) = (direction.residuals(moved, model) - off) / by;
     }
-    const Eigen::MatrixXd normal = slopes.transpose() * slopes;
+    const Eigen::MatrixXd normal = gram_of(slopes);
     const Eigen::VectorXd along = slopes.transpose() * off;
     const double before = found.j;
     while (damping < 1e6) {
       Eigen::MatrixXd damped = normal;
       damped.diagonal() += damping * (normal.diagonal().array() + 1e-9 * normal.diagonal().maxCoeff()).matrix();
-      const Eigen::VectorXd tried = direction.clipped(at - damped.partialPivLu().solve(along));
+      const Eigen::VectorXd tried = direction.clipped(at - solve(damped, along));
       if (!tried.allFinite()) break;
       const Eigen::VectorXd there = direction.residuals(tried, model);
       if (there.squaredNorm() < found.j) {

@@ -1,10 +1,11 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/algebra/dense.h"
 #include "analysis/statistics/figures/levels.h"
 #include "analysis/statistics/studies/studies.h"
 
@@ -60,7 +61,7 @@ double solve_set(const std::vector<TurnedEquation>& equations, std::size_t taxel
     a(i, index(taxels + equation.cell)) = 1.0;
     b(i) = equation.y;
   }
-  const Eigen::VectorXd x = a.completeOrthogonalDecomposition().solve(b);
+  const Eigen::VectorXd x = least_norm_solution(a, b);
   double common = 0.0, cells = 0.0;
   for (const std::size_t node : nodes) {
     if (node < taxels) continue;

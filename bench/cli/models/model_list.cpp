@@ -37,7 +37,7 @@ std::vector<ListedFit> fits_of(const db::RunStore& store, std::int64_t only) {
   return listed;
 }
 
-void list(std::int64_t run, const Session& session) {
+void list_models(std::int64_t run, const Session& session) {
   const std::vector<ListedFit> listed = fits_of(db::RunStore::open_read_only(session.db), run);
   if (session.json) {
     auto json = nlohmann::ordered_json::array();
@@ -69,7 +69,7 @@ void add_model_list(CLI::App& model, Session& session) {
   CLI::App* verb = model.add_subcommand("list", "the stored models, as RUN:FIT, oldest first");
   verb->add_option("run", *run, "of this run alone")->check(CLI::PositiveNumber);
   add_common(*verb, session);
-  verb->callback([run, &session] { list(*run, session); });
+  verb->callback([run, &session] { list_models(*run, session); });
 }
 
 }  // namespace tactbench::bench

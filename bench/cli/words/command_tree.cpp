@@ -17,7 +17,7 @@ std::vector<std::string> words_of_type(const std::string& type) {
   return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
-std::vector<std::string> shipped_recipes() {
+std::vector<std::string> names_of_shipped_recipes() {
   std::vector<std::string> names = shipped_files("sequences");
   for (std::string& name : names) name.erase(name.rfind('.'));
   return names;
@@ -46,7 +46,7 @@ CommandArgument argument_of(const CLI::Option& option) {
   if (argument.kind != ArgumentKind::kText) return argument;
   const std::string& name = argument.names.back();
   constexpr std::array kOfRecipes{"recipe", "suite", "--recipe", "--held-out-recipe", "--from"};
-  if (std::ranges::find(kOfRecipes, name) != kOfRecipes.end()) argument.choices = shipped_recipes();
+  if (std::ranges::find(kOfRecipes, name) != kOfRecipes.end()) argument.choices = names_of_shipped_recipes();
   if (name == "--bench" || name == "--limits") argument.choices = shipped_files("bench/config");
   return argument;
 }

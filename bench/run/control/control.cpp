@@ -8,8 +8,8 @@
 namespace tactbench::bench {
 
 const char* to_string(Command command) {
-  constexpr std::array<const char*, 6> kNames = {"status", "pause", "resume", "stop", "abort", "panic"};
-  return kNames.at(static_cast<std::size_t>(command));
+  constexpr std::array<const char*, 6> kWords = {"status", "pause", "resume", "stop", "abort", "panic"};
+  return kWords.at(static_cast<std::size_t>(command));
 }
 
 Control::Answer Control::ask(Command command, const std::string& who) {

@@ -204,7 +204,7 @@ TEST_CASE("calibration: numbers that make no matrix are refused") {
 
 TEST_CASE("overload: only values beyond the range count, and each axis reports its excess") {
   const SixAxes range{10, 20, 30, 100, 200, 300};
-  constexpr std::array<const char*, 6> kNames{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
+  constexpr std::array<const char*, 6> kAxes{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
   for (std::size_t axis = 0; axis < 6; ++axis) {
     for (const double sign : {1.0, -1.0}) {
       SixAxes load{};
@@ -214,7 +214,7 @@ TEST_CASE("overload: only values beyond the range count, and each axis reports i
       const auto fault = fault_of([&] { check_overload(wrench_of(load), range, 0.5); });
       REQUIRE(fault);
       CHECK(fault->id() == "TB-FORCE-OVERLOAD");
-      CHECK_THAT(fault->what(), Catch::Contains(std::string(kNames[axis]) + " is ") && Catch::Contains("50 %") &&
+      CHECK_THAT(fault->what(), Catch::Contains(std::string(kAxes[axis]) + " is ") && Catch::Contains("50 %") &&
                                     Catch::Contains(axis < 3 ? " N, " : " N*mm, ") && !Catch::Contains("; "));
     }
   }

@@ -17,7 +17,7 @@
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
-using Bytes = std::vector<std::uint8_t>;
+using RawBytes = std::vector<std::uint8_t>;
 
 namespace {
 
@@ -44,10 +44,10 @@ struct DigitalClient {
         server(invented_digital(), load, true, std::move(faults)),
         stream(open_stream(server.path())) {}
 
-  void send(const Bytes& bytes) const { stream->write(bytes); }
+  void send(const RawBytes& bytes) const { stream->write(bytes); }
   // Exactly the next `size` bytes; fewer when they do not come.
-  [[nodiscard]] Bytes next(std::size_t size) const {
-    Bytes bytes(size);
+  [[nodiscard]] RawBytes next(std::size_t size) const {
+    RawBytes bytes(size);
     std::size_t came = 0;
     while (came < size) {
       const std::size_t got = stream->read(std::span(bytes).subspan(came), kPatient);
@@ -60,12 +60,12 @@ struct DigitalClient {
   [[nodiscard]] DigitalSample sample() const { return decode_digital_sample(next(kSample)).value(); }
   void start() const {
     send(digital_start_stream(kUnit));
-    REQUIRE(next(5) == rtu_frame(Bytes{kUnit, 0x46, 1}));
+    REQUIRE(next(5) == rtu_frame(RawBytes{kUnit, 0x46, 1}));
   }
   // What comes until nothing does for a while; nothing at all when that never ends.
-  [[nodiscard]] std::optional<Bytes> until_calm() const {
+  [[nodiscard]] std::optional<RawBytes> until_calm() const {
     const auto end = std::chrono::steady_clock::now() + kPatient;
-    Bytes came;
+    RawBytes came;
     std::array<std::uint8_t, 256> bytes{};
     while (std::chrono::steady_clock::now() < end) {
       const std::size_t got = stream->read(bytes, 50ms);
@@ -76,9 +76,9 @@ struct DigitalClient {
   }
   // Asks for a register until it is answered: a request that comes together with a jam is a part of the jam. Returns
   // what came before the answer.
-  [[nodiscard]] Bytes settle() const {
-    Bytes came;
-    const Bytes reply = one_register(1004);
+  [[nodiscard]] RawBytes settle() const {
+    RawBytes came;
+    const RawBytes reply = one_register(1004);
     const auto end = std::chrono::steady_clock::now() + kPatient;
     while (std::chrono::steady_clock::now() < end) {
       send(rtu_read_holding(kUnit, 4, 1));
@@ -97,9 +97,9 @@ struct DigitalClient {
     send(rtu_read_holding(kUnit, 3, 1));
     CHECK(next(7) == one_register(1003));
   }
-  static Bytes one_register(int value) {
+  static RawBytes one_register(int value) {
     return rtu_frame(
-        Bytes{kUnit, 3, 2, static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value & 0xFF)});
+        RawBytes{kUnit, 3, 2, static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value & 0xFF)});
   }
 
   ToldLoad load;
@@ -115,7 +115,7 @@ TEST_CASE("simulated Digital F/T: each register that it has, and none beside the
     client.send(rtu_read_holding(kUnit, address, count));
     return client.next(size);
   };
-  const Bytes no_such = rtu_frame(Bytes{kUnit, 0x83, 2}), bad_count = rtu_frame(Bytes{kUnit, 0x83, 3});
+  const RawBytes no_such = rtu_frame(RawBytes{kUnit, 0x83, 2}), bad_count = rtu_frame(RawBytes{kUnit, 0x83, 3});
   for (int i = 0; i < 12; ++i) REQUIRE(answer(i, 1, 7) == DigitalClient::one_register(1000 + i));
   REQUIRE(answer(0x001D, 1, 7) == DigitalClient::one_register(0));
   const auto bytes = encode(invented_digital());
@@ -126,20 +126,20 @@ TEST_CASE("simulated Digital F/T: each register that it has, and none beside the
   for (const int absent : {12, 0x001C, 0x001E, 0x00E2, 0x00E3 + 169, 0x1000, 0xFFFF})
     REQUIRE(answer(absent, 1, 5) == no_such);
   REQUIRE(answer(11, 2, 5) == no_such);
-  REQUIRE(answer(10, 2, 9) == rtu_frame(Bytes{kUnit, 3, 4, 0x03, 0xF2, 0x03, 0xF3}));
+  REQUIRE(answer(10, 2, 9) == rtu_frame(RawBytes{kUnit, 3, 4, 0x03, 0xF2, 0x03, 0xF3}));
   for (const int count : {0, 126, 0x0101, 0x8000}) REQUIRE(answer(0x00E3, count, 5) == bad_count);
-  const Bytes most = answer(0x00E3, 125, 255);
+  const RawBytes most = answer(0x00E3, 125, 255);
   CHECK((most.size() == 255 && rtu_frame_is_whole(most) && most[2] == 250));
   CHECK(std::equal(bytes.begin(), bytes.begin() + 250, most.begin() + 3));
 }
 
 TEST_CASE("simulated Digital F/T: requests come byte by byte, several at once, and behind noise") {
   const DigitalClient client([](int) { return Wrench{}; });
-  const auto joined = [](Bytes first, const Bytes& second) {
+  const auto joined = [](RawBytes first, const RawBytes& second) {
     first.insert(first.end(), second.begin(), second.end());
     return first;
   };
-  const Bytes request = rtu_read_holding(kUnit, 5, 1), reply = DigitalClient::one_register(1005);
+  const RawBytes request = rtu_read_holding(kUnit, 5, 1), reply = DigitalClient::one_register(1005);
   for (const std::uint8_t byte : request) {
     client.send({byte});
     std::this_thread::sleep_for(2ms);
@@ -148,8 +148,8 @@ TEST_CASE("simulated Digital F/T: requests come byte by byte, several at once, a
   client.send(joined(request, rtu_read_holding(kUnit, 6, 1)));
   REQUIRE(client.next(14) == joined(reply, DigitalClient::one_register(1006)));
   // Noise, another unit's request, the unit's number alone, and a function that it does not have.
-  for (const Bytes& noise : {Bytes{0xFF}, Bytes{1, 2, 3}, rtu_read_holding(kUnit + 1, 5, 1), Bytes{kUnit},
-                             Bytes{kUnit, 4}, Bytes{kUnit, 0x43, kUnit}, Bytes(14, 0xFF)}) {
+  for (const RawBytes& noise : {RawBytes{0xFF}, RawBytes{1, 2, 3}, rtu_read_holding(kUnit + 1, 5, 1), RawBytes{kUnit},
+                                RawBytes{kUnit, 4}, RawBytes{kUnit, 0x43, kUnit}, RawBytes(14, 0xFF)}) {
     client.send(joined(noise, request));
     REQUIRE(client.next(7) == reply);
   }
@@ -162,12 +162,13 @@ TEST_CASE("simulated Digital F/T: requests come byte by byte, several at once, a
 TEST_CASE("simulated Digital F/T: damaged requests and unknown starts are not answered") {
   const DigitalClient client([](int) { return Wrench{}; });
   for (std::size_t at = 2; at < 8; ++at) {
-    Bytes damaged = rtu_read_holding(kUnit, 5, 1);
+    RawBytes damaged = rtu_read_holding(kUnit, 5, 1);
     damaged[at] ^= 0x10U;
     client.send(damaged);
     client.expect_calm();
   }
-  for (const Bytes& other : {Bytes{kUnit, 0x46, 0x54}, Bytes{kUnit, 0x46, 0x56}, Bytes{kUnit, 0x46, 0x00}}) {
+  for (const RawBytes& other :
+       {RawBytes{kUnit, 0x46, 0x54}, RawBytes{kUnit, 0x46, 0x56}, RawBytes{kUnit, 0x46, 0x00}}) {
     client.send(rtu_frame(other));
     client.expect_calm();
   }
@@ -180,7 +181,7 @@ TEST_CASE("simulated Digital F/T: fourteen bytes stop the stream, thirteen do no
   CHECK(client.sample().gauges == std::array<std::int16_t, 6>{0, 250, 0, 0, 0, 0});
   // A whole request and five bytes: thirteen. Whoever has read them goes on sending.
   client.send(rtu_read_holding(kUnit, 0, 1));
-  client.send(Bytes(5, 0xFF));
+  client.send(RawBytes(5, 0xFF));
   const int before = client.load.asked;
   const auto end = std::chrono::steady_clock::now() + kPatient;
   std::array<std::uint8_t, 256> sink{};
@@ -191,12 +192,12 @@ TEST_CASE("simulated Digital F/T: fourteen bytes stop the stream, thirteen do no
   client.send({0xFF});
   const auto rest = client.until_calm();
   REQUIRE(rest);
-  const Bytes answer = DigitalClient::one_register(1000);
+  const RawBytes answer = DigitalClient::one_register(1000);
   CHECK(std::search(rest->begin(), rest->end(), answer.begin(), answer.end()) == rest->end());
   CHECK(client.settle().empty());
   // What came before the next start is no part of the next jam.
   client.start();
-  client.send(Bytes(14, 0xFF));
+  client.send(RawBytes(14, 0xFF));
   CHECK(client.until_calm());
   CHECK(client.settle().empty());
 }
@@ -256,7 +257,7 @@ TEST_CASE("simulated Digital F/T: faults of single samples, counted over all str
     DigitalClient client([](int) { return pull(1.0); }, {.damaged_sample = 1, .error_sample = 0});
     client.start();
     CHECK(client.sample().error);
-    const Bytes whole = client.next(12 + kSample);  // a byte is missing
+    const RawBytes whole = client.next(12 + kSample);  // a byte is missing
     CHECK_FALSE(decode_digital_sample(std::span(whole).first(kSample)));
     const auto third = decode_digital_sample(std::span(whole).subspan(12));
     REQUIRE(third);
@@ -265,7 +266,7 @@ TEST_CASE("simulated Digital F/T: faults of single samples, counted over all str
   {
     DigitalClient silent([](int) { return pull(1.0); }, {.silent_after_samples = 0});
     silent.start();
-    silent.send(Bytes(14, 0xFF));
+    silent.send(RawBytes(14, 0xFF));
     CHECK(silent.settle().empty());
   }
   DigitalClient few([](int) { return pull(1.0); }, {.silent_after_samples = 3, .error_sample = 2});
@@ -273,7 +274,7 @@ TEST_CASE("simulated Digital F/T: faults of single samples, counted over all str
   CHECK_FALSE(few.sample().error);
   CHECK_FALSE(few.sample().error);
   CHECK(few.sample().error);
-  few.send(Bytes(14, 0xFF));
+  few.send(RawBytes(14, 0xFF));
   CHECK(few.settle().empty());
 }
 

@@ -220,38 +220,38 @@ TEST_CASE("hid scanner told: only the answer to its own question is the identity
 }
 
 TEST_CASE("hid scanner told: whatever is wrong with a row is said, with the rows that are missing") {
-  using Rows = std::vector<RowReport>;
+  using RowReports = std::vector<RowReport>;
   const auto row = &Told::row;
   const std::string scan = kScan2;
   CHECK(Told().read([&](auto tag) {
-    return Rows{row(tag, 0, 5, 7), row(tag, 3, 6, 7)};
+    return RowReports{row(tag, 0, 5, 7), row(tag, 3, 6, 7)};
   }) == scan + "there is no row 3, on wire W");
   CHECK(Told().read([&](auto tag) {
-    return Rows{row(tag, 1, 5, 7), row(tag, 1, 6, 7)};
+    return RowReports{row(tag, 1, 5, 7), row(tag, 1, 6, 7)};
   }) == scan + "row 1 came twice, on wire W");
   CHECK(Told().read([&](auto tag) {
-    return Rows{row(tag, 1, 5, 7), row(tag, 2, 7, 7)};
+    return RowReports{row(tag, 1, 5, 7), row(tag, 2, 7, 7)};
   }) == scan + "sequence 7 follows 5 at row 2; rows not yet received: 0, 2, on wire W");
   CHECK(Told().read([&](auto tag) {
-    return Rows{row(tag, 1, 5, 7), row(tag, 2, 5, 7)};
+    return RowReports{row(tag, 1, 5, 7), row(tag, 2, 5, 7)};
   }) == scan + "sequence 5 follows 5 at row 2; rows not yet received: 0, 2, on wire W");
   CHECK(Told().read([&](auto tag) {
-    return Rows{row(tag, 0, 5, 7), row(tag, 1, 6, 8)};
+    return RowReports{row(tag, 0, 5, 7), row(tag, 1, 6, 8)};
   }) == scan + "row 1 belongs to frame 8, the rows before to 7, on wire W");
   CHECK(Told().read([&](auto tag) {
-    return Rows{row(tag, 0, 5, 7), row(tag, 2, 6, 7)};
+    return RowReports{row(tag, 0, 5, 7), row(tag, 2, 6, 7)};
   }) == scan + "row 1 did not come within 20000 ms, on wire W");
-  CHECK(Told().read([&](auto tag) { return Rows{row(tag, 2, 5, 7)}; }) ==
+  CHECK(Told().read([&](auto tag) { return RowReports{row(tag, 2, 5, 7)}; }) ==
         scan + "row 0, 1 did not come within 20000 ms, on wire W");
   // A late answer to another command is nothing; the rows around it still follow one another.
   CHECK(Told().read([&](auto tag) {
     const auto late = static_cast<std::uint16_t>(tag - 1);
-    return Rows{row(late, 9, 1, 1), row(tag, 0, 5, 7), row(late, 0, 1, 1), row(tag, 1, 6, 7), row(tag, 2, 7, 7)};
+    return RowReports{row(late, 9, 1, 1), row(tag, 0, 5, 7), row(late, 0, 1, 1), row(tag, 1, 6, 7), row(tag, 2, 7, 7)};
   }) == "");
   Told part;
   auto scanner = part.open();
   part.options.frame_timeout = 20s;
-  part.scan = [&](auto tag) { return Rows{row(tag, 0, 5, 7)}; };
+  part.scan = [&](auto tag) { return RowReports{row(tag, 0, 5, 7)}; };
   CHECK(fault_id_of([&] { (void)scanner.read(2); }) == "TB-SCANNER-CORRUPT");
   CHECK(part.clock.now() == 20s);
   for (const std::size_t size : {std::size_t{1}, kScanReportBytes - 1, kScanReportBytes, kScanReportBytes + 1}) {

@@ -12,7 +12,7 @@
 
 using namespace tactbench::devices;
 using namespace std::chrono_literals;
-using Report = std::vector<std::uint8_t>;
+using RawReport = std::vector<std::uint8_t>;
 
 namespace {
 
@@ -32,8 +32,8 @@ void send_command(ReportLink& link, ScanCommand command, std::uint16_t tag) {
   link.write(encode(CommandReport{command, tag}));
 }
 
-Report next_report(ReportLink& link) {
-  Report report(kScanReportBytes + 1);
+RawReport next_report(ReportLink& link) {
+  RawReport report(kScanReportBytes + 1);
   report.resize(link.read(report, kPatient));
   return report;
 }
@@ -96,7 +96,7 @@ TEST_CASE("simulated scanner: a damaged and a missing row are the middle one of 
     for (int scan = 0; scan < 3; ++scan) {
       send_command(*link, ScanCommand::kScan, 1);
       for (int row = 0; row < rows; ++row) {
-        Report report = next_report(*link);
+        RawReport report = next_report(*link);
         REQUIRE(report.size() == kScanReportBytes);
         if (scan == 1 && row == middle) {
           CHECK_FALSE(decode_row(report));
@@ -202,7 +202,7 @@ TEST_CASE("simulated scanner: one client at a time, and the next when it has lef
   send_command(*second, ScanCommand::kIdentify, 8);
   expect_identity(*first);
   expect_identity(*first);
-  Report none(kScanReportBytes);
+  RawReport none(kScanReportBytes);
   CHECK(second->read(none, 0ns) == 0);
   first.reset();
   CHECK(decode_identity(next_report(*second)).value().tag == 8);
@@ -220,7 +220,7 @@ TEST_CASE("simulated scanner: a client that does not read loses the newest repor
   send_command(*link, ScanCommand::kScan, 0);
   while (sim.array.scans <= sent) std::this_thread::yield();
   int came = 0;
-  for (Report report(kScanReportBytes); link->read(report, 0ns) > 0; ++came) {
+  for (RawReport report(kScanReportBytes); link->read(report, 0ns) > 0; ++came) {
     const auto row = decode_row(report);
     REQUIRE(row);
     if (row->sequence != came) break;

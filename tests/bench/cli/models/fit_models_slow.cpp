@@ -39,7 +39,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& text) {
   return rows;
 }
 
-void check_error(const Finished& finished, int code, const std::string& id) {
+void check_refusal(const Finished& finished, int code, const std::string& id) {
   INFO(finished.err);
   CHECK(finished.code == code);
   CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
@@ -110,7 +110,7 @@ TEST_CASE("an imported table is a run like any other, and its models are stored 
   REQUIRE(call(folder, {"model", "export", "1:1", "-o", "poly.json"}).code == 0);
   const Finished same = call(folder, {"model", "diff", "1:1", "poly.json"});
   CHECK_THAT(same.out, Catch::Contains("the same, byte for byte"));
-  check_error(call(folder, {"model", "diff", "1:1", "1:2"}), 2, "TB-MODEL-DIFF");
+  check_refusal(call(folder, {"model", "diff", "1:1", "1:2"}), 2, "TB-MODEL-DIFF");
   const Finished runs = call(folder, {"runs", "show", "1"});
   CHECK_THAT(runs.out, Catch::Contains("imported") && Catch::Contains("table: t.csv"));
 }
@@ -152,24 +152,24 @@ TEST_CASE("bad tables and models are refused with fault, place and remedy") {
   write_file(folder.path("empty.csv"), "");
   write_file(folder.path("constant.csv"), "input,output\n1,2\n1,3\n1,4\n1,5\n");
   write_file(folder.path("up.csv"), "input,output\n0,0\n1,1\n2,2\n3,3\n4,4\n");
-  check_error(call(folder, {"fit", "nan.csv"}), 2, "TB-TABLE-ROW");
-  check_error(call(folder, {"fit", "ragged.csv"}), 2, "TB-TABLE-ROW");
-  check_error(call(folder, {"fit", "empty.csv"}), 2, "TB-TABLE-EMPTY");
-  check_error(call(folder, {"fit", "missing.csv"}), 2, "TB-TABLE-OPEN");
-  check_error(call(folder, {"fit", "constant.csv"}), 2, "TB-TABLE-CONSTANT");
-  check_error(call(folder, {"fit", "up.csv"}), 6, "TB-ANALYSIS-NO-LOOP");
-  check_error(call(folder, {"fit", "up.csv", "--model", "preisach"}), 6, "TB-ANALYSIS-MODEL");
+  check_refusal(call(folder, {"fit", "nan.csv"}), 2, "TB-TABLE-ROW");
+  check_refusal(call(folder, {"fit", "ragged.csv"}), 2, "TB-TABLE-ROW");
+  check_refusal(call(folder, {"fit", "empty.csv"}), 2, "TB-TABLE-EMPTY");
+  check_refusal(call(folder, {"fit", "missing.csv"}), 2, "TB-TABLE-OPEN");
+  check_refusal(call(folder, {"fit", "constant.csv"}), 2, "TB-TABLE-CONSTANT");
+  check_refusal(call(folder, {"fit", "up.csv"}), 6, "TB-ANALYSIS-NO-LOOP");
+  check_refusal(call(folder, {"fit", "up.csv", "--model", "preisach"}), 6, "TB-ANALYSIS-MODEL");
   CHECK(call(folder, {"fit", "up.csv", "--model", "monotone"}).code == 0);
-  check_error(call(folder, {"import", "nan.csv"}), 2, "TB-TABLE-ROW");
+  check_refusal(call(folder, {"import", "nan.csv"}), 2, "TB-TABLE-ROW");
   CHECK_FALSE(std::filesystem::exists(folder.path("runs.db")));
-  check_error(call(folder, {"fit", "t.csv", "--model", "duhem"}), 2, "TB-USAGE");
-  check_error(call(folder, {"fit", "t.csv", "--fit", "sideways"}), 2, "TB-MODEL-SEQUENCE");
-  check_error(call(folder, {"predict", "t.csv", "t.csv"}), 2, "TB-MODEL-DOCUMENT");
-  check_error(call(folder, {"predict", "none.json", "t.csv"}), 2, "TB-MODEL-OPEN");
-  check_error(call(folder, {"predict", "/dev/zero", "t.csv"}), 2, "TB-MODEL-OPEN");
-  check_error(call(folder, {"model", "show", "/proc/self/mem"}), 2, "TB-MODEL-DOCUMENT");  // says it is empty
-  check_error(call(folder, {"fit", "/dev/zero"}), 2, "TB-TABLE-OPEN");
+  check_refusal(call(folder, {"fit", "t.csv", "--model", "duhem"}), 2, "TB-USAGE");
+  check_refusal(call(folder, {"fit", "t.csv", "--fit", "sideways"}), 2, "TB-MODEL-SEQUENCE");
+  check_refusal(call(folder, {"predict", "t.csv", "t.csv"}), 2, "TB-MODEL-DOCUMENT");
+  check_refusal(call(folder, {"predict", "none.json", "t.csv"}), 2, "TB-MODEL-OPEN");
+  check_refusal(call(folder, {"predict", "/dev/zero", "t.csv"}), 2, "TB-MODEL-OPEN");
+  check_refusal(call(folder, {"model", "show", "/proc/self/mem"}), 2, "TB-MODEL-DOCUMENT");  // says it is empty
+  check_refusal(call(folder, {"fit", "/dev/zero"}), 2, "TB-TABLE-OPEN");
   REQUIRE(call(folder, {"fit", "t.csv", "-o", "m.json"}).code == 0);
-  check_error(call(folder, {"predict", "m.json", "up.csv", "--map", "input=x"}), 2, "TB-TABLE-COLUMN");
-  check_error(call(folder, {"compensate", "m.json", "t.csv", "--taxel", "7"}), 2, "TB-MODEL-TAXEL");
+  check_refusal(call(folder, {"predict", "m.json", "up.csv", "--map", "input=x"}), 2, "TB-TABLE-COLUMN");
+  check_refusal(call(folder, {"compensate", "m.json", "t.csv", "--taxel", "7"}), 2, "TB-MODEL-TAXEL");
 }

@@ -73,7 +73,7 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
 
 TEST_CASE("model show and diff in kPa: ranges and parameters of pressures, and no others") {
   const TemporaryFolder folder;
-  constexpr double kKpaOfPsi = 6.894757293168361;
+  constexpr double kKpaPerPsi = 6.894757293168361;
   SensorModel document = known_model(0.1, 0.0), other = known_model(0.04, 0.25);
   for (SensorModel* model : {&document, &other}) model->input_unit = "psi";
   write_model(folder, "m.json", document);
@@ -87,13 +87,13 @@ TEST_CASE("model show and diff in kPa: ranges and parameters of pressures, and n
   const Finished shown = model_verb(folder, {"model", "show", "m.json", "--units", "kPa"});
   CHECK_THAT(shown.out, Catch::Contains("input 0 .. 413.7 kPa; hold not known; rate 3.447 .. 13.79 kPa/s;") &&
                             Catch::Contains(" V/kPa\n") && Catch::Contains(" V/kPa^2\n"));
-  CHECK(number_behind(shown.out, "  a1") == Approx(0.1 / kKpaOfPsi));
-  CHECK(number_behind(shown.out, "  a2") == Approx(-0.001 / (kKpaOfPsi * kKpaOfPsi)));
+  CHECK(number_behind(shown.out, "  a1") == Approx(0.1 / kKpaPerPsi));
+  CHECK(number_behind(shown.out, "  a2") == Approx(-0.001 / (kKpaPerPsi * kKpaPerPsi)));
   CHECK(number_behind(shown.out, "  rho") == Approx(3.0));
   CHECK(model_verb(folder, {"model", "show", "newtons.json", "--units", "kPa"}).out ==
         model_verb(folder, {"model", "show", "newtons.json"}).out);
   const Finished differ = model_verb(folder, {"model", "diff", "m.json", "n.json", "--units", "kPa"});
-  CHECK(number_behind(differ.out, "a1") == Approx(-0.02 / kKpaOfPsi).epsilon(1e-5));
+  CHECK(number_behind(differ.out, "a1") == Approx(-0.02 / kKpaPerPsi).epsilon(1e-5));
   CHECK(number_behind(differ.out, "zero") == Approx(0.25 / 3.0).epsilon(1e-5));
 }
 

@@ -1,0 +1,25 @@
+// Products and decompositions of matrices whose size is found at run time. Eigen's templates for them are large, so
+// they are compiled here once instead of with each caller.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace tactbench::analysis {
+
+// a' a, (columns, columns).
+Eigen::MatrixXd gram_of(const Eigen::MatrixXd& a);
+
+// x of a x = b for a square, invertible matrix (LU, partial pivoting).
+Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+// x of least norm among those with the least |a x - b| (complete orthogonal decomposition); a may lack rank.
+Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+// Of a symmetric matrix: eigenvalues, rising, and a unit eigenvector a column.
+struct SymmetricEigen {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+SymmetricEigen eigen_of(const Eigen::MatrixXd& symmetric);
+
+}  // namespace tactbench::analysis

@@ -1,0 +1,12 @@
+// A file's text in one piece, for files of the program's own.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace tactbench::bench {
+
+// All that can be read of it; nothing of a file that cannot be opened.
+std::string file_text(const std::filesystem::path& path);
+
+}  // namespace tactbench::bench
