@@ -6,7 +6,6 @@
 
 namespace tactbench::analysis {
 
-using nlohmann::json;
 using nlohmann::ordered_json;
 
 namespace {
@@ -44,19 +43,19 @@ Json parsed_if_it_is(const std::string& text) {
 
 }  // namespace
 
-json parse_json(const std::string& text) { return parsed<json>(text); }
+nlohmann::json parse_json(const std::string& text) { return parsed<nlohmann::json>(text); }
 ordered_json parse_ordered_json(const std::string& text) { return parsed<ordered_json>(text); }
-json try_json(const std::string& text) { return parsed_if_it_is<json>(text); }
+nlohmann::json try_json(const std::string& text) { return parsed_if_it_is<nlohmann::json>(text); }
 ordered_json try_ordered_json(const std::string& text) { return parsed_if_it_is<ordered_json>(text); }
 ordered_json ordered_json_or_null(const std::string& text) {
   ordered_json parsed = try_ordered_json(text);
   return parsed.is_discarded() ? ordered_json() : parsed;
 }
 
-std::string json_line(const json& value) { return value.dump(); }
+std::string json_line(const nlohmann::json& value) { return value.dump(); }
 std::string json_line(const ordered_json& value) { return value.dump(); }
-std::string printable_json(const json& value, int indent) {
-  return value.dump(indent, ' ', false, json::error_handler_t::replace);
+std::string printable_json(const nlohmann::json& value, int indent) {
+  return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 std::string printable_json(const ordered_json& value, int indent) {
   return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace);

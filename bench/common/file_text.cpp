@@ -7,6 +7,7 @@ namespace tactbench::bench {
 
 std::string file_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
+  file.exceptions(std::ios::badbit);
   std::string text;
   std::array<char, std::size_t{1} << 14> block;
   while (file.read(block.data(), block.size()), file.gcount() > 0)

@@ -6,7 +6,7 @@
 
 namespace tactbench::bench {
 
-// All that can be read of it; nothing of a file that cannot be opened.
+// Every byte of it; nothing of a file that cannot be opened. Throws std::ios_base::failure where reading fails.
 std::string file_text(const std::filesystem::path& path);
 
 }  // namespace tactbench::bench

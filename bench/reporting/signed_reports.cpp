@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "analysis/report/parts.h"
 #include "bench/common/error.h"
+#include "bench/common/file_text.h"
 #include "bench/common/signed_number.h"
 
 namespace tactbench::bench {
@@ -17,9 +16,8 @@ std::string signed_report_in(const std::string& path, const db::RunStore& store)
   std::error_code unknown;
   // A pipe would be waited for, and so would some files of /proc, which say that they are empty.
   if (!std::filesystem::is_regular_file(path, unknown) || std::filesystem::file_size(path, unknown) == 0) return {};
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return {};
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = file_text(path);
+  if (text.empty()) return {};
   const std::string beginning = text.substr(0, 64);
   if (beginning.starts_with('{') || beginning.starts_with("<!DOCTYPE html>")) return signed_number_in(text);
   for (const db::ReportRecord& report : store.reports())

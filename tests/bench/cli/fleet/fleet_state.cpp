@@ -11,8 +11,6 @@
 
 namespace tactbench::tests::postgres {
 
-using nlohmann::json;
-
 namespace {
 
 // Two ended runs of three frames each, and one that has not ended.
@@ -60,7 +58,7 @@ TEST_CASE("fleet status: what waits by the server, in words and as JSON") {
             ": 1 of 2 ended runs there; 1 run with 3 frames waiting; tactbench fleet push sends it\n");
   CHECK_THAT(status({first, {own[1].uuid, own[1].content_sha256, own[1].fingerprint}}, {}, {}),
              Catch::EndsWith(": 2 of 2 ended runs there; nothing waits\n"));
-  const json told = json::parse(status({first, second}, {{"hardware", "1"}}, {"--json"}));
+  const nlohmann::json told = nlohmann::json::parse(status({first, second}, {{"hardware", "1"}}, {"--json"}));
   CHECK(told.at("reached") == true);
   CHECK(told.at("by") == "server");
   CHECK(told.at("error") == "");
@@ -68,8 +66,8 @@ TEST_CASE("fleet status: what waits by the server, in words and as JSON") {
   CHECK(told.at("waiting_runs") == 0);
   CHECK(told.at("waiting_frames") == 0);
   CHECK(told.at("waiting_remarks") == 1);
-  CHECK(told.at("fleet_runs") == json::parse(R"({"hardware": 1})"));
-  CHECK(json::parse(status({}, {}, {"--json"})).at("waiting_frames") == 6);
+  CHECK(told.at("fleet_runs") == nlohmann::json::parse(R"({"hardware": 1})"));
+  CHECK(nlohmann::json::parse(status({}, {}, {"--json"})).at("waiting_frames") == 6);
 }
 
 TEST_CASE("fleet status: without the server by the note beside the store, with exit code 3") {
@@ -99,7 +97,7 @@ TEST_CASE("fleet status: without the server by the note beside the store, with e
   db::RunStore::open(store.path).set_tags(1, {"later"}, {});
   CHECK_THAT(status(), Catch::Contains(": 2 of 2 ended runs there; of 1 run something newer waits; tactbench fleet "
                                        "push sends it\n"));
-  const json told = json::parse(status({"--json"}));
+  const nlohmann::json told = nlohmann::json::parse(status({"--json"}));
   CHECK(told.at("fleet") == where);
   CHECK(told.at("reached") == false);
   CHECK(told.at("error") == "TB-FLEET-CONNECT");
@@ -144,7 +142,7 @@ TEST_CASE("fleet migrate: a new fleet, one that is brought up to date, and one t
   CHECK(migrate(0, {}) == "WHERE: made a fleet with schema 2" + who);
   CHECK(migrate(1, {}) == "WHERE: schema 1 migrated to 2" + who);
   CHECK(migrate(2, {}) == "WHERE: has schema 2 already\n");
-  const json told = json::parse(migrate(1, {"--json"}));
+  const nlohmann::json told = nlohmann::json::parse(migrate(1, {"--json"}));
   CHECK(told.at("schema_before") == 1);
   CHECK(told.at("schema_now") == 2);
   CHECK(told.at("schema") == "tactbench.fleet.migrate");

@@ -12,8 +12,6 @@
 
 namespace tactbench::tests::postgres {
 
-using nlohmann::json;
-
 TEST_CASE("fleet fit: which run of each sensor would be fitted, and why") {
   if (!db::fleet::built_with_libpq()) return;
   const std::string now = bench::build_info().version, sha(64, 'a'), other(64, 'b');
@@ -59,18 +57,19 @@ TEST_CASE("fleet fit: which run of each sensor would be fitted, and why") {
   CHECK_THAT(fit({"--model", "gpi", "--origin", "simulated"}),
              Catch::Contains("S-b                 run 5: gpi; it has no model gpi yet\n") && !Catch::Contains("S-e ") &&
                  Catch::Contains("simulated runs: "));
-  const json told = json::parse(fit({"--json"}));
+  const nlohmann::json told = nlohmann::json::parse(fit({"--json"}));
   CHECK(told.at("model") == "elam");
   CHECK(told.at("dry_run") == true);
   CHECK((told.at("fitted") == 3 && told.at("up_to_date") == 2 && told.at("left_out") == 2 && told.at("failed") == 0));
   REQUIRE(told.at("sensors").size() == 7);
-  CHECK(told.at("sensors").at(1) == json{{"sensor", "S-b"},
-                                         {"run", 5},
-                                         {"why", "run 5 is newer than run 1, which was fitted"},
-                                         {"parent_sha256", sha}});
+  CHECK(told.at("sensors").at(1) == nlohmann::json{{"sensor", "S-b"},
+                                                   {"run", 5},
+                                                   {"why", "run 5 is newer than run 1, which was fitted"},
+                                                   {"parent_sha256", sha}});
   CHECK(told.at("sensors").at(6).at("why") == "up to date");
   CHECK(told.at("sensors").at(6).at("run") == 0);
-  const json one = json::parse(fit({"--json", "--shard", "1/2"})), two = json::parse(fit({"--json", "--shard", "2/2"}));
+  const nlohmann::json one = nlohmann::json::parse(fit({"--json", "--shard", "1/2"})),
+                       two = nlohmann::json::parse(fit({"--json", "--shard", "2/2"}));
   CHECK(one.at("shard") == "1/2");
   CHECK(one.at("sensors").size() + two.at("sensors").size() == 7);
   CHECK(one.at("sensors").size() < 7);
@@ -146,7 +145,7 @@ TEST_CASE("fleet slurm: a night has at most as many parts as scenarios, and with
   CHECK(seeds.code == 2);  // one scenario, twice
   const Finished four = slurm("4", {"--folder", own, "--json"}, {"--seeds", "2", "--seed", "9"});
   REQUIRE(four.code == 0);
-  const json told = json::parse(four.out);
+  const nlohmann::json told = nlohmann::json::parse(four.out);
   CHECK(told.at("shards") == 4);
   REQUIRE(told.at("stores").size() == 4);
   CHECK(told.at("stores").at(0).get<std::string>().starts_with(own + "/shard-"));

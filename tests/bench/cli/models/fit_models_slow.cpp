@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/bench/cli/play_table.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
@@ -37,12 +38,6 @@ std::vector<std::vector<std::string>> rows_of(const std::string& text) {
     for (std::string field; std::getline(fields, field, ',');) row.push_back(field);
   }
   return rows;
-}
-
-void check_refusal(const Finished& finished, int code, const std::string& id) {
-  INFO(finished.err);
-  CHECK(finished.code == code);
-  CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
 }
 
 }  // namespace

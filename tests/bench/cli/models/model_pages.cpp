@@ -15,7 +15,6 @@
 
 using namespace tactbench;
 using namespace tactbench::tests;
-using nlohmann::json;
 
 TEST_CASE("model show: what was fitted, where it holds, and the last taxel's numbers") {
   const TemporaryFolder folder;
@@ -55,7 +54,8 @@ TEST_CASE("model diff: mean and largest difference of each parameter, with sign 
                "a1                       -0.02         -0.06       2  V/N",
                "tau                          0             0       0  1"});
   CHECK(differ.out.find("fitted in the first alone") == std::string::npos);
-  const json told = json::parse(model_verb(folder, {"model", "diff", "m.json", "n.json", "--json"}).out);
+  const nlohmann::json told =
+      nlohmann::json::parse(model_verb(folder, {"model", "diff", "m.json", "n.json", "--json"}).out);
   CHECK(told["same"] == false);
   CHECK(told["taxels_of_first_alone"] == 0);
   REQUIRE(told["parameters"].size() == 7);
@@ -107,7 +107,8 @@ TEST_CASE("model diff: parameters of inputs in different units are not compared,
       model_verb(folder, {"model", "diff", "n.json", "psi.json"}),
       {"a1                           -             -       -  not compared: V/N in the first, V/psi in the second",
        "tau                          0             0       0  1"});
-  const json told = json::parse(model_verb(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
+  const nlohmann::json told =
+      nlohmann::json::parse(model_verb(folder, {"model", "diff", "n.json", "psi.json", "--json"}).out);
   CHECK((told["parameters"][2]["unit"] == "V/N" && told["parameters"][2]["unit_of_second"] == "V/psi"));
   CHECK((told["parameters"][2]["mean"].is_null() && told["parameters"][2]["largest"].is_null()));
   CHECK(told["parameters"][0]["mean"].get<double>() == Approx(0.25 / 3.0));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/sqlite.h"
+#include "tests/bench/cli/check_refusal.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -36,12 +37,6 @@ void prepare_store(const TemporaryFolder& folder) {
 
 void change(const TemporaryFolder& folder, const std::string& sql) {
   Connection(folder.path("runs.db"), Access::kReadWrite).execute(sql);
-}
-
-void check_error(const Finished& finished, int code, const std::string& id) {
-  INFO(finished.err);
-  CHECK(finished.code == code);
-  CHECK_THAT(finished.err, Catch::Contains("[" + id + "]") && Catch::Contains("\n  try: "));
 }
 
 }  // namespace
@@ -97,9 +92,9 @@ TEST_CASE("verify recomputes content, models and verdicts, and names what was ch
   const Finished check = call(folder, {"db", "check"});
   CHECK(check.code == 5);
   CHECK_THAT(check.out, Catch::Contains("1 run as it was stored, 1 not") && Catch::Contains("run 1   frame 4"));
-  check_error(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
+  check_refusal(call(folder, {"verify", "7"}), 2, "TB-STORE-NOT-FOUND");
   change(folder, "UPDATE runs SET outcome = 'incomplete', state = 'running', content_sha256 = '' WHERE run = 2");
-  check_error(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
+  check_refusal(call(folder, {"verify", "2"}), 6, "TB-VERIFY-NOT-ENDED");
 }
 
 TEST_CASE("verify and db check report deleted verdicts, fits and approvals with exit code 5") {
@@ -126,16 +121,17 @@ TEST_CASE("verify and db check report deleted verdicts, fits and approvals with 
 TEST_CASE("a store with foreign objects is checked and read, not written") {
   const TemporaryFolder folder;
   prepare_store(folder);
-  check_error(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
-  check_error(call(folder, {"runs", "note", "1", " "}), 2, "TB-STORE-BLANK");
+  check_refusal(call(folder, {"runs", "note", "1", std::string(10'001, 'x')}), 2, "TB-STORE-TOO-LONG");
+  check_refusal(call(folder, {"runs", "note", "1", " "}), 2, "TB-STORE-BLANK");
   change(folder, "CREATE TRIGGER evil AFTER INSERT ON runs BEGIN DELETE FROM verdicts; END");
   const Finished check = call(folder, {"db", "check"});
   CHECK(check.code == 5);
   CHECK_THAT(check.out, Catch::Contains("trigger 'evil' on 'runs'") && Catch::Contains("structure DAMAGED"));
   CHECK(call(folder, {"runs", "list"}).code == 0);
-  check_error(call(folder, {"runs", "note", "1", "x"}), 5, "TB-STORE-FOREIGN");
-  check_error(call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}),
-              5, "TB-STORE-FOREIGN");
+  check_refusal(call(folder, {"runs", "note", "1", "x"}), 5, "TB-STORE-FOREIGN");
+  check_refusal(
+      call(folder, {"run", "small.toml", "--bench", "bench.toml", "--sensor", "S-1", "--operator", "t", "-q"}), 5,
+      "TB-STORE-FOREIGN");
 }
 
 TEST_CASE("a damaged stored model is reported as a store error, not as an internal error") {
@@ -149,7 +145,7 @@ TEST_CASE("a damaged stored model is reported as a store error, not as an intern
                                                   {"model", "show", "1"},
                                                   {"report", "1", "-o", "r.html"}}) {
       INFO(damage << " " << words.front());
-      check_error(call(folder, words), 5, "TB-MODEL-STORED");
+      check_refusal(call(folder, words), 5, "TB-MODEL-STORED");
     }
     if (!repair.empty()) change(folder, repair);
   };
@@ -171,7 +167,7 @@ TEST_CASE("a damaged stored model is reported as a store error, not as an intern
 TEST_CASE("an older store is migrated by name, verified, snapshotted and checked") {
   const TemporaryFolder folder;
   std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), folder.path("runs.db"));
-  check_error(call(folder, {"verify", "1"}), 5, "TB-STORE-OPEN");
+  check_refusal(call(folder, {"verify", "1"}), 5, "TB-STORE-OPEN");
   const Finished migrated = call(folder, {"db", "migrate"});
   CHECK(migrated.code == 0);
   CHECK_THAT(migrated.out, Catch::Contains("schema 3 migrated to") && Catch::Contains("runs.db.schema-3.backup"));
@@ -181,15 +177,15 @@ TEST_CASE("an older store is migrated by name, verified, snapshotted and checked
   CHECK(verified.code == 0);
   CHECK_THAT(verified.out, Catch::Contains("does not record which build made it") && Catch::Contains("8 verdicts"));
   CHECK(call(folder, {"db", "snapshot", "copy.db"}).code == 0);
-  check_error(call(folder, {"db", "snapshot", "copy.db"}), 2, "TB-STORE-EXISTS");
+  check_refusal(call(folder, {"db", "snapshot", "copy.db"}), 2, "TB-STORE-EXISTS");
   const Finished check = call(folder, {"db", "check", "copy.db", "--json"});
   CHECK(check.code == 0);
   CHECK(json::parse(check.out)["runs"].size() == 1);
   CHECK(json::parse(check.out)["structure"].empty());
-  check_error(call(folder, {"db", "check", "none.db"}), 5, "TB-STORE-OPEN");
-  check_error(call(folder, {"db", "migrate", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+  check_refusal(call(folder, {"db", "check", "none.db"}), 5, "TB-STORE-OPEN");
+  check_refusal(call(folder, {"db", "migrate", "--db", "none.db"}), 5, "TB-STORE-OPEN");
   CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
-  check_error(call(folder, {"db"}), 2, "TB-USAGE");
+  check_refusal(call(folder, {"db"}), 2, "TB-USAGE");
 }
 
 TEST_CASE("runs are tagged, noted, voided and found again") {
@@ -220,19 +216,19 @@ TEST_CASE("runs are tagged, noted, voided and found again") {
   CHECK(listed({"--verdict", "pass"}) == Runs{1, 2});  // the models' run, and the one that they were judged on
   CHECK(listed({"--verdict", "none"}).empty());
   CHECK(listed({"--verdict", "fail"}).empty());
-  check_error(call(folder, {"runs", "list", "--since", "yesterday"}), 2, "TB-USAGE");
-  check_error(call(folder, {"runs", "list", "--verdict", "good"}), 2, "TB-USAGE");
-  check_error(call(folder, {"runs", "tag", "2", "two words"}), 2, "TB-STORE-TAG");
-  check_error(call(folder, {"runs", "void", "2", "--by", "me"}), 2, "TB-USAGE");
+  check_refusal(call(folder, {"runs", "list", "--since", "yesterday"}), 2, "TB-USAGE");
+  check_refusal(call(folder, {"runs", "list", "--verdict", "good"}), 2, "TB-USAGE");
+  check_refusal(call(folder, {"runs", "tag", "2", "two words"}), 2, "TB-STORE-TAG");
+  check_refusal(call(folder, {"runs", "void", "2", "--by", "me"}), 2, "TB-USAGE");
   CHECK(call(folder, {"runs", "void", "2", "--reason", "door open", "--by", "me"}).code == 0);
-  check_error(call(folder, {"runs", "void", "2", "--reason", "again", "--by", "me"}), 5, "TB-STORE-CONFLICT");
+  check_refusal(call(folder, {"runs", "void", "2", "--reason", "again", "--by", "me"}), 5, "TB-STORE-CONFLICT");
   CHECK(listed({}) == Runs{1});
   CHECK(listed({"--all"}) == Runs{1, 2});
   CHECK_THAT(call(folder, {"runs", "list"}).out, Catch::Contains("1 void run left out"));
   CHECK_THAT(call(folder, {"runs", "list", "--all"}).out, Catch::Contains("VOID: door open"));
   CHECK(json::parse(call(folder, {"runs", "show", "2", "--json"}).out)["void_by"] == "me");
   CHECK(call(folder, {"verify", "2"}).code == 0);  // none of this is content
-  check_error(call(folder, {"runs", "note", "2", "x", "--db", "none.db"}), 5, "TB-STORE-OPEN");
+  check_refusal(call(folder, {"runs", "note", "2", "x", "--db", "none.db"}), 5, "TB-STORE-OPEN");
   CHECK_FALSE(std::filesystem::exists(folder.path("none.db")));
 }
 
@@ -255,8 +251,8 @@ TEST_CASE("runs are compared, exported and copied into another store") {
   CHECK(seed);
   CHECK(call(folder, {"runs", "export", "1", "-o", "out/run.csv"}).code == 0);
   CHECK_THAT(read_file(folder.path("out/run.csv")), Catch::StartsWith("# tactbench: frames of run 1\n"));
-  check_error(call(folder, {"runs", "export", "1", "--format", "xml", "-o", "x"}), 2, "TB-USAGE");
-  check_error(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
+  check_refusal(call(folder, {"runs", "export", "1", "--format", "xml", "-o", "x"}), 2, "TB-USAGE");
+  check_refusal(call(folder, {"runs", "export", "9", "-o", "x"}), 2, "TB-STORE-NOT-FOUND");
 
   const Finished copied = call(folder, {"runs", "copy", "2", "1", "--to", "archive.db"});
   INFO(copied.err);
@@ -269,8 +265,8 @@ TEST_CASE("runs are compared, exported and copied into another store") {
   const Finished models = call(folder, {"runs", "copy", "1", "--to", "models.db"});
   CHECK(models.code == 0);
   CHECK_THAT(models.out, Catch::Contains("note: the models of run 1 were judged on run 2, which is not copied"));
-  check_error(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
-  check_error(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
+  check_refusal(call(folder, {"runs", "copy", "1", "--to", "archive.db"}), 2, "TB-STORE-EXISTS");
+  check_refusal(call(folder, {"runs", "copy", "9", "--to", "new.db"}), 2, "TB-STORE-NOT-FOUND");
   CHECK_FALSE(std::filesystem::exists(folder.path("new.db")));
   CHECK_THAT(call(folder, {"--help"}).out,
              Catch::Contains("verify") && Catch::Contains("check, copy, migrate or prune"));
