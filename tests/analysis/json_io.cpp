@@ -35,10 +35,3 @@ TEST_CASE("brackets side by side and in texts are not nested") {
   CHECK(parse_json("\"" + brackets + "\"") == brackets);
   CHECK(parse_json("[\"\\\"" + brackets + "\\\\\"]").at(0) == "\"" + brackets + "\\");
 }
-
-TEST_CASE("JSON longer than any model is refused before it is parsed") {
-  const std::string blanks(kLongestJson - 1, ' ');
-  CHECK(parse_json(blanks + "7") == 7);
-  CHECK_THROWS_WITH(parse_json(blanks + "77"), Catch::Contains("longer than 64000000 bytes"));
-  CHECK(try_ordered_json(blanks + "77").is_discarded());
-}

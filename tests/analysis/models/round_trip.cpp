@@ -5,12 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/analysis/support/models.h"
+#include "tests/support/sanitized.h"
 
 using namespace synthetic;
 
 namespace {
 
-constexpr int kHistories = 1000, kTurns = 8, kSteps = 4;
+constexpr int kHistories = tactbench::tests::kSanitized ? 200 : 1000, kTurns = 8, kSteps = 4;
 
 double full_scale(const HysteresisModel& model) {
   return std::abs(predict(model, std::vector{model.x_high()}).front());

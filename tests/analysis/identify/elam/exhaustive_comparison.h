@@ -18,6 +18,12 @@ struct Kind {
   int scans, repeats;
 };
 
+inline constexpr Kind kKinds[] = {
+    {"quiet", 77, 0.0015, 0.015, 1, 0, 2, 5},           {"12 mV", 177, 0.012, 0.015, 1, 0, 2, 5},
+    {"30 mV, one repeat", 7, 0.030, 0.02, 1, 0, 1, 1},  {"spread splits", 8, 0.004, 0.03, 3, 0, 2, 5},
+    {"clipped", 10, 0.0015, 0.015, 1, 0.9, 2, 5},       {"clipped, 12 mV", 11, 0.012, 0.015, 2, 0.85, 2, 2},
+    {"clipped, spread", 112, 0.004, 0.03, 2, 0.7, 2, 5}};
+
 inline std::vector<double> taxel_of(const std::vector<double>& values, std::size_t width, std::size_t taxel) {
   std::vector<double> own;
   for (std::size_t i = taxel; i < values.size(); i += width) own.push_back(values[i]);

@@ -1,4 +1,4 @@
-// By command: arrays that nothing was chosen on.
+// By command: larger arrays than identify_slow.cpp has, and arrays that nothing was chosen on.
 #include "tests/analysis/identify/elam/exhaustive_comparison.h"
 
 using namespace exhaustive_comparison;
@@ -16,5 +16,11 @@ TEST_CASE("identification finds the best on seeds that nothing was chosen on") {
                  : seed % 3 == 1 ? 5
                                  : 2},
                 1, tally);
+  WARN(tally.fits << " fits, the worst above the exhaustive search by " << tally.worst << " of J");
+}
+
+TEST_CASE("identification finds the best of an exhaustive search of the whole box, on larger arrays") {
+  Tally tally;
+  for (const Kind& kind : kKinds) compare(kind, 4, tally);
   WARN(tally.fits << " fits, the worst above the exhaustive search by " << tally.worst << " of J");
 }

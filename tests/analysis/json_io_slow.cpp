@@ -1,0 +1,14 @@
+// The longest JSON that is read: 64 MB, too many characters for sanitizers.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "analysis/json_io.h"
+
+using namespace tactbench::analysis;
+
+TEST_CASE("JSON longer than any model is refused before it is parsed") {
+  const std::string blanks(kLongestJson - 1, ' ');
+  CHECK(parse_json(blanks + "7") == 7);
+  CHECK_THROWS_WITH(parse_json(blanks + "77"), Catch::Contains("longer than 64000000 bytes"));
+  CHECK(try_ordered_json(blanks + "77").is_discarded());
+}
