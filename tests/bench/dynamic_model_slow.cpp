@@ -6,6 +6,7 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/small_array.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -26,7 +27,7 @@ Finished measure(const TemporaryFolder& folder, const std::vector<std::string>& 
 
 // Runs 1 to 4: the paper's sequences, rate, creep-levels, random reversals.
 void four_runs(const TemporaryFolder& folder) {
-  REQUIRE(call(folder, {"init"}).code == 0);
+  init_small_array(folder);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   REQUIRE(measure(folder, {"descending", "ascending"}, "1", {"recipe.repeats=2"}).code == 0);
   REQUIRE(measure(folder, {"rate"}, "2").code == 0);
@@ -34,7 +35,7 @@ void four_runs(const TemporaryFolder& folder) {
   REQUIRE(measure(folder, {"random-reversal"}, "4").code == 0);
   write_file(folder.path("wide.toml"),
              "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
-             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 64\n");
 }
 
 double held_out_error(const Finished& fit) {
@@ -67,8 +68,8 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
   CHECK(call(folder, {"verify", "4"}).code == 0);  // its verdicts
 
   const Finished shown = call(folder, {"model", "show", "1:4"});
-  CHECK_THAT(shown.out, Catch::Contains("linearised output, u = v / (1 - c v): 2") &&
-                            Catch::Contains(" of 256 taxels, c 0.") && Catch::Contains("creep ") &&
+  CHECK_THAT(shown.out, Catch::Contains("linearised output, u = v / (1 - c v): 6") &&
+                            Catch::Contains(" of 64 taxels, c 0.") && Catch::Contains("creep ") &&
                             Catch::Contains("(run 3)") && Catch::Contains("lag ") && Catch::Contains("(run 2)"));
   CHECK(json::parse(read_file(folder.path("d.json")))["dynamics"]["rate"]["run"] == 2);
   CHECK(call(folder, {"model", "diff", "1:4", "d.json"}).code == 0);
@@ -155,7 +156,7 @@ TEST_CASE("the dynamic model is fitted from three runs, judged, verified, shown 
 
 TEST_CASE("ELAM on the linearised output is a fit beside the paper's, which goes on standing for the run") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
+  init_small_array(folder);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   REQUIRE(measure(folder, {"descending", "ascending"}, "1", {"recipe.repeats=1"}).code == 0);
   REQUIRE(measure(folder, {"random-reversal"}, "2").code == 0);
@@ -207,7 +208,7 @@ TEST_CASE("what a dynamic model lacks is said before anything is stored") {
 
 TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to ELAM where it cannot, and says so") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
+  init_small_array(folder);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   REQUIRE(measure(folder, {"production"}, "1").code == 0);
   REQUIRE(measure(folder, {"random-reversal"}, "2").code == 0);
@@ -256,7 +257,7 @@ TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to EL
   // What one dwell tells of creep is no evidence of longer holds.
   write_file(folder.path("wide.toml"),
              "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
-             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 64\n");
   const Finished judged = call(folder, {"fit", "1", "--held-out", "2", "--limits", "wide.toml"});
   INFO(judged.err);
   CHECK_THAT(judged.out, Catch::Contains("not assessed: ") && Catch::Contains("creep"));
@@ -265,7 +266,7 @@ TEST_CASE("fit makes the dynamic model of a run where none is named, keeps to EL
 TEST_CASE(
     "the dynamic model of one run errs less than ELAM after the short recipe, and takes a run that begins above 0") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
+  init_small_array(folder);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   REQUIRE(measure(folder, {"production"}, "1").code == 0);
   REQUIRE(measure(folder, {"random-reversal"}, "2").code == 0);

@@ -13,6 +13,7 @@
 #include "db/schema.h"
 #include "tests/support/process.h"
 #include "tests/support/run_recipe.h"
+#include "tests/support/small_array.h"
 
 using namespace tactbench;
 using namespace tactbench::tests;
@@ -116,7 +117,7 @@ std::vector<std::string> frames_of(const std::vector<int>& runs) {
 
 TEST_CASE("a verb reads the frames of each run once") {
   const TemporaryFolder folder;
-  REQUIRE(call(folder, {"init"}).code == 0);
+  init_small_array(folder);
   REQUIRE(call(folder, {"sensors", "add", "S-1", "--type", "sensor.toml"}).code == 0);
   write_file(
       folder.path("loops.toml"),

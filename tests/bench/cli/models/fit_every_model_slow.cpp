@@ -4,6 +4,7 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/small_array.h"
 
 using namespace tactbench::tests;
 using nlohmann::json;
@@ -12,7 +13,7 @@ namespace {
 
 // Two runs of one sensor.
 void two_runs(const TemporaryFolder& folder) {
-  REQUIRE(call(folder, {"init"}).code == 0);
+  init_small_array(folder);
   write_file(folder.path("small.toml"),
              "schema = 1\nname = \"small\"\nunit = \"psi\"\nturning_points = [0, 60, 20, 60, 0]\nstep = 10\n"
              "repeats = 1\ndwell_s = 1.0\n");
@@ -23,7 +24,7 @@ void two_runs(const TemporaryFolder& folder) {
                 .code == 0);
   write_file(folder.path("wide.toml"),
              "schema = 1\nname = \"wide\"\nrule = \"simple\"\nmean_compensation_error_psi = 60\n"
-             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 256\n");
+             "worst_taxel_error_psi = 60\ndistance_of_mean_percent_fs = 100\nunfit_taxels = 64\n");
 }
 
 }  // namespace
