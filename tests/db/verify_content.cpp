@@ -190,7 +190,7 @@ TEST_CASE("one changed byte anywhere in the file is noticed, or the content read
   const std::string content = content_read_back(RunStore::open_read_only(folder.path("runs.db")), run);
   REQUIRE(content.size() > 30000);
   std::mt19937_64 random(20240501);
-  constexpr int kFlips = tactbench::tests::kSanitized ? 300 : 1000;
+  constexpr int kFlips = kSanitized ? 300 : 1000;
   int refused = 0, red = 0, harmless = 0;
   const std::string path = folder.path("copy.db");
   for (int i = 0; i < kFlips; ++i) {
