@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "bench/cli/night/selfcheck.h"
 #include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
 #include "bench/cli/words/command_tree.h"
@@ -151,7 +150,6 @@ int run_command_line(int argc, char** argv) {
   add_trend(app, session);
   add_rig(app, session);
   add_config(app, session);
-  add_benchmark(app, session);
   add_selfcheck(app, session);
   add_completion(app);
   add_dead_man(app, session);

@@ -96,7 +96,7 @@ void add_baseline(CLI::App& app, Session& session);
 void add_trend(CLI::App& app, Session& session);
 void add_rig(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
-void add_benchmark(CLI::App& app, Session& session);
+void add_selfcheck(CLI::App& app, Session& session);
 void add_dead_man(CLI::App& app, Session& session);
 void add_fleet(CLI::App& app, Session& session);
 

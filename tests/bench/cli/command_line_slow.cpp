@@ -115,8 +115,7 @@ TEST_CASE("each verb takes the options that scripts give it") {
       {"trend", "--sensor --subject --figure --html --replace --check --units#"},
       {"rig check", "--bench --standard --operator --recipe --press --yes --set --seed --sensor-seed --units#"},
       {"config show", "--bench --set --origin --json"},
-      {"benchmark", "--exchanges --rounds --json"},
-      {"selfcheck", "-o --output --replace#"},
+      {"selfcheck", "-o --output --replace --json -q --quiet"},
   };
   for (auto [verb, options] : expected) {
     if (const std::size_t common = options.find('#'); common != std::string::npos)
@@ -138,8 +137,6 @@ TEST_CASE("numbers of the command line have these ranges and defaults") {
       {"simulate --rate 1e9", "0.100000 to 100.000000"},
       {"nightly nightly --jobs 1000000", "1 to 64"},
       {"nightly nightly --seeds 1000000", "1 to 1000"},
-      {"benchmark array --exchanges 1000000", "10 to 100000"},
-      {"benchmark array --rounds 1000000", "1 to 1000"},
       {"live --bench b --model m --interval 1e9", "0.000000 to 60.000000"},
       {"live --bench b --model m --scans 1000000", "1 to 64"},
       {"fit t.csv --splits 1000000", "1 to 8"},
@@ -174,8 +171,6 @@ TEST_CASE("numbers of the command line have these ranges and defaults") {
       {"nightly", "\\-\\-seeds SEEDS 1"},
       {"nightly", "\\-\\-limit LIMIT 300"},
       {"rig check", "\\-\\-recipe RECIPE [production]"},
-      {"benchmark", "\\-\\-exchanges EXCHANGES 500"},
-      {"benchmark", "\\-\\-rounds ROUNDS 5"},
       {"runs export", "\\-\\-format FORMAT csv"},
       {"runs list", "\\-\\-db DB runs.db"}};
   for (const auto& [verb, option] : defaults) {

@@ -10,7 +10,7 @@
 #include "analysis/statistics/figures/step_kinds.h"
 #include "analysis/statistics/figures/streams.h"
 #include "analysis/statistics/uncertainty/uncertainty.h"
-#include "bench/benchmarks/simulated_run.h"
+#include "tests/benchmarks/study/simulated_run.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 

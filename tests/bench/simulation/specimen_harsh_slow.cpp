@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "bench/benchmarks/specimen.h"
+#include "tests/benchmarks/study/specimen.h"
 #include "bench/simulation/specimen.h"
 #include "tests/bench/simulation/harsh_sensor.h"
 

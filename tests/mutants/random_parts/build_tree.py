@@ -27,7 +27,7 @@ FLEET = ("fleet",)
 STAGES = (("unit", "threads"), ("wire",), ("slow", "realtime"), FLEET)
 COMPILER = re.compile(r"(.*/)?(g\+\+|c\+\+|clang\+\+)(-\d+)?")
 DROPPED = re.compile(r"-O.*|-g.*|-flto.*|-Werror.*|-MD|-MMD")
-COMPUTING = ("analysis/", "bench/benchmarks/", "bench/simulation/")  # whose tests would take long without optimization
+COMPUTING = ("analysis/", "bench/simulation/")  # whose tests would take long without optimization
 MEMORY_BYTES = 4 << 30  # of the compiler
 
 

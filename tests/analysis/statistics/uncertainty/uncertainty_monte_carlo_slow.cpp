@@ -1,6 +1,6 @@
 // Eq. (10) and the sensitivities of a budget against a Monte Carlo propagation of the same inputs (JCGM 101) through
 // the compensator. It tells whether the propagation is right, not whether the inputs are: that U holds the truth is
-// tested on the plant's pressure (tests/bench/benchmarks/coverage_long.cpp).
+// tested on the plant's pressure (tests/bench/reporting/coverage_long.cpp).
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/cli/night/selfcheck.h"
 #include "bench/cli/rig/page_beside.h"
 #include "bench/cli/session.h"
 #include "bench/cli/words/command_tree.h"
@@ -24,12 +23,12 @@ struct AllVerbs {
     session.profile.only_for_help();
     app.require_subcommand(1);
     for (const auto add :
-         {bench::add_demo,      bench::add_init,    bench::add_plan,     bench::add_recipes,   bench::add_run,
-          bench::add_calibrate, bench::add_control, bench::add_status,   bench::add_page,      bench::add_fit,
-          bench::add_import,    bench::add_predict, bench::add_model,    bench::add_report,    bench::add_reports,
-          bench::add_runs,      bench::add_verify,  bench::add_db,       bench::add_fleet,     bench::add_sensors,
-          bench::add_devices,   bench::add_live,    bench::add_simulate, bench::add_nightly,   bench::add_baseline,
-          bench::add_trend,     bench::add_rig,     bench::add_config,   bench::add_benchmark, bench::add_selfcheck})
+         {bench::add_demo,      bench::add_init,    bench::add_plan,     bench::add_recipes,  bench::add_run,
+          bench::add_calibrate, bench::add_control, bench::add_status,   bench::add_page,     bench::add_fit,
+          bench::add_import,    bench::add_predict, bench::add_model,    bench::add_report,   bench::add_reports,
+          bench::add_runs,      bench::add_verify,  bench::add_db,       bench::add_fleet,    bench::add_sensors,
+          bench::add_devices,   bench::add_live,    bench::add_simulate, bench::add_nightly,  bench::add_baseline,
+          bench::add_trend,     bench::add_rig,     bench::add_config,   bench::add_selfcheck})
       add(app, session);
     bench::add_completion(app);
     bench::add_dead_man(app, session);

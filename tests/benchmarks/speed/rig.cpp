@@ -1,0 +1,256 @@
+// The wires of the simulated rig through the shipped drivers, beside a bare echo over loopback; and a run's steps
+// beside their exchanges alone and their rows stored alone.
+#include <arpa/inet.h>
+#include <benchmark/benchmark.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "bench/common/private_files.h"
+#include "bench/common/process_time.h"
+#include "bench/config/config.h"
+#include "bench/config/config_profile.h"
+#include "bench/rig/rig.h"
+#include "bench/simulation/plant.h"
+#include "devices/fault.h"
+#include "devices/pressure/analog_module.h"
+#include "devices/pressure/simulated_module.h"
+#include "devices/stage/simulated_chain.h"
+#include "devices/wire/serial_link.h"
+#include "tests/benchmarks/speed/figures.h"
+#include "tests/benchmarks/study/simulated_run.h"
+
+namespace tactbench::speed {
+namespace {
+
+using namespace bench;
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// The lower bound for any driver on loopback: twelve bytes there and back between two threads.
+class Echo {
+ public:
+  Echo() {
+    const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    client_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const bool joined = ::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+                        ::listen(listener, 1) == 0 &&
+                        ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
+                        ::connect(client_, reinterpret_cast<const sockaddr*>(&address), size) == 0;
+    server_ = joined ? ::accept(listener, nullptr, nullptr) : -1;
+    ::close(listener);
+    if (server_ < 0) throw std::runtime_error("no echo on loopback");
+    const int one = 1;
+    ::setsockopt(client_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    ::setsockopt(server_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    thread_ = std::thread([this] {
+      char bytes[12];
+      while (::recv(server_, bytes, sizeof bytes, 0) > 0)
+        if (::send(server_, bytes, sizeof bytes, MSG_NOSIGNAL) <= 0) return;
+    });
+  }
+  ~Echo() {
+    ::shutdown(client_, SHUT_RDWR);
+    thread_.join();
+    ::close(client_);
+    ::close(server_);
+  }
+  Echo(const Echo&) = delete;
+  Echo& operator=(const Echo&) = delete;
+  void exchange() const {
+    char bytes[12] = {};
+    if (::send(client_, bytes, sizeof bytes, MSG_NOSIGNAL) <= 0 || ::recv(client_, bytes, sizeof bytes, 0) <= 0)
+      throw std::runtime_error("the echo broke");
+  }
+
+ private:
+  int client_ = -1, server_ = -1;
+  std::thread thread_;
+};
+
+void echo(benchmark::State& state) {
+  const Echo echo;
+  for (auto _ : state) echo.exchange();
+}
+
+// `exchange`: what is measured on a rig of its own.
+void on_rig(benchmark::State& state, const std::vector<sequences::Override>& overrides, void (*exchange)(Rig& rig)) {
+  Rig rig(read_bench(find_config("simulated.toml"), overrides));
+  rig.open();
+  for (auto _ : state) exchange(rig);
+}
+
+void modbus_rtu(benchmark::State& state) {
+  Rig rig(read_bench(find_config("simulated.toml"), {}));
+  rig.open();
+  const devices::ModuleProfile profile = read_module_profile("waveshare-analog-input-8ch-b");
+  devices::SteadyClock clock;
+  devices::SimulatedModule line({{1, profile, {}}}, devices::SimulatedModule::Wire::kRtu, 0, *rig.plant(), clock);
+  devices::ModbusEndpoint endpoint;
+  endpoint.serial_port = line.serial_port();
+  endpoint.baud = 115200;
+  devices::AnalogModule module(profile, endpoint, devices::Nanoseconds(0), clock, devices::Origin::kSimulated);
+  for (auto _ : state) module.refresh(devices::Nanoseconds(-1));
+}
+
+// From the hang-up of a simulated serial line to the fault in a reader that waits.
+void hang_up_to_fault(benchmark::State& state) {
+  for (auto _ : state) {
+    const devices::SteadyClock clock;
+    devices::SimulatedChain chain({}, clock);
+    devices::SerialAddress address;
+    address.port = chain.address();
+    const auto stream = devices::open_serial(address);
+    double fault_s = 0.0;
+    std::thread reader([&] {
+      try {
+        std::uint8_t byte = 0;
+        (void)stream->read(std::span(&byte, 1), std::chrono::seconds(20));
+      } catch (const devices::Fault&) {
+        fault_s = now_s();
+      }
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const double start_s = now_s();
+    chain.unplug();
+    reader.join();
+    state.SetIterationTime(fault_s - start_s);
+  }
+}
+
+// One repeat of the descending sequence on the turned clock, from the first step to the last.
+RunRequest one_repeat() { return descending_request(1, 1); }
+
+struct Taken {
+  double run_s = 0.0;
+  std::vector<db::FrameRecord> frames;
+};
+Taken run_once() {
+  const ScratchFolder folder("tactbench-speed");
+  db::RunStore store = db::RunStore::open(folder.path() + "/runs.db", db::Durability::kNormal);
+  RunRequest request = one_repeat();
+  double first = 0.0, last = 0.0;
+  request.on_step = [&](const sequences::Step&) {
+    last = now_s();
+    if (first == 0.0) first = last;
+  };
+  const std::int64_t run = carry_out(request, store).run;
+  Taken taken{last - first, store.frames(run)};
+  taken.frames.pop_back();  // the last step's end is not known
+  return taken;
+}
+const std::vector<db::FrameRecord>& frames_taken() {
+  static const std::vector<db::FrameRecord> frames = run_once().frames;
+  return frames;
+}
+
+void per_step(benchmark::State& state) {
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(frames_taken().size()));
+}
+
+void sequence_run(benchmark::State& state) {
+  for (auto _ : state) state.SetIterationTime(run_once().run_s);
+  per_step(state);
+}
+
+// What the run did on its wires, at the times of its trace: commands, polls of feedback and reference, frames.
+void sequence_exchanges(benchmark::State& state) {
+  const std::vector<db::FrameRecord>& frames = frames_taken();
+  for (auto _ : state) {
+    Rig rig(one_repeat().bench);
+    rig.open();
+    const devices::Nanoseconds begun =
+        rig.clock().now() - devices::Nanoseconds(frames.front().time_ns - frames.front().since_command_ns);
+    const auto wait_until = [&](std::int64_t time_ns) {
+      rig.clock().wait_until(begun + devices::Nanoseconds(time_ns));
+    };
+    const double start_s = now_s();
+    for (const db::FrameRecord& frame : frames) {
+      const std::int64_t command_ns = frame.time_ns - frame.since_command_ns;
+      bool commanded = false;
+      for (const db::TracePoint& point : frame.trace) {
+        const std::int64_t time_ns = frame.time_ns - seconds(static_cast<double>(point.before_frame_s)).count();
+        if (!commanded && time_ns > command_ns) {
+          wait_until(command_ns);
+          (void)rig.source().command(devices::Psi(frame.setpoint_psi));
+          commanded = true;
+        }
+        wait_until(time_ns);
+        rig.source().keep_alive();
+        (void)rig.source().feedback();
+        (void)rig.reference().read();
+      }
+      wait_until(frame.time_ns);
+      (void)rig.array().read(frame.scans);
+    }
+    state.SetIterationTime(now_s() - start_s);
+  }
+  per_step(state);
+}
+
+void sequence_store(benchmark::State& state) {
+  for (auto _ : state) {
+    const ScratchFolder folder("tactbench-speed");
+    db::RunStore store = db::RunStore::open(folder.path() + "/runs.db", db::Durability::kNormal);
+    const RunRequest request = one_repeat();
+    store.add_sensor(request.sensor);
+    db::RunRecord run;
+    run.uuid = db::new_uuid();
+    run.origin = "simulated";
+    run.state = "prepared";
+    run.sensor_serial = request.sensor.serial;
+    run.sequences = {{0, "descending", "", "", 1, static_cast<int>(frames_taken().size())}};
+    const std::int64_t number = store.begin_run(run), branch = store.begin_branch(number, {});
+    std::vector<db::FrameRecord> frames = frames_taken();
+    const double start_s = now_s();
+    for (db::FrameRecord& frame : frames) {
+      frame.branch = branch;
+      store.append_frame(number, frame);
+    }
+    state.SetIterationTime(now_s() - start_s);
+  }
+  per_step(state);
+}
+
+const bool registered = [] {
+  const auto timed = [](const std::string& name, auto act) {
+    return benchmark::RegisterBenchmark(name.c_str(), act)->Unit(benchmark::kMicrosecond);
+  };
+  const auto wire = [&](const std::string& name, auto act) {
+    timed("wires/" + name, act)->UseRealTime();
+    if (name != "echo") declare({{"wires_" + name + "_over_echo", "wires/" + name, {"wires/echo"}}});
+  };
+  const auto plain = [&](const std::string& name, void (*exchange)(Rig& rig)) {
+    wire(name, [exchange](benchmark::State& state) { on_rig(state, {}, exchange); });
+  };
+  wire("echo", echo);
+  plain("modbus_tcp_read", [](Rig& rig) { rig.module().refresh(devices::Nanoseconds(-1)); });
+  plain("modbus_tcp_command", [](Rig& rig) { (void)rig.source().command(devices::Psi(0.0)); });
+  plain("hid_scan_256_taxels", [](Rig& rig) { (void)rig.array().read(1); });
+  plain("zaber_question", [](Rig& rig) {
+    rig.stage()->arm();
+    (void)rig.stage()->state(devices::Axis::kX);
+  });
+  plain("net_ft_record", [](Rig& rig) { (void)rig.open_force().read(1); });
+  plain("net_ft_50_records", [](Rig& rig) { (void)rig.open_force().read(50); });
+  wire("frame_source_scan_256_taxels", [](benchmark::State& state) {
+    on_rig(state, {{"scanner.kind", "frame-source"}}, [](Rig& rig) { (void)rig.array().read(1); });
+  });
+  wire("modbus_rtu_read", modbus_rtu);
+  timed("wires/hang_up_to_fault", hang_up_to_fault)->UseManualTime()->Iterations(20);
+  timed("sequence/run", sequence_run)->UseManualTime()->Iterations(1);
+  timed("sequence/exchanges", sequence_exchanges)->UseManualTime()->Iterations(1);
+  timed("sequence/store", sequence_store)->UseManualTime()->Iterations(1);
+  return declare({{"sequence_ratio", "sequence/run", {"sequence/exchanges", "sequence/store"}}});
+}();
+
+}  // namespace
+}  // namespace tactbench::speed
