@@ -242,13 +242,9 @@ void bare(benchmark::State& state, const ElamStream& stream) {
       Taxel& own = taxels[t];
       const double volts = stream.frame(f)[t] * kVoltsPerCount;
       const double ahead = own.curve.ascending() ? volts - own.extreme : own.extreme - volts;
-      if (ahead < 0.0 && ahead >= -6.0 * kNoise) {
-        benchmark::DoNotOptimize(own.curve.input(volts));
-        continue;
-      }
-      if (ahead < 0.0)
+      if (ahead < -6.0 * kNoise)
         own.curve = ElamCurve(stream.models[t], !own.curve.ascending(), own.curve.input(own.extreme), own.extreme);
-      own.extreme = volts;
+      if (ahead < -6.0 * kNoise || ahead >= 0.0) own.extreme = volts;
       benchmark::DoNotOptimize(own.curve.input(volts));
     }
   });
