@@ -19,6 +19,9 @@ Provides-Extra: xarray
 Requires-Dist: numpy; extra == "xarray"
 Requires-Dist: pandas; extra == "xarray"
 Requires-Dist: xarray; extra == "xarray"
+Provides-Extra: hdf5
+Requires-Dist: h5py; extra == "hdf5"
+Requires-Dist: h5netcdf; extra == "hdf5"
 """
 WHEEL = f"Wheel-Version: 1.0\nGenerator: tactbench {version}\nRoot-Is-Purelib: false\nTag: {TAG}\n"
 

@@ -47,7 +47,7 @@ constexpr std::array kBeginnings = {
     Beginning{"\x37\x7f\x06\x83"sv, kStoreLog},
     Beginning{"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"sv, kStoreLog},
     Beginning{"%PDF-"sv, kPdfFile},
-    Beginning{"\x89HDF\r\n\x1a\n"sv, kHdf5File},
+    Beginning{"\x89HDF\r\n\x1a\n"sv, "an HDF5 file"},
     Beginning{"<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta http-equiv=\"Content-"
               "Security-Policy\""sv,
               kPageFile},
@@ -178,6 +178,11 @@ std::optional<int> named_descriptor(const std::string& path) {
   return std::nullopt;
 }
 
+struct HalfFile {
+  std::string name;    // has the permissions of the file that it will replace
+  std::string target;  // where a link at its path leads to
+};
+
 std::pair<HalfFile, int> open_half_file(const std::string& path) {
   std::error_code failed;
   if (fs::path(path).has_parent_path()) fs::create_directories(fs::path(path).parent_path(), failed);
@@ -239,17 +244,6 @@ void check_output(const std::string& path, const std::string& kind, bool replace
   throw Error(ExitCode::kUsage, "TB-FILE-EXISTS",
               fmt::format("there is {}, and {} would take its place", shown(found), shown(kind)), path,
               "write to another name, or add --replace if it is not needed any more");
-}
-
-HalfFile make_half_file(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
-    throw Error(ExitCode::kUsage, "TB-FILE-WRITE",
-                "this format needs a file, and there is a pipe, a device or a folder", path, "name a file");
-  }
-  const auto [half, file] = open_half_file(path);
-  ::close(file);
-  return half;
 }
 
 std::size_t write_output(const std::string& path, const std::string& kind, const WriteOutput& write, bool replace) {

@@ -16,7 +16,6 @@ std::string kind_of_file(const std::string& beginning);
 // Kinds that verbs know before they make the text.
 inline constexpr const char* kPageFile = "a page of tactbench (HTML)";
 inline constexpr const char* kPdfFile = "a PDF";
-inline constexpr const char* kHdf5File = "an HDF5 file";
 inline constexpr const char* kRunTable = "frames of a run (CSV)";
 inline constexpr const char* kRunDocument = "a tactbench.run document (JSON)";
 inline constexpr const char* kModelFile = "a tactbench.model document (JSON)";
@@ -34,14 +33,6 @@ void write_output(const std::string& path, const std::string& text, bool replace
 // The same for text that `write` streams because it is too long for memory; returns the number of bytes.
 using WriteOutput = std::function<void(std::ostream&)>;
 std::size_t write_output(const std::string& path, const std::string& kind, const WriteOutput& write, bool replace);
-
-// A new, empty file beside `path`, for a library that opens files by name; to be renamed to the target.
-struct HalfFile {
-  std::string name;    // has the permissions of the file that it will replace
-  std::string target;  // where a link at `path` leads to
-};
-// Throws Error TB-FILE-WRITE, also where `path` is a pipe or a device.
-HalfFile make_half_file(const std::string& path);
 
 // Replaces the file at once, whatever its kind: for the program's own files. Makes the folder. Throws Error
 // TB-FILE-WRITE.

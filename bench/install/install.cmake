@@ -3,12 +3,10 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 install(TARGETS tactbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-foreach(module tactbench_genetic tactbench_hdf5)
-  if(TARGET ${module})
-    # One folder deeper than where cpack takes libraries for such that need ldconfig.
-    install(TARGETS ${module} LIBRARY DESTINATION lib/tactbench/modules COMPONENT program)
-  endif()
-endforeach()
+if(TARGET tactbench_genetic)
+  # One folder deeper than where cpack takes libraries for such that need ldconfig.
+  install(TARGETS tactbench_genetic LIBRARY DESTINATION lib/tactbench/modules COMPONENT program)
+endif()
 # The folders below share/tactbench are those of the source tree: bench/config/config.cpp looks into either alike.
 foreach(folder sequences bench/config devices/profiles)
   install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tactbench/${folder} COMPONENT program

@@ -59,7 +59,7 @@ CMake and pkg-config.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tactbench-compensator)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${exactly}, python3")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, python3-pandas, python3-xarray")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-numpy, python3-pandas, python3-xarray, python3-h5py")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "hysteresis compensation for tactile sensor arrays, Python module
 ${of_a_robot}
 

@@ -6,17 +6,18 @@
 
 Columns, keys and members are those of files that PROGRAM has just written; MEANING says of each name what it is, once for all
 layouts, for a name means the same in all of them. A name without a meaning is a failure, and so is a meaning without a name.
-Without h5dump the part on HDF5 is not compared.
+HDF5 is what the package for Python writes (python3-h5py).
 """
 
 import json
 import os
 import re
-import shutil
 import sqlite3
 import subprocess
 import sys
 import tempfile
+
+import h5py
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PAGE = os.path.join(ROOT, "docs", "reference-formats.md")
@@ -140,9 +141,8 @@ def make_files(program, folder):
     run("run", "small.toml", *common)
     run("run", "touch.toml", *common)
     run("fit", "1", "--model", "elam", "-o", "model.json")
-    for kind in ("csv", "json", "hdf5"):
-        if kind != "hdf5" or shutil.which("h5dump"):
-            run("runs", "export", "2", "--format", kind, "-o", "run." + kind)
+    for kind in ("csv", "json"):
+        run("runs", "export", "2", "--format", kind, "-o", "run." + kind)
 
 
 def view_columns(folder):
@@ -180,38 +180,36 @@ def json_tree(value, path=""):
     return out
 
 
-def hdf5_tree(folder):
-    """[path, type, shape] of each group, data set and attribute."""
-    dump = subprocess.run(["h5dump", "-H", os.path.join(folder, "run.hdf5")], capture_output=True, text=True, check=True).stdout
-    types = {"H5T_IEEE_F64LE": "float64", "H5T_STD_I64LE": "int64", "H5T_STD_U16LE": "uint16", "H5T_STRING": "text"}
-    shapes = {1: "a row each", 2: "rows × members", 4: "frame × scan × row × column"}
-    path, out = [], []  # path: kind, name, entry of each brace that is open
-    for line in dump.splitlines():
-        named = re.match(r'\s*(GROUP|DATASET|ATTRIBUTE) "([^"]*)" \{', line)
-        names = [name for _, name, _ in path if name]
-        if named:
-            kind, name = named.groups()
-            entry = [f"/{'/'.join(names)} @{name}" if kind == "ATTRIBUTE" else "/" + "/".join(names + [name.strip("/")]),
-                     kind.lower(), ""]
-            of_dataset = any(kind == "DATASET" for kind, _, _ in path)
-            if name != "/" and not of_dataset:
-                out.append(entry)
-            path.append((kind, name.strip("/") if kind != "ATTRIBUTE" else "", entry))
-            continue
-        dataset = next((entry for kind, _, entry in reversed(path) if kind == "DATASET"), None)
-        inside = path[-1][0] if path else ""
-        if dataset and inside == "DATASET":
-            kind = re.match(r"\s*DATATYPE\s+(\S+)", line)
-            space = re.match(r"\s*DATASPACE\s+(\w+)(?:\s+\{ \( ([\d, ]+) \))?", line)
-            if kind:
-                dataset[1] = types.get(kind.group(1), kind.group(1))
-            if space:
-                dataset[2] = shapes[len(space.group(2).split(","))] if space.group(1) == "SIMPLE" else "one"
-        for _ in range(line.count("{") - line.count("}")):
-            path.append(("", "", None))
-        for _ in range(line.count("}") - line.count("{")):
-            if path:
-                path.pop()
+def written_hdf5(program, folder):
+    os.environ.setdefault("TACTBENCH_COMPENSATOR", os.path.join(os.path.dirname(program), "libtactbench_compensator.so.1"))
+    sys.path[:0] = [os.path.join(ROOT, "analysis", "python"), os.path.join(ROOT, "analysis", "compensate", "python")]
+    import tactbench
+    tactbench.to_nexus(os.path.join(folder, "runs.db"), 2, os.path.join(folder, "run.hdf5"))
+    return os.path.join(folder, "run.hdf5")
+
+
+def hdf5_tree(path):
+    """[path, type, shape] of each group, data set and attribute, by name."""
+    shapes = {0: "one", 1: "a row each", 2: "rows × members", 4: "frame × scan × row × column"}
+    out, first = [], {}  # first: the name under which an object came
+
+    def take(group):
+        first[h5py.h5o.get_info(group.id).addr] = group.name
+        out.append([group.name, "group", ""])
+        out.extend([f"{group.name} @{name}", "attribute", ""] for name in sorted(group.attrs))
+        for item in group.values():
+            known = first.setdefault(h5py.h5o.get_info(item.id).addr, item.name)
+            if known != item.name:
+                out.append([item.name, f"is `{without_numbers(known)}`", ""])
+            elif isinstance(item, h5py.Group):
+                take(item)
+            else:
+                out.append([item.name, "text" if item.dtype.kind == "O" else item.dtype.name, shapes[item.ndim]])
+
+    with h5py.File(path) as file:
+        for name in sorted(file, key=lambda name: name == "entry"):  # which has second names of the others
+            take(file[name])
+        out.extend([f"/ @{name}", "attribute", ""] for name in sorted(file.attrs))
     return out
 
 
@@ -250,31 +248,26 @@ def page(program, folder):
         for path in paths:
             name = re.split(r"[.\]]", path.rstrip("[]"))[-1]
             stands(name, short)
-    hdf5 = ""
-    if shutil.which("h5dump"):
-        seen = []
-        for path, kind, shape in hdf5_tree(folder):
-            entry = (without_numbers(path), kind, shape)
-            if entry not in seen:
-                seen.append(entry)
-        hdf5 = "| member | type | shape |\n|---|---|---|\n"
-        for path, kind, shape in seen:
-            if kind == "attribute":
-                continue
+    seen = []
+    for path, kind, shape in hdf5_tree(written_hdf5(program, folder)):
+        entry = (without_numbers(path), kind, shape)
+        if entry not in seen:
+            seen.append(entry)
+    hdf5 = "| member | type | shape |\n|---|---|---|\n"
+    attributes = {}
+    for path, kind, shape in seen:
+        if kind == "attribute":
+            holder, name = path.split(" @")
+            attributes.setdefault(holder, []).append(name)
+        else:
             hdf5 += f"| `{path}` | {kind} | {shape} |\n"
-        attributes = {}
-        for path, kind, _ in seen:
-            if kind == "attribute":
-                holder, name = path.split(" @")
-                attributes.setdefault(holder, []).append(name)
-                stands(name, "HDF5")
-        for path, kind, _ in seen:
             name = path.split("/")[-1]
-            if kind != "attribute" and name != "N":
-                stands(name, "HDF5")
-        hdf5 += "\nAttributes: " + "; ".join(f"of `{holder}`: " + ", ".join(f"`{name}`" for name in names) for holder, names in attributes.items()) + ".\n"
+        if name != "N":
+            stands(name, "HDF5")
+    hdf5 += "\nAttributes: " + "; ".join(f"of `{holder}`: " + ", ".join(f"`{name}`" for name in names)
+                                         for holder, names in attributes.items()) + ".\n"
     missing = sorted(name for name in places if name not in MEANING)
-    unused = sorted(name for name in MEANING if name not in places) if hdf5 else []
+    unused = sorted(name for name in MEANING if name not in places)
     if missing or unused:
         sys.exit(f"tests/docs/formats.py: MEANING lacks {missing}; no layout has {unused}")
     names = "| name | is | stands in |\n|---|---|---|\n"
@@ -289,8 +282,8 @@ def page(program, folder):
             "\n## A run as CSV\n" + csv +
             "\n## JSON\nEvery verb prints one document with `--json`, which begins with `schema` (`tactbench.VERB`) and `version`; an error has the "
             "schema `tactbench.error`,\nwith `id`, `exit_code`, `message`, `where`, `remedy` and `rig_state`. A `[]` stands for each item of a list.\n" + trees +
-            "\n## A run as HDF5\n`runs export N --format hdf5 -o run.hdf5`, where the program was built with libhdf5. Numbers that are not known are "
-            "NaN; truth is 0 or 1;\n`N` counts from 0.\n\n" + hdf5)
+            "\n## A run as HDF5\n`tactbench.to_nexus(store, run, file)` of the [package for Python](python.md). Numbers that are not known are NaN; truth is "
+            "0 or 1;\n`N` counts from 0.\n\n" + hdf5)
 
 
 program, *options = sys.argv[1:]
@@ -302,8 +295,6 @@ if options == ["--write"]:
     sys.exit(0)
 with open(PAGE, encoding="utf-8") as file:
     committed = file.read()
-if not shutil.which("h5dump"):
-    committed, made = (text.split("## A run as HDF5")[0].split("\n## Views")[1] for text in (committed, made))
 if committed != made:
     sys.exit("docs/reference-formats.md is not what the program writes: tests/docs/formats.py build/tactbench --write")
 print("the page of layouts is true")

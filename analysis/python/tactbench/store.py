@@ -9,7 +9,6 @@ from .errors import TactbenchError, package
 
 _APPLICATION_ID = 0x54424348  # "TBCH" in the file's header
 _OLDEST, _NEWEST = 2, 9  # schema versions that are read; older ones: tactbench db migrate
-_RUN_FRAMES = "f.frame BETWEEN :run * 1000000000 + 1 AND :run * 1000000000 + 999999999"
 
 # A frame's numbers: name, unit, meaning, SQL. NULL is NaN.
 _NUMBERS = (
@@ -33,6 +32,8 @@ _PLACE = (("x_mm", "mm"), ("y_mm", "mm"), ("z_mm", "mm"))
 
 class Store:
     """A run store, opened to be read; also while a run is being written. Closed by close() or at the end of `with`."""
+
+    frames_of_run = "f.frame BETWEEN :run * 1000000000 + 1 AND :run * 1000000000 + 999999999"  # of `frames f`
 
     def __init__(self, path):
         self.path = os.fspath(path)
@@ -113,7 +114,8 @@ class Store:
         raise TactbenchError(f"run {run} of {self.path} states no volts_per_count of its scanner, so that its counts cannot be "
                              "scaled")
 
-    def _refuse_pruned(self, run):
+    def refuse_pruned(self, run):
+        """Raises TactbenchError when the run's frames were removed."""
         if self._connection.execute("PRAGMA user_version").fetchone()[0] < 8:
             return
         gone = self._connection.execute("SELECT pruned_utc, rule FROM pruned WHERE run = ?", (run,)).fetchone()
@@ -137,7 +139,7 @@ class Store:
         module = package(kind, f"frames(kind={kind!r})")
         numpy = package("numpy", "frames()")
         facts = self.usable_run(run, void_too)
-        self._refuse_pruned(run)
+        self.refuse_pruned(run)
         data, units, meaning = self._arrays(numpy, run, scans, void_too)
         if kind == "numpy":
             return {**data, "units": units}
@@ -171,7 +173,7 @@ class Store:
             f'SELECT {where}, {columns}, f.target_n, f.wrench, f.place_mm, f."rows" AS r, f.columns AS c, f.scans AS k, f.counts '
             "FROM frames f JOIN branches b ON b.branch = f.branch "
             "JOIN sequences s ON s.run = b.run AND s.sequence = b.sequence "
-            f"WHERE {_RUN_FRAMES}{'' if void_too else ' AND b.void = 0'} ORDER BY f.frame", {"run": run})
+            f"WHERE {self.frames_of_run}{'' if void_too else ' AND b.void = 0'} ORDER BY f.frame", {"run": run})
         if not rows:
             raise TactbenchError(f"run {run} of {self.path} has no frames: imported tables and runs that ended early have none")
         shapes = {(row["k"], row["r"], row["c"]) for row in rows}

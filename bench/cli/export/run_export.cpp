@@ -13,7 +13,6 @@
 
 #include "analysis/documents/run_json.h"
 #include "analysis/json_io.h"
-#include "bench/cli/export/run_export.h"
 #include "bench/cli/export/run_export_csv.h"
 #include "bench/cli/runs/from_fleet.h"
 #include "bench/cli/session.h"
@@ -114,20 +113,14 @@ void run_document(const db::RunStore& store, const db::RunRecord& run, std::ostr
 void export_run(const RunExportOptions& options, const Session& session) {
   const db::RunStore store = db::RunStore::open_read_only(session.db);
   const db::RunRecord run = store.run(options.run);
-  std::size_t bytes = 0;
-  if (options.format == "hdf5") {
-    check_output(options.output, kHdf5File, session.replace);
-    bytes = write_run_hdf5(store, run, options.output);
-  } else {
-    const bool frames = store.series(run.run).empty();
-    const std::string kind = options.format == "json" ? kRunDocument : frames ? kRunTable : kind_of_file(kSeriesHead);
-    const auto write = [&](std::ostream& stream) {
-      if (options.format == "json") return run_document(store, run, stream);
-      if (frames) return frames_csv(store, run, stream);
-      series_csv(store, run, stream);
-    };
-    bytes = write_output(options.output, kind, write, session.replace);
-  }
+  const bool frames = store.series(run.run).empty();
+  const std::string kind = options.format == "json" ? kRunDocument : frames ? kRunTable : kind_of_file(kSeriesHead);
+  const auto write = [&](std::ostream& stream) {
+    if (options.format == "json") return run_document(store, run, stream);
+    if (frames) return frames_csv(store, run, stream);
+    series_csv(store, run, stream);
+  };
+  const std::size_t bytes = write_output(options.output, kind, write, session.replace);
   if (session.json) {
     print_json("runs.export",
                {{"run", run.run}, {"format", options.format}, {"path", options.output}, {"bytes", bytes}});
@@ -200,11 +193,11 @@ void add_run_copy(CLI::App& runs, Session& session) {
 void add_run_export(CLI::App& runs, Session& session) {
   auto options = std::make_shared<RunExportOptions>();
   CLI::App* verb =
-      runs.add_subcommand("export", "write a run's frames (or an imported run's series) as CSV, JSON or HDF5");
+      runs.add_subcommand("export", "write a run's frames (or an imported run's series) as CSV, or all of it as JSON");
   verb->add_option("run", options->run, "run number")->required();
   verb->add_option("--format", options->format,
-                   "csv: one line per scan, raw counts and volts; json, hdf5: the whole run")
-      ->check(CLI::IsMember({"csv", "json", "hdf5"}))
+                   "csv: one line per scan, raw counts and volts; json: the whole run")
+      ->check(CLI::IsMember({"csv", "json"}))
       ->capture_default_str();
   verb->add_option("-o,--output", options->output, "file to write")->required();
   add_replace(*verb, session);

@@ -68,7 +68,7 @@ TEST_CASE("output: a signed report is refused by its number") {
                                 " | a signed report is not written over: name another file");
 }
 
-TEST_CASE("output: a file that cannot be written says why, and a half file needs a file") {
+TEST_CASE("output: a file that cannot be written says why") {
   const TemporaryFolder folder;
   const std::string words = "check folder, space and permissions", here = folder.path("here"), file = folder.path("f");
   std::filesystem::create_directory(here);
@@ -77,9 +77,6 @@ TEST_CASE("output: a file that cannot be written says why, and a half file needs
   CHECK(refusal_at(file + "/g") == "TB-FILE-WRITE: cannot write the file: Not a directory | " + file + "/g | " + words);
   CHECK(refusal_at("/dev/full") ==
         "TB-FILE-WRITE: cannot write the file: No space left on device | /dev/full | " + words);
-  CHECK(output_refusal([&] { (void)make_half_file(here); }) ==
-        "TB-FILE-WRITE: this format needs a file, and there is a pipe, a device or a folder | " + here +
-            " | name a file");
   CHECK(output_refusal([&] { write_whole(file + "/g", "x"); }) ==
         "TB-FILE-WRITE: cannot write the file | " + file + "/g | " + words);
   CHECK(output_refusal([&] { write_whole(here, "x"); }) ==
@@ -88,20 +85,15 @@ TEST_CASE("output: a file that cannot be written says why, and a half file needs
   CHECK(refusal_at("/proc/self/fd/").starts_with("TB-FILE-WRITE"));
 }
 
-TEST_CASE("output: new files have the mode that the process gives, replaced ones theirs, half files theirs already") {
+TEST_CASE("output: new files have the mode that the process gives, replaced ones theirs") {
   const TemporaryFolder folder;
   const mode_t before = umask(0);
   write_output(folder.path("a"), "x,y\n1,2\n", false);
-  const HalfFile half = make_half_file(folder.path("b"));
   umask(before);
   CHECK(mode_of(folder.path("a")) == 0666);
-  CHECK(mode_of(half.name) == 0666);
-  CHECK(half.target == folder.path("b"));
   REQUIRE(chmod(folder.path("a").c_str(), 04751) == 0);
-  const HalfFile next = make_half_file(folder.path("a"));
-  CHECK(mode_of(next.name) == 0751);
-  CHECK(read_file(folder.path("a")) == "x,y\n1,2\n");
-  CHECK(make_half_file(folder.path("far/away/c")).target == folder.path("far/away/c"));
+  write_output(folder.path("a"), "x,y\n3,4\n", false);
+  CHECK(mode_of(folder.path("a")) == 0751);
 }
 
 TEST_CASE("output: the names of standard output and error, and a store behind one of them") {

@@ -159,25 +159,3 @@ TEST_CASE("a replaced file keeps its permissions") {
   REQUIRE(stat(path.c_str(), &now) == 0);
   CHECK((now.st_mode & 07777) == 0600);
 }
-
-TEST_CASE("a half file is made beside the link's target and follows no link, a pipe has none") {
-  const TemporaryFolder folder;
-  write_file(folder.path("precious"), "mine");
-  std::filesystem::create_directory(folder.path("there"));
-  write_file(folder.path("there/run.h5"), "old");
-  std::filesystem::create_symlink("there/run.h5", folder.path("link.h5"));
-  const std::string expected = folder.path("there/run.h5.partial-") + std::to_string(getpid());
-  std::filesystem::create_symlink(folder.path("precious"), expected);
-  const HalfFile half = make_half_file(folder.path("link.h5"));
-  CHECK(half.name == expected);
-  CHECK(half.target == folder.path("there/run.h5"));
-  CHECK(std::filesystem::is_regular_file(std::filesystem::symlink_status(half.name)));
-  CHECK(read_file(folder.path("precious")) == "mine");
-  REQUIRE(mkfifo(folder.path("pipe").c_str(), 0600) == 0);
-  try {
-    (void)make_half_file(folder.path("pipe"));
-    FAIL("a pipe has a half file");
-  } catch (const Error& error) {
-    CHECK(error.id() == "TB-FILE-WRITE");
-  }
-}

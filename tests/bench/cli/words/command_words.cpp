@@ -17,7 +17,7 @@ CommandNode small_tree() {
   write.arguments = {
       {{"run"}, "number of the run", "", ArgumentKind::kNumber, {}, true, true, false},
       {{"recipe"}, "which", "", ArgumentKind::kText, {"a", "b"}, true, false, true},
-      {{"--format"}, "csv's kind", "csv", ArgumentKind::kChoice, {"csv", "hdf5"}, false, false, false},
+      {{"--format"}, "csv's kind", "csv", ArgumentKind::kChoice, {"csv", "json"}, false, false, false},
       {{"-o", "--output"}, "file [C:\\x]", "", ArgumentKind::kText, {}, false, true, false},
       {{"--count"}, "how many", "", ArgumentKind::kNumber, {}, false, false, true},
       {{"--all"}, "all of\nthem", "", ArgumentKind::kFlag, {}, false, false, false},
@@ -59,7 +59,7 @@ TEST_CASE("command words: completion for bash") {
                "        \" runs\") words=\"export\" options=\"-h --help\" files=\"\" ;;\n",
                "        \" runs export\") words=\"a b\" options=\"--format -o --output --count --all\" files=1 ;;\n",
                "        \" dry-run\") words=\"\" options=\"\" files=\"\" ;;\n",
-               "  case \"$verb:$previous\" in\n    \" runs export:--format\") words=\"csv hdf5\" ;;\n"
+               "  case \"$verb:$previous\" in\n    \" runs export:--format\") words=\"csv json\" ;;\n"
                "    \" runs export:-o\" | \" runs export:--output\") words=\"\" files=1 ;;\n"
                "    \" runs export:--count\") words=\"\" ;;\n    *)\n"});
 }
@@ -68,7 +68,7 @@ TEST_CASE("command words: completion for zsh") {
   check_holds(zsh_completion(small_tree()),
               {"_tactbench_runs_export() {\n  _arguments \\\n    ':run:' \\\n"
                "    '*:recipe:_alternative \"words\\::(a b)\" \"files\\::_files\"' \\\n"
-               "    '--format[csv'\\''s kind]:--format:(csv hdf5)' \\\n"
+               "    '--format[csv'\\''s kind]:--format:(csv json)' \\\n"
                "    '-o[file \\[C\\:\\\\x\\]]:--output:_files' '--output[file \\[C\\:\\\\x\\]]:--output:_files' \\\n"
                "    '*--count[how many]:--count:' \\\n    '--all[all of them]'\n}\n",
                "_tactbench() {\n  local curcontext",
@@ -85,7 +85,7 @@ TEST_CASE("command words: completion for fish") {
                      "complete -c tactbench -n '__tactbench_at \"\"' -a runs -d 'what is stored'\n",
                      "complete -c tactbench -n '__tactbench_at \"\"' -s h -l help  -d 'print this'\n",
                      "complete -c tactbench -n '__tactbench_at \" runs\"' -a export -d 'write it\\'s rows'\n",
-                     at + "-F -a 'a b' -d 'which'\n", at + "-l format -x -a 'csv hdf5' -d 'csv\\'s kind'\n",
+                     at + "-F -a 'a b' -d 'which'\n", at + "-l format -x -a 'csv json' -d 'csv\\'s kind'\n",
                      at + "-s o -l output -r -F  -d 'file [C:\\\\x]'\n", at + "-l count -x  -d 'how many'\n",
                      at + "-l all  -d 'all of them'\n"});
   CHECK(text.find("number of the run") == std::string::npos);  // nothing to complete
@@ -99,7 +99,7 @@ TEST_CASE("command words: the manual page") {
              "\\fBtactbench runs export\\fR \\fIRUN\\fR [\\fIRECIPE\\fR...] \\fB\\-\\-output\\fR \\fIOUTPUT\\fR "
              "[\\fIoptions\\fR]\n.PP\nwrite it\\(aqs rows.\n",
              ".TP\n\\fIRUN\\fR\nnumber of the run\n.TP\n\\fIRECIPE\\fR\nwhich\n",
-             ".TP\n\\fB\\-\\-format\\fR \\fIFORMAT\\fR\ncsv\\(aqs kind; one of csv, hdf5 (default: csv)\n",
+             ".TP\n\\fB\\-\\-format\\fR \\fIFORMAT\\fR\ncsv\\(aqs kind; one of csv, json (default: csv)\n",
              ".TP\n\\fB\\-o\\fR, \\fB\\-\\-output\\fR \\fIOUTPUT\\fR\nfile [C:\\ex]\n",
              ".TP\n\\fB\\-\\-count\\fR \\fICOUNT\\fR\nhow many\n.TP\n\\fB\\-\\-all\\fR\nall of them\n"
              ".PP\nExit codes: 0.\n\\&.toml \\(ti\\(ha\\(ga stay.\n.SS dry\\-run\n",
@@ -121,7 +121,7 @@ TEST_CASE("command words: CLI11's tables as data, what is hidden left out") {
   std::vector<std::string> recipes;
   write->add_option("run", number, "which")->required();
   write->add_option("recipe", recipes, "recipes");
-  write->add_option("--format", format, "kind")->check(CLI::IsMember({"csv", "hdf5"}))->capture_default_str();
+  write->add_option("--format", format, "kind")->check(CLI::IsMember({"csv", "json"}))->capture_default_str();
   write->add_option("-o,--output", output, "file");
   write->add_option("--rate", rate, "Hz")->capture_default_str();
   write->add_option("--bench", bench, "file");
@@ -149,7 +149,7 @@ TEST_CASE("command words: CLI11's tables as data, what is hidden left out") {
   CHECK(std::ranges::find(recipe.choices, "descending") != recipe.choices.end());
   const CommandArgument &kind = argument_of(node, "--format"), &file = argument_of(node, "--output");
   CHECK(kind.kind == ArgumentKind::kChoice);
-  CHECK(kind.choices == std::vector<std::string>{"csv", "hdf5"});
+  CHECK(kind.choices == std::vector<std::string>{"csv", "json"});
   CHECK(kind.default_value == "csv");
   CHECK(file.names == std::vector<std::string>{"-o", "--output"});
   CHECK((!file.positional && !file.required && !file.repeated));
