@@ -5,8 +5,7 @@
 //                devices)
 //   chain(i) = H(chain(i - 1), the i-th frame with the place and attempt of its branch, its counts)
 //   content  = H(chain(n), n, events, branches with their voids, checks, series, outcome, reason, safe state)
-// Columns of later schemas are included only if they are set (each after its own keyword), so that older runs keep
-// their hashes.
+// What only some runs have (flags, trace, wrench, checks, series) is included where it is there, after its own keyword.
 #pragma once
 
 #include <array>
@@ -47,7 +46,7 @@ class HashChain {
   [[nodiscard]] Digest frame(const Digest& before, const BranchRecord& branch, const FrameRecord& frame);
   [[nodiscard]] Digest close(const Digest& before, std::int64_t frames, const RunEnd& run_end);
   // Digests of the rows stored beside the content (seals.cpp).
-  [[nodiscard]] Digest fits(const std::vector<FitRecord>& fits, const std::vector<std::vector<FitTaxelRecord>>& taxels);
+  [[nodiscard]] Digest fits(const std::vector<FitRecord>& fits);
   [[nodiscard]] Digest verdicts(const std::vector<VerdictRecord>& verdicts);
   [[nodiscard]] Digest approvals(const std::vector<ReportRecord>& reports);
   [[nodiscard]] Digest voided(const RunRecord& run);

@@ -167,26 +167,18 @@ struct EventRecord {
   std::string detail;
 };
 
-// One identified model set: all taxels of a sensor (or the mean taxel) from one run.
+// What was identified from one run: all taxels of a sensor, or their mean. All of it is in the document; model, stands
+// and fitted are taken from it.
 struct FitRecord {
   std::int64_t fit = 0;
   std::int64_t run = 0;
-  std::string model;  // elam
-  std::string options_json;
-  std::string summary_json;  // figures: J, errors, counts
+  std::string model;     // with its options: "elam", "elam, free run"
+  bool stands = false;   // for its run, where no fit is named
+  int fitted = 0;        // taxels
+  std::string document;  // JSON (analysis/identify/stored/model_document.h)
+  std::string made_by;   // build and class of processor, for who recomputes it; empty: not known
   std::string program_version;
   std::string created_utc;
-  std::string patterns_json;  // shared data such as the common pressure grid
-};
-
-struct FitTaxelRecord {
-  int taxel = 0;                                  // row * columns + column; -1: the mean taxel
-  std::string status;                             // fitted | dead | stuck | saturated | unfit
-  std::vector<double> parameters;                 // order of the model's header
-  std::vector<double> ascending_v, descending_v;  // pattern curves on the common grid
-  double noise_v = 0.0;
-  double j_v2 = 0.0, mean_error_v = 0.0, max_error_v = 0.0, full_scale_v = 0.0;
-  int at_bound = 0;  // bit i: parameter i at a bound
 };
 
 struct VerdictRecord {
@@ -225,7 +217,7 @@ struct ReportRecord {
   std::int64_t run = 0;
   std::string number, content_sha256, approved_by, approved_utc;
   std::string replaces;  // number of the previously approved one; empty: none
-  std::string reason;    // what changed and why; empty: replaces none, or was approved before reasons were kept
+  std::string reason;    // what changed and why; empty: replaces none
 };
 
 // A night, or one part of several of it (shard K of N), with what each of its scenarios gave.

@@ -53,12 +53,7 @@ RunStore RunStore::open(const std::string& path, Durability durability) {
     throw StoreError("TB-STORE-OPEN", fmt::format("store {}: the file may not be written by this user", path),
                      "check owner and permissions of the file, or name another with --db");
   }
-  check_version(connection);
-  refuse_foreign(connection, Foreign::kRefuseAll);
-  keep_before_migration(connection, database->path);
-  // The first migration runs before WAL, so that the application id is in the file itself and never only in the log.
-  connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
-  migrate(connection);
+  bring_up_to_date(connection, database->path);
   if (switch_to_log(connection) != "wal") {
     throw StoreError("TB-STORE-OPEN",
                      fmt::format("store {}: this file system does not support a write-ahead log", path),
@@ -80,7 +75,7 @@ RunStore RunStore::open_read_only(const std::string& path) {
   const auto opened = [&](sqlite::Access access) {
     auto database = std::make_unique<Database>(path, file, access);
     check_version(database->connection);
-    refuse_foreign(database->connection, Foreign::kRefuseChanged);
+    refuse_foreign(database->connection, Additions::kTolerate);
     if (database->connection.integer("PRAGMA user_version") < kSchemaVersion) {
       throw StoreError("TB-STORE-OPEN",
                        fmt::format("store {} has an older schema than this program's {}", path, kSchemaVersion),

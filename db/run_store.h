@@ -21,7 +21,7 @@ enum class Cause {
   kUsage,  // the named item is missing, exists already, or has a name that is not allowed; the store is sound
 };
 
-// The error type of db/. id: TB-STORE-OPEN, TB-STORE-NEWER, TB-STORE-NETWORK, TB-STORE-LOCKED, TB-STORE-FULL,
+// The error type of db/. id: TB-STORE-OPEN, TB-STORE-OTHER-SCHEMA, TB-STORE-NETWORK, TB-STORE-LOCKED, TB-STORE-FULL,
 // TB-STORE-NOT-FOUND, TB-STORE-SQL, TB-STORE-CONFLICT, TB-STORE-EXISTS, TB-STORE-TAG, TB-STORE-FOREIGN,
 // TB-STORE-TOO-LONG, TB-STORE-TOO-LARGE, TB-STORE-NOT-TEXT, TB-STORE-BLANK, TB-STORE-PRUNED.
 class StoreError : public std::runtime_error {
@@ -45,7 +45,7 @@ enum class Durability {
   kNormal,  // survives the process's death; under the turned clock
 };
 
-inline constexpr int kSchemaVersion = 9;
+inline constexpr int kSchemaVersion = 1;
 
 // Greatest lengths, in characters, of texts that people enter. Longer texts and texts that are not UTF-8 are refused
 // before anything is stored (TB-STORE-TOO-LONG, TB-STORE-NOT-TEXT), and so are names, notes and reasons without a
@@ -82,9 +82,9 @@ struct RunFilter {
 
 class RunStore {
  public:
-  // Opens or creates `path`; refuses a newer schema (TB-STORE-NEWER), a file that is not a store, foreign tables,
-  // indexes, views or triggers in a store (TB-STORE-FOREIGN), and network file systems. An older schema is migrated to
-  // kSchemaVersion after a backup has been made beside it (backup_path).
+  // Opens or creates `path`; refuses the store of a build with another schema (TB-STORE-OTHER-SCHEMA), a file that is
+  // not a store, further tables, indexes, views or triggers in a store (TB-STORE-FOREIGN), and network file systems. An
+  // older schema is migrated to kSchemaVersion after a backup has been made beside it (backup_path).
   static RunStore open(const std::string& path, Durability durability = Durability::kFull);
   // Opens an existing file without ever writing to it. TB-STORE-OPEN when it does not exist. A store on a network file
   // system is read as it is, with a warning (tell_warnings_to); TB-STORE-NETWORK when it has a write-ahead log.
@@ -184,12 +184,12 @@ class RunStore {
   [[nodiscard]] std::string content_hash(std::int64_t run) const;
 
   // Models and verdicts.
-  std::int64_t add_fit(const FitRecord& fit, const std::vector<FitTaxelRecord>& taxels);
-  [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run, const std::string& model) const;
-  [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run) const;  // of any model
+  std::int64_t add_fit(const FitRecord& fit);
+  [[nodiscard]] std::optional<FitRecord> latest_fit(std::int64_t run) const;
+  // The newest of those that stand for the run; where none does, the newest.
+  [[nodiscard]] std::optional<FitRecord> standing_fit(std::int64_t run) const;
   [[nodiscard]] FitRecord fit(std::int64_t fit) const;
   [[nodiscard]] std::vector<FitRecord> fits(std::int64_t run) const;  // oldest first
-  [[nodiscard]] std::vector<FitTaxelRecord> fit_taxels(std::int64_t fit) const;
   // Replaces those of the run's verdicts that are by the same limits and from any fit of the same model on the same run
   // as `fit`. Verdicts from other models and by other limits stay: a later file does not undo an earlier one's verdict.
   // fit 0: judged without a stored fit.

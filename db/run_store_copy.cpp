@@ -111,8 +111,6 @@ std::int64_t take_run(sqlite::Connection& connection, std::int64_t run) {
   take_rows(connection, "reports", {{"run", own}, {"report_row", ""}}, of_run);
   const std::string fit = fmt::format("t.fit + {}", fits);
   take_rows(connection, "fits", {{"run", own}, {"fit", fit}}, of_run);
-  take_rows(connection, "fit_taxels", {{"fit", fit}},
-            fmt::format("t.fit IN (SELECT fit FROM source.fits WHERE run = {})", run));
   connection.execute(
       fmt::format("INSERT INTO temp.copied_fits SELECT t.fit, {} FROM source.fits t WHERE {}", fit, of_run));
   return number;

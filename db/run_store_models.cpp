@@ -10,52 +10,42 @@ namespace tactbench::db {
 namespace {
 
 constexpr const char* kFitColumns =
-    "SELECT fit, run, model, options_json, summary_json, program_version, created_utc, patterns_json FROM fits";
+    "SELECT fit, run, model, stands, fitted, document, made_by, program_version, created_utc FROM fits";
 
 FitRecord fit_of(const sqlite::Statement& row) {
   FitRecord fit;
-  row.read(fit.fit, fit.run, fit.model, fit.options_json, fit.summary_json, fit.program_version, fit.created_utc,
-           fit.patterns_json);
+  row.read(fit.fit, fit.run, fit.model, fit.stands, fit.fitted, fit.document, fit.made_by, fit.program_version,
+           fit.created_utc);
   return fit;
 }
 
 }  // namespace
 
-std::int64_t RunStore::add_fit(const FitRecord& fit, const std::vector<FitTaxelRecord>& taxels) {
+std::int64_t RunStore::add_fit(const FitRecord& fit) {
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
   database_->require_run(fit.run);
   sqlite::Statement(connection,
-                    "INSERT INTO fits (run, model, options_json, summary_json, program_version, created_utc, "
-                    "patterns_json) VALUES (?, ?, ?, ?, ?, ?, ?)")
-      .bind(fit.run, fit.model, fit.options_json, fit.summary_json, fit.program_version, fit.created_utc,
-            fit.patterns_json)
+                    "INSERT INTO fits (run, model, stands, fitted, document, made_by, program_version, created_utc) "
+                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(fit.run, fit.model, fit.stands, fit.fitted, fit.document, fit.made_by, fit.program_version, fit.created_utc)
       .run();
   const std::int64_t number = connection.last_row();
-  sqlite::Statement row(connection,
-                        "INSERT INTO fit_taxels (fit, taxel, status, parameters, ascending_v, descending_v, noise_v, "
-                        "j_v2, mean_error_v, max_error_v, full_scale_v, at_bound) "
-                        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  for (const FitTaxelRecord& t : taxels) {
-    row.bind(number, t.taxel, t.status, t.parameters, t.ascending_v, t.descending_v, t.noise_v, t.j_v2, t.mean_error_v,
-             t.max_error_v, t.full_scale_v, t.at_bound)
-        .run();
-  }
   seal(fit.run, "fits");
   transaction.commit();
   return number;
 }
 
-std::optional<FitRecord> RunStore::latest_fit(std::int64_t run, const std::string& model) const {
-  database_->require_run(run);
-  sqlite::Statement row(database_->connection,
-                        std::string(kFitColumns) + " WHERE run = ? AND model = ? ORDER BY fit DESC LIMIT 1");
-  return row.bind(run, model).step() ? std::optional(fit_of(row)) : std::nullopt;
-}
-
 std::optional<FitRecord> RunStore::latest_fit(std::int64_t run) const {
   database_->require_run(run);
   sqlite::Statement row(database_->connection, std::string(kFitColumns) + " WHERE run = ? ORDER BY fit DESC LIMIT 1");
+  return row.bind(run).step() ? std::optional(fit_of(row)) : std::nullopt;
+}
+
+std::optional<FitRecord> RunStore::standing_fit(std::int64_t run) const {
+  database_->require_run(run);
+  sqlite::Statement row(database_->connection,
+                        std::string(kFitColumns) + " WHERE run = ? ORDER BY stands DESC, fit DESC LIMIT 1");
   return row.bind(run).step() ? std::optional(fit_of(row)) : std::nullopt;
 }
 
@@ -82,21 +72,6 @@ std::vector<FitRecord> RunStore::fits(std::int64_t run) const {
   return fits;
 }
 
-std::vector<FitTaxelRecord> RunStore::fit_taxels(std::int64_t fit) const {
-  static_cast<void>(this->fit(fit));  // throws for a missing fit, which is not the same as an empty list
-  sqlite::Statement rows(database_->connection,
-                         "SELECT taxel, status, parameters, ascending_v, descending_v, noise_v, j_v2, mean_error_v, "
-                         "max_error_v, full_scale_v, at_bound FROM fit_taxels WHERE fit = ? ORDER BY taxel");
-  rows.bind(fit);
-  std::vector<FitTaxelRecord> taxels;
-  while (rows.step()) {
-    FitTaxelRecord& t = taxels.emplace_back();
-    rows.read(t.taxel, t.status, t.parameters, t.ascending_v, t.descending_v, t.noise_v, t.j_v2, t.mean_error_v,
-              t.max_error_v, t.full_scale_v, t.at_bound);
-  }
-  return taxels;
-}
-
 void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::vector<VerdictRecord>& verdicts) {
   sqlite::Connection& connection = database_->connection;
   sqlite::Transaction transaction(connection);
@@ -105,8 +80,9 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   // Verdicts are replaced per model and run: the same model fitted on the same run again takes the earlier fit's place.
   sqlite::Statement before(
       connection,
-      "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run || f.model FROM "
-      "fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run || model FROM fits WHERE fit = ?), 0)");
+      "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run || ' ' || f.stands || f.model "
+      "FROM fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run || ' ' || stands || model FROM fits WHERE fit "
+      "= ?), 0)");
   std::set<std::string> limits;
   for (const VerdictRecord& v : verdicts) limits.insert(v.limits_sha256);
   for (const std::string& sha256 : limits) before.bind(run, sha256, fit).run();

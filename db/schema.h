@@ -1,5 +1,4 @@
-// The tables of a store as numbered migrations; the file's user_version is the number of the last one applied. After
-// the first release a migration is never edited; each change is a new one.
+// The tables of a store as numbered migrations; the file's user_version is the number of the last one applied.
 #pragma once
 
 #include <cstdint>
@@ -20,28 +19,28 @@ inline constexpr const char* kDamagedRemedy =
 // index, which would add a second page to each commit, a third of the time to store a frame.
 inline constexpr std::int64_t kFramesPerRun = 1'000'000'000;
 
-// The SQL that migrates from `version` to the next one.
-std::string migration(std::int64_t version);
-std::string frames_view_migration();     // from 6 to 7
-std::string nights_migration();          // from 7 to 8
-std::string report_reasons_migration();  // from 8 to 9
+// The SQL of each step takes a store from one schema to the next; the first makes the tables. From the first release on
+// no step is edited: a change is a further one.
+using Migrations = std::vector<std::string>;
+std::string schema_1();
+const Migrations& own_migrations();  // kSchemaVersion of them
 
-// Refuses a newer schema (TB-STORE-NEWER), a version that no program has written, and a file with more pages than its
-// header states, because a write would overwrite them (TB-STORE-OPEN).
-void check_version(sqlite::Connection& connection);
+// Refuses a schema above those of `known` (TB-STORE-OTHER-SCHEMA), a version that no program has written, and a file
+// with more pages than its header states, because a write would overwrite them (TB-STORE-OPEN).
+void check_version(sqlite::Connection& connection, const Migrations& known = own_migrations());
 
-// Differences between the file's tables, indexes, views and triggers and those of this program for the file's version.
+// Differences between the file's tables, indexes, views and triggers and those of `known` for the file's version.
 struct ForeignObjects {
-  std::vector<std::string>
-      changed;  // own ones that are missing or differ: the file cannot be trusted, not even for reading
-  std::vector<std::string> added;  // foreign ones besides the store's
+  std::vector<std::string> changed;  // own ones that are missing or differ: the file cannot even be read
+  std::vector<std::string> added;    // others besides the store's
 };
-ForeignObjects foreign_objects(sqlite::Connection& connection);
-// Throws TB-STORE-FOREIGN. Reading tolerates additions, since no trigger fires and no view is read.
-enum class Foreign { kRefuseChanged, kRefuseAll };
-void refuse_foreign(sqlite::Connection& connection, Foreign refused);
+ForeignObjects foreign_objects(sqlite::Connection& connection, const Migrations& known = own_migrations());
+// Throws TB-STORE-OTHER-SCHEMA where own ones differ, TB-STORE-FOREIGN for additions. Reading tolerates these, since no
+// trigger fires and no view is read.
+enum class Additions { kTolerate, kRefuse };
+void refuse_foreign(sqlite::Connection& connection, Additions additions, const Migrations& known = own_migrations());
 
-// Migrates an empty or older file to kSchemaVersion, in one transaction.
-void migrate(sqlite::Connection& connection);
+// Takes an empty or older file to the last schema of `known`, in one transaction.
+void migrate(sqlite::Connection& connection, const Migrations& known = own_migrations());
 
 }  // namespace tactbench::db

@@ -81,10 +81,14 @@ std::string backup_path(const std::string& path, int version) {
   return backup;
 }
 
-void keep_before_migration(sqlite::Connection& connection, const std::string& path) {
-  const auto version = static_cast<int>(connection.integer("PRAGMA user_version"));
-  if (version == 0 || version >= kSchemaVersion) return;
-  copy_store(connection, backup_path(path, version));
+void bring_up_to_date(sqlite::Connection& connection, const std::string& path, const Migrations& known) {
+  check_version(connection, known);
+  refuse_foreign(connection, Additions::kRefuse, known);
+  const auto version = static_cast<std::size_t>(connection.integer("PRAGMA user_version"));
+  if (version > 0 && version < known.size()) copy_store(connection, backup_path(path, static_cast<int>(version)));
+  // The first migration runs before WAL, so that the application id is in the file itself and never only in the log.
+  connection.execute("PRAGMA page_size = 4096; PRAGMA synchronous = FULL");
+  migrate(connection, known);
 }
 
 int schema_version_of(const std::string& path) {

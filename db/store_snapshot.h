@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "db/schema.h"
 #include "db/sqlite.h"
 
 namespace tactbench::db {
@@ -11,8 +12,9 @@ namespace tactbench::db {
 // appears complete or not at all. Throws TB-STORE-NETWORK, TB-STORE-FULL, TB-STORE-OPEN.
 void copy_store(const sqlite::Connection& source, const std::string& path);
 
-// Copies a store of an older schema to backup_path() before it is migrated; does not copy an empty or current one. If
-// the copy fails, the store stays as it was.
-void keep_before_migration(sqlite::Connection& connection, const std::string& path);
+// Makes the tables of an empty file, or migrates the store of an older schema after a copy to backup_path(). Throws
+// TB-STORE-OTHER-SCHEMA, TB-STORE-FOREIGN, TB-STORE-OPEN and as copy_store; the store is then as it was.
+void bring_up_to_date(sqlite::Connection& connection, const std::string& path,
+                      const Migrations& known = own_migrations());
 
 }  // namespace tactbench::db

@@ -112,7 +112,7 @@ ModelFit identify_elam(const FitData& data, const IdentifyOptions& options) {
   const ElamOptions elam{options.exact_outer};
   const auto identified = [&] {
     return options.genetic ? identify_elam_ga(data.ascending, data.descending, branches, elam)
-                           : identify_elam(data.ascending, data.descending, branches, elam, options.settle);
+                           : identify_elam(data.ascending, data.descending, branches, elam);
   };
   if (paper) return as_model_fit(identified(), branches);
   std::vector<std::string> undetermined;

@@ -36,7 +36,6 @@ struct IdentifyOptions {
   bool exact_outer = false;  // ELAM: external branches follow the pattern [A6]
   bool genetic = false;      // ELAM: the paper's genetic algorithm instead of the exact way (genetic.h)
   bool memory = false;       // ELAM: return-point memory, inner loops close; ours, not the paper's [A10]
-  bool settle = true;  // ELAM: open parameters are taken near the pattern (elam_determined.h); false: as older fits
   int splits = 1;   // ELAM: split points a branch, up to 8; more than 1 is ElamPieces, named in the paper's conclusion
   int starts = 16;  // GPI: of the search
   int cells = 30;   // Preisach: intervals of the input range

@@ -58,7 +58,6 @@ constexpr std::array kBeginnings = {
     Beginning{"# Written by `tactbench simulate`"sv, "a bench file of tactbench simulate"},
     Beginning{"# correction of "sv, "a correction of a reference"},
     Beginning{"# SIMULATED correction of "sv, "a correction of a reference"},
-    Beginning{"frame,sequence,recipe,repeat,branch,"sv, kRunTable},  // of older programs, without the run's lines
     Beginning{"# tactbench: frames of run "sv, kRunTable},
 };
 

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 // Together they fit into the name of a socket (107 bytes) with all that stands around them.
 constexpr std::size_t kPlainName = 48, kShortened = 24, kHashDigits = 20;
 constexpr mode_t kOthersRead = 077, kOthersWrite = 022;
-constexpr std::string_view kScratchEnding = ".XXXXXX";  // of a folder that is locked; earlier programs wrote -XXXXXX
+constexpr std::string_view kScratchEnding = ".XXXXXX";  // of a folder that is locked
 
 bool may_stand_in_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '_';

@@ -12,8 +12,7 @@ namespace {
 
 bool same_fit(const db::FitRecord& a, const db::FitRecord& b) {
   const auto said = [](const db::FitRecord& fit) {
-    return std::tie(fit.model, fit.options_json, fit.summary_json, fit.program_version, fit.created_utc,
-                    fit.patterns_json);
+    return std::tie(fit.model, fit.stands, fit.fitted, fit.document, fit.made_by, fit.program_version, fit.created_utc);
   };
   return said(a) == said(b);
 }
@@ -42,7 +41,7 @@ std::size_t take_fits(const db::RunStore& other, std::int64_t there, db::RunStor
     if (std::ranges::any_of(known, [&](const db::FitRecord& own) { return same_fit(own, fit); })) continue;
     const std::int64_t number = fit.fit;
     fit.run = here;
-    taken[number] = store.add_fit(fit, other.fit_taxels(number));
+    taken[number] = store.add_fit(fit);
   }
   std::map<std::pair<std::int64_t, std::string>, std::vector<db::VerdictRecord>> judged;  // by fit and limits
   for (const db::VerdictRecord& verdict : other.verdicts(there))

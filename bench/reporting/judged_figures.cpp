@@ -8,14 +8,12 @@ namespace tactbench::bench {
 
 JudgedFigures judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
                              const analysis::Evaluation& evaluation, const analysis::Limits& limits,
-                             const analysis::ReferenceUncertainty& reference, bool pooled) {
+                             const analysis::ReferenceUncertainty& reference) {
   JudgedFigures figures;
   const bool needed = analysis::needs_uncertainty(limits.rule);
   const analysis::Dataset &judged = runs.dataset(evaluation.run), &models = runs.dataset(fit.run);
   if (needed)
-    figures.uncertainties = pooled
-                                ? analysis::judged_uncertainties(judged, models, fit, evaluation, reference)
-                                : analysis::judged_uncertainties_by_repeats(judged, models, fit, evaluation, reference);
+    figures.uncertainties = analysis::judged_uncertainties(judged, models, fit, evaluation, reference);
   if (limits.mpe.empty()) return figures;
   std::optional<analysis::Uncertainty> readings;
   if (needed) readings = analysis::assess_uncertainty(models, fit, runs.record(fit.run));

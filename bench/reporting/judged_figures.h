@@ -15,10 +15,9 @@ struct JudgedFigures {
 };
 
 // Of `evaluation`, with the models of `fit`; `reference` is that of its run. U of a reading is that of the models' run
-// without further runs (studies), so that stored verdicts do not depend on a report's. `pooled` false: U as before
-// scatter was pooled.
+// without further runs (studies), so that stored verdicts do not depend on a report's.
 JudgedFigures judged_figures(analysis::Runs& runs, const analysis::SensorModel& fit,
                              const analysis::Evaluation& evaluation, const analysis::Limits& limits,
-                             const analysis::ReferenceUncertainty& reference, bool pooled = true);
+                             const analysis::ReferenceUncertainty& reference);
 
 }  // namespace tactbench::bench

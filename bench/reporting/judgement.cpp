@@ -43,7 +43,7 @@ std::vector<std::int64_t> further_sources(const db::RunStore& store, const db::V
   const db::FitRecord record = store.fit(verdict.fit);
   if (record.model != analysis::kDynamicModel) return {};
   try {
-    return source_runs(store, analysis::load_fit(store, record));
+    return source_runs(store, analysis::load_fit(record));
   } catch (const analysis::AnalysisError&) {
     return {};
   }
@@ -70,19 +70,6 @@ std::vector<db::VerdictRecord> worse_than(const std::vector<db::VerdictRecord>& 
   return worse;
 }
 
-std::vector<db::VerdictRecord> judge_with(analysis::Runs& runs, const analysis::SensorModel& fit,
-                                          const analysis::Evaluation& evaluation, const analysis::Limits& limits,
-                                          const analysis::ReferenceUncertainty& reference,
-                                          std::vector<analysis::JudgedUncertainty>& known, bool pooled = true) {
-  JudgedFigures figures = judged_figures(runs, fit, evaluation, limits, reference, pooled);
-  std::vector<db::VerdictRecord> verdicts =
-      analysis::judge(evaluation, fit, limits, figures.uncertainties, figures.mpe);
-  known = std::move(figures.uncertainties);
-  for (db::VerdictRecord& verdict : verdicts) verdict.model_run = fit.run;
-  analysis::withhold_overdue(verdicts, evaluation.run, reference);
-  return verdicts;
-}
-
 }  // namespace
 
 StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorModel& fit, bool void_too) {
@@ -99,7 +86,7 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorMod
     const auto [same, added] = same_models.try_emplace(verdict.fit, false);
     if (added) {
       const db::FitRecord record = store.fit(verdict.fit);
-      same->second = verdict.fit == fit.fit || analysis::model_sha256(analysis::load_fit(store, record)) == models;
+      same->second = verdict.fit == fit.fit || analysis::model_sha256(analysis::load_fit(record)) == models;
     }
     if (!same->second) {
       other_limits = verdict.limits_toml;
@@ -129,23 +116,17 @@ StoredJudgement stored_judgement(analysis::Runs& runs, const analysis::SensorMod
   return stored;
 }
 
-std::vector<db::VerdictRecord> judge_by_earlier_rules(analysis::Runs& runs, const analysis::SensorModel& fit,
-                                                      const analysis::Evaluation& evaluation,
-                                                      const analysis::Limits& limits, EarlierRules rules) {
-  std::vector<analysis::JudgedUncertainty> known;
-  const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(runs.record(evaluation.run));
-  return judge_with(runs, fit, evaluation, limits,
-                    rules == EarlierRules::kNoOverdue ? analysis::by_earlier_rules(reference) : reference, known,
-                    false);
-}
-
 std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::SensorModel& fit,
                                           const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                           std::vector<analysis::JudgedUncertainty>* uncertainties) {
-  std::vector<analysis::JudgedUncertainty> known;
+  const analysis::ReferenceUncertainty reference = analysis::reference_uncertainty(runs.record(evaluation.run));
+  JudgedFigures figures = judged_figures(runs, fit, evaluation, limits, reference);
   std::vector<db::VerdictRecord> verdicts =
-      judge_with(runs, fit, evaluation, limits, analysis::reference_uncertainty(runs.record(evaluation.run)), known);
-  if (uncertainties != nullptr) uncertainties->insert(uncertainties->end(), known.begin(), known.end());
+      analysis::judge(evaluation, fit, limits, figures.uncertainties, figures.mpe);
+  for (db::VerdictRecord& verdict : verdicts) verdict.model_run = fit.run;
+  analysis::withhold_overdue(verdicts, evaluation.run, reference);
+  if (uncertainties != nullptr)
+    uncertainties->insert(uncertainties->end(), figures.uncertainties.begin(), figures.uncertainties.end());
   return verdicts;
 }
 

@@ -35,13 +35,6 @@ std::vector<db::VerdictRecord> judge_anew(analysis::Runs& runs, const analysis::
                                           const analysis::Evaluation& evaluation, const analysis::Limits& limits,
                                           std::vector<analysis::JudgedUncertainty>* uncertainties = nullptr);
 
-// As judge_anew() was, to verify verdicts of that age: before scatter was pooled over taxels and sweeps, and before
-// that without the rule on overdue references.
-enum class EarlierRules { kScatterOfRepeats, kNoOverdue };
-std::vector<db::VerdictRecord> judge_by_earlier_rules(analysis::Runs& runs, const analysis::SensorModel& fit,
-                                                      const analysis::Evaluation& evaluation,
-                                                      const analysis::Limits& limits, EarlierRules rules);
-
 // Judges each evaluation of a run other than the models'; when none counts, the first one's figures are listed with the
 // limits, not judged. `stored`: its verdicts by these limits are taken over, and worse ones are reported. Stores
 // nothing.

@@ -7,11 +7,10 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/stored/fit_rows.h"
+#include "analysis/identify/stored/comparison.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/overall_verdict.h"
 #include "analysis/statistics/figures/evaluation.h"
@@ -24,25 +23,17 @@ namespace tactbench::bench {
 
 namespace {
 
-// Older runs stored dates as free text; in later ones an overdue reference counts in the verdicts.
-bool states_calibration_dates(const db::RunRecord& run) {
-  return std::ranges::any_of(run.devices, [](const db::DeviceRecord& device) {
-    return device.calibration_json.find("\"calibrated\":") != std::string::npos;
-  });
-}
-
 class Verification {
  public:
   Verification(const db::RunStore& store, std::int64_t run) : store_(store), runs_(store), run_(run) {}
 
   VerifiedResult verify_fit(const db::FitRecord& fit) {
     VerifiedResult result{fit.fit, fit.run, fit.model, {}, {}, false, 0};
-    const analysis::FitRows stored{fit, store_.fit_taxels(fit.fit)};
-    const bool in_rows = lies_in_rows(fit, stored.taxels);
-    if (result.compared = why_not(fit, in_rows); !result.compared.empty()) return result;
+    if (result.compared = why_not(fit); !result.compared.empty()) return result;
     return compared(result, fit, [&](double tolerance) {
-      result.rows = std::max<std::size_t>(stored.taxels.size(), 1);
-      return analysis::first_difference(stored, analysis::rows_of(recomputed(fit, in_rows)), tolerance);
+      const analysis::SensorModel& anew = recomputed(fit);
+      result.rows = anew.taxels.size();
+      return analysis::first_difference(fit.document, analysis::to_line(anew), tolerance);
     });
   }
 
@@ -54,12 +45,11 @@ class Verification {
     }
     const db::FitRecord fit = store_.fit(result.fit);
     result.fit_run = fit.run;
-    const bool in_rows = lies_in_rows(fit, store_.fit_taxels(fit.fit));
     if (store_.pruned(run_)) {
       result.compared = "not recomputed: the frames of this run were removed";
       return result;
     }
-    if (result.compared = why_not(fit, in_rows); !result.compared.empty()) return result;
+    if (result.compared = why_not(fit); !result.compared.empty()) return result;
     if (fit.run != run_) {
       const db::ContentCheck& content = content_of(fit.run);
       if (!content.holds()) {
@@ -68,43 +58,26 @@ class Verification {
         return result;
       }
     }
-    bool by_repeats = false, by_earlier = false, by_laboratory = false;
+    bool by_laboratory = false;
     VerifiedResult verified = compared(result, fit, [&](double tolerance) {
       const std::string& toml = verdicts.front().limits_toml;
       if (db::sha256_hex(toml) != verdicts.front().limits_sha256) return std::string("the limits file kept with them");
       const analysis::Limits limits = parse_limits(toml, "the limits kept with the verdicts");
-      const analysis::SensorModel& models = recomputed(fit, in_rows);
-      const analysis::Evaluation evaluation = analysis::evaluate(runs_.dataset(run_), models);
-      // Figures on the models' own run have no verdict; older programs gave one.
-      const bool withheld = fit.run == run_ && std::ranges::all_of(verdicts, [](const db::VerdictRecord& verdict) {
-                              return analysis::verdict_in(verdict) == analysis::Verdict::kInconclusive;
-                            });
-      const auto differs_from = [&](std::vector<db::VerdictRecord> anew) {
-        if (withheld) analysis::withhold_verdicts(anew);
-        return analysis::first_difference(verdicts, anew, tolerance);
-      };
+      const analysis::SensorModel& models = recomputed(fit);
+      std::vector<db::VerdictRecord> anew =
+          judge_anew(runs_, models, analysis::evaluate(runs_.dataset(run_), models), limits);
+      // Figures on a run that the models were made from have no verdict.
+      if (const auto own = source_runs(store_, models); std::ranges::find(own, run_) != own.end())
+        analysis::withhold_verdicts(anew);
+      std::string difference = analysis::first_difference(verdicts, anew, tolerance);
+      if (difference.empty()) return difference;
       // The laboratory file is not in the store. Its dates can only withhold a verdict.
-      const auto agrees = [&](std::vector<db::VerdictRecord> anew) {
-        if (differs_from(anew).empty()) return true;
-        analysis::ReferenceUncertainty overdue;
-        overdue.overdue = true;
-        analysis::withhold_overdue(anew, run_, overdue);
-        return by_laboratory = differs_from(std::move(anew)).empty();
-      };
-      const std::vector<db::VerdictRecord> anew = judge_anew(runs_, models, evaluation, limits);
-      if (agrees(anew)) return std::string();
-      by_repeats = agrees(judge_by_earlier_rules(runs_, models, evaluation, limits, EarlierRules::kScatterOfRepeats));
-      if (by_repeats) return std::string();
-      by_earlier =
-          !states_calibration_dates(runs_.record(run_)) &&
-          differs_from(judge_by_earlier_rules(runs_, models, evaluation, limits, EarlierRules::kNoOverdue)).empty();
-      return by_earlier ? std::string() : differs_from(anew);
+      analysis::ReferenceUncertainty overdue;
+      overdue.overdue = true;
+      analysis::withhold_overdue(anew, run_, overdue);
+      by_laboratory = analysis::first_difference(verdicts, anew, tolerance).empty();
+      return by_laboratory ? std::string() : difference;
     });
-    if (by_repeats)
-      verified.compared += "; judged before scatter was pooled over taxels and sweeps: `tactbench fit` anew may differ";
-    if (by_earlier)
-      verified.compared +=
-          "; judged before an overdue reference counted: a report states inconclusive, as does `tactbench fit` anew";
     if (by_laboratory)
       verified.compared +=
           "; inconclusive where they rest on the reference, which was overdue by a laboratory file: that is not in the "
@@ -117,7 +90,7 @@ class Verification {
   // recomputed from an intact run is also a difference.
   template <class Compare>
   VerifiedResult compared(VerifiedResult& result, const db::FitRecord& fit, Compare compare) {
-    const std::string maker = analysis::made_by(fit);
+    const std::string& maker = fit.made_by;
     const bool same_build = maker == this_build() && maker.find("modified") == std::string::npos;
     try {
       result.recomputed = true;
@@ -139,18 +112,11 @@ class Verification {
     return known != contents_.end() ? known->second : contents_.emplace(run, store_.check_content(run)).first->second;
   }
 
-  static bool lies_in_rows(const db::FitRecord& fit, const std::vector<db::FitTaxelRecord>& taxels) {
-    return fit.model == analysis::kElamFit || !taxels.empty();
-  }
-
   // Empty: it can be recomputed from its run.
-  std::string why_not(const db::FitRecord& fit, bool in_rows) const {
+  std::string why_not(const db::FitRecord& fit) const {
     if (const auto pruned = store_.pruned(fit.run))
       return fmt::format("not recomputed: the frames of run {}, which it rests on, were removed on {}", fit.run,
                          pruned->pruned_utc);
-    if (in_rows) return {};
-    if (analysis::made_by(fit).empty())
-      return "not recomputed: it is kept as a document of an older program, which rounds otherwise";
     if (store_.run(fit.run).origin == "imported") return "not recomputed: it was made from an imported table";
     return why_not_dynamic(fit);
   }
@@ -160,7 +126,7 @@ class Verification {
     if (fit.model != analysis::kDynamicModel) return {};
     std::optional<analysis::SensorDynamics> dynamics;
     try {
-      dynamics = analysis::load_fit(store_, fit).dynamics;
+      dynamics = analysis::document_of(fit).dynamics;
     } catch (const analysis::AnalysisError&) {
       return {};  // recomputing it says why
     }
@@ -180,7 +146,7 @@ class Verification {
   }
 
   // Throws AnalysisError TB-ANALYSIS-FRAME where a run's content has changed.
-  analysis::SensorModel recomputed_dynamic(const analysis::SensorModel& stored) {
+  analysis::SensorModel recomputed_dynamic(std::int64_t run, const analysis::SensorModel& stored) {
     // why_not_dynamic() has found those that are named in this store.
     const auto run_of = [&](const analysis::SensorDynamics::Source& source) {
       return source.run != 0 ? run_of_source(store_, source).value() : std::int64_t{0};
@@ -193,7 +159,7 @@ class Verification {
         throw analysis::AnalysisError("TB-ANALYSIS-FRAME",
                                       fmt::format("run {}, which it rests on: {}", run, content.difference),
                                       "restore the store from a copy");
-    const analysis::Dataset& fitted = runs_.dataset(stored.run);
+    const analysis::Dataset& fitted = runs_.dataset(run);
     analysis::SensorModel fit = rate != 0 && creep != 0
                                     ? analysis::fit_dynamic(fitted, runs_.dataset(rate), runs_.dataset(creep))
                                     : analysis::fit_dynamic_alone(fitted);
@@ -202,21 +168,15 @@ class Verification {
     return fit;
   }
 
-  const analysis::SensorModel& recomputed(const db::FitRecord& fit, bool in_rows) {
-    analysis::FitOptions options;
-    FitKey key{fit.run, fit.fit, false, false};
-    if (in_rows) {  // of them the options alone are read: what else differs is named
-      options.identify = analysis::options_of(fit);
-      key = FitKey(fit.run, 0, options.identify.exact_outer, options.identify.settle);
-    }
-    std::optional<analysis::SensorModel>& kept = fits_[key];
+  const analysis::SensorModel& recomputed(const db::FitRecord& fit) {
+    std::optional<analysis::SensorModel>& kept = fits_[fit.fit];
     if (kept) return *kept;
-    const analysis::Dataset& dataset = runs_.dataset(fit.run);
-    if (in_rows) return kept.emplace(analysis::fit_array(dataset, options));
-    const analysis::SensorModel stored = analysis::load_fit(store_, fit);
+    const analysis::SensorModel stored = analysis::document_of(fit);
     if (stored.dynamics) {
-      kept = recomputed_dynamic(stored);
+      kept = recomputed_dynamic(fit.run, stored);
     } else {
+      const analysis::Dataset& dataset = runs_.dataset(fit.run);
+      analysis::FitOptions options;
       options.model = stored.model;
       options.identify = stored.options;
       const bool all = std::ranges::equal(stored.sequences, dataset.sequences, {}, {}, &analysis::SequenceData::name);
@@ -224,7 +184,8 @@ class Verification {
       options.mean_alone = stored.array().empty();
       kept = analysis::fit_array(dataset, options);
     }
-    // What no frame says.
+    // What no frame says. The run has another number where it was copied to another store.
+    kept->source = stored.source;
     kept->content_sha256 = stored.content_sha256;
     kept->program_version = stored.program_version;
     kept->validity.mount = stored.validity.mount;
@@ -232,14 +193,11 @@ class Verification {
     return *kept;
   }
 
-  // Run, fit, exact_outer, settle. Fits in rows have fit 0: those of one run with the same options are recomputed once.
-  using FitKey = std::tuple<std::int64_t, std::int64_t, bool, bool>;
-
   const db::RunStore& store_;
   analysis::Runs runs_;
   std::int64_t run_;
   std::map<std::int64_t, db::ContentCheck> contents_;
-  std::map<FitKey, std::optional<analysis::SensorModel>> fits_;
+  std::map<std::int64_t, std::optional<analysis::SensorModel>> fits_;  // by number
 };
 
 }  // namespace

@@ -98,7 +98,6 @@ std::optional<BenchConfig> stored_bench(const db::RunRecord& run) {
   std::optional<std::vector<sequences::Override>> overrides = stored_overrides(run.overrides_json);
   if (!overrides) return std::nullopt;
   std::erase_if(*overrides, [](const sequences::Override& item) { return item.key.starts_with("recipe."); });
-  overrides->push_back({"reference.due", "\"\""});  // older runs kept texts there that are no dates
   try {
     return parse_bench(run.bench_toml, fmt::format("bench file of run {}", run.run), *overrides);
   } catch (const std::exception&) {

@@ -225,7 +225,7 @@ TEST_CASE("a fit survives the store bit for bit, and evaluates the same") {
   CHECK_THROWS_AS(load_fit(*store, number), AnalysisError);
   const std::int64_t kept = store_fit(*store, fit, "0.1.0", "2024-01-01T00:00:00Z");
   CHECK(kept > 0);
-  const SensorModel back = load_fit(*store, store->fit(kept));
+  const SensorModel back = load_fit(store->fit(kept));
 
   CHECK(back.run == number);
   CHECK(back.sensor_serial == "S1");

@@ -17,10 +17,8 @@ void store_judged(RunStore& store) {
   db::FitRecord fit;
   fit.run = first;
   fit.model = "elam";
-  db::FitTaxelRecord taxel;
-  taxel.status = "fitted";
-  taxel.parameters = {1.0 / 3.0, 2.0};
-  const std::int64_t number = store.add_fit(fit, {taxel});
+  fit.document = R"({"taxels":[]})";
+  const std::int64_t number = store.add_fit(fit);
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
   store.replace_verdicts(second, number, {verdict});
@@ -43,7 +41,7 @@ TEST_CASE("copied runs keep their content, tags, fits and verdicts, under the nu
   CHECK(target.run(5).tags == std::vector<std::string>{"night"});
   REQUIRE(target.fits(4).size() == 1);
   CHECK(target.fits(4).front().fit == 2);
-  CHECK(target.fit_taxels(2).front().parameters == std::vector<double>{1.0 / 3.0, 2.0});
+  CHECK(target.fit(2).document == source.fit(1).document);
   REQUIRE(target.verdicts(5).size() == 1);
   CHECK(target.verdicts(5).front().fit == 2);
   CHECK(target.check_structure().empty());

@@ -67,16 +67,11 @@ TEST_CASE("the end of a run hashes to what another program finds, with a force a
 
 TEST_CASE("sealed data hash to what another program finds") {
   HashChain chain;
-  db::FitRecord first{3, 1, "elam", R"({"o":1})", R"({"s":2})", "0.1.0", "2024", R"({"p":3})"};
+  const db::FitRecord first{3, 1, "elam", true, 256, R"({"p":[-0.0,5e-324]})", "a build", "0.1.0", "2024"};
   db::FitRecord second;
   second.fit = 4;
   second.model = "gpi";
-  db::FitTaxelRecord taxel{5, "fitted", {0.1, 0.2}, {1.0}, {2.0, 3.0, 4.0}, 0.5, 0.25, 0.125, 0.0625, 3.5, 9};
-  db::FitTaxelRecord mean;
-  mean.taxel = -1;
-  mean.status = "dead";
-  CHECK(db::hex(chain.fits({first, second}, {{taxel, mean}, {}})) ==
-        "510a645bfde5fc752e4a2040de560ce4cc969d7cfc49fde3555611b0ee455f15");
+  CHECK(db::hex(chain.fits({first, second})) == "b00d2686459ea5dafe70a98dd8be33f0ea423e27f0ef000d8621bfa626f2ed82");
   const db::VerdictRecord verdict{0, 2, "error", "array", 1.5, 2.5, "psi", "simple", "pass", "limits", "sha"};
   CHECK(db::hex(chain.verdicts({verdict, {}})) == "b64a834aef20507ab100cb962d338dcce2a877dc228136d24b99c09e90a3c8c0");
   CHECK(db::hex(chain.approvals(

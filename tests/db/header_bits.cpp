@@ -126,16 +126,3 @@ TEST_CASE("an impossible schema version is reported as damage") {
   }
   CHECK_FALSE(std::filesystem::exists(path + ".schema--1.backup"));
 }
-
-TEST_CASE("a version older than that of the tables is refused before anything is migrated") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path("runs.db");
-  RunStore::open(path);
-  Connection(path, Access::kReadWrite).execute("PRAGMA user_version = 4");
-  const std::string before = read_file(path);
-  std::string message;
-  CHECK(store_error([&] { RunStore::open(path); }, &message) == "TB-STORE-FOREIGN");
-  CHECK_THAT(message, Catch::Contains("'figures' is not of tactbench") || Catch::Contains("baselines"));
-  CHECK(read_file(path) == before);
-  CHECK_FALSE(std::filesystem::exists(path + ".schema-4.backup"));
-}

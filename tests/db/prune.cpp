@@ -30,7 +30,7 @@ void judge(RunStore& store, std::int64_t fitted, std::int64_t judged) {
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
   verdict.limits_sha256 = "l";
-  store.replace_verdicts(judged, store.add_fit(fit, {}), {verdict});
+  store.replace_verdicts(judged, store.add_fit(fit), {verdict});
 }
 
 }  // namespace

@@ -36,11 +36,11 @@ std::string refused(const TemporaryFolder& folder, const std::string& id) {
 
 }  // namespace
 
-TEST_CASE("a newer schema is refused, naming both versions") {
+TEST_CASE("the store of a build with a later schema is refused, naming both versions") {
   const TemporaryFolder folder;
   RunStore::open(folder.path("runs.db"));
   Connection(folder.path("runs.db"), Access::kReadWrite).execute("PRAGMA user_version = 9999");
-  CHECK_THAT(refused(folder, "TB-STORE-NEWER"),
+  CHECK_THAT(refused(folder, "TB-STORE-OTHER-SCHEMA"),
              Catch::Contains("9999") && Catch::Contains("up to " + std::to_string(db::kSchemaVersion)));
 }
 

@@ -94,20 +94,21 @@ TEST_CASE("the last check is that of one sensor, kind and verdict, of a run befo
   CHECK((check->detail_json == R"({"a":2})" && check->data == std::vector<double>{1.5, 2.5}));
 }
 
-TEST_CASE("of several fits the last one of a run, or of its model, is found, and a missing one is named beside them") {
+TEST_CASE("of several fits the newest, and the newest that stands for the run, are found; a missing one is named beside them") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t first = store_example(store), second = store_example(store);
   CHECK_FALSE(store.latest_fit(first));
-  const auto add = [&](std::int64_t run, const std::string& model) {
-    return store.add_fit({0, run, model, "{}", "{}", "0.1.0", kUtc, "{}"}, {});
+  CHECK_FALSE(store.standing_fit(first));
+  const auto add = [&](std::int64_t run, const std::string& model, bool stands) {
+    return store.add_fit({0, run, model, stands, 1, "{}", "", "0.1.0", kUtc});
   };
-  CHECK((add(first, "elam") == 1 && add(second, "elam") == 2 && add(first, "gpi") == 3));
+  CHECK((add(first, "elam", true) == 1 && add(second, "mpi", false) == 2 && add(first, "gpi", false) == 3));
   REQUIRE(store.latest_fit(first));
   CHECK((store.latest_fit(first)->fit == 3 && store.latest_fit(first)->model == "gpi"));
-  CHECK(store.latest_fit(first, "elam")->fit == 1);
+  CHECK(store.standing_fit(first)->fit == 1);
   CHECK(store.latest_fit(second)->fit == 2);
-  CHECK_FALSE(store.latest_fit(second, "gpi"));
+  CHECK(store.standing_fit(second)->fit == 2);  // the only one
   std::string message;
   CHECK(store_error([&] { (void)store.fit(9); }, &message) == "TB-STORE-NOT-FOUND");
   CHECK_THAT(message, Catch::Contains("has no fit 9; it has 1 (run 1), 2 (run 2), 3 (run 1) | make one"));

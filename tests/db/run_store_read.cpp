@@ -20,7 +20,7 @@ TEST_CASE("a missing run cannot be read, extended or annotated") {
   db::FitRecord fit;
   fit.run = 99;
   fit.model = "elam";
-  const std::int64_t own_fit = store.add_fit({0, run, "elam", "", "", "", "", ""}, {});
+  const std::int64_t own_fit = store.add_fit({0, run, "elam", true, 1, "", "", "", ""});
   const std::vector<std::pair<std::string, std::function<void()>>> questions = {
       {"run", [&] { (void)store.run(99); }},
       {"branches", [&] { (void)store.branches(99); }},
@@ -35,13 +35,12 @@ TEST_CASE("a missing run cannot be read, extended or annotated") {
       {"content_hash", [&] { (void)store.content_hash(99); }},
       {"fits", [&] { (void)store.fits(99); }},
       {"fit", [&] { (void)store.fit(99); }},
-      {"fit_taxels", [&] { (void)store.fit_taxels(99); }},
       {"latest_fit", [&] { (void)store.latest_fit(99); }},
-      {"latest_fit of a model", [&] { (void)store.latest_fit(99, "elam"); }},
+      {"standing_fit", [&] { (void)store.standing_fit(99); }},
       {"verdicts", [&] { (void)store.verdicts(99); }},
       {"verdicts_of_models", [&] { (void)store.verdicts_of_models(99); }},
       {"reports", [&] { (void)store.reports(99); }},
-      {"add_fit", [&] { store.add_fit(fit, {}); }},
+      {"add_fit", [&] { store.add_fit(fit); }},
       {"replace_verdicts", [&] { store.replace_verdicts(99, 0, {}); }},
       {"replace_verdicts by a fit", [&] { store.replace_verdicts(99, own_fit, {}); }},
       {"replace_figures", [&] { store.replace_figures(99, "rig", {}); }},

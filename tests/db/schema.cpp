@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "db/sqlite.h"
+#include "db/store_snapshot.h"
 #include "tests/db/store_example.h"
-#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 using namespace tactbench;
@@ -34,7 +34,7 @@ TEST_CASE("every table is STRICT, and a text in a column of numbers is refused")
   Connection raw(folder.path("runs.db"), Access::kReadWrite);
   CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND NOT strict "
                     "AND name NOT LIKE 'sqlite_%'") == 0);
-  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 20);
+  CHECK(raw.integer("SELECT count(*) FROM pragma_table_list WHERE type = 'table' AND strict") == 19);
   CHECK(store_error([&] { raw.execute("UPDATE frames SET setpoint_psi = 'two'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'done'"); }) == "TB-STORE-CONFLICT");
   CHECK(store_error([&] { raw.execute("UPDATE runs SET outcome = 'incomplete'"); }) == "TB-STORE-CONFLICT");
@@ -101,106 +101,91 @@ TEST_CASE("the views show runs, frames and verdicts with their units") {
                         !Catch::Contains("SCAN b"));
 }
 
-TEST_CASE("a store of schema 1 is brought up to date, its rows and its hash unchanged") {
-  const TemporaryFolder folder;
-  std::filesystem::copy_file(source_path("tests/db/stores/version_1.db"), folder.path("runs.db"));
-  CHECK(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA user_version") == 1);
-  CHECK(store_error([&] { RunStore::open_read_only(folder.path("runs.db")); }) == "TB-STORE-OPEN");
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  const db::RunRecord run = store.run(1);
-  CHECK(run.content_sha256 == "c1d5c53a3d9d4d311d051e3dec523f53e1652af5c10fca4e466850a6c99f3dcf");
-  CHECK(store.content_hash(1) == run.content_sha256);
-  REQUIRE(store.frames(1).size() == 5);
-  CHECK((store.frames(1)[4].trace.empty() && !store.frames(1)[4].wrench));
+namespace {
+
+// What a later version would be: one more column, with what it was until then.
+const db::Migrations& with_second_schema() {
+  static const db::Migrations both = {db::schema_1(),
+                                      "ALTER TABLE runs ADD COLUMN weather TEXT NOT NULL DEFAULT 'not recorded'"};
+  return both;
 }
 
-TEST_CASE("a store of schema 2 is brought up to date, its rows and its hash unchanged") {
-  const TemporaryFolder folder;
-  std::filesystem::copy_file(source_path("tests/db/stores/version_2.db"), folder.path("runs.db"));
-  CHECK(Connection(folder.path("runs.db"), Access::kReadOnly).integer("PRAGMA user_version") == 2);
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  const db::RunRecord run = store.run(1);
-  CHECK(run.content_sha256 == "6f62f02b7f82b37ed237543a965bf54209635788a266a8ca9e8b04046790a952");
-  CHECK(store.content_hash(1) == run.content_sha256);
-  CHECK(store.frames(1).size() == 3);
-  CHECK(store.series(1).empty());
-}
+}  // namespace
 
-TEST_CASE("a store of schema 3 is brought up to date, its rows and its hash unchanged") {
+TEST_CASE("a made-up schema 2: the store is copied, migrated with its rows and hashes, and refused by this program") {
   const TemporaryFolder folder;
-  const std::string path = folder.path("runs.db"), kept = path + ".schema-3.backup";
-  std::filesystem::copy_file(source_path("tests/db/stores/version_3.db"), path);
-  CHECK(db::schema_version_of(path) == 3);
-  RunStore store = RunStore::open(path);
-  const db::RunRecord run = store.run(1);
-  CHECK(run.content_sha256 == "e67589a8fdfa599ff5cf5b6145471804a2d0e07a99287af055796f3936cd0b23");
-  CHECK(store.check_content(1).holds());
-  CHECK(store.frames(1).size() == 11);
-  CHECK(store.fit_taxels(1).size() == 257);
-  CHECK(store.verdicts(1).size() == 8);
-  CHECK((run.tags.empty() && run.notes.empty() && !run.is_void()));
-  CHECK(store.check_structure().empty());
-  CHECK(db::schema_version_of(path) == db::kSchemaVersion);
-  CHECK(db::schema_version_of(kept) == 3);
-  CHECK(Connection(kept, Access::kReadOnly).integer("SELECT count(*) FROM frames") == 11);
-}
-
-TEST_CASE("a store of schema 6 is opened, its rows, fits and verdicts as they were stored") {
-  const TemporaryFolder folder;
-  std::filesystem::copy_file(source_path("tests/db/stores/version_6.db"), folder.path("runs.db"));
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  for (const std::int64_t run : {1, 2}) CHECK(store.check_content(run).holds());
-  CHECK(store.run(1).content_sha256 == "886a1faf099e7a2baf6ded84c2b46dabf5132e6a754623e72480c52111683ce5");
-  CHECK(store.frames(1).size() == 11);
-  REQUIRE(store.fits(1).size() == 3);
-  CHECK((store.fits(1)[0].model == "elam" && store.fit_taxels(1).size() == 257));
-  CHECK((store.fits(1)[1].model == "gpi" && store.fit_taxels(2).empty()));
-  CHECK(store.verdicts(2).size() == 4);
-  CHECK(store.check_structure().empty());
-}
-
-TEST_CASE("a store of schema 7 is opened, its rows as they were stored, its frames all there") {
-  const TemporaryFolder folder;
-  std::filesystem::copy_file(source_path("tests/db/stores/version_7.db"), folder.path("runs.db"));
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  for (const std::int64_t run : {1, 2}) {
-    CHECK(store.check_content(run).holds());
-    CHECK_FALSE(store.pruned(run));
+  const std::string path = folder.path("runs.db"), kept = path + ".schema-1.backup.2";
+  write_file(path + ".schema-1.backup", "mine");  // never written over
+  std::string content;
+  {
+    RunStore store = RunStore::open(path);
+    content = store.run(store_example(store)).content_sha256;
   }
-  CHECK(store.run(1).content_sha256 == "886a1faf099e7a2baf6ded84c2b46dabf5132e6a754623e72480c52111683ce5");
-  CHECK(store.frames(1).size() == 11);
-  CHECK(store.nights().empty());
-  CHECK(store.check_structure().empty());
+  {
+    Connection connection(path, Access::kReadWrite);
+    db::bring_up_to_date(connection, path, with_second_schema());
+    CHECK(connection.integer("PRAGMA user_version") == 2);
+    CHECK(connection.text("SELECT weather FROM runs") == "not recorded");
+    CHECK(connection.text("SELECT content_sha256 FROM runs") == content);
+    const db::ForeignObjects found = db::foreign_objects(connection, with_second_schema());
+    CHECK((found.changed.empty() && found.added.empty()));
+    db::bring_up_to_date(connection, path, with_second_schema());  // nothing to do
+  }
+  CHECK(read_file(path + ".schema-1.backup") == "mine");
+  CHECK_FALSE(std::filesystem::exists(path + ".schema-1.backup.3"));
+  CHECK(RunStore::open_read_only(kept).check_content(1).holds());
+  const std::string before = read_file(path);
+  CHECK(store_error([&] { RunStore::open(path); }) == "TB-STORE-OTHER-SCHEMA");
+  CHECK(store_error([&] { RunStore::open_read_only(path); }) == "TB-STORE-OTHER-SCHEMA");
+  CHECK(read_file(path) == before);
 }
 
-TEST_CASE("a store of schema 8 is opened, its signed reports without a reason and sealed as they were") {
-  const TemporaryFolder folder;
-  std::filesystem::copy_file(source_path("tests/db/stores/version_8.db"), folder.path("runs.db"));
-  RunStore store = RunStore::open(folder.path("runs.db"));
-  CHECK(store.check_content(1).holds());
-  const std::vector<db::ReportRecord> reports = store.reports(1);
-  REQUIRE(reports.size() == 2);
-  CHECK((reports[1].replaces == reports[0].number && reports[0].reason.empty() && reports[1].reason.empty()));
-  CHECK(Connection(store.path(), Access::kReadOnly)
-            .integer("SELECT length(sha256) FROM seals WHERE run = 1 AND kind = 'approvals'") == 64);
-  CHECK(store.check_seals(1).empty());
-  CHECK(store.check_structure().empty());
-  store.add_report({1, "1-ffffffff", "f", "K. Lee", kUtc, reports[1].number, "serial corrected"});
-  CHECK(store.check_seals(1).empty());
-}
-
-TEST_CASE("a backup is made before each migration and never over another file") {
+TEST_CASE("a migration that fails, or a store that is not of this program's schema, leaves the file as it was") {
   const TemporaryFolder folder;
   const std::string path = folder.path("runs.db");
-  std::filesystem::copy_file(source_path("tests/db/stores/version_2.db"), path);
-  write_file(path + ".schema-2.backup", "mine");
+  {
+    RunStore store = RunStore::open(path);
+    store_example(store);
+  }
+  const std::string before = read_file(path);
+  Connection connection(path, Access::kReadWrite);
+  const db::Migrations wrong = {db::schema_1(), "ALTER TABLE runs ADD COLUMN weather TEXT; SELECT nothing_there()"};
+  CHECK_FALSE(store_error([&] { db::migrate(connection, wrong); }).empty());
+  const db::Migrations other = {"CREATE TABLE runs (run INTEGER PRIMARY KEY)", "CREATE TABLE more (a)"};
+  CHECK(store_error([&] { db::bring_up_to_date(connection, path, other); }) == "TB-STORE-OTHER-SCHEMA");
+  CHECK(connection.integer("PRAGMA user_version") == 1);
+  CHECK(RunStore::open_read_only(path).check_content(1).holds());
+  CHECK_FALSE(std::filesystem::exists(path + ".schema-1.backup"));
+  CHECK(read_file(path) == before);
+}
+
+TEST_CASE("a store of a migration before this program's own is migrated once, by whichever process is first") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("runs.db");
   RunStore::open(path);
-  CHECK(read_file(path + ".schema-2.backup") == "mine");
-  CHECK(db::schema_version_of(path + ".schema-2.backup.2") == 2);
-  RunStore::open(path);  // nothing to migrate
-  RunStore::open(folder.path("new.db"));
-  CHECK_FALSE(std::filesystem::exists(path + ".schema-2.backup.3"));
-  CHECK_FALSE(std::filesystem::exists(folder.path("new.db.schema-0.backup")));
+  Connection first(path, Access::kReadWrite), second(path, Access::kReadWrite);
+  db::migrate(first, with_second_schema());
+  db::migrate(second, with_second_schema());
+  CHECK(second.integer("SELECT count(*) FROM pragma_table_info('runs') WHERE name = 'weather'") == 1);
+  CHECK(store_error([&] { db::migrate(second); }) == "TB-STORE-OTHER-SCHEMA");  // as this program sees it
+  CHECK(second.integer("PRAGMA user_version") == 2);
+}
+
+TEST_CASE("taxels of a fit are read with SQL out of its document") {
+  const TemporaryFolder folder;
+  RunStore store = RunStore::open(folder.path("runs.db"));
+  const std::int64_t run = store_example(store);
+  const char* const document = R"({"output":{"unit":"V"},"taxels":[
+    {"taxel":0,"status":"fitted","noise":0.001,"figures":{"j":null,"mean_error":0.25,"max_error":0.5,"full_scale":3.5},
+     "at_bound":["beta_a"]},
+    {"taxel":-1,"status":"dead","noise":0.0}]})";
+  store.add_fit({0, run, "elam", true, 1, document, "", "0.1.0", kUtc});
+  Connection raw(folder.path("runs.db"), Access::kReadOnly);
+  raw.execute("PRAGMA trusted_schema = ON");  // as in sqlite3 and Python
+  CHECK(raw.text("SELECT taxel || ' ' || status || ' ' || noise || ' ' || mean_error || ' ' || max_error || ' ' || "
+                 "full_scale || ' ' || unit || ' ' || at_bound || ' ' || (j IS NULL) FROM v_fit_taxels WHERE fit = 1 AND "
+                 "taxel = 0") == R"(0 fitted 0.001 0.25 0.5 3.5 V ["beta_a"] 1)");
+  CHECK(raw.integer("SELECT count(*) FROM v_fit_taxels WHERE status = 'dead' AND mean_error IS NULL") == 1);
 }
 
 TEST_CASE("the series of an imported run read back bit for bit") {
@@ -237,30 +222,4 @@ TEST_CASE("an ended run that was not completed can be opened again, and its chai
   CHECK(store.content_hash(begun.run) == store.run(begun.run).content_sha256);
   CHECK(store.frame_count(begun.run) == 2);
   CHECK(store_error([&] { store.reopen_run(begun.run, {}); }) == "TB-STORE-CONFLICT");  // completed
-}
-
-TEST_CASE("a store of schema 4 is brought up to date, its rows and its hash unchanged") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path("runs.db");
-  std::filesystem::copy_file(source_path("tests/db/stores/version_4.db"), path);
-  CHECK(db::schema_version_of(path) == 4);
-  RunStore store = RunStore::open(path);
-  const db::RunRecord run = store.run(1);
-  CHECK(run.content_sha256 == "e35e54aacf36944bd3f63520ae74e6e2e4b99fe94a4a464525a638801bcbe68f");
-  CHECK(store.check_content(1).holds());
-  CHECK(store.frames(1).size() == 11);
-  CHECK(store.fit_taxels(1).size() == 257);
-  CHECK((run.tags == std::vector<std::string>{"kept"} && !run.notes.empty()));
-  CHECK((store.figures("").empty() && store.baselines().empty() && store.reports(1).empty()));
-  CHECK(store.check_structure().empty());
-}
-
-TEST_CASE("a store that became newer while its migration waited is refused, and keeps its version") {
-  const TemporaryFolder folder;
-  RunStore::open(folder.path("runs.db"));
-  Connection raw(folder.path("runs.db"), Access::kReadWrite);
-  const std::int64_t newer = db::kSchemaVersion + 1;
-  raw.execute("PRAGMA user_version = " + std::to_string(newer));
-  CHECK(store_error([&] { db::migrate(raw); }) == "TB-STORE-NEWER");
-  CHECK(raw.integer("PRAGMA user_version") == newer);
 }

@@ -25,16 +25,10 @@ db::VerdictRecord verdict_on(const std::string& criterion) {
   return verdict;
 }
 
-// A run with a fit of two taxels, two verdicts, two approvals and a void.
+// A run with a fit, two verdicts, two approvals and a void.
 std::int64_t judged_example(RunStore& store) {
   const std::int64_t run = store_example(store);
-  db::FitTaxelRecord taxel;
-  taxel.status = "fitted";
-  taxel.parameters = {0.1, 0.2};
-  taxel.ascending_v = {1.0, 2.0};
-  db::FitTaxelRecord mean = taxel;
-  mean.taxel = -1;
-  const std::int64_t fit = store.add_fit({0, run, "elam", "{}", "{}", "0.1.0", kUtc, "{}"}, {taxel, mean});
+  const std::int64_t fit = store.add_fit({0, run, "elam", true, 1, "{}", "a build", "0.1.0", kUtc});
   store.replace_verdicts(run, fit, {verdict_on("mean_compensation_error"), verdict_on("unfit_taxels")});
   store.add_report({run, "1-0a1b2c3d", "0a1b2c3d", "K. Lee", kUtc, "", ""});
   store.add_report({run, "1-ffffffff", "ffffffff", "K. Lee", kUtc, "1-0a1b2c3d", "serial corrected"});
@@ -65,8 +59,10 @@ TEST_CASE("changes and deletions of verdicts, fits, approvals and voids are noti
         "verdicts: what is there is not what was stored\n");
   CHECK(report_after("UPDATE verdicts SET value = value + 1e-15") ==
         "verdicts: what is there is not what was stored\n");
-  CHECK(report_after("DELETE FROM fit_taxels WHERE taxel = 0") == "fits: what is there is not what was stored\n");
-  CHECK(report_after("UPDATE fits SET patterns_json = '[]'") == "fits: what is there is not what was stored\n");
+  for (const char* change : {"document = '[]'", "model = 'gpi'", "stands = 0", "fitted = 2", "made_by = ''"})
+    CHECK(report_after(std::string("UPDATE fits SET ") + change) == "fits: what is there is not what was stored\n");
+  CHECK(report_after("UPDATE seals SET sha256 = '' WHERE kind = 'fits'") ==
+        "fits: what is there is not what was stored\n");
   CHECK(report_after("DELETE FROM reports") == "approvals: 2 were stored, 0 there now\n");
   CHECK(report_after("UPDATE reports SET approved_by = 'M. Ito'") ==
         "approvals: what is there is not what was stored\n");
@@ -125,24 +121,4 @@ TEST_CASE("copied runs are sealed in the other store, and one that was tampered 
   CHECK(store_error([&] { (void)third.copy_runs_from(other, {copy}); }, &message) == "TB-STORE-CONFLICT");
   CHECK_THAT(message, Catch::Contains("verdicts: 2 were stored, 1 there now"));
   CHECK(third.runs().empty());
-}
-
-TEST_CASE("the rows of an older store are counted when it is migrated, and hashed with the next change") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path("runs.db");
-  std::filesystem::copy_file(source_path("tests/db/stores/version_5.db"), path);
-  RunStore store = RunStore::open(path);
-  CHECK(db::schema_version_of(path) == db::kSchemaVersion);
-  CHECK(store.check_content(1).holds());
-  CHECK(store.check_seals(1).empty());
-  CHECK(store.check_structure().empty());
-  CHECK((store.figures("").size() == 1 && store.baselines().size() == 1 && store.reports(1).size() == 1));
-  Connection raw(path, Access::kReadWrite);
-  CHECK(raw.integer("SELECT count(*) FROM seals WHERE sha256 = ''") == 4);
-  raw.execute("BEGIN; DELETE FROM reports");
-  raw.execute("COMMIT");
-  CHECK(store.check_seals(1) == std::vector<std::string>{"approvals: 1 were stored, 0 there now"});
-  store.replace_verdicts(1, 0, {verdict_on("unfit_taxels")});
-  raw.execute("UPDATE verdicts SET verdict = 'fail'");
-  CHECK(store.check_seals(1).size() == 2);
 }

@@ -69,10 +69,7 @@ std::string small_store() {
       store.append_series(run, {{0, 1, {1.0, 2.0}, {3.0, 4.0}}});
       store.end_run(run, db::Outcome::kStopped, "stopped", db::SafeState::kVerified, "2026");
     }
-    db::FitTaxelRecord taxel;
-    taxel.status = "fitted";
-    taxel.parameters = {0.1, 0.2};
-    store.add_fit({0, 2, "elam", "{}", "{}", "1", "2026", "{}"}, {taxel});
+    store.add_fit({0, 2, "elam", true, 1, R"({"taxels":[{"taxel":0,"noise":0.1}]})", "", "1", "2026"});
     db::VerdictRecord verdict;
     verdict.verdict = "pass";
     store.replace_verdicts(2, 1, {verdict});
@@ -121,7 +118,7 @@ void read_all(const db::RunStore& store) {
     (void)store.series(run.run);
     (void)store.verdicts(run.run);
     (void)store.reports(run.run);
-    for (const db::FitRecord& fit : store.fits(run.run)) (void)store.fit_taxels(fit.fit);
+    for (const db::FitRecord& fit : store.fits(run.run)) (void)store.fit(fit.fit);
   }
   (void)store.sensors();
   (void)store.figures("");

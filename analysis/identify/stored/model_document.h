@@ -1,6 +1,6 @@
-// Models kept: as JSON documents, complete in themselves, and in the run store. A document says what was fitted on
-// what, and carries for each taxel all that predicting and compensating need. Schema "tactbench.model", version 1,
-// described in analysis/README.md. A run's ELAM in the paper's mode on all sequences is kept in rows (fit_rows.h).
+// Models kept: as JSON documents, complete in themselves, in files and in the run store. A document says what was fitted
+// on what, and carries for each taxel all that predicting and compensating need. Schema "tactbench.model", version 1,
+// described in analysis/README.md. Every finite double comes back bit for bit; NaN is null.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,11 @@
 namespace tactbench::analysis {
 
 inline constexpr int kModelDocumentVersion = 1;
-inline constexpr const char* kElamFit = "elam";  // db::FitRecord::model of fits that have rows
+inline constexpr const char* kElamFit = "elam";  // SensorModel::model of the paper's
 
-// Text with a newline at its end; the same model gives the same bytes.
+// Text with a newline at its end; the same model gives the same bytes. to_line: on one line without blanks, as stored.
 std::string to_text(const SensorModel& model);
+std::string to_line(const SensorModel& model);
 std::string sha256_of(const SensorModel& model);  // of that text
 // Throws AnalysisError TB-MODEL-DOCUMENT that says which member of `file` is missing, wrong or of a newer version.
 SensorModel document_from_text(const std::string& text, const std::string& file);
@@ -30,16 +31,15 @@ SensorModel load_model(const std::string& model, const db::RunStore* store);
 // The model with its options, as tables name it: "elam", "elam, free run".
 std::string label_of(const SensorModel& model);
 
-// The fit that stands for a run where none is named: the newest by the dynamic model, or by ELAM in the paper's mode on
-// all sequences; of others the newest, and none where the run was not fitted.
-std::optional<db::FitRecord> standing_fit(const db::RunStore& store, std::int64_t run);
-
-// To and from the store. load_fit: the run's standing fit, TB-ANALYSIS-NO-FIT when it has none; or
-// the fit of a record; a fit in rows comes without the run's sequences, hash and scans, which load_model adds.
-// `made_by`: build and class of processor, kept for who recomputes the fit. Returns the fit's number.
+// To the store; returns the fit's number. It stands for its run (db::FitRecord) where it is the dynamic model, or ELAM in
+// the paper's mode of the whole array on all sequences. `made_by`: build and class of processor.
 std::int64_t store_fit(db::RunStore& store, const SensorModel& model, const std::string& program_version,
                        const std::string& utc, const std::string& made_by = {});
+// What is stored, as it was written. Throws AnalysisError TB-MODEL-STORED.
+SensorModel document_of(const db::FitRecord& record);
+// The same with the run's and the fit's number in this store. Of a run: its standing fit, TB-ANALYSIS-NO-FIT when it has
+// none.
+SensorModel load_fit(const db::FitRecord& record);
 SensorModel load_fit(const db::RunStore& store, std::int64_t run);
-SensorModel load_fit(const db::RunStore& store, const db::FitRecord& record);
 
 }  // namespace tactbench::analysis

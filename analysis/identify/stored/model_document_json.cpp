@@ -17,15 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "tactbench.model";
 
-constexpr int kEvenInputs = 31;  // of the loop of a model whose document does not name any
-
-std::vector<double> even_inputs(const HysteresisModel& model) {
-  std::vector<double> inputs;
-  for (int i = 0; i < kEvenInputs; ++i)
-    inputs.push_back(std::lerp(model.x_low(), model.x_high(), static_cast<double>(i) / (kEvenInputs - 1)));
-  return inputs;
-}
-
 Json range_json(const std::optional<Range>& range) {
   return range ? Json{{"low", range->low}, {"high", range->high}} : Json(nullptr);
 }
@@ -67,16 +58,6 @@ std::vector<double> numbers_from(const Json& json, const std::string& name) {
   return list.get<std::vector<double>>();
 }
 
-// Documents of older programs hold none: the model walks it.
-void walk_loop(const std::vector<double>& inputs, ModelTaxel& taxel) {
-  try {
-    set_loop(taxel, inputs.empty() ? even_inputs(*taxel.fit.model) : inputs);
-  } catch (const std::invalid_argument& error) {
-    taxel.status = TaxelStatus::kUnfit;
-    taxel.reason = error.what();
-  }
-}
-
 // Of ELAM its patterns; of others what the document holds.
 void read_loop(const Json& json, const std::vector<double>& inputs, ModelTaxel& taxel) {
   if (const ElamModel* const elam = elam_of(taxel)) {
@@ -84,12 +65,8 @@ void read_loop(const Json& json, const std::vector<double>& inputs, ModelTaxel& 
     set_loop(taxel, elam->ascending.x(), elam->ascending.y(), elam->descending.y());
     return;
   }
-  if (inputs.empty() || !json.contains("loop")) {
-    walk_loop(inputs, taxel);
-    return;
-  }
-  const std::vector<double> up = numbers_from(json.at("loop"), "ascending"),
-                            down = numbers_from(json.at("loop"), "descending");
+  const Json& loop = json_member(json, "loop");
+  const std::vector<double> up = numbers_from(loop, "ascending"), down = numbers_from(loop, "descending");
   if (up.size() != inputs.size() || down.size() != inputs.size() || inputs.size() < 2)
     throw std::invalid_argument("\"loop\" has not as many outputs as \"loop_inputs\" has inputs");
   taxel.ascending = PatternCurve(inputs, up, up.front(), up.back());
@@ -124,22 +101,19 @@ Json taxel_json(const ModelTaxel& taxel, bool dynamic) {
   return json;
 }
 
-// Older programs wrote a reason as the status.
-void read_status(const Json& json, ModelTaxel& taxel) {
-  const std::string status = text_from(json, "status");
-  if (!status_from(status, taxel.status)) {
-    taxel.status = TaxelStatus::kUnfit;
-    taxel.reason = status;
-  }
-  if (json.contains("reason")) taxel.reason = text_from(json, "reason");
-  if (taxel.fitted() && !json.contains("model")) taxel.status = TaxelStatus::kUnfit;
+// What was computed and came to no number is null.
+double figure_from(const Json& json, const std::string& name) {
+  return json_member(json, name).is_null() ? std::nan("") : json_number(json, name);
 }
 
 ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs, bool dynamic) {
   ModelTaxel taxel;
   taxel.taxel = integer_from(json, "taxel");
-  read_status(json, taxel);
-  taxel.noise = json_number(json, "noise");
+  if (const std::string status = text_from(json, "status"); !status_from(status, taxel.status))
+    throw std::invalid_argument("\"status\" is \"" + status + "\"");
+  if (json.contains("reason")) taxel.reason = text_from(json, "reason");
+  if (taxel.fitted() && !json.contains("model")) throw std::invalid_argument("\"model\" of a fitted taxel is missing");
+  taxel.noise = taxel.fitted() ? json_number(json, "noise") : figure_from(json, "noise");
   if (taxel.noise < 0.0) throw std::invalid_argument("\"noise\" is negative");
   if (!json.contains("model")) return taxel;
   taxel.loop_low = json_number(json, "loop_low");
@@ -147,10 +121,10 @@ ModelTaxel taxel_from(const Json& json, const std::vector<double>& inputs, bool 
   taxel.gain = json_number(json, "gain");
   if (taxel.gain <= 0.0) throw std::invalid_argument("\"gain\" is not positive");
   const Json& figures = json_member(json, "figures");
-  taxel.fit.j = json_number(figures, "j");
-  taxel.fit.mean_error = json_number(figures, "mean_error");
-  taxel.fit.max_error = json_number(figures, "max_error");
-  taxel.fit.full_scale = json_number(figures, "full_scale");
+  taxel.fit.j = figure_from(figures, "j");
+  taxel.fit.mean_error = figure_from(figures, "mean_error");
+  taxel.fit.max_error = figure_from(figures, "max_error");
+  taxel.fit.full_scale = figure_from(figures, "full_scale");
   taxel.fit.samples = integer_from(figures, "samples");
   taxel.fit.starts = integer_from(figures, "starts");
   for (const Json& name : json.value("undetermined", Json::array()))
@@ -176,7 +150,7 @@ SensorModel document_from(const Json& json) {
   const Json& options = json_member(json, "options");
   document.options.free_run = text_from(options, "mode") == "free-run";
   document.options.exact_outer = flag_from(options, "exact_outer");
-  document.options.genetic = options.value("genetic", false);
+  document.options.genetic = flag_from(options, "genetic");
   document.options.memory = flag_from(options, "memory");
   document.options.splits = integer_from(options, "splits");
   document.options.starts = integer_from(options, "starts");
@@ -218,7 +192,9 @@ SensorModel document_from(const Json& json) {
 
 }  // namespace
 
-std::string to_text(const SensorModel& document) {
+namespace {
+
+Json to_json(const SensorModel& document) {
   Json json = {{"schema", kSchema}, {"version", kModelDocumentVersion}, {"model", document.model}};
   json["options"] = {{"mode", document.options.free_run ? "free-run" : "paper"},
                      {"exact_outer", document.options.exact_outer},
@@ -226,7 +202,7 @@ std::string to_text(const SensorModel& document) {
                      {"memory", document.options.memory},
                      {"splits", document.options.splits},
                      {"starts", document.options.starts}};
-  if (document.options.linearise) json["options"]["linearise"] = true;  // documents of before have no such member
+  if (document.options.linearise) json["options"]["linearise"] = true;
   json["input"] = {{"unit", document.input_unit}};
   json["output"] = {{"unit", document.output_unit}, {"falling", document.falling}, {"scans", document.scans}};
   json["source"] = {{"name", document.source},
@@ -251,8 +227,13 @@ std::string to_text(const SensorModel& document) {
   json["taxels"] = Json::array();
   for (const ModelTaxel& taxel : document.taxels)
     json["taxels"].push_back(taxel_json(taxel, document.dynamics.has_value()));
-  return json.dump(1) + "\n";
+  return json;
 }
+
+}  // namespace
+
+std::string to_text(const SensorModel& document) { return to_json(document).dump(1) + "\n"; }
+std::string to_line(const SensorModel& document) { return to_json(document).dump(); }
 
 std::string sha256_of(const SensorModel& document) { return db::sha256_hex(to_text(document)); }
 

@@ -1,6 +1,5 @@
 """A stored model as a stream of compensated frames: from a document (tactbench fit -o, model export) or from a store."""
 
-import array
 import bisect
 import json
 import math
@@ -104,49 +103,17 @@ def _checked(document, name):
 def _document_of(store, run, fit, void_too):
     """A fit of a store as the document that `model export` writes: what streaming needs of it."""
     store.usable_run(run, void_too)
-    found = store.query("SELECT * FROM fits WHERE run = ? ORDER BY model IN ('elam', 'dynamic') DESC, fit DESC", (run,))
+    found = store.query("SELECT fit, document FROM fits WHERE run = ? ORDER BY stands DESC, fit DESC", (run,))
     found = [row for row in found if fit is None or row["fit"] == fit]
     if not found:
         which = "fit" if fit is None else f"fit {fit}"
         raise TactbenchError(f"run {run} of {store.path} has no {which}: tactbench model list {run} shows them, tactbench fit {run} "
                              "makes one")
-    row = found[0]
-    taxels = store.query("SELECT * FROM fit_taxels WHERE fit = ? ORDER BY taxel", (row["fit"],))
-    name = f"fit {row['fit']} of {store.path}"
+    name = f"fit {found[0]['fit']} of {store.path}"
     try:
-        patterns = json.loads(row["patterns_json"])
-        if not taxels:
-            return _checked(patterns, name)
-        scans = store.query("SELECT f.scans FROM frames f WHERE f.frame > ? * 1000000000 ORDER BY f.frame LIMIT 1", (run,))
-        return {"model": "elam",
-                "input": {"unit": "psi"},
-                "output": {"unit": "V", "falling": patterns.get("falling", False), "scans": scans[0][0] if scans else 1},
-                "source": {"origin": patterns["origin"]},
-                "sensor": {"serial": patterns["sensor_serial"], "scanner_serial": patterns["scanner_serial"],
-                           "rows": patterns["rows"], "columns": patterns["columns"]},
-                "validity": {"input": {"low": patterns["pressure_psi"][0], "high": patterns["pressure_psi"][-1]}},
-                "taxels": [_taxel_of(each, patterns, json.loads(row["options_json"])) for each in taxels]}
-    except (ValueError, KeyError) as error:
+        return _checked(json.loads(found[0]["document"]), name)
+    except ValueError as error:
         raise TactbenchError(f"{name} cannot be read: {error!r}; fit the run again: tactbench fit {run}") from error
-
-
-def _floats(blob):
-    values = array.array("d", blob)
-    if array.array("H", [1]).tobytes() != b"\x01\x00":
-        values.byteswap()
-    return list(values)
-
-
-def _taxel_of(row, patterns, options):
-    taxel = {"taxel": row["taxel"], "status": row["status"], "noise": row["noise_v"] or 0.0, "zero": 0.0, "gain": 1.0}
-    if "residual_psi" in patterns:
-        taxel["residual_psi"] = patterns["residual_psi"][row["taxel"]]  # the mean taxel, -1, is the last
-    if row["parameters"]:
-        taxel["model"] = {"model": "elam", "x": patterns["pressure_psi"], "ascending": _floats(row["ascending_v"]),
-                          "descending": _floats(row["descending_v"]),
-                          "parameters": dict(zip(_PARAMETERS, _floats(row["parameters"]))),
-                          "options": {"exact_outer": options["exact_outer"], "memory": False, "splits": 1}}
-    return taxel
 
 
 def _stream_of(document, name, volts_per_count, scans, options):

@@ -50,11 +50,6 @@ struct JudgedUncertainty {
 std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const Dataset& models,
                                                     const SensorModel& fit, const Evaluation& evaluation,
                                                     const ReferenceUncertainty& reference, int threads = 0);
-// As it was before scatter was pooled: of each figure from repeat to repeat, n - 1 degrees of freedom. For who verifies
-// verdicts of that age.
-std::vector<JudgedUncertainty> judged_uncertainties_by_repeats(const Dataset& judged, const Dataset& models,
-                                                               const SensorModel& fit, const Evaluation& evaluation,
-                                                               const ReferenceUncertainty& reference, int threads = 0);
 // nullptr where there is none. `run` 0: of any.
 const JudgedUncertainty* find_uncertainty(std::span<const JudgedUncertainty> uncertainties, std::string_view criterion,
                                           std::string_view scope, std::int64_t run = 0);

@@ -28,12 +28,6 @@ Dataset repeat_of(const Dataset& dataset, std::size_t repeat) {
   return one;
 }
 
-double level_figure(const Evaluation& evaluation, double pressure_psi, double LevelFigures::*figure) {
-  const auto level = std::ranges::find_if(
-      evaluation.levels, [&](const LevelFigures& figures) { return same_level(figures.pressure_psi, pressure_psi); });
-  return level == evaluation.levels.end() ? kNan : (*level).*figure;
-}
-
 // The figures of each repeat by itself: of the run judged, or of the models' run where that has one repeat.
 class RepeatScatter {
  public:
@@ -57,17 +51,6 @@ class RepeatScatter {
                     fmt::format("scatter of a taxel over {} repeats of {}, pooled over {} taxels ({:.1f} degrees of "
                                 "freedom)",
                                 pooled.rows, run_, pooled.parts, pooled.dof));
-  }
-
-  // Of any figure, by itself.
-  template <class Figure>
-  [[nodiscard]] FigureScatter single(Figure figure) const {
-    std::vector<double> values;
-    for (const Evaluation& evaluation : repeats_)
-      if (const double value = figure(evaluation); std::isfinite(value)) values.push_back(value);
-    if (values.size() < 2) return {};
-    return quotient(sample_deviation(values), static_cast<double>(values.size() - 1), judged_,
-                    fmt::format("scatter of the figure over {} repeats of {}", values.size(), run_));
   }
 
  private:
@@ -137,9 +120,9 @@ JudgedUncertainty error_uncertainty(const char* criterion, const FigureScatter& 
 // A difference between readings at one level, in which the reference's error cancels, but for its hysteresis where
 // they were reached in two directions. `hysteresis`: its half-width to each side, as a share of full pressure.
 JudgedUncertainty difference_uncertainty(const char* criterion, std::string scope, const FigureScatter& scatter,
-                                         const char* why_not, double hysteresis = 0.0) {
+                                         double hysteresis = 0.0) {
   JudgedUncertainty out = figure_of(criterion, std::move(scope), "FS");
-  if (!scatter.known()) return unknown(std::move(out), why_not);
+  if (!scatter.known()) return unknown(std::move(out), kOneSweep);
   std::vector<VarianceShare> shares = {{scatter.u, scatter.dof}};
   if (hysteresis > 0.0) shares.push_back({2.0 * hysteresis / std::numbers::sqrt3, kInfiniteDof});
   out.basis = fmt::format("the reference's error cancels{}; {}", hysteresis > 0.0 ? " but for its hysteresis" : "",
@@ -150,15 +133,14 @@ JudgedUncertainty difference_uncertainty(const char* criterion, std::string scop
 // `mismatch(level, up)`: its scatter.
 template <class Mismatch>
 std::vector<JudgedUncertainty> all_uncertainties(const Evaluation& evaluation, const ReferenceUncertainty& reference,
-                                                 const FigureScatter& mean, const FigureScatter& worst,
-                                                 const FigureScatter& distance, const char* why_not,
+                                                 const FigureScatter& errors, const FigureScatter& distance,
                                                  const Mismatch& mismatch) {
   const double full = evaluation.full_scale_psi;
   const double hysteresis = full > 0.0 ? reference.limit(ReferencePart::kHysteresis).half_width_psi / full : 0.0;
   std::vector<JudgedUncertainty> all = {
-      error_uncertainty("mean_compensation_error", mean, reference),
-      error_uncertainty("worst_taxel_error", worst, reference),
-      difference_uncertainty("distance_of_mean", "array", distance, why_not, hysteresis),
+      error_uncertainty("mean_compensation_error", errors, reference),
+      error_uncertainty("worst_taxel_error", errors, reference),
+      difference_uncertainty("distance_of_mean", "array", distance, hysteresis),
       {"unfit_taxels",
        "array",
        "taxels",
@@ -172,7 +154,7 @@ std::vector<JudgedUncertainty> all_uncertainties(const Evaluation& evaluation, c
     for (const bool up : {true, false})
       all.push_back(difference_uncertainty("mismatch",
                                            fmt::format("{:g} psi {}", level.pressure_psi, up ? "up" : "down"),
-                                           mismatch(level.pressure_psi, up), why_not));
+                                           mismatch(level.pressure_psi, up)));
   for (JudgedUncertainty& uncertainty : all) uncertainty.run = evaluation.run;
   return all;
 }
@@ -184,24 +166,8 @@ std::vector<JudgedUncertainty> judged_uncertainties(const Dataset& judged, const
                                                     const ReferenceUncertainty& reference, int threads) {
   const FigureScatter errors = RepeatScatter(judged, models, fit, threads).errors();
   const SweepScatter sweeps(judged, models, fit, threads);
-  return all_uncertainties(evaluation, reference, errors, errors, sweeps.distance(), kOneSweep,
+  return all_uncertainties(evaluation, reference, errors, sweeps.distance(),
                            [&](double pressure_psi, bool up) { return sweeps.mismatch(pressure_psi, up); });
-}
-
-std::vector<JudgedUncertainty> judged_uncertainties_by_repeats(const Dataset& judged, const Dataset& models,
-                                                               const SensorModel& fit, const Evaluation& evaluation,
-                                                               const ReferenceUncertainty& reference, int threads) {
-  const RepeatScatter repeats(judged, models, fit, threads);
-  const auto worst = static_cast<std::size_t>(std::max(0, evaluation.worst_taxel));
-  return all_uncertainties(evaluation, reference, repeats.single([](const Evaluation& e) { return e.mean_error_psi; }),
-                           repeats.single([worst](const Evaluation& e) { return e.taxel_mean_error_psi[worst]; }),
-                           repeats.single([](const Evaluation& e) { return e.comp_distance_of_mean; }), kOneRepeat,
-                           [&](double pressure_psi, bool up) {
-                             return repeats.single([&](const Evaluation& e) {
-                               return level_figure(e, pressure_psi,
-                                                   up ? &LevelFigures::comp_std_up : &LevelFigures::comp_std_down);
-                             });
-                           });
 }
 
 }  // namespace tactbench::analysis

@@ -188,13 +188,6 @@ ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<c
   return reference;
 }
 
-ReferenceUncertainty by_earlier_rules(ReferenceUncertainty reference) {
-  reference.drift_psi = reference.drift_stated_psi;
-  if (reference.overdue) reference.drift_missing = "the reference was overdue";
-  reference.overdue = false;
-  return reference;
-}
-
 double scanner_step_v(const db::RunRecord& run) {
   for (const db::DeviceRecord& device : run.devices) {
     if (device.role != "tactile scanner") continue;

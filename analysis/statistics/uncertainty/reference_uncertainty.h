@@ -58,9 +58,6 @@ struct ReferenceUncertainty {
 // From the device of role "pressure reference" and the analog module that reads it. The run's own date rules. Never
 // throws: what cannot be read is not assessed.
 ReferenceUncertainty reference_uncertainty(const db::RunRecord& run, std::span<const InstrumentNote> notes = {});
-// As verdicts rested on it before an overdue reference counted: nothing is overdue, and a limit of the drift that has
-// passed its due date is left out. For who recomputes them.
-ReferenceUncertainty by_earlier_rules(ReferenceUncertainty reference);
 // Volts a count of the run's tactile scanner; 0 where that is not kept.
 double scanner_step_v(const db::RunRecord& run);
 

@@ -12,7 +12,6 @@
 #include "analysis/counted.h"
 #include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
-#include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/cli/fleet/fleet.h"
 #include "bench/cli/models/fit_models.h"
@@ -115,19 +114,10 @@ Task task_of(const std::string& sensor, const std::vector<FleetRun>& runs, const
 // The options of the parent; of a model that has none yet, the defaults.
 analysis::IdentifyOptions options_like(fleet::Link& link, const std::optional<FleetFit>& parent) {
   if (!parent) return {};
-  const std::vector<fleet::TextRow> rows = link.query(
-      "SELECT model, options_json, summary_json, program_version, created_utc, patterns_json, EXISTS (SELECT 1 FROM "
-      "fleet.fit_taxels t WHERE t.fit = f.fit) FROM fleet.fits f WHERE f.run = $1 AND f.sha256 = $2",
-      {std::to_string(parent->run), parent->sha256});
-  const fleet::TextRow& row = rows.at(0);
-  if (row[0] != analysis::kElamFit && row[6] != "t")
-    return analysis::document_from_text(row[5], "the parent's document").options;
-  db::FitRecord record;
-  record.model = row[0];
-  record.options_json = row[1];
-  record.summary_json = row[2];
-  record.patterns_json = row[5];
-  return analysis::options_of(record);
+  const std::vector<fleet::TextRow> rows =
+      link.query("SELECT patterns_json FROM fleet.fits f WHERE f.run = $1 AND f.sha256 = $2",
+                 {std::to_string(parent->run), parent->sha256});
+  return analysis::document_from_text(rows.at(0)[0], "the parent's document").options;
 }
 
 class FleetFitting {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis/json_io.h"
 #include "bench/cli/session.h"
 #include "db/run_store.h"
 
@@ -16,15 +15,7 @@ namespace {
 struct ListedFit {
   db::FitRecord fit;
   std::string sensor, origin;
-  int fitted = 0;
 };
-
-// The two kinds of summary that fit_store.cpp writes; 0 where it has neither.
-int fitted_taxels(const std::string& summary_json) {
-  const auto summary = analysis::parse_json(summary_json);
-  if (summary.contains("fitted")) return summary.at("fitted").get<int>();
-  return summary.contains("taxels") ? summary.at("taxels").value("fitted", 0) : 0;
-}
 
 std::vector<ListedFit> fits_of(const db::RunStore& store, std::int64_t only) {
   std::vector<ListedFit> listed;
@@ -32,7 +23,7 @@ std::vector<ListedFit> fits_of(const db::RunStore& store, std::int64_t only) {
   for (const db::RunRecord& run : store.runs()) {
     if (only != 0 && run.run != only) continue;
     for (const db::FitRecord& fit : store.fits(run.run))
-      listed.push_back({fit, run.sensor_serial, run.origin, fitted_taxels(fit.summary_json)});
+      listed.push_back({fit, run.sensor_serial, run.origin});
   }
   return listed;
 }
@@ -48,7 +39,7 @@ void list_models(std::int64_t run, const Session& session) {
                       {"kind", one.fit.model},
                       {"sensor", one.sensor},
                       {"origin", one.origin},
-                      {"fitted_taxels", one.fitted},
+                      {"fitted_taxels", one.fit.fitted},
                       {"created", one.fit.created_utc},
                       {"program", one.fit.program_version}});
     return print_json("model.list", {{"models", json}});
@@ -56,7 +47,7 @@ void list_models(std::int64_t run, const Session& session) {
   tty::print("{:<10}{:<14}{:<16}{:>7}  {:<11}{}\n", "model", "kind", "sensor", "taxels", "origin", "created (UTC)");
   for (const ListedFit& one : listed)
     tty::print("{:<10}{}{}{:>7}  {:<11}{}\n", fmt::format("{}:{}", one.fit.run, one.fit.fit), cell(one.fit.model, 14),
-               cell(one.sensor, 16), one.fitted, one.origin, one_line(one.fit.created_utc));
+               cell(one.sensor, 16), one.fit.fitted, one.origin, one_line(one.fit.created_utc));
   if (listed.empty())
     tty::print("{}\n", run == 0 ? "no models are stored: tactbench fit RUN makes some"
                                 : fmt::format("run {0} has no models: tactbench fit {0} makes some", run));

@@ -39,9 +39,9 @@ analysis::SensorModel models_for(analysis::Runs& runs, const ModelNamed& named) 
     check_models_of_array(runs, fit, named);
     return fit;
   }
-  const std::optional<db::FitRecord> record = analysis::standing_fit(store, model_run);
+  const std::optional<db::FitRecord> record = store.standing_fit(model_run);
   if (!record || runs.record(model_run).origin == "imported") return {};
-  analysis::SensorModel fit = analysis::load_fit(store, *record);
+  analysis::SensorModel fit = analysis::load_fit(*record);
   return fit.fitted().empty() ? analysis::SensorModel{} : fit;
 }
 
@@ -153,10 +153,6 @@ WrittenReport one_run(db::RunStore& store, analysis::Runs& runs, const ReportOpt
       store, options,
       fmt::format("run-{}", signing || analysis::is_signed(input, out.report.number) ? out.report.number
                                                                                      : std::to_string(input.run.run)));
-  // The plain name may belong to a report that an older program signed.
-  if (const std::string there = signed_report_in(out.path, store);
-      options.output.empty() && !there.empty() && there != out.report.number)
-    out.path = path_of(store, options, "run-" + out.report.number);
   out.written = may_be_written(out.path, out.report.number, store);
   if (signing) {
     pause_progress();  // it may ask

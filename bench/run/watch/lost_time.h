@@ -1,5 +1,5 @@
 // The part of a stored run's time that its recipe did not need: waits for people and conditions, the rest between an
-// end and a resume, and work repeated because of them. Derived from the run's events, so it works on older stores, too.
+// end and a resume, and work repeated because of them. Derived from the run's events.
 #pragma once
 
 #include <cstdint>

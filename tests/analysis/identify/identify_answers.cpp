@@ -3,7 +3,6 @@
 
 #include "analysis/identify/folds.h"
 #include "analysis/identify/sensor_model.h"
-#include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/taxel_status.h"
 
 using namespace tactbench;
@@ -125,51 +124,4 @@ TEST_CASE("states of taxels: each word and back, and the bound from both sides")
   CHECK(status_of({-0.25, -0.125}, false, 0.25) == TaxelStatus::kStuck);
   CHECK(status_of({-0.2499, -0.125}, false, 0.25) == TaxelStatus::kDead);
   CHECK(status_of({0.0, 9.0}, true, 0.25) == TaxelStatus::kSaturated);
-}
-
-TEST_CASE(
-    "stored fits: each column of a taxel and each member of a verdict is compared, the first that differs named") {
-  const auto taxel_with = [](auto change) {
-    FitRows stored, recomputed;
-    stored.fit.patterns_json = recomputed.fit.patterns_json = "{}";
-    stored.fit.summary_json = recomputed.fit.summary_json = "{}";
-    db::FitTaxelRecord row;
-    row.taxel = 4;
-    row.status = "fitted";
-    row.parameters = {1, 2, 3, 4, 5};
-    recomputed.taxels = {row};
-    change(row);
-    stored.taxels = {row};
-    return first_difference(stored, recomputed, 0.0);
-  };
-  using Row = db::FitTaxelRecord;
-  CHECK(taxel_with([](Row&) {}).empty());
-  CHECK(taxel_with([](Row& row) { row.noise_v = 7; }) == "taxel 4, noise_v: stored 7, recomputed 0");
-  CHECK(taxel_with([](Row& row) { row.j_v2 = 7; }) == "taxel 4, j_v2: stored 7, recomputed 0");
-  CHECK(taxel_with([](Row& row) { row.mean_error_v = 7; }) == "taxel 4, mean_error_v: stored 7, recomputed 0");
-  CHECK(taxel_with([](Row& row) { row.max_error_v = 7; }) == "taxel 4, max_error_v: stored 7, recomputed 0");
-  CHECK(taxel_with([](Row& row) { row.full_scale_v = 7; }) == "taxel 4, full_scale_v: stored 7, recomputed 0");
-  CHECK(taxel_with([](Row& row) { row.at_bound = 7; }) == "taxel 4, at_bound: stored 7, recomputed 0");
-  CHECK(taxel_with([](Row& row) { row.ascending_v = {1}; }) == "taxel 4, ascending_v: 1 number stored, 0 recomputed");
-  CHECK_THAT(taxel_with([](Row& row) { row.parameters[4] = 7; }), Catch::EndsWith("stored 7, recomputed 5"));
-  const auto verdict_with = [](auto change) {
-    db::VerdictRecord row;
-    row.criterion = "mpe";
-    row.scope = "array";
-    const std::vector<db::VerdictRecord> recomputed{row};
-    change(row);
-    return first_difference(std::vector<db::VerdictRecord>{row}, recomputed, 0.0);
-  };
-  using Verdict = db::VerdictRecord;
-  CHECK(verdict_with([](Verdict& row) { row.limit = 7; }) == "verdict on mpe (array), limit: stored 7, recomputed 0");
-  CHECK(verdict_with([](Verdict& row) { row.unit = "V"; }) ==
-        "verdict on mpe (array), unit: stored 'V', recomputed ''");
-  CHECK(verdict_with([](Verdict& row) { row.rule = "x"; }) ==
-        "verdict on mpe (array), rule: stored 'x', recomputed ''");
-  CHECK(verdict_with([](Verdict& row) { row.limits_sha256 = "x"; }) == "limits, SHA-256: stored 'x', recomputed ''");
-  CHECK(verdict_with([](Verdict& row) { row.criterion = "x"; }) ==
-        "verdict 1: stored 'x (array)', recomputed 'mpe (array)'");
-  CHECK(same_number(1.0, 1.25, 0.2));  // a fifth of the larger
-  CHECK_FALSE(same_number(1.0, 1.2501, 0.2));
-  CHECK((same_number(INFINITY, INFINITY, 0.0) && !same_number(INFINITY, -INFINITY, 1.0)));
 }

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 
 #include "analysis/identify/stored/array_stream.h"
-#include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/identify/streams/recording_stream.h"
 #include "analysis/identify/taxel_stream.h"
@@ -64,29 +63,22 @@ TEST_CASE("residuals: twice the uncertainty holds most samples of a way that was
   }
 }
 
-TEST_CASE("residuals do not depend on threads, and are kept in rows and documents") {
+TEST_CASE("residuals do not depend on threads, and are kept in documents") {
   const DynamicArray array = dynamic_array(kTaxels, 0.0005);
   const Runs runs = runs_of(array);
   for (const char* const name : {"elam", "preisach"})
     CHECK(to_text(fit_of(runs.fitted, name, 1)) == to_text(fit_of(runs.fitted, name, 3)));
   const SensorModel elam = fit_of(runs.fitted, "elam");
   CHECK(residual_by_level(elam.taxels[0]).size() == 40);
-  const FitRows rows = rows_of(elam);
-  REQUIRE(rows.taxels.size() == kTaxels + 1);
-  const SensorModel back = model_from_rows(rows), document = document_from_text(to_text(elam), "m.json");
+  REQUIRE(elam.taxels.size() == kTaxels + 1);
+  const SensorModel document = document_from_text(to_text(elam), "m.json");
   for (std::size_t t = 0; t < elam.taxels.size(); ++t) {
     CHECK(elam.taxels[t].residual_psi > 0.0);
-    CHECK(back.taxels[t].residual_psi == elam.taxels[t].residual_psi);
     CHECK(document.taxels[t].residual_psi == elam.taxels[t].residual_psi);
   }
-  // Rows of a program before have none, and are no other fit.
   SensorModel without = elam;
   for (ModelTaxel& taxel : without.taxels) taxel.residual_psi = 0.0;
-  const FitRows older = rows_of(without);
-  CHECK(older.fit.patterns_json.find("residual") == std::string::npos);
-  CHECK(first_difference(older, rows, 0.0).empty());
-  CHECK_FALSE(first_difference(rows, older, 0.0).empty());
-  CHECK(residual_by_level(model_from_rows(older).taxels[0]).empty());
+  CHECK(residual_by_level(document_from_text(to_text(without), "m.json").taxels[0]).empty());
 }
 
 TEST_CASE("an unknown start: a recording that begins in mid-branch is flagged, and its uncertainty holds the truth") {

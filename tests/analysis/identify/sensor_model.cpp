@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "analysis/identify/stored/array_stream.h"
-#include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "analysis/statistics/conformity/verdict.h"
 #include "tests/analysis/support/synthetic.h"
@@ -82,23 +81,6 @@ TEST_CASE("a model of any kind stored as a document judges as the one that was f
     CHECK(back.mean_taxel().full_scale() == fit.mean_taxel().full_scale());
     CHECK(evaluate(held_out, back).mean_error_psi == evaluate(held_out, fit).mean_error_psi);
   }
-}
-
-TEST_CASE("ELAM of a whole run goes in rows with its mount, every other model as a document") {
-  SensorModel elam = fit_array(array_run(1), by("elam"));
-  elam.run = 1;
-  elam.validity.mount = "film";
-  const FitRows rows = rows_of(elam);
-  CHECK(rows.fit.model == kElamFit);
-  REQUIRE(rows.taxels.size() == 3);
-  CHECK(model_from_rows(rows).validity.mount == "film");
-  SensorModel gpi = fit_array(array_run(1), by("gpi"));
-  gpi.run = 1;
-  CHECK(rows_of(gpi).taxels.empty());
-  CHECK(rows_of(gpi).fit.model == "gpi");
-  elam.all_sequences = false;
-  CHECK(rows_of(elam).taxels.empty());
-  CHECK(rows_of(elam).fit.model == "elam, in part");
 }
 
 TEST_CASE("frames are streamed by any model: taxels without one are dead, lost samples are named") {

@@ -143,15 +143,15 @@ TEST_CASE("device faults end with 3, unproved safety with 7, and the frames stay
   check_error(call(folder, {"fit", "1"}), 6, "TB-ANALYSIS-EMPTY");
 }
 
-TEST_CASE("a store of a newer schema, a foreign file and a missing store are refused with 5") {
+TEST_CASE("a store of another build's schema, a foreign file and a missing store are refused with 5") {
   const TemporaryFolder folder;
   prepare(folder);
   sqlite3* db = nullptr;
   REQUIRE(sqlite3_open(folder.path("runs.db").c_str(), &db) == SQLITE_OK);
   REQUIRE(sqlite3_exec(db, "PRAGMA user_version = 9999", nullptr, nullptr, nullptr) == SQLITE_OK);
   sqlite3_close(db);
-  check_error(call(folder, small_run()), 5, "TB-STORE-NEWER", true);
-  check_error(call(folder, {"runs", "list"}), 5, "TB-STORE-NEWER");
+  check_error(call(folder, small_run()), 5, "TB-STORE-OTHER-SCHEMA", true);
+  check_error(call(folder, {"runs", "list"}), 5, "TB-STORE-OTHER-SCHEMA");
   write_file(folder.path("text.db"), std::string(5000, 'x'));
   check_error(call(folder, {"runs", "list", "--db", "text.db"}), 5, "TB-STORE-OPEN");
   check_error(call(folder, {"runs", "list", "--db", "none.db"}), 5, "TB-STORE-OPEN");

@@ -220,7 +220,7 @@ TEST_CASE("a stored pass on an overdue reference verifies on a run of before, an
       db::RunStore store = db::RunStore::open(folder.path(name));
       std::vector<db::VerdictRecord> verdicts = store.verdicts(1);
       for (db::VerdictRecord& verdict : verdicts) verdict.verdict = "pass";
-      store.replace_verdicts(1, store.latest_fit(1, analysis::kElamFit)->fit, verdicts);
+      store.replace_verdicts(1, store.standing_fit(1)->fit, verdicts);
     }
     const Finished verify = call(folder, {"verify", "1", "--db", name});
     INFO(verify.out);

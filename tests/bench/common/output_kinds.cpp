@@ -40,7 +40,6 @@ TEST_CASE("a file's kind: each beginning in the table, and none of them without 
       {"# Written by `tactbench simulate`", "a bench file of tactbench simulate"},
       {"# correction of ", "a correction of a reference"},
       {"# SIMULATED correction of ", "a correction of a reference"},
-      {"frame,sequence,recipe,repeat,branch,", "frames of a run (CSV)"},
       {"# tactbench: frames of run ", "frames of a run (CSV)"},
   };
   for (const auto& [beginning, kind] : kinds) {

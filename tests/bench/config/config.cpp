@@ -253,7 +253,7 @@ TEST_CASE("every room's error becomes an exit code") {
   CHECK(code(devices::Fault("TB-MODBUS-TIMEOUT", "d", "m", "r")) == ExitCode::kDevice);
   CHECK(code(devices::Fault(devices::Cause::kLimit, "TB-CHAMBER-TRIP", "d", "m", "r")) == ExitCode::kStopped);
   CHECK(code(FileError("TB-FILE-KEY", "m", "w", "r")) == ExitCode::kUsage);
-  CHECK(code(db::StoreError("TB-STORE-NEWER", "m", "r")) == ExitCode::kStore);
+  CHECK(code(db::StoreError("TB-STORE-OTHER-SCHEMA", "m", "r")) == ExitCode::kStore);
   CHECK(code(db::StoreError(db::Cause::kUsage, "TB-STORE-NOT-FOUND", "m", "r")) == ExitCode::kUsage);
   CHECK(code(analysis::AnalysisError("TB-ANALYSIS-EMPTY", "m", "r")) == ExitCode::kInconclusive);
   CHECK(code(std::runtime_error("x")) == ExitCode::kInternal);

@@ -19,11 +19,10 @@ db::FitRecord fit_of_run(std::int64_t run) {
   db::FitRecord fit;
   fit.run = run;
   fit.model = "elam";
-  fit.options_json = R"({"a":1})";
-  fit.summary_json = R"({"b":1})";
+  fit.document = R"({"c":1})";
+  fit.made_by = "a build";
   fit.program_version = "1";
   fit.created_utc = "2026-01-03T00:00:00Z";
-  fit.patterns_json = R"({"c":1})";
   return fit;
 }
 
@@ -61,23 +60,16 @@ class TwoStores {
 
 }  // namespace
 
-TEST_CASE("taken fits: those that are not here yet, with their taxels and verdicts by each limits file") {
+TEST_CASE("taken fits: those that are not here yet, with their verdicts by each limits file") {
   TwoStores made;
   CHECK(made.take() == 0);
-  db::FitTaxelRecord taxel;
-  taxel.taxel = 0;
-  taxel.status = "fitted";
-  taxel.parameters = {1.0, 2.0};
-  const std::int64_t first = made.there.store.add_fit(fit_of_run(1), {taxel});
+  const std::int64_t first = made.there.store.add_fit(fit_of_run(1));
   made.there.store.replace_verdicts(1, first, {taken_row("a", "pass"), taken_row("a", "fail")});
   made.there.store.replace_verdicts(1, first, {taken_row("b", "inconclusive")});
   made.there.store.replace_verdicts(1, 0, {taken_row("c", "pass")});  // without a fit: not taken
   CHECK(made.take() == 1);
   REQUIRE(made.here.store.fits(2).size() == 1);
-  const std::int64_t taken = made.here.store.fits(2)[0].fit;
-  CHECK(made.here.store.fits(2)[0].patterns_json == R"({"c":1})");
-  REQUIRE(made.here.store.fit_taxels(taken).size() == 1);
-  CHECK(made.here.store.fit_taxels(taken)[0].parameters == std::vector<double>{1.0, 2.0});
+  CHECK(made.here.store.fits(2)[0].document == R"({"c":1})");
   const std::string all = made.verdicts();
   CHECK_THAT(
       all, Catch::Contains("1 a pass; 1 a fail; ") && Catch::Contains("1 b inconclusive; ") && !Catch::Contains(" c "));
@@ -88,16 +80,16 @@ TEST_CASE("taken fits: those that are not here yet, with their taxels and verdic
 
 TEST_CASE("taken fits: one is another when any of its texts is") {
   TwoStores made;
-  (void)made.here.store.add_fit(fit_of_run(2), {});
-  (void)made.there.store.add_fit(fit_of_run(1), {});
+  (void)made.here.store.add_fit(fit_of_run(2));
+  (void)made.there.store.add_fit(fit_of_run(1));
   CHECK(made.take() == 0);
   int expected = 0;
   for (std::string db::FitRecord::*text :
-       {&db::FitRecord::model, &db::FitRecord::options_json, &db::FitRecord::summary_json,
-        &db::FitRecord::program_version, &db::FitRecord::created_utc, &db::FitRecord::patterns_json}) {
+       {&db::FitRecord::model, &db::FitRecord::document, &db::FitRecord::made_by, &db::FitRecord::program_version,
+        &db::FitRecord::created_utc}) {
     db::FitRecord other = fit_of_run(1);
     other.*text = R"({"x":1})";
-    (void)made.there.store.add_fit(other, {});
+    (void)made.there.store.add_fit(other);
     CHECK(made.take() == 1);
     CHECK(made.here.store.fits(2).size() == static_cast<std::size_t>(++expected) + 1);
   }
@@ -115,7 +107,7 @@ TEST_CASE("taken fits: figures of subjects that have none here") {
 
 TEST_CASE("taken fits: nothing of a run whose fits are not what was stored") {
   TwoStores made;
-  (void)made.there.store.add_fit(fit_of_run(1), {});
+  (void)made.there.store.add_fit(fit_of_run(1));
   db::sqlite::Connection(made.there.store.path(), db::sqlite::Access::kReadWrite)
       .execute("UPDATE fits SET program_version = '2'");
   try {

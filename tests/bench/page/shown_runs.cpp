@@ -257,7 +257,7 @@ TEST_CASE("page lists: runs newest first with verdict, frames and fit, sensors w
   db::FitRecord fit;
   fit.run = 1;
   fit.model = "elam";
-  const std::int64_t number = made.store.add_fit(fit, {});
+  const std::int64_t number = made.store.add_fit(fit);
   for (const std::int64_t run : {1, 2}) {
     db::VerdictRecord row;
     row.criterion = "mean_compensation_error";

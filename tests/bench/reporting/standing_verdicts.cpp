@@ -32,7 +32,7 @@ class StandingByHand {
     db::FitRecord fit;
     fit.run = run;
     fit.model = model;
-    return store.add_fit(fit, {});
+    return store.add_fit(fit);
   }
   void judge(std::int64_t run, std::int64_t fit, const std::string& limits, const std::vector<std::string>& words) {
     std::vector<db::VerdictRecord> rows;

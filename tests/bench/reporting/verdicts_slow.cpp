@@ -191,11 +191,6 @@ TEST_CASE("every held-out run is judged, the worst one decides, and it stays wit
   const json again = bench.answer({"report", "1"}, 1);  // unchanged since it was signed
   CHECK(again["written"] == false);
   CHECK(again["path"].get<std::string>() != bare_path);
-  // As an older program left it: signed under the plain name.
-  std::filesystem::copy_file(bench.path(bare_path), bench.path("reports/run-1.html"),
-                             std::filesystem::copy_options::overwrite_existing);
-  CHECK(bench.call({"report", "1", "--held-out", "2"}).code == 1);
-  CHECK(bench.text("reports/run-1.html") == bare_page);
 }
 
 TEST_CASE("void runs, a run's own models and a run named twice are refused wherever runs are named") {

@@ -60,7 +60,7 @@ TEST_CASE("verified by hand: a dynamic model rests on the runs of its lag and cr
     analysis::Runs runs(made.store);
     return bench::fit_run_dynamic(made.store, runs, 1);
   }();
-  CHECK(made.verified(1) == VerifiedLines{"1 of 1, dynamic, 1, recomputed: " + by_film_build() + " | ", ""});
+  CHECK(made.verified(1) == VerifiedLines{"1 of 1, dynamic, 3, recomputed: " + by_film_build() + " | ", ""});
   const auto verified_with = [&](std::int64_t run, const std::string& content, bool creep) {
     analysis::SensorModel with = alone;
     analysis::SensorDynamics::Source& source = creep ? with.dynamics->creep : with.dynamics->rate;
@@ -93,15 +93,13 @@ TEST_CASE("verified by hand: a dynamic model rests on the runs of its lag and cr
 TEST_CASE("verified by hand: a dynamic document without its sources, and models of an imported table") {
   VerifiedStore made;
   (void)made.add(film_inner_loops());
-  db::FitRecord record = analysis::rows_of([&] {
-                           analysis::FitOptions options;
-                           options.model = "monotone";
-                           return analysis::fit_array(analysis::load_dataset(made.store, 1), options);
-                         }())
-                             .fit;
+  analysis::FitOptions options;
+  options.model = "monotone";
+  db::FitRecord record;
+  record.run = 1;
   record.model = "dynamic";
-  record.options_json = R"({"made_by":"x"})";
-  (void)made.store.add_fit(record, {});
+  record.document = analysis::to_line(analysis::fit_array(analysis::load_dataset(made.store, 1), options));
+  (void)made.store.add_fit(record);
   CHECK(made.verified(1) ==
         VerifiedLines{"1 of 1, dynamic, 0: not recomputed: it does not record which runs its lag and creep are from | ",
                       ""});
@@ -109,7 +107,7 @@ TEST_CASE("verified by hand: a dynamic document without its sources, and models 
   table.origin = "imported";
   record.run = made.add(table);
   record.model = "monotone";
-  (void)made.store.add_fit(record, {});
+  (void)made.store.add_fit(record);
   CHECK(made.verified(2) ==
         VerifiedLines{"2 of 2, monotone, 0: not recomputed: it was made from an imported table | ", ""});
 }

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/identify/stored/fit_rows.h"
 #include "analysis/identify/stored/model_document.h"
 #include "bench/reporting/evaluation.h"
 #include "bench/reporting/judgement.h"
@@ -49,7 +48,7 @@ class VerifiedStore : public FilmStore {
              const std::vector<analysis::InstrumentNote>& notes = {}) {
     write_file(path("limits.toml"), kVerifiedLimits);
     analysis::Runs runs(store);
-    const analysis::SensorModel models = analysis::load_fit(store, store.fit(fit));
+    const analysis::SensorModel models = analysis::load_fit(store.fit(fit));
     (void)bench::judge_and_store(store, runs, models, bench::evaluate_runs(runs, models, held_out), path("limits.toml"),
                                  false, notes);
   }

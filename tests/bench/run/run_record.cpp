@@ -102,8 +102,6 @@ TEST_CASE("run record: a stored bench is read with its overrides, not with those
   REQUIRE(stored_bench(row));
   CHECK(stored_bench(row)->limits.trip_psi == 64.0);
   CHECK(stored_bench(row)->file == "bench file of run 5");
-  row.overrides_json = R"([{"key":"reference.due","value":"\"some day\""}])";  // as older programs took it
-  CHECK(stored_bench(row));
   row.overrides_json = "{";
   CHECK_FALSE(stored_bench(row));
   row.overrides_json = R"([{"key":"no.such.key","value":"1"}])";

@@ -67,7 +67,7 @@ void add_bulk(db::RunStore& store, int number, int runs, std::vector<db::FrameRe
   db::FitRecord fit;
   fit.run = run;
   fit.model = "bulk";
-  const std::int64_t models = store.add_fit(fit, {});
+  const std::int64_t models = store.add_fit(fit);
   std::vector<db::VerdictRecord> verdicts(4);
   for (db::VerdictRecord& verdict : verdicts) {
     verdict.verdict = std::string("pass");

@@ -10,15 +10,16 @@ import subprocess
 import sys
 import tempfile
 
-program, old_store = sys.argv[1:]
+program = sys.argv[1]
 folder = tempfile.mkdtemp()
 for name in ("TACTBENCH_BENCH", "TACTBENCH_DB"):
     os.environ.pop(name, None)  # the developer's
 os.environ["TACTBENCH_RUNTIME_DIR"] = folder  # commands to other runs of this machine do not reach it
 
 
-def call(*words):
-    subprocess.run([program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+def call(*words, codes=(0,)):
+    done = subprocess.run([program, *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    assert done.returncode in codes, (words, done.returncode, done.stderr)
 
 
 def rows(sql, *values):
@@ -28,8 +29,13 @@ def rows(sql, *values):
 
 
 try:
-    shutil.copy(old_store, os.path.join(folder, "runs.db"))
-    call("db", "migrate")
+    call("init")
+    call("sensors", "add", "S-1", "--type", "sensor.toml")
+    with open(os.path.join(folder, "small.toml"), "w") as file:
+        file.write('schema = 1\nname = "small"\nunit = "psi"\nturning_points = [0, 60, 20, 60, 0]\nstep = 20\n')
+    call("run", "./small.toml", "--sensor", "S-1", "--operator", "test")
+    call("run", "./small.toml", "--sensor", "S-1", "--operator", "test")
+    call("fit", "1", "--model", "elam", "--held-out", "2", "--limits", "limits.toml", codes=(0, 1, 6))
     call("runs", "tag", "1", "from-python")
     call("runs", "export", "1", "-o", "run.csv")
     call("runs", "export", "1", "--format", "json", "-o", "run.json")

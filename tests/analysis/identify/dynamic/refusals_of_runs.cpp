@@ -5,7 +5,6 @@
 
 #include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_alone.h"
-#include "analysis/identify/stored/fit_rows.h"
 #include "tests/analysis/support/dynamic_walk.h"
 
 using namespace synthetic;
@@ -136,23 +135,4 @@ TEST_CASE("data that carry no model are refused in all words: one direction, no 
   CHECK((fit.taxels[0].status == TaxelStatus::kUnfit && fit.taxels[0].reason.empty()));
   CHECK(fit.taxels[1].fitted());
   CHECK_THROWS_WITH(of_table({{"a", 0, {0, 1, 2, 1, 0}, {3, 3, 3, 3, 3}}}), "t: no taxel can be fitted");
-}
-
-TEST_CASE("options of a stored fit that cannot be read are refused with fit and run") {
-  tactbench::db::FitRecord record;
-  record.run = 7;
-  record.fit = 9;
-  record.options_json = R"({"settled":true})";
-  try {
-    (void)options_of(record);
-    FAIL_CHECK("read");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-MODEL-STORED");
-    CHECK_THAT(error.what(), Catch::StartsWith("the options of fit 9 of run 7 cannot be read: "));
-    CHECK(error.remedy() == "fit the run again: tactbench fit 7");
-  }
-  record.options_json = R"({"exact_outer":true,"settled":true})";
-  CHECK((options_of(record).exact_outer && options_of(record).settle));
-  record.options_json = R"({"exact_outer":false})";
-  CHECK((!options_of(record).exact_outer && !options_of(record).settle));
 }

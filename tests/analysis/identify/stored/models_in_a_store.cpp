@@ -1,10 +1,19 @@
-// MODEL of the command line as a run or a fit of a store: which fit stands for a run, and what its run adds to it.
+// Fits in a store, and MODEL of the command line as a run or a fit of it.
+#include <algorithm>
+#include <bit>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "analysis/error.h"
 #include "analysis/identify/dynamic/dynamic_fit.h"
 #include "analysis/identify/stored/model_document.h"
+#include "analysis/models/elam_hysteresis.h"
 #include "tests/analysis/support/straight_array.h"
 #include "tests/db/store_example.h"
 #include "tests/support/process.h"
@@ -37,21 +46,16 @@ std::string refused_model(const std::string& model, const db::RunStore& store, c
 
 }  // namespace
 
-TEST_CASE("MODEL as a run of the store: its standing fit, with the run's sequences, scans and content") {
+TEST_CASE("MODEL as a run of the store is its standing fit, or the fit that is named") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
-  CHECK_FALSE(standing_fit(store, run));
   CHECK(refused_model("1", store, "make one: tactbench fit 1") == "TB-ANALYSIS-NO-FIT run 1 has no stored fit");
   CHECK_THROWS_WITH(load_fit(store, run), "run 1 has no stored fit");
   CHECK(store_fit(store, fit_of_stored_run(run), "9.9", tests::kUtc, "commit abc") == 1);
   const SensorModel first = load_model("1", &store);
-  CHECK((first.run == 1 && first.fit == 1 && first.program_version == "9.9" && first.scans == 2));
-  CHECK(first.sequences == std::vector<std::string>{"up", "down"});
-  CHECK(first.content_sha256 == store.run(run).content_sha256);
-  CHECK(first.content_sha256.size() == 64);
+  CHECK((first.run == 1 && first.fit == 1 && first.program_version == "9.9"));
   CHECK(load_model("1:1", &store).sequences == first.sequences);
-  // What the document says of its sequences stays.
   SensorModel part = fit_of_stored_run(run);
   part.all_sequences = false;
   part.sequences = {"down"};
@@ -71,59 +75,117 @@ TEST_CASE("MODEL as a run of the store: its standing fit, with the run's sequenc
   CHECK_THROWS_AS(load_model("1:3", &store), db::StoreError);
 }
 
-TEST_CASE("the fit that stands for a run: the later one of elam and dynamic, else the last of any") {
+TEST_CASE("which fits stand for a run: the dynamic model, and ELAM in the paper's mode of the whole array") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
-  const auto stands = [&] {
-    const auto record = standing_fit(store, run);
-    return record ? record->fit : 0;
+  struct Row {
+    const char* label;
+    bool stands;
+    std::function<void(SensorModel&)> change;
   };
-  const auto add = [&](const std::string& model) {
-    db::FitRecord record;
-    record.run = run;
-    record.model = model;
-    record.options_json = record.summary_json = record.patterns_json = "{}";
-    record.program_version = "9.9";
-    record.created_utc = tests::kUtc;
-    return store.add_fit(record, {});
-  };
-  CHECK(add("gpi") == 1);
-  CHECK(stands() == 1);
-  CHECK(add("mpi") == 2);
-  CHECK(stands() == 2);
-  CHECK(add(kDynamicModel) == 3);
-  CHECK(stands() == 3);
-  CHECK(add("gpi") == 4);
-  CHECK(stands() == 3);
-  CHECK(add(kElamFit) == 5);
-  CHECK(stands() == 5);
-  CHECK(add(kDynamicModel) == 6);
-  CHECK(stands() == 6);
+  for (const Row& row : std::vector<Row>{
+           {"elam", true, [](SensorModel&) {}},
+           {"elam", false, [](SensorModel& fit) { fit.origin = "imported"; }},
+           {"elam", false, [](SensorModel& fit) { fit.all_sequences = false; }},
+           {"elam", false, [](SensorModel& fit) { fit.parent_sha256 = "abc"; }},
+           {"elam", false, [](SensorModel& fit) { fit.rows = 2; }},
+           {"elam", false, [](SensorModel& fit) { fit.taxels = {fit.mean_taxel()}; }},
+           {"elam, exact outer", false, [](SensorModel& fit) { fit.options.exact_outer = true; }},
+           {"elam, free run", false, [](SensorModel& fit) { fit.options.free_run = true; }},
+           {"elam, genetic", false, [](SensorModel& fit) { fit.options.genetic = true; }},
+           {"elam, memory", false, [](SensorModel& fit) { fit.options.memory = true; }},
+           {"elam, linearised", false, [](SensorModel& fit) { fit.options.linearise = true; }},
+           {"elam, 2 splits", false, [](SensorModel& fit) { fit.options.splits = 2; }},
+           {"dynamic", true, [](SensorModel& fit) {
+              fit.model = kDynamicModel;
+              fit.dynamics.emplace();
+            }}}) {
+    CAPTURE(row.label);
+    SensorModel fit = fit_of_stored_run(run);
+    row.change(fit);
+    const db::FitRecord stored = store.fit(store_fit(store, fit, "9.9", tests::kUtc));
+    CHECK(stored.model == row.label);
+    CHECK(stored.stands == row.stands);
+    CHECK(stored.fitted == static_cast<int>(fit.fitted().size()));
+  }
 }
 
-TEST_CASE(
-    "a fit that a store holds as a document: made of its run, refused with the store's path where it is damaged") {
+TEST_CASE("a stored fit whose document is damaged, or lacks a taxel where it stands for the run, is refused by id") {
   const tests::TemporaryFolder folder;
   db::RunStore store = db::RunStore::open(folder.path("s.db"));
   const std::int64_t run = tests::store_example(store);
-  db::FitRecord record;
-  record.run = run;
-  record.model = "gpi";
-  record.options_json = record.summary_json = record.patterns_json = "{}";
-  record.program_version = "9.9";
-  record.created_utc = tests::kUtc;
-  store.add_fit(record, {});
-  try {
-    (void)load_fit(store, run);
-    FAIL_CHECK("read");
-  } catch (const AnalysisError& error) {
-    CHECK(error.id() == "TB-MODEL-STORED");
-    CHECK(error.remedy() == "fit the run again: tactbench fit 1; tactbench db check lists what else is damaged");
-    CHECK_THAT(error.what(), Catch::StartsWith("fit 1 of " + folder.path("s.db") + " is no model: "));
-  }
-  // Of a whole run's ELAM rows are looked for.
-  record.model = kElamFit;
-  store.add_fit(record, {});
-  CHECK_THROWS_WITH(load_fit(store, run), Catch::StartsWith("the stored fit of run 1 cannot be read: "));
+  const db::FitRecord good = store.fit(store_fit(store, fit_of_stored_run(run), "9.9", tests::kUtc));
+  CHECK_NOTHROW(load_fit(good));
+  const auto refused = [&](const std::function<void(nlohmann::ordered_json&)>& change) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(good.document);
+    change(json);
+    db::FitRecord record = good;
+    record.document = json.dump();
+    try {
+      (void)load_fit(record);
+    } catch (const AnalysisError& error) {
+      return error.id();
+    }
+    return std::string();
+  };
+  using Json = nlohmann::ordered_json;
+  for (const std::function<void(Json&)>& change : std::vector<std::function<void(Json&)>>{
+           [](Json& json) { json = Json::object(); },
+           [](Json& json) { json["sensor"]["rows"] = 2; },
+           [](Json& json) { json["sensor"]["rows"] = 0; },
+           [](Json& json) { json["sensor"]["columns"] = -3; },
+           [](Json& json) { json["taxels"][2]["taxel"] = 3; },
+           [](Json& json) { json["taxels"][1]["taxel"] = 0; },
+           [](Json& json) { json["taxels"].erase(0); },
+           [](Json& json) { json["taxels"][0]["status"] = "well"; },
+           [](Json& json) { json["taxels"][2]["status"] = "fitted"; },
+           [](Json& json) { json["taxels"][0]["noise"] = -0.5; },
+           [](Json& json) { json["taxels"][0]["noise"] = nullptr; },
+           [](Json& json) { json["taxels"][0]["model"]["parameters"].erase("beta_a"); },
+           [](Json& json) { json["taxels"][0]["model"]["parameters"]["beta_a"] = nullptr; },
+           [](Json& json) { json["taxels"][0]["model"]["ascending"].erase(0); },
+           [](Json& json) { json["taxels"][0]["model"]["descending"][0] = 0.5; }})
+    CHECK(refused(change) == "TB-MODEL-STORED");
+  CHECK(refused([](Json& json) { json["taxels"][2]["noise"] = nullptr; }).empty());  // dead: nothing is known of it
+}
+
+TEST_CASE("every class of double comes back from the store bit for bit, and the hash beside it holds") {
+  const tests::TemporaryFolder folder;
+  db::RunStore store = db::RunStore::open(folder.path("s.db"));
+  const std::int64_t run = tests::store_example(store);
+  const double denormal = std::numeric_limits<double>::denorm_min(), none = std::nan("");
+  SensorModel fit = fit_of_stored_run(run);
+  const std::vector<double> x{-0.0, 60.0}, up{-0.0, 3.0}, down{-0.0, std::nextafter(3.0, 4.0)};
+  ModelTaxel& taxel = fit.taxels[0];
+  taxel.fit.model = std::make_shared<ElamHysteresis>(
+      ElamModel{PatternCurve(x, up, -0.0, down[1]), PatternCurve(x, down, -0.0, down[1]),
+                {0.1, 1.0 / 3.0, -0.0, denormal, std::numeric_limits<double>::max()}, {}});
+  taxel.noise = denormal;
+  taxel.zero = -0.0;
+  taxel.fit.j = none;
+  taxel.fit.mean_error = -0.0;
+  taxel.fit.max_error = std::numeric_limits<double>::min() / 3.0;
+  taxel.fit.full_scale = 0.1 + 0.2;
+  fit.taxels[2].noise = none;
+  const std::int64_t number = store_fit(store, fit, "9.9", tests::kUtc);
+  const SensorModel back = load_fit(store.fit(number));
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  const ModelTaxel& read = back.taxels[0];
+  CHECK((bits(read.noise) == bits(denormal) && bits(read.zero) == bits(-0.0) && std::isnan(read.fit.j)));
+  CHECK((bits(read.fit.mean_error) == bits(-0.0) && bits(read.fit.max_error) == bits(taxel.fit.max_error)));
+  CHECK((bits(read.fit.full_scale) == bits(0.1 + 0.2) && std::isnan(back.taxels[2].noise)));
+  const ElamModel &was = *elam_of(taxel), &is = *elam_of(read);
+  const auto numbers = [](const ElamModel& model) {
+    const ElamParameters& p = model.parameters;
+    std::vector<double> all{p.alpha_d, p.beta_d, p.alpha_a1, p.alpha_a0, p.beta_a};
+    for (const PatternCurve* curve : {&model.ascending, &model.descending})
+      for (const auto& values : {curve->x(), curve->y()}) all.insert(all.end(), values.begin(), values.end());
+    return all;
+  };
+  CHECK(std::ranges::equal(numbers(was), numbers(is), {}, bits, bits));
+  CHECK(std::signbit(is.ascending.x().front()));
+  CHECK(store.check_seals(run).empty());
+  CHECK(store_fit(store, back, "9.9", tests::kUtc) == number + 1);
+  CHECK(store.fit(number + 1).document == store.fit(number).document);
 }

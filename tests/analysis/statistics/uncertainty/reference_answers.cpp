@@ -151,10 +151,6 @@ TEST_CASE("reference: the drift's words, in date, overdue with both dates and wi
   CHECK(none.drift_missing ==
         "the bench file gives no limit for it: [reference] drift_psi; the reference was overdue since 2025-05-06");
   CHECK(reference_of("").drift_missing == "the bench file gives no limit for it: [reference] drift_psi");
-  const ReferenceUncertainty earlier = by_earlier_rules(reference_of(R"("drift_psi":0.05,"due":"2025-05-06")"));
-  CHECK((earlier.drift_psi == 0.05 && !earlier.overdue && earlier.drift_missing == "the reference was overdue"));
-  const ReferenceUncertainty same = by_earlier_rules(reference_of(R"("drift_psi":0.05)"));
-  CHECK(same.drift_missing.empty());
 }
 
 TEST_CASE("reference: which device it is, and the scanner's volts a count") {

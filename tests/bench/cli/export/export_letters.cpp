@@ -171,7 +171,7 @@ TEST_CASE("runs copy: sorted, once each, with a note on verdicts that stay behin
   db::VerdictRecord verdict;
   verdict.verdict = "pass";
   verdict.limits_sha256 = "l";
-  const std::int64_t own = store.store.add_fit(fit, {});
+  const std::int64_t own = store.store.add_fit(fit);
   for (const std::int64_t judged : {2, 3}) store.store.replace_verdicts(judged, own, {verdict});
   const std::string to = store.folder.path("to.db");
   const auto note = [](int judged) {

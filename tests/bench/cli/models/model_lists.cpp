@@ -16,13 +16,13 @@ namespace {
 struct StoreOfModels {
   StoreOfModels() {
     for (int run = 0; run < 3; ++run) (void)store_example(store);
-    add(1, "elam", R"({"fitted": 3, "taxels": {"fitted": 9}})");
-    add(1, "dynamic", R"({"taxels": {"fitted": 5}})");
-    add(3, "a long name of a model", R"({"taxels": {}})");
-    add(3, "gpi", R"({})");
+    add(1, "elam", 3);
+    add(1, "dynamic", 5);
+    add(3, "a long name of a model", 0);
+    add(3, "gpi", 0);
   }
-  void add(std::int64_t run, const std::string& model, const std::string& summary) {
-    (void)store.add_fit({0, run, model, "{}", summary, "0.9.1", kUtc, "{}"}, {});
+  void add(std::int64_t run, const std::string& model, int fitted) {
+    (void)store.add_fit({0, run, model, true, fitted, "{}", "", "0.9.1", kUtc});
   }
   Finished list(const std::vector<std::string>& more) const {
     std::vector<std::string> words = {"model", "list", "--db", path};

@@ -182,8 +182,7 @@ TEST_CASE("model list: nothing yet, and fits of both kinds of summary") {
   CHECK(list({}).out == head + "no models are stored: tactbench fit RUN makes some\n");
   CHECK(list({"1"}).out == head + "run 1 has no models: tactbench fit 1 makes some\n");
   CHECK_THAT(list({"2"}).err, Catch::Contains("[TB-STORE-NOT-FOUND]"));
-  for (const char* summary : {R"({"fitted":5})", R"({"taxels":{"fitted":6}})", R"({"taxels":{}})", "{}"})
-    (void)store.add_fit({0, 1, "elam", "{}", summary, "0.1.0", kUtc, "{}"}, {});
+  for (const int fitted : {5, 6, 0, 0}) (void)store.add_fit({0, 1, "elam", true, fitted, "{}", "", "0.1.0", kUtc});
   const std::string rest = "  simulated  2026-01-01T00:00:00Z\n";
   CHECK(list({}).out == head + "1:1       elam          S-1                   5" + rest +
                             "1:2       elam          S-1                   6" + rest +

@@ -53,7 +53,7 @@ TEST_CASE("runs show: a table of verdicts for each pair of models and limits, an
   db::FitRecord fit;
   fit.run = 1;
   fit.model = "elam";
-  const std::int64_t own = store.store.add_fit(fit, {});
+  const std::int64_t own = store.store.add_fit(fit);
   const auto row = [](const char* verdict, const std::string& limits) {
     return db::VerdictRecord{0, 0, "unfit_taxels", "array", 1.0, 1.5, "taxels", "simple", verdict, "limits", limits};
   };
