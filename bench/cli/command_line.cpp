@@ -41,7 +41,7 @@ void check_verb(const CLI::App& app, int argc, char** argv) {
   if (std::find(verbs.begin(), verbs.end(), given) != verbs.end()) return;
   const std::string near = sequences::nearest_word(given, verbs);
   throw Error(
-      ExitCode::kUsage, "TB-USAGE", fmt::format("there is no verb '{}'", given), "command line",
+      "TB-USAGE", fmt::format("there is no verb '{}'", given), "command line",
       near.empty() ? fmt::format("one of: {}", fmt::join(verbs, ", ")) : fmt::format("did you mean '{}'?", near));
 }
 
@@ -65,7 +65,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (!verbs.empty() && verb != &app) {
     const bool typed = !left.empty() && left.front().size() > 1 && left.front().front() != '-';
     const std::string near = typed ? sequences::nearest_word(left.front(), verbs) : std::string();
-    return {ExitCode::kUsage, "TB-USAGE",
+    return {"TB-USAGE",
             typed ? fmt::format("there is no verb '{}' of '{}'", left.front(), words)
                   : fmt::format("'{}' needs a verb after it", words),
             "command line",
@@ -75,8 +75,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
     return word.size() > 1 && word.front() == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0;
   });
   if (unknown == left.end()) {
-    return {ExitCode::kUsage, "TB-USAGE", error.what(), "command line",
-            "see tactbench --help, or tactbench VERB --help"};
+    return {"TB-USAGE", error.what(), "command line"};
   }
   std::vector<std::string> known;
   for (const CLI::Option* option : verb->get_options()) {
@@ -84,7 +83,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = unknown->substr(0, unknown->find('='));
   const std::string near = sequences::nearest_word(name, known);
-  return {ExitCode::kUsage, "TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
+  return {"TB-USAGE", fmt::format("there is no option '{}' of '{}'", name, words), "command line",
           near.empty() ? fmt::format("{} --help lists what is taken", words) : fmt::format("did you mean '{}'?", near)};
 }
 
@@ -153,6 +152,7 @@ int run_command_line(int argc, char** argv) {
   add_selfcheck(app, session);
   add_completion(app);
   add_dead_man(app, session);
+  add_error_reference(app);
   try {
     check_verb(app, argc, argv);
     app.parse(argc, argv);

@@ -97,6 +97,7 @@ void add_trend(CLI::App& app, Session& session);
 void add_rig(CLI::App& app, Session& session);
 void add_config(CLI::App& app, Session& session);
 void add_selfcheck(CLI::App& app, Session& session);
+void add_error_reference(CLI::App& app);
 void add_dead_man(CLI::App& app, Session& session);
 void add_fleet(CLI::App& app, Session& session);
 

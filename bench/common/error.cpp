@@ -16,41 +16,49 @@ namespace tactbench::bench {
 
 namespace {
 
-ExitCode code_of(devices::Cause cause) {
-  return cause == devices::Cause::kLimit ? ExitCode::kStopped : ExitCode::kDevice;
-}
-
-ExitCode code_of(db::Cause cause) { return cause == db::Cause::kUsage ? ExitCode::kUsage : ExitCode::kStore; }
-
-ExitCode code_of(db::fleet::FleetCause cause) {
-  switch (cause) {
-    case db::fleet::FleetCause::kUsage:
-      return ExitCode::kUsage;
-    case db::fleet::FleetCause::kLink:
-      return ExitCode::kDevice;
-    case db::fleet::FleetCause::kStore:
-      break;
-  }
-  return ExitCode::kStore;
-}
-
-ExitCode code_of(analysis::Cause cause) {
-  switch (cause) {
-    case analysis::Cause::kUsage:
-      return ExitCode::kUsage;
-    case analysis::Cause::kStored:
-      return ExitCode::kStore;
-    case analysis::Cause::kNoResult:
-      break;
-  }
-  return ExitCode::kInconclusive;
+const ErrorRow& row_of(std::string_view id) {
+  const ErrorRow* row = error_row(id);
+  return row != nullptr ? *row : ErrorId("TB-INTERNAL").row();
 }
 
 }  // namespace
 
+Error::Error(ExitCode code, std::string id, const std::string& message, std::string where, std::string remedy,
+             std::string rig_state)
+    : std::runtime_error(message),
+      code_(code),
+      id_(std::move(id)),
+      where_(std::move(where)),
+      remedy_(remedy.empty() ? std::string(row_of(id_).remedy) : std::move(remedy)),
+      rig_state_(std::move(rig_state)) {}
+
+Error Error::by_text(const std::string& id, const std::string& message, std::string where, std::string remedy) {
+  return {row_of(id).exit_code, id, message, std::move(where), std::move(remedy)};
+}
+
+std::string_view Error::cause() const { return row_of(id_).cause; }
+
 Error Error::by_word() const {
   Error copy = *this;
   copy.asked_for_ = true;
+  return copy;
+}
+
+Error Error::with_message(const std::string& message) const {
+  Error copy = *this;
+  static_cast<std::runtime_error&>(copy) = std::runtime_error(message);
+  return copy;
+}
+
+Error Error::with_remedy(std::string remedy) const {
+  Error copy = *this;
+  copy.remedy_ = std::move(remedy);
+  return copy;
+}
+
+Error Error::by_signal(int signal) const {
+  Error copy = *this;
+  if (signal != 0) copy.code_ = code_of_signal(signal);
   return copy;
 }
 
@@ -68,20 +76,19 @@ Error as_error(const std::exception_ptr& exception, const std::string& where) {
     return error;
   } catch (const devices::Fault& fault) {
     const std::string place = where.empty() ? fault.device() : where + ", " + fault.device();
-    return {code_of(fault.cause()), fault.id(), fault.what(), place, fault.remedy()};
+    return Error::by_text(fault.id(), fault.what(), place, fault.remedy());
   } catch (const sequences::FileError& error) {
-    return {ExitCode::kUsage, error.id(), error.what(), error.where(), error.remedy()};
+    return Error::by_text(error.id(), error.what(), error.where(), error.remedy());
   } catch (const db::StoreError& error) {
-    return {code_of(error.cause()), error.id(), error.what(), where, error.remedy()};
+    return Error::by_text(error.id(), error.what(), where, error.remedy());
   } catch (const db::fleet::FleetError& error) {
-    return {code_of(error.cause()), error.id(), error.what(), where, error.remedy()};
+    return Error::by_text(error.id(), error.what(), where, error.remedy());
   } catch (const analysis::AnalysisError& error) {
-    return {code_of(error.cause()), error.id(), error.what(), where, error.remedy()};
+    return Error::by_text(error.id(), error.what(), where, error.remedy());
   } catch (const std::exception& error) {
-    return {ExitCode::kInternal, "TB-INTERNAL", error.what(), where, "this is a defect of tactbench: please report it"};
+    return {"TB-INTERNAL", error.what(), where};
   } catch (...) {
-    return {ExitCode::kInternal, "TB-INTERNAL", "unknown failure", where,
-            "this is a defect of tactbench: please report it"};
+    return {"TB-INTERNAL", "unknown failure", where};
   }
 }
 
@@ -105,6 +112,7 @@ std::string error_json(const Error& error) {
   json["version"] = 1;
   json["id"] = error.id();
   json["exit_code"] = static_cast<int>(error.code());
+  json["cause"] = error.cause();
   json["message"] = error.what();
   json["where"] = error.where();
   json["remedy"] = error.remedy();

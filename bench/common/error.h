@@ -1,5 +1,5 @@
-// Every error that reaches a person: what, where, how to mend it, and the state the rig was left in; its exit code
-// (docs/rules.md, Exit codes) and its stable identifier.
+// Every error that reaches a person: what, where, how to mend it, and the state the rig was left in. Its identifier is
+// one of bench/common/error_table.h, from which it has exit code, cause and remedy.
 #pragma once
 
 #include <exception>
@@ -7,46 +7,47 @@
 #include <string>
 #include <utility>
 
+#include "bench/common/error_table.h"
+
 namespace tactbench::bench {
 
-enum class ExitCode {
-  kPass = 0,
-  kCriterionFailed = 1,
-  kUsage = 2,  // usage or configuration, nothing touched
-  kDevice = 3,
-  kStopped = 4,  // operator, interlock or limit
-  kStore = 5,
-  kInconclusive = 6,
-  kUnsafe = 7,  // safe state not verified: outranks all
-  kInternal = 70,
-  kHungUp = 129,  // from here on 128 and the signal's number, after the safe state
-  kInterrupted = 130,
-  kQuit = 131,
-  kUser1 = 138,
-  kUser2 = 140,
-  kTerminated = 143,
+// An identifier of the table; another literal does not compile.
+class ErrorId {
+ public:
+  consteval ErrorId(const char* id) : row_(error_row(id)) {  // NOLINT: Error("TB-USAGE", ...)
+    if (row_ == nullptr) throw "not in kErrorTable";
+  }
+  [[nodiscard]] const ErrorRow& row() const { return *row_; }
+
+ private:
+  const ErrorRow* row_;
 };
-constexpr ExitCode code_of_signal(int number) { return static_cast<ExitCode>(128 + number); }
 
 class Error : public std::runtime_error {
  public:
+  // `remedy`: only where this place knows more than the table (a name, a number, a command with its arguments).
+  Error(ErrorId id, const std::string& message, std::string where, std::string remedy = {}, std::string rig_state = {})
+      : Error(id.row().exit_code, std::string(id.row().id), message, std::move(where), std::move(remedy),
+              std::move(rig_state)) {}
+  // By an identifier that only another room or another process knows; one that the table lacks has kInternal.
+  static Error by_text(const std::string& id, const std::string& message, std::string where, std::string remedy);
   Error(ExitCode code, std::string id, const std::string& message, std::string where, std::string remedy,
-        std::string rig_state = {})
-      : std::runtime_error(message),
-        code_(code),
-        id_(std::move(id)),
-        where_(std::move(where)),
-        remedy_(std::move(remedy)),
-        rig_state_(std::move(rig_state)) {}
+        std::string rig_state = {});
   [[nodiscard]] ExitCode code() const { return code_; }
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& where() const { return where_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
   [[nodiscard]] const std::string& rig_state() const { return rig_state_; }
 
+  [[nodiscard]] std::string_view cause() const;  // the table's
+
   // The same as the result of an operator's command, not a failure: error_text() does not call it an error.
   [[nodiscard]] Error by_word() const;
   [[nodiscard]] bool asked_for() const { return asked_for_; }
+  [[nodiscard]] Error with_message(const std::string& message) const;
+  [[nodiscard]] Error with_remedy(std::string remedy) const;
+  // With the exit code of the signal that ended the program; 0: none did.
+  [[nodiscard]] Error by_signal(int signal) const;
   // The same error with the state that the rig was left in; `safe` false: with the exit code kUnsafe.
   [[nodiscard]] Error with_rig_state(std::string rig_state, bool safe) const;
 

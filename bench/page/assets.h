@@ -1,12 +1,11 @@
-// Files inside the program: the page's own (bench/page/assets) and the table of errors (docs/reference-errors.md). The
-// build makes their source (bench/page/assets.cmake).
+// The page's own files (bench/page/assets) inside the program. The build makes their source (bench/page/assets.cmake).
 #pragma once
 
 #include <string_view>
 
 namespace tactbench::bench {
 
-// By name: "page.html", "page.js", "reference-errors.md". Empty: there is none.
+// By name: "page.html", "page.js". Empty: there is none.
 std::string_view asset(std::string_view name);
 
 }  // namespace tactbench::bench

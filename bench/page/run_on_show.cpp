@@ -7,8 +7,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "bench/common/error_table.h"
 #include "bench/common/for_people.h"
-#include "bench/page/cures.h"
 #include "bench/run/control/locks.h"
 
 namespace tactbench::bench {
@@ -39,11 +39,12 @@ std::uint64_t inode_of(const std::string& path) {
 }
 
 nlohmann::json event_json(const db::EventRecord& event) {
+  const ErrorRow* error = error_row(event.id);
   return {{"time_s", static_cast<double>(event.time_ns) * 1e-9},
           {"kind", event.kind},
           {"id", event.id},
           {"detail", one_line(event.detail, kLongestText)},
-          {"try", event.id.starts_with("TB-") ? cure_of(event.id) : std::string()}};
+          {"try", error != nullptr ? error->remedy : std::string_view()}};
 }
 
 }  // namespace

@@ -130,10 +130,10 @@ ForceReading DigitalFt::measure(int records, const Wrench& bias) {
   try {
     stream_samples(records, bias, sum);
   } catch (const Fault& fault) {
-    if (!fault.id().starts_with("TB-SERIAL")) stop();  // the next reading needs a quiet line
+    if (!fault.id().starts_with("TB-SERIAL-")) stop();  // the next reading needs a quiet line
     if (fault.id() != "TB-FORCE-STATUS") throw;
     const auto status = read_registers(kStatusRegister, 1);
-    throw Fault(fault.cause(), fault.id(), fault.device(),
+    throw Fault(fault.id(), fault.device(),
                 fmt::format("{}; its status register is 0x{:02X}{:02X}", fault.what(), status[0], status[1]),
                 fault.remedy());
   }

@@ -20,7 +20,9 @@ Nanoseconds from_seconds(double seconds) {
 }
 
 // The chain's state after these is not known: commands wait for arm().
-bool breaks_link(const Fault& fault) { return fault.id().starts_with("TB-SERIAL") || fault.id() == "TB-STAGE-TIMEOUT"; }
+bool breaks_link(const Fault& fault) {
+  return fault.id().starts_with("TB-SERIAL-") || fault.id() == "TB-STAGE-TIMEOUT";
+}
 
 }  // namespace
 
@@ -54,7 +56,7 @@ void ZaberStage::check_armed() const {
 
 void ZaberStage::refuse_target(Axis axis, const std::string& asked) const {
   throw Fault(
-      Cause::kLimit, "TB-STAGE-LIMIT", title(axis),
+      "TB-STAGE-LIMIT", title(axis),
       fmt::format("{}: {} was requested, allowed is {:g} to {:g} mm at up to {:g} mm/s; nothing was sent", title(axis),
                   asked, option(axis).low.value(), option(axis).high.value(), option(axis).maximum_speed.value()),
       "Correct the recipe, or the stage's limits in the bench file.");

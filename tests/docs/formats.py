@@ -281,7 +281,7 @@ def page(program, folder):
             "`film=B12 lot=A7`.\n\n" + body +
             "\n## A run as CSV\n" + csv +
             "\n## JSON\nEvery verb prints one document with `--json`, which begins with `schema` (`tactbench.VERB`) and `version`; an error has the "
-            "schema `tactbench.error`,\nwith `id`, `exit_code`, `message`, `where`, `remedy` and `rig_state`. A `[]` stands for each item of a list.\n" + trees +
+            "schema `tactbench.error`,\nwith `id`, `exit_code`, `cause`, `message`, `where`, `remedy` and `rig_state`. A `[]` stands for each item of a list.\n" + trees +
             "\n## A run as HDF5\n`tactbench.to_nexus(store, run, file)` of the [package for Python](python.md). Numbers that are not known are NaN; truth is "
             "0 or 1;\n`N` counts from 0.\n\n" + hdf5)
 

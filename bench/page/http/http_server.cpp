@@ -33,10 +33,9 @@ struct HttpServer::Server {
     if (!error) acceptor.bind(place, error);
     if (!error) acceptor.listen(16, error);
     if (!error) return;
-    throw Error(ExitCode::kUsage, "TB-PAGE-ADDRESS",
+    throw Error("TB-PAGE-ADDRESS",
                 fmt::format("cannot listen on {} port {}: {}", options.address, options.port, error.message()),
-                fmt::format("--listen {} --port {}", options.address, options.port),
-                "name an address of this machine, and another port; --port 0 takes a free one");
+                fmt::format("--listen {} --port {}", options.address, options.port));
   }
 
   void accept() {

@@ -72,7 +72,7 @@ std::unique_ptr<Wire> encrypted_wire(tcp::socket socket, boost::asio::ssl::conte
 namespace {
 
 [[noreturn]] void refuse_for_tls(const std::string& file, const std::string& why, const std::string& remedy) {
-  throw Error(ExitCode::kUsage, "TB-PAGE-CERTIFICATE", "cannot be used for TLS: " + why, file, remedy);
+  throw Error("TB-PAGE-CERTIFICATE", "cannot be used for TLS: " + why, file, remedy);
 }
 
 // OpenSSL's words are about its own parts ("no start line"), and about a file that cannot be opened it has none.

@@ -242,38 +242,6 @@ TEST_CASE("seeds of the command line take precedence over those of the file") {
   CHECK(config.simulation->plant.specimen.sensor_seed == 43);
 }
 
-TEST_CASE("every room's error becomes an exit code") {
-  const auto code = [](const auto& thrown) {
-    try {
-      throw thrown;
-    } catch (...) {
-      return as_error(std::current_exception()).code();
-    }
-  };
-  CHECK(code(devices::Fault("TB-MODBUS-TIMEOUT", "d", "m", "r")) == ExitCode::kDevice);
-  CHECK(code(devices::Fault(devices::Cause::kLimit, "TB-CHAMBER-TRIP", "d", "m", "r")) == ExitCode::kStopped);
-  CHECK(code(FileError("TB-FILE-KEY", "m", "w", "r")) == ExitCode::kUsage);
-  CHECK(code(db::StoreError("TB-STORE-OTHER-SCHEMA", "m", "r")) == ExitCode::kStore);
-  CHECK(code(db::StoreError(db::Cause::kUsage, "TB-STORE-NOT-FOUND", "m", "r")) == ExitCode::kUsage);
-  CHECK(code(analysis::AnalysisError("TB-ANALYSIS-EMPTY", "m", "r")) == ExitCode::kInconclusive);
-  CHECK(code(std::runtime_error("x")) == ExitCode::kInternal);
-}
-
-TEST_CASE("an error states what, where, the remedy and the rig's state") {
-  const Error error(ExitCode::kDevice, "TB-X", "what", "where", "mend", "vented");
-  CHECK(error_text(error, true) == "error: what [TB-X]\n  at: where\n  try: mend\n  state: vented\n");
-  const Error no_rig(ExitCode::kUsage, "TB-X", "what", "", "");
-  CHECK(error_text(no_rig, true) == "error: what [TB-X]\n  state: no device was touched\n");
-  CHECK(error_text(no_rig, false) == "error: what [TB-X]\n");
-  const Error asked = Error(ExitCode::kStopped, "TB-RUN-STOPPED", "run 3 stopped by alice", "", "").by_word();
-  CHECK(error_text(asked.with_rig_state("vented", true), true) ==
-        "run 3 stopped by alice [TB-RUN-STOPPED]\n  state: vented\n");
-  const Error unsafe = asked.with_rig_state("NOT SAFE", false);
-  CHECK(unsafe.code() == ExitCode::kUnsafe);
-  CHECK(error_text(unsafe, true) == "error: run 3 stopped by alice [TB-RUN-STOPPED]\n  state: NOT SAFE\n");
-  CHECK_THAT(error_json(error), Catch::Contains("\"exit_code\": 3"));
-}
-
 TEST_CASE("the example of the paper's rig reads without complaint, and names hardware only") {
   const BenchConfig config = read_bench(find_config("paper-rig.example.toml"), {});
   CHECK(config.origin == devices::Origin::kHardware);

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "bench/page/cures.h"
 #include "bench/page/frames.h"
 #include "bench/page/responses.h"
 
@@ -52,19 +51,6 @@ TEST_CASE("page access: a target's path stays as it was sent, its query is decod
     INFO(none);
     CHECK_FALSE(needs_of(none));
   }
-}
-
-TEST_CASE("page cures: advice comes from the table of errors, the first where cases differ") {
-  const auto cures = cures_of(
-      "# Errors\n\n| id | exit code | says | try |\n|---|---|---|---|\n"
-      "| `TB-A` | 2 | a | mend `a` \\| b |\n|  |  | other | mend c |\n| `TB-B` | 4 | b |  |\n| `TB-C` | 3 | c |  |\n"
-      "|  |  | d | turn it on |\n| `TB-D` | 3 | e |  |\n");
-  CHECK(cures.at("TB-A") == "mend `a` | b");
-  CHECK_FALSE(cures.contains("TB-B"));
-  CHECK(cures.at("TB-C") == "turn it on");
-  CHECK_THAT(cures.at("TB-D"), Catch::StartsWith("check the device, its supply and its cable"));
-  CHECK_THAT(cure_of("TB-CHAMBER-TIMEOUT"), Catch::Contains("supply"));  // in the program itself
-  CHECK(cure_of("TB-NOTHING").empty());
 }
 
 TEST_CASE("page frames: numbers of 16 bits as base64") {

@@ -1,12 +1,11 @@
-// Each refusal of the page with its status, its words and its place in the order, and advice that is read from a table.
+// Each refusal of the page with its status, its words and its place in the order.
 #include "bench/page/access.h"
 
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <string>
-
-#include "bench/page/cures.h"
 
 using namespace tactbench::bench;
 
@@ -104,23 +103,4 @@ TEST_CASE("page refusals: no token commands where nobody may") {
   access.command_token.clear();
   CHECK_FALSE(may("Bearer "));
   CHECK_FALSE(may(""));
-}
-
-TEST_CASE("page cures: rows of four cells, bars and blanks within them, and advice for devices that have none") {
-  const std::string device =
-      "check the device, its supply and its cable: tactbench devices check names what answers; then tactbench resume";
-  const auto cures = cures_of(
-      "| before any | 3 | x | lost |\nno row | `TB-Z` | 2 | x | none |\n| `TB-A` | 2 | short |\n"
-      "| `TB-B` | 2 | b | one \\| two \\ three |\n|  |  | b | later |\n| `TB-C` | 3 | c | |\n| `TB-D` | 3 | d | own |\n"
-      "| `TB-E` | 2 | e |   |\n| `TB-F` | 2 | f | cut off\n| `TB-G` | 2 | g | last | more |\n| `TB-H` | 2 | h | end "
-      "\\");
-  CHECK(cures.at("TB-B") == "one | two \\ three");
-  CHECK(cures.at("TB-C") == device);
-  CHECK(cures.at("TB-D") == "own");
-  CHECK(cures.at("TB-G") == "last");
-  for (const char* none : {"TB-A", "TB-E", "TB-F", "TB-H", "TB-Z", "before any", ""}) {
-    INFO(none);
-    CHECK_FALSE(cures.contains(none));
-  }
-  CHECK(cures.size() == 4);
 }

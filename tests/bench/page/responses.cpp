@@ -47,7 +47,7 @@ TEST_CASE("page responses: each of the page's own files, its type and its text")
     CHECK_FALSE(file->stream);
     CHECK(needs_of(own.path) == PageNeeds::kNothing);
   }
-  for (const char* none : {"", "/page.html", "/page.css/", "/reference-errors.md", "page.js"}) {
+  for (const char* none : {"", "/page.html", "/page.css/", "page.js"}) {
     INFO(none);
     CHECK_FALSE(own_file(none));
     CHECK_FALSE(needs_of(none));

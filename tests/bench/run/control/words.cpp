@@ -27,7 +27,7 @@ void met(Ending& ending, const Thrown& thrown) {
 }
 
 const devices::Fault kDeviceFault("TB-SCANNER-LOST", "scanner", "gone", "plug it in");
-const devices::Fault kTripFault(devices::Cause::kLimit, "TB-CHAMBER-TRIP", "chamber", "67 psi", "look");
+const devices::Fault kTripFault("TB-CHAMBER-TRIP", "chamber", "67 psi", "look");
 
 RunStatus status_in(RunState state) {
   RunStatus status;
@@ -227,7 +227,7 @@ TEST_CASE("ending: by a fault, and which command wins over which fault") {
   CHECK(ended(kTripFault, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kStopped, Outcome::kAborted, false));
   CHECK(ended(full, Command::kStop) == std::tuple("TB-STORE-FULL", ExitCode::kStore, Outcome::kFailed, true));
   CHECK(ended(full, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kStopped, Outcome::kAborted, true));
-  const Error unsafe(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "not proved", "", "");
+  const Error unsafe("TB-SAFE-UNVERIFIED", "not proved", "");
   CHECK(ended(unsafe, Command::kPanic) == std::tuple("TB-RUN-PANIC", ExitCode::kUnsafe, Outcome::kAborted, false));
 }
 
@@ -274,7 +274,7 @@ TEST_CASE("ending: a last command other than stop ends a run that nothing else h
   const Answers both = told([](Ending& ending, Control& control) {
     met(ending, kDeviceFault);
     (void)control.ask(Command::kAbort, "x");
-    ending.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "", "", ""));  // something has ended it already
+    ending.by(Error("TB-SAFE-UNVERIFIED", "", ""));  // something has ended it already
   });
   CHECK(both.error.value().id() == "TB-SCANNER-LOST");
   CHECK(both.events == Events{"fault TB-SCANNER-LOST", "word TB-RUN-ABORTED"});
@@ -284,9 +284,8 @@ TEST_CASE("ending: a last command other than stop ends a run that nothing else h
   });
   CHECK(std::string(same.error.value().what()) == "stopped by x; also, while the run ended: TB-SCANNER-LOST");
   CHECK(same.events == Events{"fault TB-SCANNER-LOST", "fault TB-RUN-STOPPED"});
-  const Answers unsafe = told([](Ending& ending, Control&) {
-    ending.by(Error(ExitCode::kUnsafe, "TB-SAFE-UNVERIFIED", "not proved", "", ""));
-  });
+  const Answers unsafe =
+      told([](Ending& ending, Control&) { ending.by(Error("TB-SAFE-UNVERIFIED", "not proved", "")); });
   CHECK(unsafe.error.value().id() == "TB-SAFE-UNVERIFIED");
   CHECK(unsafe.outcome == db::Outcome::kFailed);
 }
