@@ -78,11 +78,12 @@ void RunStore::replace_verdicts(std::int64_t run, std::int64_t fit, const std::v
   database_->require_run(run);
   if (fit != 0) static_cast<void>(this->fit(fit));
   // Verdicts are replaced per model and run: the same model fitted on the same run again takes the earlier fit's place.
-  sqlite::Statement before(
-      connection,
-      "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run || ' ' || f.stands || f.model "
-      "FROM fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run || ' ' || stands || model FROM fits WHERE fit "
-      "= ?), 0)");
+  sqlite::Statement before(connection,
+                           "DELETE FROM verdicts WHERE run = ? AND limits_sha256 = ? AND coalesce((SELECT f.run || ' ' "
+                           "|| f.stands || f.model "
+                           "FROM fits f WHERE f.fit = verdicts.fit), 0) = coalesce((SELECT run || ' ' || stands || "
+                           "model FROM fits WHERE fit "
+                           "= ?), 0)");
   std::set<std::string> limits;
   for (const VerdictRecord& v : verdicts) limits.insert(v.limits_sha256);
   for (const std::string& sha256 : limits) before.bind(run, sha256, fit).run();

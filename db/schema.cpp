@@ -66,9 +66,12 @@ SchemaObjects objects_of_version(const Migrations& known, std::int64_t version) 
   return objects_after({known.begin(), known.begin() + std::min<std::int64_t>(version, std::ssize(known))});
 }
 
-constexpr const char* kOtherSchemaRemedy =
-    "read it with the build of tactbench that wrote it (its runs state version and commit), or make its runs again; "
-    "where somebody changed the file, take your last snapshot";
+[[noreturn]] void refuse_other_schema(const std::string& path, const std::string& difference) {
+  throw StoreError("TB-STORE-OTHER-SCHEMA",
+                   fmt::format("store {} is not of this program's schema: {}", path, difference),
+                   "read it with the build of tactbench that wrote it (its runs state version and commit), or make its "
+                   "runs again; where somebody changed the file, take your last snapshot");
+}
 
 }  // namespace
 
@@ -80,12 +83,9 @@ const Migrations& own_migrations() {
 void check_version(sqlite::Connection& connection, const Migrations& known) {
   const Snapshot snapshot(connection);
   const std::int64_t version = connection.integer("PRAGMA user_version");
-  if (version > static_cast<std::int64_t>(known.size())) {
-    throw StoreError("TB-STORE-OTHER-SCHEMA",
-                     fmt::format("store {} has schema {}, and this program knows schemas up to {}", connection.path(),
-                                 version, known.size()),
-                     kOtherSchemaRemedy);
-  }
+  if (version > std::ssize(known))
+    refuse_other_schema(connection.path(),
+                        fmt::format("it has schema {}, this program knows schemas up to {}", version, known.size()));
   const auto damaged = [&](const std::string& what) {
     throw StoreError("TB-STORE-OPEN", fmt::format("store {}: the file is damaged: {}", connection.path(), what),
                      kDamagedRemedy);
@@ -133,11 +133,7 @@ void refuse_foreign(sqlite::Connection& connection, Additions additions, const M
     lines.resize(lines.size() - more);
     return fmt::format("{}{}", fmt::join(lines, "; "), more > 0 ? fmt::format("; and {} more", more) : "");
   };
-  if (!found.changed.empty())
-    throw StoreError("TB-STORE-OTHER-SCHEMA",
-                     fmt::format("store {} does not have the schema of this program: {}", connection.path(),
-                                 listed(found.changed)),
-                     kOtherSchemaRemedy);
+  if (!found.changed.empty()) refuse_other_schema(connection.path(), listed(found.changed));
   if (additions == Additions::kTolerate || found.added.empty()) return;
   throw StoreError(
       "TB-STORE-FOREIGN", fmt::format("store {}: {}", connection.path(), listed(found.added)),

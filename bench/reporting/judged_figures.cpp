@@ -12,8 +12,7 @@ JudgedFigures judged_figures(analysis::Runs& runs, const analysis::SensorModel& 
   JudgedFigures figures;
   const bool needed = analysis::needs_uncertainty(limits.rule);
   const analysis::Dataset &judged = runs.dataset(evaluation.run), &models = runs.dataset(fit.run);
-  if (needed)
-    figures.uncertainties = analysis::judged_uncertainties(judged, models, fit, evaluation, reference);
+  if (needed) figures.uncertainties = analysis::judged_uncertainties(judged, models, fit, evaluation, reference);
   if (limits.mpe.empty()) return figures;
   std::optional<analysis::Uncertainty> readings;
   if (needed) readings = analysis::assess_uncertainty(models, fit, runs.record(fit.run));

@@ -94,7 +94,9 @@ TEST_CASE("the last check is that of one sensor, kind and verdict, of a run befo
   CHECK((check->detail_json == R"({"a":2})" && check->data == std::vector<double>{1.5, 2.5}));
 }
 
-TEST_CASE("of several fits the newest, and the newest that stands for the run, are found; a missing one is named beside them") {
+TEST_CASE(
+    "of several fits the newest, and the newest that stands for the run, are found; a missing one is named beside "
+    "them") {
   const TemporaryFolder folder;
   RunStore store = RunStore::open(folder.path("runs.db"));
   const std::int64_t first = store_example(store), second = store_example(store);

@@ -182,9 +182,10 @@ TEST_CASE("taxels of a fit are read with SQL out of its document") {
   store.add_fit({0, run, "elam", true, 1, document, "", "0.1.0", kUtc});
   Connection raw(folder.path("runs.db"), Access::kReadOnly);
   raw.execute("PRAGMA trusted_schema = ON");  // as in sqlite3 and Python
-  CHECK(raw.text("SELECT taxel || ' ' || status || ' ' || noise || ' ' || mean_error || ' ' || max_error || ' ' || "
-                 "full_scale || ' ' || unit || ' ' || at_bound || ' ' || (j IS NULL) FROM v_fit_taxels WHERE fit = 1 AND "
-                 "taxel = 0") == R"(0 fitted 0.001 0.25 0.5 3.5 V ["beta_a"] 1)");
+  CHECK(
+      raw.text("SELECT taxel || ' ' || status || ' ' || noise || ' ' || mean_error || ' ' || max_error || ' ' || "
+               "full_scale || ' ' || unit || ' ' || at_bound || ' ' || (j IS NULL) FROM v_fit_taxels WHERE fit = 1 AND "
+               "taxel = 0") == R"(0 fitted 0.001 0.25 0.5 3.5 V ["beta_a"] 1)");
   CHECK(raw.integer("SELECT count(*) FROM v_fit_taxels WHERE status = 'dead' AND mean_error IS NULL") == 1);
 }
 

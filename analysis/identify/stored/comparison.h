@@ -1,5 +1,5 @@
-// Stored fits and verdicts beside what was recomputed from the raw frames: what `verify` compares. They are equal bit for
-// bit on the same build and class of processor; elsewhere numbers may differ by kRelativeTolerance.
+// Stored fits and verdicts beside what was recomputed from the raw frames: what `verify` compares. They are equal bit
+// for bit on the same build and class of processor; elsewhere numbers may differ by kRelativeTolerance.
 #pragma once
 
 #include <string>

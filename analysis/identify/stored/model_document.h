@@ -1,6 +1,6 @@
-// Models kept: as JSON documents, complete in themselves, in files and in the run store. A document says what was fitted
-// on what, and carries for each taxel all that predicting and compensating need. Schema "tactbench.model", version 1,
-// described in analysis/README.md. Every finite double comes back bit for bit; NaN is null.
+// Models kept: as JSON documents, complete in themselves, in files and in the run store. A document says what was
+// fitted on what, and carries for each taxel all that predicting and compensating need. Schema "tactbench.model",
+// version 1, described in analysis/README.md. Every finite double comes back bit for bit; NaN is null.
 #pragma once
 
 #include <cstdint>
@@ -31,14 +31,14 @@ SensorModel load_model(const std::string& model, const db::RunStore* store);
 // The model with its options, as tables name it: "elam", "elam, free run".
 std::string label_of(const SensorModel& model);
 
-// To the store; returns the fit's number. It stands for its run (db::FitRecord) where it is the dynamic model, or ELAM in
-// the paper's mode of the whole array on all sequences. `made_by`: build and class of processor.
+// To the store; returns the fit's number. It stands for its run (db::FitRecord) where it is the dynamic model, or ELAM
+// in the paper's mode of the whole array on all sequences. `made_by`: build and class of processor.
 std::int64_t store_fit(db::RunStore& store, const SensorModel& model, const std::string& program_version,
                        const std::string& utc, const std::string& made_by = {});
 // What is stored, as it was written. Throws AnalysisError TB-MODEL-STORED.
 SensorModel document_of(const db::FitRecord& record);
-// The same with the run's and the fit's number in this store. Of a run: its standing fit, TB-ANALYSIS-NO-FIT when it has
-// none.
+// The same with the run's and the fit's number in this store. Of a run: its standing fit, TB-ANALYSIS-NO-FIT when it
+// has none.
 SensorModel load_fit(const db::FitRecord& record);
 SensorModel load_fit(const db::RunStore& store, std::int64_t run);
 

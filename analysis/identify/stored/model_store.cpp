@@ -42,10 +42,10 @@ bool is_whole(const SensorModel& fit) {
 }
 
 [[noreturn]] void malformed(const db::FitRecord& record, const std::string& what) {
-  throw AnalysisError(Cause::kStored, "TB-MODEL-STORED",
-                      fmt::format("fit {} of run {} cannot be read: {}", record.fit, record.run, what),
-                      fmt::format("fit the run again: tactbench fit {}; tactbench db check lists what else is damaged",
-                                  record.run));
+  throw AnalysisError(
+      Cause::kStored, "TB-MODEL-STORED",
+      fmt::format("fit {} of run {} cannot be read: {}", record.fit, record.run, what),
+      fmt::format("fit the run again: tactbench fit {}; tactbench db check lists what else is damaged", record.run));
 }
 
 std::vector<double> values_of(std::span<const double> values) { return {values.begin(), values.end()}; }

@@ -137,19 +137,18 @@ std::vector<JudgedUncertainty> all_uncertainties(const Evaluation& evaluation, c
                                                  const Mismatch& mismatch) {
   const double full = evaluation.full_scale_psi;
   const double hysteresis = full > 0.0 ? reference.limit(ReferencePart::kHysteresis).half_width_psi / full : 0.0;
-  std::vector<JudgedUncertainty> all = {
-      error_uncertainty("mean_compensation_error", errors, reference),
-      error_uncertainty("worst_taxel_error", errors, reference),
-      difference_uncertainty("distance_of_mean", "array", distance, hysteresis),
-      {"unfit_taxels",
-       "array",
-       "taxels",
-       0.0,
-       0.0,
-       kInfiniteDof,
-       2.0,
-       "a count by the rules of identification has no uncertainty of its own",
-       {}}};
+  std::vector<JudgedUncertainty> all = {error_uncertainty("mean_compensation_error", errors, reference),
+                                        error_uncertainty("worst_taxel_error", errors, reference),
+                                        difference_uncertainty("distance_of_mean", "array", distance, hysteresis),
+                                        {"unfit_taxels",
+                                         "array",
+                                         "taxels",
+                                         0.0,
+                                         0.0,
+                                         kInfiniteDof,
+                                         2.0,
+                                         "a count by the rules of identification has no uncertainty of its own",
+                                         {}}};
   for (const LevelFigures& level : evaluation.levels)
     for (const bool up : {true, false})
       all.push_back(difference_uncertainty("mismatch",

@@ -22,8 +22,7 @@ std::vector<ListedFit> fits_of(const db::RunStore& store, std::int64_t only) {
   if (only != 0) (void)store.run(only);  // an unknown one is an error
   for (const db::RunRecord& run : store.runs()) {
     if (only != 0 && run.run != only) continue;
-    for (const db::FitRecord& fit : store.fits(run.run))
-      listed.push_back({fit, run.sensor_serial, run.origin});
+    for (const db::FitRecord& fit : store.fits(run.run)) listed.push_back({fit, run.sensor_serial, run.origin});
   }
   return listed;
 }

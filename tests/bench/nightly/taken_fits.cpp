@@ -84,9 +84,8 @@ TEST_CASE("taken fits: one is another when any of its texts is") {
   (void)made.there.store.add_fit(fit_of_run(1));
   CHECK(made.take() == 0);
   int expected = 0;
-  for (std::string db::FitRecord::*text :
-       {&db::FitRecord::model, &db::FitRecord::document, &db::FitRecord::made_by, &db::FitRecord::program_version,
-        &db::FitRecord::created_utc}) {
+  for (std::string db::FitRecord::*text : {&db::FitRecord::model, &db::FitRecord::document, &db::FitRecord::made_by,
+                                           &db::FitRecord::program_version, &db::FitRecord::created_utc}) {
     db::FitRecord other = fit_of_run(1);
     other.*text = R"({"x":1})";
     (void)made.there.store.add_fit(other);

@@ -48,11 +48,10 @@ TEST_CASE(
   (void)analysis::store_fit(made.store, models, "1", "2026-03-01T02:00:00Z", "commit 12");
   (void)analysis::store_fit(made.store, models, "1", "2026-03-01T02:00:00Z");
   CHECK(made.verified(1) ==
-        VerifiedLines{
-            fmt::format("1 of 1, elam, 3, recomputed: 1e-12 relative: the fit is of commit 12, this is {} | ",
-                        bench::this_build()),
-            "2 of 1, elam, 3, recomputed: 1e-12 relative: the fit does not record which build made it | ",
-            ""});
+        VerifiedLines{fmt::format("1 of 1, elam, 3, recomputed: 1e-12 relative: the fit is of commit 12, this is {} | ",
+                                  bench::this_build()),
+                      "2 of 1, elam, 3, recomputed: 1e-12 relative: the fit does not record which build made it | ",
+                      ""});
 }
 
 TEST_CASE("verified by hand: a fit whose numbers are others is named with the first of them") {

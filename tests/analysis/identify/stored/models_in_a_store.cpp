@@ -84,23 +84,23 @@ TEST_CASE("which fits stand for a run: the dynamic model, and ELAM in the paper'
     bool stands;
     std::function<void(SensorModel&)> change;
   };
-  for (const Row& row : std::vector<Row>{
-           {"elam", true, [](SensorModel&) {}},
-           {"elam", false, [](SensorModel& fit) { fit.origin = "imported"; }},
-           {"elam", false, [](SensorModel& fit) { fit.all_sequences = false; }},
-           {"elam", false, [](SensorModel& fit) { fit.parent_sha256 = "abc"; }},
-           {"elam", false, [](SensorModel& fit) { fit.rows = 2; }},
-           {"elam", false, [](SensorModel& fit) { fit.taxels = {fit.mean_taxel()}; }},
-           {"elam, exact outer", false, [](SensorModel& fit) { fit.options.exact_outer = true; }},
-           {"elam, free run", false, [](SensorModel& fit) { fit.options.free_run = true; }},
-           {"elam, genetic", false, [](SensorModel& fit) { fit.options.genetic = true; }},
-           {"elam, memory", false, [](SensorModel& fit) { fit.options.memory = true; }},
-           {"elam, linearised", false, [](SensorModel& fit) { fit.options.linearise = true; }},
-           {"elam, 2 splits", false, [](SensorModel& fit) { fit.options.splits = 2; }},
-           {"dynamic", true, [](SensorModel& fit) {
-              fit.model = kDynamicModel;
-              fit.dynamics.emplace();
-            }}}) {
+  for (const Row& row :
+       std::vector<Row>{{"elam", true, [](SensorModel&) {}},
+                        {"elam", false, [](SensorModel& fit) { fit.origin = "imported"; }},
+                        {"elam", false, [](SensorModel& fit) { fit.all_sequences = false; }},
+                        {"elam", false, [](SensorModel& fit) { fit.parent_sha256 = "abc"; }},
+                        {"elam", false, [](SensorModel& fit) { fit.rows = 2; }},
+                        {"elam", false, [](SensorModel& fit) { fit.taxels = {fit.mean_taxel()}; }},
+                        {"elam, exact outer", false, [](SensorModel& fit) { fit.options.exact_outer = true; }},
+                        {"elam, free run", false, [](SensorModel& fit) { fit.options.free_run = true; }},
+                        {"elam, genetic", false, [](SensorModel& fit) { fit.options.genetic = true; }},
+                        {"elam, memory", false, [](SensorModel& fit) { fit.options.memory = true; }},
+                        {"elam, linearised", false, [](SensorModel& fit) { fit.options.linearise = true; }},
+                        {"elam, 2 splits", false, [](SensorModel& fit) { fit.options.splits = 2; }},
+                        {"dynamic", true, [](SensorModel& fit) {
+                           fit.model = kDynamicModel;
+                           fit.dynamics.emplace();
+                         }}}) {
     CAPTURE(row.label);
     SensorModel fit = fit_of_stored_run(run);
     row.change(fit);
@@ -131,14 +131,10 @@ TEST_CASE("a stored fit whose document is damaged, or lacks a taxel where it sta
   };
   using Json = nlohmann::ordered_json;
   for (const std::function<void(Json&)>& change : std::vector<std::function<void(Json&)>>{
-           [](Json& json) { json = Json::object(); },
-           [](Json& json) { json["sensor"]["rows"] = 2; },
-           [](Json& json) { json["sensor"]["rows"] = 0; },
-           [](Json& json) { json["sensor"]["columns"] = -3; },
-           [](Json& json) { json["taxels"][2]["taxel"] = 3; },
-           [](Json& json) { json["taxels"][1]["taxel"] = 0; },
-           [](Json& json) { json["taxels"].erase(0); },
-           [](Json& json) { json["taxels"][0]["status"] = "well"; },
+           [](Json& json) { json = Json::object(); }, [](Json& json) { json["sensor"]["rows"] = 2; },
+           [](Json& json) { json["sensor"]["rows"] = 0; }, [](Json& json) { json["sensor"]["columns"] = -3; },
+           [](Json& json) { json["taxels"][2]["taxel"] = 3; }, [](Json& json) { json["taxels"][1]["taxel"] = 0; },
+           [](Json& json) { json["taxels"].erase(0); }, [](Json& json) { json["taxels"][0]["status"] = "well"; },
            [](Json& json) { json["taxels"][2]["status"] = "fitted"; },
            [](Json& json) { json["taxels"][0]["noise"] = -0.5; },
            [](Json& json) { json["taxels"][0]["noise"] = nullptr; },
@@ -158,9 +154,11 @@ TEST_CASE("every class of double comes back from the store bit for bit, and the 
   SensorModel fit = fit_of_stored_run(run);
   const std::vector<double> x{-0.0, 60.0}, up{-0.0, 3.0}, down{-0.0, std::nextafter(3.0, 4.0)};
   ModelTaxel& taxel = fit.taxels[0];
-  taxel.fit.model = std::make_shared<ElamHysteresis>(
-      ElamModel{PatternCurve(x, up, -0.0, down[1]), PatternCurve(x, down, -0.0, down[1]),
-                {0.1, 1.0 / 3.0, -0.0, denormal, std::numeric_limits<double>::max()}, {}});
+  taxel.fit.model =
+      std::make_shared<ElamHysteresis>(ElamModel{PatternCurve(x, up, -0.0, down[1]),
+                                                 PatternCurve(x, down, -0.0, down[1]),
+                                                 {0.1, 1.0 / 3.0, -0.0, denormal, std::numeric_limits<double>::max()},
+                                                 {}});
   taxel.noise = denormal;
   taxel.zero = -0.0;
   taxel.fit.j = none;

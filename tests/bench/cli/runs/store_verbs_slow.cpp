@@ -149,7 +149,8 @@ TEST_CASE("a damaged stored model is reported as a store error, not as an intern
     if (!repair.empty()) change(folder, repair);
   };
   const std::string negative =
-      "UPDATE fits SET document = json_set(document, '$.taxels[5].noise', -json_extract(document, '$.taxels[5].noise'))";
+      "UPDATE fits SET document = json_set(document, '$.taxels[5].noise', -json_extract(document, "
+      "'$.taxels[5].noise'))";
   read_with(negative, negative);
   CHECK(call(folder, {"compensate", "1", "t.csv"}).code == 0);
   read_with("UPDATE fits SET document = replace(document, '\"rows\":16', '\"rows\":99999')",
