@@ -175,6 +175,10 @@ class RunStore {
   // or its sensor is registered differently here. Models, verdicts and approvals must be as stored, too. Verdicts are
   // copied with the judged run; without it they are left out, even if the models' run is copied.
   std::vector<std::int64_t> copy_runs_from(const RunStore& other, const std::vector<std::int64_t>& runs);
+  // For copies of runs that come from several stores of one run each. The next run gets this number, or the next free one
+  // above it. And the fits that the run's verdicts are by, in the order of verdicts(); 0: as it is.
+  void number_next_run(std::int64_t number);
+  void link_verdicts(std::int64_t run, const std::vector<std::int64_t>& fits);
   // The run with this UUID, which is the same run in every store; 0: none.
   [[nodiscard]] std::int64_t run_of_uuid(const std::string& uuid) const;
 

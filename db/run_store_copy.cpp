@@ -156,4 +156,28 @@ std::vector<std::int64_t> RunStore::copy_runs_from(const RunStore& other, const 
   return numbers;
 }
 
+void RunStore::number_next_run(std::int64_t number) {
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  connection.execute("DELETE FROM sqlite_sequence WHERE name = 'runs'");
+  sqlite::Statement(connection, "INSERT INTO sqlite_sequence (name, seq) VALUES ('runs', ?)").bind(number - 1).run();
+  transaction.commit();
+}
+
+void RunStore::link_verdicts(std::int64_t run, const std::vector<std::int64_t>& fits) {
+  sqlite::Connection& connection = database_->connection;
+  sqlite::Transaction transaction(connection);
+  std::vector<std::int64_t> keys;
+  {
+    sqlite::Statement rows(connection, "SELECT rowid FROM verdicts WHERE run = ? ORDER BY rowid");
+    rows.bind(run);
+    while (rows.step()) keys.push_back(rows.value<std::int64_t>());
+  }
+  sqlite::Statement link(connection, "UPDATE verdicts SET fit = ? WHERE rowid = ?");
+  for (std::size_t i = 0; i < std::min(keys.size(), fits.size()); ++i)
+    if (fits[i] != 0) link.bind(fits[i], keys[i]).run();
+  seal(run, "verdicts");
+  transaction.commit();
+}
+
 }  // namespace tactbench::db

@@ -5,19 +5,11 @@
 #include <charconv>
 
 #include "bench/common/error.h"
-#include "db/run_store.h"
 
 namespace tactbench::bench {
 
 bool Shard::holds(std::size_t place) const {
   return place % static_cast<std::size_t>(of) + 1 == static_cast<std::size_t>(number);
-}
-
-bool Shard::holds(std::string_view name) const {
-  const std::string digits = db::sha256_hex(std::string(name)).substr(0, 15);  // 60 bits
-  std::size_t value = 0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  return holds(value);
 }
 
 std::string Shard::text() const { return fmt::format("{}/{}", number, of); }

@@ -1,10 +1,9 @@
-// One of N equal parts of some work, for several machines: `--shard K/N` of `nightly`, `fit` and `fleet fit`. Each part
-// is carried out by itself; all N of them together do the whole work, and no item twice.
+// One of N equal parts of a night, for several machines: `nightly --shard K/N`. Each part is carried out by itself; all N
+// of them together do the whole work, and no item twice.
 #pragma once
 
 #include <cstddef>
 #include <string>
-#include <string_view>
 
 namespace tactbench::bench {
 
@@ -14,9 +13,6 @@ struct Shard {
   // Items of a list that is the same for all parts, by their place from 0. Taken in turn, so that neighbours, which
   // cost about the same, lie in different parts.
   [[nodiscard]] bool holds(std::size_t place) const;
-  // Items of a set that may grow while the parts are carried out, by a name that does not change (a UUID): by its
-  // SHA-256.
-  [[nodiscard]] bool holds(std::string_view name) const;
   [[nodiscard]] std::string text() const;  // "3/8"
 };
 

@@ -17,6 +17,7 @@ install(FILES bench/install/tactbench-nightly.service bench/install/tactbench-ni
   DESTINATION lib/systemd/system COMPONENT program)
 install(FILES bench/install/tactbench.tmpfiles.conf DESTINATION lib/tmpfiles.d RENAME tactbench.conf COMPONENT program)
 install(FILES bench/install/tactbench.sysusers.conf DESTINATION lib/sysusers.d RENAME tactbench.conf COMPONENT program)
+install(PROGRAMS bench/nightly/night-part.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/tactbench COMPONENT program)
 install(FILES bench/install/github-actions.example.yml devices/tactile/frame_server.py devices/tactile/frame_protocol.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT license)  # the .deb says it in its own way

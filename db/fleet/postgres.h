@@ -1,64 +1,64 @@
-// A thin wrapper over libpq, the only place with libpq-fe.h: one connection, queries, binary COPY both ways. Every
-// failure becomes a FleetError; every wait has a deadline. Without libpq the program is built all the same, and Link's
-// constructor throws TB-FLEET-BUILD.
+// A thin wrapper over libpq, the only place with libpq-fe.h: one connection and its statements. Every failure becomes a
+// FleetError, every wait has a deadline, and what a server answers is not believed: a wrong number of rows or columns,
+// an answer without an end, or one of another kind is TB-FLEET-ANSWER.
 #pragma once
 
 #include <chrono>
-#include <functional>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "db/fleet/fleet_error.h"
 
 namespace tactbench::db::fleet {
 
-using TextRow = std::vector<std::string>;  // NULL as ""
+using Row = std::vector<std::string>;  // the bytes of each column; NULL as ""
 
 inline constexpr std::chrono::seconds kPatience(10);  // for connecting
 inline constexpr std::chrono::seconds kSilence(60);   // without a byte the server counts as lost
+inline constexpr std::size_t kLargestAnswer = 256 << 20;  // bytes of one statement's rows, unless more is expected
 
 class Link {
  public:
   // `conninfo`: as psql takes it, "host=... dbname=...", "postgresql://...", "service=...". What it does not say comes
   // from libpq's own environment and files (PGPASSWORD, ~/.pgpass, PGSSLROOTCERT). Blocks for `patience` at most.
-  // `silence`: how long the server may send no byte while something is asked. TB-FLEET-CONNECT, TB-FLEET-LOGIN,
-  // TB-FLEET-TLS, TB-FLEET-CONNINFO.
+  // `silence`: how long the server may send no byte while something is asked; no statement takes longer than 60 times
+  // that. TB-FLEET-CONNECT, TB-FLEET-LOGIN, TB-FLEET-TLS, TB-FLEET-CONNINFO, TB-FLEET-BUILD.
   explicit Link(const std::string& conninfo, std::chrono::seconds silence = kSilence,
                 std::chrono::seconds patience = kPatience);
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  // One statement; `parameters` are $1, $2 ... as text. TB-FLEET-LOST, TB-FLEET-FULL, TB-FLEET-DENIED, TB-FLEET-TEXT,
-  // TB-FLEET-SQL, TB-FLEET-SILENT.
-  std::vector<TextRow> query(const std::string& sql, const std::vector<std::string>& parameters = {});
-  void execute(const std::string& script);  // several statements without parameters
-  // COPY ... FROM STDIN: `more` fills a buffer, and returns false when there is nothing more.
-  void copy_in(const std::string& sql, const std::function<bool(std::string&)>& more);
-  // COPY ... TO STDOUT: `take` sees each piece, of whole rows.
-  void copy_out(const std::string& sql, const std::function<void(std::string_view)>& take);
+  // One statement. Values go and come as their bytes: each parameter is used as $n::text or $n::bytea, and each of the
+  // `columns` is text or bytea. TB-FLEET-LOST, TB-FLEET-SILENT, TB-FLEET-ANSWER, TB-FLEET-FULL, TB-FLEET-DENIED,
+  // TB-FLEET-OWNER, TB-FLEET-SQL.
+  std::vector<Row> query(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters = {},
+                         std::size_t most_bytes = kLargestAnswer);
+  // The same, of a statement that gives one row.
+  Row query_row(const std::string& sql, std::size_t columns, const std::vector<std::string>& parameters = {},
+                std::size_t most_bytes = kLargestAnswer);
+  void execute(const std::string& script);  // several statements without parameters; their rows are dropped
+  // A column that is a number. TB-FLEET-ANSWER.
+  [[nodiscard]] std::int64_t number(const std::string& text) const;
 
-  // "tactile on db.lab:5432", for messages, and the name under which a bench keeps what it pushed there. Holds neither
-  // user nor password.
+  // "tactile on db.lab:5432", for messages; without user and password.
   [[nodiscard]] const std::string& where() const;
-  [[nodiscard]] const std::string& user() const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-// where() of a server that need not be there. TB-FLEET-CONNINFO.
-std::string where_of(const std::string& conninfo);
-bool built_with_libpq();
-std::string libpq_version();  // "15.18"; empty: built without
+// `text` with *** for the passwords of connections in it: password=..., ://user:...@
+std::string without_passwords(const std::string& text);
 
 // BEGIN; rolls back unless committed.
 class Transaction {
  public:
-  explicit Transaction(Link& link, const char* manner = "");  // "ISOLATION LEVEL REPEATABLE READ READ ONLY"
+  explicit Transaction(Link& link, const char* manner = "");  // "READ ONLY"
   ~Transaction();
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;

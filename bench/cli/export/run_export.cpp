@@ -184,8 +184,12 @@ void add_run_copy(CLI::App& runs, Session& session) {
       return copy_runs(numbers, *file, session);
     }
     FromFleet fleet(session, *from);
-    for (const std::string& name : *names) numbers.push_back(fleet.run_named(name));
-    fleet.take(numbers, db::fleet::Frames::kWith);
+    std::vector<db::fleet::FleetRun> chosen;
+    for (const std::string& name : *names) {
+      chosen.push_back(run_named(fleet.link(), name));
+      numbers.push_back(chosen.back().run);
+    }
+    fleet.take(chosen);
     copy_runs(numbers, *file, session);
   });
 }

@@ -1,21 +1,22 @@
-// fleet runs, show, trend: the verbs of a store, on a copy of the runs that they need.
+// fleet runs, show, trend: the verbs of a store, on the facts of the fleet's runs, or on a copy of those that they need.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "analysis/json_io.h"
 #include "bench/cli/fleet/fleet.h"
 #include "bench/cli/runs/from_fleet.h"
 #include "bench/cli/runs/runs_list.h"
 #include "bench/cli/runs/trend.h"
-#include "db/fleet/find.h"
 
 namespace tactbench::bench {
 
 namespace {
 
 namespace fleet = db::fleet;
+using Json = nlohmann::ordered_json;
 
 struct ReadOptions {
   std::string from, origin = "hardware", where, run;
@@ -29,45 +30,73 @@ void tell_other_origins(fleet::Link& link, const ReadOptions& options, const Ses
   }
 }
 
-void list_fleet(const ReadOptions& options, const RunsListOptions& list, Session& session) {
+// What the list shows of a run, from its facts. Throws nlohmann::json::exception where they are none.
+ListedRun listed_run(const fleet::FleetRun& run, const Json& facts) {
+  ListedRun listed;
+  listed.run.run = run.run;
+  facts.at("origin").get_to(listed.run.origin);
+  facts.at("sensor").get_to(listed.run.sensor_serial);
+  facts.at("started_utc").get_to(listed.run.started_utc);
+  facts.at("purpose").get_to(listed.run.purpose);
+  facts.at("tags").get_to(listed.run.tags);
+  facts.at("void_reason").get_to(listed.run.void_reason);
+  facts.at("void_utc").get_to(listed.run.void_utc);
+  facts.at("frames").get_to(listed.frames);
+  listed.run.outcome = db::outcome_from(facts.at("outcome").get<std::string>()).value_or(db::Outcome::kFailed);
+  if (facts.at("verdict").is_string()) listed.verdict = analysis::verdict_from(facts["verdict"].get<std::string>());
+  for (const Json& recipe : facts.at("recipes")) recipe.at("name").get_to(listed.run.sequences.emplace_back().name);
+  return listed;
+}
+
+// The keys of `runs list --json`.
+Json row_of(const fleet::FleetRun& run, Json facts) {
+  for (const char* more : {"fits", "verdicts", "figures", "reports", "rests_on", "sensor_type"})
+    facts.erase(more);
+  facts["run"] = run.run;
+  return facts;
+}
+
+void list_fleet(const ReadOptions& options, const RunsListOptions& wanted, Session& session) {
   FromFleet from(session, options.from);
-  const std::vector<std::int64_t> runs = fleet::find_runs(from.link(), options.origin, options.where);
-  const auto frames = fleet::frame_counts(from.link(), runs);
-  from.take(runs, fleet::Frames::kWithout);
-  list_runs(list, session, &frames);
+  RunsList list(wanted, session);
+  const std::vector<fleet::FleetRun> runs = fleet::find_runs(from.link(), options.origin, options.where);
+  for (const fleet::FleetRun& run : runs) {
+    try {
+      const Json facts = analysis::parse_ordered_json(run.facts);
+      const ListedRun listed = listed_run(run, facts);
+      if (!wanted.sensor.empty() && listed.run.sensor_serial != wanted.sensor) continue;
+      if (listed.run.started_utc < wanted.since || !list.takes(listed.run, listed.verdict)) continue;
+      list.add(listed, session.json ? row_of(run, facts) : Json());
+    } catch (const nlohmann::json::exception& error) {  // a bench may say anything; it hides nobody's run but its own
+      tty::print(stderr, "warning: run {}, pushed by {}: its facts cannot be read: {}\n", run.run,
+                 one_line(run.pushed_by), one_line(error.what()));
+    }
+  }
+  list.end(!runs.empty());
   tell_other_origins(from.link(), options, session);
 }
 
 // A JSON document is one document, so what is the fleet's own goes into lines for people alone.
 void show_fleet(const ReadOptions& options, Session& session) {
   FromFleet from(session, options.from);
-  const std::int64_t run = from.run_named(options.run);
-  from.take({run}, fleet::Frames::kWith);
-  show_run(run, session);
-  if (session.json) return;
-  for (const fleet::TextRow& row : from.link().query(
-           "SELECT r.pushed_by, to_char(r.pushed_at AT TIME ZONE 'UTC', 'YYYY-MM-DD\"T\"HH24:MI:SS\"Z\"'), "
-           "(SELECT count(*) FROM fleet.revisions v WHERE v.run = r.run), coalesce((SELECT v.source FROM "
-           "fleet.revisions v "
-           "WHERE v.run = r.run ORDER BY v.revision DESC LIMIT 1), '') FROM fleet.runs r WHERE r.run = $1",
-           {std::to_string(run)}))
-    tty::print("  {:<14}{}: pushed by {} on {}, from {}; revisions of what is said of it: {}\n", "fleet", session.fleet,
-               row[0], row[1], row[3], row[2]);
-  for (const fleet::TextRow& row : from.link().query(
-           "SELECT model, program_version, created_utc, sha256, parent_sha256 FROM fleet.fits WHERE run = $1 "
-           "ORDER BY fit",
-           {std::to_string(run)}))
-    tty::print("  {:<14}{} by {} on {}, sha256 {}{}\n", "fit", row[0], row[1], row[2], row[3].substr(0, 12),
-               row[4].empty() ? "" : fmt::format(", child of {}", row[4].substr(0, 12)));
+  const fleet::FleetRun run = fleet::run_named(from.link(), options.run);
+  from.take({run});
+  show_run(run.run, session);
+  if (!session.json)
+    tty::print("  {:<14}{}: pushed by {} on {}, from {}\n", "fleet", session.fleet, run.pushed_by, run.pushed_utc,
+               run.source);
 }
 
 void trend_fleet(const ReadOptions& options, const TrendOptions& trend_options, Session& session) {
   FromFleet from(session, options.from);
-  // Only runs with figures, since a list of all runs of a fleet is long.
-  const std::string with_figures = "revision IN (SELECT revision FROM fleet.figures)";
-  const std::string where =
-      options.where.empty() ? with_figures : fmt::format("({}\n) AND {}", options.where, with_figures);
-  from.take(fleet::find_runs(from.link(), options.origin, where), fleet::Frames::kWithout);
+  std::vector<fleet::FleetRun> runs;  // with figures, since a list of all runs of a fleet is long
+  for (fleet::FleetRun& run : fleet::find_runs(from.link(), options.origin, options.where)) {
+    const nlohmann::json facts = analysis::try_json(run.facts);
+    const bool has = facts.is_object() && facts.contains("figures") && !facts["figures"].empty();
+    if (has && (trend_options.sensor.empty() || facts.value("sensor", nlohmann::json()) == trend_options.sensor))
+      runs.push_back(std::move(run));
+  }
+  from.take({}, runs);
   tell_other_origins(from.link(), options, session);
   try {
     trend(trend_options, session);
@@ -87,7 +116,9 @@ CLI::App* add_reader(CLI::App& group, const char* name, const char* about, ReadO
 }
 
 void add_choice(CLI::App& verb, ReadOptions& options) {
-  add_origin(verb, options.origin);
+  verb.add_option("--origin", options.origin, "runs of this origin; origins never mix")
+      ->check(CLI::IsMember({"hardware", "simulated", "imported"}))
+      ->capture_default_str();
   verb.add_option("--where", options.where,
                   "condition in SQL over the columns of fleet.every_run: \"sensor_type = 'array-16' AND bench_id = "
                   "'bench-2'\"");

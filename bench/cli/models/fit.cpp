@@ -16,7 +16,7 @@ namespace {
 
 struct FitOptions {
   FitModelsOptions models;
-  std::string model_list, fit_list, score_list, mode = "paper", way = "exact", check, shard, into;
+  std::string model_list, fit_list, score_list, mode = "paper", way = "exact", check;
   bool for_others = false;  // an option of a model that is not the dynamic one is given, if only its default
 };
 
@@ -89,12 +89,7 @@ void fit(FitOptions options, Session& session) {
   options.models.identify.free_run = options.mode == "free-run";
   options.models.identify.genetic = options.way == "ga";
   check_dynamic(options);
-  const bool several = options.check.empty() && names_runs(options.models.source);
-  if (several)
-    return fit_many(options.models, options.shard.empty() ? Shard{} : shard_from(options.shard), options.into, session);
-  if (!options.shard.empty() || !options.into.empty())
-    throw Error(ExitCode::kUsage, "TB-USAGE", "--shard and --into are for several runs, and one is named", "fit",
-                "name several: tactbench fit 1-400 --shard 3/8 --into part-3.db");
+  if (options.check.empty() && names_runs(options.models.source)) return fit_many(options.models, session);
   take_limits_of_profile(options.models, session);
   if (!options.models.lab.empty() && options.models.limits.empty())
     throw Error(ExitCode::kUsage, "TB-USAGE", "--lab is for judging, and there are no limits", "--lab",
@@ -164,11 +159,6 @@ void add_fit(CLI::App& app, Session& session) {
   verb->add_option(
       "--lab", options->models.lab,
       "laboratory file: a reference that is overdue by its dates makes verdicts inconclusive, as in a report");
-  verb->add_option("--shard", options->shard, "K/N: part K of N of several runs, for several machines")
-      ->type_name("K/N");
-  verb->add_option(
-      "--into", options->into,
-      "several runs: copy them and keep their fits in this store instead; runs merge brings the fits back");
   add_units(*verb, session);
   add_void_too(*verb, session);
   add_common(*verb, session);

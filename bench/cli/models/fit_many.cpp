@@ -53,38 +53,26 @@ std::vector<std::int64_t> chosen_runs(const std::string& source, const db::RunSt
               "tactbench runs list shows what there is; void runs are taken with --void-too");
 }
 
-// The number of the run in the store that it is fitted in.
-std::int64_t brought(const std::string& from, std::int64_t run, const std::string& into) {
-  const db::RunStore source = db::RunStore::open_read_only(from);
-  db::RunStore part = db::RunStore::open(into, db::Durability::kNormal);
-  const std::int64_t there = part.run_of_uuid(source.run(run).uuid);
-  return there != 0 ? there : part.copy_runs_from(source, {run}).front();
-}
-
 }  // namespace
 
 bool names_runs(const std::string& source) {
   return source.find_first_of("-,") != std::string::npos && !ranges_in(source).empty();
 }
 
-void fit_many(const FitModelsOptions& options, const Shard& shard, const std::string& into, Session& session) {
+void fit_many(const FitModelsOptions& options, Session& session) {
   if (options.models.size() > 1 || !options.output.empty() || !options.score.empty() || !options.held_out.empty() ||
       options.rate_run != 0)
     throw Error(ExitCode::kUsage, "TB-USAGE", "several runs are fitted with one model each, and not judged", "fit",
                 "leave out --score, --held-out, --rate, --creep, --output, and name one --model; or name one run");
-  const std::string from = session.db;
   const std::vector<std::int64_t> runs =
-      chosen_runs(options.source, db::RunStore::open_read_only(from), session.void_too);
+      chosen_runs(options.source, db::RunStore::open_read_only(session.db), session.void_too);
   auto list = nlohmann::ordered_json::array();
   std::size_t failed = 0;
-  for (std::size_t place = 0; place < runs.size(); ++place) {
-    if (!shard.holds(place)) continue;
-    const std::int64_t run = runs[place];
+  for (const std::int64_t run : runs) {
     FitModelsOptions own = options;
     nlohmann::ordered_json row = {{"run", run}};
     try {
-      session.db = into.empty() ? from : into;
-      own.source = std::to_string(into.empty() ? run : brought(from, run, into));
+      own.source = std::to_string(run);
       const JudgedFit fit = fit_and_judge(own, session);
       const analysis::Evaluation& e = fit.evaluations.front().evaluation;
       row.update({{"fit", fit.model.fit}, {"taxels", fit.model.fitted().size()}, {"mean_error_psi", e.mean_error_psi}});
@@ -101,14 +89,11 @@ void fit_many(const FitModelsOptions& options, const Shard& shard, const std::st
     }
     list.push_back(row);
   }
-  session.db = from;
   if (failed > 0) session.code = ExitCode::kInconclusive;
   if (session.json)
-    print_json("fit.runs", {{"store", into.empty() ? from : into}, {"shard", shard.text()}, {"runs", list}});
+    print_json("fit.runs", {{"store", session.db}, {"runs", list}});
   else
-    tty::print(
-        "{} fitted, {} not{}\n", analysis::counted(list.size() - failed, "run"), failed,
-        shard.is_whole() ? "" : fmt::format("; part {} of {}", shard.text(), analysis::counted(runs.size(), "run")));
+    tty::print("{} fitted, {} not\n", analysis::counted(list.size() - failed, "run"), failed);
 }
 
 }  // namespace tactbench::bench

@@ -1,10 +1,9 @@
-// `fit 1-400`: the same models for each of several runs, one line a run; on several machines in parts.
+// `fit 1-400`: the same models for each of several runs, one line a run.
 #pragma once
 
 #include <string>
 
 #include "bench/cli/models/fit_models.h"
-#include "bench/common/shard.h"
 
 namespace tactbench::bench {
 
@@ -12,8 +11,7 @@ namespace tactbench::bench {
 bool names_runs(const std::string& source);
 
 // Fits the runs of `options.source` that are in the store, have ended and are neither void (unless taken) nor without
-// frames; of these the ones that belong to `shard`. `into`: a store of its own for runs and fits; empty: the store
-// itself. What cannot be fitted is named, and the exit code is 6 then.
-void fit_many(const FitModelsOptions& options, const Shard& shard, const std::string& into, Session& session);
+// frames. What cannot be fitted is named, and the exit code is 6 then.
+void fit_many(const FitModelsOptions& options, Session& session);
 
 }  // namespace tactbench::bench

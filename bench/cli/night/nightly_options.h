@@ -1,4 +1,4 @@
-// The options of `nightly`, which `fleet slurm` reads, too, of the words that it hands on.
+// The options of `nightly`.
 #pragma once
 
 #include <string>

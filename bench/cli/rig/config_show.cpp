@@ -9,6 +9,7 @@
 #include "bench/cli/session.h"
 #include "bench/common/overrides.h"
 #include "bench/config/config.h"
+#include "db/fleet/postgres.h"
 
 namespace tactbench::bench {
 
@@ -25,7 +26,8 @@ std::vector<sequences::Setting> profile_settings(const OperatorProfile& profile)
   std::vector<sequences::Setting> settings;
   for (const auto& [key, given] : profile)
     settings.push_back({fmt::format("profile.{}", to_string(key)),
-                        fmt::format("\"{}\"", fmt::join(given.values, "\", \"")), given.origin});
+                        db::fleet::without_passwords(fmt::format("\"{}\"", fmt::join(given.values, "\", \""))),
+                        given.origin});
   return settings;
 }
 

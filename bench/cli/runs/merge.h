@@ -1,4 +1,4 @@
-// runs merge: several stores into one; `fleet slurm` ends with it.
+// runs merge: several stores into one.
 #pragma once
 
 #include <string>

@@ -16,7 +16,6 @@
 #include "analysis/json_io.h"
 #include "analysis/report/parts.h"
 #include "bench/cli/runs/runs_list.h"
-#include "bench/cli/runs/wanted_verdict.h"
 #include "bench/cli/session.h"
 #include "bench/config/calibration_words.h"
 #include "bench/monitor/run_view.h"
@@ -73,62 +72,73 @@ std::string check_line(const db::CheckRecord& check) {
 
 }  // namespace
 
-void list_runs(const RunsListOptions& options, const Session& session,
-               const std::map<std::int64_t, std::int64_t>* frame_counts) {
+RunsList::RunsList(const RunsListOptions& options, const Session& session)
+    : options_(options),
+      session_(session),
+      wanted_(options.verdict),
+      rows_(std::make_unique<nlohmann::ordered_json>(nlohmann::ordered_json::array())) {
   if (!options.since.empty()) check_since(options.since);
-  const WantedVerdict wanted(options.verdict);
-  const db::RunStore store = db::RunStore::open_read_only(session.db);
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
   if (!session.json) {
     tty::print("{:>5}  {:<21}{:<12}{:<13}{:>7}  {}{:<11}{}\n", "run", "started (UTC)", "sensor", "outcome", "frames",
                cell("verdict", verdict_columns()), "origin", "recipe; purpose [tags]");
   }
-  int left_out = 0, listed = 0;
+}
+
+bool RunsList::takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict) {
+  if (!options_.tag.empty() && std::ranges::find(run.tags, options_.tag) == run.tags.end()) return false;
+  if (!fits_metadata(options_.metadata, run) || !wanted_.fits(verdict, run.origin)) return false;
+  const bool left_out = run.is_void() && !options_.all;
+  if (left_out) ++left_out_;
+  return !left_out;
+}
+
+void RunsList::add(const ListedRun& listed, nlohmann::ordered_json row) {
+  const db::RunRecord& run = listed.run;
+  ++listed_;
+  const std::string verdict = verdict_cell(listed.verdict, run.origin);
+  if (session_.json) {
+    row["frames"] = listed.frames;
+    if (listed.pruned) row["frames_pruned"] = listed.pruned->frames;
+    row["verdict"] = verdict;
+    if (listed.lives) row["lives"] = *listed.lives;
+    rows_->push_back(std::move(row));
+    return;
+  }
+  const std::string remarks =
+      fmt::format("{}{}{}{}", recipe_cell(run), run.purpose.empty() ? "" : "; " + run.purpose,
+                  run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
+                  run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
+  const std::string gone =
+      listed.pruned ? fmt::format(" ({} removed)", analysis::counted(listed.pruned->frames, "frame")) : "";
+  const std::string state = !listed.lives ? "" : *listed.lives ? " (under way)" : " (no process carries it out)";
+  tty::print("{:>5}  {}{}{:<13}{:>7}  {}{}{}\n", run.run, cell(run.started_utc, 21), cell(run.sensor_serial, 12),
+             db::to_string(run.outcome), listed.frames, cell(verdict, verdict_columns()), cell(run.origin, 11),
+             one_line(fmt::format("{}{}{}", remarks, gone, state)));
+}
+
+void RunsList::end(bool any_stored) {
+  if (session_.json) {
+    print_json("runs.list", {{"runs", *rows_}, {"void_left_out", left_out_}});
+  } else if (left_out_ > 0) {
+    tty::print("{} void {} left out (--all)\n", left_out_, left_out_ == 1 ? "run" : "runs");
+  } else if (listed_ == 0) {
+    tty::print("{}\n", any_stored ? "no stored run has all that was asked for"
+                                  : "no runs are stored: tactbench run stores one");
+  }
+}
+
+void list_runs(const RunsListOptions& options, const Session& session) {
+  const db::RunStore store = db::RunStore::open_read_only(session.db);
+  RunsList list(options, session);
   for (const db::RunRecord& run : store.runs({.sensor_serial = options.sensor, .since_utc = options.since})) {
-    if (!options.tag.empty() && std::ranges::find(run.tags, options.tag) == run.tags.end()) continue;
-    if (!fits_metadata(options.metadata, run)) continue;
     const std::optional<analysis::Verdict> worst = standing_verdict(standing_verdicts(store, run.run));
-    if (!wanted.fits(worst, run.origin)) continue;
-    if (run.is_void() && !options.all) {
-      ++left_out;
-      continue;
-    }
-    ++listed;
-    const db::RunRecord whole = store.run(run.run);
-    const std::optional<db::PrunedRecord> pruned = store.pruned(run.run);
+    if (!list.takes(run, worst)) continue;
     // Frames are numbered from 1.
-    const std::int64_t frames = frame_counts != nullptr ? frame_counts->at(run.run) : store.last_position(run.run);
-    const std::string verdict = verdict_cell(worst, run.origin);
-    const bool unended = run.outcome == db::Outcome::kIncomplete;
-    std::optional<bool> lives;
-    if (unended) lives = is_carried_out(store.path(), run.run);
-    if (session.json) {
-      nlohmann::ordered_json row = analysis::run_json(whole);
-      row["frames"] = frames;
-      if (pruned) row["frames_pruned"] = pruned->frames;
-      row["verdict"] = verdict;
-      if (lives) row["lives"] = *lives;
-      json.push_back(row);
-    } else {
-      const std::string remarks =
-          fmt::format("{}{}{}{}", recipe_cell(whole), run.purpose.empty() ? "" : "; " + run.purpose,
-                      run.tags.empty() ? "" : fmt::format(" [{}]", fmt::join(run.tags, " ")),
-                      run.is_void() ? fmt::format(" VOID: {}", run.void_reason) : "");
-      const std::string gone = pruned ? fmt::format(" ({} removed)", analysis::counted(pruned->frames, "frame")) : "";
-      const std::string state = !lives ? "" : *lives ? " (under way)" : " (no process carries it out)";
-      tty::print("{:>5}  {}{}{:<13}{:>7}  {}{}{}\n", run.run, cell(run.started_utc, 21), cell(run.sensor_serial, 12),
-                 db::to_string(run.outcome), frames, cell(verdict, verdict_columns()), cell(run.origin, 11),
-                 one_line(fmt::format("{}{}{}", remarks, gone, state)));
-    }
+    ListedRun listed{store.run(run.run), worst, store.last_position(run.run), store.pruned(run.run)};
+    if (run.outcome == db::Outcome::kIncomplete) listed.lives = is_carried_out(store.path(), run.run);
+    list.add(listed, session.json ? analysis::run_json(listed.run) : nlohmann::ordered_json());
   }
-  if (session.json) {
-    print_json("runs.list", {{"runs", json}, {"void_left_out", left_out}});
-  } else if (left_out > 0) {
-    tty::print("{} void {} left out (--all)\n", left_out, left_out == 1 ? "run" : "runs");
-  } else if (listed == 0) {
-    tty::print("{}\n", store.runs().empty() ? "no runs are stored: tactbench run stores one"
-                                            : "no stored run has all that was asked for");
-  }
+  list.end(!store.runs().empty());
 }
 
 namespace {

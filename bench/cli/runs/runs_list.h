@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "bench/cli/runs/metadata_options.h"
+#include "bench/cli/runs/wanted_verdict.h"
 #include "bench/cli/session.h"
 
 namespace tactbench::bench {
@@ -17,9 +20,33 @@ struct RunsListOptions {
 };
 void add_runs_list_options(CLI::App& verb, RunsListOptions& options);
 
-// Of session.db. `frame_counts`: where the store is a copy without frames, how many each run has.
-void list_runs(const RunsListOptions& options, const Session& session,
-               const std::map<std::int64_t, std::int64_t>* frame_counts = nullptr);
+// A run as the list shows it.
+struct ListedRun {
+  db::RunRecord run;  // with its sequences
+  std::optional<analysis::Verdict> verdict = {};
+  std::int64_t frames = 0;
+  std::optional<db::PrunedRecord> pruned = {};
+  std::optional<bool> lives = {};  // of one that has not ended: whether a process carries it out
+};
+
+class RunsList {
+ public:
+  RunsList(const RunsListOptions& options, const Session& session);  // throws Error TB-USAGE
+  // Whether it is what was asked for; sensor and start are not looked at.
+  [[nodiscard]] bool takes(const db::RunRecord& run, std::optional<analysis::Verdict> verdict);
+  // `row`: run_json() of the run, which is completed; only looked at where --json is given.
+  void add(const ListedRun& listed, nlohmann::ordered_json row);
+  void end(bool any_stored);  // prints what is left to say
+
+ private:
+  const RunsListOptions& options_;
+  const Session& session_;
+  WantedVerdict wanted_;
+  std::unique_ptr<nlohmann::ordered_json> rows_;
+  int left_out_ = 0, listed_ = 0;
+};
+
+void list_runs(const RunsListOptions& options, const Session& session);  // of session.db
 // `all_events`: also commands to actuators and readings.
 void show_run(std::int64_t number, const Session& session, bool all_events = false);
 

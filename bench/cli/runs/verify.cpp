@@ -106,9 +106,9 @@ void add_verify(CLI::App& app, Session& session) {
   verb->callback([run, from, &session] {
     if (from->empty()) return verify(run_number(*run), session);
     FromFleet fleet(session, *from);
-    const std::int64_t number = fleet.run_named(*run);
-    fleet.take(fleet.with_what_they_rest_on({number}), db::fleet::Frames::kWith);
-    verify(number, session);
+    const db::fleet::FleetRun named = run_named(fleet.link(), *run);
+    fleet.take({named}, with_what_it_rests_on(fleet.link(), named));
+    verify(named.run, session);
   });
 }
 

@@ -54,8 +54,6 @@ inline std::string rows(std::size_t columns, const std::vector<std::vector<Field
   }
   return text + done("SELECT") + ready();
 }
-inline std::string copy(char way) { return message(way, std::string(1, '\1') + number(0, 2)); }  // 'G' in, 'H' out
-inline std::string piece(const std::string& bytes) { return message('d', bytes); }
 
 struct Answer {
   enum class Then { kListens, kHangsUp, kIsDeaf };
@@ -111,14 +109,6 @@ class Server {
     }
     return messages;
   }
-  // The statements without parameters that it heard.
-  [[nodiscard]] std::vector<std::string> statements() {
-    std::vector<std::string> found;
-    for (const std::string& one : heard())
-      if (one.front() == 'Q') found.push_back(one.substr(1, one.size() - 2));
-    return found;
-  }
-
  private:
   static std::size_t length_at(const std::string& bytes, std::size_t at) {
     std::size_t value = 0;

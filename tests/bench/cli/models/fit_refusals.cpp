@@ -77,10 +77,6 @@ TEST_CASE("fit: models are named by their words, and the dynamic one alone with 
     check_fit_refused(words, own);
   }
   check_fit_refused({"t.csv", "--model", "dynamic"}, own);
-  check_fit_refused({"1", "--shard", "1/2"}, "--shard and --into are for several runs, and one is named" + at +
-                                                 "name several: tactbench fit 1-400 --shard 3/8 --into part-3.db");
-  check_fit_refused({"1", "--into", "x.db"}, "--shard and --into are for several runs, and one is named" + at +
-                                                 "name several: tactbench fit 1-400 --shard 3/8 --into part-3.db");
   check_fit_refused(
       {"1", "--lab", "lab.toml"},
       "--lab is for judging, and there are no limits [TB-USAGE]\n  at: --lab\n  try: add --limits FILE, or "

@@ -187,7 +187,7 @@ TEST_CASE("fit of runs: limits of the profile judge held-out runs alone, and peo
   CHECK_THAT(of.fit({"1", "--model", "mpi"}).err, !Catch::Contains("judged by"));
 }
 
-TEST_CASE("fit of many runs: a line each, in parts, into a store of their own, and what cannot be fitted") {
+TEST_CASE("fit of many runs: a line each, and what cannot be fitted") {
   const FolderOfRuns of;
   const Finished all = of.fit({"1-3", "--model", "mpi"});
   CHECK(all.code == 0);
@@ -197,21 +197,13 @@ TEST_CASE("fit of many runs: a line each, in parts, into a store of their own, a
   CHECK_THAT(all.out, Catch::EndsWith("\n3 runs fitted, 0 not\n"));
   const nlohmann::json told = of.told({"1,3", "--model", "mpi"});
   CHECK(told.at("schema") == "tactbench.fit.runs");
-  CHECK((told.at("store") == "runs.db" && told.at("shard") == "1/1"));
+  CHECK(told.at("store") == "runs.db");
   REQUIRE(told.at("runs").size() == 2);
   CHECK((told.at("runs").at(0).at("run") == 1 && told.at("runs").at(0).at("fit") == 4));
   CHECK((told.at("runs").at(1).at("run") == 3 && told.at("runs").at(1).at("taxels") == 256));
   const nlohmann::json single = of.told({"3", "--model", "mpi"});
   CHECK(told.at("runs").at(1).at("mean_error_psi") == single.at("evaluations").at(0).at("mean_error_psi"));
-  const nlohmann::json part = of.told({"1-3", "--model", "mpi", "--into", "part.db", "--shard", "2/2"});
-  CHECK((part.at("store") == "part.db" && part.at("shard") == "2/2"));
-  REQUIRE(part.at("runs").size() == 1);
-  CHECK(part.at("runs").at(0).at("run") == 2);
-  CHECK(of.models() == 6);  // none of the part's
-  const Finished again = of.fit({"2-2", "--model", "mpi", "--into", "part.db"});
-  CHECK_THAT(again.out, Catch::EndsWith("\n1 run fitted, 0 not\n"));
-  CHECK(nlohmann::json::parse(call(of.folder, {"runs", "list", "--db", "part.db", "--json"}).out).at("runs").size() ==
-        1);
+  CHECK(of.models() == 6);
   const Finished some = of.fit({"1-3", "--model", "poly", "--fit", "small"});
   CHECK(some.code == 6);
   CHECK_THAT(some.out, Catch::Contains("run     3: not fitted: ") && Catch::EndsWith("\n2 runs fitted, 1 not\n"));
